@@ -1,0 +1,115 @@
+//! Overrides: settings of the recording's maps, changed for this replay to compare two readings.
+
+use std::str::FromStr;
+
+use clap::Args;
+use clap::builder::BoolishValueParser;
+use serde_json::{Map, Value};
+
+/// What this project adds to the paper's method; switched off, the service is the paper's.
+const SWITCHES_OF_OURS: [&str; 4] =
+    ["one_to_one", "distinctive_weights", "contradiction_veto", "aligned_anchors"];
+
+/// The settings to change, on the command line.
+#[derive(Args, Clone, Debug, Default)]
+pub struct Overrides {
+    /// The paper's method to the letter: one_to_one, distinctive_weights, contradiction_veto and
+    /// aligned_anchors off
+    #[arg(long, env = "REVISIT_PAPER", value_parser = BoolishValueParser::new())]
+    pub paper: bool,
+    /// Change a setting of every map of the recording; repeatable, and stronger than --paper
+    #[arg(long = "set", env = "REVISIT_SET", value_name = "NAME=VALUE", value_delimiter = ',')]
+    pub settings: Vec<Setting>,
+}
+
+/// One `name=value`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    /// As the contract names it.
+    pub name: String,
+    /// A number, `true`, `false`, or else a string.
+    pub value: Value,
+}
+
+impl FromStr for Setting {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once('=') {
+            Some((name, value)) if !name.trim().is_empty() => Ok(Self {
+                name: name.trim().to_owned(),
+                value: serde_json::from_str(value).unwrap_or_else(|_| Value::String(value.trim().to_owned())),
+            }),
+            _ => Err("expected name=value, say candidates_max=5".to_owned()),
+        }
+    }
+}
+
+impl Overrides {
+    /// Every changed setting with its value.
+    pub(super) fn changes(&self) -> Map<String, Value> {
+        let switches: &[&str] = if self.paper { &SWITCHES_OF_OURS } else { &[] };
+        let off = switches.iter().map(|name| ((*name).to_owned(), Value::Bool(false)));
+        let set = self.settings.iter().map(|setting| (setting.name.clone(), setting.value.clone()));
+        off.chain(set).collect()
+    }
+
+    /// Changes the settings in the body of a map.
+    pub(super) fn apply(&self, body: &mut Map<String, Value>) {
+        let changes = self.changes();
+        if changes.is_empty() {
+            return;
+        }
+        match body.entry("settings").or_insert_with(|| Value::Object(Map::new())) {
+            Value::Object(settings) => settings.extend(changes),
+            // Settings that are no object: nothing of the recording is worth keeping there.
+            other => *other = Value::Object(changes),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn applied(paper: bool, set: &[&str], body: Value) -> Value {
+        let settings = set.iter().map(|text| text.parse().expect("name=value"));
+        let overrides = Overrides { paper, settings: settings.collect() };
+        let Value::Object(mut body) = body else { panic!("a body is an object") };
+        overrides.apply(&mut body);
+        Value::Object(body)
+    }
+
+    #[test]
+    fn without_overrides_a_body_stays_as_recorded() {
+        assert_eq!(applied(false, &[], json!({})), json!({}));
+    }
+
+    #[test]
+    fn values_keep_their_type_and_the_other_settings_stay() {
+        let set = ["candidates_max=5", "one_to_one=false", "without_anchors=geometry"];
+        assert_eq!(
+            applied(false, &set, json!({"metric": true, "settings": {"candidates_max": 20, "x": 1}})),
+            json!({"metric": true, "settings": {
+                "candidates_max": 5, "x": 1, "one_to_one": false, "without_anchors": "geometry"}}),
+        );
+    }
+
+    #[test]
+    fn the_paper_is_the_four_switches_off_and_set_is_stronger() {
+        assert_eq!(
+            applied(true, &["one_to_one=true"], json!({})),
+            json!({"settings": {"one_to_one": true, "distinctive_weights": false,
+                "contradiction_veto": false, "aligned_anchors": false}}),
+        );
+    }
+
+    #[test]
+    fn a_setting_without_a_name_or_a_value_is_refused() {
+        for text in ["", "candidates_max", "=5"] {
+            assert!(text.parse::<Setting>().is_err(), "{text:?} was taken");
+        }
+    }
+}

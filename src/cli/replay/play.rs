@@ -1,0 +1,190 @@
+//! Play: operations become requests, one after the other as they were recorded, and answers are kept.
+
+use std::collections::BTreeSet;
+use std::io::Write as _;
+use std::time::Instant;
+
+use indicatif::ProgressBar;
+use serde_json::{Map, Value};
+
+use super::answered::{Answered, Labels};
+use super::latency::Times;
+use super::overrides::Overrides;
+use super::recording::{Body, Line, Op, Recording};
+use super::{ReplayArgs, ReplayError};
+use crate::client::{Client, ClientError};
+
+/// The HTTP status of "there is another one by that name".
+const CONFLICT: u16 = 409;
+
+/// Plays one recording.
+pub(super) struct Player {
+    client: Client,
+    map_prefix: String,
+    overrides: Overrides,
+    max_wait_ms: Option<u64>,
+    keep_going: bool,
+    progress: ProgressBar,
+    /// Maps that the server had before this replay.
+    found: BTreeSet<String>,
+    played: Played,
+}
+
+/// What came of a recording.
+#[derive(Debug, Default)]
+pub(super) struct Played {
+    /// The maps declared, as the server knows them.
+    pub maps: BTreeSet<String>,
+    /// Keyframes stored.
+    pub keyframes: u64,
+    /// Of these, the ones that the server had before.
+    pub replayed_keyframes: u64,
+    /// Loops closed.
+    pub loops: u64,
+    /// Corrections of poses.
+    pub poses: u64,
+    /// Lines that the server refused.
+    pub failed: u64,
+    /// Every query that was answered.
+    pub queries: Vec<Answered>,
+    /// How long the queries took.
+    pub query_times: Times,
+    /// How long writing the keyframes took.
+    pub keyframe_times: Times,
+}
+
+impl Player {
+    pub fn new(client: Client, args: &ReplayArgs, progress: ProgressBar) -> Self {
+        Self {
+            client,
+            map_prefix: args.map_prefix.clone(),
+            overrides: args.overrides.clone(),
+            max_wait_ms: args.max_wait_ms,
+            keep_going: args.keep_going,
+            progress,
+            found: BTreeSet::new(),
+            played: Played::default(),
+        }
+    }
+
+    /// Plays every line, up to the first that fails.
+    pub async fn play(mut self, recording: Recording) -> Result<Played, ReplayError> {
+        for line in recording {
+            let Line { number, map, op } = line?;
+            let map = format!("{}{map}", self.map_prefix);
+            let what = describe(&map, &op);
+            // Without its map no later line makes sense.
+            let keep_going = self.keep_going && !matches!(op, Op::Map { .. });
+            match self.step(&map, op).await {
+                Ok(()) => {}
+                Err(source) if keep_going && source.problem().is_some() => {
+                    self.played.failed += 1;
+                    self.say(&format!("line {number}, {what}: {source}"));
+                }
+                Err(source) if self.is_of_another_replay(&map, &source) => {
+                    return Err(ReplayError::MapExists {
+                        line: number,
+                        map,
+                        server: self.client.base_url().to_owned(),
+                        source,
+                    });
+                }
+                Err(source) => {
+                    return Err(ReplayError::Refused { line: number, what, source });
+                }
+            }
+            let (keyframes, queries) = (self.played.keyframes, self.played.queries.len());
+            self.progress.set_message(format!("{map}: {keyframes} keyframes, {queries} queries"));
+        }
+        Ok(self.played)
+    }
+
+    async fn step(&mut self, map: &str, op: Op) -> Result<(), ClientError> {
+        match op {
+            Op::Map { mut body, .. } => {
+                self.overrides.apply(&mut body);
+                let answer = self.client.put_map(map, &Value::Object(body)).await?;
+                let first = self.played.maps.insert(map.to_owned());
+                if first && answer.replayed {
+                    self.found.insert(map.to_owned());
+                }
+            }
+            Op::Keyframe { id, body } => self.keyframe(map, &id, body).await?,
+            Op::Query { keyframe, body, truth, ignore } => {
+                let labels = truth.map(|truth| Labels { truth, ignore });
+                self.query(map, keyframe, body, labels).await?;
+            }
+            Op::Loop { body } => {
+                self.client.post_loop(map, &Value::Object(body)).await?;
+                self.played.loops += 1;
+            }
+            Op::Poses { body } => {
+                self.client.post_poses(map, &Value::Object(body)).await?;
+                self.played.poses += 1;
+            }
+        }
+        Ok(())
+    }
+
+    async fn keyframe(&mut self, map: &str, id: &str, body: Body) -> Result<(), ClientError> {
+        let body = Value::Object(body);
+        let start = Instant::now();
+        let answer = self.client.put_keyframe(map, id, &body, false).await?;
+        self.played.keyframe_times.add(start.elapsed());
+        self.played.keyframes += 1;
+        if answer.replayed {
+            if self.played.replayed_keyframes == 0 {
+                self.say(&format!(
+                    "{id} is in {map} already: queries may find keyframes recorded later than \
+                     themselves; --map-prefix replays into a map of its own"
+                ));
+            }
+            self.played.replayed_keyframes += 1;
+        }
+        Ok(())
+    }
+
+    async fn query(
+        &mut self,
+        map: &str,
+        keyframe: String,
+        mut body: Map<String, Value>,
+        labels: Option<Labels>,
+    ) -> Result<(), ClientError> {
+        body.insert("keyframe".to_owned(), Value::String(keyframe.clone()));
+        if let Some(wait) = self.max_wait_ms {
+            body.insert("max_wait_ms".to_owned(), wait.into());
+        }
+        let body = Value::Object(body);
+        let start = Instant::now();
+        let answer = self.client.loop_query(map, &body).await?;
+        self.played.query_times.add(start.elapsed());
+        let answered = Answered::new(map, &keyframe, labels, &answer);
+        self.played.queries.push(answered);
+        Ok(())
+    }
+
+    /// A conflict with what the server held before; otherwise the recording contradicts itself.
+    fn is_of_another_replay(&self, map: &str, error: &ClientError) -> bool {
+        let conflict = error.problem().is_some_and(|problem| problem.status == CONFLICT);
+        conflict && (self.found.contains(map) || !self.played.maps.contains(map))
+    }
+
+    /// A word to the person watching; never on standard output.
+    fn say(&self, text: &str) {
+        self.progress.suspend(|| {
+            // With standard error gone nobody is watching.
+            let _ = writeln!(std::io::stderr(), "{text}");
+        });
+    }
+}
+
+fn describe(map: &str, op: &Op) -> String {
+    match op {
+        Op::Map { .. } => format!("map {map}"),
+        Op::Keyframe { id, .. } => format!("keyframe {id} of {map}"),
+        Op::Query { keyframe, .. } => format!("query about {keyframe} of {map}"),
+        Op::Loop { .. } => format!("loop in {map}"),
+        Op::Poses { .. } => format!("poses of {map}"),
+    }
+}

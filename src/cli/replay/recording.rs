@@ -1,0 +1,188 @@
+//! Recording: a file of one JSON object a line becomes operations, never held whole in memory.
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Cursor, Read};
+use std::path::Path;
+
+use flate2::bufread::MultiGzDecoder;
+use indicatif::ProgressBar;
+use serde::Deserialize;
+use serde_json::{Map, Value};
+
+/// No line is longer; a keyframe is some 100 kB.
+const MAX_LINE_BYTES: u64 = 64 * 1024 * 1024;
+
+/// How a file says what it is, whatever its name.
+const GZIP_MAGIC: &[u8] = &[0x1f, 0x8b];
+const ZSTD_MAGIC: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
+
+/// The operations of a recording, in order; ends after the first line that is none.
+pub(super) struct Recording {
+    reader: Box<dyn BufRead + Send>,
+    max_line_bytes: u64,
+    line: u64,
+    map: Option<String>,
+    broken: bool,
+}
+
+/// One operation, and the line it stands on.
+#[derive(Debug, PartialEq)]
+pub(super) struct Line {
+    /// Counted from 1.
+    pub number: u64,
+    /// The map it belongs to.
+    pub map: String,
+    /// What to do.
+    pub op: Op,
+}
+
+/// What to do, with the body as the contract posts it.
+#[derive(Debug, Deserialize, PartialEq)]
+#[serde(tag = "op", rename_all = "lowercase")]
+pub(super) enum Op {
+    /// Declare a map; the lines after it belong to it.
+    Map {
+        id: String,
+        #[serde(default)]
+        body: Body,
+    },
+    /// Store a keyframe.
+    Keyframe { id: String, body: Body },
+    /// Ask whether a keyframe is a loop.
+    Query {
+        keyframe: String,
+        #[serde(default)]
+        body: Body,
+        /// The keyframes that are; none given: the recording does not say.
+        truth: Option<Vec<String>>,
+        /// The keyframes that are neither right nor wrong.
+        #[serde(default)]
+        ignore: Vec<String>,
+    },
+    /// Close a loop.
+    Loop { body: Body },
+    /// Correct poses.
+    Poses { body: Body },
+}
+
+/// A JSON object.
+pub(super) type Body = Map<String, Value>;
+
+/// A line as written.
+#[derive(Deserialize)]
+struct Written {
+    map: Option<String>,
+    #[serde(flatten)]
+    op: Op,
+}
+
+/// A line that is no operation.
+#[derive(Debug, thiserror::Error)]
+#[error("line {line}: {fault}")]
+pub struct LineError {
+    line: u64,
+    fault: Fault,
+}
+
+#[derive(Debug, thiserror::Error)]
+enum Fault {
+    #[error("cannot be read: {0}")]
+    Unreadable(#[from] io::Error),
+    #[error("longer than {0} bytes")]
+    TooLong(u64),
+    #[error("not an operation: {0}")]
+    Malformed(String),
+    #[error("belongs to no map: it has no \"map\", and no map line comes before it")]
+    NoMap,
+}
+
+impl Recording {
+    /// Opens a file (`-`: standard input), and tells `progress` how far it is read.
+    pub fn open(path: &Path, progress: &ProgressBar) -> io::Result<Self> {
+        if path == Path::new("-") {
+            return Self::new(progress.wrap_read(io::stdin()), MAX_LINE_BYTES);
+        }
+        let file = File::open(path)?;
+        progress.set_length(file.metadata()?.len());
+        Self::new(progress.wrap_read(file), MAX_LINE_BYTES)
+    }
+
+    /// Reads plain NDJSON, gzip or zstd, told apart by their first bytes.
+    fn new(mut bytes: impl Read + Send + 'static, max_line_bytes: u64) -> io::Result<Self> {
+        let mut head = Vec::new();
+        let longest_magic = ZSTD_MAGIC.len() as u64;
+        bytes.by_ref().take(longest_magic).read_to_end(&mut head)?;
+        let gzip = head.starts_with(GZIP_MAGIC);
+        let zstd = head.starts_with(ZSTD_MAGIC);
+        let bytes = BufReader::new(Cursor::new(head).chain(bytes));
+        let reader: Box<dyn BufRead + Send> = if gzip {
+            Box::new(BufReader::new(MultiGzDecoder::new(bytes)))
+        } else if zstd {
+            Box::new(BufReader::new(zstd::Decoder::with_buffer(bytes)?))
+        } else {
+            Box::new(bytes)
+        };
+        Ok(Self { reader, max_line_bytes, line: 0, map: None, broken: false })
+    }
+
+    fn next_line(&mut self) -> Result<Option<Line>, Fault> {
+        let mut text = Vec::new();
+        loop {
+            text.clear();
+            self.line += 1;
+            // One byte more than allowed tells a line that fits from one that does not.
+            let mut bounded = self.reader.by_ref().take(self.max_line_bytes + 1);
+            let length = bounded.read_until(b'\n', &mut text)?;
+            if length == 0 {
+                return Ok(None);
+            }
+            let content = text.strip_suffix(b"\n").unwrap_or(&text);
+            if content.len() as u64 > self.max_line_bytes {
+                return Err(Fault::TooLong(self.max_line_bytes));
+            }
+            if !content.trim_ascii().is_empty() {
+                return self.parse(content).map(Some);
+            }
+        }
+    }
+
+    fn parse(&mut self, text: &[u8]) -> Result<Line, Fault> {
+        let Written { map, op } = serde_json::from_slice(text).map_err(|error| malformed(&error))?;
+        let map = match &op {
+            Op::Map { id, .. } => {
+                self.map = Some(id.clone());
+                id.clone()
+            }
+            _ => map.or_else(|| self.map.clone()).ok_or(Fault::NoMap)?,
+        };
+        Ok(Line { number: self.line, map, op })
+    }
+}
+
+impl Iterator for Recording {
+    type Item = Result<Line, LineError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.broken {
+            return None;
+        }
+        let line = self.next_line().map_err(|fault| {
+            self.broken = true;
+            LineError { line: self.line, fault }
+        });
+        line.transpose()
+    }
+}
+
+/// The text is one line to `serde_json` as well: "line 1" would mislead, the column helps.
+fn malformed(error: &serde_json::Error) -> Fault {
+    let message = error.to_string();
+    let what = message.split(" at line ").next().unwrap_or_default();
+    Fault::Malformed(match error.column() {
+        0 => what.to_owned(),
+        column => format!("{what} (column {column})"),
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,146 @@
+//! Report: everything learnt from a recording, as the JSON object of `--json`.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use super::ReplayArgs;
+use super::answered::{Answered, Figures};
+use super::latency::Latency;
+use super::play::Played;
+use super::score::{Accuracy, BowOnly, accuracy, bow_only};
+use crate::client::{Reason, Verdict};
+
+/// The score of a recording.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Report {
+    pub recording: String,
+    /// Settings changed for this replay.
+    pub settings: Map<String, Value>,
+    pub maps: usize,
+    pub keyframes: u64,
+    pub closed_loops: u64,
+    pub pose_corrections: u64,
+    /// Queries asked and answered.
+    pub queries: usize,
+    /// Of the queries scored.
+    #[serde(flatten)]
+    pub accuracy: Accuracy,
+    pub no_loop: usize,
+    pub undecided: usize,
+    /// Queries not scored: their best is neither right nor wrong.
+    pub ignored: usize,
+    /// Queries not scored: the recording does not say what is true.
+    pub unlabelled: usize,
+    pub bow_only: BowOnly,
+    /// Of the queries.
+    pub latency_ms: Latency,
+    /// Of writing keyframes.
+    pub keyframe_latency_ms: Latency,
+    pub reasons: Reasons,
+    pub false_loops: Vec<QueryLine>,
+    /// Queries with a true loop that were not accepted, with `--explain`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub missed: Option<Vec<QueryLine>>,
+    /// Keyframes that the server had before: queries may have found keyframes of their future.
+    pub replayed_keyframes: u64,
+    /// Lines refused, with `--keep-going`.
+    pub failed: u64,
+}
+
+/// How often each check said no.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(super) struct Reasons {
+    /// By the reason of each query that was not accepted.
+    pub queries: BTreeMap<String, u64>,
+    /// By the reason of each candidate that was not.
+    pub candidates: BTreeMap<String, u64>,
+}
+
+/// One query that deserves a look.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct QueryLine {
+    pub map: String,
+    pub keyframe: String,
+    pub verdict: &'static str,
+    pub reason: Option<Reason>,
+    /// The candidate that the answer is about.
+    pub best: Option<Figures>,
+    /// Of the true candidates, the one that came nearest.
+    pub nearest_true: Option<Figures>,
+}
+
+impl Report {
+    pub fn new(args: &ReplayArgs, played: Played) -> Self {
+        let queries = &played.queries;
+        let count = |of: fn(&Answered) -> bool| queries.iter().filter(|query| of(query)).count();
+        let service: Vec<_> = queries.iter().filter_map(Answered::service).collect();
+        let bow_alone: Vec<_> = queries.iter().filter_map(Answered::bow_alone).collect();
+        Self {
+            recording: args.file.display().to_string(),
+            settings: args.overrides.changes(),
+            maps: played.maps.len(),
+            keyframes: played.keyframes,
+            closed_loops: played.loops,
+            pose_corrections: played.poses,
+            queries: queries.len(),
+            accuracy: accuracy(&service),
+            no_loop: count(|query| query.verdict == Verdict::NoLoop),
+            undecided: count(|query| query.verdict == Verdict::Undecided),
+            ignored: count(Answered::is_ignored),
+            unlabelled: count(|query| query.labels.is_none()),
+            bow_only: bow_only(&bow_alone),
+            reasons: Reasons::of(queries),
+            false_loops: lines(queries, Answered::is_false_loop),
+            missed: args.explain.then(|| lines(queries, Answered::is_missed)),
+            latency_ms: played.query_times.latency(),
+            keyframe_latency_ms: played.keyframe_times.latency(),
+            replayed_keyframes: played.replayed_keyframes,
+            failed: played.failed,
+        }
+    }
+
+    /// The object on one line.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string(self).expect("a report has string keys and finite numbers")
+    }
+}
+
+impl Reasons {
+    fn of(queries: &[Answered]) -> Self {
+        let mut reasons = Self::default();
+        for query in queries {
+            if query.verdict != Verdict::Loop {
+                let code = query.reason.as_ref().map_or("none given", |reason| &reason.code);
+                *reasons.queries.entry(code.to_owned()).or_default() += 1;
+            }
+            for code in &query.candidate_reasons {
+                *reasons.candidates.entry(code.clone()).or_default() += 1;
+            }
+        }
+        reasons
+    }
+}
+
+fn lines(queries: &[Answered], of: fn(&Answered) -> bool) -> Vec<QueryLine> {
+    let queries = queries.iter().filter(|query| of(query));
+    queries.map(QueryLine::of).collect()
+}
+
+impl QueryLine {
+    fn of(query: &Answered) -> Self {
+        Self {
+            map: query.map.clone(),
+            keyframe: query.keyframe.clone(),
+            verdict: match query.verdict {
+                Verdict::Loop => "loop",
+                Verdict::NoLoop => "no_loop",
+                Verdict::Undecided => "undecided",
+            },
+            reason: query.reason.clone(),
+            best: query.leading.clone(),
+            nearest_true: query.nearest_true.clone(),
+        }
+    }
+}

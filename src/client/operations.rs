@@ -1,0 +1,58 @@
+//! Operations: one function per operation of the contract, the body as the contract writes it.
+
+use reqwest::Method;
+use serde_json::Value;
+
+use super::{Client, ClientError, ClosedLoop, KeyframeAnswer, LoopAnswer, MapAnswer, address};
+
+impl Client {
+    /// Declares a map: `{"description", "metric", "anchor_classes", "settings"}`.
+    pub async fn put_map(&self, map: &str, body: &Value) -> Result<MapAnswer, ClientError> {
+        let url = self.map_url(map, &[], &[])?;
+        let answer = self.send(Method::PUT, url, Some(body)).await?;
+        Ok(MapAnswer { replayed: answer.replayed, ..answer.decode()? })
+    }
+
+    /// Stores a keyframe, and asks the loop query in the same round trip if `ask_loop`.
+    pub async fn put_keyframe(
+        &self,
+        map: &str,
+        keyframe: &str,
+        body: &Value,
+        ask_loop: bool,
+    ) -> Result<KeyframeAnswer, ClientError> {
+        let query: &[(&str, &str)] = if ask_loop { &[("query", "loop")] } else { &[] };
+        let url = self.map_url(map, &["keyframes", keyframe], query)?;
+        let answer = self.send(Method::PUT, url, Some(body)).await?;
+        Ok(KeyframeAnswer { replayed: answer.replayed, ..answer.decode()? })
+    }
+
+    /// "Is this keyframe a loop?": `{"keyframe" | "inline", "verify", "max_wait_ms", "seed"}`.
+    pub async fn loop_query(&self, map: &str, body: &Value) -> Result<LoopAnswer, ClientError> {
+        let url = self.map_url(map, &["loop-queries"], &[])?;
+        self.send(Method::POST, url, Some(body)).await?.decode()
+    }
+
+    /// A loop that the client closed: `{"id", "keyframe", "candidate", "query"}`.
+    pub async fn post_loop(&self, map: &str, body: &Value) -> Result<ClosedLoop, ClientError> {
+        let url = self.map_url(map, &["loops"], &[])?;
+        self.send(Method::POST, url, Some(body)).await?.decode()
+    }
+
+    /// Revokes a loop; what it merged is split again.
+    pub async fn delete_loop(&self, map: &str, id: &str) -> Result<(), ClientError> {
+        let url = self.map_url(map, &["loops", id], &[])?;
+        self.send(Method::DELETE, url, None).await.map(drop)
+    }
+
+    /// Poses and map points after the client's optimisation: `{"session", "keyframes", "map_points"}`.
+    pub async fn post_poses(&self, map: &str, body: &Value) -> Result<(), ClientError> {
+        let url = self.map_url(map, &["poses"], &[])?;
+        self.send(Method::POST, url, Some(body)).await.map(drop)
+    }
+
+    fn map_url(&self, map: &str, below: &[&str], query: &[(&str, &str)]) -> Result<String, ClientError> {
+        let path = [&["v1", "maps", map], below].concat();
+        address::url(self.base_url(), &path, query)
+    }
+}

@@ -1,0 +1,195 @@
+//! The client against a server that says just what the test wants.
+
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, Mutex};
+
+use axum::Router;
+use axum::body::Bytes;
+use axum::http::{HeaderMap, Method as HttpMethod, Uri};
+use axum::response::{IntoResponse, Response as HttpResponse};
+use serde_json::json;
+use tokio::net::TcpListener;
+
+use super::*;
+
+/// A request as it came in: `METHOD /path?query`, authorization, body.
+type Seen = Arc<Mutex<Vec<(String, Option<String>, Value)>>>;
+
+/// Answers every request with `answer`, and keeps what it saw.
+async fn stub<A, R>(answer: A) -> (Client, Seen)
+where
+    A: Fn() -> R + Clone + Send + Sync + 'static,
+    R: IntoResponse,
+{
+    let seen = Seen::default();
+    let log = Arc::clone(&seen);
+    let handler = move |method: HttpMethod, uri: Uri, headers: HeaderMap, body: Bytes| {
+        let authorization = headers.get("authorization");
+        let authorization = authorization.and_then(|value| value.to_str().ok());
+        let body = serde_json::from_slice(&body).unwrap_or(Value::Null);
+        let request = (format!("{method} {uri}"), authorization.map(str::to_owned), body);
+        log.lock().expect("no test panicked").push(request);
+        let answer: HttpResponse = answer().into_response();
+        std::future::ready(answer)
+    };
+    let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
+    let address = listener.local_addr().expect("an address");
+    let router = Router::new().fallback(handler);
+    tokio::spawn(async move { axum::serve(listener, router).await });
+    let client = Client::new(&format!("http://{address}/")).expect("an address");
+    (client, seen)
+}
+
+fn seen(seen: &Seen) -> Vec<(String, Option<String>, Value)> {
+    seen.lock().expect("no test panicked").clone()
+}
+
+#[tokio::test]
+async fn every_operation_asks_what_the_contract_says() {
+    let answer = json!({"id": "x", "keyframe": "kf", "verdict": "no_loop", "passed": "over"});
+    let (client, log) = stub(move || axum::Json(answer.clone())).await;
+    let client = client.with_key("secret");
+    let body = json!({"a": 1});
+    client.put_map("m", &body).await.expect("an answer");
+    client.put_keyframe("m", "k:1", &body, false).await.expect("an answer");
+    client.put_keyframe("m", "k/1", &body, true).await.expect("an answer");
+    client.loop_query("m", &body).await.expect("an answer");
+    client.post_loop("m", &body).await.expect("an answer");
+    client.delete_loop("m", "l").await.expect("an answer");
+    client.post_poses("m", &body).await.expect("an answer");
+    let _: Value = client.get(&["v1", "usage"], &[("by", "a b")]).await.expect("an answer");
+
+    let asked =
+        |request: &str, body: &Value| (request.to_owned(), Some("Bearer secret".to_owned()), body.clone());
+    assert_eq!(
+        seen(&log),
+        [
+            asked("PUT /v1/maps/m", &body),
+            asked("PUT /v1/maps/m/keyframes/k:1", &body),
+            asked("PUT /v1/maps/m/keyframes/k%2F1?query=loop", &body),
+            asked("POST /v1/maps/m/loop-queries", &body),
+            asked("POST /v1/maps/m/loops", &body),
+            asked("DELETE /v1/maps/m/loops/l", &Value::Null),
+            asked("POST /v1/maps/m/poses", &body),
+            asked("GET /v1/usage?by=a%20b", &Value::Null),
+        ]
+    );
+}
+
+#[tokio::test]
+async fn an_answer_without_a_body_is_enough_where_nothing_is_read() {
+    let (client, _) = stub(|| axum::http::StatusCode::NO_CONTENT).await;
+    client.delete_loop("m", "l").await.expect("an answer");
+    client.post_poses("m", &json!({})).await.expect("an answer");
+}
+
+#[tokio::test]
+async fn the_example_of_the_contract_is_understood() {
+    let answer = json!({
+        "id": "q-81", "map_version": 412, "verdict": "loop", "best": "kf-3", "loops": ["kf-3"], "degraded": false,
+        "candidates": [{"keyframe": "kf-3", "verdict": "rejected",
+            "bow": {"score": 0.31, "common_words": 412, "reference_score": 0.22},
+            "anchors": {"similarity": 0.71, "threshold": 0.3, "in_query": 4, "in_candidate": 3, "pending": 0,
+                "matches": [{"query_anchor": "a", "candidate_anchor": "b", "level": 5}], "contradictions": []},
+            "geometry": {"status": "verified", "matches": 190, "inliers": 143, "candidate_from_query": {
+                "scale": 1.0, "translation": {"x": 1, "y": 2, "z": 3}, "rotation": {"x": 0, "y": 0, "z": 0, "w": 1}}},
+            "reason": {"code": "score_below_threshold", "measured": 0.12, "limit": 0.3}}]});
+    let (client, _) = stub(move || axum::Json(answer.clone())).await;
+    let answer = client.loop_query("m", &json!({})).await.expect("an answer");
+    assert_eq!(answer.verdict, Verdict::Loop);
+    let candidate = answer.leading().expect("a candidate");
+    assert_eq!(candidate.similarity(), Some(0.71));
+    assert_eq!(candidate.bow_score(), 0.31);
+    assert_eq!(candidate.inliers(), Some(143));
+    assert_eq!(candidate.reason.as_ref().and_then(|reason| reason.limit), Some(0.3));
+}
+
+#[tokio::test]
+async fn a_replayed_write_is_told_apart() {
+    let (client, _) = stub(|| ([("idempotent-replayed", "true")], r#"{"keyframe":"k"}"#)).await;
+    let answer = client.put_keyframe("m", "k", &json!({}), false).await;
+    assert!(answer.expect("an answer").replayed);
+    let (client, _) = stub(|| r#"{"keyframe":"k"}"#).await;
+    let answer = client.put_keyframe("m", "k", &json!({}), false).await;
+    assert!(!answer.expect("an answer").replayed);
+}
+
+#[tokio::test]
+async fn a_problem_is_a_line_and_a_line_for_every_fault() {
+    let problem = json!({"type": "about:blank", "title": "Unprocessable", "status": 422, "detail": "2 faults",
+        "code": "invalid", "request_id": "r-1", "errors": [
+            {"pointer": "/detections/0/box", "detail": "x1 < x0", "got": [2, 0, 1, 1], "limit": null},
+            {"pointer": "", "detail": "too many words", "got": 9, "limit": 8}]});
+    let status = axum::http::StatusCode::UNPROCESSABLE_ENTITY;
+    let (client, _) = stub(move || (status, axum::Json(problem.clone()))).await;
+    let error = client.put_map("m", &json!({})).await.expect_err("refused");
+    assert_eq!(error.problem().map(|problem| problem.status), Some(422));
+    assert_eq!(
+        error.to_string(),
+        format!(
+            "422 Unprocessable: 2 faults ({}/v1/maps/m, request r-1)\n  \
+             /detections/0/box: x1 < x0 (got [2,0,1,1])\n  \
+             /: too many words (got 9, limit 8)",
+            client.base_url()
+        )
+    );
+}
+
+#[tokio::test]
+async fn a_page_of_a_proxy_is_a_problem_too() {
+    let status = axum::http::StatusCode::BAD_GATEWAY;
+    let (client, _) = stub(move || (status, "<h1>no\n upstream</h1>")).await;
+    let error = client.put_map("m", &json!({})).await.expect_err("refused");
+    let error = error.to_string();
+    assert!(error.starts_with("502 Bad Gateway: <h1>no upstream</h1> ("), "{error}");
+}
+
+#[tokio::test]
+async fn an_answer_off_the_contract_is_said_with_its_place() {
+    let answer = r#"{"id":"q","verdict":"loop","candidates":[{"keyframe":"k","verdict":"perhaps"}]}"#;
+    let (client, _) = stub(move || answer).await;
+    let error = client.loop_query("m", &json!({})).await.expect_err("off");
+    let error = error.to_string();
+    assert!(error.contains("/v1/maps/m/loop-queries is not understood"), "{error}");
+    assert!(error.contains("candidates[0].verdict"), "{error}");
+}
+
+#[tokio::test]
+async fn a_busy_server_is_asked_again_when_it_says_so() {
+    let asked = Arc::new(AtomicU32::new(0));
+    let counter = Arc::clone(&asked);
+    let (client, _) = stub(move || match counter.fetch_add(1, Ordering::SeqCst) {
+        0 => (axum::http::StatusCode::SERVICE_UNAVAILABLE, [("retry-after", "0")], "{}"),
+        1 => (axum::http::StatusCode::TOO_MANY_REQUESTS, [("retry-after", "0")], "{}"),
+        _ => (axum::http::StatusCode::OK, [("retry-after", "0")], "{}"),
+    })
+    .await;
+    client.put_map("m", &json!({})).await.expect("an answer");
+    assert_eq!(asked.load(Ordering::SeqCst), 3);
+}
+
+#[tokio::test]
+async fn a_server_that_stays_busy_or_names_no_time_is_a_problem() {
+    let busy = axum::http::StatusCode::SERVICE_UNAVAILABLE;
+    let (client, log) = stub(move || (busy, [("retry-after", "0")])).await;
+    client.put_map("m", &json!({})).await.expect_err("busy");
+    assert_eq!(seen(&log).len(), BUSY_ATTEMPTS as usize);
+    for retry_after in ["3600", "Fri, 31 Dec 1999 23:59:59 GMT"] {
+        let (client, log) = stub(move || (busy, [("retry-after", retry_after)])).await;
+        client.put_map("m", &json!({})).await.expect_err("busy");
+        assert_eq!(seen(&log).len(), 1);
+    }
+}
+
+#[tokio::test]
+async fn a_server_that_is_not_there_is_said_with_the_url_and_the_cause() {
+    let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
+    let address = listener.local_addr().expect("an address");
+    drop(listener);
+    let client = Client::new(&format!("http://{address}")).expect("an address");
+    let error = client.put_map("m", &json!({})).await.expect_err("nobody there");
+    let error = error.to_string();
+    assert!(error.starts_with(&format!("http://{address}/v1/maps/m: ")), "{error}");
+    assert!(error.to_lowercase().contains("refused"), "{error}");
+    assert!(error.lines().count() == 1, "{error}");
+}

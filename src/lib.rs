@@ -1,0 +1,8 @@
+//! Revisit: semantic place recognition. "Is this keyframe a loop?"
+//!
+//! ARCHITECTURE.md beside the sources draws the house; [`recognition`] is the paper.
+
+pub mod geometry;
+pub mod model;
+pub mod recognition;
+pub mod semantics;

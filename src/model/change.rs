@@ -1,0 +1,103 @@
+//! What a decision changes: the facts that the store keeps and the index applies.
+
+use std::sync::Arc;
+
+use super::anchor::{Observation, Outcome};
+use super::bow::BowVector;
+use super::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, PointId, SessionId, SessionSeq};
+use super::keyframe::{Camera, Stamp};
+use super::map::MapProperties;
+use crate::geometry::{Point3, Pose};
+
+/// A keyframe as the index keeps it: everything but the heavy parts (bag of words, features, crops).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Keyframe {
+    /// Its dense number.
+    pub seq: KeyframeSeq,
+    /// Its name.
+    pub id: KeyframeId,
+    /// Its session.
+    pub session: SessionSeq,
+    /// When it was taken.
+    pub stamp: Stamp,
+    /// `map_from_camera` in the session's frame, as last corrected.
+    pub map_from_camera: Pose,
+    /// The camera, if known.
+    pub camera: Option<Camera>,
+    /// The map points it observes, ascending.
+    pub observes: Box<[PointId]>,
+    /// Covisible keyframes declared by the client, each with its number of shared points.
+    pub declared: Box<[(KeyframeSeq, u32)]>,
+}
+
+/// Why two anchors are one.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum MergeCause {
+    /// They match, their keyframes are covisible, and they stand close (§IV-C.2).
+    Covisible,
+    /// They match and this loop was confirmed; revoking the loop splits them again.
+    Loop(LoopId),
+}
+
+/// A link between two anchors that are one object. Anchors keep their own observations;
+/// what is one object is the set of anchors joined by links, named by its oldest.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Merge {
+    /// The older anchor.
+    pub into: AnchorSeq,
+    /// The newer anchor.
+    pub from: AnchorSeq,
+    /// Why.
+    pub cause: MergeCause,
+}
+
+/// A loop that a client closed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loop {
+    /// Its name.
+    pub id: LoopId,
+    /// The keyframe that came back.
+    pub keyframe: KeyframeSeq,
+    /// The keyframe it came back to.
+    pub candidate: KeyframeSeq,
+    /// The query that found it, if the client told.
+    pub query: Option<String>,
+}
+
+/// One fact more, or one fact less. A request's changes are committed together, and applied
+/// to the index in this order.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Change {
+    /// The map's description, classes or settings are now these.
+    MapSet(Box<MapProperties>),
+    /// A session appeared.
+    SessionAdded(SessionSeq, SessionId),
+    /// A keyframe arrived, with its bag of words. Features and crops travel to the store beside the change.
+    KeyframeAdded(Box<Keyframe>, Arc<BowVector>),
+    /// A keyframe was culled, with its observations; its bag of words says which postings go.
+    KeyframeRemoved(KeyframeSeq, Arc<BowVector>),
+    /// A keyframe's pose was corrected.
+    PoseSet(KeyframeSeq, Pose),
+    /// A map point has this position now, in its session's frame.
+    PointSet(SessionSeq, PointId, Point3),
+    /// An anchor was founded.
+    AnchorAdded(AnchorSeq, Box<str>),
+    /// An anchor is gone: it lost its last observation, or an operator deleted it.
+    AnchorRemoved(AnchorSeq),
+    /// A detection feeds an anchor (a new fact about the anchor).
+    Observed(AnchorSeq, Box<Observation>),
+    /// What became of a detection.
+    OutcomeSet(KeyframeSeq, u16, Outcome),
+    /// A detection's position moved with its keyframe's corrected pose.
+    PositionSet(AnchorSeq, KeyframeSeq, u16, Point3),
+    /// An operator overrides an anchor's description (`None`: no longer).
+    DescriptionSet(AnchorSeq, Option<Box<str>>),
+    /// Something about this anchor changed: this is its version now.
+    AnchorTouched(AnchorSeq, u64),
+    /// Two anchors are one object.
+    Merged(Merge),
+    /// A loop was closed; its two keyframes are covisible from now on.
+    LoopAdded(Loop),
+    /// A loop was revoked, with its merges and its covisibility.
+    LoopRemoved(LoopId),
+}

@@ -1,0 +1,158 @@
+//! Identifiers: text ids chosen by clients, and dense numbers given by a map.
+//!
+//! Inside a map everything is named by a small dense number (rust-analyzer's
+//! `FileId` idea): graphs are maps of numbers, not pointers. The numbers are
+//! facts, kept in the store, and are never given twice.
+
+use std::fmt;
+use std::str::FromStr;
+
+use thiserror::Error;
+
+/// The longest id a client may choose, in bytes.
+pub const MAX_ID_BYTES: usize = 128;
+
+/// Why a text is not an id.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+pub enum IdError {
+    /// The id has no character at all.
+    #[error("an id must not be empty")]
+    Empty,
+    /// The id is longer than [`MAX_ID_BYTES`].
+    #[error("an id has at most {MAX_ID_BYTES} characters, this one has {0}")]
+    TooLong(usize),
+    /// The id has a character outside `[A-Za-z0-9._:-]`.
+    #[error("an id is made of A-Z a-z 0-9 . _ : -, not of {0:?}")]
+    Character(char),
+}
+
+fn check(text: &str) -> Result<(), IdError> {
+    if text.is_empty() {
+        return Err(IdError::Empty);
+    }
+    if let Some(wrong) =
+        text.chars().find(|c| !(c.is_ascii_alphanumeric() || matches!(c, '.' | '_' | ':' | '-')))
+    {
+        return Err(IdError::Character(wrong));
+    }
+    if text.len() > MAX_ID_BYTES {
+        return Err(IdError::TooLong(text.len()));
+    }
+    Ok(())
+}
+
+macro_rules! text_id {
+    ($(#[$doc:meta])* $name:ident) => {
+        $(#[$doc])*
+        #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub struct $name(Box<str>);
+
+        impl $name {
+            /// The id as the client wrote it.
+            pub fn as_str(&self) -> &str {
+                &self.0
+            }
+        }
+
+        impl FromStr for $name {
+            type Err = IdError;
+
+            fn from_str(text: &str) -> Result<Self, IdError> {
+                check(text)?;
+                Ok(Self(text.into()))
+            }
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(&self.0)
+            }
+        }
+    };
+}
+
+text_id!(
+    /// A map, named by its client.
+    MapId
+);
+text_id!(
+    /// A keyframe, named by the robot that made it.
+    KeyframeId
+);
+text_id!(
+    /// One robot's run: its own frame and its own numbering of map points.
+    SessionId
+);
+text_id!(
+    /// A loop that a client closed.
+    LoopId
+);
+
+macro_rules! dense_id {
+    ($(#[$doc:meta])* $name:ident) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub struct $name(pub u32);
+
+        impl $name {
+            /// The number as an index.
+            pub fn index(self) -> usize {
+                self.0 as usize
+            }
+        }
+    };
+}
+
+dense_id!(
+    /// A keyframe's dense number in its map, in order of arrival.
+    KeyframeSeq
+);
+dense_id!(
+    /// An anchor's dense number in its map, in order of creation: the smaller is the older.
+    AnchorSeq
+);
+dense_id!(
+    /// A session's dense number in its map, in order of first appearance.
+    SessionSeq
+);
+
+/// A map point's number, as its session counts them.
+pub type PointId = i64;
+
+impl AnchorSeq {
+    /// The anchor's public id, `a-7`.
+    pub fn public(self) -> String {
+        format!("a-{}", self.0)
+    }
+
+    /// The anchor that a public id names, if it has that form.
+    pub fn from_public(text: &str) -> Option<Self> {
+        let digits = text.strip_prefix("a-")?;
+        let seq: u32 = digits.parse().ok()?;
+        // `a-07` and `a-+7` would be second names of `a-7`.
+        (seq.to_string() == digits).then_some(Self(seq))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_id_has_1_to_128_of_the_allowed_characters() {
+        assert!("kf-1.a_b:C".parse::<KeyframeId>().is_ok());
+        assert!("x".repeat(128).parse::<KeyframeId>().is_ok());
+        assert_eq!("x".repeat(129).parse::<KeyframeId>(), Err(IdError::TooLong(129)));
+        assert_eq!("".parse::<MapId>(), Err(IdError::Empty));
+        assert_eq!("a/b".parse::<MapId>(), Err(IdError::Character('/')));
+        assert_eq!("é".parse::<MapId>(), Err(IdError::Character('é')));
+    }
+
+    #[test]
+    fn an_anchor_has_one_public_name() {
+        assert_eq!(AnchorSeq::from_public(&AnchorSeq(7).public()), Some(AnchorSeq(7)));
+        for wrong in ["a-07", "a-+7", "b-7", "a-", "7", "a-4294967296"] {
+            assert_eq!(AnchorSeq::from_public(wrong), None, "{wrong}");
+        }
+    }
+}

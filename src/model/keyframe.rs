@@ -1,0 +1,121 @@
+//! What a client sends: a keyframe with its bag of words, its map points and its detections.
+
+use super::bow::BowVector;
+use super::ids::{KeyframeId, PointId, SessionId};
+use crate::geometry::{Point3, Pose};
+
+/// A moment on the robot's clock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Stamp {
+    /// Whole seconds.
+    pub sec: i64,
+    /// Nanoseconds within the second, below 10^9.
+    pub nanosec: u32,
+}
+
+/// An undistorted pinhole camera, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Focal length along x, in pixels.
+    pub fx: f64,
+    /// Focal length along y, in pixels.
+    pub fy: f64,
+    /// Principal point, x.
+    pub cx: f64,
+    /// Principal point, y.
+    pub cy: f64,
+    /// Image width, in pixels.
+    pub width: u32,
+    /// Image height, in pixels.
+    pub height: u32,
+}
+
+/// A keypoint of an undistorted image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Keypoint {
+    /// Column, in pixels.
+    pub u: f64,
+    /// Row, in pixels.
+    pub v: f64,
+    /// Level of the image pyramid; 0 is the full image.
+    pub octave: u8,
+    /// Orientation in degrees, if the detector measures one.
+    pub angle_deg: Option<f64>,
+}
+
+/// Binary features of a keyframe; the three lists run in parallel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Features {
+    /// Bytes of one descriptor, a multiple of 8.
+    pub descriptor_bytes: usize,
+    /// The descriptors, one after the other.
+    pub descriptors: Vec<u8>,
+    /// Where each descriptor was taken.
+    pub keypoints: Vec<Keypoint>,
+    /// The map point each feature observes, if any.
+    pub map_points: Vec<Option<PointId>>,
+}
+
+/// The image of a detection's box, as the client encoded it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Crop {
+    /// `image/png` or `image/jpeg`, told by the first bytes.
+    pub media_type: &'static str,
+    /// The file.
+    pub bytes: Vec<u8>,
+}
+
+/// An object detected in a keyframe (§III: box, class, confidence and the map points it covers).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Detection {
+    /// The object's class, such as `door_number`.
+    pub class: String,
+    /// The detector's confidence, in `[0, 1]`.
+    pub confidence: f64,
+    /// The box `[x0, y0, x1, y1]` in pixels; it may reach out of the image.
+    pub box_px: [f64; 4],
+    /// The map points the box covers, ascending (P_i of §IV-C.1).
+    pub map_points: Vec<PointId>,
+    /// Where the object stands, in the session's frame, in metres: serves where it has no map points.
+    pub position_in_session: Option<Point3>,
+    /// What a reader made of it.
+    pub text: Option<String>,
+    /// What a model or a person made of it; wins over `text`.
+    pub description: Option<String>,
+    /// The image inside the box.
+    pub crop: Option<Crop>,
+}
+
+impl Detection {
+    /// What this detection says of the object, if it says anything.
+    pub fn reading(&self) -> Option<&str> {
+        self.description.as_deref().or(self.text.as_deref())
+    }
+}
+
+/// A keyframe as its client sent it, checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NewKeyframe {
+    /// The keyframe's name.
+    pub id: KeyframeId,
+    /// The run it belongs to.
+    pub session: SessionId,
+    /// When it was taken.
+    pub stamp: Stamp,
+    /// `map_from_camera`, in the session's frame, in metres.
+    pub map_from_camera: Pose,
+    /// The camera, if the client told.
+    pub camera: Option<Camera>,
+    /// Its bag of words; empty for a blank wall.
+    pub bow: BowVector,
+    /// Its features, if the client sent them.
+    pub features: Option<Features>,
+    /// Map points new or moved, in the session's frame, in metres.
+    pub map_points: Vec<(PointId, Point3)>,
+    /// Every map point it observes, ascending: `observes` and `features.map_points` together.
+    pub observes: Vec<PointId>,
+    /// Covisible keyframes that the client declares, each with its number of shared points.
+    pub covisible: Vec<(KeyframeId, u32)>,
+    /// The objects detected in it.
+    pub detections: Vec<Detection>,
+}

@@ -1,0 +1,26 @@
+//! The things the service speaks of. No IO, no JSON, no SQL: those shapes live in `wire` and `store`.
+//!
+//! | concept | file |
+//! |---|---|
+//! | ids of clients, dense numbers of maps | [`ids`] |
+//! | keyframe, camera, features, detection as sent | [`keyframe`] |
+//! | bag-of-words vector and its L1 score | [`bow`] |
+//! | observation of an anchor, outcome of a detection | [`anchor`] |
+//! | map and its settings | [`map`], [`settings`] |
+//! | facts that decisions change | [`change`] |
+//! | the answer to "is it a loop?" | [`verdict`] |
+//! | what happened, for those who listen | [`event`] |
+//! | views for readers | [`report`] |
+//! | what is wrong with a body | [`invalid`] |
+
+pub mod anchor;
+pub mod bow;
+pub mod change;
+pub mod event;
+pub mod ids;
+pub mod invalid;
+pub mod keyframe;
+pub mod map;
+pub mod report;
+pub mod settings;
+pub mod verdict;

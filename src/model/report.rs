@@ -1,0 +1,165 @@
+//! What a reader is shown of a map: derived views, never facts.
+
+use super::anchor::{AnchorState, Outcome};
+use super::ids::{AnchorSeq, KeyframeId, LoopId, MapId, SessionId};
+use super::keyframe::{NewKeyframe, Stamp};
+use super::map::MapProperties;
+use crate::geometry::{Aabb, Pose};
+
+/// A map at one version.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapReport {
+    /// The map.
+    pub id: MapId,
+    /// Its description, classes and settings.
+    pub properties: MapProperties,
+    /// Grows by one with each write.
+    pub version: u64,
+    /// How many keyframes it holds.
+    pub keyframes: usize,
+    /// How many anchors it holds, merged ones counted once.
+    pub anchors: usize,
+    /// How many sessions have written to it.
+    pub sessions: usize,
+    /// How many confirmed loops it holds.
+    pub loops: usize,
+}
+
+/// What ingest made of one keyframe.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KeyframeReport {
+    /// The keyframe.
+    pub keyframe: KeyframeId,
+    /// The map's version after it.
+    pub map_version: u64,
+    /// How many keyframes are covisible with it.
+    pub covisible: usize,
+    /// What became of its detections, in their order, each with its anchor's state.
+    pub detections: Vec<(Outcome, Option<AnchorState>)>,
+}
+
+/// One distinct reading of an anchor with its votes (`contract.md` §8.4).
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadingReport {
+    /// The text, as last read.
+    pub text: String,
+    /// The sum of the detections' confidences.
+    pub weight: f64,
+    /// How many detections read it.
+    pub count: usize,
+}
+
+/// A match between two anchors (§IV-C.2).
+#[derive(Clone, Debug, PartialEq)]
+pub struct AnchorMatchReport {
+    /// The other anchor.
+    pub anchor: AnchorSeq,
+    /// SimilarityLevel, 1 to 5.
+    pub level: u8,
+    /// Who judged: `identical`, `identifiers`, `lexical`, `operator`, `model:<name>`.
+    pub source: String,
+    /// Are some of the two anchors' keyframes covisible? If not, the robot has come back.
+    pub revisit: bool,
+    /// One sentence for a person.
+    pub reason: String,
+}
+
+/// An anchor with all that was derived about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AnchorReport {
+    /// The anchor.
+    pub anchor: AnchorSeq,
+    /// Its class.
+    pub class: String,
+    /// How far its description is.
+    pub state: AnchorState,
+    /// Its description.
+    pub description: Option<String>,
+    /// Who described it: `readings` or `operator`.
+    pub description_source: &'static str,
+    /// The identifiers found in the description.
+    pub identifiers: Vec<String>,
+    /// InformationLevel of the description, 1 to 5.
+    pub information_level: u8,
+    /// The distinct readings, heaviest first.
+    pub readings: Vec<ReadingReport>,
+    /// The keyframes that saw it, in order of arrival.
+    pub keyframes: Vec<KeyframeId>,
+    /// Its box in the frame of each session that saw it, oldest session first.
+    pub frames: Vec<(SessionId, Aabb)>,
+    /// How many distinct map points it has.
+    pub map_points: usize,
+    /// The anchors that match it; bounded, oldest first.
+    pub matches: Vec<AnchorMatchReport>,
+    /// How many anchors match it in all.
+    pub matches_total: usize,
+    /// The anchor it was merged into, if it was.
+    pub merged_into: Option<AnchorSeq>,
+    /// The anchors merged into it.
+    pub merged_from: Vec<AnchorSeq>,
+    /// Grows with each fact about this anchor.
+    pub version: u64,
+    /// Has it an image crop?
+    pub has_crop: bool,
+}
+
+/// A pair of anchors that became one, or two again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MergeReport {
+    /// The older anchor, whose name both go by.
+    pub into: AnchorSeq,
+    /// The newer anchor.
+    pub from: AnchorSeq,
+}
+
+/// A confirmed loop.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoopReport {
+    /// Its name.
+    pub id: LoopId,
+    /// The keyframe that came back.
+    pub keyframe: KeyframeId,
+    /// The keyframe it came back to.
+    pub candidate: KeyframeId,
+    /// The query that found it.
+    pub query: Option<String>,
+    /// The anchors it merged.
+    pub merged: Vec<MergeReport>,
+}
+
+/// A keyframe as it stands now.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KeyframeRecord {
+    /// What the client sent, with its pose, its points and its detections' positions as last corrected.
+    pub keyframe: NewKeyframe,
+    /// What became of its detections, in their order, each with its anchor's state.
+    pub detections: Vec<(Outcome, Option<AnchorState>)>,
+    /// How many keyframes are covisible with it.
+    pub covisible: usize,
+}
+
+/// A line of the list of keyframes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KeyframeSummary {
+    /// Its name.
+    pub id: KeyframeId,
+    /// Its session.
+    pub session: SessionId,
+    /// When it was taken.
+    pub stamp: Stamp,
+    /// `map_from_camera`, as last corrected.
+    pub map_from_camera: Pose,
+    /// How many keyframes are covisible with it.
+    pub covisible: usize,
+    /// The anchors it sees.
+    pub anchors: Vec<AnchorSeq>,
+}
+
+/// One part of a list: where the next part starts, if there is one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Page<T> {
+    /// The items.
+    pub items: Vec<T>,
+    /// The cursor of the next part.
+    pub next_cursor: Option<String>,
+}

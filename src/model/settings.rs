@@ -1,0 +1,323 @@
+//! A map's settings: every threshold of the method, with its default, its bounds and its source.
+//!
+//! This is the only file with bare numbers of the method in it. One table below makes the
+//! struct, the defaults, the bounds, the names and the API document's descriptions, so that
+//! they cannot drift apart.
+
+use std::f64::consts::FRAC_PI_3;
+
+use thiserror::Error;
+
+/// What a setting's value is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SettingValue {
+    /// A real number; its unit is in the setting's name.
+    Number(f64),
+    /// A whole number.
+    Count(u32),
+    /// On or off.
+    Switch(bool),
+    /// What to do when a local anchor map is empty.
+    Policy(WithoutAnchors),
+}
+
+/// The values a setting takes, and where it starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SettingKind {
+    /// A real number in `[min, max]`.
+    Number {
+        /// Where it starts.
+        default: f64,
+        /// The smallest value.
+        min: f64,
+        /// The largest value.
+        max: f64,
+    },
+    /// A whole number in `[min, max]`.
+    Count {
+        /// Where it starts.
+        default: u32,
+        /// The smallest value.
+        min: u32,
+        /// The largest value.
+        max: u32,
+    },
+    /// On or off.
+    Switch {
+        /// Where it starts.
+        default: bool,
+    },
+    /// One of [`WithoutAnchors::NAMES`].
+    Policy {
+        /// Where it starts.
+        default: WithoutAnchors,
+    },
+}
+
+/// One row of the table of settings.
+#[derive(Clone, Copy, Debug)]
+pub struct Setting {
+    /// The setting's name, with its unit.
+    pub name: &'static str,
+    /// What it does and where it comes from.
+    pub doc: &'static str,
+    /// Its values.
+    pub kind: SettingKind,
+}
+
+/// Why a setting is refused.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum SettingError {
+    /// There is no setting of this name.
+    #[error("there is no such setting")]
+    Unknown,
+    /// The value has another type.
+    #[error("expected {0}")]
+    Type(&'static str),
+    /// The value lies outside the bounds.
+    #[error("must lie in [{min}, {max}]")]
+    Range {
+        /// The smallest value allowed.
+        min: f64,
+        /// The largest value allowed.
+        max: f64,
+    },
+}
+
+/// What a candidate gets when either local anchor map is empty: §V-B leaves 0/0 open.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum WithoutAnchors {
+    /// The anchors cannot tell: `undecided`.
+    #[default]
+    Undecided,
+    /// No semantic agreement, no loop.
+    Reject,
+    /// Geometry alone decides.
+    Geometry,
+}
+
+impl WithoutAnchors {
+    /// The values' names.
+    pub const NAMES: [&'static str; 3] = ["undecided", "reject", "geometry"];
+
+    /// The value's name.
+    pub fn as_str(self) -> &'static str {
+        Self::NAMES[self as usize]
+    }
+
+    /// The value of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        [Self::Undecided, Self::Reject, Self::Geometry].into_iter().find(|p| p.as_str() == name)
+    }
+}
+
+/// Ties one field's type to its kind of setting.
+trait Field: Sized {
+    const EXPECTED: &'static str;
+    fn read(self) -> SettingValue;
+    fn accept(kind: SettingKind, value: SettingValue) -> Result<Self, SettingError>;
+}
+
+impl Field for f64 {
+    const EXPECTED: &'static str = "a number";
+
+    fn read(self) -> SettingValue {
+        SettingValue::Number(self)
+    }
+
+    fn accept(kind: SettingKind, value: SettingValue) -> Result<Self, SettingError> {
+        let value = match value {
+            SettingValue::Number(number) => number,
+            SettingValue::Count(count) => f64::from(count),
+            _ => return Err(SettingError::Type(Self::EXPECTED)),
+        };
+        match kind {
+            SettingKind::Number { min, max, .. } if !(min..=max).contains(&value) => {
+                Err(SettingError::Range { min, max })
+            }
+            _ => Ok(value),
+        }
+    }
+}
+
+impl Field for u32 {
+    const EXPECTED: &'static str = "a whole number";
+
+    fn read(self) -> SettingValue {
+        SettingValue::Count(self)
+    }
+
+    fn accept(kind: SettingKind, value: SettingValue) -> Result<Self, SettingError> {
+        let SettingKind::Count { min, max, .. } = kind else {
+            return Err(SettingError::Type(Self::EXPECTED));
+        };
+        let range = SettingError::Range { min: f64::from(min), max: f64::from(max) };
+        match value {
+            SettingValue::Count(count) if (min..=max).contains(&count) => Ok(count),
+            SettingValue::Count(_) => Err(range),
+            // JSON has one kind of number: -1 is out of range, 1.5 is no whole number.
+            SettingValue::Number(number) if number.fract() == 0.0 => Err(range),
+            _ => Err(SettingError::Type(Self::EXPECTED)),
+        }
+    }
+}
+
+impl Field for bool {
+    const EXPECTED: &'static str = "true or false";
+
+    fn read(self) -> SettingValue {
+        SettingValue::Switch(self)
+    }
+
+    fn accept(_: SettingKind, value: SettingValue) -> Result<Self, SettingError> {
+        match value {
+            SettingValue::Switch(switch) => Ok(switch),
+            _ => Err(SettingError::Type(Self::EXPECTED)),
+        }
+    }
+}
+
+impl Field for WithoutAnchors {
+    const EXPECTED: &'static str = "\"undecided\", \"reject\" or \"geometry\"";
+
+    fn read(self) -> SettingValue {
+        SettingValue::Policy(self)
+    }
+
+    fn accept(_: SettingKind, value: SettingValue) -> Result<Self, SettingError> {
+        match value {
+            SettingValue::Policy(policy) => Ok(policy),
+            _ => Err(SettingError::Type(Self::EXPECTED)),
+        }
+    }
+}
+
+macro_rules! settings {
+    ($($name:ident: $type:ty = $kind:ident { $default:expr $(, $min:expr, $max:expr)? }, $doc:literal;)*) => {
+        /// A map's settings. With `one_to_one`, `distinctive_weights`, `contradiction_veto` and
+        /// `aligned_anchors` off and the rest at their defaults, this is the paper's method to
+        /// the letter.
+        #[derive(Clone, Debug, PartialEq)]
+        pub struct Settings {
+            $(#[doc = $doc] pub $name: $type,)*
+        }
+
+        impl Default for Settings {
+            fn default() -> Self {
+                Self { $($name: $default,)* }
+            }
+        }
+
+        impl Settings {
+            /// Every setting, in the order of `contract.md` §3.
+            pub const TABLE: &'static [Setting] = &[
+                $(Setting {
+                    name: stringify!($name),
+                    doc: $doc,
+                    kind: SettingKind::$kind { default: $default $(, min: $min, max: $max)? },
+                },)*
+            ];
+
+            /// The value of a setting by name.
+            pub fn get(&self, name: &str) -> Option<SettingValue> {
+                match name {
+                    $(stringify!($name) => Some(Field::read(self.$name)),)*
+                    _ => None,
+                }
+            }
+
+            /// Sets a setting by name, within its bounds.
+            pub fn set(&mut self, name: &str, value: SettingValue) -> Result<(), SettingError> {
+                let row = Self::TABLE.iter().find(|row| row.name == name).ok_or(SettingError::Unknown)?;
+                match name {
+                    $(stringify!($name) => self.$name = Field::accept(row.kind, value)?,)*
+                    _ => return Err(SettingError::Unknown),
+                }
+                Ok(())
+            }
+        }
+    };
+}
+
+settings! {
+    association_min_point_share: f64 = Number { 0.2, 0.0, 1.0 },
+        "sigma of §IV-C.1: the least share of a detection's map points that an anchor's box must cover";
+    covisibility_min_shared_points: u32 = Count { 15, 1, 1_000_000 },
+        "keyframes of a session that share at least this many map points are covisible (ORB-SLAM's covisibility graph)";
+    description_min_information_level: u32 = Count { 4, 1, 5 },
+        "§IV-B: an anchor is valid when its description's InformationLevel is no smaller";
+    matching_min_similarity_level: u32 = Count { 4, 1, 5 },
+        "§IV-C.2: two anchors match when their descriptions' SimilarityLevel is no smaller";
+    candidates_max: u32 = Count { 20, 1, 1000 },
+        "§V, check 2: how many places each channel brings; a place is the best keyframe of a covisible group";
+    anchor_map_max_angle_difference_rad: f64 = Number { FRAC_PI_3, 0.0, 4.0 },
+        "§V-B: matching anchors differ by less than this in bearing, in radians";
+    anchor_map_max_distance_difference_m: f64 = Number { 1.0, 0.0, 1000.0 },
+        "§V-B: matching anchors differ by less than this in distance, in metres";
+    anchor_map_min_similarity: f64 = Number { 0.3, 0.0, 1000.0 },
+        "§V-B: two local anchor maps match when S of Eq. (2) is greater";
+    anchor_map_min_distance_m: f64 = Number { 0.1, 1e-6, 1000.0 },
+        "bounds the weight 1/d of §V-B: a nearer anchor weighs as if it stood at this distance, in metres";
+    one_to_one: bool = Switch { true },
+        "ours: an anchor matches at most one of the other map (assignment by maximum weight), which keeps 0 <= S <= 1; off is the paper's Eq. (2)";
+    distinctive_weights: bool = Switch { true },
+        "ours: an anchor whose description stands in p places weighs (1/d)/p";
+    distinctive_place_radius_m: f64 = Number { 3.0, 0.0, 1e6 },
+        "ours: anchors farther apart than this stand in different places, in metres";
+    contradiction_veto: bool = Switch { true },
+        "ours: two different, sure identifiers of one class at the same relative place speak against the loop";
+    aligned_anchors: bool = Switch { true },
+        "ours: once Sim3 has given a transform, matched anchors must agree with it";
+    without_anchors: WithoutAnchors = Policy { WithoutAnchors::Undecided },
+        "the verdict when either local anchor map is empty, which §V-B leaves open (0/0): undecided, reject or geometry";
+    association_position_radius_m: f64 = Number { 0.75, 0.0, 1000.0 },
+        "ours: a detection with a position and no map points joins an anchor within this distance, in metres; also the distance at which covisible anchors that match are merged";
+    candidates_min_score_ratio: f64 = Number { 0.0, 0.0, 1000.0 },
+        "ours: a bag-of-words candidate must score at least this share of reference_score; 0 is off";
+    geometry_min_matches: u32 = Count { 20, 3, 100_000 },
+        "ORB-SLAM: the fewest descriptor matches with which a Sim3 is estimated";
+    geometry_min_inliers: u32 = Count { 20, 3, 100_000 },
+        "ORB-SLAM: the fewest inliers of a verified Sim3";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_of_the_table_reads_its_own_default_back() {
+        let mut settings = Settings::default();
+        for row in Settings::TABLE {
+            let value = settings.get(row.name).expect("a row of the table");
+            assert_eq!(settings.set(row.name, value), Ok(()), "{}", row.name);
+        }
+        assert_eq!(settings, Settings::default());
+    }
+
+    #[test]
+    fn a_value_out_of_bounds_or_of_another_type_is_refused() {
+        let mut settings = Settings::default();
+        let mut check = |name: &str, value, expected: Result<(), SettingError>| {
+            assert_eq!(settings.set(name, value), expected, "{name}");
+        };
+        check(
+            "association_min_point_share",
+            SettingValue::Number(1.5),
+            Err(SettingError::Range { min: 0.0, max: 1.0 }),
+        );
+        check("association_min_point_share", SettingValue::Count(1), Ok(()));
+        check("candidates_max", SettingValue::Number(1.5), Err(SettingError::Type("a whole number")));
+        check(
+            "candidates_max",
+            SettingValue::Number(-1.0),
+            Err(SettingError::Range { min: 1.0, max: 1000.0 }),
+        );
+        check("one_to_one", SettingValue::Count(1), Err(SettingError::Type("true or false")));
+        check("sigma", SettingValue::Count(1), Err(SettingError::Unknown));
+        check(
+            "anchor_map_min_similarity",
+            SettingValue::Number(f64::NAN),
+            Err(SettingError::Range { min: 0.0, max: 1000.0 }),
+        );
+    }
+}

@@ -1,0 +1,286 @@
+//! The answer to "is this keyframe a loop?", with the figures of every check that ran (§V).
+
+use super::ids::KeyframeId;
+use crate::geometry::Bearing;
+
+/// What the service says of a query.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Decision {
+    /// At least one candidate passed every check that could run.
+    Loop,
+    /// Every candidate was rejected, or there was none.
+    NoLoop,
+    /// No candidate passed, and what is missing could turn the answer of at least one.
+    Undecided,
+}
+
+impl Decision {
+    /// The decision's name in the contract.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Loop => "loop",
+            Self::NoLoop => "no_loop",
+            Self::Undecided => "undecided",
+        }
+    }
+}
+
+/// What the service says of one candidate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CandidateDecision {
+    /// It passed every check that could run.
+    Loop,
+    /// What is missing could turn the answer.
+    Undecided,
+    /// A check stopped it.
+    Rejected,
+}
+
+impl CandidateDecision {
+    /// The decision's name in the contract.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Loop => "loop",
+            Self::Undecided => "undecided",
+            Self::Rejected => "rejected",
+        }
+    }
+}
+
+/// Why a verdict is not `loop` (`reason.code` of `contract.md` §5).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReasonCode {
+    /// No keyframe shares a word or a revisited anchor with the query.
+    NoCandidates,
+    /// The query has no bag of words, and no anchor proposes a candidate.
+    EmptyBow,
+    /// The candidate's bag-of-words score is too small a share of the reference score.
+    BowBelowReference,
+    /// Either local anchor map is empty.
+    NoAnchors,
+    /// Anchors not described yet could turn the answer.
+    LlmPending,
+    /// S of Eq. (2) does not exceed its limit.
+    ScoreBelowThreshold,
+    /// Sure identifiers contradict each other at the same relative place.
+    Contradiction,
+    /// Geometry had to verify, and features are missing.
+    NoFeatures,
+}
+
+impl ReasonCode {
+    /// The code's name in the contract.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::NoCandidates => "no_candidates",
+            Self::EmptyBow => "empty_bow",
+            Self::BowBelowReference => "bow_below_reference",
+            Self::NoAnchors => "no_anchors",
+            Self::LlmPending => "llm_pending",
+            Self::ScoreBelowThreshold => "score_below_threshold",
+            Self::Contradiction => "contradiction",
+            Self::NoFeatures => "no_features",
+        }
+    }
+}
+
+/// The check that decided, with what it measured and what it asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reason {
+    /// Which check.
+    pub code: ReasonCode,
+    /// What was measured, in the check's own unit.
+    pub measured: Option<f64>,
+    /// What it was held against.
+    pub limit: Option<f64>,
+    /// One sentence for a person.
+    pub detail: String,
+}
+
+/// Check 2 of §V: bag of words.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BowEvidence {
+    /// DBoW2's L1 score, in `[0, 1]`.
+    pub score: f64,
+    /// How many words the two keyframes share.
+    pub common_words: u32,
+    /// The lowest score of the query against its covisible keyframes; 0 without any.
+    pub reference_score: f64,
+}
+
+/// Which of the two local anchor maps' anchors an entry names.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum AnchorName {
+    /// An anchor of the map, by its public id.
+    Stored(String),
+    /// The n-th detection of an inline keyframe, which founds no anchor because nothing is stored.
+    Inline(usize),
+}
+
+impl AnchorName {
+    /// The name as the contract writes it: `a-7`, or `inline-0`.
+    pub fn to_text(&self) -> String {
+        match self {
+            Self::Stored(id) => id.clone(),
+            Self::Inline(index) => format!("inline-{index}"),
+        }
+    }
+}
+
+/// A pair of anchors that match, x(i, j) = 1 of Eq. (1).
+#[derive(Clone, Debug, PartialEq)]
+pub struct MatchEvidence {
+    /// The anchor of the query's local map.
+    pub query_anchor: AnchorName,
+    /// The anchor of the candidate's local map.
+    pub candidate_anchor: AnchorName,
+    /// SimilarityLevel of the two descriptions, 1 to 5.
+    pub level: u8,
+    /// Who judged.
+    pub source: String,
+    /// Angle between the two bearings, in radians.
+    pub angle_difference_rad: f64,
+    /// Difference of the two distances, in metres.
+    pub distance_difference_m: f64,
+    /// The pair's two weights together, as Eq. (2) adds them.
+    pub weight: f64,
+}
+
+/// A pair of anchors whose sure identifiers exclude each other at the same relative place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContradictionEvidence {
+    /// The anchor of the query's local map.
+    pub query_anchor: AnchorName,
+    /// The anchor of the candidate's local map.
+    pub candidate_anchor: AnchorName,
+    /// One sentence for a person: "reads 910 where 901 hung".
+    pub reason: String,
+    /// The pair's two weights together.
+    pub weight: f64,
+}
+
+/// Check 3 of §V: the comparison of the two local anchor maps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AnchorEvidence {
+    /// S of Eq. (2).
+    pub similarity: f64,
+    /// What S must exceed.
+    pub threshold: f64,
+    /// Valid anchors in the query's local map.
+    pub in_query: usize,
+    /// Valid anchors in the candidate's local map.
+    pub in_candidate: usize,
+    /// Anchors of both maps that nothing has described yet.
+    pub pending: usize,
+    /// The pairs that match.
+    pub matches: Vec<MatchEvidence>,
+    /// The pairs that contradict.
+    pub contradictions: Vec<ContradictionEvidence>,
+}
+
+/// The last step of §V: the similarity transformation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GeometryEvidence {
+    /// `verified`, `failed` or `skipped`.
+    pub status: GeometryStatus,
+    /// Why it was skipped or failed, for a person.
+    pub reason: Option<String>,
+}
+
+/// How far geometric verification came.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GeometryStatus {
+    /// It did not run.
+    Skipped,
+}
+
+impl GeometryStatus {
+    /// The status' name in the contract.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Skipped => "skipped",
+        }
+    }
+}
+
+/// One candidate with its evidence and the check that stopped it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// The candidate's name.
+    pub keyframe: KeyframeId,
+    /// What became of it.
+    pub decision: CandidateDecision,
+    /// Check 2.
+    pub bow: BowEvidence,
+    /// Check 3, if it came so far.
+    pub anchors: Option<AnchorEvidence>,
+    /// The last step.
+    pub geometry: GeometryEvidence,
+    /// The check that stopped it; none for a loop.
+    pub reason: Option<Reason>,
+}
+
+/// The whole answer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    /// The map's version that was asked.
+    pub map_version: u64,
+    /// The answer.
+    pub decision: Decision,
+    /// The best loop, if any.
+    pub best: Option<KeyframeId>,
+    /// Every loop, best first.
+    pub loops: Vec<KeyframeId>,
+    /// Did a stand-in judge because a model was away?
+    pub degraded: bool,
+    /// How many keyframes were left out because they are covisible with the query (check 1).
+    pub excluded_covisible: usize,
+    /// Why there is no candidate at all.
+    pub reason: Option<Reason>,
+    /// The candidates: loops first, then undecided, then rejected, each best first.
+    pub candidates: Vec<Candidate>,
+}
+
+/// Which checks a query asks for (`verify` of `contract.md` §5).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Verify {
+    /// Geometry where both keyframes have the features for it, else the anchors decide.
+    #[default]
+    Auto,
+    /// Never geometry.
+    Anchors,
+    /// Geometry must verify.
+    Geometry,
+}
+
+impl Verify {
+    /// The values' names.
+    pub const NAMES: [&'static str; 3] = ["auto", "anchors", "geometry"];
+
+    /// The value's name.
+    pub fn as_str(self) -> &'static str {
+        Self::NAMES[self as usize]
+    }
+
+    /// The value of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        [Self::Auto, Self::Anchors, Self::Geometry].into_iter().find(|v| v.as_str() == name)
+    }
+}
+
+/// One anchor of a local anchor map M_k, as `GET .../local-anchor-map` shows it (§V-A).
+#[derive(Clone, Debug, PartialEq)]
+pub struct LocalAnchorReport {
+    /// The anchor.
+    pub anchor: AnchorName,
+    /// Its class.
+    pub class: String,
+    /// Its state.
+    pub state: super::anchor::AnchorState,
+    /// Its description, if it has one.
+    pub description: Option<String>,
+    /// Where it stands as seen from the central keyframe.
+    pub bearing: Bearing,
+    /// Its weight in Eq. (2).
+    pub weight: f64,
+}

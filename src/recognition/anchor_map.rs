@@ -1,0 +1,226 @@
+//! The local anchor map M_k of a keyframe (§V-A).
+//!
+//! An anchor A belongs to M_k if K_A^cov, the union of the covisible sets of the keyframes that
+//! observe it, meets K_k^cov. K_m^cov contains m itself (`contract.md` §8.1): without that, a
+//! keyframe without covisible neighbours would have an empty map though it sees a door plate.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use super::association::{Association, associate};
+use super::distinctiveness::PlaceCounts;
+use super::index::{MapIndex, TextId};
+use crate::geometry::{Bearing, Point3, Pose};
+use crate::model::anchor::AnchorState;
+use crate::model::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
+use crate::model::keyframe::NewKeyframe;
+use crate::model::verdict::AnchorName;
+use crate::semantics::Text;
+
+/// Which anchor an entry of a local map is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum LocalName {
+    /// An object of the map, by its oldest anchor.
+    Object(AnchorSeq),
+    /// A detection of an inline keyframe, which founds no anchor.
+    Inline(usize),
+}
+
+impl LocalName {
+    /// The name for the outside.
+    pub fn public(self) -> AnchorName {
+        match self {
+            Self::Object(seq) => AnchorName::Stored(seq.public()),
+            Self::Inline(number) => AnchorName::Inline(number),
+        }
+    }
+}
+
+/// One anchor of a local anchor map.
+#[derive(Clone, Debug)]
+pub struct LocalAnchor {
+    /// Which.
+    pub name: LocalName,
+    /// Its class.
+    pub class: Box<str>,
+    /// How far its description is. Only valid anchors take part in Eq. (2).
+    pub state: AnchorState,
+    /// What it is called.
+    pub text: Option<Arc<Text>>,
+    /// The same as a text of the map, if it is one.
+    pub text_id: Option<TextId>,
+    /// Are its identifiers sure by themselves (`contract.md` §8.7)?
+    pub sure: bool,
+    /// Its centre, in the frame of the central keyframe's session.
+    pub centre_in_session: Point3,
+    /// Where it stands as seen from the central keyframe: theta_m and d_m of §V-B.
+    pub bearing: Bearing,
+    /// Its weight in Eq. (2): 1/d, divided by the number of places it stands at if the map's
+    /// settings ask for distinctive weights.
+    pub weight: f64,
+}
+
+/// The anchors around one keyframe, ordered by name.
+#[derive(Clone, Debug, Default)]
+pub struct LocalAnchorMap {
+    /// The anchors.
+    pub anchors: Vec<LocalAnchor>,
+}
+
+impl LocalAnchorMap {
+    /// The anchors that take part in Eq. (2).
+    pub fn valid(&self) -> impl Iterator<Item = &LocalAnchor> {
+        self.anchors.iter().filter(|anchor| anchor.state == AnchorState::Valid)
+    }
+
+    /// How many anchors nothing has described yet.
+    pub fn pending(&self) -> usize {
+        self.anchors.iter().filter(|anchor| anchor.state == AnchorState::Pending).count()
+    }
+}
+
+/// What a local anchor map is built around: a keyframe of the map, or one that is not stored.
+#[derive(Clone, Debug)]
+pub struct Centre {
+    /// The session whose frame the poses are in; unknown to the map if it is an inline keyframe's new one.
+    pub session: Option<SessionSeq>,
+    /// `map_from_camera` of the keyframe.
+    pub map_from_camera: Pose,
+    /// K_k^cov: the covisible keyframes, and the keyframe itself if it is stored.
+    pub covisible: BTreeSet<KeyframeSeq>,
+    /// What the keyframe sees that the map has no anchor for.
+    pub inline: Vec<InlineAnchor>,
+}
+
+/// A detection of an inline keyframe that belongs to no anchor of the map.
+#[derive(Clone, Debug)]
+pub struct InlineAnchor {
+    /// Its place in the list of detections.
+    pub detection: usize,
+    /// Its class.
+    pub class: Box<str>,
+    /// What was read, parsed.
+    pub text: Option<Arc<Text>>,
+    /// Where it stands, in the session's frame.
+    pub centre_in_session: Point3,
+}
+
+impl Centre {
+    /// Around a keyframe of the map.
+    pub fn stored(index: &MapIndex, keyframe: KeyframeSeq) -> Option<Self> {
+        let stored = index.keyframe(keyframe)?;
+        Some(Self {
+            session: Some(stored.session),
+            map_from_camera: stored.map_from_camera,
+            covisible: index.covisibility().with_itself(keyframe).collect(),
+            inline: Vec::new(),
+        })
+    }
+}
+
+/// Builds M_k.
+pub fn local_anchor_map(index: &MapIndex, centre: &Centre, places: &mut PlaceCounts) -> LocalAnchorMap {
+    let context: BTreeSet<KeyframeSeq> =
+        centre.covisible.iter().flat_map(|keyframe| index.covisibility().with_itself(*keyframe)).collect();
+    let roots: BTreeSet<AnchorSeq> =
+        context.into_iter().flat_map(|keyframe| index.objects_seen_by(keyframe)).collect();
+    let stored = roots.into_iter().filter_map(|root| stored_anchor(index, centre, root, places));
+    let mut anchors: Vec<LocalAnchor> = stored.collect();
+    anchors.extend(centre.inline.iter().map(|inline| inline_anchor(index, centre, inline, places)));
+    LocalAnchorMap { anchors }
+}
+
+fn stored_anchor(
+    index: &MapIndex,
+    centre: &Centre,
+    root: AnchorSeq,
+    places: &mut PlaceCounts,
+) -> Option<LocalAnchor> {
+    let object = index.objects().get(root)?;
+    // An anchor seen only in another session's frame cannot be placed around this keyframe.
+    let centre_in_session = object.aabb(centre.session?)?.centre();
+    let text_id = index.texts().of(root);
+    let bearing = Bearing::of(&centre_in_session, &centre.map_from_camera);
+    Some(LocalAnchor {
+        name: LocalName::Object(root),
+        class: index.class_of(object).into(),
+        state: object.state,
+        text: object.description.as_ref().map(|description| description.text.clone()),
+        text_id,
+        sure: object.description.as_ref().is_some_and(|description| description.sure),
+        centre_in_session,
+        bearing,
+        weight: weight(index, &bearing, || text_id.map_or(1, |text| places.of_text(index, text))),
+    })
+}
+
+fn inline_anchor(
+    index: &MapIndex,
+    centre: &Centre,
+    inline: &InlineAnchor,
+    places: &mut PlaceCounts,
+) -> LocalAnchor {
+    let level = inline.text.as_ref().map(|text| u32::from(text.information_level()));
+    let state = match level {
+        None => AnchorState::Pending,
+        Some(level) if level >= index.properties().settings.description_min_information_level => {
+            AnchorState::Valid
+        }
+        Some(_) => AnchorState::Uninformative,
+    };
+    let text = inline.text.as_ref().filter(|_| state == AnchorState::Valid);
+    let bearing = Bearing::of(&inline.centre_in_session, &centre.map_from_camera);
+    LocalAnchor {
+        name: LocalName::Inline(inline.detection),
+        class: inline.class.clone(),
+        state,
+        text: inline.text.clone(),
+        text_id: text.and_then(|text| index.texts().find(&inline.class, text)),
+        sure: false,
+        centre_in_session: inline.centre_in_session,
+        bearing,
+        weight: weight(index, &bearing, || {
+            text.map_or(1, |text| places.of_texts(index, &index.texts().matching_text(&inline.class, text)))
+        }),
+    }
+}
+
+/// 1/d of §V-B, bounded by the least distance; (1/d)/p with distinctive weights (`contract.md` §8.6).
+fn weight(index: &MapIndex, bearing: &Bearing, places: impl FnOnce() -> usize) -> f64 {
+    let settings = &index.properties().settings;
+    let weight = 1.0 / bearing.distance_m().max(settings.anchor_map_min_distance_m);
+    if settings.distinctive_weights { weight / places() as f64 } else { weight }
+}
+
+/// Associates an inline keyframe's detections as ingest would, and changes nothing: those that
+/// track an object add nothing to the map's knowledge of it, the others stand for themselves.
+/// Returns the centre and the objects that the keyframe sees.
+pub fn inline_centre(
+    index: &MapIndex,
+    keyframe: &NewKeyframe,
+    covisible: BTreeSet<KeyframeSeq>,
+) -> (Centre, BTreeSet<AnchorSeq>) {
+    let session = index.session(&keyframe.session);
+    let sent: BTreeMap<_, _> = keyframe.map_points.iter().copied().collect();
+    let position = |id: PointId| sent.get(&id).copied().or_else(|| index.points().position(session?, id));
+    let associations = associate(index, session, covisible.iter().copied(), &keyframe.detections, position);
+    let (mut inline, mut seen) = (Vec::new(), BTreeSet::new());
+    for (number, (detection, association)) in keyframe.detections.iter().zip(associations).enumerate() {
+        match association {
+            Association::Ignored(_) => {}
+            Association::Tracked(root) => drop(seen.insert(root)),
+            Association::New => {
+                let placed = detection.map_points.iter().filter_map(|id| position(*id));
+                let centre = crate::geometry::Aabb::around(placed).map(|aabb| aabb.centre());
+                let Some(centre_in_session) = centre.or(detection.position_in_session) else { continue };
+                inline.push(InlineAnchor {
+                    detection: number,
+                    class: detection.class.as_str().into(),
+                    text: detection.reading().map(|reading| Arc::new(Text::parse(reading))),
+                    centre_in_session,
+                });
+            }
+        }
+    }
+    (Centre { session, map_from_camera: keyframe.map_from_camera, covisible, inline }, seen)
+}

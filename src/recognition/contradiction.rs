@@ -1,0 +1,73 @@
+//! Contradictions: different, sure identifiers at the same relative place (`contract.md` §8.7).
+//!
+//! Room 910's plate where room 901's hung is evidence against the loop, which the paper does not
+//! use. Taking *any* contradiction as a veto costs half the recall once plates are misread, so
+//! only sure identifiers count, and only if together they outweigh what agrees.
+
+use super::anchor_map::LocalAnchor;
+use super::assignment::assign;
+use super::comparison::{same_relative_place, similar};
+use super::index::TextIndex;
+use crate::model::settings::Settings;
+use crate::semantics;
+
+/// A single reading is sure only against an identifier that differs in at least this many
+/// characters: one character is easily misread, two hardly ever.
+const SURE_DIFFERENCE_CHARACTERS: usize = 2;
+
+/// A pair of anchors that cannot be the same object, though they stand at the same relative place.
+#[derive(Clone, Copy, Debug)]
+pub struct Contradiction<'a> {
+    /// The anchor of the query's map.
+    pub query: &'a LocalAnchor,
+    /// The anchor of the candidate's map.
+    pub candidate: &'a LocalAnchor,
+}
+
+impl Contradiction<'_> {
+    /// The two anchors' weights together.
+    pub fn weight(&self) -> f64 {
+        self.query.weight + self.candidate.weight
+    }
+
+    /// One sentence for a person: "reads 910 where 901 hung".
+    pub fn reason(&self) -> String {
+        let conflict = self.query.text.as_deref().zip(self.candidate.text.as_deref());
+        match conflict.and_then(|(query, candidate)| semantics::conflict(query, candidate)) {
+            Some(conflict) => format!("reads {} where {} hung", conflict.a.as_str(), conflict.b.as_str()),
+            None => String::from("the identifiers differ"),
+        }
+    }
+}
+
+/// The contradicting pairs, one-to-one, by maximum weight.
+///
+/// "Unmatched on the other side" is taken by description alone: a plate that also hangs somewhere
+/// in the other map is known there, and seeing its neighbour in its place means another point of
+/// view, not another building.
+pub fn contradictions<'a>(
+    of_query: &[&'a LocalAnchor],
+    of_candidate: &[&'a LocalAnchor],
+    texts: &TextIndex,
+    settings: &Settings,
+) -> Vec<Contradiction<'a>> {
+    let unmatched = |these: &[&'a LocalAnchor], those: &[&'a LocalAnchor]| -> Vec<&'a LocalAnchor> {
+        let known =
+            |anchor: &LocalAnchor| those.iter().any(|that| similar(anchor, that, texts, settings).is_some());
+        these.iter().copied().filter(|anchor| !known(anchor)).collect()
+    };
+    let (query, candidate) = (unmatched(of_query, of_candidate), unmatched(of_candidate, of_query));
+    let pairs = assign(query.len(), candidate.len(), |i, j| {
+        let (a, b) = (query[i], candidate[j]);
+        (same_relative_place(a, b, settings) && surely_differ(a, b)).then_some(a.weight + b.weight)
+    });
+    pairs.into_iter().map(|(i, j)| Contradiction { query: query[i], candidate: candidate[j] }).collect()
+}
+
+fn surely_differ(a: &LocalAnchor, b: &LocalAnchor) -> bool {
+    let (Some(of_a), Some(of_b)) = (a.text.as_deref(), b.text.as_deref()) else { return false };
+    a.class == b.class
+        && semantics::conflict(of_a, of_b).is_some_and(|conflict| {
+            (a.sure && b.sure) || conflict.differing_characters >= SURE_DIFFERENCE_CHARACTERS
+        })
+}

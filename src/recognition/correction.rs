@@ -1,0 +1,85 @@
+//! The client has optimised its map: poses and map points move, anchors' boxes follow.
+
+use std::collections::HashSet;
+
+use super::index::MapIndex;
+use super::recorder::{Decided, Recorder};
+use crate::geometry::{Point3, Pose};
+use crate::model::change::Change;
+use crate::model::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
+
+/// Corrected poses and map points of one session, by dense number.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Correction {
+    /// The keyframes and their new `map_from_camera`.
+    pub poses: Vec<(KeyframeSeq, Pose)>,
+    /// The map points and their new positions, in the session's frame.
+    pub map_points: Vec<(PointId, Point3)>,
+}
+
+/// Applies a correction.
+pub fn correct(index: &mut MapIndex, session: SessionSeq, correction: &Correction) -> Decided {
+    let mut record = Recorder::new(index);
+    let mut changes = Vec::new();
+    for (keyframe, pose) in &correction.poses {
+        changes.extend(moved_positions(record.index(), *keyframe, pose));
+        changes.push(Change::PoseSet(*keyframe, *pose));
+    }
+    let points = correction.map_points.iter();
+    changes.extend(points.map(|(id, position)| Change::PointSet(session, *id, *position)));
+    for anchor in touched(record.index(), session, correction, &changes) {
+        record.touch(anchor);
+    }
+    record.apply(changes);
+    record.finish()
+}
+
+/// An observation known by its `position` alone moves rigidly with its keyframe: what the camera saw
+/// does not change.
+fn moved_positions(index: &MapIndex, keyframe: KeyframeSeq, now: &Pose) -> Vec<Change> {
+    let Some(before) = index.keyframe(keyframe).map(|keyframe| keyframe.map_from_camera) else {
+        return Vec::new();
+    };
+    if before == *now {
+        return Vec::new();
+    }
+    let mut changes = Vec::new();
+    for seq in index.anchors_seen_by(keyframe) {
+        let Some(anchor) = index.anchor(seq) else { continue };
+        for observation in anchor.observations.range((keyframe, 0)..=(keyframe, u16::MAX)).map(|(_, o)| o) {
+            if let Some(position) = observation.position_in_session {
+                let moved = now.transform(&before.inverse_transform(&position));
+                changes.push(Change::PositionSet(seq, keyframe, observation.detection, moved));
+            }
+        }
+    }
+    changes
+}
+
+/// The anchors of which a position or a map point moves.
+fn touched(
+    index: &MapIndex,
+    session: SessionSeq,
+    correction: &Correction,
+    changes: &[Change],
+) -> HashSet<AnchorSeq> {
+    let mut touched: HashSet<AnchorSeq> = changes
+        .iter()
+        .filter_map(|change| match change {
+            Change::PositionSet(anchor, ..) => Some(*anchor),
+            _ => None,
+        })
+        .collect();
+    let moved: HashSet<PointId> = correction.map_points.iter().map(|(id, _)| *id).collect();
+    let observers: HashSet<KeyframeSeq> =
+        moved.iter().flat_map(|id| index.points().observers(session, *id)).copied().collect();
+    for seq in observers.into_iter().flat_map(|keyframe| index.anchors_seen_by(keyframe)) {
+        let shape = index.anchor(seq).and_then(|anchor| anchor.shapes.get(&session));
+        if !touched.contains(&seq)
+            && shape.is_some_and(|shape| shape.map_points.iter().any(|id| moved.contains(id)))
+        {
+            touched.insert(seq);
+        }
+    }
+    touched
+}

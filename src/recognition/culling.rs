@@ -1,0 +1,55 @@
+//! Keyframes and anchors go: what followed from them goes with them.
+
+use std::sync::Arc;
+
+use super::index::MapIndex;
+use super::recorder::{Decided, Recorder};
+use crate::model::bow::BowVector;
+use crate::model::change::{Change, Merge, MergeCause};
+use crate::model::ids::{AnchorSeq, KeyframeSeq};
+
+/// Culls a keyframe: its covisibility and its observations go, and with the last observation the
+/// anchor. Its bag of words says which postings go.
+pub fn cull_keyframe(index: &mut MapIndex, keyframe: KeyframeSeq, bow: Arc<BowVector>) -> Decided {
+    let mut record = Recorder::new(index);
+    let seen: Vec<AnchorSeq> = record.index().anchors_seen_by(keyframe).collect();
+    seen.iter().for_each(|anchor| record.touch(*anchor));
+    record.apply(vec![Change::KeyframeRemoved(keyframe, bow)]);
+    for anchor in seen {
+        if record.index().anchor(anchor).is_some_and(|anchor| anchor.observations.is_empty()) {
+            remove_anchor(&mut record, anchor);
+        }
+    }
+    record.finish()
+}
+
+/// Deletes an object with all its anchors; its detections stay with their keyframes and feed nothing.
+pub fn delete_object(index: &mut MapIndex, root: AnchorSeq) -> Decided {
+    let members = index.objects().get(root).map(|object| object.members.clone()).unwrap_or_default();
+    let mut record = Recorder::new(index);
+    record.apply(members.into_iter().map(Change::AnchorRemoved).collect());
+    record.finish()
+}
+
+/// Removes one anchor. Where it held others together, they stay together: its neighbours are
+/// linked to the oldest of them, by the same causes.
+fn remove_anchor(record: &mut Recorder<'_>, anchor: AnchorSeq) {
+    let mut neighbours: Vec<(AnchorSeq, MergeCause)> = record
+        .index()
+        .objects()
+        .links(anchor)
+        .map(|merge| (if merge.into == anchor { merge.from } else { merge.into }, merge.cause.clone()))
+        .collect();
+    neighbours.sort();
+    let mut changes = vec![Change::AnchorRemoved(anchor)];
+    if let Some(((oldest, first_cause), others)) = neighbours.split_first() {
+        for (other, cause) in others.iter().filter(|(other, _)| other != oldest) {
+            // Both links held the two together; the loop is the one that may be revoked.
+            let cause = if *cause == MergeCause::Covisible { first_cause } else { cause };
+            changes.push(Change::Merged(Merge { into: *oldest, from: *other, cause: cause.clone() }));
+            record.touch(*other);
+        }
+        record.touch(*oldest);
+    }
+    record.apply(changes);
+}

@@ -1,0 +1,134 @@
+//! From figures to evidence: what a verdict shows of each check, and the sentences that say why.
+
+use std::cmp::Ordering;
+
+use super::candidates::Proposal;
+use super::comparison::Comparison;
+use super::contradiction::Contradiction;
+use crate::model::settings::Settings;
+use crate::model::verdict::{
+    AnchorEvidence, BowEvidence, Candidate, CandidateDecision, ContradictionEvidence, GeometryEvidence,
+    GeometryStatus, MatchEvidence, Reason, ReasonCode, Verify,
+};
+
+/// Loops first, then undecided, then rejected; each by S, then by score, then the smallest id.
+pub(super) fn best_first(a: &Candidate, b: &Candidate) -> Ordering {
+    let rank = |candidate: &Candidate| match candidate.decision {
+        CandidateDecision::Loop => 0,
+        CandidateDecision::Undecided => 1,
+        CandidateDecision::Rejected => 2,
+    };
+    let similarity =
+        |candidate: &Candidate| candidate.anchors.as_ref().map_or(0.0, |anchors| anchors.similarity);
+    (rank(a).cmp(&rank(b)))
+        .then_with(|| similarity(b).total_cmp(&similarity(a)))
+        .then_with(|| b.bow.score.total_cmp(&a.bow.score))
+        .then_with(|| a.keyframe.cmp(&b.keyframe))
+}
+
+pub(super) fn bow(proposal: Proposal, reference_score: f64) -> BowEvidence {
+    BowEvidence {
+        score: proposal.score.value(),
+        common_words: proposal.score.common_words(),
+        reference_score,
+    }
+}
+
+pub(super) fn anchors(comparison: &Comparison<'_>, settings: &Settings) -> AnchorEvidence {
+    AnchorEvidence {
+        similarity: comparison.similarity,
+        threshold: settings.anchor_map_min_similarity,
+        in_query: comparison.in_query,
+        in_candidate: comparison.in_candidate,
+        pending: comparison.pending,
+        matches: comparison
+            .matches
+            .iter()
+            .map(|pair| MatchEvidence {
+                query_anchor: pair.query.name.public(),
+                candidate_anchor: pair.candidate.name.public(),
+                level: pair.level,
+                source: pair.source.as_str().to_owned(),
+                angle_difference_rad: pair.query.bearing.angle_difference_rad(&pair.candidate.bearing),
+                distance_difference_m: pair.query.bearing.distance_difference_m(&pair.candidate.bearing),
+                weight: pair.weight(),
+            })
+            .collect(),
+        contradictions: comparison.contradictions.iter().map(contradiction).collect(),
+    }
+}
+
+fn contradiction(pair: &Contradiction<'_>) -> ContradictionEvidence {
+    ContradictionEvidence {
+        query_anchor: pair.query.name.public(),
+        candidate_anchor: pair.candidate.name.public(),
+        reason: pair.reason(),
+        weight: pair.weight(),
+    }
+}
+
+/// Geometric verification is not built yet, and every answer says so.
+pub(super) fn geometry_not_run(verify: Verify) -> GeometryEvidence {
+    let reason = match verify {
+        Verify::Anchors => "the query asks for anchors alone",
+        Verify::Auto | Verify::Geometry => "this version of the server does not verify geometry yet",
+    };
+    GeometryEvidence { status: GeometryStatus::Skipped, reason: Some(reason.to_owned()) }
+}
+
+pub(super) fn reason(code: ReasonCode, measured: f64, limit: f64) -> Reason {
+    let detail = match code {
+        ReasonCode::BowBelowReference => {
+            format!(
+                "the words score {measured:.3}, below {limit:.3}, the share asked for of the reference score"
+            )
+        }
+        _ => format!("the anchor maps agree by S = {measured:.3}, which does not exceed {limit}"),
+    };
+    Reason { code, measured: Some(measured), limit: Some(limit), detail }
+}
+
+pub(super) fn contradicted(comparison: &Comparison<'_>, contradicting: f64, agreeing: f64) -> Reason {
+    let heaviest = comparison.contradictions.iter().max_by(|a, b| a.weight().total_cmp(&b.weight()));
+    let detail = heaviest.map_or_else(String::new, Contradiction::reason);
+    Reason { code: ReasonCode::Contradiction, measured: Some(contradicting), limit: Some(agreeing), detail }
+}
+
+pub(super) fn pending(comparison: &Comparison<'_>) -> Reason {
+    let detail = format!(
+        "{} anchors are not described yet; at best S would be {:.3}",
+        comparison.pending, comparison.similarity_at_best
+    );
+    let pending = comparison.pending as f64;
+    Reason { code: ReasonCode::LlmPending, measured: Some(pending), limit: Some(0.0), detail }
+}
+
+pub(super) fn no_anchors(comparison: &Comparison<'_>) -> Reason {
+    let detail = match (comparison.in_query, comparison.in_candidate) {
+        (0, 0) => "neither keyframe has a described anchor around it",
+        (0, _) => "the query has no described anchor around it",
+        _ => "the candidate has no described anchor around it",
+    };
+    Reason { code: ReasonCode::NoAnchors, measured: Some(0.0), limit: Some(1.0), detail: detail.to_owned() }
+}
+
+pub(super) fn geometry_missing() -> Reason {
+    Reason {
+        code: ReasonCode::NoFeatures,
+        measured: None,
+        limit: None,
+        detail: "geometry must verify, and this version of the server cannot yet".to_owned(),
+    }
+}
+
+pub(super) fn no_candidates(empty_bow: bool) -> Reason {
+    let (code, detail) = if empty_bow {
+        (ReasonCode::EmptyBow, "the query has no words, and no anchor it sees was seen before")
+    } else {
+        (
+            ReasonCode::NoCandidates,
+            "no keyframe outside its covisible ones shares a word or an anchor with the query",
+        )
+    };
+    Reason { code, measured: None, limit: None, detail: detail.to_owned() }
+}

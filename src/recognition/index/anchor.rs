@@ -1,0 +1,105 @@
+//! An anchor as founded, with its own observations; and what follows from them.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::points::Points;
+use super::votes::Votes;
+use crate::geometry::{Aabb, Point3};
+use crate::model::anchor::Observation;
+use crate::model::ids::{KeyframeSeq, PointId, SessionSeq};
+
+/// A semantic anchor (§IV-B) with the facts that are its own. Which anchors are one object
+/// is told by [`super::objects`]; an anchor keeps its observations when it is merged, so that
+/// revoking a loop splits exactly what the loop joined.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Anchor {
+    /// Class of the detected object.
+    pub class: Box<str>,
+    /// The observations, by keyframe and detection.
+    pub observations: BTreeMap<(KeyframeSeq, u16), Observation>,
+    /// The description set by an operator.
+    pub description_by_hand: Option<Box<str>>,
+    /// Grows with each fact about this anchor.
+    pub version: u64,
+    /// Derived: the vote of its readings.
+    pub votes: Votes,
+    /// Derived: its shape in each session's frame.
+    pub shapes: BTreeMap<SessionSeq, Shape>,
+}
+
+/// An anchor's map points and its box, in one session's frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shape {
+    /// The distinct map points, with and without a position.
+    pub map_points: BTreeSet<PointId>,
+    /// The box around everything that has a position (§IV-B).
+    pub aabb: Option<Aabb>,
+}
+
+impl Shape {
+    /// The other anchor is the same object: both shapes together.
+    pub fn join(&mut self, other: &Self) {
+        self.map_points.extend(&other.map_points);
+        self.aabb = grown(self.aabb, corners(other.aabb));
+    }
+
+    fn add(&mut self, observation: &Observation, session: SessionSeq, points: &Points) {
+        self.map_points.extend(observation.map_points.iter().copied());
+        let mut placed =
+            observation.map_points.iter().filter_map(|id| points.position(session, *id)).peekable();
+        if placed.peek().is_some() {
+            self.aabb = grown(self.aabb, placed);
+        } else {
+            // A detection's place is its map points; `position` serves where it has none.
+            self.aabb = grown(self.aabb, observation.position_in_session);
+        }
+    }
+}
+
+fn corners(aabb: Option<Aabb>) -> impl Iterator<Item = Point3> {
+    aabb.into_iter().flat_map(|aabb| [aabb.min(), aabb.max()])
+}
+
+fn grown(aabb: Option<Aabb>, points: impl IntoIterator<Item = Point3>) -> Option<Aabb> {
+    Aabb::around(corners(aabb).chain(points))
+}
+
+impl Anchor {
+    /// An anchor without any observation yet.
+    pub fn new(class: Box<str>) -> Self {
+        Self {
+            class,
+            observations: BTreeMap::new(),
+            description_by_hand: None,
+            version: 1,
+            votes: Votes::default(),
+            shapes: BTreeMap::new(),
+        }
+    }
+
+    /// One more observation, by a keyframe of this session.
+    pub fn observe(&mut self, observation: Observation, session: SessionSeq, points: &Points) {
+        self.votes.add(&observation);
+        self.shapes.entry(session).or_default().add(&observation, session, points);
+        self.observations.insert((observation.keyframe, observation.detection), observation);
+    }
+
+    /// Takes shape and votes anew from the observations: after a point moved, or a keyframe is gone.
+    pub fn refresh(&mut self, session_of: impl Fn(KeyframeSeq) -> SessionSeq, points: &Points) {
+        self.votes = Votes::default();
+        self.shapes.clear();
+        for observation in self.observations.values() {
+            self.votes.add(observation);
+            let session = session_of(observation.keyframe);
+            self.shapes.entry(session).or_default().add(observation, session, points);
+        }
+    }
+
+    /// The keyframes that saw it, ascending.
+    pub fn keyframes(&self) -> impl Iterator<Item = KeyframeSeq> + '_ {
+        let mut last = None;
+        self.observations
+            .keys()
+            .filter_map(move |&(keyframe, _)| (last.replace(keyframe) != Some(keyframe)).then_some(keyframe))
+    }
+}

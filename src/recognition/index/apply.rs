@@ -1,0 +1,255 @@
+//! Applying changes: facts first, then, once, what they touched is derived anew.
+
+use std::collections::BTreeSet;
+
+use super::anchor::Anchor;
+use super::texts::TextIndex;
+use super::{Covisibility, MapIndex};
+use crate::model::anchor::{AnchorState, Observation};
+use crate::model::bow::BowVector;
+use crate::model::change::{Change, Keyframe, Loop, Merge, MergeCause};
+use crate::model::ids::{AnchorSeq, KeyframeSeq, LoopId, PointId, SessionSeq};
+use crate::model::map::MapProperties;
+
+/// What a batch of changes has touched.
+#[derive(Default)]
+struct Touched {
+    /// Anchors of which the objects must be derived anew.
+    anchors: BTreeSet<AnchorSeq>,
+    /// Anchors that lost something, or of which a point moved: their own shape and votes are stale.
+    stale: BTreeSet<AnchorSeq>,
+    /// Every object: a setting that decides about all of them changed.
+    all: bool,
+}
+
+impl MapIndex {
+    /// Applies one request's changes, in their order.
+    pub fn apply(&mut self, changes: &[Change]) {
+        let mut touched = Touched::default();
+        for change in changes {
+            self.apply_fact(change, &mut touched);
+        }
+        self.derive(touched);
+    }
+
+    /// Makes the dense numbers start here: those below were given to facts that are gone.
+    pub fn reserve(&mut self, keyframes: u32, anchors: u32) {
+        self.keyframes.resize_with(self.keyframes.len().max(keyframes as usize), || None);
+        self.anchors.resize_with(self.anchors.len().max(anchors as usize), || None);
+        self.seen_by.resize_with(self.keyframes.len(), BTreeSet::new);
+        self.covisibility.grow(self.keyframes.len());
+    }
+
+    fn apply_fact(&mut self, change: &Change, touched: &mut Touched) {
+        match change {
+            Change::MapSet(properties) => self.set_properties(properties, touched),
+            Change::SessionAdded(seq, id) => {
+                self.sessions.resize(self.sessions.len().max(seq.index() + 1), id.clone());
+                self.sessions[seq.index()] = id.clone();
+                self.session_by_id.insert(id.clone(), *seq);
+            }
+            Change::KeyframeAdded(keyframe, bow) => self.add_keyframe(keyframe, bow),
+            Change::KeyframeRemoved(seq, bow) => self.remove_keyframe(*seq, bow, touched),
+            Change::PoseSet(seq, pose) => {
+                if let Some(Some(keyframe)) = self.keyframes.get_mut(seq.index()) {
+                    keyframe.map_from_camera = *pose;
+                }
+            }
+            Change::PointSet(session, id, position) => {
+                self.points.set_position(*session, *id, *position);
+                self.touch_observers(*session, *id, touched);
+            }
+            Change::AnchorAdded(seq, class) => {
+                self.reserve(0, seq.0 + 1);
+                self.anchors[seq.index()] = Some(Anchor::new(class.clone()));
+                touched.anchors.insert(*seq);
+            }
+            Change::AnchorRemoved(seq) => self.remove_anchor(*seq, touched),
+            Change::Observed(seq, observation) => self.observe(*seq, observation, touched),
+            Change::OutcomeSet(..) => {}
+            Change::PositionSet(seq, keyframe, detection, position) => {
+                if let Some(anchor) = self.anchor_mut(*seq)
+                    && let Some(observation) = anchor.observations.get_mut(&(*keyframe, *detection))
+                {
+                    observation.position_in_session = Some(*position);
+                    touched.stale.insert(*seq);
+                }
+            }
+            Change::DescriptionSet(seq, text) => {
+                if let Some(anchor) = self.anchor_mut(*seq) {
+                    anchor.description_by_hand.clone_from(text);
+                    touched.anchors.insert(*seq);
+                }
+            }
+            Change::AnchorTouched(seq, version) => {
+                if let Some(anchor) = self.anchor_mut(*seq) {
+                    anchor.version = *version;
+                }
+            }
+            Change::Merged(merge) => {
+                self.objects.link(merge);
+                touched.anchors.extend([merge.into, merge.from]);
+            }
+            Change::LoopAdded(closed) => {
+                self.join_by_loop(closed);
+                self.loops.insert(closed.id.clone(), closed.clone());
+            }
+            Change::LoopRemoved(id) => self.remove_loop(id, touched),
+        }
+    }
+
+    fn derive(&mut self, mut touched: Touched) {
+        let (keyframes, points) = (&self.keyframes, &self.points);
+        let session_of = |seq: KeyframeSeq| {
+            keyframes[seq.index()].as_ref().map_or(SessionSeq(0), |keyframe| keyframe.session)
+        };
+        for seq in &touched.stale {
+            if let Some(Some(anchor)) = self.anchors.get_mut(seq.index()) {
+                anchor.refresh(session_of, points);
+            }
+        }
+        touched.anchors.append(&mut touched.stale);
+        if touched.all {
+            let every = self.anchors.iter().enumerate().filter(|(_, anchor)| anchor.is_some());
+            touched.anchors.extend(every.map(|(seq, _)| AnchorSeq(seq as u32)));
+        }
+        let settings = &self.properties.settings;
+        let (gone, standing) = self.objects.regroup(&touched.anchors, &self.anchors, settings);
+        for root in gone {
+            self.texts.set(root, "", None);
+        }
+        for root in standing {
+            let Some(object) = self.objects.get(root) else { continue };
+            for member in object.members.iter().skip(1) {
+                self.texts.set(*member, "", None);
+            }
+            let valid = object.description.as_ref().filter(|_| object.state == AnchorState::Valid);
+            let class = self.anchors[root.index()].as_ref().map_or("", |anchor| &anchor.class);
+            self.texts.set(root, class, valid.map(|description| &description.text));
+        }
+    }
+
+    fn set_properties(&mut self, properties: &MapProperties, touched: &mut Touched) {
+        let before = std::mem::replace(&mut self.properties, properties.clone()).settings;
+        let now = self.properties.settings.clone();
+        if before.covisibility_min_shared_points != now.covisibility_min_shared_points {
+            self.rebuild_covisibility();
+        }
+        self.texts = TextIndex::new(now.matching_min_similarity_level as u8);
+        touched.all = true;
+    }
+
+    fn rebuild_covisibility(&mut self) {
+        self.covisibility = Covisibility::default();
+        self.covisibility.grow(self.keyframes.len());
+        let keyframes = std::mem::take(&mut self.keyframes);
+        for keyframe in keyframes.iter().flatten() {
+            self.connect(keyframe);
+        }
+        self.keyframes = keyframes;
+        for closed in std::mem::take(&mut self.loops) {
+            self.join_by_loop(&closed.1);
+            self.loops.insert(closed.0, closed.1);
+        }
+    }
+
+    /// A confirmed loop makes its two keyframes covisible, as long as both are there.
+    fn join_by_loop(&mut self, closed: &Loop) {
+        if self.keyframe(closed.keyframe).is_some() && self.keyframe(closed.candidate).is_some() {
+            self.covisibility.join_by_loop(closed.keyframe, closed.candidate);
+        }
+    }
+
+    fn add_keyframe(&mut self, keyframe: &Keyframe, bow: &BowVector) {
+        self.reserve(keyframe.seq.0 + 1, 0);
+        self.points.observe(keyframe.session, &keyframe.observes, keyframe.seq);
+        self.connect(keyframe);
+        self.keyframe_by_id.insert(keyframe.id.clone(), keyframe.seq);
+        self.inverted_file.insert(keyframe.seq.0, bow);
+        self.keyframes[keyframe.seq.index()] = Some(keyframe.clone());
+    }
+
+    /// The keyframe's covisibility: enough shared map points, and what its client declared.
+    fn connect(&mut self, keyframe: &Keyframe) {
+        let enough = self.properties.settings.covisibility_min_shared_points;
+        for (other, points) in self.points.sharing(keyframe.session, &keyframe.observes) {
+            if points >= enough {
+                self.covisibility.share_points(keyframe.seq, other, points);
+            }
+        }
+        for (other, points) in &keyframe.declared {
+            self.covisibility.declare(keyframe.seq, *other, *points);
+        }
+    }
+
+    fn remove_keyframe(&mut self, seq: KeyframeSeq, bow: &BowVector, touched: &mut Touched) {
+        let Some(keyframe) = self.keyframes.get_mut(seq.index()).and_then(Option::take) else { return };
+        self.keyframe_by_id.remove(&keyframe.id);
+        self.points.forget(keyframe.session, &keyframe.observes, seq);
+        self.inverted_file.remove(seq.0, bow);
+        // What others declared about it is no fact of the map any more.
+        for neighbour in self.covisibility.neighbours(seq) {
+            if let Some(Some(other)) = self.keyframes.get_mut(neighbour.index()) {
+                other.declared = other.declared.iter().copied().filter(|(d, _)| *d != seq).collect();
+            }
+        }
+        self.covisibility.remove(seq);
+        for anchor in std::mem::take(&mut self.seen_by[seq.index()]) {
+            if let Some(Some(anchor)) = self.anchors.get_mut(anchor.index()) {
+                anchor.observations.retain(|(keyframe, _), _| *keyframe != seq);
+            }
+            touched.stale.insert(anchor);
+        }
+    }
+
+    fn observe(&mut self, seq: AnchorSeq, observation: &Observation, touched: &mut Touched) {
+        let Some(session) = self.keyframe(observation.keyframe).map(|keyframe| keyframe.session) else {
+            return;
+        };
+        let Some(Some(anchor)) = self.anchors.get_mut(seq.index()) else { return };
+        anchor.observe(observation.clone(), session, &self.points);
+        self.seen_by[observation.keyframe.index()].insert(seq);
+        touched.anchors.insert(seq);
+    }
+
+    fn remove_anchor(&mut self, seq: AnchorSeq, touched: &mut Touched) {
+        let Some(anchor) = self.anchors.get_mut(seq.index()).and_then(Option::take) else { return };
+        for keyframe in anchor.keyframes() {
+            self.seen_by[keyframe.index()].remove(&seq);
+        }
+        let links: Vec<Merge> = self.objects.links(seq).cloned().collect();
+        self.unlink(&links, touched);
+        touched.anchors.insert(seq);
+    }
+
+    fn remove_loop(&mut self, id: &LoopId, touched: &mut Touched) {
+        let Some(closed) = self.loops.remove(id) else { return };
+        self.covisibility.part_by_loop(closed.keyframe, closed.candidate);
+        let made: Vec<Merge> = self.objects.links_of_loop(id);
+        debug_assert!(made.iter().all(|merge| merge.cause == MergeCause::Loop(id.clone())));
+        self.unlink(&made, touched);
+    }
+
+    fn unlink(&mut self, links: &[Merge], touched: &mut Touched) {
+        for merge in links {
+            touched.anchors.extend([merge.into, merge.from]);
+            self.objects.unlink(merge);
+        }
+    }
+
+    fn touch_observers(&self, session: SessionSeq, id: PointId, touched: &mut Touched) {
+        for observer in self.points.observers(session, id) {
+            for seq in &self.seen_by[observer.index()] {
+                let holds =
+                    |anchor: &Anchor| anchor.shapes.get(&session).is_some_and(|s| s.map_points.contains(&id));
+                if !touched.stale.contains(seq) && self.anchor(*seq).is_some_and(holds) {
+                    touched.stale.insert(*seq);
+                }
+            }
+        }
+    }
+
+    fn anchor_mut(&mut self, seq: AnchorSeq) -> Option<&mut Anchor> {
+        self.anchors.get_mut(seq.index())?.as_mut()
+    }
+}

@@ -1,0 +1,156 @@
+//! The index of one map in memory: its facts, and everything derived from them.
+//!
+//! The law that tests hold: an index built from the store equals the live one, after any
+//! sequence of requests. So nothing here may depend on the order in which facts arrived
+//! other than through the numbers that are facts themselves.
+
+mod anchor;
+mod apply;
+mod objects;
+mod points;
+mod texts;
+mod votes;
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+pub use anchor::{Anchor, Shape};
+pub use objects::{Description, Object, Objects};
+pub use points::Points;
+pub use texts::{TextId, TextIndex};
+pub use votes::Votes;
+
+use super::covisibility::Covisibility;
+use super::inverted_file::InvertedFile;
+use crate::model::change::{Keyframe, Loop};
+use crate::model::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, SessionId, SessionSeq};
+use crate::model::map::MapProperties;
+
+/// One map: facts first, then what follows from them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MapIndex {
+    properties: MapProperties,
+    sessions: Vec<SessionId>,
+    keyframes: Vec<Option<Keyframe>>,
+    anchors: Vec<Option<Anchor>>,
+    loops: BTreeMap<LoopId, Loop>,
+
+    session_by_id: HashMap<SessionId, SessionSeq>,
+    keyframe_by_id: HashMap<KeyframeId, KeyframeSeq>,
+    points: Points,
+    covisibility: Covisibility,
+    /// The anchors each keyframe sees, ascending; anchors, not objects.
+    seen_by: Vec<BTreeSet<AnchorSeq>>,
+    objects: Objects,
+    texts: TextIndex,
+    inverted_file: InvertedFile,
+}
+
+impl MapIndex {
+    /// The map's description, classes and settings.
+    pub fn properties(&self) -> &MapProperties {
+        &self.properties
+    }
+
+    /// A session's number.
+    pub fn session(&self, id: &SessionId) -> Option<SessionSeq> {
+        self.session_by_id.get(id).copied()
+    }
+
+    /// The sessions, in order of appearance.
+    pub fn sessions(&self) -> &[SessionId] {
+        &self.sessions
+    }
+
+    /// A keyframe's number.
+    pub fn keyframe_seq(&self, id: &KeyframeId) -> Option<KeyframeSeq> {
+        self.keyframe_by_id.get(id).copied()
+    }
+
+    /// A keyframe, unless it was culled.
+    pub fn keyframe(&self, seq: KeyframeSeq) -> Option<&Keyframe> {
+        self.keyframes.get(seq.index())?.as_ref()
+    }
+
+    /// Every keyframe, in order of arrival.
+    pub fn keyframes(&self) -> impl Iterator<Item = &Keyframe> {
+        self.keyframes.iter().flatten()
+    }
+
+    /// How many keyframes there are.
+    pub fn keyframe_count(&self) -> usize {
+        self.keyframe_by_id.len()
+    }
+
+    /// The number the next keyframe gets.
+    pub fn next_keyframe(&self) -> KeyframeSeq {
+        KeyframeSeq(self.keyframes.len() as u32)
+    }
+
+    /// An anchor with its own facts, unless it was removed.
+    pub fn anchor(&self, seq: AnchorSeq) -> Option<&Anchor> {
+        self.anchors.get(seq.index())?.as_ref()
+    }
+
+    /// The number the next anchor gets.
+    pub fn next_anchor(&self) -> AnchorSeq {
+        AnchorSeq(self.anchors.len() as u32)
+    }
+
+    /// The confirmed loops.
+    pub fn loops(&self) -> &BTreeMap<LoopId, Loop> {
+        &self.loops
+    }
+
+    /// The map points.
+    pub fn points(&self) -> &Points {
+        &self.points
+    }
+
+    /// The covisibility graph.
+    pub fn covisibility(&self) -> &Covisibility {
+        &self.covisibility
+    }
+
+    /// The objects.
+    pub fn objects(&self) -> &Objects {
+        &self.objects
+    }
+
+    /// The texts of valid objects, and which of them match.
+    pub fn texts(&self) -> &TextIndex {
+        &self.texts
+    }
+
+    /// The bag-of-words index.
+    pub fn inverted_file(&self) -> &InvertedFile {
+        &self.inverted_file
+    }
+
+    /// The anchors (not objects) that a keyframe sees, ascending.
+    pub fn anchors_seen_by(&self, keyframe: KeyframeSeq) -> impl Iterator<Item = AnchorSeq> + '_ {
+        self.seen_by.get(keyframe.index()).into_iter().flatten().copied()
+    }
+
+    /// The objects that a keyframe sees, ascending.
+    pub fn objects_seen_by(&self, keyframe: KeyframeSeq) -> BTreeSet<AnchorSeq> {
+        self.anchors_seen_by(keyframe).filter_map(|anchor| self.objects.root(anchor)).collect()
+    }
+
+    /// The keyframes that see an object, ascending.
+    pub fn keyframes_of(&self, object: &Object) -> BTreeSet<KeyframeSeq> {
+        object.members.iter().filter_map(|member| self.anchor(*member)).flat_map(Anchor::keyframes).collect()
+    }
+
+    /// An object's class.
+    pub fn class_of(&self, object: &Object) -> &str {
+        object.members.first().and_then(|member| self.anchor(*member)).map_or("", |anchor| &anchor.class)
+    }
+
+    /// Does some keyframe that sees one object see what a keyframe of the other sees?
+    pub fn objects_covisible(&self, a: &Object, b: &Object) -> bool {
+        let of_b = self.keyframes_of(b);
+        self.keyframes_of(a)
+            .into_iter()
+            .any(|keyframe| self.covisibility.with_itself(keyframe).any(|other| of_b.contains(&other)))
+    }
+}

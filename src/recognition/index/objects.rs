@@ -1,0 +1,210 @@
+//! Which anchors are one object, and what is known of it.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use super::anchor::{Anchor, Shape};
+use super::votes::Votes;
+use crate::geometry::Aabb;
+use crate::model::anchor::AnchorState;
+use crate::model::change::{Merge, MergeCause};
+use crate::model::ids::{AnchorSeq, LoopId, SessionSeq};
+use crate::model::settings::Settings;
+use crate::semantics::Text;
+
+/// A reading counts as sure when it was read alike this often (`contract.md` §8.7).
+const SURE_READINGS: usize = 2;
+
+/// What an object is called, and how well that is known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Description {
+    /// As last read, or as the operator wrote it.
+    pub raw: Box<str>,
+    /// The same, parsed.
+    pub text: Arc<Text>,
+    /// Did an operator set it?
+    pub by_hand: bool,
+    /// Is an identifier in it sure by itself: read alike at least twice, or set by hand?
+    pub sure: bool,
+}
+
+/// One physical object: the anchors that links join, under the name of the oldest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Object {
+    /// Its anchors, oldest first.
+    pub members: Vec<AnchorSeq>,
+    /// What it is called, if anything has described it.
+    pub description: Option<Description>,
+    /// How far its description is.
+    pub state: AnchorState,
+    /// All readings of its anchors.
+    pub votes: Votes,
+    /// Its map points and its box in the frame of each session that saw it.
+    pub shapes: BTreeMap<SessionSeq, Shape>,
+}
+
+impl Object {
+    /// Its box in a session's frame, if it has one there.
+    pub fn aabb(&self, session: SessionSeq) -> Option<Aabb> {
+        self.shapes.get(&session)?.aabb
+    }
+
+    /// Derives the object from its anchors; `members` oldest first, never empty.
+    fn of(members: Vec<AnchorSeq>, anchors: &[Option<Anchor>], settings: &Settings) -> Self {
+        let mut votes = Votes::default();
+        let mut shapes: BTreeMap<SessionSeq, Shape> = BTreeMap::new();
+        let mut by_hand = None;
+        for anchor in members.iter().filter_map(|member| anchors[member.index()].as_ref()) {
+            votes.add_all(&anchor.votes);
+            for (session, shape) in &anchor.shapes {
+                shapes.entry(*session).or_default().join(shape);
+            }
+            by_hand = by_hand.or(anchor.description_by_hand.as_deref());
+        }
+        let description = match (by_hand, votes.elected()) {
+            (Some(raw), _) => Some(Description::new(raw, true, true)),
+            (None, Some(elected)) => {
+                Some(Description::new(elected.text, false, elected.count >= SURE_READINGS))
+            }
+            (None, None) => None,
+        };
+        let state = match &description {
+            None => AnchorState::Pending,
+            Some(d)
+                if u32::from(d.text.information_level()) >= settings.description_min_information_level =>
+            {
+                AnchorState::Valid
+            }
+            Some(_) => AnchorState::Uninformative,
+        };
+        Self { members, description, state, votes, shapes }
+    }
+}
+
+impl Description {
+    fn new(raw: &str, by_hand: bool, sure: bool) -> Self {
+        Self { raw: raw.into(), text: Arc::new(Text::parse(raw)), by_hand, sure }
+    }
+}
+
+/// The objects of a map.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Objects {
+    /// The links, at both their ends.
+    links: BTreeMap<AnchorSeq, BTreeSet<Merge>>,
+    root_of: BTreeMap<AnchorSeq, AnchorSeq>,
+    by_root: BTreeMap<AnchorSeq, Object>,
+}
+
+impl Objects {
+    /// The object an anchor belongs to, by the name of its oldest anchor.
+    pub fn root(&self, anchor: AnchorSeq) -> Option<AnchorSeq> {
+        self.root_of.get(&anchor).copied()
+    }
+
+    /// An object by its oldest anchor.
+    pub fn get(&self, root: AnchorSeq) -> Option<&Object> {
+        self.by_root.get(&root)
+    }
+
+    /// Every object, oldest first.
+    pub fn iter(&self) -> impl Iterator<Item = (AnchorSeq, &Object)> {
+        self.by_root.iter().map(|(root, object)| (*root, object))
+    }
+
+    /// How many objects there are.
+    pub fn len(&self) -> usize {
+        self.by_root.len()
+    }
+
+    /// Is there none?
+    pub fn is_empty(&self) -> bool {
+        self.by_root.is_empty()
+    }
+
+    /// The links of an anchor.
+    pub fn links(&self, anchor: AnchorSeq) -> impl Iterator<Item = &Merge> {
+        self.links.get(&anchor).into_iter().flatten()
+    }
+
+    /// The links that a loop made.
+    pub fn links_of_loop(&self, id: &LoopId) -> Vec<Merge> {
+        let made = |merge: &&Merge| merge.cause == MergeCause::Loop(id.clone());
+        self.links
+            .iter()
+            .flat_map(|(end, set)| set.iter().filter(made).filter(|m| m.into == *end))
+            .cloned()
+            .collect()
+    }
+
+    /// The anchors joined to one by links that hold within a single passage: not by loops.
+    pub fn same_passage(&self, anchor: AnchorSeq) -> BTreeSet<AnchorSeq> {
+        self.component(anchor, |merge| merge.cause == MergeCause::Covisible)
+    }
+
+    pub(super) fn link(&mut self, merge: &Merge) {
+        for end in [merge.into, merge.from] {
+            self.links.entry(end).or_default().insert(merge.clone());
+        }
+    }
+
+    pub(super) fn unlink(&mut self, merge: &Merge) {
+        for end in [merge.into, merge.from] {
+            if let Some(set) = self.links.get_mut(&end) {
+                set.remove(merge);
+                if set.is_empty() {
+                    self.links.remove(&end);
+                }
+            }
+        }
+    }
+
+    /// Derives anew the objects that these anchors belong to or belonged to. Returns the names
+    /// that are gone and the names that stand now.
+    pub(super) fn regroup(
+        &mut self,
+        touched: &BTreeSet<AnchorSeq>,
+        anchors: &[Option<Anchor>],
+        settings: &Settings,
+    ) -> (BTreeSet<AnchorSeq>, BTreeSet<AnchorSeq>) {
+        let before: BTreeSet<AnchorSeq> = touched.iter().filter_map(|anchor| self.root(*anchor)).collect();
+        let mut open: BTreeSet<AnchorSeq> = touched.clone();
+        for root in &before {
+            if let Some(object) = self.by_root.remove(root) {
+                open.extend(object.members);
+            }
+        }
+        let mut after = BTreeSet::new();
+        while let Some(anchor) = open.pop_first() {
+            if anchors.get(anchor.index()).is_none_or(Option::is_none) {
+                self.root_of.remove(&anchor);
+                continue;
+            }
+            let members = self.component(anchor, |_| true);
+            let root = *members.first().unwrap_or(&anchor);
+            for member in &members {
+                open.remove(member);
+                self.root_of.insert(*member, root);
+            }
+            let object = Object::of(members.into_iter().collect(), anchors, settings);
+            self.by_root.insert(root, object);
+            after.insert(root);
+        }
+        (before.difference(&after).copied().collect(), after)
+    }
+
+    fn component(&self, start: AnchorSeq, follows: impl Fn(&Merge) -> bool) -> BTreeSet<AnchorSeq> {
+        let mut seen = BTreeSet::from([start]);
+        let mut open = vec![start];
+        while let Some(anchor) = open.pop() {
+            for merge in self.links(anchor).filter(|merge| follows(merge)) {
+                for end in [merge.into, merge.from] {
+                    if seen.insert(end) {
+                        open.push(end);
+                    }
+                }
+            }
+        }
+        seen
+    }
+}

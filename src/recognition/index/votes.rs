@@ -1,0 +1,101 @@
+//! What an anchor's readings say together: a vote (`contract.md` §8.4).
+
+use std::collections::BTreeMap;
+
+use crate::model::anchor::Observation;
+use crate::model::ids::KeyframeSeq;
+use crate::model::report::ReadingReport;
+use crate::semantics::Text;
+
+/// Votes are summed in millionths of a detection's confidence: integers add up to the same
+/// sum in any order, so that a rebuilt index equals the live one to the bit.
+const UNITS_PER_CONFIDENCE: f64 = 1e6;
+
+/// The votes for one reading; readings that normalise alike are one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Tally {
+    /// Does it say anything? Any number of "unknown" does not outvote one number read.
+    informative: bool,
+    units: u64,
+    count: usize,
+    newest: (KeyframeSeq, u16),
+    /// As the newest detection wrote it.
+    text: Box<str>,
+}
+
+impl Tally {
+    fn rank(&self) -> (bool, u64, (KeyframeSeq, u16)) {
+        (self.informative, self.units, self.newest)
+    }
+}
+
+/// The readings of an anchor, by normalised text.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Votes {
+    tallies: BTreeMap<Box<str>, Tally>,
+}
+
+/// The reading that won.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Elected<'a> {
+    /// As last read.
+    pub text: &'a str,
+    /// How many detections read it alike.
+    pub count: usize,
+}
+
+impl Votes {
+    /// Counts one observation's reading, if it has one.
+    pub fn add(&mut self, observation: &Observation) {
+        let Some(reading) = &observation.reading else { return };
+        let text = Text::parse(reading);
+        let vote = Tally {
+            informative: text.information_level() > 1,
+            units: (observation.confidence * UNITS_PER_CONFIDENCE).round() as u64,
+            count: 1,
+            newest: (observation.keyframe, observation.detection),
+            text: reading.clone(),
+        };
+        self.count(text.normalised().into(), vote);
+    }
+
+    /// Counts all votes of another anchor, which is the same object.
+    pub fn add_all(&mut self, other: &Self) {
+        for (normalised, tally) in &other.tallies {
+            self.count(normalised.clone(), tally.clone());
+        }
+    }
+
+    fn count(&mut self, normalised: Box<str>, vote: Tally) {
+        let Some(tally) = self.tallies.get_mut(&normalised) else {
+            self.tallies.insert(normalised, vote);
+            return;
+        };
+        tally.units += vote.units;
+        tally.count += vote.count;
+        if vote.newest > tally.newest {
+            tally.newest = vote.newest;
+            tally.text = vote.text;
+        }
+    }
+
+    /// The reading with the most weight; of equals, the newest.
+    pub fn elected(&self) -> Option<Elected<'_>> {
+        let best = self.tallies.values().max_by_key(|tally| tally.rank())?;
+        Some(Elected { text: &best.text, count: best.count })
+    }
+
+    /// Every reading, heaviest first.
+    pub fn report(&self) -> Vec<ReadingReport> {
+        let mut tallies: Vec<&Tally> = self.tallies.values().collect();
+        tallies.sort_by_key(|tally| std::cmp::Reverse(tally.rank()));
+        tallies
+            .into_iter()
+            .map(|tally| ReadingReport {
+                text: tally.text.to_string(),
+                weight: tally.units as f64 / UNITS_PER_CONFIDENCE,
+                count: tally.count,
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,189 @@
+//! The inverted file: from a bag of words to its score against every keyframe of the map.
+//!
+//! For every word, the keyframes that have it and their weights (*postings*). One query reads the postings of
+//! its words, a million or more in a large map, so the layout is chosen for reading:
+//!
+//! - Keyframes are cut into *blocks* of 8,192 consecutive ids. A posting then fits six bytes, 16 bits of
+//!   keyframe and 32 of exact weight, and the accumulators of a block (64 KB) stay in cache as its postings stream by.
+//! - Within a block, postings lie word after word in *segments* that are written once, at exact capacity.
+//!   An insert never touches them: new keyframes wait as *rows*, 64 at a time become a small segment, and
+//!   segments of like size are merged, as in a log-structured merge tree. The longest pause is the last merge of one
+//!   block, some ten milliseconds however large the map is; one base for the whole map would make that pause grow
+//!   with the map, and one vector per word would be half empty or reallocated at nearly every insert.
+//! - A removed keyframe is only marked, its score erased after its segment was read; the next merge drops it.
+
+mod block;
+mod row;
+mod scores;
+mod segment;
+
+use std::collections::HashMap;
+use std::fmt;
+
+use self::block::Block;
+use self::row::Row;
+pub use self::scores::{Scores, Scratch};
+use crate::model::bow::BowVector;
+
+/// Rows kept until they become a segment. A query looks at each of them in full, about half a microsecond,
+/// and each merge pays for every word of the map: 64 keeps both small.
+const ROWS_MAX: usize = 64;
+
+/// The words of one map's keyframes, ready to be scored against a query.
+///
+/// Keyframes are dense ids given by the caller, meant to grow with each insert. Two files are equal when they
+/// hold the same keyframes with the same vectors, whatever was inserted and removed to get there.
+#[derive(Clone, Default)]
+pub struct InvertedFile {
+    /// Word -> slot, the dense number of a word in the order of its first appearance.
+    slots: HashMap<u32, u32>,
+    /// Indexed by `keyframe / BLOCK_KEYFRAMES`.
+    blocks: Vec<Block>,
+    /// The latest keyframes, not in any segment yet.
+    rows: Vec<Row>,
+    posting_count: usize,
+}
+
+impl InvertedFile {
+    /// A file without keyframes.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a keyframe, which must not be in the file. An empty vector leaves no trace.
+    pub fn insert(&mut self, keyframe: u32, bow: &BowVector) {
+        if bow.is_empty() {
+            return;
+        }
+        debug_assert!(!self.contains(keyframe), "keyframe {keyframe} is in the inverted file already");
+        let slots = bow.words().iter().map(|&word| self.slot_for(word)).collect();
+        self.rows.push(Row { keyframe, slots, weights: bow.weights().into() });
+        self.posting_count += bow.len();
+        let block = block::of(keyframe);
+        if block >= self.blocks.len() {
+            self.blocks.resize_with(block + 1, Block::default);
+        }
+        if self.rows.len() == ROWS_MAX {
+            self.flush();
+        }
+    }
+
+    /// Removes a keyframe, given the vector it was inserted with. A keyframe that is not in the file stays out of it.
+    pub fn remove(&mut self, keyframe: u32, bow: &BowVector) {
+        if let Some(at) = self.rows.iter().position(|row| row.keyframe == keyframe) {
+            self.rows.remove(at);
+        } else if !self.blocks.get_mut(block::of(keyframe)).is_some_and(|block| block.remove(keyframe)) {
+            return;
+        }
+        self.posting_count = self.posting_count.saturating_sub(bow.len());
+    }
+
+    /// Scores `query` against every keyframe: DBoW2's L1 score, the sum over common words of min(v_i, w_i).
+    pub fn score_all<'s>(&self, query: &BowVector, scratch: &'s mut Scratch) -> Scores<'s> {
+        let known = query.iter().filter_map(|(word, weight)| Some((*self.slots.get(&word)?, weight)));
+        let (terms, mut accumulators) = scratch.begin(known, self.blocks.len());
+        for (block, accumulators) in self.blocks.iter().zip(accumulators.blocks()) {
+            block.score(terms, accumulators);
+        }
+        if !self.rows.is_empty() {
+            accumulators.score_rows(&self.rows, terms, self.slots.len());
+        }
+        accumulators.finish()
+    }
+
+    /// How many postings the file holds: the sum of the keyframes' numbers of words.
+    pub fn posting_count(&self) -> usize {
+        self.posting_count
+    }
+
+    /// The heap memory the file occupies, in bytes, without the allocator's own.
+    pub fn heap_bytes(&self) -> usize {
+        // The standard hash map fills at most 7/8 of its buckets; a bucket is an entry and a control byte.
+        let slots = self.slots.capacity() / 7 * 8 * (size_of::<(u32, u32)>() + 1);
+        let blocks: usize = self.blocks.iter().map(Block::heap_bytes).sum();
+        let rows: usize = self.rows.iter().map(Row::heap_bytes).sum();
+        slots
+            + blocks
+            + self.blocks.capacity() * size_of::<Block>()
+            + rows
+            + self.rows.capacity() * size_of::<Row>()
+    }
+
+    fn contains(&self, keyframe: u32) -> bool {
+        self.rows.iter().any(|row| row.keyframe == keyframe)
+            || self.blocks.get(block::of(keyframe)).is_some_and(|block| block.contains(keyframe))
+    }
+
+    fn slot_for(&mut self, word: u32) -> u32 {
+        let next = self.slots.len() as u32;
+        *self.slots.entry(word).or_insert(next)
+    }
+
+    /// Turns the rows into segments of their blocks, and leaves every block but the last in one piece.
+    fn flush(&mut self) {
+        let slot_count = self.slots.len();
+        self.rows.sort_by_key(|row| block::of(row.keyframe));
+        for rows in self.rows.chunk_by(|a, b| block::of(a.keyframe) == block::of(b.keyframe)) {
+            self.blocks[block::of(rows[0].keyframe)].add(rows, slot_count);
+        }
+        self.rows.clear();
+        if let Some((_, earlier)) = self.blocks.split_last_mut() {
+            earlier.iter_mut().for_each(Block::seal);
+        }
+    }
+
+    /// `(keyframe, slot, weight)` of every posting in one block, in no particular order.
+    fn postings_of_block(&self, block: usize) -> impl Iterator<Item = (u32, u32, u32)> + '_ {
+        let in_segments = self.blocks.get(block).into_iter().flat_map(move |held| held.postings(block));
+        let rows = self.rows.iter().filter(move |row| block::of(row.keyframe) == block);
+        in_segments.chain(rows.flat_map(Row::postings))
+    }
+
+    /// `(keyframe, word, weight)` of every posting in one block, sorted.
+    fn sorted_postings_of_block(&self, block: usize, word_by_slot: &[u32]) -> Vec<(u32, u32, u32)> {
+        let with_word = |(keyframe, slot, weight)| (keyframe, word_by_slot[slot as usize], weight);
+        let mut postings: Vec<_> = self.postings_of_block(block).map(with_word).collect();
+        postings.sort_unstable();
+        postings
+    }
+
+    fn words_by_slot(&self) -> Vec<u32> {
+        let mut words = vec![0; self.slots.len()];
+        for (&word, &slot) in &self.slots {
+            words[slot as usize] = word;
+        }
+        words
+    }
+}
+
+impl PartialEq for InvertedFile {
+    fn eq(&self, other: &Self) -> bool {
+        let (our_words, their_words) = (self.words_by_slot(), other.words_by_slot());
+        let blocks = self.blocks.len().max(other.blocks.len());
+        // Block by block: the whole sorted at once would take many times the file's own memory.
+        self.posting_count == other.posting_count
+            && (0..blocks).all(|block| {
+                self.sorted_postings_of_block(block, &our_words)
+                    == other.sorted_postings_of_block(block, &their_words)
+            })
+    }
+}
+
+impl Eq for InvertedFile {}
+
+impl fmt::Debug for InvertedFile {
+    /// The figures only; the postings of a map fill many screens.
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_struct("InvertedFile")
+            .field("words", &self.slots.len())
+            .field("postings", &self.posting_count)
+            .field("blocks", &self.blocks.len())
+            .field("rows", &self.rows.len())
+            .finish()
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests;

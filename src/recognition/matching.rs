@@ -1,0 +1,71 @@
+//! Semantic anchor matching: which anchors of the map are the same object (§IV-C.2).
+//!
+//! Two anchors of one class match when their descriptions are identical or their SimilarityLevel
+//! is at least the setting's; [`super::index::TextIndex`] keeps the matches. If their keyframes are covisible and
+//! their boxes close, they are merged at once (here); if not, the robot has come back, and
+//! loop detection is triggered (§III). The paper leaves "close" open: boxes that touch, or centres
+//! within `association_position_radius_m`, in a frame both have (`contract.md` §8.5).
+
+use std::collections::BTreeSet;
+
+use super::index::{MapIndex, Object};
+use crate::model::change::{Merge, MergeCause};
+use crate::model::ids::{AnchorSeq, KeyframeSeq};
+
+/// The first object that `root` must be merged with, among those that the keyframes covisible
+/// with `around` see.
+pub fn covisible_merge(
+    index: &MapIndex,
+    root: AnchorSeq,
+    around: impl Iterator<Item = KeyframeSeq>,
+) -> Option<Merge> {
+    let object = index.objects().get(root)?;
+    let text = index.texts().of(root)?;
+    let nearby: BTreeSet<AnchorSeq> = around
+        .flat_map(|keyframe| index.covisibility().with_itself(keyframe))
+        .flat_map(|keyframe| index.objects_seen_by(keyframe))
+        .collect();
+    let twin = nearby.into_iter().filter(|other| *other != root).find(|other| {
+        index.texts().of(*other).is_some_and(|theirs| index.texts().level(text, theirs).is_some())
+            && index.objects().get(*other).is_some_and(|other| close(index, object, other))
+    })?;
+    Some(Merge { into: root.min(twin), from: root.max(twin), cause: MergeCause::Covisible })
+}
+
+/// Do the two boxes touch, or are their centres near, in a frame that both have?
+fn close(index: &MapIndex, a: &Object, b: &Object) -> bool {
+    let radius_m = index.properties().settings.association_position_radius_m;
+    a.shapes
+        .iter()
+        .filter_map(|(session, shape)| Some((shape.aabb?, b.aabb(*session)?)))
+        .any(|(of_a, of_b)| of_a.touches(&of_b) || (of_a.centre() - of_b.centre()).norm() <= radius_m)
+}
+
+/// The objects that match `root` though no keyframe of theirs is covisible with one of its own:
+/// the robot has come back. Oldest first.
+pub fn revisits(index: &MapIndex, root: AnchorSeq) -> impl Iterator<Item = AnchorSeq> + '_ {
+    let near = neighbourhood(index, root);
+    matches(index, root).filter(move |other| !near.contains(other))
+}
+
+/// The objects that match `root`, covisible or not; oldest first within each text.
+pub fn matches(index: &MapIndex, root: AnchorSeq) -> impl Iterator<Item = AnchorSeq> + '_ {
+    let texts = index.texts();
+    texts
+        .of(root)
+        .into_iter()
+        .flat_map(move |text| texts.matching(text))
+        .flat_map(move |text| texts.objects(text))
+        .filter(move |other| *other != root)
+}
+
+/// The objects that keyframes covisible with an object's own keyframes see.
+pub fn neighbourhood(index: &MapIndex, root: AnchorSeq) -> BTreeSet<AnchorSeq> {
+    let Some(object) = index.objects().get(root) else { return BTreeSet::new() };
+    let keyframes: BTreeSet<KeyframeSeq> = index
+        .keyframes_of(object)
+        .into_iter()
+        .flat_map(|keyframe| index.covisibility().with_itself(keyframe))
+        .collect();
+    keyframes.into_iter().flat_map(|keyframe| index.objects_seen_by(keyframe)).collect()
+}

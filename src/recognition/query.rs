@@ -1,0 +1,76 @@
+//! The keyframe that is asked about: one of the map, or one that is not stored.
+
+use std::collections::BTreeSet;
+
+use super::anchor_map::{Centre, inline_centre};
+use super::index::{MapIndex, TextId};
+use crate::model::bow::BowVector;
+use crate::model::ids::{AnchorSeq, KeyframeSeq};
+use crate::model::keyframe::NewKeyframe;
+
+/// "Is this keyframe a loop?", ready to be answered.
+#[derive(Clone, Debug)]
+pub struct Query<'a> {
+    /// Its number, if it is stored.
+    pub keyframe: Option<KeyframeSeq>,
+    /// Its bag of words.
+    pub bow: &'a BowVector,
+    /// What its local anchor map is built around.
+    pub centre: Centre,
+    /// The objects it sees, ascending.
+    pub seen: BTreeSet<AnchorSeq>,
+}
+
+impl<'a> Query<'a> {
+    /// About a keyframe of the map, with its bag of words from the store.
+    pub fn stored(index: &MapIndex, keyframe: KeyframeSeq, bow: &'a BowVector) -> Option<Self> {
+        let centre = Centre::stored(index, keyframe)?;
+        Some(Self { keyframe: Some(keyframe), bow, centre, seen: index.objects_seen_by(keyframe) })
+    }
+
+    /// About a keyframe that is not stored, as if it had just arrived.
+    pub fn inline(index: &MapIndex, keyframe: &'a NewKeyframe) -> Self {
+        let covisible = inline_covisible(index, keyframe);
+        let (centre, seen) = inline_centre(index, keyframe, covisible);
+        Self { keyframe: None, bow: &keyframe.bow, centre, seen }
+    }
+
+    /// Is this keyframe covisible with the query, or the query itself (§V, check 1)?
+    pub fn excludes(&self, keyframe: KeyframeSeq) -> bool {
+        self.centre.covisible.contains(&keyframe)
+    }
+
+    /// The covisible keyframes, without the query itself.
+    pub fn covisible(&self) -> impl Iterator<Item = KeyframeSeq> + '_ {
+        self.centre.covisible.iter().copied().filter(|keyframe| Some(*keyframe) != self.keyframe)
+    }
+
+    /// The texts of the map that match what the query sees and no object of the map is.
+    pub fn inline_texts(&self, index: &MapIndex) -> Vec<TextId> {
+        let valid = index.properties().settings.description_min_information_level;
+        let texts =
+            self.centre.inline.iter().filter_map(|anchor| Some((&anchor.class, anchor.text.as_ref()?)));
+        texts
+            .filter(|(_, text)| u32::from(text.information_level()) >= valid)
+            .flat_map(|(class, text)| index.texts().matching_text(class, text))
+            .collect()
+    }
+}
+
+/// The keyframes an inline keyframe would be covisible with.
+fn inline_covisible(index: &MapIndex, keyframe: &NewKeyframe) -> BTreeSet<KeyframeSeq> {
+    let mut covisible: BTreeSet<KeyframeSeq> =
+        keyframe.covisible.iter().filter_map(|(id, _)| index.keyframe_seq(id)).collect();
+    if let Some(session) = index.session(&keyframe.session) {
+        let enough = index.properties().settings.covisibility_min_shared_points;
+        covisible.extend(
+            index
+                .points()
+                .sharing(session, &keyframe.observes)
+                .into_iter()
+                .filter(|(_, n)| *n >= enough)
+                .map(|(k, _)| k),
+        );
+    }
+    covisible
+}

@@ -1,0 +1,188 @@
+//! Golden answers of the judge.
+
+use super::{Text, conflict, information, merge, similarity};
+
+#[test]
+fn similarity_level_of_golden_pairs() {
+    // (one, other, lowest level, highest level)
+    let table = [
+        ("room 901", "Room 901", 5, 5),
+        ("901", "910", 1, 1),
+        ("B1-03", "B1-08", 1, 1),
+        ("B1-3", "B1-03", 4, 5),
+        ("９０１", "901", 5, 5),
+        ("901号室", "room 901", 5, 5),
+        ("901", "901A", 1, 1),
+        ("9O1", "901", 3, 3),
+        ("floor 9", "room 9", 1, 2),
+        ("exit left", "exit right", 2, 2),
+        ("no entry", "entry", 2, 2),
+        ("door number 901 in black letters", "room 901", 5, 5),
+        ("2 m wide door 901", "door 901", 5, 5),
+        ("901-905", "903", 3, 3),
+        ("3.14", "3.41", 1, 1),
+        ("", "", 1, 1),
+        ("unknown", "unknown", 1, 1),
+        ("brown door", "room 901", 2, 2),
+        ("HUB 10", "HUB 04", 1, 1),
+        ("HUB 10", "HUB 10", 5, 5),
+        ("3", "8", 1, 1),
+        ("11", "11", 5, 5),
+        ("EXIT", "exit", 5, 5),
+        ("a painting of a red boat on a lake", "painting of a red boat on the lake", 4, 5),
+        ("a painting of a red boat", "a painting of a blue mountain", 1, 3),
+        ("Meeting Room Turing", "meeting room Turing", 5, 5),
+        ("Turing", "Curie", 1, 2),
+        // Identifiers and their roles.
+        ("901", "room 901", 5, 5),
+        ("Zimmer 901", "room 901", 5, 5),
+        ("Room no. 901", "901", 5, 5),
+        ("9F", "floor 9", 5, 5),
+        ("9階", "9. Stock", 5, 5),
+        ("2nd floor", "second floor", 5, 5),
+        ("HUB 10", "10", 4, 4),
+        ("HUB10", "hub 10", 5, 5),
+        ("HUB 04", "HUB O4", 3, 3),
+        ("Gate B", "gate C", 1, 1),
+        ("Gate A 12", "Gate A12", 2, 5),
+        ("Copernicus 3", "Galileo 3", 2, 2),
+        ("3楼会议室", "3楼", 4, 5),
+        ("地下1階", "B1F", 5, 5),
+        ("901 to 905", "901–905", 5, 5),
+        ("901〜905", "906", 1, 1),
+        ("٩٠١", "901", 5, 5),
+        // Several identifiers.
+        ("room 901 floor 9", "room 901", 4, 4),
+        ("room 901 floor 9", "901", 4, 4),
+        ("room 901 floor 9", "room 901 floor 8", 1, 1),
+        ("rooms 901, 902 and 903", "room 901", 3, 3),
+        ("901 902", "901 903", 3, 3),
+        ("901 902", "902, 901", 5, 5),
+        ("901 902", "903 904", 1, 1),
+        ("building A room 5", "building B room 5", 1, 1),
+        ("gate 5", "room 901", 2, 2),
+        // Quantities name nothing.
+        ("open 10:30", "open 11:30", 1, 3),
+        ("50% off", "30% off", 1, 3),
+        ("painting of 3 boats", "painting of 5 boats", 1, 3),
+        ("room 901, built in 1998", "room 901, built in 2004", 5, 5),
+        ("call +49 30 1234567, door 12", "door 12", 5, 5),
+        // Directions and negations.
+        ("exit ←", "exit left", 5, 5),
+        ("901 ←", "901 →", 2, 2),
+        ("901 →", "901", 3, 3),
+        ("exit", "exit left", 1, 3),
+        ("close-up of a door", "a door", 3, 5),
+        ("smoking prohibited", "smoking", 2, 2),
+        ("No. 5", "5", 5, 5),
+        ("立入禁止", "立入", 2, 2),
+        // Words; the first three are of Table I.
+        ("a gray pillow", "a green tree", 1, 1),
+        ("a red ball", "a black and white ball", 2, 2),
+        ("a black cat", "a white cat", 2, 2),
+        ("room", "room 901", 3, 3),
+        ("n/a", "901", 1, 1),
+        ("I cannot read the sign", "I cannot read the sign", 1, 1),
+    ];
+    for (a, b, lowest, highest) in table {
+        let judged = similarity(&Text::parse(a), &Text::parse(b));
+        assert!((lowest..=highest).contains(&judged.level), "{a:?} / {b:?}: {judged:?}");
+    }
+}
+
+#[test]
+fn information_level_of_golden_texts() {
+    let table = [
+        ("901", 4),
+        ("3", 4),
+        ("A", 4),
+        ("room 901", 5),
+        ("HUB 10", 5),
+        ("901号室", 5),
+        ("exit", 2),
+        ("EXIT", 2),
+        ("Push", 2),
+        ("a painting", 2),
+        ("fire extinguisher", 2),
+        ("→", 2),
+        ("no entry", 2),
+        ("NO SMOKING", 2),
+        ("非常口", 2),
+        ("Turing", 4),
+        ("TURING", 4),
+        ("turing", 3),
+        ("Mona Lisa", 4),
+        ("Meeting Room Turing", 4),
+        ("A painting of the Mona Lisa", 4),
+        ("brown door", 3),
+        ("Wooden door", 3),
+        ("Sunflowers in a vase", 3),
+        ("a painting of a red boat on a lake", 4),
+        ("", 1),
+        (" \u{200b}\n", 1),
+        ("?", 1),
+        ("unknown", 1),
+        ("Unclear", 1),
+        ("illegible", 1),
+        ("N/A", 1),
+        ("I don't know", 1),
+        ("I don’t know.", 1),
+        ("cannot read", 1),
+        ("The text is not legible", 1),
+        ("a blurry sign", 1),
+        ("no text", 1),
+    ];
+    for (text, level) in table {
+        let (found, reason) = information(&Text::parse(text));
+        assert_eq!(found, level, "{text:?}: {reason}");
+    }
+}
+
+#[test]
+fn reasons_name_the_evidence() {
+    let table = [
+        ("901", "910", "901 is not 910"),
+        ("910", "901", "901 is not 910"),
+        ("floor 9", "room 9", "floor 9 is not room 9"),
+        ("9O1", "901", "901 may be a misreading of 9O1"),
+        ("exit left", "exit right", "one points left, the other right"),
+        ("no entry", "entry", "one denies \"entry\", the other states it"),
+        ("unknown", "901", "\"unknown\" says nothing about the object"),
+        ("", "901", "one text is empty"),
+        ("901号室", "room 901", "both say room 901"),
+    ];
+    for (a, b, reason) in table {
+        assert_eq!(similarity(&Text::parse(a), &Text::parse(b)).reason, reason);
+    }
+}
+
+#[test]
+fn a_conflict_counts_the_differing_characters() {
+    let differing =
+        |a: &str, b: &str| conflict(&Text::parse(a), &Text::parse(b)).map(|c| c.differing_characters);
+    assert_eq!(differing("901", "room 910"), Some(2));
+    assert_eq!(differing("3", "8"), Some(1));
+    assert_eq!(differing("floor 9", "room 9"), None);
+    assert_eq!(differing("901", "9O1"), None);
+    assert_eq!(differing("exit", "901"), None);
+}
+
+#[test]
+fn merged_texts_say_what_both_say_once() {
+    let table = [
+        ("901", "room 901", "room 901"),
+        ("unknown", "exit", "exit"),
+        ("", "exit", "exit"),
+        ("Room 901", "room 901", "room 901"),
+        ("door number 901 in black letters", "brown door 901", "door number 901 in black letters, brown"),
+        ("room 901", "floor 9", "room 901, floor 9"),
+        (
+            "a painting of a red boat.",
+            "a painting of a blue mountain at night",
+            "a painting of a blue mountain at night, red boat",
+        ),
+    ];
+    for (a, b, merged) in table {
+        assert_eq!(merge(a, b), merged);
+    }
+}

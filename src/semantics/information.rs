@@ -1,0 +1,105 @@
+//! InformationLevel, §IV-A.2: how much a text tells about one object.
+
+use super::dictionary::{self, Class};
+use super::identifier::Identifier;
+use super::normalise::bare;
+use super::role::Role;
+use super::text::Text;
+use super::words::Word;
+
+/// From this many specific words on, a text without identifier or name is worth an anchor.
+const ENOUGH_SPECIFIC_WORDS: usize = 3;
+/// An all-capitals text longer than this is a sentence in capitals, and its words are no names.
+const MAX_WORDS_OF_CAPITAL_NAME: usize = 3;
+
+/// What was found of a text's worth.
+#[derive(Clone, Debug)]
+pub struct Information {
+    /// 1 to 5.
+    pub level: u8,
+    name: Option<String>,
+}
+
+/// InformationLevel of a text, 1 to 5, and the reason in one sentence.
+pub fn information(text: &Text) -> (u8, String) {
+    let level = text.information_level();
+    let reason = match (text.identifiers.first(), &text.information.name) {
+        _ if text.normalised().is_empty() => "the text is empty".to_owned(),
+        _ if level == 1 => format!("\"{}\" says nothing about the object", text.normalised()),
+        (Some(identifier), _) if level == 5 => {
+            format!("{} is an identifier with another word", identifier.as_str())
+        }
+        (Some(identifier), _) => format!("{} is an identifier", identifier.as_str()),
+        (None, Some(name)) => format!("{name} is a proper name"),
+        (None, None) => {
+            match specific(&text.words).map(|word| word.text.as_str()).collect::<Vec<_>>().as_slice() {
+                [] => "it has only generic words".to_owned(),
+                words => format!("its specific words are {}", words.join(", ")),
+            }
+        }
+    };
+    (level, reason)
+}
+
+/// Finds the level of a text: `clean` has its capitals, the rest is parsed from the normalised form.
+pub fn assess(
+    clean: &str,
+    normalised: &str,
+    identifiers: &[Identifier],
+    words: &[Word],
+    negated: &[Word],
+) -> Information {
+    let name = proper_name(clean);
+    let level = match () {
+        () if !identifiers.is_empty() => {
+            let with_word = !words.is_empty() || identifiers.iter().any(|i| i.role != Role::Neutral);
+            if with_word { 5 } else { 4 }
+        }
+        () if is_uninformative(normalised, words, negated) => 1,
+        () if name.is_some() || specific(words).count() >= ENOUGH_SPECIFIC_WORDS => 4,
+        () if specific(words).next().is_some() => 3,
+        () => 2,
+    };
+    Information { level, name }
+}
+
+fn specific(words: &[Word]) -> impl Iterator<Item = &Word> {
+    words.iter().filter(|word| word.class < Class::Generic)
+}
+
+/// Empty, or a confession of not knowing with nothing but generic words beside it.
+fn is_uninformative(normalised: &str, words: &[Word], negated: &[Word]) -> bool {
+    let unsure =
+        |word: &Word| dictionary::is_unsure(&word.text) || dictionary::is_unsure_when_negated(&word.text);
+    let confesses = words.iter().any(|word| dictionary::is_unsure(&word.text))
+        || negated.iter().any(|word| dictionary::is_unsure_when_negated(&word.text));
+    words.is_empty()
+        || normalised == "n/a"
+        || (confesses && words.iter().all(|word| word.class == Class::Generic || unsure(word)))
+}
+
+/// A capitalised word outside the dictionary: "Mona Lisa", "Turing".
+///
+/// Capitals that open a sentence prove nothing, so the first word counts only if no other word of the text is specific.
+/// In a short text all in capitals (TURING) they count, as signs are written so; EXIT is in the dictionary.
+fn proper_name(clean: &str) -> Option<String> {
+    let words: Vec<&str> =
+        clean.split(|c: char| !(c.is_alphanumeric() || c == '\'')).filter(|word| !word.is_empty()).collect();
+    let is_specific = |word: &str| {
+        let stem = dictionary::stem(&bare(word));
+        dictionary::class_of(&stem) == Class::Specific
+            && !dictionary::is_unsure(&stem)
+            && !dictionary::negates(&stem)
+    };
+    let is_letters =
+        |word: &str| word.chars().nth(1).is_some() && word.chars().all(|c| c.is_alphabetic() || c == '\'');
+    let shouted = words.len() > MAX_WORDS_OF_CAPITAL_NAME && !clean.chars().any(char::is_lowercase);
+    let mut candidates =
+        words.iter().enumerate().filter(|(_, word)| is_letters(word) && word.starts_with(char::is_uppercase));
+    let name = candidates.find(|(i, word)| {
+        let opens_sentence = *i == 0
+            && words[1..].iter().any(|other| is_specific(other) && !other.starts_with(char::is_uppercase));
+        !opens_sentence && is_specific(word)
+    });
+    name.filter(|_| !shouted).map(|(_, word)| (*word).to_owned())
+}

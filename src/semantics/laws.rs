@@ -1,0 +1,222 @@
+//! Laws that hold for every text.
+
+use std::collections::BTreeSet;
+
+use proptest::prelude::*;
+
+use super::{Source, Text, conflict, information, merge, similarity, similarity_level};
+
+/// Texts as robots report them: mixed from the words and codes that the rules look for.
+fn sign() -> impl Strategy<Value = String> {
+    let word = prop::sample::select(vec![
+        "room",
+        "Rooms",
+        "door",
+        "floor",
+        "gate",
+        "HUB",
+        "Zimmer",
+        "号室",
+        "階",
+        "number",
+        "no",
+        "not",
+        "without",
+        "exit",
+        "left",
+        "right",
+        "→",
+        "←",
+        "a",
+        "the",
+        "and",
+        "painting",
+        "of",
+        "red",
+        "blue",
+        "boat",
+        "lake",
+        "mountain",
+        "sunset",
+        "Turing",
+        "Curie",
+        "Mona",
+        "Lisa",
+        "unknown",
+        "read",
+        "text",
+        "m",
+        "%",
+        "to",
+        "-",
+        ",",
+        ".",
+        "F",
+        "first",
+        "wooden",
+        "Straße",
+        "café",
+        "会议室",
+    ]);
+    let code = prop::sample::select(vec![
+        "901",
+        "9O1",
+        "910",
+        "901A",
+        "0901",
+        "B1-03",
+        "B1-3",
+        "8I-3",
+        "3",
+        "8",
+        "04",
+        "O4",
+        "901-905",
+        "903",
+        "15.02",
+        "10:30",
+        "9F",
+        "2nd",
+        "12",
+        "901/902",
+        "2m",
+        "$5",
+        "12.05.2024",
+        "1998",
+        "HUB10",
+        "9OI",
+    ]);
+    let part = prop_oneof![3 => word, 2 => code];
+    prop::collection::vec(part, 0..8).prop_map(|parts| parts.join(" "))
+}
+
+fn any_text() -> impl Strategy<Value = String> {
+    prop_oneof![6 => sign(), 1 => any::<String>(), 1 => "[ -~]{0,40}"]
+}
+
+/// Two texts that often say nearly the same.
+fn pair() -> impl Strategy<Value = (String, String)> {
+    let variant = |(text, swap): (String, usize)| {
+        let mut words: Vec<&str> = text.split(' ').collect();
+        let at = swap % words.len();
+        match swap % 3 {
+            0 => words.insert(at, "the"),
+            1 => drop(words.remove(at)),
+            _ => words.reverse(),
+        }
+        let other = words.join(" ");
+        (text, other)
+    };
+    prop_oneof![(any_text(), any_text()), (sign(), 0_usize..64).prop_map(variant)]
+}
+
+fn values(text: &Text) -> BTreeSet<&str> {
+    text.identifiers().iter().map(|identifier| identifier.value.as_str()).collect()
+}
+
+/// A failing case belongs into the golden table, not into a file beside the sources.
+fn config() -> ProptestConfig {
+    ProptestConfig { cases: 1024, failure_persistence: None, ..ProptestConfig::default() }
+}
+
+proptest! {
+    #![proptest_config(config())]
+
+    #[test]
+    fn similarity_is_symmetric_and_agrees_with_its_level((a, b) in pair()) {
+        let (a, b) = (Text::parse(&a), Text::parse(&b));
+        let judged = similarity(&a, &b);
+        prop_assert_eq!(&judged, &similarity(&b, &a));
+        prop_assert_eq!((judged.level, judged.source), similarity_level(&a, &b));
+        prop_assert!((1..=5).contains(&judged.level) && !judged.reason.is_empty());
+    }
+
+    #[test]
+    fn an_informative_text_is_like_itself(text in any_text()) {
+        let text = Text::parse(&text);
+        let expected = if text.information_level() >= 2 { (5, Source::Identical) } else { (1, Source::Lexical) };
+        prop_assert_eq!(similarity_level(&text, &text), expected);
+    }
+
+    #[test]
+    fn texts_of_level_4_share_a_key((a, b) in pair()) {
+        let (a, b) = (Text::parse(&a), Text::parse(&b));
+        let (level, source) = similarity_level(&a, &b);
+        let share = a.keys().iter().any(|key| b.keys().contains(key));
+        prop_assert!(level < 4 || share, "level {} by {:?}", level, source);
+    }
+
+    #[test]
+    fn look_alike_identifiers_share_a_key(code in "[0-9B-S]{1,3}[0-9]", at in 0_usize..4, letter in "[ODQILZSGB]") {
+        let mut other = code.clone();
+        let at = at % code.len();
+        other.replace_range(at..=at, &letter);
+        let (a, b) = (Text::parse(&code), Text::parse(&other));
+        let (level, source) = similarity_level(&a, &b);
+        let share = a.keys().iter().any(|key| b.keys().contains(key));
+        prop_assert!(share || !(level == 3 && source == Source::Identifiers), "{} {}", code, other);
+    }
+
+    #[test]
+    fn case_spaces_and_dashes_do_not_matter((a, b) in (sign(), sign())) {
+        let other = Text::parse(&b);
+        let expected = similarity(&Text::parse(&a), &other);
+        for same in [a.to_uppercase(), a.to_lowercase(), format!(" {}\u{200b}\t", a.replace(' ', "  \n")), a.replace('-', "\u{2013}")] {
+            prop_assert_eq!(&similarity(&Text::parse(&same), &other), &expected, "{}", same);
+        }
+    }
+
+    #[test]
+    fn a_conflict_is_level_1_by_identifiers((a, b) in pair()) {
+        let (a, b) = (Text::parse(&a), Text::parse(&b));
+        let excluded = similarity_level(&a, &b) == (1, Source::Identifiers);
+        prop_assert_eq!(conflict(&a, &b).is_some(), excluded);
+        let (there, back) = (conflict(&a, &b), conflict(&b, &a));
+        prop_assert_eq!(there.map(|c| (c.a, c.b)), back.map(|c| (c.b, c.a)));
+    }
+
+    #[test]
+    fn keys_and_identifiers_are_sorted_sets(text in any_text()) {
+        let text = Text::parse(&text);
+        prop_assert!(text.keys().is_sorted_by(|a, b| a < b));
+        prop_assert!(text.identifiers().is_sorted_by(|a, b| a < b));
+        prop_assert_eq!(text.keys().is_empty(), text.information_level() == 1 && text.words.is_empty());
+        prop_assert_eq!(information(&text).0, text.information_level());
+    }
+
+    #[test]
+    fn a_merged_text_says_what_both_say((a, b) in (sign(), sign())) {
+        let merged = merge(&a, &b);
+        prop_assert_eq!(&merged, &merge(&b, &a));
+        let (a, b, merged) = (Text::parse(&a), Text::parse(&b), Text::parse(&merged));
+        if a.information_level() > 1 && b.information_level() > 1 {
+            let both: BTreeSet<&str> = values(&a).union(&values(&b)).copied().collect();
+            prop_assert_eq!(values(&merged), both);
+            for word in a.words.iter().chain(&b.words) {
+                prop_assert!(merged.words.contains(word), "{}", word.text);
+            }
+        }
+    }
+
+    #[test]
+    fn merging_is_idempotent((a, b) in (any_text(), any_text())) {
+        prop_assert_eq!(&merge(&a, &a), &a);
+        let merged = merge(&a, &b);
+        prop_assert_eq!(&merge(&merged, &merged), &merged);
+    }
+}
+
+#[test]
+fn a_hostile_text_costs_little() {
+    let zalgo = "a\u{301}\u{323}\u{302}".repeat(10_000);
+    let long = ["901 ", "9", "a", "-", "no ", "9,", "a.", "号室", "1号", "\u{301}", "room 9 ", "'", "a-"]
+        .map(|part| part.repeat(65_536 / part.len()));
+    let started = std::time::Instant::now();
+    for text in long.iter().chain([&zalgo]) {
+        let parsed = Text::parse(text);
+        let shorter = Text::parse(&text[..text.floor_char_boundary(60_000)]);
+        assert!((1..=5).contains(&similarity(&parsed, &shorter).level));
+        merge(text, "room 901");
+    }
+    assert!(started.elapsed() < std::time::Duration::from_secs(5), "took {:?}", started.elapsed());
+}

@@ -1,0 +1,106 @@
+//! MergeText, §IV-A.2: one text that says what two texts say.
+
+use std::collections::BTreeSet;
+
+use super::identifier::Identifier;
+use super::reading::{self, Mention, What};
+use super::text::Text;
+use super::words::Word;
+use super::{normalise, token};
+
+/// A merged text grows no further than this, as merging goes on for the life of a map.
+const MAX_MERGED_BYTES: usize = 4096;
+
+/// The more informative text, followed by what only the other one says, in its own words. Symmetric; `merge(a, a) == a`.
+pub fn merge(a: &str, b: &str) -> String {
+    let (a, b) = (Part::new(a), Part::new(b));
+    let (base, other) = if a.rank() >= b.rank() { (a, b) } else { (b, a) };
+    if other.text.information_level() == 1 || base.says_all_of(&other) {
+        return base.raw.to_owned();
+    }
+    if other.says_all_of(&base) {
+        return other.raw.to_owned();
+    }
+    let start = base.clean.trim_end_matches([' ', '.', ',', ';']);
+    let merged = join(start, &base.missing_phrases(&other));
+    // A phrase out of its sentence can read otherwise ("3" of "3 boats"); then the whole sentence must do.
+    if Part::new(&merged).says_just(&base, &other) { merged } else { join(start, &[&other.clean]) }
+}
+
+fn join(start: &str, phrases: &[&str]) -> String {
+    phrases.iter().fold(start.to_owned(), |mut merged, phrase| {
+        if merged.len() + phrase.len() + 2 <= MAX_MERGED_BYTES {
+            merged.push_str(", ");
+            merged.push_str(phrase);
+        }
+        merged
+    })
+}
+
+struct Part<'t> {
+    raw: &'t str,
+    clean: String,
+    text: Text,
+}
+
+impl<'t> Part<'t> {
+    fn new(raw: &'t str) -> Part<'t> {
+        Part { raw, clean: normalise::clean(raw), text: Text::parse(raw) }
+    }
+
+    /// Total order on raw texts, the most informative last.
+    fn rank(&self) -> impl Ord + '_ {
+        let content = self.text.identifiers.len() + self.text.words.len();
+        (self.text.information_level(), content, self.text.normalised(), self.raw)
+    }
+
+    fn says_all_of(&self, other: &Part<'_>) -> bool {
+        let identifiers = other.text.identifiers.iter().all(|identifier| self.identifies(identifier));
+        let words = other.text.words.iter().all(|word| self.text.words.contains(word));
+        identifiers && words && other.text.negated.iter().all(|word| self.text.negated.contains(word))
+    }
+
+    /// Both, and no identifier besides.
+    fn says_just(&self, a: &Part<'_>, b: &Part<'_>) -> bool {
+        let known = |identifier: &Identifier| a.identifies(identifier) || b.identifies(identifier);
+        self.says_all_of(a) && self.says_all_of(b) && self.text.identifiers.iter().all(known)
+    }
+
+    fn identifies(&self, identifier: &Identifier) -> bool {
+        self.text
+            .identifiers
+            .iter()
+            .any(|known| known.value == identifier.value && known.role.is_compatible(&identifier.role))
+    }
+
+    fn says(&self, word: &Word, negated: bool) -> bool {
+        if negated { self.text.negated.contains(word) } else { self.text.words.contains(word) }
+    }
+
+    /// The phrases of `other` that say something new, as written there; neighbours stay together.
+    fn missing_phrases<'o>(&self, other: &'o Part<'_>) -> Vec<&'o str> {
+        let tokens = token::tokenise(&other.clean);
+        let mut said = BTreeSet::new();
+        let mut spans: Vec<(usize, usize)> = Vec::new();
+        let mentions = reading::read(&tokens);
+        for Mention { what, first, end } in mentions {
+            let (missing, key) = match &what {
+                What::Identifier(identifier) => (!self.identifies(identifier), identifier.value.clone()),
+                What::Word { word, negated } => {
+                    (!self.says(word, *negated), format!("{negated} {}", word.text))
+                }
+            };
+            if !missing || !said.insert((matches!(what, What::Word { .. }), key)) {
+                continue;
+            }
+            match spans.last_mut() {
+                Some((_, last)) if first <= *last && !tokens[first].after_break => *last = end.max(*last),
+                _ => spans.push((first, end)),
+            }
+        }
+        spans
+            .into_iter()
+            .map(|(first, end)| &other.clean[tokens[first].start..tokens[end - 1].end()])
+            .collect()
+    }
+}

@@ -1,0 +1,53 @@
+//! The built-in judge of text descriptions: InformationLevel, SimilarityLevel and MergeText of §IV-A.2 without a model.
+//!
+//! Deterministic, symmetric, and blind to case, width, spaces and kinds of dash. A [`Text`] is parsed once and compared
+//! often; two texts need comparing only if they share a blocking key.
+//!
+//! | concept | file | function |
+//! |---|---|---|
+//! | canonical spelling | `normalise.rs` | `clean`, `fold`, `bare` |
+//! | tokens | `token.rs` | `tokenise` |
+//! | which tokens are identifiers, which are words | `reading.rs` | `read` |
+//! | worth of a word | `dictionary.rs` | `class_of` |
+//! | room, floor, gate, ... | `role.rs` | [`Role`], `role_of` |
+//! | identifier, look-alikes, ranges | `identifier.rs` | [`Identifier`] |
+//! | measures, dates, prices, counts | `quantity.rs` | `tokens_at` |
+//! | left, right, arrows | `direction.rs` | `Directions` |
+//! | sets of words and their likeness | `words.rs` | `overlap`, `prefix` |
+//! | a parsed description | `text.rs` | [`Text::parse`] |
+//! | InformationLevel | `information.rs` | [`information`] |
+//! | do two sets of identifiers agree? | `agreement.rs` | [`conflict`] |
+//! | SimilarityLevel: the rules | `similarity.rs` | [`similarity`], [`similarity_level`] |
+//! | the sentence that explains a level | `reason.rs` | `sentence` |
+//! | MergeText | `merge.rs` | [`merge`] |
+//! | which texts to compare at all | `keys.rs` | [`Text::keys`] |
+
+mod agreement;
+mod dictionary;
+mod direction;
+mod identifier;
+mod information;
+mod keys;
+mod merge;
+mod normalise;
+mod quantity;
+mod reading;
+mod reason;
+mod role;
+mod similarity;
+mod text;
+mod token;
+mod words;
+
+#[cfg(test)]
+mod golden;
+#[cfg(test)]
+mod laws;
+
+pub use agreement::{Conflict, conflict};
+pub use identifier::Identifier;
+pub use information::information;
+pub use merge::merge;
+pub use role::Role;
+pub use similarity::{Judgement, Source, similarity, similarity_level};
+pub use text::Text;

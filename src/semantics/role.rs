@@ -1,0 +1,158 @@
+//! What an identifier numbers: a room, a floor, a gate.
+
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
+/// What an identifier numbers.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Role {
+    /// A room and what stands for it: door, suite, apartment, office.
+    Room,
+    /// A floor or level.
+    Floor,
+    /// Any other kind this module knows, by its English name: `gate`, `shelf`, `hub`.
+    Place(&'static str),
+    /// The unlisted word in front of it, as in "Copernicus 3".
+    Named(String),
+    /// No word tells: a bare number, compatible with every role.
+    Neutral,
+}
+
+impl Role {
+    /// Can identifiers of these roles name the same thing?
+    pub fn is_compatible(&self, other: &Role) -> bool {
+        match (self, other) {
+            (Role::Neutral, _)
+            | (_, Role::Neutral)
+            | (Role::Named(_), Role::Room)
+            | (Role::Room, Role::Named(_)) => true,
+            _ => self == other,
+        }
+    }
+
+    /// The English name, empty for [`Role::Neutral`].
+    pub fn as_str(&self) -> &str {
+        match self {
+            Role::Room => "room",
+            Role::Floor => "floor",
+            Role::Place(name) => name,
+            Role::Named(name) => name,
+            Role::Neutral => "",
+        }
+    }
+}
+
+/// The role a word names (lower case, without diacritics), and whether the word is a plural.
+pub fn role_of(word: &str) -> Option<(Role, bool)> {
+    BY_WORD.get(word).map(|role| (role.clone(), PLURALS.contains(&word))).or_else(|| {
+        let singular = word.strip_suffix('s')?;
+        BY_WORD.get(singular).filter(|_| singular.len() > 2).map(|role| (role.clone(), true))
+    })
+}
+
+/// The role that Han, Kana or Hangul straight after a number give it, as in 901号室, and the length of those characters.
+pub fn role_of_suffix(run: &str) -> Option<(Role, usize)> {
+    SUFFIXES
+        .iter()
+        .find(|(suffix, _)| run.starts_with(suffix))
+        .map(|(suffix, role)| (role.clone(), suffix.len()))
+}
+
+/// Words that only announce a number: "room *no.* 901".
+pub fn is_number_label(word: &str) -> bool {
+    ["no", "nr", "num", "number", "n", "#", "numero", "nummer", "numeral", "code"].contains(&word)
+}
+
+/// Every role word.
+pub fn words() -> impl Iterator<Item = &'static str> {
+    ROLES.iter().flat_map(|(_, words)| words.split_whitespace())
+}
+
+static BY_WORD: LazyLock<HashMap<&str, Role>> = LazyLock::new(|| {
+    let words =
+        ROLES.iter().flat_map(|(role, words)| words.split_whitespace().map(move |word| (word, role.clone())));
+    words.collect()
+});
+
+const PLURALS: [&str; 4] = ["turen", "raume", "shelves", "salles"];
+
+const ROLES: &[(Role, &str)] = &[
+    (
+        Role::Room,
+        "room rm door doorway suite apartment apt flat office classroom ward chamber zimmer zi zimmernummer raum raumnummer \
+         raume tur turen wohnung buro stube salle salles chambre porte bureau appartement piece habitacion puerta sala cuarto \
+         aula oficina apartamento stanza camera porta ufficio kamer kantoor quarto комната кабинет дверь квартира 房间 房間 部屋 教室",
+    ),
+    (
+        Role::Floor,
+        "floor level storey story fl lvl etage stock stockwerk geschoss obergeschoss og niveau piso planta piano andar \
+         verdieping этаж 楼层",
+    ),
+    (Role::Place("gate"), "gate tor flugsteig ゲート 登机口"),
+    (Role::Place("aisle"), "aisle gang allee pasillo"),
+    (Role::Place("shelf"), "shelf shelves regal etagere estante"),
+    (Role::Place("bay"), "bay"),
+    (Role::Place("rack"), "rack"),
+    (Role::Place("hub"), "hub"),
+    (Role::Place("building"), "building bldg block gebaude haus batiment edificio house"),
+    (Role::Place("terminal"), "terminal"),
+    (Role::Place("platform"), "platform gleis bahnsteig track quai voie anden via"),
+    (Role::Place("seat"), "seat sitz sitzplatz siege asiento"),
+    (Role::Place("table"), "table tisch mesa"),
+    (Role::Place("desk"), "desk schreibtisch"),
+    (Role::Place("locker"), "locker schliessfach casier taquilla"),
+    (Role::Place("exit"), "exit ausgang sortie salida 出口"),
+    (Role::Place("entrance"), "entrance eingang entree entrada"),
+    (Role::Place("lift"), "lift elevator aufzug ascenseur ascensor"),
+    (Role::Place("stairs"), "stair stairs staircase stairwell treppe escalier escalera"),
+    (Role::Place("hall"), "hall halle"),
+    (Role::Place("lab"), "lab laboratory labor laboratoire laboratorio"),
+    (Role::Place("zone"), "zone zona"),
+    (Role::Place("sector"), "sector sektor secteur"),
+    (Role::Place("section"), "section abschnitt"),
+    (Role::Place("wing"), "wing flugel aile"),
+    (Role::Place("row"), "row reihe rangee fila"),
+    (Role::Place("column"), "column"),
+    (Role::Place("lane"), "lane"),
+    (Role::Place("line"), "line linie ligne linea"),
+    (Role::Place("station"), "station"),
+    (Role::Place("dock"), "dock"),
+    (Role::Place("pier"), "pier"),
+    (Role::Place("unit"), "unit"),
+    (Role::Place("bin"), "bin"),
+    (Role::Place("box"), "box"),
+    (Role::Place("slot"), "slot"),
+    (Role::Place("cabinet"), "cabinet schrank armoire"),
+    (Role::Place("counter"), "counter schalter guichet"),
+    (Role::Place("pillar"), "pillar saule pilier"),
+    (Role::Place("parking"), "parking stellplatz"),
+    (Role::Place("stop"), "stop"),
+    (Role::Place("studio"), "studio"),
+];
+
+// Longest first.
+const SUFFIXES: &[(&str, Role)] = &[
+    ("号室", Role::Room),
+    ("號室", Role::Room),
+    ("号楼", Role::Place("building")),
+    ("號樓", Role::Place("building")),
+    ("号館", Role::Place("building")),
+    ("号馆", Role::Place("building")),
+    ("番線", Role::Place("platform")),
+    ("号线", Role::Place("line")),
+    ("号出口", Role::Place("exit")),
+    ("番出口", Role::Place("exit")),
+    ("号门", Role::Room),
+    ("호실", Role::Room),
+    ("号", Role::Room),
+    ("號", Role::Room),
+    ("室", Role::Room),
+    ("호", Role::Room),
+    ("階", Role::Floor),
+    ("阶", Role::Floor),
+    ("楼", Role::Floor),
+    ("樓", Role::Floor),
+    ("层", Role::Floor),
+    ("層", Role::Floor),
+    ("층", Role::Floor),
+];

@@ -1,0 +1,111 @@
+//! A parsed description: parsed once, compared often.
+
+use std::hash::{Hash, Hasher};
+
+use super::direction::Directions;
+use super::identifier::Identifier;
+use super::information::{self, Information};
+use super::reading::{self, Mention, What};
+use super::words::Word;
+use super::{keys, normalise, token};
+
+/// Identifiers kept of one text, so that comparing two hostile texts stays cheap.
+pub const MAX_IDENTIFIERS: usize = 32;
+
+/// A parsed description. Two are equal when their normalised forms are.
+///
+/// Everything but the information level follows from the normalised form; that level also sees capital letters,
+/// which tell proper names.
+#[derive(Clone, Debug)]
+pub struct Text {
+    normalised: String,
+    pub(super) identifiers: Vec<Identifier>,
+    /// Sorted, without duplicates.
+    pub(super) words: Vec<Word>,
+    /// Those of `words` that a "no" or "not" bears on.
+    pub(super) negated: Vec<Word>,
+    pub(super) directions: Directions,
+    pub(super) information: Information,
+    keys: Vec<u64>,
+}
+
+impl Text {
+    /// Parses a description. Any text will do; only the first [`token::MAX_TOKENS`] tokens and
+    /// [`MAX_IDENTIFIERS`] identifiers count.
+    pub fn parse(raw: &str) -> Text {
+        let clean = normalise::clean(raw);
+        let normalised = normalise::fold(&clean);
+        let mentions = reading::read(&token::tokenise(&normalised));
+        let identifiers = identifiers_of(&mentions);
+        let (mut words, mut negated) = (Vec::new(), Vec::new());
+        for mention in mentions {
+            if let What::Word { word, negated: denied } = mention.what {
+                if denied {
+                    negated.push(word.clone());
+                }
+                words.push(word);
+            }
+        }
+        for set in [&mut words, &mut negated] {
+            set.sort_unstable();
+            set.dedup();
+        }
+        let directions = Directions::among(&words);
+        let information = information::assess(&clean, &normalised, &identifiers, &words, &negated);
+        let keys = keys::of_text(&identifiers, &words);
+        Text { normalised, identifiers, words, negated, directions, information, keys }
+    }
+
+    /// The canonical form; equal forms are identical descriptions.
+    pub fn normalised(&self) -> &str {
+        &self.normalised
+    }
+
+    /// The identifiers, sorted, without duplicates.
+    pub fn identifiers(&self) -> &[Identifier] {
+        &self.identifiers
+    }
+
+    /// InformationLevel, §IV-A.2: 1 to 5.
+    pub fn information_level(&self) -> u8 {
+        self.information.level
+    }
+
+    /// Blocking keys, sorted, without duplicates: two informative texts of level 4 or more share one.
+    pub fn keys(&self) -> &[u64] {
+        &self.keys
+    }
+}
+
+/// "room 901, number 901" numbers one thing: the reading with a role stays.
+fn identifiers_of(mentions: &[Mention]) -> Vec<Identifier> {
+    let found = mentions.iter().filter_map(|mention| match &mention.what {
+        What::Identifier(identifier) => Some(identifier.clone()),
+        What::Word { .. } => None,
+    });
+    let mut found: Vec<Identifier> = found.take(MAX_IDENTIFIERS).collect();
+    found.sort_unstable();
+    // Roles sort before no role, so the first of equals is the one to keep.
+    let mut kept: Vec<Identifier> = Vec::with_capacity(found.len());
+    for identifier in found {
+        let known = |k: &Identifier| k.value == identifier.value && k.role.is_compatible(&identifier.role);
+        if !kept.iter().any(known) {
+            kept.push(identifier);
+        }
+    }
+    kept
+}
+
+impl PartialEq for Text {
+    fn eq(&self, other: &Text) -> bool {
+        self.normalised == other.normalised
+    }
+}
+
+impl Eq for Text {}
+
+impl Hash for Text {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.normalised.hash(state);
+    }
+}

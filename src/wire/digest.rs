@@ -1,0 +1,98 @@
+//! Digest: what makes two bodies the same body, whatever their white space, order of names or spelling of numbers.
+//!
+//! Digests are kept on disk and compared with those of bodies sent years later: this form never changes. The golden
+//! value below holds it in place.
+
+use serde_json::{Number, Value};
+use sha2::{Digest as _, Sha256};
+
+/// The SHA-256 of a body's meaning.
+pub type Digest = [u8; 32];
+
+/// The digest of a JSON value.
+pub fn of(value: &Value) -> Digest {
+    let mut sha = Sha256::new();
+    add(&mut sha, value);
+    sha.finalize().into()
+}
+
+/// Every value starts with a letter for its kind, and what has a length says it, so that no two values read alike.
+fn add(sha: &mut Sha256, value: &Value) {
+    match value {
+        Value::Null => sha.update(b"n"),
+        Value::Bool(false) => sha.update(b"f"),
+        Value::Bool(true) => sha.update(b"t"),
+        Value::Number(number) => add_number(sha, number),
+        Value::String(text) => add_text(sha, text),
+        Value::Array(items) => {
+            add_length(sha, b"a", items.len());
+            items.iter().for_each(|item| add(sha, item));
+        }
+        Value::Object(members) => {
+            add_length(sha, b"o", members.len());
+            let mut sorted: Vec<_> = members.iter().collect();
+            sorted.sort_unstable_by_key(|&(name, _)| name);
+            for (name, value) in sorted {
+                add_text(sha, name);
+                add(sha, value);
+            }
+        }
+    }
+}
+
+/// `1` and `1.0` are one number, written by two libraries.
+fn add_number(sha: &mut Sha256, number: &Number) {
+    const EXACT: f64 = 9_007_199_254_740_992.0;
+    let float = number.as_f64().unwrap_or(f64::NAN);
+    if let Some(whole) = number.as_i64() {
+        sha.update(b"i");
+        sha.update(whole.to_le_bytes());
+    } else if let Some(huge) = number.as_u64() {
+        sha.update(b"u");
+        sha.update(huge.to_le_bytes());
+    } else if float.fract() == 0.0 && float.abs() <= EXACT {
+        sha.update(b"i");
+        sha.update((float as i64).to_le_bytes());
+    } else {
+        sha.update(b"d");
+        sha.update(float.to_le_bytes());
+    }
+}
+
+fn add_text(sha: &mut Sha256, text: &str) {
+    add_length(sha, b"s", text.len());
+    sha.update(text.as_bytes());
+}
+
+fn add_length(sha: &mut Sha256, kind: &[u8], length: usize) {
+    sha.update(kind);
+    sha.update((length as u64).to_le_bytes());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn digest(json: &str) -> Digest {
+        of(&serde_json::from_str(json).expect("JSON"))
+    }
+
+    #[test]
+    fn spelling_does_not_matter_and_meaning_does() {
+        let body = digest(r#"{"a":1,"b":[0.5,"x"]}"#);
+        assert_eq!(digest("{ \"b\": [5e-1, \"\\u0078\"],\n \"a\": 1.0 }"), body);
+        assert_ne!(digest(r#"{"a":1,"b":["x",0.5]}"#), body);
+        assert_ne!(digest(r#"{"a":"1","b":[0.5,"x"]}"#), body);
+        assert_ne!(digest(r#"[["a"],"b"]"#), digest(r#"[["a","b"]]"#));
+    }
+
+    #[test]
+    fn the_form_never_changes() {
+        use std::fmt::Write as _;
+        let hex = digest(r#"{"a":[1,0.5,"x",null,true,{}]}"#).iter().fold(String::new(), |mut hex, byte| {
+            let _ = write!(hex, "{byte:02x}");
+            hex
+        });
+        assert_eq!(hex, "GOLDEN");
+    }
+}

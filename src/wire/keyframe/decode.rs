@@ -1,0 +1,147 @@
+//! A keyframe read out of JSON, with every fault in it.
+
+use std::collections::HashSet;
+use std::hash::Hash;
+
+use serde_json::Value;
+
+use super::{detection, features};
+use crate::geometry::{Point3, Pose};
+use crate::model::bow::BowVector;
+use crate::model::ids::{KeyframeId, PointId, SessionId};
+use crate::model::invalid::FieldError;
+use crate::model::keyframe::{Camera, Features, NewKeyframe, Stamp};
+use crate::wire::digest::{self, Digest};
+use crate::wire::limits;
+use crate::wire::read::{self, Decode, Node};
+
+const FIELDS: [&str; 10] = [
+    "session", "stamp", "pose", "camera", "bow", "features", "map_points", "observes", "covisible", "detections",
+];
+
+/// The session of keyframes that name none.
+const DEFAULT_SESSION: &str = "default";
+/// The name of a keyframe that is asked about and not stored.
+const INLINE: &str = "inline";
+
+/// A keyframe as sent, with the digest that tells a retry from another keyframe.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SentKeyframe {
+    /// The keyframe, checked.
+    pub keyframe: NewKeyframe,
+    /// The digest of its body.
+    pub digest: Digest,
+}
+
+/// A keyframe whose name stands in the path, or in a bulk line.
+pub fn named(body: &Value, id: &KeyframeId) -> Result<SentKeyframe, Vec<FieldError>> {
+    read::decode_with(body, |node| keyframe(node, id, true))
+}
+
+/// A keyframe to be asked about and not stored: a member of a larger body, without a name of its own.
+pub fn unnamed(node: &Node<'_>) -> Option<SentKeyframe> {
+    keyframe(node, &INLINE.parse().ok()?, false)
+}
+
+fn keyframe(node: &Node<'_>, id: &KeyframeId, stored: bool) -> Option<SentKeyframe> {
+    let body = node.object(&FIELDS)?;
+    let session = body.optional("session", Node::id::<SessionId>);
+    let stamp = body.required("stamp", Stamp::decode);
+    let pose = body.required("pose", Pose::decode);
+    let camera = body.optional("camera", camera);
+    let bow = body.optional("bow", bow);
+    let features = body.optional("features", features::decode);
+    let map_points = body.optional("map_points", points);
+    let observes = body.optional("observes", |node| node.list(limits::MAP_POINTS, |point| point.whole(limits::POINT)));
+    let covisible = body.optional("covisible", |node| covisible(node, stored.then_some(id)));
+    let detections = body.optional("detections", |node| node.list(limits::DETECTIONS, detection::decode));
+    let features = features?;
+    let keyframe = NewKeyframe {
+        id: id.clone(),
+        session: session?.or_else(|| DEFAULT_SESSION.parse().ok())?,
+        stamp: stamp?,
+        map_from_camera: pose?,
+        camera: camera?,
+        bow: bow?.unwrap_or_default(),
+        observes: observed(observes?.unwrap_or_default(), features.as_ref()),
+        features,
+        map_points: map_points?.unwrap_or_default(),
+        covisible: covisible?.unwrap_or_default(),
+        detections: detections?.unwrap_or_default(),
+    };
+    Some(SentKeyframe { keyframe, digest: digest::of(node.value()) })
+}
+
+/// Observed is what the client lists, and what its features see; one listed twice is observed once.
+fn observed(mut listed: Vec<PointId>, features: Option<&Features>) -> Vec<PointId> {
+    listed.extend(features.into_iter().flat_map(|features| features.map_points.iter().flatten()));
+    ascending(listed)
+}
+
+/// A set of map points in the order in which the model keeps them.
+pub(super) fn ascending(mut points: Vec<PointId>) -> Vec<PointId> {
+    points.sort_unstable();
+    points.dedup();
+    points
+}
+
+fn camera(node: &Node<'_>) -> Option<Camera> {
+    let body = node.object(&["fx", "fy", "cx", "cy", "width", "height"])?;
+    let [fx, fy] = ["fx", "fy"].map(|name| body.required(name, |node| node.number(limits::FOCAL_LENGTH_PX)));
+    let [cx, cy] = ["cx", "cy"].map(|name| body.required(name, |node| node.number(limits::PIXEL)));
+    let [width, height] = ["width", "height"].map(|name| body.required(name, |node| node.count(limits::IMAGE_SIDE_PX)));
+    Some(Camera { fx: fx?, fy: fy?, cx: cx?, cy: cy?, width: width?, height: height? })
+}
+
+fn bow(node: &Node<'_>) -> Option<BowVector> {
+    let body = node.object(&["words", "weights"])?;
+    let words = body.required("words", |node| unique(node, limits::WORDS, |word| word.count(limits::WORD)));
+    let weights =
+        body.required("weights", |node| node.list(limits::WORDS, |weight| weight.number(limits::WEIGHT)));
+    body.parallel("words", "weights")?;
+    match BowVector::normalised(words?.into_iter().zip(weights?).collect()) {
+        Ok(bow) => Some(bow),
+        Err(error) => node.refuse(error.to_string(), "a bag of words"),
+    }
+}
+
+/// Numbers and positions of map points, in parallel.
+pub fn points(node: &Node<'_>) -> Option<Vec<(PointId, Point3)>> {
+    let body = node.object(&["ids", "positions"])?;
+    let ids = body.required("ids", |node| unique(node, limits::MAP_POINTS, |point| point.whole(limits::POINT)));
+    let positions = body.required("positions", |node| node.list(limits::MAP_POINTS, Point3::decode));
+    body.parallel("ids", "positions")?;
+    Some(ids?.into_iter().zip(positions?).collect())
+}
+
+fn covisible(node: &Node<'_>, this: Option<&KeyframeId>) -> Option<Vec<(KeyframeId, u32)>> {
+    let mut seen = HashSet::new();
+    node.list(limits::COVISIBLE, |entry| {
+        let body = entry.object(&["keyframe", "shared"])?;
+        let keyframe = body.required("keyframe", |node| {
+            let keyframe: KeyframeId = node.id()?;
+            if Some(&keyframe) == this {
+                return node.refuse("a keyframe is not covisible with itself", "another keyframe");
+            }
+            if !seen.insert(keyframe.clone()) {
+                return node.refuse("the keyframe is listed twice", "each keyframe once");
+            }
+            Some(keyframe)
+        });
+        let shared = body.required("shared", |node| node.count(limits::SHARED));
+        Some((keyframe?, shared?))
+    })
+}
+
+/// A list in which nothing may be twice; the second one is told off.
+pub fn unique<T: Copy + Eq + Hash>(
+    node: &Node<'_>,
+    max: usize,
+    mut read: impl FnMut(&Node<'_>) -> Option<T>,
+) -> Option<Vec<T>> {
+    let mut seen = HashSet::new();
+    node.list(max, |item| {
+        let value = read(item)?;
+        if seen.insert(value) { Some(value) } else { item.refuse("listed twice", "each one once") }
+    })
+}

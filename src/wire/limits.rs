@@ -1,0 +1,85 @@
+//! Limits: how much of everything one request may bring.
+//!
+//! Each is far above what a robot sends and far below what would hurt the server. They stand in the API document
+//! too; a test compares the two.
+
+use std::ops::RangeInclusive;
+
+use crate::model::bow::BowVector;
+
+/// The most bytes of a body, compressed and inflated alike.
+pub const BODY_BYTES: usize = 32 << 20;
+/// The most bytes of one line of a bulk request.
+pub const LINE_BYTES: usize = 8 << 20;
+/// The most bytes of a whole bulk request, inflated.
+pub const BULK_BYTES: usize = 1 << 30;
+/// The most lines of a bulk request.
+pub const BULK_ITEMS: usize = 100_000;
+/// The most values of a JSON body, counted over all its levels: a body of `0,0,0,...` takes many times its size in memory.
+pub const BODY_VALUES: usize = 4_000_000;
+/// The most faults of one body that are listed.
+pub const LISTED_FAULTS: usize = 100;
+
+/// Coordinates and lengths, in metres: to the Sun is farther, no building is.
+pub const COORDINATE_M: RangeInclusive<f64> = -1e9..=1e9;
+/// Image coordinates, focal lengths and box corners, in pixels; they may lie outside the image.
+pub const PIXEL: RangeInclusive<f64> = -1e6..=1e6;
+/// Focal lengths, in pixels.
+pub const FOCAL_LENGTH_PX: RangeInclusive<f64> = 1e-3..=1e6;
+/// Sides of an image, in pixels.
+pub const IMAGE_SIDE_PX: RangeInclusive<i64> = 1..=1_000_000;
+/// One number of a quaternion.
+pub const QUATERNION: RangeInclusive<f64> = -1.01..=1.01;
+/// A weight of a word, before it is normalised. 1e39 fits no f32, and neither does it fit here.
+pub const WEIGHT: RangeInclusive<f64> = 0.0..=1e30;
+/// A detector's confidence.
+pub const CONFIDENCE: RangeInclusive<f64> = 0.0..=1.0;
+/// A keypoint's orientation, in degrees; whether a detector counts to 360 or from -180 is its own affair.
+pub const ANGLE_DEG: RangeInclusive<f64> = -360.0..=360.0;
+/// A level of the image pyramid.
+pub const OCTAVE: RangeInclusive<f64> = 0.0..=63.0;
+
+/// Whole seconds of a time: within the years that a calendar library can print.
+pub const SEC: RangeInclusive<i64> = -62_135_596_800..=253_402_300_799;
+/// Nanoseconds within the second.
+pub const NANOSEC: RangeInclusive<i64> = 0..=999_999_999;
+
+/// Words of one keyframe.
+pub const WORDS: usize = BowVector::MAX_WORDS;
+/// A word's number in its vocabulary.
+pub const WORD: RangeInclusive<i64> = 0..=u32::MAX as i64;
+/// Features of one keyframe.
+pub const FEATURES: usize = 20_000;
+/// Bytes of one descriptor, a multiple of 8.
+pub const DESCRIPTOR_BYTES: RangeInclusive<i64> = 8..=512;
+/// Map points of one keyframe, observed, new or moved.
+pub const MAP_POINTS: usize = 100_000;
+/// A map point's number; ORB-SLAM counts in `unsigned long`, of which nobody has used the upper half.
+pub const POINT: RangeInclusive<i64> = 0..=i64::MAX;
+/// A feature's map point: as [`POINT`], and -1 for none.
+pub const POINT_OR_NONE: RangeInclusive<i64> = -1..=i64::MAX;
+/// Covisible keyframes that one keyframe declares.
+pub const COVISIBLE: usize = 10_000;
+/// Map points that two keyframes share.
+pub const SHARED: RangeInclusive<i64> = 0..=u32::MAX as i64;
+/// Detections of one keyframe.
+pub const DETECTIONS: usize = 500;
+/// Characters of a class.
+pub const CLASS_CHARS: usize = 64;
+/// Characters of a text, a description or a search.
+pub const TEXT_CHARS: usize = 4096;
+/// Bytes of a crop, decoded.
+pub const CROP_BYTES: usize = 4 << 20;
+
+/// Classes that a map may name.
+pub const ANCHOR_CLASSES: usize = 256;
+/// Keyframes, and map points, of one correction of poses.
+pub const CORRECTIONS: usize = 100_000;
+/// How long a loop query may wait for models, in milliseconds.
+pub const MAX_WAIT_MS: RangeInclusive<i64> = 0..=60_000;
+/// The seed of a query; 63 bits, because JSON readers in Java and C++ have signed numbers.
+pub const SEED: RangeInclusive<i64> = 0..=i64::MAX;
+/// Items of one part of a list.
+pub const PAGE: RangeInclusive<i64> = 1..=1000;
+/// Items of one part of a list, if the client does not say.
+pub const PAGE_DEFAULT: usize = 100;

@@ -1,0 +1,99 @@
+//! Settings: the table of `model::settings` as JSON, and as a schema with its defaults, bounds and meanings.
+
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+use utoipa::openapi::schema::{AdditionalProperties, ObjectBuilder, SchemaType, Type};
+use utoipa::openapi::{RefOr, Schema};
+use utoipa::{PartialSchema, ToSchema};
+
+use super::read::{Decode, Node};
+use crate::model::settings::{Setting, SettingError, SettingKind, SettingValue, Settings, WithoutAnchors};
+
+/// The settings of a map, by name; in a request only those to be set.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, serde::Deserialize)]
+#[serde(transparent)]
+pub struct MapSettings(pub Map<String, Value>);
+
+/// Settings to be set, checked one by one.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ChosenSettings(pub Vec<(String, SettingValue)>);
+
+impl Decode for ChosenSettings {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let names: Vec<&str> = Settings::TABLE.iter().map(|row| row.name).collect();
+        let object = node.object(&names)?;
+        let read: Vec<_> = Settings::TABLE.iter().map(|row| object.optional(row.name, |node| setting(node, row))).collect();
+        read.into_iter().filter_map(Option::transpose).collect::<Option<Vec<_>>>().map(Self)
+    }
+}
+
+fn setting(node: &Node<'_>, row: &Setting) -> Option<(String, SettingValue)> {
+    let value = match row.kind {
+        SettingKind::Number { .. } => SettingValue::Number(node.number(f64::MIN..=f64::MAX)?),
+        SettingKind::Count { min, max, .. } => SettingValue::Count(node.count(min.into()..=max.into())?),
+        SettingKind::Switch { .. } => SettingValue::Switch(node.switch()?),
+        SettingKind::Policy { .. } => {
+            SettingValue::Policy(node.choice(&WithoutAnchors::NAMES, WithoutAnchors::from_name)?)
+        }
+    };
+    match Settings::default().set(row.name, value) {
+        Ok(()) => Some((row.name.to_owned(), value)),
+        Err(error @ SettingError::Range { min, max }) => node.refuse(error.to_string(), format!("[{min}, {max}]")),
+        Err(error) => node.refuse(error.to_string(), row.doc),
+    }
+}
+
+impl From<&Settings> for MapSettings {
+    fn from(settings: &Settings) -> Self {
+        let shown = |row: &Setting| settings.get(row.name).map(|value| (row.name.to_owned(), json_of(value)));
+        Self(Settings::TABLE.iter().filter_map(shown).collect())
+    }
+}
+
+fn json_of(value: SettingValue) -> Value {
+    match value {
+        SettingValue::Number(number) => json!(number),
+        SettingValue::Count(count) => json!(count),
+        SettingValue::Switch(switch) => json!(switch),
+        SettingValue::Policy(policy) => json!(policy.as_str()),
+    }
+}
+
+impl ToSchema for MapSettings {
+    fn name() -> std::borrow::Cow<'static, str> {
+        "Settings".into()
+    }
+}
+
+impl PartialSchema for MapSettings {
+    fn schema() -> RefOr<Schema> {
+        let object = ObjectBuilder::new()
+            .schema_type(SchemaType::Type(Type::Object))
+            .description(Some("Every threshold of the method; the defaults are the paper's, where it has one."))
+            .additional_properties(Some(AdditionalProperties::FreeForm(false)));
+        Settings::TABLE.iter().fold(object, |object, row| object.property(row.name, row_schema(row))).into()
+    }
+}
+
+fn row_schema(row: &Setting) -> ObjectBuilder {
+    let schema = ObjectBuilder::new().description(Some(row.doc));
+    match row.kind {
+        SettingKind::Number { default, min, max } => schema
+            .schema_type(SchemaType::Type(Type::Number))
+            .minimum(Some(min))
+            .maximum(Some(max))
+            .default(Some(json!(default))),
+        SettingKind::Count { default, min, max } => schema
+            .schema_type(SchemaType::Type(Type::Integer))
+            .minimum(Some(min))
+            .maximum(Some(max))
+            .default(Some(json!(default))),
+        SettingKind::Switch { default } => {
+            schema.schema_type(SchemaType::Type(Type::Boolean)).default(Some(json!(default)))
+        }
+        SettingKind::Policy { default } => schema
+            .schema_type(SchemaType::Type(Type::String))
+            .enum_values(Some(WithoutAnchors::NAMES))
+            .default(Some(json!(default.as_str()))),
+    }
+}
