@@ -6,3 +6,5 @@ pub mod geometry;
 pub mod model;
 pub mod recognition;
 pub mod semantics;
+pub mod service;
+pub mod store;

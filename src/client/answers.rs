@@ -114,15 +114,17 @@ pub struct Candidate {
 }
 
 /// The three answers of a candidate.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+///
+/// In the order of how near they are to a loop.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, PartialOrd, Ord)]
 #[serde(rename_all = "snake_case")]
 pub enum CandidateVerdict {
-    /// Passed every check that could run.
-    Loop,
     /// A check said no.
     Rejected,
     /// What is missing could turn the answer.
     Undecided,
+    /// Passed every check that could run.
+    Loop,
 }
 
 /// Figures of the bag-of-words check.
@@ -231,8 +233,9 @@ pub struct Merged {
 }
 
 impl LoopAnswer {
-    /// The candidate that the answer is about: `best`, or the one that came nearest to it
-    /// in the order that chooses `best` (inliers, S, BoW score, smallest id).
+    /// The candidate that the answer is about: `best`, or the one that came nearest to being it,
+    /// an undecided one before a rejected one, then in the order that chooses `best` (inliers, S,
+    /// BoW score, smallest id).
     pub fn leading(&self) -> Option<&Candidate> {
         match &self.best {
             Some(best) => self.candidate(best),
@@ -264,9 +267,10 @@ impl Candidate {
 
     /// Less: further from being `best`.
     pub fn nearness(&self, other: &Self) -> Ordering {
-        let inliers = self.inliers().cmp(&other.inliers());
         let similarity = |candidate: &Self| candidate.similarity().unwrap_or(0.0);
-        inliers
+        let verdict = self.verdict.cmp(&other.verdict);
+        verdict
+            .then(self.inliers().cmp(&other.inliers()))
             .then(similarity(self).total_cmp(&similarity(other)))
             .then(self.bow_score().total_cmp(&other.bow_score()))
             .then(other.keyframe.cmp(&self.keyframe))

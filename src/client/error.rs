@@ -153,11 +153,16 @@ impl fmt::Display for Problem {
     }
 }
 
+/// A text without its quotes, anything else as JSON.
+fn plain(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+}
+
 impl fmt::Display for FieldProblem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let place = if self.pointer.is_empty() { "/" } else { &self.pointer };
         write!(f, "{place}: {}", self.detail)?;
-        match (&self.got, &self.limit) {
+        match (self.got.as_ref().map(plain), self.limit.as_ref().map(plain)) {
             (Some(got), Some(limit)) => write!(f, " (got {got}, limit {limit})"),
             (Some(got), None) => write!(f, " (got {got})"),
             (None, Some(limit)) => write!(f, " (limit {limit})"),

@@ -119,7 +119,7 @@ async fn a_problem_is_a_line_and_a_line_for_every_fault() {
     let problem = json!({"type": "about:blank", "title": "Unprocessable", "status": 422, "detail": "2 faults",
         "code": "invalid", "request_id": "r-1", "errors": [
             {"pointer": "/detections/0/box", "detail": "x1 < x0", "got": [2, 0, 1, 1], "limit": null},
-            {"pointer": "", "detail": "too many words", "got": 9, "limit": 8}]});
+            {"pointer": "", "detail": "too many words", "got": "9", "limit": 8}]});
     let status = axum::http::StatusCode::UNPROCESSABLE_ENTITY;
     let (client, _) = stub(move || (status, axum::Json(problem.clone()))).await;
     let error = client.put_map("m", &json!({})).await.expect_err("refused");

@@ -60,6 +60,10 @@ pub struct Loop {
     pub keyframe: KeyframeSeq,
     /// The keyframe it came back to.
     pub candidate: KeyframeSeq,
+    /// The name of the first, which stays when the keyframe is culled.
+    pub keyframe_id: KeyframeId,
+    /// The name of the second.
+    pub candidate_id: KeyframeId,
     /// The query that found it, if the client told.
     pub query: Option<String>,
 }

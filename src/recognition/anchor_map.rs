@@ -45,7 +45,9 @@ pub struct LocalAnchor {
     pub class: Box<str>,
     /// How far its description is. Only valid anchors take part in Eq. (2).
     pub state: AnchorState,
-    /// What it is called.
+    /// What it is called, as last read.
+    pub description: Option<Box<str>>,
+    /// The same, parsed.
     pub text: Option<Arc<Text>>,
     /// The same as a text of the map, if it is one.
     pub text_id: Option<TextId>,
@@ -145,6 +147,7 @@ fn stored_anchor(
         name: LocalName::Object(root),
         class: index.class_of(object).into(),
         state: object.state,
+        description: object.description.as_ref().map(|description| description.raw.clone()),
         text: object.description.as_ref().map(|description| description.text.clone()),
         text_id,
         sure: object.description.as_ref().is_some_and(|description| description.sure),
@@ -174,6 +177,7 @@ fn inline_anchor(
         name: LocalName::Inline(inline.detection),
         class: inline.class.clone(),
         state,
+        description: inline.text.as_ref().map(|text| text.normalised().into()),
         text: inline.text.clone(),
         text_id: text.and_then(|text| index.texts().find(&inline.class, text)),
         sure: false,

@@ -19,8 +19,8 @@ pub fn close_loop(index: &mut MapIndex, closed: Loop) -> (Vec<MergeReport>, Deci
     let mut record = Recorder::new(index);
     let mut event = Event::of(EventKind::LoopConfirmed);
     event.loop_id = Some(closed.id.clone());
-    event.keyframe = record.index().keyframe(closed.keyframe).map(|keyframe| keyframe.id.clone());
-    event.candidate = record.index().keyframe(closed.candidate).map(|keyframe| keyframe.id.clone());
+    event.keyframe = Some(closed.keyframe_id.clone());
+    event.candidate = Some(closed.candidate_id.clone());
     event.query.clone_from(&closed.query);
     record.tell(event);
     let id = closed.id.clone();
@@ -70,8 +70,8 @@ pub fn revoke_loop(index: &mut MapIndex, id: &LoopId) -> (Vec<MergeReport>, Deci
     let mut event = Event::of(EventKind::LoopRevoked);
     event.loop_id = Some(id.clone());
     if let Some(closed) = record.index().loops().get(id) {
-        let name = |keyframe| record.index().keyframe(keyframe).map(|keyframe| keyframe.id.clone());
-        (event.keyframe, event.candidate) = (name(closed.keyframe), name(closed.candidate));
+        event.keyframe = Some(closed.keyframe_id.clone());
+        event.candidate = Some(closed.candidate_id.clone());
     }
     record.tell(event);
     for merge in &split {

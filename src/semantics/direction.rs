@@ -73,6 +73,11 @@ fn name(direction: usize) -> &'static str {
     WORDS[direction].split(' ').next().unwrap_or_default()
 }
 
+/// Is this stem a direction?
+pub fn is_direction(stem: &str) -> bool {
+    bit(stem).is_some()
+}
+
 fn bit(word: &str) -> Option<u16> {
     WORDS.iter().position(|words| words.split(' ').any(|w| w == word)).map(|i| 1 << i)
 }

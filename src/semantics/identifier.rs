@@ -132,7 +132,7 @@ fn canonical(written: &str) -> String {
     value
 }
 
-/// The digit that OCR takes a letter for, and the other way round.
+/// The digit that OCR takes a letter for, and the other way round; and the hyphen for a full stop.
 fn look_alike_digit(c: char) -> char {
     match c {
         'O' | 'D' | 'Q' => '0',
@@ -141,6 +141,7 @@ fn look_alike_digit(c: char) -> char {
         'S' => '5',
         'G' => '6',
         'B' => '8',
+        '.' => '-',
         _ => c,
     }
 }
@@ -156,9 +157,10 @@ fn misread_letters(a: &str, b: &str) -> Option<usize> {
     }
     let mut letters = 0;
     for (x, y) in a.chars().zip(b.chars()).filter(|(x, y)| x != y) {
-        let letter_for_digit =
-            x.is_ascii_digit() != y.is_ascii_digit() && look_alike_digit(x) == look_alike_digit(y);
-        letters += letter_for_digit.then_some(1)?;
+        let both_letters_or_digits =
+            x.is_alphabetic() && y.is_alphabetic() || x.is_numeric() && y.is_numeric();
+        let misread = !both_letters_or_digits && look_alike_digit(x) == look_alike_digit(y);
+        letters += misread.then_some(1)?;
     }
     Some(letters)
 }
@@ -192,6 +194,7 @@ mod tests {
             ("9O1", "901", Relation::LookAlike),
             ("O4", "04", Relation::LookAlike),
             ("9OI", "901", Relation::PoorlyRead),
+            ("15.02", "15-02", Relation::LookAlike),
             ("3", "8", Relation::Different),
             ("B1-D", "B1-Q", Relation::Different),
             ("901-905", "903", Relation::Overlap),

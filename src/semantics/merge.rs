@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::identifier::Identifier;
 use super::reading::{self, Mention, What};
+use super::role::{self, Role};
 use super::text::Text;
 use super::words::Word;
 use super::{normalise, token};
@@ -51,26 +52,42 @@ impl<'t> Part<'t> {
     /// Total order on raw texts, the most informative last.
     fn rank(&self) -> impl Ord + '_ {
         let content = self.text.identifiers.len() + self.text.words.len();
-        (self.text.information_level(), content, self.text.normalised(), self.raw)
+        let with_role =
+            self.text.identifiers.iter().filter(|identifier| identifier.role != Role::Neutral).count();
+        (self.text.information_level(), with_role, content, self.text.normalised(), self.raw)
     }
 
     fn says_all_of(&self, other: &Part<'_>) -> bool {
         let identifiers = other.text.identifiers.iter().all(|identifier| self.identifies(identifier));
-        let words = other.text.words.iter().all(|word| self.text.words.contains(word));
+        let words =
+            other.text.words.iter().all(|word| other.is_mere_role(word) || self.text.words.contains(word));
         identifiers && words && other.text.negated.iter().all(|word| self.text.negated.contains(word))
     }
 
     /// Both, and no identifier besides.
     fn says_just(&self, a: &Part<'_>, b: &Part<'_>) -> bool {
-        let known = |identifier: &Identifier| a.identifies(identifier) || b.identifies(identifier);
+        let known = |found: &Identifier| {
+            let mut both = a.text.identifiers.iter().chain(&b.text.identifiers);
+            both.any(|identifier| {
+                identifier.value == found.value && identifier.role.is_compatible(&found.role)
+            })
+        };
         self.says_all_of(a) && self.says_all_of(b) && self.text.identifiers.iter().all(known)
     }
 
+    /// A bare 10 does not say "floor 10", but floor 10 says 10, and a bare 901 is a room's.
     fn identifies(&self, identifier: &Identifier) -> bool {
-        self.text
-            .identifiers
-            .iter()
-            .any(|known| known.value == identifier.value && known.role.is_compatible(&identifier.role))
+        let is_bare_room = |role: &Role| matches!(role, Role::Neutral | Role::Room);
+        let says = |known: &Identifier| {
+            let covers = known.role != Role::Neutral || is_bare_room(&identifier.role);
+            covers && known.role.is_compatible(&identifier.role)
+        };
+        self.text.identifiers.iter().any(|known| known.value == identifier.value && says(known))
+    }
+
+    /// The "Zimmer" of "Zimmer 901" adds nothing to "room 901".
+    fn is_mere_role(&self, word: &Word) -> bool {
+        !self.text.identifiers.is_empty() && role::role_of(&word.text).is_some()
     }
 
     fn says(&self, word: &Word, negated: bool) -> bool {
@@ -86,9 +103,10 @@ impl<'t> Part<'t> {
         for Mention { what, first, end } in mentions {
             let (missing, key) = match &what {
                 What::Identifier(identifier) => (!self.identifies(identifier), identifier.value.clone()),
-                What::Word { word, negated } => {
-                    (!self.says(word, *negated), format!("{negated} {}", word.text))
-                }
+                What::Word { word, negated } => (
+                    !self.says(word, *negated) && (*negated || !other.is_mere_role(word)),
+                    format!("{negated} {}", word.text),
+                ),
             };
             if !missing || !said.insert((matches!(what, What::Word { .. }), key)) {
                 continue;

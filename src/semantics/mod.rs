@@ -8,6 +8,7 @@
 //! | canonical spelling | `normalise.rs` | `clean`, `fold`, `bare` |
 //! | tokens | `token.rs` | `tokenise` |
 //! | which tokens are identifiers, which are words | `reading.rs` | `read` |
+//! | the role and spelling of a number, by the tokens around it | `around.rs` | `Around` |
 //! | worth of a word | `dictionary.rs` | `class_of` |
 //! | room, floor, gate, ... | `role.rs` | [`Role`], `role_of` |
 //! | identifier, look-alikes, ranges | `identifier.rs` | [`Identifier`] |
@@ -23,6 +24,7 @@
 //! | which texts to compare at all | `keys.rs` | [`Text::keys`] |
 
 mod agreement;
+mod around;
 mod dictionary;
 mod direction;
 mod identifier;

@@ -1,8 +1,9 @@
 //! Reading a text: which of its tokens are identifiers, quantities, negations and words.
 
+use super::around::{self, Around};
 use super::dictionary::{self, Class};
 use super::direction;
-use super::identifier::{self, Identifier};
+use super::identifier::Identifier;
 use super::normalise::bare;
 use super::quantity;
 use super::role::{self, Role};
@@ -15,9 +16,6 @@ const MAX_CODE_LEN: usize = 24;
 /// Codes that name a kind of thing, not one thing.
 const NOT_IDENTIFIERS: [&str; 10] =
     ["2d", "3d", "4k", "mp3", "mp4", "h2o", "co2", "covid19", "covid-19", "wifi6"];
-
-/// Words after which "up" is no direction: "a close-up of a sign".
-const NOT_UPWARD: [&str; 6] = ["close", "lit", "set", "made", "hung", "put"];
 
 /// What one or more tokens in a row say.
 #[derive(Clone, Debug)]
@@ -47,7 +45,13 @@ pub enum What {
 /// Reads the tokens of a normalised text.
 pub fn read(tokens: &[Token<'_>]) -> Vec<Mention> {
     let bare: Vec<String> = tokens.iter().map(|token| bare(token.text)).collect();
-    let mut reader = Reader { tokens, bare: &bare, mentions: Vec::new(), negation: None };
+    let mut reader = Reader {
+        tokens,
+        bare: &bare,
+        around: Around { tokens, bare: &bare },
+        mentions: Vec::new(),
+        negation: None,
+    };
     let mut at = 0;
     while at < tokens.len() && reader.mentions.len() < MAX_TOKENS {
         at += reader.step(at);
@@ -59,6 +63,7 @@ pub fn read(tokens: &[Token<'_>]) -> Vec<Mention> {
 struct Reader<'t> {
     tokens: &'t [Token<'t>],
     bare: &'t [String],
+    around: Around<'t>,
     mentions: Vec<Mention>,
     /// Token of a "no" that still waits for its word.
     negation: Option<usize>,
@@ -70,15 +75,18 @@ impl Reader<'_> {
         if self.tokens[at].after_break {
             self.negate_last();
         }
-        let role = self.role_before(at);
+        let (name, role) = match self.around.role_before(at) {
+            name @ Some((Role::Named(_), _)) => (name, None),
+            role => (None, role),
+        };
         let quantity = quantity::tokens_at(self.tokens, self.bare, at, role.is_some());
-        if quantity > 0 && !self.is_ordinal_floor(at) {
+        if quantity > 0 && !self.around.is_ordinal_floor(at) {
             let text = self.bare[at..at + quantity].concat();
             self.word(Word::of_class(Class::Quantity, text), at, at + quantity);
             return quantity;
         }
         match self.tokens[at].kind {
-            Kind::Code => self.code(at, role),
+            Kind::Code => self.code(at, role, name),
             Kind::Word => self.letters(at, role),
             Kind::Ideographs => self.ideographs(at),
             Kind::Symbol => {
@@ -95,33 +103,35 @@ impl Reader<'_> {
         }
     }
 
-    fn code(&mut self, at: usize, role: Option<(Role, usize)>) -> usize {
+    /// A word that is no role word gives a `name` only where nothing else tells a role: "Copernicus 3".
+    fn code(&mut self, at: usize, role: Option<(Role, usize)>, name: Option<(Role, usize)>) -> usize {
         let code = self.bare[at].as_str();
         if code.len() > MAX_CODE_LEN || NOT_IDENTIFIERS.contains(&code) {
             self.word(Word::new(code.to_owned()), at, at + 1);
             return 1;
         }
         let first = role.as_ref().map_or(at, |(_, first)| *first);
-        if let Some((range, len)) = self.spelt_range(at) {
+        if let Some((range, len)) = self.around.spelt_range(at) {
             let role = role.map_or(Role::Neutral, |(role, _)| role);
             self.identifier(role, &range, first, at + len);
             return len;
         } else if let Some((role, _)) = role {
             self.identifiers(&role, code, first, at + 1);
-        } else if let Some((role, number, suffix)) = self.suffixed(at) {
+        } else if let Some((role, number, suffix)) = self.around.suffixed(at) {
             self.identifier(role, &number, at, at + 2);
             if suffix < self.tokens[at + 1].text.len() {
                 self.run(&self.tokens[at + 1].text[suffix..], at + 1);
             }
             return 2;
-        } else if let Some((role, number, len)) = self.role_after(at) {
+        } else if let Some((role, number, len)) = self.around.role_after(at) {
             self.identifier(role, &number, at, at + len);
             return len;
-        } else if let Some((role, number)) = glued_role(code) {
+        } else if let Some((role, number)) = around::glued_role(code) {
             self.identifiers(&role, &number, at, at + 1);
         } else {
-            let role = self.role_of_list(at).unwrap_or(Role::Neutral);
-            self.identifiers(&role, code, at, at + 1);
+            let role = name.or_else(|| Some((self.role_of_list(at)?, at)));
+            let (role, first) = role.unwrap_or((Role::Neutral, at));
+            self.identifiers(&role, code, first, at + 1);
         }
         1
     }
@@ -129,33 +139,34 @@ impl Reader<'_> {
     fn letters(&mut self, at: usize, role: Option<(Role, usize)>) -> usize {
         let bare = self.bare;
         let word = bare[at].as_str();
-        let listed = role.filter(|(role, _)| !matches!(role, Role::Named(_)));
-        if let Some((role, first)) = &listed
-            && let Some(number) = self.letter_and_number(at)
+        if let Some((role, first)) = &role
+            && let Some(number) = self.around.letter_and_number(at)
         {
             self.identifier(role.clone(), &number, *first, at + 2);
             return 2;
         }
-        if let Some((role, first)) = listed
-            && let Some(number) = self.spelt_number(at)
+        if let Some((role, first)) = role
+            && let Some(number) = self.around.spelt_number(at)
         {
             self.identifier(role, &number, first, at + 1);
-        } else if self.is_ordinal_floor(at) {
-            let number = number_word(word).unwrap_or_default().to_owned();
+        } else if self.around.is_ordinal_floor(at) {
+            let number = around::number_word(word).unwrap_or_default().to_owned();
             self.identifier(Role::Floor, &number, at, at + 2);
             return 2;
         } else if word.len() == 1
             && word.is_ascii()
             && (at == 0 || self.tokens[at].after_break)
-            && self.ends_phrase(at)
+            && self.around.ends_phrase(at)
         {
             // A plaque that says "A".
             self.identifier(Role::Neutral, word, at, at + 1);
         } else if dictionary::negates(word) {
             self.negation = Some(at);
-        } else if (word.len() > 1 || !word.is_ascii())
-            && !(word == "up" && at > 0 && NOT_UPWARD.contains(&bare[at - 1].as_str()))
-        {
+        } else if self.around.is_location(at) {
+            // Where the thing hangs, not where it points; and left of it is not right of it.
+            let place = Word::of_class(Class::Descriptive, format!("at {}", dictionary::stem(word)));
+            self.word(place, at, at + 1);
+        } else if (word.len() > 1 || !word.is_ascii()) && !self.around.is_particle(at) {
             self.word(Word::new(dictionary::stem(word)), at, at + 1);
         }
         1
@@ -178,96 +189,6 @@ impl Reader<'_> {
                 self.word(Word::new(run[pair[0]..pair[2]].to_owned()), at, at + 1);
             }
         }
-    }
-
-    /// The role that the words right before `at` give, and the first of these words.
-    fn role_before(&self, at: usize) -> Option<(Role, usize)> {
-        let mut first = at;
-        let mut label = false;
-        while first > 0 && !self.tokens[first].after_break {
-            let word = self.bare[first - 1].as_str();
-            if let Some((role, _)) = role::role_of(word) {
-                return Some((role, first - 1));
-            }
-            if !role::is_number_label(word) {
-                let name = dictionary::stem(word);
-                let is_name = !label && self.tokens[first - 1].kind == Kind::Word && word.len() > 1;
-                let named =
-                    is_name && !dictionary::negates(word) && dictionary::class_of(&name) == Class::Specific;
-                return named.then(|| (Role::Named(name), first - 1));
-            }
-            (first, label) = (first - 1, true);
-        }
-        None
-    }
-
-    /// 901号室, 9階, 地下1階: the role, the number and the length of the suffix.
-    fn suffixed(&self, at: usize) -> Option<(Role, String, usize)> {
-        let code = self.bare[at].as_str();
-        let next = self.tokens.get(at + 1).filter(|t| t.kind == Kind::Ideographs && !t.after_break)?;
-        let (role, suffix) = role::role_of_suffix(next.text)?;
-        let number = code.strip_suffix('f').filter(|_| role == Role::Floor).unwrap_or(code);
-        let underground =
-            at > 0 && ["地下", "지하"].iter().any(|below| self.tokens[at - 1].text.ends_with(below));
-        let below = if underground && role == Role::Floor { "b" } else { "" };
-        Some((role, format!("{below}{number}"), suffix))
-    }
-
-    /// 9F, 2nd floor, 9. Stock: the role, the number and how many tokens they take.
-    fn role_after(&self, at: usize) -> Option<(Role, String, usize)> {
-        let code = self.bare[at].as_str();
-        if self.is_ordinal_floor(at) {
-            return Some((Role::Floor, ordinal(code)?.to_owned(), 2));
-        }
-        let number = ["f", "og"].iter().find_map(|floor| code.strip_suffix(floor))?;
-        let digits = number.strip_prefix('b').unwrap_or(number);
-        let is_floor = (1..=2).contains(&digits.len()) && digits.bytes().all(|b| b.is_ascii_digit());
-        is_floor.then(|| (Role::Floor, number.to_owned(), 1))
-    }
-
-    /// "2nd floor", "first floor", "9. Stock" - but not the "9 floor 3" that lists two numbers.
-    fn is_ordinal_floor(&self, at: usize) -> bool {
-        let Some(next) = self.tokens.get(at + 1).filter(|t| !t.after_break) else { return false };
-        let number = ordinal(&self.bare[at]).or_else(|| number_word(&self.bare[at])).is_some();
-        let floor = matches!(role::role_of(&self.bare[at + 1]), Some((Role::Floor, _)));
-        let another = self.tokens.get(at + 2).is_some_and(|t| t.kind == Kind::Code && !t.after_break);
-        number && floor && next.kind == Kind::Word && !another
-    }
-
-    fn ends_phrase(&self, at: usize) -> bool {
-        self.tokens.get(at + 1).is_none_or(|next| next.after_break)
-    }
-
-    /// "Gate A 12" is gate A12.
-    fn letter_and_number(&self, at: usize) -> Option<String> {
-        let (letter, number) = (&self.bare[at], self.bare.get(at + 1)?);
-        let joined = letter.len() == 1 && !self.ends_phrase(at) && number.bytes().all(|b| b.is_ascii_digit());
-        joined.then(|| format!("{letter}{number}"))
-    }
-
-    /// "Room B", "floor nine". Vowels are words in some language, so they must end the phrase, or stand before
-    /// another numbered thing: "building A room 5".
-    fn spelt_number(&self, at: usize) -> Option<String> {
-        let word = self.bare[at].as_str();
-        let ends = self.ends_phrase(at);
-        let ends = ends
-            || (self.bare.get(at + 1).is_some_and(|next| role::role_of(next).is_some())
-                && self.tokens.get(at + 2).is_some_and(|t| t.kind == Kind::Code && !t.after_break));
-        let letter = word.len() == 1 && word.is_ascii() && (ends || !"aeiouy".contains(word));
-        if letter {
-            Some(word.to_owned())
-        } else {
-            number_word(word).filter(|_| ends || !word.ends_with("th")).map(str::to_owned)
-        }
-    }
-
-    /// "901 to 905", "901 - 905".
-    fn spelt_range(&self, at: usize) -> Option<(String, usize)> {
-        let joined =
-            ["-", "to", "bis", "through", "until", "thru"].contains(&self.bare.get(at + 1)?.as_str());
-        let range = format!("{}-{}", self.bare[at], self.bare.get(at + 2)?);
-        let unbroken = self.tokens[at + 1..=at + 2].iter().all(|t| !t.after_break);
-        (joined && unbroken && identifier::is_range(&range.to_uppercase(), 3)).then_some((range, 3))
     }
 
     /// "rooms 901, 902 and 903": a number goes on with the role of the one before.
@@ -321,42 +242,4 @@ impl Reader<'_> {
             *end = no + 1;
         }
     }
-}
-
-/// "room901", "hub-10": a role word glued to its number.
-fn glued_role(code: &str) -> Option<(Role, String)> {
-    let letters = code.find(|c: char| !c.is_alphabetic()).filter(|letters| *letters > 1)?;
-    let (word, number) = code.split_at(letters);
-    let number = number.trim_start_matches(['-', '.']).to_owned();
-    let role = role::role_of(word)
-        .map(|(role, _)| role)
-        .or_else(|| role::is_number_label(word).then_some(Role::Neutral))?;
-    Some((role, number))
-}
-
-/// "2nd", "9e", "9": the number of an ordinal.
-fn ordinal(code: &str) -> Option<&str> {
-    let digits = code.find(|c: char| !c.is_ascii_digit()).unwrap_or(code.len());
-    let (number, ending) = code.split_at(digits);
-    let endings = ["", "st", "nd", "rd", "th", "e", "er", "eme", "o", "a", "°"];
-    ((1..=2).contains(&digits) && endings.contains(&ending)).then_some(number)
-}
-
-fn number_word(word: &str) -> Option<&'static str> {
-    const WORDS: [(&str, &str); 13] = [
-        ("ground", "0"),
-        ("one first", "1"),
-        ("two second", "2"),
-        ("three third", "3"),
-        ("four fourth", "4"),
-        ("five fifth", "5"),
-        ("six sixth", "6"),
-        ("seven seventh", "7"),
-        ("eight eighth", "8"),
-        ("nine ninth", "9"),
-        ("ten tenth", "10"),
-        ("eleven eleventh", "11"),
-        ("twelve twelfth", "12"),
-    ];
-    WORDS.iter().find(|(words, _)| words.split(' ').any(|w| w == word)).map(|(_, number)| *number)
 }

@@ -30,8 +30,8 @@ pub struct Text {
 }
 
 impl Text {
-    /// Parses a description. Any text will do; only the first [`token::MAX_TOKENS`] tokens and
-    /// [`MAX_IDENTIFIERS`] identifiers count.
+    /// Parses a description. Any text will do; only the first 256 tokens and
+    /// 32 identifiers count.
     pub fn parse(raw: &str) -> Text {
         let clean = normalise::clean(raw);
         let normalised = normalise::fold(&clean);

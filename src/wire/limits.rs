@@ -37,7 +37,7 @@ pub const CONFIDENCE: RangeInclusive<f64> = 0.0..=1.0;
 /// A keypoint's orientation, in degrees; whether a detector counts to 360 or from -180 is its own affair.
 pub const ANGLE_DEG: RangeInclusive<f64> = -360.0..=360.0;
 /// A level of the image pyramid.
-pub const OCTAVE: RangeInclusive<f64> = 0.0..=63.0;
+pub const OCTAVE: RangeInclusive<i64> = 0..=63;
 
 /// Whole seconds of a time: within the years that a calendar library can print.
 pub const SEC: RangeInclusive<i64> = -62_135_596_800..=253_402_300_799;
@@ -50,6 +50,8 @@ pub const WORDS: usize = BowVector::MAX_WORDS;
 pub const WORD: RangeInclusive<i64> = 0..=u32::MAX as i64;
 /// Features of one keyframe.
 pub const FEATURES: usize = 20_000;
+/// Characters of an id.
+pub const ID_CHARS: usize = 128;
 /// Bytes of one descriptor, a multiple of 8.
 pub const DESCRIPTOR_BYTES: RangeInclusive<i64> = 8..=512;
 /// Map points of one keyframe, observed, new or moved.
@@ -81,5 +83,7 @@ pub const MAX_WAIT_MS: RangeInclusive<i64> = 0..=60_000;
 pub const SEED: RangeInclusive<i64> = 0..=i64::MAX;
 /// Items of one part of a list.
 pub const PAGE: RangeInclusive<i64> = 1..=1000;
+/// Characters of a list's cursor.
+pub const CURSOR_CHARS: usize = 256;
 /// Items of one part of a list, if the client does not say.
 pub const PAGE_DEFAULT: usize = 100;

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::limits;
-use super::read::{Decode, Node};
+use super::read::{self, Decode, Node};
 use super::settings::{ChosenSettings, MapSettings};
 use crate::model::map::MapProperties;
 use crate::model::report::MapReport;
@@ -104,7 +104,7 @@ impl Decode for MapPatch {
     fn decode(node: &Node<'_>) -> Option<Self> {
         let map = node.object(&FIELDS)?;
         let description = map.optional("description", |node| node.text(limits::TEXT_CHARS));
-        let metric = map.optional("metric", Node::switch);
+        let metric = map.optional("metric", read::switch);
         let anchor_classes = map.optional("anchor_classes", classes);
         let settings = map.optional("settings", ChosenSettings::decode);
         Some(Self {

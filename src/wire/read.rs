@@ -26,8 +26,13 @@ pub trait Decode: Sized {
 
 /// Reads a value, or tells every fault in it.
 pub fn decode<T: Decode>(value: &Value) -> Result<T, Vec<FieldError>> {
+    decode_with(value, T::decode)
+}
+
+/// Reads a value by a function of its own, or tells every fault in it.
+pub fn decode_with<T>(value: &Value, read: impl FnOnce(&Node<'_>) -> Option<T>) -> Result<T, Vec<FieldError>> {
     let faults = Faults::default();
-    let read = T::decode(&Node { value, parent: None, step: Step::Root, faults: &faults });
+    let read = read(&Node { value, parent: None, step: Step::Root, faults: &faults });
     match (read, faults.into_list()) {
         (Some(read), list) if list.is_empty() => Ok(read),
         (_, list) => Err(list),
@@ -139,9 +144,13 @@ impl<'a> Node<'a> {
         self.whole(range).and_then(|whole| u32::try_from(whole).ok())
     }
 
-    /// `true` or `false`.
-    pub fn switch(&self) -> Option<bool> {
-        self.value.as_bool().or_else(|| self.expected("true or false"))
+    /// A whole number written in digits, as a query parameter is.
+    pub fn digits(&self, range: RangeInclusive<i64>) -> Option<i64> {
+        match self.string()?.parse() {
+            Ok(whole) if range.contains(&whole) => Some(whole),
+            Ok(_) => self.refuse("the number is out of range", Bounds(&range)),
+            Err(_) => self.refuse("expected a whole number", Bounds(&range)),
+        }
     }
 
     /// A string as it is.
@@ -169,14 +178,6 @@ impl<'a> Node<'a> {
             return self.refuse("not a name", format!("1 to {max_chars} printable characters"));
         }
         Some(name)
-    }
-
-    /// An id as clients choose them.
-    pub fn id<T: FromStr<Err = IdError>>(&self) -> Option<T> {
-        match self.string()?.parse() {
-            Ok(id) => Some(id),
-            Err(error) => self.refuse(error.to_string(), "[A-Za-z0-9._:-]{1,128}"),
-        }
     }
 
     /// One of a few names.
@@ -222,6 +223,19 @@ impl<'a> Node<'a> {
             let _: Option<()> = stray.refuse("there is no such field", fields.join(", "));
         }
         Some(Object { node: self, members })
+    }
+}
+
+/// Reads `true` or `false`.
+pub fn switch(node: &Node<'_>) -> Option<bool> {
+    node.value.as_bool().or_else(|| node.expected("true or false"))
+}
+
+/// Reads an id as clients choose them.
+pub fn id<T: FromStr<Err = IdError>>(node: &Node<'_>) -> Option<T> {
+    match node.string()?.parse() {
+        Ok(id) => Some(id),
+        Err(error) => node.refuse(error.to_string(), "[A-Za-z0-9._:-]{1,128}"),
     }
 }
 

@@ -6,7 +6,7 @@ use utoipa::openapi::schema::{AdditionalProperties, ObjectBuilder, SchemaType, T
 use utoipa::openapi::{RefOr, Schema};
 use utoipa::{PartialSchema, ToSchema};
 
-use super::read::{Decode, Node};
+use super::read::{self, Decode, Node};
 use crate::model::settings::{Setting, SettingError, SettingKind, SettingValue, Settings, WithoutAnchors};
 
 /// The settings of a map, by name; in a request only those to be set.
@@ -23,7 +23,8 @@ impl Decode for ChosenSettings {
         let names: Vec<&str> = Settings::TABLE.iter().map(|row| row.name).collect();
         let object = node.object(&names)?;
         let read: Vec<_> = Settings::TABLE.iter().map(|row| object.optional(row.name, |node| setting(node, row))).collect();
-        read.into_iter().filter_map(Option::transpose).collect::<Option<Vec<_>>>().map(Self)
+        let chosen: Option<Vec<_>> = read.into_iter().collect();
+        chosen.map(|chosen| Self(chosen.into_iter().flatten().collect()))
     }
 }
 
@@ -31,7 +32,7 @@ fn setting(node: &Node<'_>, row: &Setting) -> Option<(String, SettingValue)> {
     let value = match row.kind {
         SettingKind::Number { .. } => SettingValue::Number(node.number(f64::MIN..=f64::MAX)?),
         SettingKind::Count { min, max, .. } => SettingValue::Count(node.count(min.into()..=max.into())?),
-        SettingKind::Switch { .. } => SettingValue::Switch(node.switch()?),
+        SettingKind::Switch { .. } => SettingValue::Switch(read::switch(node)?),
         SettingKind::Policy { .. } => {
             SettingValue::Policy(node.choice(&WithoutAnchors::NAMES, WithoutAnchors::from_name)?)
         }

@@ -56,7 +56,7 @@ pub struct Transform {
 #[serde(deny_unknown_fields)]
 pub struct Time {
     /// Whole seconds.
-    #[schema(minimum = -62135596800, maximum = 253402300799)]
+    #[schema(minimum = -62135596800i64, maximum = 253402300799i64)]
     pub sec: i64,
     /// Nanoseconds within the second.
     #[schema(minimum = 0, maximum = 999999999)]

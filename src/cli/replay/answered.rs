@@ -236,6 +236,9 @@ mod tests {
         assert_eq!(query.nearest_true.expect("a candidate").keyframe, "a");
         assert_eq!(query.reason.expect("a reason").code, "no_anchors");
         assert_eq!(query.candidate_reasons, ["no_anchors"; 3]);
+        said["candidates"][1]["verdict"] = json!("undecided");
+        let query = answered(&["b"], &[], said.clone());
+        assert_eq!(query.leading.expect("a candidate").keyframe, "a");
         said["reason"] = json!({"code": "empty_bow"});
         let query = answered(&["a"], &[], said);
         assert_eq!(query.reason.expect("a reason").code, "empty_bow");

@@ -32,10 +32,12 @@ use clap::builder::BoolishValueParser;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::client::{Client, ClientError};
-use overrides::Overrides;
 use play::Player;
-use recording::{LineError, Recording};
+use recording::Recording;
 use report::Report;
+
+pub use overrides::{Overrides, Setting};
+pub use recording::LineError;
 
 /// Play a recording and score the loops found.
 ///

@@ -53,9 +53,10 @@ fn answer(request: &str, body: &Value) -> Response {
         (status, Json(json!({"title": title, "status": status.as_u16(), "errors": []}))).into_response()
     };
     match request {
-        "PUT /v1/maps/taken" => problem(StatusCode::CONFLICT, "Conflict"),
+        "PUT /v1/maps/taken" | "PUT /v1/maps/before/keyframes/k2" => {
+            problem(StatusCode::CONFLICT, "Conflict")
+        }
         "PUT /v1/maps/before" => ([("idempotent-replayed", "true")], "{}").into_response(),
-        "PUT /v1/maps/before/keyframes/k2" => problem(StatusCode::CONFLICT, "Conflict"),
         request if request.contains("/before/keyframes/") => {
             ([("idempotent-replayed", "true")], r#"{"keyframe":"k"}"#).into_response()
         }

@@ -141,6 +141,12 @@ impl MapIndex {
         object.members.iter().filter_map(|member| self.anchor(*member)).flat_map(Anchor::keyframes).collect()
     }
 
+    /// An anchor as if it were no part of a larger object.
+    pub fn anchor_alone(&self, seq: AnchorSeq) -> Option<Object> {
+        self.anchor(seq)?;
+        Some(Object::of(vec![seq], &self.anchors, &self.properties.settings))
+    }
+
     /// An object's class.
     pub fn class_of(&self, object: &Object) -> &str {
         object.members.first().and_then(|member| self.anchor(*member)).map_or("", |anchor| &anchor.class)

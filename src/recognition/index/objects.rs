@@ -50,7 +50,7 @@ impl Object {
     }
 
     /// Derives the object from its anchors; `members` oldest first, never empty.
-    fn of(members: Vec<AnchorSeq>, anchors: &[Option<Anchor>], settings: &Settings) -> Self {
+    pub(super) fn of(members: Vec<AnchorSeq>, anchors: &[Option<Anchor>], settings: &Settings) -> Self {
         let mut votes = Votes::default();
         let mut shapes: BTreeMap<SessionSeq, Shape> = BTreeMap::new();
         let mut by_hand = None;

@@ -4,9 +4,10 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{BowShape, CameraShape, CovisibleShape, FeaturesShape, PointsShape};
+use crate::geometry::Point3;
 use crate::model::anchor::{AnchorState, Outcome};
 use crate::model::bow::BowVector;
-use crate::model::ids::KeyframeId;
+use crate::model::ids::{KeyframeId, PointId};
 use crate::model::keyframe::{Camera, Detection, Features, Keypoint};
 use crate::model::report::{KeyframeRecord, KeyframeReport, KeyframeSummary};
 use crate::wire::anchor::AnchorStateName;
@@ -179,7 +180,8 @@ impl KeyframeView {
     /// A keyframe at a version of its map.
     pub fn of(map_version: u64, record: KeyframeRecord) -> Self {
         let KeyframeRecord { keyframe, detections: outcomes, covisible } = record;
-        let (ids, positions) = keyframe.map_points.into_iter().map(|(id, point)| (id, point.coords.into())).unzip();
+        let numbers = |(id, point): (PointId, Point3)| (id, [point.x, point.y, point.z]);
+        let (ids, positions) = keyframe.map_points.into_iter().map(numbers).unzip();
         Self {
             id: keyframe.id.to_string(),
             map_version,

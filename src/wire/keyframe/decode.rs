@@ -45,7 +45,7 @@ pub fn unnamed(node: &Node<'_>) -> Option<SentKeyframe> {
 
 fn keyframe(node: &Node<'_>, id: &KeyframeId, stored: bool) -> Option<SentKeyframe> {
     let body = node.object(&FIELDS)?;
-    let session = body.optional("session", Node::id::<SessionId>);
+    let session = body.optional("session", read::id::<SessionId>);
     let stamp = body.required("stamp", Stamp::decode);
     let pose = body.required("pose", Pose::decode);
     let camera = body.optional("camera", camera);
@@ -119,7 +119,7 @@ fn covisible(node: &Node<'_>, this: Option<&KeyframeId>) -> Option<Vec<(Keyframe
     node.list(limits::COVISIBLE, |entry| {
         let body = entry.object(&["keyframe", "shared"])?;
         let keyframe = body.required("keyframe", |node| {
-            let keyframe: KeyframeId = node.id()?;
+            let keyframe: KeyframeId = read::id(node)?;
             if Some(&keyframe) == this {
                 return node.refuse("a keyframe is not covisible with itself", "another keyframe");
             }
@@ -134,7 +134,7 @@ fn covisible(node: &Node<'_>, this: Option<&KeyframeId>) -> Option<Vec<(Keyframe
 }
 
 /// A list in which nothing may be twice; the second one is told off.
-pub fn unique<T: Copy + Eq + Hash>(
+pub fn unique<T: Clone + Eq + Hash>(
     node: &Node<'_>,
     max: usize,
     mut read: impl FnMut(&Node<'_>) -> Option<T>,
@@ -142,6 +142,6 @@ pub fn unique<T: Copy + Eq + Hash>(
     let mut seen = HashSet::new();
     node.list(max, |item| {
         let value = read(item)?;
-        if seen.insert(value) { Some(value) } else { item.refuse("listed twice", "each one once") }
+        if seen.insert(value.clone()) { Some(value) } else { item.refuse("listed twice", "each one once") }
     })
 }

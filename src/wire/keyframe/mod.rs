@@ -19,7 +19,7 @@ use super::map::ClassName;
 use super::space::{Time, Transform};
 
 pub use answer::{CovisibleView, DetectionView, KeyframeAnswer, KeyframeLine, KeyframeView, OutcomeName, OutcomeView};
-pub use decode::{SentKeyframe, named, unnamed};
+pub use decode::{SentKeyframe, named, points, unique, unnamed};
 
 /// A keyframe to be stored, or asked about without being stored. Only `stamp` and `pose` are required.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -82,7 +82,7 @@ pub struct Pixels(#[expect(dead_code, reason = "a schema only")] f64);
 
 /// A word's number in its vocabulary.
 #[derive(ToSchema)]
-#[schema(minimum = 0, maximum = 4294967295)]
+#[schema(minimum = 0, maximum = 4294967295i64)]
 pub struct WordNumber(#[expect(dead_code, reason = "a schema only")] u32);
 
 /// A word's weight, in any unit: weights are normalised to sum to one.
@@ -180,7 +180,7 @@ pub struct CovisibleShape {
     #[schema(min_length = 1, max_length = 128, pattern = "^[A-Za-z0-9._:-]{1,128}$")]
     pub keyframe: String,
     /// How many map points the two share; it counts whatever it is.
-    #[schema(minimum = 0, maximum = 4294967295)]
+    #[schema(minimum = 0, maximum = 4294967295i64)]
     pub shared: u32,
 }
 

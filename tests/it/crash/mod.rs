@@ -72,16 +72,22 @@ async fn what_was_acknowledged_survives_a_kill_at_any_moment() {
 
 /// Lets every writer write into maps of this round, kills the server, and returns what was sent.
 async fn write_until_killed(mut server: Server, round: u64, moment: KillMoment) -> Vec<Log> {
+    let (acknowledge, mut acknowledged) = mpsc::unbounded_channel();
+    let mut logs = Vec::new();
     for map in 0..MAPS {
-        let path = format!("/v1/maps/{}", map_name(round, map));
+        let map = map_name(round, map);
+        let path = format!("/v1/maps/{map}");
         let answer = server.api().put(&path, &json!({})).await;
         assert_eq!(answer.status, 201, "{path}: {}", answer.text());
+        logs.push(Writer::walk_ahead(server.api(), &map, acknowledge.clone()).await);
     }
-    let (acknowledge, mut acknowledged) = mpsc::unbounded_channel();
+    while acknowledged.try_recv().is_ok() {} // The kill counts what is written from here on.
+
     let mut writers = JoinSet::new();
     for number in 0..WRITERS {
         let map = map_name(round, number % MAPS);
-        let writer = Writer::new(server.api(), &map, number, acknowledge.clone());
+        let session = format!("robot-{number}");
+        let writer = Writer::new(server.api(), &map, &session, acknowledge.clone());
         writers.spawn(writer.write_until_the_server_is_gone());
     }
     drop(acknowledge);
@@ -97,7 +103,8 @@ async fn write_until_killed(mut server: Server, round: u64, moment: KillMoment) 
     assert!(waited.is_ok(), "no acknowledgement within {ROUND_TIMEOUT:?}");
     tokio::time::sleep(moment.then).await;
     server.kill();
-    writers.join_all().await
+    logs.extend(writers.join_all().await);
+    logs
 }
 
 fn map_name(round: u64, map: u64) -> String {

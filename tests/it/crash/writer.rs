@@ -11,8 +11,11 @@ use super::server::{Answer, Api};
 const BULK_EVERY: u64 = 7;
 /// ... of so many lines ...
 const BULK_KEYFRAMES: u64 = 5;
-/// ... and closes a loop, once it has gone far enough to be back somewhere.
+/// ... and closes a loop with the robot that went ahead.
 const LOOP_EVERY: u64 = 9;
+/// How far that robot went.
+const KEYFRAMES_AHEAD: u64 = 40;
+const AHEAD: &str = "ahead";
 /// Every so many keyframes carry a detection, or ask for a loop in the same round trip.
 const DETECTION_EVERY: u64 = 3;
 const QUERY_EVERY: u64 = 5;
@@ -33,6 +36,8 @@ pub(super) struct Log {
 #[derive(Debug)]
 pub(super) struct Sent {
     pub id: String,
+    /// Counted by its robot.
+    pub number: u64,
     pub body: Value,
     /// As a line of a bulk request.
     pub bulk: bool,
@@ -45,7 +50,7 @@ pub(super) struct Sent {
 /// One robot: a session of its own in a map that it shares.
 pub(super) struct Writer {
     api: Api,
-    number: u64,
+    session: String,
     keyframes_made: u64,
     acknowledge: UnboundedSender<()>,
     log: Log,
@@ -61,14 +66,22 @@ impl From<reqwest::Error> for Gone {
 }
 
 impl Writer {
-    pub fn new(api: &Api, map: &str, number: u64, acknowledge: UnboundedSender<()>) -> Self {
+    pub fn new(api: &Api, map: &str, session: &str, acknowledge: UnboundedSender<()>) -> Self {
         Self {
             api: api.clone(),
-            number,
+            session: session.to_owned(),
             keyframes_made: 0,
             acknowledge,
             log: Log { map: map.to_owned(), keyframes: Vec::new(), loops: Vec::new() },
         }
+    }
+
+    /// Walks the corridor of `map` before anyone else does.
+    pub async fn walk_ahead(api: &Api, map: &str, acknowledge: UnboundedSender<()>) -> Log {
+        let mut ahead = Self::new(api, map, AHEAD, acknowledge);
+        let written = ahead.write_in_bulk(KEYFRAMES_AHEAD).await;
+        assert!(written.is_ok(), "{map}: the server is gone before anything was written");
+        ahead.log
     }
 
     pub async fn write_until_the_server_is_gone(mut self) -> Log {
@@ -76,7 +89,7 @@ impl Writer {
             let written = if turn.is_multiple_of(LOOP_EVERY) {
                 self.close_a_loop(turn).await
             } else if turn.is_multiple_of(BULK_EVERY) {
-                self.write_in_bulk().await
+                self.write_in_bulk(BULK_KEYFRAMES).await
             } else {
                 self.write_one(turn).await
             };
@@ -107,9 +120,9 @@ impl Writer {
     }
 
     /// Each line that came back whole is an acknowledgement, even if the answer was cut after it.
-    async fn write_in_bulk(&mut self) -> Result<(), Gone> {
+    async fn write_in_bulk(&mut self, keyframes: u64) -> Result<(), Gone> {
         let first = self.log.keyframes.len();
-        for _ in 0..BULK_KEYFRAMES {
+        for _ in 0..keyframes {
             let sent = self.next_keyframe(true);
             self.log.keyframes.push(sent);
         }
@@ -142,17 +155,18 @@ impl Writer {
         if cut { Err(Gone) } else { Ok(()) }
     }
 
-    /// Between the first keyframe and the last that are known to be there.
+    /// At the door where this robot stands, with the one that stood there before.
     async fn close_a_loop(&mut self, turn: u64) -> Result<(), Gone> {
-        let mut there = self.log.keyframes.iter().filter(|sent| sent.acknowledged);
-        let (Some(first), Some(last)) = (there.next(), there.next_back()) else {
+        let mut here = self.log.keyframes.iter().rev().filter(|sent| sent.acknowledged);
+        let Some(here) = here.next() else {
             return Ok(());
         };
-        let id = format!("loop-{}-{turn}", self.number);
-        let body = json!({"id": id, "keyframe": last.id, "candidate": first.id});
+        let id = format!("{}:loop-{turn}", self.session);
+        let before = format!("{AHEAD}:{}", here.number % KEYFRAMES_AHEAD);
+        let body = json!({"id": id, "keyframe": here.id, "candidate": before});
         let path = format!("/v1/maps/{}/loops", self.log.map);
         let request = self.api.request(Method::POST, &path).json(&body);
-        self.log.loops.push(Sent::new(id, body, false));
+        self.log.loops.push(Sent::new(id, turn, body, false));
         let answer = Answer::unless_gone(request).await?;
         if !answer.is_busy() {
             assert_eq!(answer.status, 201, "{path}: {}", answer.text());
@@ -165,15 +179,14 @@ impl Writer {
     fn next_keyframe(&mut self, bulk: bool) -> Sent {
         let number = self.keyframes_made;
         self.keyframes_made += 1;
-        let session = format!("robot-{}", self.number);
-        let id = format!("{session}:{number}");
-        Sent::new(id, keyframe(&session, number), bulk)
+        let id = format!("{}:{number}", self.session);
+        Sent::new(id, number, keyframe(&self.session, number), bulk)
     }
 }
 
 impl Sent {
-    fn new(id: String, body: Value, bulk: bool) -> Self {
-        Self { id, body, bulk, acknowledged: false, anchors: Vec::new() }
+    fn new(id: String, number: u64, body: Value, bulk: bool) -> Self {
+        Self { id, number, body, bulk, acknowledged: false, anchors: Vec::new() }
     }
 
     pub fn as_bulk_line(&self) -> String {

@@ -1,0 +1,103 @@
+//! Envelope: every answer carries its request's id, and every refusal, whoever refused, is a problem document.
+
+use std::any::Any;
+use std::fmt;
+use std::hash::{BuildHasher, Hasher, RandomState};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, LazyLock};
+
+use axum::body::Body;
+use axum::extract::Request;
+use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE};
+use axum::http::{HeaderName, HeaderValue, Method, Uri};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+
+use super::problem::{Kind, Problem};
+use crate::model::ids::KeyframeId;
+
+/// The header that names a request.
+pub const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
+/// The media type of refusals.
+pub const PROBLEM_JSON: HeaderValue = HeaderValue::from_static("application/problem+json");
+
+/// A request's id, in the request's extensions.
+#[derive(Clone, Debug)]
+pub struct RequestId(Arc<str>);
+
+impl fmt::Display for RequestId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// The layer around everything else.
+pub async fn envelope(mut request: Request, next: Next) -> Response {
+    let id = RequestId::of(&request);
+    request.extensions_mut().insert(id.clone());
+    let (method, uri) = (request.method().clone(), request.uri().clone());
+    let mut response = next.run(request).await;
+    if response.status().is_client_error() || response.status().is_server_error() {
+        response = refusal(response, &id, &method, &uri);
+    }
+    if let Ok(value) = HeaderValue::from_str(&id.0) {
+        response.headers_mut().insert(REQUEST_ID, value);
+    }
+    response
+}
+
+impl RequestId {
+    /// The client's own id, if it looks like one: it goes into logs.
+    fn of(request: &Request) -> Self {
+        let given = request.headers().get(REQUEST_ID).and_then(|value| value.to_str().ok());
+        match given.map(str::parse::<KeyframeId>) {
+            Some(Ok(sane)) => Self(sane.as_str().into()),
+            _ => Self::next(),
+        }
+    }
+
+    /// A number drawn once by this process, and a count.
+    fn next() -> Self {
+        static PROCESS: LazyLock<u64> = LazyLock::new(|| RandomState::new().build_hasher().finish());
+        static COUNT: AtomicU64 = AtomicU64::new(1);
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        Self(format!("{:016x}-{count:x}", *PROCESS).into())
+    }
+}
+
+/// Writes the problem; a refusal by axum or a layer of tower-http becomes one here and keeps its headers (`allow`).
+fn refusal(response: Response, id: &RequestId, method: &Method, uri: &Uri) -> Response {
+    let (mut parts, _) = response.into_parts();
+    let problem = parts.extensions.remove::<Problem>().unwrap_or_else(|| Problem::of_status(parts.status));
+    // The one place where failures are logged: what is refused is the client's affair, what fails is ours.
+    if let Some(cause) = problem.cause() {
+        tracing::error!(request_id = %id, %method, path = uri.path(), cause, "request failed");
+    } else if parts.status.is_server_error() {
+        tracing::warn!(request_id = %id, %method, path = uri.path(), status = parts.status.as_u16(), "request refused");
+    }
+    parts.headers.insert(CONTENT_TYPE, PROBLEM_JSON);
+    parts.headers.remove(CONTENT_LENGTH);
+    let view = problem.view(&id.0);
+    Response::from_parts(parts, Body::from(serde_json::to_vec(&view).unwrap_or_default()))
+}
+
+/// A handler that panicked is a failure like any other; the process goes on.
+pub fn panicked(payload: Box<dyn Any + Send>) -> Response {
+    let text = payload.downcast_ref::<&str>().map(ToString::to_string);
+    let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();
+    // Taken by value because tower-http hands it over so.
+    drop(payload);
+    Problem::internal(format!("panicked: {text}")).into_response()
+}
+
+/// A path that names nothing.
+pub async fn no_such_path(uri: Uri) -> Problem {
+    let path: String = uri.path().chars().take(200).collect();
+    Problem::new(Kind::NOT_FOUND, format!("there is nothing at {path}; /docs lists what there is"))
+}
+
+/// A path that is there, with a method that it does not have; axum adds `allow`.
+pub async fn no_such_method(method: Method, uri: Uri) -> Problem {
+    let path: String = uri.path().chars().take(200).collect();
+    Problem::new(Kind::METHOD_NOT_ALLOWED, format!("{path} does not take {method}; the header `allow` says what it takes"))
+}

@@ -1,0 +1,153 @@
+//! Problem: why a request is refused or failed, before the envelope writes it (`contract.md` §1).
+
+use axum::http::StatusCode;
+use axum::http::header::RETRY_AFTER;
+use axum::response::{IntoResponse, Response};
+
+use crate::model::invalid::FieldError;
+use crate::service::ServiceError;
+use crate::wire::problem::{FaultView, ProblemView};
+
+/// A kind of problem: its status, its code and its title go together, and `/docs` explains each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kind {
+    /// The HTTP status.
+    pub status: StatusCode,
+    /// The word for programs.
+    pub code: &'static str,
+    /// A few words for people.
+    pub title: &'static str,
+}
+
+macro_rules! kinds {
+    ($($name:ident = $status:ident, $code:literal, $title:literal;)*) => {
+        impl Kind {
+            $(#[doc = $title] pub const $name: Self =
+                Self { status: StatusCode::$status, code: $code, title: $title };)*
+
+            /// Every kind, by status.
+            pub const ALL: &'static [Self] = &[$(Self::$name),*];
+        }
+    };
+}
+
+kinds! {
+    SYNTAX = BAD_REQUEST, "syntax", "The body is not JSON";
+    BAD_REQUEST = BAD_REQUEST, "bad_request", "The request is malformed";
+    NOT_FOUND = NOT_FOUND, "not_found", "There is no such thing";
+    METHOD_NOT_ALLOWED = METHOD_NOT_ALLOWED, "method_not_allowed", "The method is not allowed here";
+    TIMEOUT = REQUEST_TIMEOUT, "timeout", "The body took too long to arrive";
+    CONFLICT = CONFLICT, "conflict", "The request contradicts what is stored";
+    PRECONDITION_FAILED = PRECONDITION_FAILED, "precondition_failed", "Somebody else was faster";
+    TOO_LARGE = PAYLOAD_TOO_LARGE, "too_large", "The body is too large";
+    UNSUPPORTED_MEDIA_TYPE = UNSUPPORTED_MEDIA_TYPE, "unsupported_media_type", "The body's type or encoding is not supported";
+    INVALID = UNPROCESSABLE_ENTITY, "invalid", "The request cannot be meant so";
+    PRECONDITION_REQUIRED = PRECONDITION_REQUIRED, "precondition_required", "Say which version you have seen";
+    INTERNAL = INTERNAL_SERVER_ERROR, "internal", "The server failed";
+    UNAVAILABLE = SERVICE_UNAVAILABLE, "unavailable", "The server cannot do this now";
+    DISK_FULL = INSUFFICIENT_STORAGE, "disk_full", "The disk is full";
+}
+
+/// One problem. As a response it is empty but for its status: the envelope knows the request's id and writes it.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    kind: Kind,
+    code: &'static str,
+    detail: String,
+    errors: Vec<FieldError>,
+    retry_after_s: Option<u32>,
+    cause: Option<String>,
+}
+
+impl Problem {
+    /// A problem of a kind, with what happened this time.
+    pub fn new(kind: Kind, detail: impl Into<String>) -> Self {
+        let detail = detail.into();
+        Self { kind, code: kind.code, detail, errors: Vec::new(), retry_after_s: None, cause: None }
+    }
+
+    /// The problem of a bare status, as layers below ours answer it.
+    pub fn of_status(status: StatusCode) -> Self {
+        let unnamed = Kind { status, code: "http", title: status.canonical_reason().unwrap_or("The request failed") };
+        let kind = Kind::ALL.iter().copied().find(|kind| kind.status == status && kind.code != "syntax");
+        Self::new(kind.unwrap_or(unnamed), status.canonical_reason().unwrap_or_default())
+    }
+
+    /// Faults of the request's body, path or parameters.
+    pub fn invalid(errors: Vec<FieldError>) -> Self {
+        let detail = match errors.as_slice() {
+            [one] => format!("{}: {}", if one.pointer.is_empty() { "the body" } else { &one.pointer }, one.detail),
+            several => format!("{} faults, each listed", several.len()),
+        };
+        Self { errors, ..Self::new(Kind::INVALID, detail) }
+    }
+
+    /// A failure of ours; `cause` goes to the log and nowhere else.
+    pub fn internal(cause: impl Into<String>) -> Self {
+        let detail = "the server's log tells more under the request's id";
+        Self { cause: Some(cause.into()), ..Self::new(Kind::INTERNAL, detail) }
+    }
+
+    /// The same problem with the faults that make it.
+    pub fn with(self, errors: Vec<FieldError>) -> Self {
+        Self { errors, ..self }
+    }
+
+    /// The status.
+    pub fn status(&self) -> StatusCode {
+        self.kind.status
+    }
+
+    /// When to come back, in seconds.
+    pub fn retry_after_s(&self) -> Option<u32> {
+        self.retry_after_s
+    }
+
+    /// What went wrong inside, for the log.
+    pub fn cause(&self) -> Option<&str> {
+        self.cause.as_deref()
+    }
+
+    /// The problem as it is written.
+    pub fn view(self, request_id: &str) -> ProblemView {
+        ProblemView {
+            kind: format!("/docs#problem-{}", self.kind.code),
+            title: self.kind.title.to_owned(),
+            status: self.kind.status.as_u16(),
+            detail: self.detail,
+            code: self.code.to_owned(),
+            request_id: request_id.to_owned(),
+            errors: self.errors.into_iter().map(FaultView::from).collect(),
+        }
+    }
+}
+
+impl From<ServiceError> for Problem {
+    fn from(error: ServiceError) -> Self {
+        match error {
+            ServiceError::NotFound(what) => Self::new(Kind::NOT_FOUND, format!("there is no {what}")),
+            ServiceError::Conflict { code, detail } => Self { code, ..Self::new(Kind::CONFLICT, detail) },
+            ServiceError::PreconditionFailed { detail } => Self::new(Kind::PRECONDITION_FAILED, detail),
+            ServiceError::Invalid(errors) => Self::invalid(errors),
+            ServiceError::TooLarge { detail } => Self::new(Kind::TOO_LARGE, detail),
+            ServiceError::DiskFull => {
+                Self::new(Kind::DISK_FULL, "nothing can be written; reading and deleting still work")
+            }
+            ServiceError::Unavailable { detail, retry_after_s } => {
+                Self { retry_after_s: Some(retry_after_s), ..Self::new(Kind::UNAVAILABLE, detail) }
+            }
+            ServiceError::Internal(cause) => Self::internal(cause),
+        }
+    }
+}
+
+impl IntoResponse for Problem {
+    fn into_response(self) -> Response {
+        let mut response = self.status().into_response();
+        if let Some(seconds) = self.retry_after_s {
+            response.headers_mut().insert(RETRY_AFTER, seconds.into());
+        }
+        response.extensions_mut().insert(self);
+        response
+    }
+}

@@ -1,0 +1,79 @@
+//! What a use case can answer instead of its result.
+
+use thiserror::Error;
+
+use crate::model::invalid::FieldError;
+use crate::store::StoreError;
+
+/// Why a request was not served.
+#[derive(Clone, Debug, Error)]
+pub enum ServiceError {
+    /// There is no such thing; the text says what.
+    #[error("{0}")]
+    NotFound(String),
+    /// The request contradicts what is stored.
+    #[error("{detail}")]
+    Conflict {
+        /// A name for programs.
+        code: &'static str,
+        /// A sentence for people.
+        detail: String,
+    },
+    /// The thing has another version than the client believes.
+    #[error("{detail}")]
+    PreconditionFailed {
+        /// A sentence for people.
+        detail: String,
+    },
+    /// The body means nothing here; every offending field is named.
+    #[error("{} fields of the body cannot be accepted", .0.len())]
+    Invalid(Vec<FieldError>),
+    /// The request or the map is too large.
+    #[error("{detail}")]
+    TooLarge {
+        /// A sentence for people.
+        detail: String,
+    },
+    /// The disk is full: writes are refused, reads and deletes go on.
+    #[error("the disk is full; nothing was written")]
+    DiskFull,
+    /// Not now.
+    #[error("{detail}")]
+    Unavailable {
+        /// A sentence for people.
+        detail: String,
+        /// When to try again, in seconds.
+        retry_after_s: u32,
+    },
+    /// Something here is broken; the text is for the log.
+    #[error("{0}")]
+    Internal(String),
+}
+
+impl ServiceError {
+    pub(super) fn no_map(id: impl std::fmt::Display) -> Self {
+        Self::NotFound(format!("there is no map {id}"))
+    }
+
+    pub(super) fn no_keyframe(id: impl std::fmt::Display) -> Self {
+        Self::NotFound(format!("there is no keyframe {id} in this map"))
+    }
+
+    pub(super) fn no_anchor(id: impl std::fmt::Display) -> Self {
+        Self::NotFound(format!("there is no anchor {id} in this map"))
+    }
+}
+
+impl From<StoreError> for ServiceError {
+    fn from(error: StoreError) -> Self {
+        match error {
+            StoreError::DiskFull => Self::DiskFull,
+            StoreError::Superseded | StoreError::Closed => {
+                Self::Unavailable { detail: error.to_string(), retry_after_s: 1 }
+            }
+            StoreError::Database(_) | StoreError::Corrupt(_) | StoreError::SqliteTooOld { .. } => {
+                Self::Internal(error.to_string())
+            }
+        }
+    }
+}

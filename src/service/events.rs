@@ -1,0 +1,32 @@
+//! What happened in a map, for those who listen.
+
+use tokio::sync::watch;
+
+use super::{QueryAnswer, Service, ServiceError};
+use crate::model::event::{Event, EventKind};
+use crate::model::ids::{KeyframeId, MapId};
+
+impl Service {
+    /// The events after one, in their order.
+    pub async fn events(&self, map: &MapId, since: u64, limit: usize) -> Result<Vec<Event>, ServiceError> {
+        let live = self.live(map).await?;
+        Ok(self.store.events(live.key, since, limit).await?)
+    }
+
+    /// The number of the latest event; the receiver hears when it grows.
+    pub async fn latest_event(&self, map: &MapId) -> Result<watch::Receiver<u64>, ServiceError> {
+        Ok(self.live(map).await?.latest_event())
+    }
+
+    /// Tells that a keyframe that arrived is a loop. Written behind: the verdict can be asked for again.
+    pub async fn announce_loop(&self, map: &MapId, keyframe: &KeyframeId, answer: &QueryAnswer) {
+        let Ok(live) = self.live(map).await else { return };
+        let mut event = Event::of(EventKind::LoopFound);
+        event.keyframe = Some(keyframe.clone());
+        event.candidate.clone_from(&answer.verdict.best);
+        event.query = Some(answer.id.clone());
+        let store = self.store.clone();
+        // Takes the map's lock, which may be held for a while.
+        let _ = tokio::task::spawn_blocking(move || live.tell(&store, vec![event])).await;
+    }
+}

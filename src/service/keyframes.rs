@@ -1,0 +1,250 @@
+//! Keyframes: take in, read, cull.
+
+use std::sync::Arc;
+
+use super::live::{Decision, LiveMap};
+use super::maps::bad_cursor;
+use super::{Digest, Service, ServiceError, Stored};
+use crate::model::anchor::{AnchorState, Outcome};
+use crate::model::ids::{KeyframeId, KeyframeSeq, MapId};
+use crate::model::keyframe::NewKeyframe;
+use crate::model::report::{KeyframeRecord, KeyframeReport, KeyframeSummary, Page};
+use crate::model::verdict::LocalAnchorReport;
+use crate::recognition::anchor_map::{Centre, local_anchor_map};
+use crate::recognition::culling::cull_keyframe;
+use crate::recognition::distinctiveness::PlaceCounts;
+use crate::recognition::index::MapIndex;
+use crate::recognition::ingest::{check, ingest};
+use crate::store::{KeyframeRow, NewKeyframeRows};
+
+/// What became of a `PUT` under the map's lock.
+enum Put {
+    Created(KeyframeReport),
+    Exists(KeyframeSeq),
+}
+
+impl Service {
+    /// Stores a keyframe and associates its detections, or finds that this very request had done so.
+    pub async fn put_keyframe(
+        &self,
+        map: &MapId,
+        keyframe: NewKeyframe,
+        digest: Digest,
+    ) -> Result<Stored<KeyframeReport>, ServiceError> {
+        let live = self.live(map).await?;
+        let id = keyframe.id.clone();
+        let decide = move |index: &mut MapIndex| {
+            if let Some(seq) = index.keyframe_seq(&keyframe.id) {
+                return Ok(Decision::Unchanged(Put::Exists(seq)));
+            }
+            let errors = check(index, &keyframe);
+            if !errors.is_empty() {
+                return Err(ServiceError::Invalid(errors));
+            }
+            let ingested = ingest(index, &keyframe);
+            let report = report(index, &keyframe.id, ingested.keyframe, &ingested.outcomes);
+            let rows = NewKeyframeRows { keyframe: Arc::new(keyframe), digest };
+            Ok(Decision::Changed(Put::Created(report), ingested.decided, Some(rows)))
+        };
+        match self.change(&live, decide).await? {
+            (Put::Created(mut value), map_version) => {
+                value.map_version = map_version;
+                Ok(Stored { created: true, map_version, value })
+            }
+            (Put::Exists(seq), _) => self.put_again(&live, &id, seq, digest).await,
+        }
+    }
+
+    async fn put_again(
+        &self,
+        live: &Arc<LiveMap>,
+        id: &KeyframeId,
+        seq: KeyframeSeq,
+        digest: Digest,
+    ) -> Result<Stored<KeyframeReport>, ServiceError> {
+        let row = self.keyframe_row(live, id, seq).await?;
+        if row.digest != digest {
+            return Err(ServiceError::Conflict {
+                code: "keyframe_exists",
+                detail: format!(
+                    "keyframe {id} exists and was sent with another body; a keyframe is never changed, only its pose is (POST poses)"
+                ),
+            });
+        }
+        let name = id.clone();
+        let outcomes: Vec<Outcome> = row.detections.iter().map(|detection| detection.outcome).collect();
+        let (map_version, mut value) =
+            self.read(live, move |state| Ok(report(&state.index, &name, seq, &outcomes))).await?;
+        value.map_version = map_version;
+        Ok(Stored { created: false, map_version, value })
+    }
+
+    async fn keyframe_row(
+        &self,
+        live: &LiveMap,
+        id: &KeyframeId,
+        seq: KeyframeSeq,
+    ) -> Result<KeyframeRow, ServiceError> {
+        // Culled between the look at the index and the look at the store.
+        self.store.keyframe(live.key, seq).await?.ok_or_else(|| ServiceError::no_keyframe(id))
+    }
+
+    /// The keyframes, in order of arrival.
+    pub async fn list_keyframes(
+        &self,
+        map: &MapId,
+        cursor: Option<&str>,
+        limit: usize,
+    ) -> Result<(u64, Page<KeyframeSummary>), ServiceError> {
+        let live = self.live(map).await?;
+        let from: u32 = cursor.map_or(Ok(0), |cursor| cursor.parse().map_err(|_| bad_cursor(cursor)))?;
+        self.read(&live, move |state| {
+            let index = &state.index;
+            let mut rest = index.keyframes().skip_while(|keyframe| keyframe.seq.0 < from);
+            let items = rest.by_ref().take(limit).map(|keyframe| summary(index, keyframe)).collect();
+            Ok(Page { items, next_cursor: rest.next().map(|keyframe| keyframe.seq.0.to_string()) })
+        })
+        .await
+    }
+
+    /// A keyframe as it stands.
+    pub async fn get_keyframe(
+        &self,
+        map: &MapId,
+        id: &KeyframeId,
+    ) -> Result<(u64, KeyframeRecord), ServiceError> {
+        let live = self.live(map).await?;
+        let name = id.clone();
+        let (_, seq) = self.read(&live, move |state| find(&state.index, &name)).await?;
+        let row = self.keyframe_row(&live, id, seq).await?;
+        let name = id.clone();
+        self.read(&live, move |state| record(&state.index, &name, seq, row)).await
+    }
+
+    /// Culls a keyframe; anchors and covisibility follow.
+    pub async fn delete_keyframe(&self, map: &MapId, id: &KeyframeId) -> Result<u64, ServiceError> {
+        let live = self.live(map).await?;
+        let name = id.clone();
+        let (_, seq) = self.read(&live, move |state| find(&state.index, &name)).await?;
+        let bow = self.store.bow(live.key, seq).await?.ok_or_else(|| ServiceError::no_keyframe(id))?;
+        let name = id.clone();
+        let decide = move |index: &mut MapIndex| {
+            // Somebody else may have culled it meanwhile, and given its name to another.
+            if index.keyframe_seq(&name) != Some(seq) {
+                return Err(ServiceError::no_keyframe(&name));
+            }
+            Ok(Decision::Changed((), cull_keyframe(index, seq, Arc::new(bow)), None))
+        };
+        Ok(self.change(&live, decide).await?.1)
+    }
+
+    /// The keyframes covisible with one, each with its number of shared points, most first.
+    pub async fn covisible(
+        &self,
+        map: &MapId,
+        id: &KeyframeId,
+    ) -> Result<(u64, Vec<(KeyframeId, u32)>), ServiceError> {
+        let live = self.live(map).await?;
+        let id = id.clone();
+        self.read(&live, move |state| {
+            let index = &state.index;
+            let seq = find(index, &id)?;
+            let named = |(other, shared)| Some((index.keyframe(other)?.id.clone(), shared));
+            let mut items: Vec<_> = index.covisibility().shared(seq).filter_map(named).collect();
+            items.sort_by(|(a, of_a), (b, of_b)| of_b.cmp(of_a).then_with(|| a.cmp(b)));
+            Ok(items)
+        })
+        .await
+    }
+
+    /// M_k of §V-A.
+    pub async fn local_anchor_map(
+        &self,
+        map: &MapId,
+        id: &KeyframeId,
+    ) -> Result<(u64, Vec<LocalAnchorReport>), ServiceError> {
+        let live = self.live(map).await?;
+        let id = id.clone();
+        self.read(&live, move |state| {
+            let index = &state.index;
+            let centre =
+                Centre::stored(index, find(index, &id)?).ok_or_else(|| ServiceError::no_keyframe(&id))?;
+            let local = local_anchor_map(index, &centre, &mut PlaceCounts::default());
+            let report = |anchor: crate::recognition::anchor_map::LocalAnchor| LocalAnchorReport {
+                anchor: anchor.name.public(),
+                class: anchor.class.into(),
+                state: anchor.state,
+                description: anchor.description.map(Into::into),
+                bearing: anchor.bearing,
+                weight: anchor.weight,
+            };
+            Ok(local.anchors.into_iter().map(report).collect())
+        })
+        .await
+    }
+}
+
+pub(super) fn find(index: &MapIndex, id: &KeyframeId) -> Result<KeyframeSeq, ServiceError> {
+    index.keyframe_seq(id).ok_or_else(|| ServiceError::no_keyframe(id))
+}
+
+/// The anchor's object, and its state.
+fn current(index: &MapIndex, outcome: Outcome) -> (Outcome, Option<AnchorState>) {
+    let rooted = |anchor| index.objects().root(anchor).unwrap_or(anchor);
+    let state = |anchor| index.objects().get(rooted(anchor)).map(|object| object.state);
+    match outcome {
+        Outcome::Created(anchor) => (Outcome::Created(rooted(anchor)), state(anchor)),
+        Outcome::Observed(anchor) => (Outcome::Observed(rooted(anchor)), state(anchor)),
+        Outcome::Ignored(reason) => (Outcome::Ignored(reason), None),
+    }
+}
+
+/// The version is the caller's to fill in.
+fn report(index: &MapIndex, id: &KeyframeId, seq: KeyframeSeq, outcomes: &[Outcome]) -> KeyframeReport {
+    KeyframeReport {
+        keyframe: id.clone(),
+        map_version: 0,
+        covisible: index.covisibility().degree(seq),
+        detections: outcomes.iter().map(|outcome| current(index, *outcome)).collect(),
+    }
+}
+
+fn summary(index: &MapIndex, keyframe: &crate::model::change::Keyframe) -> KeyframeSummary {
+    KeyframeSummary {
+        id: keyframe.id.clone(),
+        session: index.sessions()[keyframe.session.index()].clone(),
+        stamp: keyframe.stamp,
+        map_from_camera: keyframe.map_from_camera,
+        covisible: index.covisibility().degree(keyframe.seq),
+        anchors: index.objects_seen_by(keyframe.seq).into_iter().collect(),
+    }
+}
+
+fn record(
+    index: &MapIndex,
+    id: &KeyframeId,
+    seq: KeyframeSeq,
+    row: KeyframeRow,
+) -> Result<KeyframeRecord, ServiceError> {
+    let stored = index.keyframe(seq).ok_or_else(|| ServiceError::no_keyframe(id))?;
+    let position = |id: i64| Some((id, index.points().position(stored.session, id)?));
+    let named = |(other, shared): &(KeyframeSeq, u32)| Some((index.keyframe(*other)?.id.clone(), *shared));
+    let outcomes: Vec<Outcome> = row.detections.iter().map(|detection| detection.outcome).collect();
+    Ok(KeyframeRecord {
+        keyframe: NewKeyframe {
+            id: id.clone(),
+            session: index.sessions()[stored.session.index()].clone(),
+            stamp: stored.stamp,
+            map_from_camera: stored.map_from_camera,
+            camera: stored.camera,
+            bow: row.bow,
+            features: row.features,
+            map_points: row.sent_points.into_iter().filter_map(position).collect(),
+            observes: stored.observes.to_vec(),
+            covisible: stored.declared.iter().filter_map(named).collect(),
+            detections: row.detections.into_iter().map(|detection| detection.detection).collect(),
+        },
+        detections: outcomes.into_iter().map(|outcome| current(index, outcome)).collect(),
+        covisible: index.covisibility().degree(seq),
+    })
+}

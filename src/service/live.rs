@@ -1,0 +1,263 @@
+//! A map in memory: its index, and its line of writes to the store.
+//!
+//! A request decides and applies under the map's lock, and queues its changes there, so that the
+//! store commits in the order of decisions; it is answered when they are on disk. Requests that arrive
+//! together thus share one fsync. What a reader has seen may not be on disk yet, so no answer leaves
+//! before the version it was made from is ([`LiveMap::on_disk`]).
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard};
+
+use bytes::Bytes;
+use tokio::sync::{oneshot, watch};
+
+use super::error::ServiceError;
+use crate::model::event::Event;
+use crate::model::ids::MapId;
+use crate::recognition::index::MapIndex;
+use crate::recognition::recorder::Decided;
+use crate::store::{Batch, Digest, Job, Line, Loaded, MapKey, NewKeyframeRows, Store, StoreError};
+
+/// What is known of a map at one version.
+#[derive(Debug)]
+pub(super) struct State {
+    /// Its facts and what follows from them.
+    pub index: MapIndex,
+    /// Grows by one with each write.
+    pub version: u64,
+    next_event: u64,
+    next_kept: i64,
+    /// Is the map deleted?
+    gone: bool,
+}
+
+/// A map that is in memory.
+#[derive(Debug)]
+pub(super) struct LiveMap {
+    pub id: MapId,
+    pub key: MapKey,
+    /// The digest of the body that made it.
+    pub digest: Digest,
+    state: RwLock<State>,
+    line: Line,
+    on_disk: watch::Sender<u64>,
+    latest_event: watch::Sender<u64>,
+    /// Answers of loop queries that are still on their way to the disk.
+    kept: Mutex<HashMap<String, Bytes>>,
+}
+
+/// What a request decided.
+pub(super) enum Decision<T> {
+    /// The index was changed.
+    Changed(T, Decided, Option<NewKeyframeRows>),
+    /// There was nothing to do.
+    Unchanged(T),
+}
+
+/// A decision on its way to the disk.
+pub(super) struct Pending<T> {
+    pub value: T,
+    pub version: u64,
+    committed: Option<oneshot::Receiver<Result<(), StoreError>>>,
+}
+
+impl LiveMap {
+    /// A map that was loaded.
+    pub fn new(id: MapId, loaded: Loaded) -> Arc<Self> {
+        Self::at(id, loaded, |loaded| loaded.version)
+    }
+
+    /// A map that is being made: nothing of it is on disk.
+    pub fn unborn(id: MapId, loaded: Loaded) -> Arc<Self> {
+        Self::at(id, loaded, |_| 0)
+    }
+
+    fn at(id: MapId, loaded: Loaded, on_disk: impl Fn(&Loaded) -> u64) -> Arc<Self> {
+        Arc::new(Self {
+            id,
+            key: loaded.key,
+            digest: loaded.digest,
+            line: Arc::new(AtomicBool::new(false)),
+            on_disk: watch::Sender::new(on_disk(&loaded)),
+            latest_event: watch::Sender::new(loaded.next_event - 1),
+            kept: Mutex::default(),
+            state: RwLock::new(State {
+                index: loaded.index,
+                version: loaded.version,
+                next_event: loaded.next_event,
+                next_kept: loaded.next_kept,
+                gone: false,
+            }),
+        })
+    }
+
+    /// Has a write failed? Then what is in memory is ahead of the disk, and must be loaded anew.
+    pub fn is_broken(&self) -> bool {
+        self.line.load(Ordering::Acquire)
+    }
+
+    /// The map as it stands; its version may not be on disk yet. A panic under the lock (a bug) leaves
+    /// an index nobody can vouch for: the map is then loaded anew from its facts.
+    pub fn state(&self) -> Result<RwLockReadGuard<'_, State>, ServiceError> {
+        let state = self.state.read().map_err(|_| self.broke())?;
+        if state.gone { Err(ServiceError::no_map(&self.id)) } else { Ok(state) }
+    }
+
+    fn broke(&self) -> ServiceError {
+        self.line.store(true, Ordering::Release);
+        StoreError::Superseded.into()
+    }
+
+    /// Decides under the lock, and queues what was decided. Blocks: not for async threads.
+    pub fn decide<T>(
+        self: &Arc<Self>,
+        store: &Store,
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError>,
+    ) -> Result<Pending<T>, ServiceError> {
+        let mut state = self.state.write().map_err(|_| self.broke())?;
+        if state.gone {
+            return Err(ServiceError::no_map(&self.id));
+        }
+        if self.is_broken() {
+            return Err(StoreError::Superseded.into());
+        }
+        let (value, decided, new_keyframe) = match decide(&mut state.index)? {
+            Decision::Changed(value, decided, rows) => (value, decided, rows),
+            Decision::Unchanged(value) => {
+                return Ok(Pending { value, version: state.version, committed: None });
+            }
+        };
+        state.version += 1;
+        let version = state.version;
+        let events = number(&mut state, decided.events);
+        let batch = Batch {
+            map: self.key,
+            version,
+            next_keyframe: state.index.next_keyframe(),
+            next_anchor: state.index.next_anchor(),
+            next_event: state.next_event,
+            changes: decided.changes,
+            new_keyframe,
+            events,
+        };
+        let committed = self.submit(store, Job::Change(Box::new(batch)), version, state.next_event - 1);
+        Ok(Pending { value, version, committed: Some(committed) })
+    }
+
+    /// Queues a job; when it is on disk, so is this version, with its events.
+    pub fn submit(
+        self: &Arc<Self>,
+        store: &Store,
+        job: Job,
+        version: u64,
+        event: u64,
+    ) -> oneshot::Receiver<Result<(), StoreError>> {
+        let (committed, heard) = oneshot::channel();
+        let live = self.clone();
+        store.committer().submit(job, &self.line, move |result| {
+            if result.is_ok() {
+                live.on_disk.send_modify(|on_disk| *on_disk = version.max(*on_disk));
+                live.latest_event.send_modify(|latest| *latest = event.max(*latest));
+            } else {
+                // Wakes those who wait for a version that will never be.
+                live.on_disk.send_modify(|_| {});
+            }
+            let _ = committed.send(result);
+        });
+        heard
+    }
+
+    /// Waits until a version is on disk.
+    pub async fn on_disk(&self, version: u64) -> Result<(), ServiceError> {
+        let mut on_disk = self.on_disk.subscribe();
+        let reached = on_disk.wait_for(|on_disk| *on_disk >= version || self.is_broken()).await;
+        match reached {
+            Ok(on_disk) if *on_disk >= version => Ok(()),
+            _ => Err(StoreError::Superseded.into()),
+        }
+    }
+
+    /// Waits until the version on disk is another one.
+    pub async fn next_version(&self, after: u64) {
+        let _ = self.on_disk.subscribe().wait_for(|on_disk| *on_disk > after || self.is_broken()).await;
+    }
+
+    /// The number of the latest event on disk.
+    pub fn latest_event(&self) -> watch::Receiver<u64> {
+        self.latest_event.subscribe()
+    }
+
+    /// Tells events that belong to no change, written behind.
+    pub fn tell(self: &Arc<Self>, store: &Store, events: Vec<Event>) {
+        let Ok(mut state) = self.state.write() else { return };
+        if state.gone || self.is_broken() {
+            return;
+        }
+        let events = number(&mut state, events);
+        let (version, next_event) = (state.version, state.next_event);
+        drop(self.submit(store, Job::Tell(self.key, next_event, events), version, next_event - 1));
+    }
+
+    /// Keeps the answer of a loop query, written behind.
+    pub fn keep_query(self: &Arc<Self>, store: &Store, id: &str, body: Bytes) {
+        let Ok(mut state) = self.state.write() else { return };
+        if state.gone || self.is_broken() {
+            return;
+        }
+        let kept = state.next_kept;
+        state.next_kept += 1;
+        self.lock_kept().insert(id.to_owned(), body.clone());
+        let job = Job::KeepQuery { map: self.key, id: id.to_owned(), kept, body };
+        let (live, id) = (self.clone(), id.to_owned());
+        store.committer().submit(job, &self.line, move |_| drop(live.lock_kept().remove(&id)));
+    }
+
+    /// The answer of a loop query that is still on its way to the disk.
+    pub fn query_under_way(&self, id: &str) -> Option<Bytes> {
+        self.lock_kept().get(id).cloned()
+    }
+
+    fn lock_kept(&self) -> std::sync::MutexGuard<'_, HashMap<String, Bytes>> {
+        // A map of answers is whole after each of its operations.
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Nobody reads or writes the map from here on; queues its deletion.
+    pub fn delete(
+        self: &Arc<Self>,
+        store: &Store,
+    ) -> Result<oneshot::Receiver<Result<(), StoreError>>, ServiceError> {
+        let mut state = self.state.write().map_err(|_| self.broke())?;
+        if state.gone {
+            return Err(ServiceError::no_map(&self.id));
+        }
+        state.gone = true;
+        state.index = MapIndex::default();
+        Ok(self.submit(store, Job::DeleteMap(self.key), state.version, state.next_event))
+    }
+}
+
+/// Numbers events; their map's version is the one they belong to.
+fn number(state: &mut State, mut events: Vec<Event>) -> Vec<Event> {
+    for event in &mut events {
+        event.seq = state.next_event;
+        event.map_version = state.version;
+        state.next_event += 1;
+    }
+    events
+}
+
+impl<T> Pending<T> {
+    /// Waits until the decision is on disk.
+    pub async fn committed(self, live: &LiveMap) -> Result<(T, u64), ServiceError> {
+        match self.committed {
+            Some(committed) => match committed.await {
+                Ok(result) => result?,
+                Err(_) => return Err(StoreError::Closed.into()),
+            },
+            None => live.on_disk(self.version).await?,
+        }
+        Ok((self.value, self.version))
+    }
+}

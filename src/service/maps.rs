@@ -1,0 +1,163 @@
+//! Maps: make, read, change, delete.
+
+use super::live::{Decision, LiveMap, State};
+use super::{Digest, Service, ServiceError, Stored};
+use crate::model::change::Change;
+use crate::model::ids::MapId;
+use crate::model::invalid::FieldError;
+use crate::model::map::MapProperties;
+use crate::model::report::{MapReport, Page};
+use crate::model::settings::SettingValue;
+use crate::recognition::index::MapIndex;
+use crate::recognition::recorder::Recorder;
+use crate::store::{Job, Loaded, StoreError};
+
+/// The version of a map that was just made.
+const FIRST_VERSION: u64 = 1;
+
+/// What to change about a map; what is left out stays.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MapPatch {
+    /// The new description.
+    pub description: Option<String>,
+    /// The new classes.
+    pub anchor_classes: Option<Vec<String>>,
+    /// Are its lengths metres?
+    pub metric: Option<bool>,
+    /// Settings to change, by name.
+    pub settings: Vec<(String, SettingValue)>,
+}
+
+impl Service {
+    /// The maps by name.
+    pub async fn list_maps(
+        &self,
+        cursor: Option<&str>,
+        limit: usize,
+    ) -> Result<Page<MapReport>, ServiceError> {
+        let after = cursor.map(|cursor| cursor.parse().map_err(|_| bad_cursor(cursor))).transpose()?;
+        let mut ids = self.store.map_ids(after.as_ref(), limit + 1).await?;
+        let more = ids.len() > limit;
+        ids.truncate(limit);
+        let next_cursor = ids.last().filter(|_| more).map(ToString::to_string);
+        let mut items = Vec::new();
+        for id in ids {
+            match self.get_map(&id).await {
+                Ok(report) => items.push(report),
+                // Deleted since the names were read.
+                Err(ServiceError::NotFound(_)) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(Page { items, next_cursor })
+    }
+
+    /// Makes a map, or finds that this very request had made it.
+    pub async fn put_map(
+        &self,
+        id: MapId,
+        properties: MapProperties,
+        digest: Digest,
+    ) -> Result<Stored<MapReport>, ServiceError> {
+        let _birth = self.registry.births.lock().await;
+        match self.live(&id).await {
+            Ok(live) if live.digest == digest => {
+                let value = self.report_map(&live).await?;
+                return Ok(Stored { created: false, map_version: value.version, value });
+            }
+            Ok(_) => {
+                let detail = format!("map {id} exists and was made by another body; change it with PATCH");
+                return Err(ServiceError::Conflict { code: "map_exists", detail });
+            }
+            Err(ServiceError::NotFound(_)) => {}
+            Err(error) => return Err(error),
+        }
+        let mut index = MapIndex::default();
+        index.apply(&[Change::MapSet(Box::new(properties.clone()))]);
+        let key = self.registry.next_key();
+        let loaded = Loaded { key, version: FIRST_VERSION, next_event: 1, next_kept: 1, digest, index };
+        let live = LiveMap::unborn(id.clone(), loaded);
+        let job = Job::CreateMap { key, id: id.clone(), properties: Box::new(properties), digest };
+        let committed = live.submit(&self.store, job, FIRST_VERSION, 0);
+        committed.await.map_err(|_| StoreError::Closed)??;
+        self.registry.insert(live.clone());
+        Ok(Stored { created: true, map_version: FIRST_VERSION, value: self.report_map(&live).await? })
+    }
+
+    /// A map as it stands.
+    pub async fn get_map(&self, id: &MapId) -> Result<MapReport, ServiceError> {
+        let live = self.live(id).await?;
+        self.report_map(&live).await
+    }
+
+    /// Changes a map's description, classes or settings. What the settings decided before (which detection
+    /// joined which anchor) stays; what is derived (states, matches, covisibility) follows at once.
+    pub async fn patch_map(&self, id: &MapId, patch: MapPatch) -> Result<MapReport, ServiceError> {
+        let live = self.live(id).await?;
+        self.change(&live, move |index| {
+            let properties = patched(index.properties(), patch)?;
+            let mut record = Recorder::new(index);
+            record.apply(vec![Change::MapSet(Box::new(properties))]);
+            Ok(Decision::Changed((), record.finish(), None))
+        })
+        .await?;
+        self.report_map(&live).await
+    }
+
+    /// Deletes a map with everything in it.
+    pub async fn delete_map(&self, id: &MapId) -> Result<(), ServiceError> {
+        let _birth = self.registry.births.lock().await;
+        let live = self.live(id).await?;
+        let deleted = live.delete(&self.store)?.await.map_err(|_| StoreError::Closed)?;
+        // Whether it worked or not, the disk is what counts from here on.
+        self.registry.remove(id);
+        Ok(deleted?)
+    }
+
+    async fn report_map(&self, live: &std::sync::Arc<LiveMap>) -> Result<MapReport, ServiceError> {
+        let id = live.id.clone();
+        let (_, report) = self.read(live, move |state| Ok(report(id, state))).await?;
+        Ok(report)
+    }
+}
+
+fn report(id: MapId, state: &State) -> MapReport {
+    MapReport {
+        id,
+        properties: state.index.properties().clone(),
+        version: state.version,
+        keyframes: state.index.keyframe_count(),
+        anchors: state.index.objects().len(),
+        sessions: state.index.sessions().len(),
+        loops: state.index.loops().len(),
+    }
+}
+
+fn patched(before: &MapProperties, patch: MapPatch) -> Result<MapProperties, ServiceError> {
+    let mut properties = before.clone();
+    if let Some(description) = patch.description {
+        properties.description = description;
+    }
+    if let Some(mut classes) = patch.anchor_classes {
+        classes.sort();
+        classes.dedup();
+        properties.anchor_classes = classes;
+    }
+    if let Some(metric) = patch.metric {
+        properties.metric = metric;
+    }
+    let mut errors = Vec::new();
+    for (name, value) in patch.settings {
+        if let Err(error) = properties.settings.set(&name, value) {
+            errors.push(FieldError::new(format!("/settings/{name}"), error.to_string()));
+        }
+    }
+    if errors.is_empty() { Ok(properties) } else { Err(ServiceError::Invalid(errors)) }
+}
+
+/// A cursor that this server did not give.
+pub(super) fn bad_cursor(cursor: &str) -> ServiceError {
+    ServiceError::Invalid(vec![
+        FieldError::new("?cursor", "is not a cursor that this server gave").got(cursor),
+    ])
+}

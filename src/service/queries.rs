@@ -1,0 +1,154 @@
+//! "Is this keyframe a loop?"
+
+use std::fmt::Write as _;
+use std::sync::Arc;
+use std::time::Duration;
+
+use bytes::Bytes;
+use sha2::{Digest as _, Sha256};
+use tokio::time::{Instant, timeout_at};
+
+use super::keyframes::find;
+use super::live::LiveMap;
+use super::{Digest, Service, ServiceError};
+use crate::model::bow::BowVector;
+use crate::model::ids::{KeyframeId, MapId};
+use crate::model::keyframe::NewKeyframe;
+use crate::model::verdict::{ReasonCode, Verdict, Verify};
+use crate::recognition::ingest::check;
+use crate::recognition::loop_check::check_loop;
+use crate::recognition::query::Query;
+
+/// The keyframe that is asked about.
+#[derive(Clone, Debug)]
+pub enum Subject {
+    /// One of the map.
+    Stored(KeyframeId),
+    /// One that came with the query and is not stored.
+    Inline(Box<NewKeyframe>, Digest),
+}
+
+/// A loop query.
+#[derive(Clone, Debug)]
+pub struct LoopQuery {
+    /// The keyframe that is asked about.
+    pub subject: Subject,
+    /// Which checks to run.
+    pub verify: Verify,
+    /// How long to wait for descriptions that are still missing, in milliseconds.
+    pub max_wait_ms: u64,
+    /// The seed of whatever is drawn.
+    pub seed: u64,
+}
+
+/// A verdict and its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct QueryAnswer {
+    /// Derived from the map's version and the query, so that the same question has the same name.
+    pub id: String,
+    /// The answer.
+    pub verdict: Verdict,
+}
+
+impl Service {
+    /// Answers a loop query. Changes nothing, and calls no model.
+    pub async fn loop_query(&self, map: &MapId, query: LoopQuery) -> Result<QueryAnswer, ServiceError> {
+        let live = self.live(map).await?;
+        let query = Arc::new(query);
+        let deadline = Instant::now() + Duration::from_millis(query.max_wait_ms);
+        loop {
+            let answer = self.check(&live, &query).await?;
+            // Only a write can bring what is missing; each is worth another look.
+            let version = answer.verdict.map_version;
+            if !waits_for_descriptions(&answer.verdict) || Instant::now() >= deadline {
+                return Ok(answer);
+            }
+            if timeout_at(deadline, live.next_version(version)).await.is_err() {
+                return Ok(answer);
+            }
+        }
+    }
+
+    async fn check(&self, live: &Arc<LiveMap>, query: &Arc<LoopQuery>) -> Result<QueryAnswer, ServiceError> {
+        let bow = self.bow_of(live, &query.subject).await?;
+        let (asked, id) = (query.clone(), live.id.clone());
+        let (_, answer) = self
+            .read(live, move |state| {
+                let index = &state.index;
+                let subject = match &asked.subject {
+                    Subject::Stored(keyframe) => {
+                        let seq = find(index, keyframe)?;
+                        Query::stored(index, seq, &bow).ok_or_else(|| ServiceError::no_keyframe(keyframe))?
+                    }
+                    Subject::Inline(keyframe, _) => {
+                        let errors = check(index, keyframe);
+                        if !errors.is_empty() {
+                            return Err(ServiceError::Invalid(
+                                errors.into_iter().map(within_inline).collect(),
+                            ));
+                        }
+                        Query::inline(index, keyframe)
+                    }
+                };
+                let verdict = check_loop(index, state.version, &subject, asked.verify);
+                Ok(QueryAnswer { id: name(&id, state.version, &asked), verdict })
+            })
+            .await?;
+        Ok(answer)
+    }
+
+    /// The bag of words of a stored keyframe; it lies on disk only.
+    async fn bow_of(&self, live: &Arc<LiveMap>, subject: &Subject) -> Result<BowVector, ServiceError> {
+        let Subject::Stored(id) = subject else { return Ok(BowVector::default()) };
+        let name = id.clone();
+        let (_, seq) = self.read(live, move |state| find(&state.index, &name)).await?;
+        self.store.bow(live.key, seq).await?.ok_or_else(|| ServiceError::no_keyframe(id))
+    }
+
+    /// Keeps an answer, as sent, for reading back: written behind, bounded, oldest out first.
+    pub async fn keep_query(&self, map: &MapId, id: &str, body: Bytes) {
+        if let Ok(live) = self.live(map).await {
+            live.keep_query(&self.store, id, body);
+        }
+    }
+
+    /// A kept answer.
+    pub async fn kept_query(&self, map: &MapId, id: &str) -> Result<Bytes, ServiceError> {
+        let live = self.live(map).await?;
+        if let Some(body) = live.query_under_way(id) {
+            return Ok(body);
+        }
+        let found = self.store.kept_query(live.key, id).await?;
+        found
+            .map(Bytes::from)
+            .ok_or_else(|| ServiceError::NotFound(format!("there is no loop query {id} in this map")))
+    }
+}
+
+fn waits_for_descriptions(verdict: &Verdict) -> bool {
+    verdict.candidates.iter().any(|candidate| {
+        candidate.reason.as_ref().is_some_and(|reason| reason.code == ReasonCode::LlmPending)
+    })
+}
+
+fn within_inline(mut error: crate::model::invalid::FieldError) -> crate::model::invalid::FieldError {
+    error.pointer = format!("/inline{}", error.pointer);
+    error
+}
+
+/// The same question of the same version has the same name.
+fn name(map: &MapId, version: u64, query: &LoopQuery) -> String {
+    let mut hash = Sha256::new();
+    hash.update(format!("{map}\n{version}\n{}\n{}\n", query.verify.as_str(), query.seed));
+    match &query.subject {
+        Subject::Stored(id) => hash.update(format!("stored\n{id}")),
+        Subject::Inline(_, digest) => {
+            hash.update("inline\n");
+            hash.update(digest);
+        }
+    }
+    hash.finalize().iter().take(8).fold(String::from("q-"), |mut name, byte| {
+        let _ = write!(name, "{byte:02x}");
+        name
+    })
+}

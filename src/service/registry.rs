@@ -1,0 +1,90 @@
+//! The maps in memory: loaded once, when first asked for, and anew after a write failed.
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicI64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use tokio::sync::OnceCell;
+
+use super::error::ServiceError;
+use super::live::LiveMap;
+use crate::model::ids::MapId;
+use crate::store::{MapKey, Store};
+
+type Cell = Arc<OnceCell<Arc<LiveMap>>>;
+
+/// The maps in memory.
+#[derive(Debug)]
+pub(super) struct Registry {
+    cells: Mutex<HashMap<MapId, Cell>>,
+    next_key: AtomicI64,
+    /// Held while a map is made or deleted, so that a name means one map at a time.
+    pub births: tokio::sync::Mutex<()>,
+}
+
+impl Registry {
+    pub fn new(next_key: MapKey) -> Self {
+        Self {
+            cells: Mutex::default(),
+            next_key: AtomicI64::new(next_key),
+            births: tokio::sync::Mutex::default(),
+        }
+    }
+
+    /// A key never given before.
+    pub fn next_key(&self) -> MapKey {
+        self.next_key.fetch_add(1, Ordering::Relaxed)
+    }
+
+    /// The map, loaded if need be. Concurrent first requests share one load.
+    pub async fn get(&self, store: &Store, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
+        let cell = self.lock().entry(id.clone()).or_default().clone();
+        let loaded = cell.get_or_try_init(|| async {
+            match store.load(id).await? {
+                Some(loaded) => Ok(LiveMap::new(id.clone(), loaded)),
+                None => Err(ServiceError::no_map(id)),
+            }
+        });
+        match loaded.await {
+            Ok(live) if live.is_broken() => {
+                self.forget(id, &cell);
+                Err(ServiceError::Unavailable {
+                    detail: "a write to this map failed; it is being loaded anew".to_owned(),
+                    retry_after_s: 1,
+                })
+            }
+            Ok(live) => Ok(live.clone()),
+            Err(error) => {
+                self.forget(id, &cell);
+                Err(error)
+            }
+        }
+    }
+
+    /// A new map is in memory from now on.
+    pub fn insert(&self, live: Arc<LiveMap>) {
+        self.lock().insert(live.id.clone(), Arc::new(OnceCell::new_with(Some(live))));
+    }
+
+    /// The map is no longer in memory.
+    pub fn remove(&self, id: &MapId) {
+        self.lock().remove(id);
+    }
+
+    /// Every map in memory.
+    pub fn in_memory(&self) -> Vec<Arc<LiveMap>> {
+        self.lock().values().filter_map(|cell| cell.get().cloned()).collect()
+    }
+
+    fn forget(&self, id: &MapId, cell: &Cell) {
+        let mut cells = self.lock();
+        if cells.get(id).is_some_and(|current| Arc::ptr_eq(current, cell)) {
+            cells.remove(id);
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, HashMap<MapId, Cell>> {
+        // A table of cells is whole after each of its operations.
+        self.cells.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

@@ -1,0 +1,121 @@
+//! The store: every fact in plain SQL tables, on disk before it is acknowledged.
+//!
+//! | concept | file |
+//! |---|---|
+//! | opening, pragmas, migrations | this file, [`schema`] |
+//! | one writer, group commit | [`committer`] |
+//! | from changes to rows | [`write`] |
+//! | from rows to changes, when a map is first asked for | [`load`] |
+//! | reads of one row | [`read`] |
+//! | packed lists in blobs | [`blob`] |
+
+mod blob;
+mod committer;
+mod error;
+mod load;
+mod read;
+mod schema;
+mod write;
+
+use std::str::FromStr;
+use std::time::Duration;
+
+use sqlx::sqlite::{
+    SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
+};
+
+pub use committer::{CommitStats, Committer, Line};
+pub use error::StoreError;
+pub use load::Loaded;
+pub use read::{DetectionRow, KeyframeRow};
+pub use write::{Batch, Digest, Job, MapKey, NewKeyframeRows};
+
+/// SQLite before this release can lose committed writes in WAL mode (the WAL-reset bug).
+const OLDEST_SAFE_SQLITE: &str = "3.51.3";
+
+/// How long a connection waits for a lock another process holds.
+const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
+
+/// The WAL is cut back to this size after a checkpoint.
+const WAL_LIMIT_BYTES: &str = "67108864";
+
+/// Readers beside the one writer.
+const READERS: u32 = 8;
+
+/// The database: one writer with group commit, and a pool of readers beside it.
+#[derive(Clone, Debug)]
+pub struct Store {
+    readers: SqlitePool,
+    committer: Committer,
+}
+
+impl Store {
+    /// Opens the database at `sqlite://PATH`, makes it if it is not there, and migrates it.
+    pub async fn open(url: &str) -> Result<Self, StoreError> {
+        let options = SqliteConnectOptions::from_str(url)?
+            .create_if_missing(true)
+            .journal_mode(SqliteJournalMode::Wal)
+            // An acknowledged write is in the WAL *and* synced: NORMAL would sync only at checkpoints.
+            .synchronous(SqliteSynchronous::Full)
+            .foreign_keys(true)
+            .busy_timeout(BUSY_TIMEOUT)
+            .page_size(16384)
+            .pragma("journal_size_limit", WAL_LIMIT_BYTES)
+            .statement_cache_capacity(256);
+        let writer = SqlitePoolOptions::new()
+            .max_connections(1)
+            .idle_timeout(None)
+            .max_lifetime(None)
+            .connect_with(options.clone())
+            .await?;
+        check_sqlite(&writer).await?;
+        schema::migrate(&writer).await?;
+        let readers = SqlitePoolOptions::new()
+            .max_connections(READERS)
+            .idle_timeout(None)
+            .max_lifetime(None)
+            .connect_with(options.read_only(true))
+            .await?;
+        Ok(Self { readers, committer: Committer::start(writer) })
+    }
+
+    /// The one writer.
+    pub fn committer(&self) -> &Committer {
+        &self.committer
+    }
+
+    /// Finishes what is queued, and closes the database.
+    pub async fn close(&self) {
+        self.committer.close().await;
+        self.readers.close().await;
+    }
+
+    /// The version of SQLite.
+    pub async fn sqlite_version(&self) -> Result<String, StoreError> {
+        Ok(sqlx::query_scalar("select sqlite_version()").fetch_one(&self.readers).await?)
+    }
+}
+
+async fn check_sqlite(pool: &SqlitePool) -> Result<(), StoreError> {
+    let found: String = sqlx::query_scalar("select sqlite_version()").fetch_one(pool).await?;
+    if numbers(&found) < numbers(OLDEST_SAFE_SQLITE) {
+        return Err(StoreError::SqliteTooOld { found, needed: OLDEST_SAFE_SQLITE });
+    }
+    Ok(())
+}
+
+fn numbers(version: &str) -> Vec<u32> {
+    version.split('.').map_while(|part| part.parse().ok()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn versions_compare_by_their_numbers() {
+        assert!(numbers("3.51.3") >= numbers(OLDEST_SAFE_SQLITE));
+        assert!(numbers("3.51.10") > numbers("3.51.3"));
+        assert!(numbers("3.46.1") < numbers(OLDEST_SAFE_SQLITE));
+    }
+}

@@ -1,0 +1,177 @@
+//! Reads of one row, by the pool of readers.
+
+use sqlx::Row;
+use sqlx::sqlite::SqliteRow;
+
+use super::blob::{unpack, unpack_array};
+use super::load::{self, parse, point};
+use super::write::{Digest, MapKey};
+use super::{Store, StoreError};
+use crate::model::anchor::{IgnoredReason, Outcome};
+use crate::model::bow::BowVector;
+use crate::model::event::{Event, EventKind};
+use crate::model::ids::{AnchorSeq, KeyframeSeq, MapId, PointId};
+use crate::model::keyframe::{Crop, Detection, Features, Keypoint};
+
+/// What only the store keeps of a keyframe.
+#[derive(Debug)]
+pub struct KeyframeRow {
+    /// Its bag of words.
+    pub bow: BowVector,
+    /// Its features.
+    pub features: Option<Features>,
+    /// The points it was sent with a position for.
+    pub sent_points: Vec<PointId>,
+    /// Its detections, in their order.
+    pub detections: Vec<DetectionRow>,
+    /// The digest of the body it was sent in.
+    pub digest: Digest,
+}
+
+/// A detection and what became of it.
+#[derive(Debug)]
+pub struct DetectionRow {
+    /// As sent; its position as last corrected, without the crop.
+    pub detection: Detection,
+    /// What became of it.
+    pub outcome: Outcome,
+}
+
+impl Store {
+    /// The names of the maps after one, ascending, and the largest key ever given.
+    pub async fn map_ids(&self, after: Option<&MapId>, limit: usize) -> Result<Vec<MapId>, StoreError> {
+        let select = "select id from maps where id > $1 order by id limit $2";
+        let after = after.map_or("", MapId::as_str);
+        let ids: Vec<String> =
+            sqlx::query_scalar(select).bind(after).bind(limit as i64).fetch_all(&self.readers).await?;
+        ids.iter().map(|id| parse(id)).collect()
+    }
+
+    /// A key larger than any given so far.
+    pub async fn next_map_key(&self) -> Result<MapKey, StoreError> {
+        let select = "select coalesce(max(map_key), 0) + 1 from maps";
+        Ok(sqlx::query_scalar(select).fetch_one(&self.readers).await?)
+    }
+
+    /// The bag of words of a keyframe.
+    pub async fn bow(&self, map: MapKey, keyframe: KeyframeSeq) -> Result<Option<BowVector>, StoreError> {
+        let select = "select bow_words, bow_weights from keyframes where map_key = $1 and keyframe = $2";
+        let row = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&self.readers).await?;
+        row.as_ref().map(load::bow).transpose()
+    }
+
+    /// Everything the store keeps of a keyframe but its crops.
+    pub async fn keyframe(
+        &self,
+        map: MapKey,
+        keyframe: KeyframeSeq,
+    ) -> Result<Option<KeyframeRow>, StoreError> {
+        let mut db = self.readers.begin().await?;
+        let select = "select bow_words, bow_weights, sent_points, digest from keyframes where map_key = $1 and keyframe = $2";
+        let found = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&mut *db).await?;
+        let Some(row) = found else { return Ok(None) };
+        let select = "select * from keyframe_features where map_key = $1 and keyframe = $2";
+        let features_row = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&mut *db).await?;
+        let select = "select * from detections where map_key = $1 and keyframe = $2 order by detection";
+        let detections = sqlx::query(select).bind(map).bind(keyframe.0).fetch_all(&mut *db).await?;
+        Ok(Some(KeyframeRow {
+            bow: load::bow(&row)?,
+            features: features_row.as_ref().map(features).transpose()?,
+            sent_points: unpack(row.try_get("sent_points")?)?,
+            detections: detections.iter().map(detection).collect::<Result<_, _>>()?,
+            digest: load::digest(&row)?,
+        }))
+    }
+
+    /// The crop of a detection.
+    pub async fn crop(
+        &self,
+        map: MapKey,
+        keyframe: KeyframeSeq,
+        detection: u16,
+    ) -> Result<Option<Crop>, StoreError> {
+        let select =
+            "select media_type, bytes from crops where map_key = $1 and keyframe = $2 and detection = $3";
+        let query = sqlx::query_as(select).bind(map).bind(keyframe.0).bind(detection);
+        let found: Option<(String, Vec<u8>)> = query.fetch_optional(&self.readers).await?;
+        Ok(found.map(|(media_type, bytes)| {
+            let media_type = if media_type == "image/png" { "image/png" } else { "image/jpeg" };
+            Crop { media_type, bytes }
+        }))
+    }
+
+    /// The kept answer of a loop query.
+    pub async fn kept_query(&self, map: MapKey, id: &str) -> Result<Option<Vec<u8>>, StoreError> {
+        let select = "select body from loop_queries where map_key = $1 and id = $2";
+        Ok(sqlx::query_scalar(select).bind(map).bind(id).fetch_optional(&self.readers).await?)
+    }
+
+    /// The events of a map after one, in their order.
+    pub async fn events(&self, map: MapKey, since: u64, limit: usize) -> Result<Vec<Event>, StoreError> {
+        let select = "select * from events where map_key = $1 and seq > $2 order by seq limit $3";
+        let since = i64::try_from(since).unwrap_or(i64::MAX);
+        let rows =
+            sqlx::query(select).bind(map).bind(since).bind(limit as i64).fetch_all(&self.readers).await?;
+        rows.iter().map(event).collect()
+    }
+}
+
+fn features(row: &SqliteRow) -> Result<Features, StoreError> {
+    let keypoints: Vec<((f64, f64), (f64, u8))> = unpack(row.try_get("keypoints")?)?;
+    let map_points: Vec<i64> = unpack(row.try_get("map_points")?)?;
+    Ok(Features {
+        descriptor_bytes: row.try_get::<u32, _>("descriptor_bytes")? as usize,
+        descriptors: row.try_get("descriptors")?,
+        keypoints: keypoints
+            .into_iter()
+            .map(|((u, v), (angle_deg, octave))| Keypoint {
+                u,
+                v,
+                octave,
+                angle_deg: (!angle_deg.is_nan()).then_some(angle_deg),
+            })
+            .collect(),
+        map_points: map_points.into_iter().map(|id| (id >= 0).then_some(id)).collect(),
+    })
+}
+
+fn detection(row: &SqliteRow) -> Result<DetectionRow, StoreError> {
+    let outcome: &str = row.try_get("outcome")?;
+    let anchor = row.try_get::<Option<u32>, _>("anchor")?.map(AnchorSeq);
+    let outcome = match (outcome, anchor) {
+        ("created", Some(anchor)) => Outcome::Created(anchor),
+        ("observed", Some(anchor)) => Outcome::Observed(anchor),
+        (reason, _) => Outcome::Ignored(
+            IgnoredReason::from_name(reason)
+                .ok_or_else(|| StoreError::corrupt(format!("outcome {reason}")))?,
+        ),
+    };
+    let detection = Detection {
+        class: row.try_get("class")?,
+        confidence: row.try_get("confidence")?,
+        box_px: unpack_array(row.try_get("box_px")?)?,
+        map_points: unpack(row.try_get("map_points")?)?,
+        position_in_session: row.try_get::<Option<&[u8]>, _>("position")?.map(point).transpose()?,
+        text: row.try_get("text")?,
+        description: row.try_get("description")?,
+        crop: None,
+    };
+    Ok(DetectionRow { detection, outcome })
+}
+
+fn event(row: &SqliteRow) -> Result<Event, StoreError> {
+    let kind: &str = row.try_get("kind")?;
+    let id = |column: &str| -> Result<Option<&str>, StoreError> { Ok(row.try_get(column)?) };
+    Ok(Event {
+        seq: row.try_get::<i64, _>("seq")? as u64,
+        kind: EventKind::from_name(kind).ok_or_else(|| StoreError::corrupt(format!("event {kind}")))?,
+        map_version: row.try_get::<i64, _>("map_version")? as u64,
+        anchor: row.try_get::<Option<u32>, _>("anchor")?.map(AnchorSeq),
+        other: row.try_get::<Option<u32>, _>("other")?.map(AnchorSeq),
+        keyframe: id("keyframe")?.map(parse).transpose()?,
+        candidate: id("candidate")?.map(parse).transpose()?,
+        loop_id: id("loop_id")?.map(parse).transpose()?,
+        query: row.try_get("query")?,
+        detail: row.try_get("detail")?,
+    })
+}

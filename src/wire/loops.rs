@@ -1,0 +1,124 @@
+//! Loop: one that a client closed, what it merged, and what its revocation splits again (`contract.md` §6).
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::limits;
+use super::read::{self, Decode, Node};
+use crate::model::report::{LoopReport, MergeReport};
+use crate::service::NewLoop;
+
+/// A loop that the client closed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LoopBody {
+    /// Its id.
+    #[schema(min_length = 1, max_length = 128, pattern = "^[A-Za-z0-9._:-]{1,128}$")]
+    pub id: String,
+    /// The keyframe that came back.
+    #[schema(min_length = 1, max_length = 128, pattern = "^[A-Za-z0-9._:-]{1,128}$")]
+    pub keyframe: String,
+    /// The keyframe it came back to.
+    #[schema(min_length = 1, max_length = 128, pattern = "^[A-Za-z0-9._:-]{1,128}$")]
+    pub candidate: String,
+    /// The id of the loop query that found it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(min_length = 1, max_length = 128)]
+    pub query: Option<String>,
+}
+
+/// A loop is closed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct LoopClosed {
+    /// Its id.
+    pub id: String,
+    /// The map's version after it.
+    pub map_version: u64,
+    /// The pairs of anchors that became one.
+    pub merged: Vec<MergeView>,
+}
+
+/// A loop is revoked.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct LoopRevoked {
+    /// Its id.
+    pub id: String,
+    /// The map's version after it.
+    pub map_version: u64,
+    /// The pairs of anchors that are two again.
+    pub split: Vec<MergeView>,
+}
+
+/// A confirmed loop.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct LoopView {
+    /// Its id.
+    pub id: String,
+    /// The keyframe that came back.
+    pub keyframe: String,
+    /// The keyframe it came back to.
+    pub candidate: String,
+    /// The loop query that found it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub query: Option<String>,
+    /// The pairs of anchors that it made one.
+    pub merged: Vec<MergeView>,
+}
+
+/// A pair of anchors.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = Merge)]
+pub struct MergeView {
+    /// The older anchor, by whose name both go.
+    pub into: String,
+    /// The newer anchor.
+    pub from: String,
+}
+
+impl Decode for NewLoop {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let body = node.object(&["id", "keyframe", "candidate", "query"])?;
+        let id = body.required("id", read::id);
+        let keyframe = body.required("keyframe", read::id);
+        let candidate = body.required("candidate", |candidate| {
+            let id = read::id(candidate)?;
+            if Some(&id) == keyframe.as_ref() {
+                return candidate.refuse("a keyframe makes no loop with itself", "another keyframe");
+            }
+            Some(id)
+        });
+        let query = body.optional("query", |node| node.name(limits::ID_CHARS));
+        Some(Self { id: id?, candidate: candidate?, keyframe: keyframe?, query: query? })
+    }
+}
+
+impl LoopClosed {
+    /// The answer to a loop that was closed.
+    pub fn of(map_version: u64, report: LoopReport) -> Self {
+        Self { id: report.id.to_string(), map_version, merged: pairs(report.merged) }
+    }
+}
+
+impl LoopRevoked {
+    /// The answer to a loop that was revoked.
+    pub fn of(map_version: u64, report: LoopReport) -> Self {
+        Self { id: report.id.to_string(), map_version, split: pairs(report.merged) }
+    }
+}
+
+impl From<LoopReport> for LoopView {
+    fn from(report: LoopReport) -> Self {
+        Self {
+            id: report.id.to_string(),
+            keyframe: report.keyframe.to_string(),
+            candidate: report.candidate.to_string(),
+            query: report.query,
+            merged: pairs(report.merged),
+        }
+    }
+}
+
+fn pairs(merged: Vec<MergeReport>) -> Vec<MergeView> {
+    let pair = |merge: MergeReport| MergeView { into: merge.into.public(), from: merge.from.public() };
+    merged.into_iter().map(pair).collect()
+}

@@ -1,0 +1,41 @@
+//! Wire: the contract's JSON, and plain functions to and from the model.
+//!
+//! Requests are read by an accumulating [`read`]er, so that a client learns every fault at once; the structs of
+//! requests serve the API document and our own client, and a test holds the two together.
+//!
+//! | file | concept |
+//! |---|---|
+//! | [`syntax`], [`read`] | bytes become a value, a value becomes the model, each fault with its place |
+//! | [`limits`] | how much one request may bring |
+//! | [`digest`] | what makes two bodies the same |
+//! | [`space`], [`base64`] | vectors, poses, times; bytes inside JSON |
+//! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`anchor`], [`loops`], [`event`] | resources |
+//! | [`loop_query`], [`verdict`] | "is this keyframe a loop?" and its answer |
+//! | [`semantics`], [`usage`] | the three functions of §IV-A.2; what models cost |
+//! | [`list`], [`problem`] | parts of lists; refusals |
+//! | [`examples`] | one example of each, for the API document |
+
+pub mod anchor;
+pub mod base64;
+pub mod bulk;
+pub mod digest;
+pub mod event;
+pub mod examples;
+pub mod keyframe;
+pub mod limits;
+pub mod list;
+pub mod loop_query;
+pub mod loops;
+pub mod map;
+pub mod poses;
+pub mod problem;
+pub mod read;
+pub mod semantics;
+pub mod settings;
+pub mod space;
+pub mod syntax;
+pub mod usage;
+pub mod verdict;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,78 @@
+//! Poses: what the client's optimisation corrected, in one piece (`contract.md` §6).
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::keyframe::{PointsShape, points};
+use super::limits;
+use super::read::{self, Decode, Node};
+use super::space::Transform;
+use crate::geometry::Pose;
+use crate::model::ids::{KeyframeId, SessionId};
+use crate::service::PoseCorrection;
+
+/// Corrected poses and map points of one session; all of it is taken over, or nothing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PosesBody {
+    /// The session.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(default = "default", min_length = 1, max_length = 128, pattern = "^[A-Za-z0-9._:-]{1,128}$")]
+    pub session: Option<String>,
+    /// Its keyframes with their corrected poses.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub keyframes: Option<PoseList>,
+    /// Its map points at their corrected positions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map_points: Option<PointsShape>,
+}
+
+/// Keyframes and their poses: two lists in parallel.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PoseList {
+    /// The keyframes, none twice.
+    #[schema(max_items = 100000, value_type = Vec<Id>)]
+    pub ids: Vec<String>,
+    /// `map_from_camera` of each in the session's frame, in metres.
+    #[schema(max_items = 100000)]
+    pub poses: Vec<Transform>,
+}
+
+/// An id, made by the client.
+#[derive(ToSchema)]
+#[schema(min_length = 1, max_length = 128, pattern = "^[A-Za-z0-9._:-]{1,128}$")]
+pub struct Id(#[expect(dead_code, reason = "a schema only")] String);
+
+/// Poses and points are corrected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct PosesAnswer {
+    /// The map's version after it.
+    pub map_version: u64,
+    /// How many keyframes were corrected.
+    pub keyframes: usize,
+    /// How many map points were corrected.
+    pub map_points: usize,
+}
+
+impl Decode for PoseCorrection {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let body = node.object(&["session", "keyframes", "map_points"])?;
+        let session = body.optional("session", read::id::<SessionId>);
+        let keyframes = body.optional("keyframes", keyframes);
+        let map_points = body.optional("map_points", points);
+        Some(Self {
+            session: session?.or_else(|| "default".parse().ok())?,
+            keyframes: keyframes?.unwrap_or_default(),
+            map_points: map_points?.unwrap_or_default(),
+        })
+    }
+}
+
+fn keyframes(node: &Node<'_>) -> Option<Vec<(KeyframeId, Pose)>> {
+    let body = node.object(&["ids", "poses"])?;
+    let ids = body.required("ids", |node| super::keyframe::unique(node, limits::CORRECTIONS, read::id));
+    let poses = body.required("poses", |node| node.list(limits::CORRECTIONS, Pose::decode));
+    body.parallel("ids", "poses")?;
+    Some(ids?.into_iter().zip(poses?).collect())
+}
