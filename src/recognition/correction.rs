@@ -70,16 +70,7 @@ fn touched(
             _ => None,
         })
         .collect();
-    let moved: HashSet<PointId> = correction.map_points.iter().map(|(id, _)| *id).collect();
-    let observers: HashSet<KeyframeSeq> =
-        moved.iter().flat_map(|id| index.points().observers(session, *id)).copied().collect();
-    for seq in observers.into_iter().flat_map(|keyframe| index.anchors_seen_by(keyframe)) {
-        let shape = index.anchor(seq).and_then(|anchor| anchor.shapes.get(&session));
-        if !touched.contains(&seq)
-            && shape.is_some_and(|shape| shape.map_points.iter().any(|id| moved.contains(id)))
-        {
-            touched.insert(seq);
-        }
-    }
+    let moved = correction.map_points.iter();
+    touched.extend(moved.flat_map(|(id, _)| index.holders().of(session, *id)));
     touched
 }

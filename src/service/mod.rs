@@ -8,6 +8,8 @@ mod anchors;
 mod error;
 mod events;
 mod keyframes;
+#[cfg(test)]
+mod law;
 mod live;
 mod loops;
 mod maps;

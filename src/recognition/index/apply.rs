@@ -8,7 +8,7 @@ use super::{Covisibility, MapIndex};
 use crate::model::anchor::{AnchorState, Observation};
 use crate::model::bow::BowVector;
 use crate::model::change::{Change, Keyframe, Loop, Merge, MergeCause};
-use crate::model::ids::{AnchorSeq, KeyframeSeq, LoopId, PointId, SessionSeq};
+use crate::model::ids::{AnchorSeq, KeyframeSeq, LoopId, SessionSeq};
 use crate::model::map::MapProperties;
 
 /// What a batch of changes has touched.
@@ -57,7 +57,7 @@ impl MapIndex {
             }
             Change::PointSet(session, id, position) => {
                 self.points.set_position(*session, *id, *position);
-                self.touch_observers(*session, *id, touched);
+                touched.stale.extend(self.holders.of(*session, *id));
             }
             Change::AnchorAdded(seq, class) => {
                 self.reserve(0, seq.0 + 1);
@@ -105,7 +105,9 @@ impl MapIndex {
         };
         for seq in &touched.stale {
             if let Some(Some(anchor)) = self.anchors.get_mut(seq.index()) {
+                self.holders.release(&anchor.shapes, *seq);
                 anchor.refresh(session_of, points);
+                self.holders.hold_all(&anchor.shapes, *seq);
             }
         }
         touched.anchors.append(&mut touched.stale);
@@ -207,6 +209,7 @@ impl MapIndex {
             return;
         };
         let Some(Some(anchor)) = self.anchors.get_mut(seq.index()) else { return };
+        self.holders.hold(session, &observation.map_points, seq);
         anchor.observe(observation.clone(), session, &self.points);
         self.seen_by[observation.keyframe.index()].insert(seq);
         touched.anchors.insert(seq);
@@ -214,6 +217,7 @@ impl MapIndex {
 
     fn remove_anchor(&mut self, seq: AnchorSeq, touched: &mut Touched) {
         let Some(anchor) = self.anchors.get_mut(seq.index()).and_then(Option::take) else { return };
+        self.holders.release(&anchor.shapes, seq);
         for keyframe in anchor.keyframes() {
             self.seen_by[keyframe.index()].remove(&seq);
         }
@@ -234,18 +238,6 @@ impl MapIndex {
         for merge in links {
             touched.anchors.extend([merge.into, merge.from]);
             self.objects.unlink(merge);
-        }
-    }
-
-    fn touch_observers(&self, session: SessionSeq, id: PointId, touched: &mut Touched) {
-        for observer in self.points.observers(session, id) {
-            for seq in &self.seen_by[observer.index()] {
-                let holds =
-                    |anchor: &Anchor| anchor.shapes.get(&session).is_some_and(|s| s.map_points.contains(&id));
-                if !touched.stale.contains(seq) && self.anchor(*seq).is_some_and(holds) {
-                    touched.stale.insert(*seq);
-                }
-            }
         }
     }
 

@@ -6,6 +6,7 @@
 
 mod anchor;
 mod apply;
+mod holders;
 mod objects;
 mod points;
 mod texts;
@@ -14,6 +15,7 @@ mod votes;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 pub use anchor::{Anchor, Shape};
+pub use holders::Holders;
 pub use objects::{Description, Object, Objects};
 pub use points::Points;
 pub use texts::{TextId, TextIndex};
@@ -37,6 +39,7 @@ pub struct MapIndex {
     session_by_id: HashMap<SessionId, SessionSeq>,
     keyframe_by_id: HashMap<KeyframeId, KeyframeSeq>,
     points: Points,
+    holders: Holders,
     covisibility: Covisibility,
     /// The anchors each keyframe sees, ascending; anchors, not objects.
     seen_by: Vec<BTreeSet<AnchorSeq>>,
@@ -104,6 +107,11 @@ impl MapIndex {
     /// The map points.
     pub fn points(&self) -> &Points {
         &self.points
+    }
+
+    /// The anchors by map point.
+    pub fn holders(&self) -> &Holders {
+        &self.holders
     }
 
     /// The covisibility graph.

@@ -1,0 +1,254 @@
+//! The law of the house: an index built from the store equals the live one, after any requests.
+
+use proptest::prelude::*;
+
+use super::{MapPatch, NewLoop, PoseCorrection, Service, ServiceError, ServiceOptions};
+use crate::geometry::{Point3, Pose};
+use crate::model::bow::BowVector;
+use crate::model::ids::{AnchorSeq, KeyframeId, MapId};
+use crate::model::keyframe::{Crop, Detection, NewKeyframe, Stamp};
+use crate::model::map::MapProperties;
+use crate::model::settings::SettingValue;
+
+#[derive(Clone, Debug)]
+enum Request {
+    Put {
+        name: u8,
+        session: u8,
+        words: Vec<u32>,
+        points: Vec<i64>,
+        covisible: Option<u8>,
+        detections: Vec<Seen>,
+    },
+    Cull(u8),
+    Correct {
+        session: u8,
+        keyframe: u8,
+        shift: i8,
+        points: Vec<(i64, i8)>,
+    },
+    Confirm {
+        name: u8,
+        keyframe: u8,
+        candidate: u8,
+    },
+    Revoke(u8),
+    Describe(u32, Option<u8>),
+    DeleteAnchor(u32),
+    Patch(u8),
+}
+
+#[derive(Clone, Debug)]
+struct Seen {
+    class: u8,
+    text: Option<u8>,
+    confidence: u8,
+    points: Vec<i64>,
+    position: Option<(i8, i8)>,
+    crop: bool,
+}
+
+const TEXTS: [&str; 9] =
+    ["901", "room 901", "910", "9O1", "EXIT", "exit", "unknown", "a painting of a red boat", "HUB 10"];
+const CLASSES: [&str; 2] = ["door_number", "sign"];
+const SETTINGS: [(&str, SettingValue); 5] = [
+    ("covisibility_min_shared_points", SettingValue::Count(2)),
+    ("covisibility_min_shared_points", SettingValue::Count(4)),
+    ("matching_min_similarity_level", SettingValue::Count(3)),
+    ("description_min_information_level", SettingValue::Count(2)),
+    ("association_position_radius_m", SettingValue::Number(2.0)),
+];
+
+fn any_seen() -> impl Strategy<Value = Seen> {
+    let points = prop::collection::vec(0i64..12, 0..4);
+    let position = prop::option::of((-3i8..3, -3i8..3));
+    (0u8..2, prop::option::of(0u8..9), 0u8..11, points, position, any::<bool>()).prop_map(
+        |(class, text, confidence, points, position, crop)| Seen {
+            class,
+            text,
+            confidence,
+            points,
+            position,
+            crop,
+        },
+    )
+}
+
+fn any_request() -> impl Strategy<Value = Request> {
+    let put = (
+        0u8..14,
+        0u8..2,
+        prop::collection::vec(0u32..20, 0..6),
+        prop::collection::vec(0i64..12, 0..8),
+        prop::option::of(0u8..14),
+        prop::collection::vec(any_seen(), 0..3),
+    )
+        .prop_map(|(name, session, words, points, covisible, detections)| Request::Put {
+            name,
+            session,
+            words,
+            points,
+            covisible,
+            detections,
+        });
+    let correct = (0u8..2, 0u8..14, -3i8..3, prop::collection::vec((0i64..12, -5i8..5), 0..4))
+        .prop_map(|(session, keyframe, shift, points)| Request::Correct { session, keyframe, shift, points });
+    let confirm = (0u8..4, 0u8..14, 0u8..14).prop_map(|(name, keyframe, candidate)| Request::Confirm {
+        name,
+        keyframe,
+        candidate,
+    });
+    prop_oneof![
+        10 => put,
+        2 => (0u8..14).prop_map(Request::Cull),
+        2 => correct,
+        3 => confirm,
+        1 => (0u8..4).prop_map(Request::Revoke),
+        1 => (0u32..10, prop::option::of(0u8..9)).prop_map(|(anchor, text)| Request::Describe(anchor, text)),
+        1 => (0u32..10).prop_map(Request::DeleteAnchor),
+        1 => (0u8..5).prop_map(Request::Patch),
+    ]
+}
+
+fn keyframe_id(name: u8) -> KeyframeId {
+    format!("kf-{name}").parse().unwrap()
+}
+
+fn point(id: i64) -> Point3 {
+    Point3::new(id as f64 * 0.3, 1.0, 2.0)
+}
+
+fn detection(seen: &Seen) -> Detection {
+    let mut map_points = seen.points.clone();
+    map_points.sort_unstable();
+    map_points.dedup();
+    Detection {
+        class: CLASSES[usize::from(seen.class)].to_owned(),
+        confidence: f64::from(seen.confidence) / 10.0,
+        box_px: [1.0, 2.0, 30.0, 40.0 + f64::from(seen.confidence)],
+        map_points,
+        position_in_session: seen
+            .position
+            .map(|(x, z)| Point3::new(f64::from(x) * 0.4, 0.1, f64::from(z) * 0.7)),
+        text: seen.text.map(|text| TEXTS[usize::from(text)].to_owned()),
+        description: None,
+        crop: seen.crop.then(|| Crop { media_type: "image/png", bytes: vec![seen.confidence] }),
+    }
+}
+
+async fn send(service: &Service, map: &MapId, request: Request) -> Result<(), ServiceError> {
+    match request {
+        Request::Put { name, session, words, mut points, covisible, detections } => {
+            points.sort_unstable();
+            points.dedup();
+            let mut words: Vec<(u32, f64)> =
+                words.into_iter().map(|word| (word, f64::from(word + 1))).collect();
+            words.sort_by_key(|(word, _)| *word);
+            words.dedup_by_key(|(word, _)| *word);
+            let keyframe = NewKeyframe {
+                id: keyframe_id(name),
+                session: format!("robot-{session}").parse().unwrap(),
+                stamp: Stamp { sec: i64::from(name), nanosec: 5 },
+                map_from_camera: Pose::new([f64::from(name) * 0.1, 0.2, 0.3], [0.0, 0.6, 0.0, 0.8]).unwrap(),
+                camera: None,
+                bow: BowVector::normalised(words).unwrap(),
+                features: None,
+                map_points: points.iter().filter(|id| **id % 3 != 0).map(|id| (*id, point(*id))).collect(),
+                observes: points,
+                covisible: covisible
+                    .filter(|other| *other != name)
+                    .map(|other| (keyframe_id(other), 7))
+                    .into_iter()
+                    .collect(),
+                detections: detections.iter().map(detection).collect(),
+            };
+            service.put_keyframe(map, keyframe, [name; 32]).await.map(drop)
+        }
+        Request::Cull(name) => service.delete_keyframe(map, &keyframe_id(name)).await.map(drop),
+        Request::Correct { session, keyframe, shift, points } => {
+            let pose = Pose::new([f64::from(shift), 0.0, 0.5], [0.0, 0.0, 0.6, 0.8]).unwrap();
+            let correction = PoseCorrection {
+                session: format!("robot-{session}").parse().unwrap(),
+                keyframes: vec![(keyframe_id(keyframe), pose)],
+                map_points: points
+                    .into_iter()
+                    .map(|(id, x)| (id, Point3::new(f64::from(x), 0.0, 1.0)))
+                    .collect(),
+            };
+            service.correct_poses(map, correction).await.map(drop)
+        }
+        Request::Confirm { name, keyframe, candidate } => {
+            let new = NewLoop {
+                id: format!("loop-{name}").parse().unwrap(),
+                keyframe: keyframe_id(keyframe),
+                candidate: keyframe_id(candidate),
+                query: None,
+            };
+            service.confirm_loop(map, new).await.map(drop)
+        }
+        Request::Revoke(name) => {
+            service.revoke_loop(map, &format!("loop-{name}").parse().unwrap()).await.map(drop)
+        }
+        Request::Describe(anchor, text) => {
+            let text = text.map(|text| TEXTS[usize::from(text)].to_owned());
+            service.describe_anchor(map, AnchorSeq(anchor), None, text).await.map(drop)
+        }
+        Request::DeleteAnchor(anchor) => service.delete_anchor(map, AnchorSeq(anchor), None).await.map(drop),
+        Request::Patch(setting) => {
+            let (name, value) = SETTINGS[usize::from(setting)];
+            let patch = MapPatch { settings: vec![(name.to_owned(), value)], ..MapPatch::default() };
+            service.patch_map(map, patch).await.map(drop)
+        }
+    }
+}
+
+async fn holds_after(requests: Vec<Request>) {
+    let folder = tempfile::tempdir().unwrap();
+    let database = format!("sqlite://{}/law.db", folder.path().display());
+    let service = Service::open(ServiceOptions { database }).await.unwrap();
+    let map: MapId = "hotel".parse().unwrap();
+    let mut properties = MapProperties { metric: true, ..MapProperties::default() };
+    properties.settings.covisibility_min_shared_points = 3;
+    service.put_map(map.clone(), properties, [0; 32]).await.unwrap();
+    for request in requests {
+        let shown = format!("{request:?}");
+        match send(&service, &map, request).await {
+            Err(ServiceError::Internal(error)) => panic!("{shown}: {error}"),
+            Err(ServiceError::Unavailable { detail, .. }) => panic!("{shown}: {detail}"),
+            Ok(()) | Err(_) => {}
+        }
+    }
+    let live = service.live(&map).await.unwrap();
+    let loaded = service.store.load(&map).await.unwrap().unwrap();
+    let state = live.state().unwrap();
+    assert_eq!(loaded.version, state.version);
+    pretty(&loaded.index, &state.index);
+    drop(state);
+    service.close().await;
+}
+
+/// A difference of two whole indexes is unreadable; this names the part that differs.
+fn pretty(loaded: &crate::recognition::index::MapIndex, live: &crate::recognition::index::MapIndex) {
+    assert_eq!(loaded.properties(), live.properties());
+    assert_eq!(loaded.sessions(), live.sessions());
+    assert_eq!(loaded.keyframes().collect::<Vec<_>>(), live.keyframes().collect::<Vec<_>>());
+    assert_eq!(loaded.loops(), live.loops());
+    assert_eq!(loaded.points(), live.points());
+    assert_eq!(loaded.covisibility(), live.covisibility());
+    for seq in (0..live.next_anchor().0).map(AnchorSeq) {
+        assert_eq!(loaded.anchor(seq), live.anchor(seq));
+    }
+    assert_eq!(loaded.objects(), live.objects());
+    assert_eq!(loaded.texts(), live.texts());
+    assert!(loaded == live, "another part of the index differs");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_rebuilt_index_equals_the_live_one(requests in prop::collection::vec(any_request(), 1..40)) {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+        runtime.block_on(holds_after(requests));
+    }
+}
