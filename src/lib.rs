@@ -2,9 +2,14 @@
 //!
 //! ARCHITECTURE.md beside the sources draws the house; [`recognition`] is the paper.
 
+pub mod cli;
+pub mod client;
+pub mod config;
 pub mod geometry;
+pub mod http;
 pub mod model;
 pub mod recognition;
 pub mod semantics;
 pub mod service;
 pub mod store;
+pub mod wire;

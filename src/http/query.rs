@@ -7,6 +7,7 @@ use utoipa::IntoParams;
 
 use super::problem::{Kind, Problem};
 use crate::model::anchor::AnchorState;
+use crate::model::invalid::FieldError;
 use crate::service::AnchorFilter;
 use crate::wire::limits;
 use crate::wire::read::{self, Decode, Node, Object};
@@ -20,6 +21,10 @@ impl<T: Decode, S: Send + Sync> FromRequestParts<S> for Query<T> {
     async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
         let malformed = |_| Problem::new(Kind::BAD_REQUEST, "the query is not percent-encoded UTF-8");
         let pairs = axum::extract::Query::<Vec<(String, String)>>::try_from_uri(&parts.uri).map_err(malformed)?.0;
+        let again = |at: usize| pairs[..at].iter().any(|(name, _)| *name == pairs[at].0);
+        if let Some(at) = (0..pairs.len()).find(|&at| again(at)) {
+            return Err(Problem::invalid(vec![FieldError::new(format!("?{}", pairs[at].0), "given twice")]));
+        }
         // Read as the object of strings that they are: one reader tells the faults of bodies and of parameters.
         let object = Value::Object(pairs.into_iter().map(|(name, text)| (name, Value::String(text))).collect());
         read::decode(&object).map(Self).map_err(|mut faults| {
@@ -44,7 +49,7 @@ pub struct Paging {
 }
 
 /// Which anchors.
-#[derive(Clone, Debug, PartialEq, IntoParams)]
+#[derive(IntoParams)]
 #[into_params(parameter_in = Query)]
 #[expect(dead_code, reason = "documents what the reader reads")]
 pub struct AnchorSearch {

@@ -19,14 +19,14 @@ impl Service {
     }
 
     /// Tells that a keyframe that arrived is a loop. Written behind: the verdict can be asked for again.
-    pub async fn announce_loop(&self, map: &MapId, keyframe: &KeyframeId, answer: &QueryAnswer) {
-        let Ok(live) = self.live(map).await else { return };
+    pub fn announce_loop(&self, map: &MapId, keyframe: &KeyframeId, answer: &QueryAnswer) {
+        let Some(live) = self.registry.in_memory_now(map) else { return };
         let mut event = Event::of(EventKind::LoopFound);
         event.keyframe = Some(keyframe.clone());
         event.candidate.clone_from(&answer.verdict.best);
         event.query = Some(answer.id.clone());
         let store = self.store.clone();
-        // Takes the map's lock, which may be held for a while.
-        let _ = tokio::task::spawn_blocking(move || live.tell(&store, vec![event])).await;
+        // Takes the map's lock, which may be held for a while; the answer need not wait for it.
+        drop(tokio::task::spawn_blocking(move || live.tell(&store, vec![event])));
     }
 }

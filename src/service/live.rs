@@ -6,7 +6,7 @@
 //! before the version it was made from is ([`LiveMap::on_disk`]).
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard};
 
 use bytes::Bytes;
@@ -27,7 +27,6 @@ pub(super) struct State {
     /// Grows by one with each write.
     pub version: u64,
     next_event: u64,
-    next_kept: i64,
     /// Is the map deleted?
     gone: bool,
 }
@@ -45,6 +44,7 @@ pub(super) struct LiveMap {
     latest_event: watch::Sender<u64>,
     /// Answers of loop queries that are still on their way to the disk.
     kept: Mutex<HashMap<String, Bytes>>,
+    next_kept: AtomicI64,
 }
 
 /// What a request decided.
@@ -82,11 +82,11 @@ impl LiveMap {
             on_disk: watch::Sender::new(on_disk(&loaded)),
             latest_event: watch::Sender::new(loaded.next_event - 1),
             kept: Mutex::default(),
+            next_kept: AtomicI64::new(loaded.next_kept),
             state: RwLock::new(State {
                 index: loaded.index,
                 version: loaded.version,
                 next_event: loaded.next_event,
-                next_kept: loaded.next_kept,
                 gone: false,
             }),
         })
@@ -201,12 +201,7 @@ impl LiveMap {
 
     /// Keeps the answer of a loop query, written behind.
     pub fn keep_query(self: &Arc<Self>, store: &Store, id: &str, body: Bytes) {
-        let Ok(mut state) = self.state.write() else { return };
-        if state.gone || self.is_broken() {
-            return;
-        }
-        let kept = state.next_kept;
-        state.next_kept += 1;
+        let kept = self.next_kept.fetch_add(1, Ordering::Relaxed);
         self.lock_kept().insert(id.to_owned(), body.clone());
         let job = Job::KeepQuery { map: self.key, id: id.to_owned(), kept, body };
         let (live, id) = (self.clone(), id.to_owned());

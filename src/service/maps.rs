@@ -1,5 +1,7 @@
 //! Maps: make, read, change, delete.
 
+use sha2::{Digest as _, Sha256};
+
 use super::live::{Decision, LiveMap, State};
 use super::{Digest, Service, ServiceError, Stored};
 use crate::model::change::Change;
@@ -7,7 +9,7 @@ use crate::model::ids::MapId;
 use crate::model::invalid::FieldError;
 use crate::model::map::MapProperties;
 use crate::model::report::{MapReport, Page};
-use crate::model::settings::SettingValue;
+use crate::model::settings::{SettingValue, Settings};
 use crate::recognition::index::MapIndex;
 use crate::recognition::recorder::Recorder;
 use crate::store::{Job, Loaded, StoreError};
@@ -57,8 +59,8 @@ impl Service {
         &self,
         id: MapId,
         properties: MapProperties,
-        digest: Digest,
     ) -> Result<Stored<MapReport>, ServiceError> {
+        let digest = fingerprint(&properties);
         let _birth = self.registry.births.lock().await;
         match self.live(&id).await {
             Ok(live) if live.digest == digest => {
@@ -119,6 +121,19 @@ impl Service {
         let (_, report) = self.read(live, move |state| Ok(report(id, state))).await?;
         Ok(report)
     }
+}
+
+/// What makes two requests for a map the same. A setting counts only where it differs from its default, so
+/// that a setting added by a later version does not make a retry look like another map.
+fn fingerprint(properties: &MapProperties) -> Digest {
+    let defaults = Settings::default();
+    let chosen: Vec<_> = Settings::TABLE
+        .iter()
+        .map(|row| (row.name, properties.settings.get(row.name)))
+        .filter(|(name, value)| *value != defaults.get(name))
+        .collect();
+    let said = (&properties.description, properties.metric, &properties.anchor_classes, chosen);
+    Sha256::digest(format!("{said:?}")).into()
 }
 
 fn report(id: MapId, state: &State) -> MapReport {

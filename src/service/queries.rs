@@ -106,8 +106,8 @@ impl Service {
     }
 
     /// Keeps an answer, as sent, for reading back: written behind, bounded, oldest out first.
-    pub async fn keep_query(&self, map: &MapId, id: &str, body: Bytes) {
-        if let Ok(live) = self.live(map).await {
+    pub fn keep_query(&self, map: &MapId, id: &str, body: Bytes) {
+        if let Some(live) = self.registry.in_memory_now(map) {
             live.keep_query(&self.store, id, body);
         }
     }

@@ -71,6 +71,11 @@ impl Registry {
         self.lock().remove(id);
     }
 
+    /// The map, if it is in memory.
+    pub fn in_memory_now(&self, id: &MapId) -> Option<Arc<LiveMap>> {
+        self.lock().get(id)?.get().cloned()
+    }
+
     /// Every map in memory.
     pub fn in_memory(&self) -> Vec<Arc<LiveMap>> {
         self.lock().values().filter_map(|cell| cell.get().cloned()).collect()

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | opening, pragmas, migrations | this file, [`schema`] |
 //! | one writer, group commit | [`committer`] |
-//! | from changes to rows | [`write`] |
+//! | from changes to rows | [`write`], [`keyframe_rows`] |
 //! | from rows to changes, when a map is first asked for | [`load`] |
 //! | reads of one row | [`read`] |
 //! | packed lists in blobs | [`blob`] |
@@ -12,6 +12,7 @@
 mod blob;
 mod committer;
 mod error;
+mod keyframe_rows;
 mod load;
 mod read;
 mod schema;

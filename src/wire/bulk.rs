@@ -1,14 +1,39 @@
 //! Bulk: one line in, one line out.
 
+use std::borrow::Cow;
+
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use utoipa::ToSchema;
+use utoipa::openapi::{RefOr, Schema};
+use utoipa::{PartialSchema, ToSchema};
 
-use super::keyframe::{KeyframeAnswer, OutcomeView, SentKeyframe, named};
+use super::keyframe::{KeyframeAnswer, KeyframeBody, OutcomeView, SentKeyframe, named};
+use super::poses::Id;
 use super::problem::ProblemView;
 use super::read;
 use crate::model::ids::KeyframeId;
 use crate::model::invalid::FieldError;
+
+/// One line of a bulk request, for the API document: a keyframe with its id.
+pub struct BulkItem;
+
+impl ToSchema for BulkItem {
+    fn name() -> Cow<'static, str> {
+        "BulkItem".into()
+    }
+}
+
+impl PartialSchema for BulkItem {
+    fn schema() -> RefOr<Schema> {
+        let mut keyframe = KeyframeBody::schema();
+        if let RefOr::T(Schema::Object(object)) = &mut keyframe {
+            object.description = Some("One line of a bulk request: a keyframe with its id.".to_owned());
+            object.required.insert(0, "id".to_owned());
+            object.properties.insert("id".to_owned(), Id::schema());
+        }
+        keyframe
+    }
+}
 
 /// What became of one line of a bulk request.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -93,6 +93,6 @@ mod tests {
             let _ = write!(hex, "{byte:02x}");
             hex
         });
-        assert_eq!(hex, "GOLDEN");
+        assert_eq!(hex, "1e2fe767ec654406ecbd385c089bce8b99dfc7706a6e25f8f2ac1c61fd5facfe");
     }
 }

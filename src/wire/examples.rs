@@ -323,6 +323,31 @@ pub fn usage() -> Value {
     json!(super::usage::Usage::without_models())
 }
 
+/// The map's version.
+pub fn map_version() -> Value {
+    json!({"map_version": 413})
+}
+
+/// The process is alive.
+pub fn health() -> Value {
+    json!({"status": "alive"})
+}
+
+/// The server is ready.
+pub fn ready() -> Value {
+    json!({"status": "ready"})
+}
+
+/// A version.
+pub fn version() -> Value {
+    json!({"name": "revisit", "version": "0.1.0", "sqlite": "3.51.3", "vocabulary": null})
+}
+
+/// The beginning of the API document.
+pub fn document() -> Value {
+    json!({"openapi": "3.1.0", "info": {"title": "Revisit", "version": "0.1.0"}, "paths": {}})
+}
+
 /// A refusal.
 pub fn problem() -> Value {
     json!({

@@ -25,7 +25,7 @@ pub struct MapBody {
     pub metric: Option<bool>,
     /// The classes of which anchors are made; empty means every class.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(max_items = 256, value_type = Option<Vec<ClassName>>)]
+    #[schema(max_items = 256, value_type = Option<Vec<ClassName>>, inline)]
     pub anchor_classes: Option<Vec<String>>,
     /// The settings that differ from their defaults.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -45,7 +45,7 @@ pub struct MapPatchBody {
     pub metric: Option<bool>,
     /// The classes of which anchors are made from now on; empty means every class.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(max_items = 256, value_type = Option<Vec<ClassName>>)]
+    #[schema(max_items = 256, value_type = Option<Vec<ClassName>>, inline)]
     pub anchor_classes: Option<Vec<String>>,
     /// The settings to be set; the others stay as they are.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -80,6 +80,13 @@ pub struct MapView {
     pub sessions: usize,
     /// How many confirmed loops it holds.
     pub loops: usize,
+}
+
+/// The map's version after a write that has nothing else to tell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct MapVersion {
+    /// Grows by one with each write to the map.
+    pub map_version: u64,
 }
 
 const FIELDS: [&str; 4] = ["description", "metric", "anchor_classes", "settings"];

@@ -11,7 +11,7 @@
 //! | [`space`], [`base64`] | vectors, poses, times; bytes inside JSON |
 //! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`anchor`], [`loops`], [`event`] | resources |
 //! | [`loop_query`], [`verdict`] | "is this keyframe a loop?" and its answer |
-//! | [`semantics`], [`usage`] | the three functions of §IV-A.2; what models cost |
+//! | [`semantics`], [`usage`], [`service`] | the three functions of §IV-A.2; what models cost; how the server is |
 //! | [`list`], [`problem`] | parts of lists; refusals |
 //! | [`examples`] | one example of each, for the API document |
 
@@ -31,6 +31,7 @@ pub mod poses;
 pub mod problem;
 pub mod read;
 pub mod semantics;
+pub mod service;
 pub mod settings;
 pub mod space;
 pub mod syntax;

@@ -32,7 +32,7 @@ pub struct PosesBody {
 #[serde(deny_unknown_fields)]
 pub struct PoseList {
     /// The keyframes, none twice.
-    #[schema(max_items = 100000, value_type = Vec<Id>)]
+    #[schema(max_items = 100000, value_type = Vec<Id>, inline)]
     pub ids: Vec<String>,
     /// `map_from_camera` of each in the session's frame, in metres.
     #[schema(max_items = 100000)]

@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::limits;
-use super::map::ClassName;
 use super::read::{Decode, Node};
 
 /// Two descriptions of objects of one class.
@@ -19,7 +18,7 @@ pub struct TextPair {
     pub b: String,
     /// The objects' class.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<ClassName>)]
+    #[schema(min_length = 1, max_length = 64)]
     pub class: Option<String>,
 }
 
@@ -32,7 +31,7 @@ pub struct OneText {
     pub text: String,
     /// The object's class.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<ClassName>)]
+    #[schema(min_length = 1, max_length = 64)]
     pub class: Option<String>,
 }
 

@@ -15,7 +15,6 @@ mod features;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::map::ClassName;
 use super::space::{Time, Transform};
 
 pub use answer::{CovisibleView, DetectionView, KeyframeAnswer, KeyframeLine, KeyframeView, OutcomeName, OutcomeView};
@@ -48,7 +47,7 @@ pub struct KeyframeBody {
     pub map_points: Option<PointsShape>,
     /// Map points observed, besides those of `features.map_points`; the order does not matter.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(max_items = 100000, value_type = Option<Vec<PointNumber>>)]
+    #[schema(max_items = 100000, value_type = Option<Vec<PointNumber>>, inline)]
     pub observes: Option<Vec<i64>>,
     /// Covisible keyframes known to the client, also across sessions; each must exist.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -83,7 +82,7 @@ pub struct Pixels(#[expect(dead_code, reason = "a schema only")] f64);
 /// A word's number in its vocabulary.
 #[derive(ToSchema)]
 #[schema(minimum = 0, maximum = 4294967295i64)]
-pub struct WordNumber(#[expect(dead_code, reason = "a schema only")] u32);
+pub struct WordNumber(#[expect(dead_code, reason = "a schema only")] i64);
 
 /// A word's weight, in any unit: weights are normalised to sum to one.
 #[derive(ToSchema)]
@@ -121,10 +120,10 @@ pub struct CameraShape {
 #[schema(as = BagOfWords)]
 pub struct BowShape {
     /// The words, none twice.
-    #[schema(max_items = 65535, value_type = Vec<WordNumber>)]
+    #[schema(max_items = 65535, value_type = Vec<WordNumber>, inline)]
     pub words: Vec<u32>,
     /// Their weights, without unit; normalised to sum to one on arrival.
-    #[schema(max_items = 65535, value_type = Vec<WordWeight>)]
+    #[schema(max_items = 65535, value_type = Vec<WordWeight>, inline)]
     pub weights: Vec<f64>,
 }
 
@@ -133,18 +132,18 @@ pub struct BowShape {
 #[serde(deny_unknown_fields)]
 #[schema(as = Features)]
 pub struct FeaturesShape {
-    /// Bytes of one descriptor: 32 for ORB, 48 for BRISK or FREAK cut short, 64 for BRISK.
+    /// Bytes of one descriptor: 32 for ORB, 64 for BRISK.
     #[schema(minimum = 8, maximum = 512, multiple_of = 8)]
     pub descriptor_bytes: u32,
     /// The descriptors one after the other, in base64.
     #[schema(max_length = 13653336)]
     pub descriptors: String,
     /// One for each descriptor: `[u,v]`, `[u,v,octave]` or `[u,v,octave,angle_deg]`, in pixels, pyramid level and degrees.
-    #[schema(max_items = 20000, value_type = Vec<KeypointNumbers>)]
+    #[schema(max_items = 20000, value_type = Vec<KeypointNumbers>, inline)]
     pub keypoints: Vec<Vec<f64>>,
     /// The map point that each feature observes, -1 for none; left out if none does.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(max_items = 20000, value_type = Option<Vec<PointNumberOrNone>>)]
+    #[schema(max_items = 20000, value_type = Option<Vec<PointNumberOrNone>>, inline)]
     pub map_points: Option<Vec<i64>>,
 }
 
@@ -159,17 +158,21 @@ pub struct KeypointNumbers(#[expect(dead_code, reason = "a schema only")] Vec<f6
 #[schema(as = MapPoints)]
 pub struct PointsShape {
     /// The points' numbers in their session, none twice.
-    #[schema(max_items = 100000, value_type = Vec<PointNumber>)]
+    #[schema(max_items = 100000, value_type = Vec<PointNumber>, inline)]
     pub ids: Vec<i64>,
     /// `[x,y,z]` of each in the session's frame, in metres.
-    #[schema(max_items = 100000, value_type = Vec<Position>)]
+    #[schema(max_items = 100000, value_type = Vec<Position>, inline)]
     pub positions: Vec<[f64; 3]>,
 }
 
 /// `[x,y,z]`, in metres.
 #[derive(ToSchema)]
 #[schema(min_items = 3, max_items = 3)]
-pub struct Position(#[expect(dead_code, reason = "a schema only")] Vec<Metres>);
+pub struct Position(
+    #[expect(dead_code, reason = "a schema only")]
+    #[schema(inline)]
+    Vec<Metres>,
+);
 
 /// A covisible keyframe as a client declares it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -180,7 +183,7 @@ pub struct CovisibleShape {
     #[schema(min_length = 1, max_length = 128, pattern = "^[A-Za-z0-9._:-]{1,128}$")]
     pub keyframe: String,
     /// How many map points the two share; it counts whatever it is.
-    #[schema(minimum = 0, maximum = 4294967295i64)]
+    #[schema(value_type = i64, minimum = 0, maximum = 4294967295i64)]
     pub shared: u32,
 }
 
@@ -189,23 +192,23 @@ pub struct CovisibleShape {
 #[serde(deny_unknown_fields)]
 #[schema(as = Detection)]
 pub struct DetectionShape {
-    /// The object's class.
-    #[schema(value_type = ClassName)]
+    /// The object's class, such as `door_number`; printable.
+    #[schema(min_length = 1, max_length = 64)]
     pub class: String,
     /// The detector's confidence.
     #[schema(minimum = 0, maximum = 1)]
     pub confidence: f64,
     /// `[x0,y0,x1,y1]` in pixels, x0 <= x1 and y0 <= y1; it may reach out of the image.
     #[serde(rename = "box")]
-    #[schema(value_type = Vec<Pixels>, min_items = 4, max_items = 4)]
+    #[schema(value_type = Vec<Pixels>, inline, min_items = 4, max_items = 4)]
     pub box_px: [f64; 4],
     /// The map points that the box covers: the object's place.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(max_items = 100000, value_type = Option<Vec<PointNumber>>)]
+    #[schema(max_items = 100000, value_type = Option<Vec<PointNumber>>, inline)]
     pub map_points: Option<Vec<i64>>,
     /// Where the object stands in the session's frame, in metres; serves where it has no map points.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<Position>)]
+    #[schema(value_type = Option<Position>, inline)]
     pub position: Option<[f64; 3]>,
     /// What a reader made of it.
     #[serde(skip_serializing_if = "Option::is_none")]

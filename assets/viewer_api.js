@@ -1,0 +1,78 @@
+// Api: what the viewer asks of the server. Addresses are relative, so that the page also works behind a path of a proxy.
+
+const PAGE = 1000;
+const KEY = "revisit.key";
+
+/** A refusal, with the server's problem document where there is one. */
+export class Refusal extends Error {
+  constructor(status, problem) {
+    const faults = (problem.errors ?? []).map((fault) => `${fault.pointer} ${fault.detail}`);
+    super([problem.detail || problem.title || `HTTP ${status}`, ...faults].join("; "));
+    this.status = status;
+    this.code = problem.code ?? "";
+  }
+}
+
+/** An address below `v1/`, each part encoded. */
+export function path(...parts) {
+  return ["v1", ...parts.map(encodeURIComponent)].join("/");
+}
+
+/** The API key of this browser tab, if the server wants one. */
+export function key() {
+  return sessionStorage.getItem(KEY);
+}
+
+/** Keeps the key until the tab is closed. */
+export function setKey(secret) {
+  sessionStorage.setItem(KEY, secret);
+}
+
+/** Sends a request; anything but a success is thrown. */
+export async function send(address, options = {}) {
+  const headers = { ...options.headers };
+  if (key()) headers.authorization = `Bearer ${key()}`;
+  const response = await fetch(address, { ...options, headers });
+  if (response.ok) return response;
+  const problem = await response.json().catch(() => ({}));
+  throw new Refusal(response.status, problem);
+}
+
+/** Reads JSON. */
+export async function get(address, signal) {
+  return (await send(address, { signal })).json();
+}
+
+/** Posts JSON and reads the answer. */
+export async function post(address, body) {
+  const headers = { "content-type": "application/json" };
+  return (await send(address, { method: "POST", headers, body: JSON.stringify(body) })).json();
+}
+
+/** A whole list, part by part. `version` is the map's when the first part was read. */
+export async function list(address, { signal, most = Infinity, parameters = {} } = {}) {
+  const items = [];
+  let version = 0;
+  let cursor = null;
+  do {
+    const query = new URLSearchParams({ ...parameters, limit: String(PAGE) });
+    if (cursor !== null) query.set("cursor", cursor);
+    const part = await get(`${address}?${query}`, signal);
+    version ||= part.map_version ?? 0;
+    for (const item of part.items) items.push(item);
+    cursor = part.next_cursor;
+  } while (cursor !== null && items.length < most);
+  return { items, version, more: cursor !== null };
+}
+
+/** Everything that the top view shows of a map. */
+export async function everything(map, signal) {
+  const [meta, keyframes, anchors, loops] = await Promise.all([
+    get(path("maps", map), signal),
+    list(path("maps", map, "keyframes"), { signal }),
+    list(path("maps", map, "anchors"), { signal }),
+    list(path("maps", map, "loops"), { signal }),
+  ]);
+  const version = Math.min(meta.map_version, keyframes.version, anchors.version, loops.version);
+  return { meta, version, keyframes: keyframes.items, anchors: anchors.items, loops: loops.items };
+}

@@ -1,0 +1,133 @@
+// Scene: the lists of the API as points in frames, and how the frames of several sessions are laid out on the page.
+
+export const AXES = ["x", "y", "z"];
+/** The planes one can look at, as pairs of axes: to the right, and up. */
+export const PLANES = [[0, 1], [0, 2], [1, 2]];
+
+/** Keyframes, anchors and loops, ordered by session. Each session is a frame of its own. */
+export function buildScene({ keyframes, anchors, loops }) {
+  const scene = { sessions: [], keyframes: new Map(), anchors: new Map(), loops, classes: [] };
+  const named = new Map();
+  const session = (name) => {
+    if (!named.has(name)) {
+      named.set(name, { name, index: named.size, keyframes: [], anchors: [] });
+      scene.sessions.push(named.get(name));
+    }
+    return named.get(name);
+  };
+  for (const line of keyframes) {
+    const { x, y, z } = line.pose.translation;
+    const place = [x, y, z];
+    const keyframe = { ...line, place, forward: rotated(line.pose.rotation, [0, 0, 1]) };
+    scene.keyframes.set(line.id, keyframe);
+    session(line.session).keyframes.push(keyframe);
+  }
+  for (const anchor of anchors) {
+    scene.anchors.set(anchor.id, anchor);
+    for (const frame of anchor.frames) session(frame.session).anchors.push({ anchor, place: frame.center });
+  }
+  const classes = new Map();
+  for (const anchor of anchors) classes.set(anchor.class, (classes.get(anchor.class) ?? 0) + 1);
+  scene.classes = [...classes].sort().map(([name, size], index) => ({ name, size, index }));
+  return scene;
+}
+
+/** Where a local anchor map's bearing and distance lead from its keyframe, in its session's frame. */
+export function placeOfBearing(keyframe, bearing, distance) {
+  const direction = rotated(keyframe.pose.rotation, bearing);
+  return keyframe.place.map((start, axis) => start + direction[axis] * distance);
+}
+
+function rotated({ x, y, z, w }, [a, b, c]) {
+  const [u, v, t] = [2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)];
+  return [a + w * u + y * t - z * v, b + w * v + z * u - x * t, c + w * t + x * v - y * u];
+}
+
+/** The plane along which things are spread most: the floor, whatever the frame calls it. */
+export function widestPlane(scene) {
+  const spread = [0, 0, 0];
+  for (const { keyframes, anchors } of scene.sessions) {
+    for (const axis of [0, 1, 2]) {
+      const [least, most] = range([...keyframes, ...anchors].map((item) => item.place[axis]));
+      spread[axis] += most - least;
+    }
+  }
+  const flattest = spread.indexOf(Math.min(...spread));
+  // In a tie, as when nothing is there, x-y.
+  return spread[2] === spread[flattest] ? PLANES[0] : PLANES.find((plane) => !plane.includes(flattest));
+}
+
+/**
+ * Which sessions are shown, and by how much each is shifted. `choice` is a session's name, or `null` for all of them:
+ * `apart` beside each other, else each at its own origin.
+ */
+export function arrange(scene, { plane, choice, apart, aspect }) {
+  const shown = scene.sessions.filter((session) => choice === null || session.name === choice);
+  const groups = shown.map((session) => ({ session, du: 0, dv: 0, box: boxOf(session, plane) }));
+  const framed = apart && groups.length > 1;
+  if (framed) shelve(groups, aspect);
+  return { plane, groups, framed, bounds: union(groups.map(shifted)) };
+}
+
+/** A group's box where it stands on the page. */
+export function shifted({ box, du, dv }) {
+  return { u0: box.u0 + du, u1: box.u1 + du, v0: box.v0 + dv, v1: box.v1 + dv };
+}
+
+function boxOf(session, [u, v]) {
+  const own = boxAround(session.keyframes, u, v);
+  const reach = 20 + 3 * Math.max(own.u1 - own.u0, own.v1 - own.v0);
+  // An anchor placed kilometres away by one bad point must not shrink everything else to a dot.
+  const near = session.anchors.filter(({ place }) =>
+    place[u] > own.u0 - reach && place[u] < own.u1 + reach && place[v] > own.v0 - reach && place[v] < own.v1 + reach);
+  return boxAround([...session.keyframes, ...(session.keyframes.length ? near : session.anchors)], u, v);
+}
+
+function boxAround(items, u, v) {
+  const [u0, u1] = range(items.map((item) => item.place[u]));
+  const [v0, v1] = range(items.map((item) => item.place[v]));
+  return { u0, u1, v0, v1 };
+}
+
+function range(numbers) {
+  if (numbers.length === 0) return [0, 0];
+  let [least, most] = [Infinity, -Infinity];
+  for (const n of numbers) {
+    if (n < least) least = n;
+    if (n > most) most = n;
+  }
+  return [least, most];
+}
+
+function union(boxes) {
+  if (boxes.length === 0) return { u0: -1, u1: 1, v0: -1, v1: 1 };
+  const side = (name, pick) => pick(...boxes.map((box) => box[name]));
+  return { u0: side("u0", Math.min), u1: side("u1", Math.max), v0: side("v0", Math.min), v1: side("v1", Math.max) };
+}
+
+/** Puts the groups on shelves, in their order, so that all together take about the page's shape. */
+function shelve(groups, aspect) {
+  const sides = groups.flatMap(({ box }) => [box.u1 - box.u0, box.v1 - box.v0]).sort((a, b) => a - b);
+  const usual = Math.max(sides[Math.floor(sides.length * 0.75)], 0.5);
+  const margin = usual * 0.15;
+  for (const group of groups) group.box = atLeast(group.box, usual * 0.6, margin);
+  const gap = usual * 0.18;
+  const area = groups.reduce((sum, { box }) => sum + (box.u1 - box.u0 + gap) * (box.v1 - box.v0 + 2 * gap), 0);
+  const widest = Math.max(...groups.map(({ box }) => box.u1 - box.u0));
+  const width = Math.max(Math.sqrt(area * aspect), widest);
+  let [u, v, tallest] = [0, 0, 0];
+  for (const group of groups) {
+    const [w, h] = [group.box.u1 - group.box.u0, group.box.v1 - group.box.v0];
+    if (u > 0 && u + w > width * 1.02) [u, v, tallest] = [0, v - tallest - 2 * gap, 0];
+    group.du = u - group.box.u0;
+    group.dv = v - group.box.v1;
+    u += w + gap;
+    tallest = Math.max(tallest, h);
+  }
+}
+
+function atLeast({ u0, u1, v0, v1 }, least, margin) {
+  const grow = (a, b) => Math.max(0, least - (b - a)) / 2 + margin;
+  const [du, dv] = [grow(u0, u1), grow(v0, v1)];
+  return { u0: u0 - du, u1: u1 + du, v0: v0 - dv, v1: v1 + dv };
+}

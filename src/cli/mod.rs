@@ -1,0 +1,53 @@
+//! Command line: one thin file for each subcommand.
+
+mod openapi;
+pub mod replay;
+mod serve;
+
+use std::error::Error;
+use std::io::{self, Write as _};
+
+use clap::{Parser, Subcommand};
+
+/// Revisit: semantic place recognition. "Is this keyframe a loop?"
+///
+/// A SLAM client sends keyframes over HTTP, with the texts it has read on doors and signs, and asks whether it has
+/// been there before. Start with `revisit serve` and open its address in a browser.
+///
+/// Every flag is also an environment variable, REVISIT_ and the flag's name.
+#[derive(Debug, Parser)]
+#[command(name = "revisit", version)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Serve(serve::ServeArgs),
+    Replay(replay::ReplayArgs),
+    Openapi(openapi::OpenapiArgs),
+}
+
+/// Why a subcommand failed, for a person.
+pub type Failure = Box<dyn Error + Send + Sync>;
+
+impl Cli {
+    /// Runs the subcommand.
+    pub async fn run(self) -> Result<(), Failure> {
+        match self.command {
+            Command::Serve(args) => serve::run(args).await,
+            Command::Replay(args) => Ok(replay::run(args, serve::own_server).await?),
+            Command::Openapi(args) => openapi::run(&args),
+        }
+    }
+}
+
+/// Writes to standard output. A reader that has seen enough (`revisit openapi | head`) is no error.
+fn write_out(text: &str) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        other => other,
+    }
+}

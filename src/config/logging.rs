@@ -1,0 +1,39 @@
+//! Logging: to standard error, as text or as JSON, filtered by target.
+
+use std::io::IsTerminal as _;
+
+use clap::{Args, ValueEnum};
+use tracing_subscriber::Layer as _;
+use tracing_subscriber::filter::Targets;
+use tracing_subscriber::layer::SubscriberExt as _;
+use tracing_subscriber::util::{SubscriberInitExt as _, TryInitError};
+
+/// What is logged, and how.
+#[derive(Args, Clone, Debug)]
+pub struct LogArgs {
+    /// What to log: a level (error, warn, info, debug, trace), or levels by target, such as `info,sqlx=warn`
+    #[arg(long = "log", env = "REVISIT_LOG", value_name = "LEVEL", default_value = "info,sqlx=warn")]
+    pub filter: Targets,
+    /// How to log
+    #[arg(long = "log-format", env = "REVISIT_LOG_FORMAT", value_enum, default_value_t = LogFormat::Text)]
+    pub format: LogFormat,
+}
+
+/// How a line of the log looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LogFormat {
+    /// For people
+    Text,
+    /// One JSON object a line, for programs
+    Json,
+}
+
+/// Starts logging; once in a process.
+pub fn start(args: &LogArgs) -> Result<(), TryInitError> {
+    let to_stderr = tracing_subscriber::fmt::layer().with_writer(std::io::stderr);
+    let layer = match args.format {
+        LogFormat::Text => to_stderr.with_ansi(std::io::stderr().is_terminal()).boxed(),
+        LogFormat::Json => to_stderr.json().flatten_event(true).boxed(),
+    };
+    tracing_subscriber::registry().with(layer.with_filter(args.filter.clone())).try_init()
+}

@@ -1,0 +1,11 @@
+//! Config: what the operator decides, and the one place that reads the environment.
+//!
+//! | file | concept |
+//! |---|---|
+//! | [`build`] | what this binary is |
+//! | [`listen`] | where to listen, and where not |
+//! | [`logging`] | what is logged, and how |
+
+pub mod build;
+pub mod listen;
+pub mod logging;

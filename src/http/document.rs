@@ -1,0 +1,107 @@
+//! Document: the API document, made of the routes themselves.
+
+use utoipa::OpenApi;
+use utoipa::openapi::schema::{ArrayItems, Object, OneOf, SchemaType, Type};
+use utoipa::openapi::path::{Operation, Parameter, PathItem};
+use utoipa::openapi::{RefOr, Schema};
+
+use super::{refusals, routes};
+use crate::wire::event::EventView;
+use crate::wire::problem::ProblemView;
+
+#[derive(OpenApi)]
+#[openapi(
+    info(
+        title = "Revisit",
+        description = "Semantic place recognition: is this keyframe a loop?\n\nIds are made by clients, writing is \
+            `PUT` by id, and a retry is harmless. Every answer of 400 and above is `application/problem+json` and \
+            lists every fault of the request at once. Lengths are metres, angles radians, image coordinates pixels. \
+            An optional field is left out, never null.",
+        license(name = "MIT OR Apache-2.0", identifier = "MIT OR Apache-2.0")
+    ),
+    tags(
+        (name = "maps", description = "A map and its settings"),
+        (name = "keyframes", description = "Keyframes in, one by one or in bulk"),
+        (name = "loops", description = "Is this keyframe a loop? And what follows when it is"),
+        (name = "anchors", description = "Semantic anchors: what was read, where it stands, what matches it"),
+        (name = "events", description = "What happens in a map, as it happens"),
+        (name = "semantics", description = "The three functions of §IV-A.2, and what models cost"),
+        (name = "service", description = "How the server is")
+    ),
+    components(schemas(ProblemView, EventView))
+)]
+struct Frame;
+
+/// The document without its operations.
+pub fn frame() -> utoipa::openapi::OpenApi {
+    Frame::openapi()
+}
+
+/// The API document.
+pub fn document() -> utoipa::openapi::OpenApi {
+    let (_, mut document) = routes::api(frame()).split_for_parts();
+    if let Some(components) = &mut document.components {
+        components.responses.extend(refusals::components());
+        components.schemas.values_mut().for_each(settle);
+    }
+    document.paths.paths.values_mut().flat_map(operations).for_each(|operation| {
+        for parameter in operation.parameters.iter_mut().flatten() {
+            if let RefOr::T(Parameter { schema: Some(schema), .. }) = parameter {
+                refuse_null(schema);
+            }
+        }
+    });
+    document
+}
+
+fn operations(item: &mut PathItem) -> impl Iterator<Item = &mut Operation> {
+    let PathItem { get, put, post, patch, delete, .. } = item;
+    [get, put, post, patch, delete].into_iter().flatten()
+}
+
+/// Takes null out of optional fields: with us they are left out. It also takes every `oneOf` out of the document, which
+/// utoipa writes for "this schema or null" and on which generators for C++ break.
+fn settle(schema: &mut RefOr<Schema>) {
+    let RefOr::T(Schema::Object(object)) = schema else { return };
+    let Object { properties, required, .. } = object;
+    for (name, property) in properties {
+        if !required.contains(name) {
+            refuse_null(property);
+        }
+        settle(property);
+    }
+}
+
+fn refuse_null(property: &mut RefOr<Schema>) {
+    let only = |kind: &mut SchemaType| {
+        if let SchemaType::Array(kinds) = kind {
+            kinds.retain(|kind| *kind != Type::Null);
+            if let [one] = kinds.as_slice() {
+                *kind = SchemaType::Type(one.clone());
+            }
+        }
+    };
+    match property {
+        RefOr::T(Schema::Object(object)) => only(&mut object.schema_type),
+        RefOr::T(Schema::Array(array)) => {
+            only(&mut array.schema_type);
+            if let ArrayItems::RefOrSchema(items) = &mut array.items {
+                settle(items);
+            }
+        }
+        RefOr::T(Schema::OneOf(OneOf { items, description, .. })) => {
+            let null = |item: &RefOr<Schema>| match item {
+                RefOr::T(Schema::Object(object)) => object.schema_type == SchemaType::Type(Type::Null),
+                _ => false,
+            };
+            let Some(mut inner) = items.iter().find(|item| !null(item)).cloned() else { return };
+            match &mut inner {
+                RefOr::Ref(reference) => reference.description = description.take().unwrap_or_default(),
+                RefOr::T(Schema::Array(array)) => array.description = description.take(),
+                RefOr::T(_) => {}
+            }
+            *property = inner;
+        }
+        _ => {}
+    }
+}

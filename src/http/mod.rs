@@ -1,0 +1,67 @@
+//! HTTP: the contract spoken over HTTP/1.1.
+//!
+//! | file | concept |
+//! |---|---|
+//! | [`routes`] | one file for each kind of resource: extract, ask the service once, answer |
+//! | [`path`], [`query`], [`body`], [`if_match`] | what a request says, checked |
+//! | [`answer`] | what success says |
+//! | [`problem`], [`envelope`] | what a refusal says, and the id that every answer carries |
+//! | [`router`] | the layers around the routes |
+//! | [`server`] | the accept loop, and how it stops |
+//! | [`metrics`] | what Prometheus reads |
+//! | [`document`], [`refusals`] | the API document |
+//! | [`pages`] | the viewer and the reference |
+
+pub mod answer;
+pub mod body;
+pub mod document;
+pub mod envelope;
+pub mod if_match;
+pub mod metrics;
+pub mod pages;
+pub mod path;
+pub mod problem;
+pub mod query;
+pub mod refusals;
+pub mod router;
+pub mod routes;
+pub mod server;
+
+use std::sync::Arc;
+
+use axum::extract::FromRef;
+use bytes::Bytes;
+use tokio_util::sync::CancellationToken;
+
+pub use document::document;
+pub use server::{RunningServer, serve};
+
+use crate::service::Service;
+use metrics::Metrics;
+
+/// What handlers work with.
+#[derive(Clone)]
+pub struct App {
+    /// The use cases.
+    pub service: Service,
+    /// The counters.
+    pub metrics: Arc<Metrics>,
+    /// The API document as JSON.
+    pub document: Bytes,
+    /// Cancelled when the server is told to stop.
+    pub stopping: CancellationToken,
+}
+
+impl App {
+    /// An app around a service, until `stopping` is cancelled.
+    pub fn new(service: Service, stopping: CancellationToken) -> Self {
+        let document = serde_json::to_vec(&document()).unwrap_or_default();
+        Self { service, metrics: Arc::new(Metrics::default()), document: document.into(), stopping }
+    }
+}
+
+impl FromRef<App> for Service {
+    fn from_ref(app: &App) -> Self {
+        app.service.clone()
+    }
+}

@@ -1,0 +1,53 @@
+//! Router: the routes, and the layers that every request passes.
+
+use std::time::{Duration, Instant};
+
+use axum::Router;
+use axum::extract::{MatchedPath, Request, State};
+use axum::middleware::{Next, from_fn, from_fn_with_state};
+use axum::response::Response;
+use tower::ServiceBuilder;
+use tower_http::catch_panic::CatchPanicLayer;
+use tower_http::compression::CompressionLayer;
+use tower_http::decompression::RequestDecompressionLayer;
+use tower_http::limit::RequestBodyLimitLayer;
+use tower_http::timeout::RequestBodyTimeoutLayer;
+
+use super::envelope::{self, envelope};
+use super::{App, document, pages, routes};
+use crate::wire::limits;
+
+/// A body of which nothing arrives for so long is given up.
+const BODY_IDLE: Duration = Duration::from_secs(30);
+
+/// Every route, in its layers.
+pub fn router(app: App) -> Router {
+    let (api, _) = routes::api(document::frame()).split_for_parts();
+    // From the outside in: what is outside sees all that is inside.
+    let layers = ServiceBuilder::new()
+        .layer(from_fn(envelope))
+        .layer(from_fn_with_state(app.clone(), observe))
+        .layer(CompressionLayer::new())
+        .layer(CatchPanicLayer::custom(envelope::panicked))
+        .layer(RequestBodyTimeoutLayer::new(BODY_IDLE))
+        // What is compressed is bounded by the largest body there is, what is inflated by its reader.
+        .layer(RequestBodyLimitLayer::new(limits::BULK_BYTES))
+        .layer(RequestDecompressionLayer::new());
+    api.merge(pages::routes())
+        .fallback(envelope::no_such_path)
+        .method_not_allowed_fallback(envelope::no_such_method)
+        .layer(layers)
+        .with_state(app)
+}
+
+/// Counts and times a request under the pattern of its route.
+async fn observe(State(app): State<App>, request: Request, next: Next) -> Response {
+    let started = Instant::now();
+    let method = request.method().clone();
+    let route = request.extensions().get::<MatchedPath>().map_or("unmatched", MatchedPath::as_str).to_owned();
+    let response = next.run(request).await;
+    let took = started.elapsed();
+    app.metrics.answered(method.as_str(), &route, response.status().as_u16(), took);
+    tracing::debug!(%method, route, status = response.status().as_u16(), ?took, "answered");
+    response
+}

@@ -1,0 +1,124 @@
+//! Anchors: searched, read, described by hand, deleted.
+
+use axum::Json;
+use axum::extract::State;
+use axum::http::header::{CONTENT_TYPE, ETAG, X_CONTENT_TYPE_OPTIONS};
+use axum::response::{IntoResponse, Response};
+
+use crate::http::body::Body;
+use crate::http::if_match::{IfMatch, etag};
+use crate::http::path::{AnchorPath, InAnchor, InMap, MapPath};
+use crate::http::problem::Problem;
+use crate::http::query::{AnchorPage, AnchorSearch, Paging, Query};
+use crate::http::refusals::{OfPatch, OfRead, OfVersionedDelete};
+use crate::service::Service;
+use crate::wire::anchor::{AnchorPatch, AnchorPatchBody, AnchorView};
+use crate::wire::examples;
+use crate::wire::list::AnchorList;
+use crate::wire::map::MapVersion;
+
+/// Search anchors
+///
+/// Oldest first, one part at a time. Anchors that go by another one's name are left out unless asked for.
+#[utoipa::path(
+    get, path = "/v1/maps/{map}/anchors", tag = "anchors", params(MapPath, AnchorSearch, Paging),
+    responses((status = 200, description = "One part of the list", body = AnchorList, example = examples::anchors), OfRead)
+)]
+pub async fn list_anchors(
+    State(service): State<Service>,
+    InMap(map): InMap,
+    Query(AnchorPage { filter, page }): Query<AnchorPage>,
+) -> Result<Json<AnchorList>, Problem> {
+    let (version, anchors) = service.list_anchors(&map, filter, page.cursor.as_deref(), page.limit).await?;
+    Ok(Json(AnchorList::of(version, anchors)))
+}
+
+/// Read an anchor
+///
+/// With its readings, its place in each session's frame and the anchors that match it.
+#[utoipa::path(
+    get, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors", params(AnchorPath),
+    responses(
+        (status = 200, description = "The anchor", body = AnchorView, 
+            headers(("etag" = String, description = "The anchor's version, for `if-match`")), example = examples::anchor),
+        OfRead
+    )
+)]
+pub async fn get_anchor(
+    State(service): State<Service>,
+    InAnchor { map, anchor }: InAnchor,
+) -> Result<Response, Problem> {
+    let (version, report) = service.get_anchor(&map, anchor).await?;
+    Ok(tagged(AnchorView::at(version, report)))
+}
+
+/// Describe an anchor by hand
+///
+/// The description stands whatever is read later; null takes it back. `if-match` says which version was seen.
+#[utoipa::path(
+    patch, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors",
+    params(AnchorPath, ("if-match" = String, Header, description = "The anchor's `etag`, or `*`", example = "\"4\"")),
+    request_body(content = AnchorPatchBody, example = examples::anchor_patch),
+    responses(
+        (status = 200, description = "The anchor as it is now", body = AnchorView, 
+            headers(("etag" = String, description = "The anchor's version, for `if-match`")), example = examples::anchor),
+        OfPatch
+    )
+)]
+pub async fn patch_anchor(
+    State(service): State<Service>,
+    InAnchor { map, anchor }: InAnchor,
+    seen: IfMatch,
+    Body(patch): Body<AnchorPatch>,
+) -> Result<Response, Problem> {
+    let seen = seen.required()?;
+    let (version, report) = service.describe_anchor(&map, anchor, seen, patch.description).await?;
+    Ok(tagged(AnchorView::at(version, report)))
+}
+
+/// Delete an anchor
+///
+/// Its detections stay with their keyframes and feed nothing any more.
+#[utoipa::path(
+    delete, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors",
+    params(
+        AnchorPath,
+        ("if-match" = Option<String>, Header, description = "The anchor's `etag`; without it any version goes",
+            example = "\"4\"")
+    ),
+    responses(
+        (status = 200, description = "The anchor is gone", body = MapVersion, example = examples::map_version),
+        OfVersionedDelete
+    )
+)]
+pub async fn delete_anchor(
+    State(service): State<Service>,
+    InAnchor { map, anchor }: InAnchor,
+    seen: IfMatch,
+) -> Result<Json<MapVersion>, Problem> {
+    let map_version = service.delete_anchor(&map, anchor, seen.optional()).await?;
+    Ok(Json(MapVersion { map_version }))
+}
+
+/// Read an anchor's best crop
+///
+/// The largest image of it that a detection brought, as it was sent.
+#[utoipa::path(
+    get, path = "/v1/maps/{map}/anchors/{anchor}/crop", tag = "anchors", params(AnchorPath),
+    responses(
+        (status = 200, description = "The image", content(
+            (Vec<u8> = "image/png", example = "(the bytes of a PNG file)"),
+            (Vec<u8> = "image/jpeg", example = "(the bytes of a JPEG file)")
+        )),
+        OfRead
+    )
+)]
+pub async fn get_crop(State(service): State<Service>, InAnchor { map, anchor }: InAnchor) -> Result<Response, Problem> {
+    let crop = service.crop(&map, anchor).await?;
+    // A client sent it, and browsers shall not find a page in it.
+    Ok(([(CONTENT_TYPE, crop.media_type), (X_CONTENT_TYPE_OPTIONS, "nosniff")], crop.bytes).into_response())
+}
+
+fn tagged(anchor: AnchorView) -> Response {
+    ([(ETAG, etag(anchor.version))], Json(anchor)).into_response()
+}

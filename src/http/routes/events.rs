@@ -1,0 +1,104 @@
+//! Events: a map's stream, resumable wherever it broke off.
+
+use std::convert::Infallible;
+use std::time::Duration;
+
+use axum::extract::{FromRequestParts, State};
+use axum::http::request::Parts;
+use axum::response::sse::{Event as Sent, KeepAlive, Sse};
+use futures_util::Stream;
+use tokio::sync::watch;
+
+use crate::http::App;
+use crate::http::path::{InMap, MapPath};
+use crate::http::problem::{Kind, Problem};
+use crate::http::query::{Query, Since};
+use crate::http::refusals::OfRead;
+use crate::model::event::Event;
+use crate::model::ids::MapId;
+use crate::model::invalid::FieldError;
+use crate::wire::event::EventView;
+use crate::wire::examples;
+
+/// How many events are fetched at once.
+const BATCH: usize = 256;
+/// A comment this often keeps proxies from hanging up.
+const KEEP_ALIVE: Duration = Duration::from_secs(15);
+
+/// Listen to a map
+///
+/// Server-sent events: `id` is a sequence number, `event` the kind, `data` an Event as JSON. A client that reconnects
+/// with `last-event-id`, as browsers do, misses nothing. The stream has no end but the server's.
+#[utoipa::path(
+    get, path = "/v1/maps/{map}/events", tag = "events",
+    params(
+        MapPath, Since,
+        ("last-event-id" = Option<u64>, Header, description = "The number of the last event seen; wins over `since`",
+            example = 30)
+    ),
+    responses(
+        (status = 200, description = "Events, as they happen", body = String, content_type = "text/event-stream",
+            example = examples::event_stream),
+        OfRead
+    )
+)]
+pub async fn listen(
+    State(app): State<App>,
+    InMap(map): InMap,
+    Query(Since { since }): Query<Since>,
+    LastEventId(last): LastEventId,
+) -> Result<Sse<impl Stream<Item = Result<Sent, Infallible>>>, Problem> {
+    let latest = app.service.latest_event(&map).await?;
+    let stream = stream(app, map, last.or(since).unwrap_or(0), latest);
+    Ok(Sse::new(stream).keep_alive(KeepAlive::new().interval(KEEP_ALIVE)))
+}
+
+fn stream(
+    app: App,
+    map: MapId,
+    mut since: u64,
+    mut latest: watch::Receiver<u64>,
+) -> impl Stream<Item = Result<Sent, Infallible>> {
+    async_stream::stream! {
+        loop {
+            // Marked as seen before fetching: what comes in between wakes the wait below.
+            latest.borrow_and_update();
+            // An error here is a map that is gone; the client learns more when it reconnects.
+            let Ok(events) = app.service.events(&map, since, BATCH).await else { return };
+            let more = !events.is_empty();
+            for event in events {
+                since = event.seq;
+                yield Ok(sent(event));
+            }
+            if more {
+                continue;
+            }
+            tokio::select! {
+                changed = latest.changed() => if changed.is_err() { return },
+                () = app.stopping.cancelled() => return,
+            }
+        }
+    }
+}
+
+fn sent(event: Event) -> Sent {
+    let (seq, kind) = (event.seq, event.kind);
+    let data = serde_json::to_string(&EventView::from(event)).unwrap_or_default();
+    Sent::default().id(seq.to_string()).event(kind.as_str()).data(data)
+}
+
+/// The header with which a client resumes.
+pub struct LastEventId(Option<u64>);
+
+impl<S: Send + Sync> FromRequestParts<S> for LastEventId {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
+        let Some(header) = parts.headers.get("last-event-id") else { return Ok(Self(None)) };
+        let text = header.to_str().unwrap_or_default().trim();
+        text.parse().map(|seq| Self(Some(seq))).map_err(|_| {
+            let fault = FieldError::new("last-event-id:", "not the number of an event").got(text).limit("digits");
+            Problem::new(Kind::BAD_REQUEST, "`last-event-id` is malformed").with(vec![fault])
+        })
+    }
+}

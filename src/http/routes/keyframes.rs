@@ -1,0 +1,152 @@
+//! Keyframes: one in, with or without its loop query; read back; culled.
+
+use axum::Json;
+use axum::extract::State;
+use axum::response::Response;
+
+use super::loop_queries::{ask, kept};
+use crate::http::App;
+use crate::http::answer::written;
+use crate::http::body::KeyframeInPath;
+use crate::http::path::{InKeyframe, InMap, KeyframePath, MapPath};
+use crate::http::problem::Problem;
+use crate::http::query::{Ask, Paging, Query};
+use crate::http::refusals::{OfDelete, OfRead, OfWrite};
+use crate::model::ids::{KeyframeId, MapId};
+use crate::model::report::Page;
+use crate::model::verdict::{Decision, Verify};
+use crate::service::{LoopQuery, Service, Subject};
+use crate::wire::anchor::LocalAnchorMap;
+use crate::wire::examples;
+use crate::wire::keyframe::{KeyframeAnswer, KeyframeBody, KeyframeView};
+use crate::wire::list::{CovisibleList, KeyframeList};
+use crate::wire::map::MapVersion;
+use crate::wire::verdict::LoopAnswer;
+
+/// Store a keyframe
+///
+/// Its detections are associated with anchors; with `?query=loop` the loop query is answered in the same round trip.
+/// The same body again changes nothing and answers 200; another body under the same id is a conflict.
+#[utoipa::path(
+    put, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePath, Ask),
+    request_body(content = KeyframeBody, example = examples::keyframe_body),
+    responses(
+        (status = 201, description = "The keyframe is stored", body = KeyframeAnswer, example = examples::keyframe_answer),
+        (status = 200, description = "The same keyframe was stored before", body = KeyframeAnswer,
+            
+            headers(("idempotent-replayed" = String, description = "`true`")), example = examples::keyframe_answer),
+        OfWrite
+    )
+)]
+pub async fn put_keyframe(
+    State(app): State<App>,
+    Query(also): Query<Ask>,
+    KeyframeInPath { place: InKeyframe { map, keyframe }, sent }: KeyframeInPath,
+) -> Result<Response, Problem> {
+    let stored = app.service.put_keyframe(&map, sent.keyframe, sent.digest).await?;
+    let loop_answer = match also.query {
+        Some(_) => Some(ask_about(&app, &map, keyframe, stored.created).await?),
+        None => None,
+    };
+    Ok(written(stored.created, KeyframeAnswer { loop_answer, ..stored.value.into() }))
+}
+
+/// The loop query about a keyframe just stored; who listens to the map hears of a loop, once.
+async fn ask_about(app: &App, map: &MapId, keyframe: KeyframeId, new: bool) -> Result<LoopAnswer, Problem> {
+    let subject = Subject::Stored(keyframe.clone());
+    let query = LoopQuery { subject, verify: Verify::default(), max_wait_ms: 0, seed: 0 };
+    let answer = ask(app, map, query).await?;
+    if new && answer.verdict.decision == Decision::Loop {
+        app.service.announce_loop(map, &keyframe, &answer);
+    }
+    kept(app, map, &answer).map(|(view, _)| view)
+}
+
+/// List keyframes
+///
+/// In order of arrival, one part at a time.
+#[utoipa::path(
+    get, path = "/v1/maps/{map}/keyframes", tag = "keyframes", params(MapPath, Paging),
+    responses(
+        (status = 200, description = "One part of the list", body = KeyframeList, example = examples::keyframes),
+        OfRead
+    )
+)]
+pub async fn list_keyframes(
+    State(service): State<Service>,
+    InMap(map): InMap,
+    Query(page): Query<Paging>,
+) -> Result<Json<KeyframeList>, Problem> {
+    let (version, keyframes) = service.list_keyframes(&map, page.cursor.as_deref(), page.limit).await?;
+    Ok(Json(KeyframeList::of(version, keyframes)))
+}
+
+/// Read a keyframe
+///
+/// As it was sent, with its pose and its points as last corrected, and what became of its detections.
+#[utoipa::path(
+    get, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePath),
+    responses((status = 200, description = "The keyframe", body = KeyframeView, example = examples::keyframe), OfRead)
+)]
+pub async fn get_keyframe(
+    State(service): State<Service>,
+    InKeyframe { map, keyframe }: InKeyframe,
+) -> Result<Json<KeyframeView>, Problem> {
+    let (version, record) = service.get_keyframe(&map, &keyframe).await?;
+    Ok(Json(KeyframeView::of(version, record)))
+}
+
+/// Cull a keyframe
+///
+/// Its observations go with it; an anchor that loses its last one goes too.
+#[utoipa::path(
+    delete, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePath),
+    responses(
+        (status = 200, description = "The keyframe is gone", body = MapVersion, example = examples::map_version),
+        OfDelete
+    )
+)]
+pub async fn delete_keyframe(
+    State(service): State<Service>,
+    InKeyframe { map, keyframe }: InKeyframe,
+) -> Result<Json<MapVersion>, Problem> {
+    let map_version = service.delete_keyframe(&map, &keyframe).await?;
+    Ok(Json(MapVersion { map_version }))
+}
+
+/// List covisible keyframes
+///
+/// Those that share enough map points with it, and those declared covisible, by a client or by a confirmed loop.
+#[utoipa::path(
+    get, path = "/v1/maps/{map}/keyframes/{keyframe}/covisible", tag = "keyframes", params(KeyframePath),
+    responses(
+        (status = 200, description = "All of them", body = CovisibleList, example = examples::covisible),
+        OfRead
+    )
+)]
+pub async fn list_covisible(
+    State(service): State<Service>,
+    InKeyframe { map, keyframe }: InKeyframe,
+) -> Result<Json<CovisibleList>, Problem> {
+    let (version, items) = service.covisible(&map, &keyframe).await?;
+    Ok(Json(CovisibleList::of(version, Page { items, next_cursor: None })))
+}
+
+/// Read a local anchor map
+///
+/// M_k of §V-A: the anchors seen by a keyframe and those covisible with it, as bearings and distances from its camera.
+#[utoipa::path(
+    get, path = "/v1/maps/{map}/keyframes/{keyframe}/local-anchor-map", tag = "keyframes", params(KeyframePath),
+    responses(
+        (status = 200, description = "The local anchor map", body = LocalAnchorMap, example = examples::local_anchor_map),
+        OfRead
+    )
+)]
+pub async fn get_local_anchor_map(
+    State(service): State<Service>,
+    InKeyframe { map, keyframe }: InKeyframe,
+) -> Result<Json<LocalAnchorMap>, Problem> {
+    let (map_version, anchors) = service.local_anchor_map(&map, &keyframe).await?;
+    let anchors = anchors.into_iter().map(Into::into).collect();
+    Ok(Json(LocalAnchorMap { keyframe: keyframe.to_string(), map_version, anchors }))
+}

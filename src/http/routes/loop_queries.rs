@@ -1,0 +1,68 @@
+//! Loop queries: "is this keyframe a loop?", and the verdict read back with every figure.
+
+use axum::extract::State;
+use axum::response::Response;
+use bytes::Bytes;
+
+use crate::http::App;
+use crate::http::answer::json_bytes;
+use crate::http::body::Body;
+use crate::http::path::{InMap, InQuery, MapPath, QueryPath};
+use crate::http::problem::Problem;
+use crate::http::refusals::{OfMapQuestion, OfRead};
+use crate::model::ids::MapId;
+use crate::service::{LoopQuery, QueryAnswer, Service};
+use crate::wire::examples;
+use crate::wire::loop_query::LoopQueryBody;
+use crate::wire::verdict::LoopAnswer;
+
+/// Ask whether a keyframe is a loop
+///
+/// About a stored keyframe or one sent along. It changes nothing and calls no model; the same map version, keyframe,
+/// settings and seed give the same bytes.
+#[utoipa::path(
+    post, path = "/v1/maps/{map}/loop-queries", tag = "loops", params(MapPath),
+    request_body(content = LoopQueryBody, example = examples::loop_query),
+    responses(
+        (status = 200, description = "The verdict", body = LoopAnswer, example = examples::loop_answer),
+        OfMapQuestion
+    )
+)]
+pub async fn query_loop(
+    State(app): State<App>,
+    InMap(map): InMap,
+    Body(query): Body<LoopQuery>,
+) -> Result<Response, Problem> {
+    let answer = ask(&app, &map, query).await?;
+    kept(&app, &map, &answer).map(|(_, bytes)| json_bytes(bytes))
+}
+
+/// Read a verdict again
+///
+/// The very bytes that were answered. Records are bounded for each map, the oldest go first.
+#[utoipa::path(
+    get, path = "/v1/maps/{map}/loop-queries/{query}", tag = "loops", params(QueryPath),
+    responses((status = 200, description = "The verdict", body = LoopAnswer, example = examples::loop_answer), OfRead)
+)]
+pub async fn get_loop_query(
+    State(service): State<Service>,
+    InQuery { map, query }: InQuery,
+) -> Result<Response, Problem> {
+    Ok(json_bytes(service.kept_query(&map, &query).await?))
+}
+
+/// Asks the service, and counts the verdict.
+pub async fn ask(app: &App, map: &MapId, query: LoopQuery) -> Result<QueryAnswer, Problem> {
+    let answer = app.service.loop_query(map, query).await?;
+    app.metrics.judged(answer.verdict.decision);
+    Ok(answer)
+}
+
+/// Writes an answer once, for the client and for the record.
+pub fn kept(app: &App, map: &MapId, answer: &QueryAnswer) -> Result<(LoopAnswer, Bytes), Problem> {
+    let view = LoopAnswer::of(&answer.id, &answer.verdict);
+    let bytes = serde_json::to_vec(&view).map_err(|error| Problem::internal(error.to_string()))?;
+    let bytes = Bytes::from(bytes);
+    app.service.keep_query(map, &answer.id, bytes.clone());
+    Ok((view, bytes))
+}

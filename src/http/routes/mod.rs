@@ -1,0 +1,49 @@
+//! Routes: one file for each kind of resource, handlers that extract, ask the service once, and answer.
+
+mod anchors;
+mod bulk;
+mod events;
+mod keyframes;
+mod lines;
+mod loop_queries;
+mod loops;
+mod maps;
+mod poses;
+mod semantics;
+mod service;
+mod usage;
+
+use utoipa::openapi::OpenApi;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::App;
+
+/// Every operation of the contract, documented in `frame`.
+pub fn api(frame: OpenApi) -> OpenApiRouter<App> {
+    OpenApiRouter::with_openapi(frame)
+        .routes(routes!(maps::list_maps))
+        .routes(routes!(maps::put_map, maps::get_map, maps::patch_map, maps::delete_map))
+        .routes(routes!(keyframes::list_keyframes, bulk::put_keyframes))
+        .routes(routes!(keyframes::put_keyframe, keyframes::get_keyframe, keyframes::delete_keyframe))
+        .routes(routes!(keyframes::list_covisible))
+        .routes(routes!(keyframes::get_local_anchor_map))
+        .routes(routes!(poses::correct_poses))
+        .routes(routes!(loop_queries::query_loop))
+        .routes(routes!(loop_queries::get_loop_query))
+        .routes(routes!(loops::list_loops, loops::confirm_loop))
+        .routes(routes!(loops::revoke_loop))
+        .routes(routes!(anchors::list_anchors))
+        .routes(routes!(anchors::get_anchor, anchors::patch_anchor, anchors::delete_anchor))
+        .routes(routes!(anchors::get_crop))
+        .routes(routes!(events::listen))
+        .routes(routes!(semantics::similarity))
+        .routes(routes!(semantics::information))
+        .routes(routes!(semantics::merge_text))
+        .routes(routes!(usage::get_usage))
+        .routes(routes!(service::healthz))
+        .routes(routes!(service::readyz))
+        .routes(routes!(service::get_version))
+        .routes(routes!(service::get_metrics))
+        .routes(routes!(service::get_document))
+}

@@ -1,0 +1,87 @@
+//! Service: how the server is, for those who run it.
+
+use axum::Json;
+use axum::extract::State;
+use axum::http::header::CONTENT_TYPE;
+use axum::response::{IntoResponse, Response};
+
+use crate::config::build;
+use crate::http::App;
+use crate::http::answer::json_bytes;
+use crate::http::metrics::Metrics;
+use crate::http::problem::{Kind, Problem};
+use crate::http::refusals::{OfNobody, OfReadiness};
+use crate::wire::examples;
+use crate::wire::service::{Health, Version};
+
+/// Is the process alive?
+///
+/// It answers, so it is.
+#[utoipa::path(
+    get, path = "/healthz", tag = "service",
+    responses((status = 200, description = "It is", body = Health, example = examples::health), OfNobody)
+)]
+pub async fn healthz() -> Json<Health> {
+    Json(Health::of("alive"))
+}
+
+/// Is the server ready for requests?
+///
+/// Not before its maps are in memory, and no longer once it is told to stop.
+#[utoipa::path(
+    get, path = "/readyz", tag = "service",
+    responses((status = 200, description = "It is", body = Health, example = examples::ready), OfReadiness)
+)]
+pub async fn readyz(State(app): State<App>) -> Result<Json<Health>, Problem> {
+    if app.stopping.is_cancelled() {
+        return Err(Problem::new(Kind::UNAVAILABLE, "the server is stopping"));
+    }
+    app.service.ready().await?;
+    Ok(Json(Health::of("ready")))
+}
+
+/// Read the server's version
+///
+/// With that of the SQLite inside it.
+#[utoipa::path(
+    get, path = "/version", tag = "service",
+    responses((status = 200, description = "The version", body = Version, example = examples::version), OfNobody)
+)]
+pub async fn get_version() -> Json<Version> {
+    Json(Version {
+        name: build::NAME.to_owned(),
+        version: build::VERSION.to_owned(),
+        sqlite: build::sqlite_version().to_owned(),
+        vocabulary: None,
+    })
+}
+
+/// Read the metrics
+///
+/// In the form of OpenMetrics, for Prometheus.
+#[utoipa::path(
+    get, path = "/metrics", tag = "service",
+    responses(
+        (status = 200, description = "The metrics", body = String, content_type = "application/openmetrics-text",
+            example = "# EOF\n"),
+        OfNobody
+    )
+)]
+pub async fn get_metrics(State(app): State<App>) -> impl IntoResponse {
+    ([(CONTENT_TYPE, Metrics::MEDIA_TYPE)], app.metrics.text(&app.service.stats()))
+}
+
+/// Read this document
+///
+/// As JSON; `revisit openapi` prints it too.
+#[utoipa::path(
+    get, path = "/openapi.json", tag = "service",
+    responses(
+        (status = 200, description = "The document", body = serde_json::Value, content_type = "application/json",
+            example = examples::document),
+        OfNobody
+    )
+)]
+pub async fn get_document(State(app): State<App>) -> Response {
+    json_bytes(app.document)
+}

@@ -1,0 +1,32 @@
+//! Service: how the server is.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// How the server is.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct Health {
+    /// `alive` or `ready`; a server that is not ready answers a problem.
+    pub status: String,
+}
+
+impl Health {
+    /// The server is in this state.
+    pub fn of(status: &str) -> Self {
+        Self { status: status.to_owned() }
+    }
+}
+
+/// What runs.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct Version {
+    /// The program.
+    pub name: String,
+    /// Its version.
+    pub version: String,
+    /// The version of SQLite inside it.
+    pub sqlite: String,
+    /// The vocabulary with which it computes bags of words; null while it has none.
+    #[schema(required)]
+    pub vocabulary: Option<String>,
+}

@@ -1,0 +1,104 @@
+//! The house keeps its own rules: layers, file sizes, first lines.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The rooms from the top down; a room imports only from rows below its own. Rooms of one row do not
+/// know each other.
+const LAYERS: &[&[&str]] = &[
+    &["main"],
+    &["cli"],
+    &["hotel"],
+    &["http", "client"],
+    &["service", "wire"],
+    &["store"],
+    &["recognition"],
+    &["vocabulary"],
+    &["model"],
+    &["geometry", "semantics", "config"],
+];
+
+/// A file above this is two concepts.
+const LINES_MAX: usize = 450;
+
+/// And the usual file is far below it.
+const MEDIAN_LINES_MAX: usize = 160;
+
+fn sources() -> Vec<(PathBuf, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut found = Vec::new();
+    let mut open = vec![root.clone()];
+    while let Some(folder) = open.pop() {
+        for entry in fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                open.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                let text = fs::read_to_string(&path).unwrap();
+                found.push((path.strip_prefix(&root).unwrap().to_owned(), text));
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+fn room(path: &Path) -> String {
+    let first = path.components().next().unwrap().as_os_str().to_string_lossy();
+    first.trim_end_matches(".rs").to_owned()
+}
+
+fn is_test(path: &Path) -> bool {
+    let name = path.file_stem().unwrap().to_string_lossy();
+    matches!(&*name, "tests" | "law" | "laws" | "golden") || path.components().any(|part| part.as_os_str() == "tests")
+}
+
+#[test]
+fn a_room_imports_only_from_rooms_below_it() {
+    let level: BTreeMap<&str, usize> =
+        LAYERS.iter().enumerate().flat_map(|(depth, rooms)| rooms.iter().map(move |room| (*room, depth))).collect();
+    let mut wrong = Vec::new();
+    for (path, text) in sources() {
+        let from = room(&path);
+        let Some(from_level) = level.get(from.as_str()) else {
+            assert_eq!(from, "lib", "{} is in no layer: add it to LAYERS", path.display());
+            continue;
+        };
+        for name in ["crate::", "revisit::"].iter().flat_map(|prefix| text.split(prefix).skip(1)) {
+            let to: String = name.chars().take_while(|c| c.is_ascii_alphanumeric() || *c == '_').collect();
+            if to != from && level.get(to.as_str()).is_some_and(|to_level| to_level <= from_level) {
+                wrong.push(format!("{}: {from} imports {to}", path.display()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn files_are_small_and_their_first_line_names_the_concept() {
+    let mut lines: Vec<usize> = Vec::new();
+    for (path, text) in sources() {
+        let count = text.lines().count();
+        assert!(count <= LINES_MAX || is_test(&path), "{} has {count} lines: it is two concepts", path.display());
+        assert!(text.starts_with("//!"), "{} does not say what it is", path.display());
+        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+        assert!(!["util", "utils", "helpers", "common", "misc"].contains(&&*name), "{}", path.display());
+        lines.push(count);
+    }
+    lines.sort_unstable();
+    let median = lines[lines.len() / 2];
+    assert!(median <= MEDIAN_LINES_MAX, "the median file has {median} lines");
+}
+
+#[test]
+fn the_core_does_no_io_and_knows_no_clock_no_json_and_no_async() {
+    for (path, text) in sources() {
+        if !matches!(&*room(&path), "recognition" | "model" | "geometry" | "semantics") || is_test(&path) {
+            continue;
+        }
+        for forbidden in ["std::fs", "std::net", "std::time", "std::env", "tokio", "serde", "sqlx", "reqwest", "axum", "async "] {
+            assert!(!text.contains(forbidden), "{} uses {forbidden}", path.display());
+        }
+    }
+}
