@@ -34,11 +34,13 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
     logging::start(&args.log)?;
     let stopping = stop_on_signal()?;
     // The port first: a second server on one machine shall say so before it opens the database.
-    let listener = TcpListener::bind(args.listen).await.map_err(|error| format!("cannot listen on {}: {error}", args.listen))?;
+    let listener = TcpListener::bind(args.listen)
+        .await
+        .map_err(|error| format!("cannot listen on {}: {error}", args.listen))?;
     let service = Service::open(ServiceOptions { database: args.database.clone() }).await?;
     let addr = listener.local_addr()?;
     write_out(&format!("listening on http://{addr}\n"))?;
-    tracing::info!(%addr, database = args.database, version = build::VERSION, sqlite = build::sqlite_version(), "serving");
+    tracing::info!(%addr, database = args.database, version = build::VERSION, "serving");
     let served = http::serve(listener, service.clone(), stopping).await;
     service.close().await;
     tracing::info!("stopped");

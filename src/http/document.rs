@@ -1,8 +1,8 @@
 //! Document: the API document, made of the routes themselves.
 
 use utoipa::OpenApi;
-use utoipa::openapi::schema::{ArrayItems, Object, OneOf, SchemaType, Type};
 use utoipa::openapi::path::{Operation, Parameter, PathItem};
+use utoipa::openapi::schema::{Object, OneOf, SchemaType, Type};
 use utoipa::openapi::{RefOr, Schema};
 
 use super::{refusals, routes};
@@ -73,35 +73,37 @@ fn settle(schema: &mut RefOr<Schema>) {
 }
 
 fn refuse_null(property: &mut RefOr<Schema>) {
-    let only = |kind: &mut SchemaType| {
-        if let SchemaType::Array(kinds) = kind {
-            kinds.retain(|kind| *kind != Type::Null);
-            if let [one] = kinds.as_slice() {
-                *kind = SchemaType::Type(one.clone());
-            }
-        }
-    };
     match property {
         RefOr::T(Schema::Object(object)) => only(&mut object.schema_type),
-        RefOr::T(Schema::Array(array)) => {
-            only(&mut array.schema_type);
-            if let ArrayItems::RefOrSchema(items) = &mut array.items {
-                settle(items);
-            }
-        }
+        RefOr::T(Schema::Array(array)) => only(&mut array.schema_type),
         RefOr::T(Schema::OneOf(OneOf { items, description, .. })) => {
-            let null = |item: &RefOr<Schema>| match item {
-                RefOr::T(Schema::Object(object)) => object.schema_type == SchemaType::Type(Type::Null),
-                _ => false,
-            };
-            let Some(mut inner) = items.iter().find(|item| !null(item)).cloned() else { return };
-            match &mut inner {
-                RefOr::Ref(reference) => reference.description = description.take().unwrap_or_default(),
-                RefOr::T(Schema::Array(array)) => array.description = description.take(),
-                RefOr::T(_) => {}
+            let Some(mut inner) = items.iter().find(|item| !is_null(item)).cloned() else { return };
+            if let Some(description) = description.take() {
+                match &mut inner {
+                    RefOr::Ref(reference) => reference.description = description,
+                    RefOr::T(Schema::Array(array)) => array.description = Some(description),
+                    RefOr::T(_) => {}
+                }
             }
             *property = inner;
         }
         _ => {}
+    }
+}
+
+/// "This type or null" is this type.
+fn only(kind: &mut SchemaType) {
+    if let SchemaType::Array(kinds) = kind {
+        kinds.retain(|kind| *kind != Type::Null);
+        if let [one] = kinds.as_slice() {
+            *kind = SchemaType::Type(one.clone());
+        }
+    }
+}
+
+fn is_null(schema: &RefOr<Schema>) -> bool {
+    match schema {
+        RefOr::T(Schema::Object(object)) => object.schema_type == SchemaType::Type(Type::Null),
+        _ => false,
     }
 }

@@ -99,5 +99,8 @@ pub async fn no_such_path(uri: Uri) -> Problem {
 /// A path that is there, with a method that it does not have; axum adds `allow`.
 pub async fn no_such_method(method: Method, uri: Uri) -> Problem {
     let path: String = uri.path().chars().take(200).collect();
-    Problem::new(Kind::METHOD_NOT_ALLOWED, format!("{path} does not take {method}; the header `allow` says what it takes"))
+    Problem::new(
+        Kind::METHOD_NOT_ALLOWED,
+        format!("{path} does not take {method}; the header `allow` says what it takes"),
+    )
 }

@@ -38,7 +38,8 @@ impl<S: Send + Sync> FromRequestParts<S> for IfMatch {
         let Some(header) = parts.headers.get(IF_MATCH) else { return Ok(Self(None)) };
         let text = header.to_str().unwrap_or_default().trim();
         read(text).map(|expected| Self(Some(expected))).ok_or_else(|| {
-            let fault = FieldError::new("if-match:", "not an entity tag").got(text).limit("\"<version>\" or *");
+            let fault =
+                FieldError::new("if-match:", "not an entity tag").got(text).limit("\"<version>\" or *");
             Problem::new(Kind::BAD_REQUEST, "`if-match` is malformed").with(vec![fault])
         })
     }

@@ -53,7 +53,9 @@ const GAUGES: [Gauged; 8] = [
     ("postings", "Postings of the inverted files", |stats| stats.postings),
     ("index_bytes", "Bytes that the inverted files take in memory", |stats| stats.index_bytes),
     ("commits", "Writes committed since the server started", |stats| stats.commits),
-    ("commit_batches", "Transactions that carried them; fewer than commits under load", |stats| stats.commit_batches),
+    ("commit_batches", "Transactions that carried them; fewer than commits under load", |stats| {
+        stats.commit_batches
+    }),
     ("queue_depth", "Writes that wait for their commit", |stats| stats.queue_depth),
 ];
 
@@ -62,7 +64,8 @@ impl Default for Metrics {
         let mut registry = Registry::with_prefix("revisit");
         let requests = Family::default();
         registry.register("http_requests", "Requests by method, route and status", requests.clone());
-        let latency = Family::new_with_constructor((|| Histogram::new(LATENCY_BOUNDS_S)) as fn() -> Histogram);
+        let latency =
+            Family::new_with_constructor((|| Histogram::new(LATENCY_BOUNDS_S)) as fn() -> Histogram);
         registry.register_with_unit("http_request", "Time to answer", Unit::Seconds, latency.clone());
         let verdicts = Family::default();
         registry.register("loop_verdicts", "Loop queries by verdict", verdicts.clone());

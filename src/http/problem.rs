@@ -53,22 +53,23 @@ kinds! {
 pub struct Problem {
     kind: Kind,
     code: &'static str,
-    detail: String,
+    detail: Box<str>,
     errors: Vec<FieldError>,
     retry_after_s: Option<u32>,
-    cause: Option<String>,
+    cause: Option<Box<str>>,
 }
 
 impl Problem {
     /// A problem of a kind, with what happened this time.
     pub fn new(kind: Kind, detail: impl Into<String>) -> Self {
-        let detail = detail.into();
+        let detail = detail.into().into();
         Self { kind, code: kind.code, detail, errors: Vec::new(), retry_after_s: None, cause: None }
     }
 
     /// The problem of a bare status, as layers below ours answer it.
     pub fn of_status(status: StatusCode) -> Self {
-        let unnamed = Kind { status, code: "http", title: status.canonical_reason().unwrap_or("The request failed") };
+        let unnamed =
+            Kind { status, code: "http", title: status.canonical_reason().unwrap_or("The request failed") };
         let kind = Kind::ALL.iter().copied().find(|kind| kind.status == status && kind.code != "syntax");
         Self::new(kind.unwrap_or(unnamed), status.canonical_reason().unwrap_or_default())
     }
@@ -76,7 +77,9 @@ impl Problem {
     /// Faults of the request's body, path or parameters.
     pub fn invalid(errors: Vec<FieldError>) -> Self {
         let detail = match errors.as_slice() {
-            [one] => format!("{}: {}", if one.pointer.is_empty() { "the body" } else { &one.pointer }, one.detail),
+            [one] => {
+                format!("{}: {}", if one.pointer.is_empty() { "the body" } else { &one.pointer }, one.detail)
+            }
             several => format!("{} faults, each listed", several.len()),
         };
         Self { errors, ..Self::new(Kind::INVALID, detail) }
@@ -85,7 +88,7 @@ impl Problem {
     /// A failure of ours; `cause` goes to the log and nowhere else.
     pub fn internal(cause: impl Into<String>) -> Self {
         let detail = "the server's log tells more under the request's id";
-        Self { cause: Some(cause.into()), ..Self::new(Kind::INTERNAL, detail) }
+        Self { cause: Some(cause.into().into()), ..Self::new(Kind::INTERNAL, detail) }
     }
 
     /// The same problem with the faults that make it.
@@ -114,7 +117,7 @@ impl Problem {
             kind: format!("/docs#problem-{}", self.kind.code),
             title: self.kind.title.to_owned(),
             status: self.kind.status.as_u16(),
-            detail: self.detail,
+            detail: self.detail.into(),
             code: self.code.to_owned(),
             request_id: request_id.to_owned(),
             errors: self.errors.into_iter().map(FaultView::from).collect(),
@@ -125,7 +128,7 @@ impl Problem {
 impl From<ServiceError> for Problem {
     fn from(error: ServiceError) -> Self {
         match error {
-            ServiceError::NotFound(what) => Self::new(Kind::NOT_FOUND, format!("there is no {what}")),
+            ServiceError::NotFound(detail) => Self::new(Kind::NOT_FOUND, detail),
             ServiceError::Conflict { code, detail } => Self { code, ..Self::new(Kind::CONFLICT, detail) },
             ServiceError::PreconditionFailed { detail } => Self::new(Kind::PRECONDITION_FAILED, detail),
             ServiceError::Invalid(errors) => Self::invalid(errors),

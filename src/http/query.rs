@@ -8,7 +8,7 @@ use utoipa::IntoParams;
 use super::problem::{Kind, Problem};
 use crate::model::anchor::AnchorState;
 use crate::model::invalid::FieldError;
-use crate::service::AnchorFilter;
+use crate::model::request::AnchorFilter;
 use crate::wire::limits;
 use crate::wire::read::{self, Decode, Node, Object};
 
@@ -20,13 +20,15 @@ impl<T: Decode, S: Send + Sync> FromRequestParts<S> for Query<T> {
 
     async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
         let malformed = |_| Problem::new(Kind::BAD_REQUEST, "the query is not percent-encoded UTF-8");
-        let pairs = axum::extract::Query::<Vec<(String, String)>>::try_from_uri(&parts.uri).map_err(malformed)?.0;
+        let pairs =
+            axum::extract::Query::<Vec<(String, String)>>::try_from_uri(&parts.uri).map_err(malformed)?.0;
         let again = |at: usize| pairs[..at].iter().any(|(name, _)| *name == pairs[at].0);
         if let Some(at) = (0..pairs.len()).find(|&at| again(at)) {
             return Err(Problem::invalid(vec![FieldError::new(format!("?{}", pairs[at].0), "given twice")]));
         }
         // Read as the object of strings that they are: one reader tells the faults of bodies and of parameters.
-        let object = Value::Object(pairs.into_iter().map(|(name, text)| (name, Value::String(text))).collect());
+        let object =
+            Value::Object(pairs.into_iter().map(|(name, text)| (name, Value::String(text))).collect());
         read::decode(&object).map(Self).map_err(|mut faults| {
             for fault in &mut faults {
                 fault.pointer.replace_range(..fault.pointer.len().min(1), "?");
@@ -117,8 +119,10 @@ impl Decode for AnchorPage {
         let text = query.optional("text", |node| node.text(limits::TEXT_CHARS));
         let states = ["pending", "valid", "uninformative"];
         let state = query.optional("state", |node| node.choice(&states, AnchorState::from_name));
-        let merged = query.optional("merged", |node| node.choice(&["true", "false"], |text| text.parse().ok()));
-        let filter = AnchorFilter { class: class?, text: text?, state: state?, merged: merged?.unwrap_or(false) };
+        let merged =
+            query.optional("merged", |node| node.choice(&["true", "false"], |text| text.parse().ok()));
+        let filter =
+            AnchorFilter { class: class?, text: text?, state: state?, merged: merged?.unwrap_or(false) };
         Some(Self { filter, page: page? })
     }
 }
@@ -134,7 +138,8 @@ impl Decode for Since {
 impl Decode for Ask {
     fn decode(node: &Node<'_>) -> Option<Self> {
         let query = node.object(&["query"])?;
-        let ask = query.optional("query", |node| node.choice(&["loop"], |text| (text == "loop").then_some(AskLoop)));
+        let ask = query
+            .optional("query", |node| node.choice(&["loop"], |text| (text == "loop").then_some(AskLoop)));
         Some(Self { query: ask? })
     }
 }

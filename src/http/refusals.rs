@@ -78,7 +78,11 @@ fn response(kind: Kind, description: &str) -> RefOr<Response> {
         .schema(Some(Ref::from_schema_name("Problem")))
         .example(Some(json!(example(kind).view("6c0f2a9e51d34b77-1f"))))
         .build();
-    ResponseBuilder::new().description(description).content("application/problem+json", content).build().into()
+    ResponseBuilder::new()
+        .description(description)
+        .content("application/problem+json", content)
+        .build()
+        .into()
 }
 
 /// What a client could see of this kind.

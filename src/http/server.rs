@@ -25,7 +25,8 @@ pub async fn serve(listener: TcpListener, service: Service, stopping: Cancellati
             tracing::debug!(%error, "no TCP_NODELAY");
         }
     });
-    let served = axum::serve(listener, router(app)).with_graceful_shutdown(stopping.clone().cancelled_owned());
+    let served =
+        axum::serve(listener, router(app)).with_graceful_shutdown(stopping.clone().cancelled_owned());
     let drained = async {
         stopping.cancelled().await;
         tokio::time::sleep(DRAIN).await;

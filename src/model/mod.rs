@@ -10,6 +10,7 @@
 //! | facts that decisions change | [`change`] |
 //! | the answer to "is it a loop?" | [`verdict`] |
 //! | what happened, for those who listen | [`event`] |
+//! | what a client asks for | [`request`] |
 //! | views for readers | [`report`] |
 //! | what is wrong with a body | [`invalid`] |
 
@@ -22,5 +23,6 @@ pub mod invalid;
 pub mod keyframe;
 pub mod map;
 pub mod report;
+pub mod request;
 pub mod settings;
 pub mod verdict;

@@ -55,12 +55,12 @@ pub struct Comparison<'a> {
 impl Comparison<'_> {
     /// The weight of everything that agrees.
     pub fn agreeing_weight(&self) -> f64 {
-        self.matches.iter().map(Matched::weight).sum()
+        total(self.matches.iter().map(Matched::weight))
     }
 
     /// The weight of everything that contradicts.
     pub fn contradicting_weight(&self) -> f64 {
-        self.contradictions.iter().map(Contradiction::weight).sum()
+        total(self.contradictions.iter().map(Contradiction::weight))
     }
 }
 
@@ -74,9 +74,9 @@ pub fn compare<'a>(
     let of_query: Vec<&LocalAnchor> = query.valid().collect();
     let of_candidate: Vec<&LocalAnchor> = candidate.valid().collect();
     let matches = matching_pairs(&of_query, &of_candidate, texts, settings);
-    let total: f64 = of_query.iter().chain(&of_candidate).map(|anchor| anchor.weight).sum();
+    let all = total(of_query.iter().chain(&of_candidate).map(|anchor| anchor.weight));
     let pending = query.pending() + candidate.pending();
-    let similarity = similarity(matches.iter().map(Matched::weight).sum(), total);
+    let similarity = similarity(total(matches.iter().map(Matched::weight)), all);
     Comparison {
         similarity,
         similarity_at_best: if pending == 0 {
@@ -94,6 +94,11 @@ pub fn compare<'a>(
         },
         matches,
     }
+}
+
+/// The sum of some weights. (`Iterator::sum` of no floats is -0, which a reader would be shown.)
+fn total(weights: impl Iterator<Item = f64>) -> f64 {
+    weights.fold(0.0, |sum, weight| sum + weight)
 }
 
 /// Eq. (2): the summed weight of matching pairs over the weight of all anchors of both maps.
@@ -172,14 +177,10 @@ fn at_best(
         (fits && (wildcard || similar(a, b, texts, settings).is_some())).then_some(a.weight + b.weight)
     };
     let pairs = assign(of_query.len(), of_candidate.len(), weight);
-    let matching: f64 = pairs.iter().filter_map(|(i, j)| weight(*i, *j)).sum();
-    let valid: f64 = query.valid().chain(candidate.valid()).map(|anchor| anchor.weight).sum();
-    let described_later: f64 = pairs
-        .iter()
-        .flat_map(|(i, j)| [&of_query[*i], &of_candidate[*j]])
-        .filter(|anchor| is_pending(anchor))
-        .map(|anchor| anchor.weight)
-        .sum();
+    let matching = total(pairs.iter().filter_map(|(i, j)| weight(*i, *j)));
+    let valid = total(query.valid().chain(candidate.valid()).map(|anchor| anchor.weight));
+    let paired = pairs.iter().flat_map(|(i, j)| [&of_query[*i], &of_candidate[*j]]);
+    let described_later = total(paired.filter(|anchor| is_pending(anchor)).map(|anchor| anchor.weight));
     similarity(matching, valid + described_later)
 }
 

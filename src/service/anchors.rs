@@ -3,29 +3,16 @@
 use super::live::Decision;
 use super::maps::bad_cursor;
 use super::{Service, ServiceError, reports};
-use crate::model::anchor::AnchorState;
 use crate::model::change::Change;
 use crate::model::event::{Event, EventKind};
 use crate::model::ids::{AnchorSeq, MapId};
 use crate::model::keyframe::Crop;
 use crate::model::report::{AnchorReport, Page};
+use crate::model::request::AnchorFilter;
 use crate::recognition::culling::delete_object;
 use crate::recognition::index::MapIndex;
 use crate::recognition::recorder::Recorder;
 use crate::semantics::Text;
-
-/// Which anchors are wanted.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct AnchorFilter {
-    /// Of this class.
-    pub class: Option<String>,
-    /// With this text in their description, whatever the case, width and dashes.
-    pub text: Option<String>,
-    /// In this state.
-    pub state: Option<AnchorState>,
-    /// With those that were merged into others.
-    pub merged: bool,
-}
 
 impl Service {
     /// The anchors that pass a filter, oldest first.

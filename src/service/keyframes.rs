@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use super::live::{Decision, LiveMap};
 use super::maps::bad_cursor;
-use super::{Digest, Service, ServiceError, Stored};
+use super::{Service, ServiceError, Stored};
 use crate::model::anchor::{AnchorState, Outcome};
 use crate::model::ids::{KeyframeId, KeyframeSeq, MapId};
 use crate::model::keyframe::NewKeyframe;
 use crate::model::report::{KeyframeRecord, KeyframeReport, KeyframeSummary, Page};
+use crate::model::request::Digest;
 use crate::model::verdict::LocalAnchorReport;
 use crate::recognition::anchor_map::{Centre, local_anchor_map};
 use crate::recognition::culling::cull_keyframe;

@@ -2,12 +2,13 @@
 
 use proptest::prelude::*;
 
-use super::{MapPatch, NewLoop, PoseCorrection, Service, ServiceError, ServiceOptions};
+use super::{Service, ServiceError, ServiceOptions};
 use crate::geometry::{Point3, Pose};
 use crate::model::bow::BowVector;
 use crate::model::ids::{AnchorSeq, KeyframeId, MapId};
 use crate::model::keyframe::{Crop, Detection, NewKeyframe, Stamp};
 use crate::model::map::MapProperties;
+use crate::model::request::{MapPatch, NewLoop, PoseCorrection};
 use crate::model::settings::SettingValue;
 
 #[derive(Clone, Debug)]

@@ -15,9 +15,10 @@ use tokio::sync::{oneshot, watch};
 use super::error::ServiceError;
 use crate::model::event::Event;
 use crate::model::ids::MapId;
+use crate::model::request::Digest;
 use crate::recognition::index::MapIndex;
 use crate::recognition::recorder::Decided;
-use crate::store::{Batch, Digest, Job, Line, Loaded, MapKey, NewKeyframeRows, Store, StoreError};
+use crate::store::{Batch, Job, Line, Loaded, MapKey, NewKeyframeRows, Store, StoreError};
 
 /// What is known of a map at one version.
 #[derive(Debug)]

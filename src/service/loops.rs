@@ -7,21 +7,9 @@ use crate::model::change::Loop;
 use crate::model::ids::{KeyframeId, LoopId, MapId};
 use crate::model::invalid::FieldError;
 use crate::model::report::{LoopReport, Page};
+use crate::model::request::NewLoop;
 use crate::recognition::closing::{close_loop, merges_of, revoke_loop};
 use crate::recognition::index::MapIndex;
-
-/// A loop that a client has closed in its own map.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct NewLoop {
-    /// Its name.
-    pub id: LoopId,
-    /// The keyframe that came back.
-    pub keyframe: KeyframeId,
-    /// The keyframe it came back to.
-    pub candidate: KeyframeId,
-    /// The query that found it.
-    pub query: Option<String>,
-}
 
 impl Service {
     /// Confirms a loop: matched anchors merge, and the two keyframes are covisible from now on.

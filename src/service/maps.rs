@@ -3,32 +3,20 @@
 use sha2::{Digest as _, Sha256};
 
 use super::live::{Decision, LiveMap, State};
-use super::{Digest, Service, ServiceError, Stored};
+use super::{Service, ServiceError, Stored};
 use crate::model::change::Change;
 use crate::model::ids::MapId;
 use crate::model::invalid::FieldError;
 use crate::model::map::MapProperties;
 use crate::model::report::{MapReport, Page};
-use crate::model::settings::{SettingValue, Settings};
+use crate::model::request::{Digest, MapPatch};
+use crate::model::settings::Settings;
 use crate::recognition::index::MapIndex;
 use crate::recognition::recorder::Recorder;
 use crate::store::{Job, Loaded, StoreError};
 
 /// The version of a map that was just made.
 const FIRST_VERSION: u64 = 1;
-
-/// What to change about a map; what is left out stays.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct MapPatch {
-    /// The new description.
-    pub description: Option<String>,
-    /// The new classes.
-    pub anchor_classes: Option<Vec<String>>,
-    /// Are its lengths metres?
-    pub metric: Option<bool>,
-    /// Settings to change, by name.
-    pub settings: Vec<(String, SettingValue)>,
-}
 
 impl Service {
     /// The maps by name.

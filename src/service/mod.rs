@@ -23,16 +23,11 @@ use std::sync::Arc;
 use tokio::sync::Semaphore;
 use tokio::task::spawn_blocking;
 
-pub use anchors::AnchorFilter;
 pub use error::ServiceError;
-pub use loops::NewLoop;
-pub use maps::MapPatch;
-pub use poses::PoseCorrection;
-pub use queries::{LoopQuery, QueryAnswer, Subject};
+pub use queries::QueryAnswer;
 
 use crate::model::ids::MapId;
 use crate::recognition::index::MapIndex;
-pub use crate::store::Digest;
 use crate::store::Store;
 use live::{Decision, LiveMap, Pending, State};
 use registry::Registry;

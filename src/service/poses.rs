@@ -2,22 +2,11 @@
 
 use super::live::Decision;
 use super::{Service, ServiceError};
-use crate::geometry::{Point3, Pose};
-use crate::model::ids::{KeyframeId, MapId, PointId, SessionId};
+use crate::model::ids::MapId;
 use crate::model::invalid::FieldError;
+use crate::model::request::PoseCorrection;
 use crate::recognition::correction::{Correction, correct};
 use crate::recognition::index::MapIndex;
-
-/// Corrected poses and map points of one session.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PoseCorrection {
-    /// The session.
-    pub session: SessionId,
-    /// The keyframes and their new `map_from_camera`, in metres.
-    pub keyframes: Vec<(KeyframeId, Pose)>,
-    /// The map points and their new positions, in the session's frame, in metres.
-    pub map_points: Vec<(PointId, Point3)>,
-}
 
 impl Service {
     /// Applies a correction, all of it or nothing; anchors' boxes follow.

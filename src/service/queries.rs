@@ -10,36 +10,14 @@ use tokio::time::{Instant, timeout_at};
 
 use super::keyframes::find;
 use super::live::LiveMap;
-use super::{Digest, Service, ServiceError};
+use super::{Service, ServiceError};
 use crate::model::bow::BowVector;
-use crate::model::ids::{KeyframeId, MapId};
-use crate::model::keyframe::NewKeyframe;
-use crate::model::verdict::{ReasonCode, Verdict, Verify};
+use crate::model::ids::MapId;
+use crate::model::request::{LoopQuery, Subject};
+use crate::model::verdict::{ReasonCode, Verdict};
 use crate::recognition::ingest::check;
 use crate::recognition::loop_check::check_loop;
 use crate::recognition::query::Query;
-
-/// The keyframe that is asked about.
-#[derive(Clone, Debug)]
-pub enum Subject {
-    /// One of the map.
-    Stored(KeyframeId),
-    /// One that came with the query and is not stored.
-    Inline(Box<NewKeyframe>, Digest),
-}
-
-/// A loop query.
-#[derive(Clone, Debug)]
-pub struct LoopQuery {
-    /// The keyframe that is asked about.
-    pub subject: Subject,
-    /// Which checks to run.
-    pub verify: Verify,
-    /// How long to wait for descriptions that are still missing, in milliseconds.
-    pub max_wait_ms: u64,
-    /// The seed of whatever is drawn.
-    pub seed: u64,
-}
 
 /// A verdict and its name.
 #[derive(Clone, Debug, PartialEq)]

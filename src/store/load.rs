@@ -10,7 +10,7 @@ use sqlx::Row;
 use sqlx::sqlite::SqliteRow;
 
 use super::blob::{unpack, unpack_array};
-use super::write::{Digest, MapKey};
+use super::write::MapKey;
 use super::{Store, StoreError};
 use crate::geometry::{Point3, Pose};
 use crate::model::anchor::Observation;
@@ -19,6 +19,7 @@ use crate::model::change::{Change, Keyframe, Loop, Merge, MergeCause};
 use crate::model::ids::{AnchorSeq, KeyframeSeq, LoopId, MapId, SessionSeq};
 use crate::model::keyframe::{Camera, Stamp};
 use crate::model::map::MapProperties;
+use crate::model::request::Digest;
 use crate::model::settings::{SettingKind, SettingValue, Settings, WithoutAnchors};
 use crate::recognition::index::MapIndex;
 

@@ -29,7 +29,7 @@ pub use committer::{CommitStats, Committer, Line};
 pub use error::StoreError;
 pub use load::Loaded;
 pub use read::{DetectionRow, KeyframeRow};
-pub use write::{Batch, Digest, Job, MapKey, NewKeyframeRows};
+pub use write::{Batch, Job, MapKey, NewKeyframeRows};
 
 /// SQLite before this release can lose committed writes in WAL mode (the WAL-reset bug).
 const OLDEST_SAFE_SQLITE: &str = "3.51.3";

@@ -5,13 +5,14 @@ use sqlx::sqlite::SqliteRow;
 
 use super::blob::{unpack, unpack_array};
 use super::load::{self, parse, point};
-use super::write::{Digest, MapKey};
+use super::write::MapKey;
 use super::{Store, StoreError};
 use crate::model::anchor::{IgnoredReason, Outcome};
 use crate::model::bow::BowVector;
 use crate::model::event::{Event, EventKind};
 use crate::model::ids::{AnchorSeq, KeyframeSeq, MapId, PointId};
 use crate::model::keyframe::{Crop, Detection, Features, Keypoint};
+use crate::model::request::Digest;
 
 /// What only the store keeps of a keyframe.
 #[derive(Debug)]

@@ -14,13 +14,11 @@ use crate::model::event::Event;
 use crate::model::ids::{AnchorSeq, KeyframeSeq, MapId};
 use crate::model::keyframe::NewKeyframe;
 use crate::model::map::MapProperties;
+use crate::model::request::Digest;
 use crate::model::settings::{SettingValue, Settings};
 
 /// A map's key in the database.
 pub type MapKey = i64;
-
-/// SHA-256 of a request's body in canonical form.
-pub type Digest = [u8; 32];
 
 /// Events of a map are kept up to this number, oldest out first.
 const EVENTS_KEPT: u64 = 100_000;

@@ -1,8 +1,8 @@
 //! Base64 as members of a body carry it: the standard alphabet, with or without padding.
 
 use base64::Engine as _;
-use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
 use base64::engine::DecodePaddingMode;
+use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
 
 use super::read::Node;
 

@@ -94,7 +94,9 @@ pub fn decode(mut line: Value) -> Result<SentKeyframe, Vec<FieldError>> {
     let id = line.as_object_mut().and_then(|members| members.remove("id"));
     let id = match id {
         None => Err(vec![FieldError::new("/id", "the field is required")]),
-        Some(id) => read::decode_with(&json!({ "id": id }), |node| node.object(&["id"])?.required("id", read::id)),
+        Some(id) => {
+            read::decode_with(&json!({ "id": id }), |node| node.object(&["id"])?.required("id", read::id))
+        }
     };
     match id {
         Ok(id) => named(&line, &id),

@@ -6,8 +6,8 @@ use utoipa::ToSchema;
 use super::keyframe::{self, KeyframeBody};
 use super::limits;
 use super::read::{self, Decode, Node};
+use crate::model::request::{LoopQuery, Subject};
 use crate::model::verdict::Verify;
-use crate::service::{LoopQuery, Subject};
 
 /// A loop query: about a stored keyframe, or about one sent along and not stored. Exactly one of `keyframe` and `inline`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 use super::limits;
 use super::read::{self, Decode, Node};
 use crate::model::report::{LoopReport, MergeReport};
-use crate::service::NewLoop;
+use crate::model::request::NewLoop;
 
 /// A loop that the client closed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]

@@ -8,8 +8,8 @@ use super::read::{self, Decode, Node};
 use super::settings::{ChosenSettings, MapSettings};
 use crate::model::map::MapProperties;
 use crate::model::report::MapReport;
+use crate::model::request::MapPatch;
 use crate::model::settings::Settings;
-use crate::service::MapPatch;
 
 /// A map to be made.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]

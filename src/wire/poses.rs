@@ -9,7 +9,7 @@ use super::read::{self, Decode, Node};
 use super::space::Transform;
 use crate::geometry::Pose;
 use crate::model::ids::{KeyframeId, SessionId};
-use crate::service::PoseCorrection;
+use crate::model::request::PoseCorrection;
 
 /// Corrected poses and map points of one session; all of it is taken over, or nothing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -32,10 +32,10 @@ pub struct PosesBody {
 #[serde(deny_unknown_fields)]
 pub struct PoseList {
     /// The keyframes, none twice.
-    #[schema(max_items = 100000, value_type = Vec<Id>, inline)]
+    #[schema(max_items = 100_000, value_type = Vec<Id>, inline)]
     pub ids: Vec<String>,
     /// `map_from_camera` of each in the session's frame, in metres.
-    #[schema(max_items = 100000)]
+    #[schema(max_items = 100_000)]
     pub poses: Vec<Transform>,
 }
 

@@ -16,7 +16,7 @@ use crate::model::ids::IdError;
 use crate::model::invalid::FieldError;
 
 /// A pointer longer than this is cut: its names come from the client.
-const POINTER_CHARS: usize = 256;
+const POINTER_CHARS: usize = 512;
 
 /// What can be read from a JSON body.
 pub trait Decode: Sized {
@@ -30,7 +30,10 @@ pub fn decode<T: Decode>(value: &Value) -> Result<T, Vec<FieldError>> {
 }
 
 /// Reads a value by a function of its own, or tells every fault in it.
-pub fn decode_with<T>(value: &Value, read: impl FnOnce(&Node<'_>) -> Option<T>) -> Result<T, Vec<FieldError>> {
+pub fn decode_with<T>(
+    value: &Value,
+    read: impl FnOnce(&Node<'_>) -> Option<T>,
+) -> Result<T, Vec<FieldError>> {
     let faults = Faults::default();
     let read = read(&Node { value, parent: None, step: Step::Root, faults: &faults });
     match (read, faults.into_list()) {
@@ -251,7 +254,9 @@ impl Object<'_> {
         if let Some(value) = self.members.get(name) {
             return read(&self.node.child(Step::Name(name), value));
         }
-        self.node.child(Step::Name(name), &Value::Null).note(|pointer| FieldError::new(pointer, "the field is required"))
+        self.node
+            .child(Step::Name(name), &Value::Null)
+            .note(|pointer| FieldError::new(pointer, "the field is required"))
     }
 
     /// A field that may be left out; the outer `None` says that it is there and wrong.

@@ -22,7 +22,8 @@ impl Decode for ChosenSettings {
     fn decode(node: &Node<'_>) -> Option<Self> {
         let names: Vec<&str> = Settings::TABLE.iter().map(|row| row.name).collect();
         let object = node.object(&names)?;
-        let read: Vec<_> = Settings::TABLE.iter().map(|row| object.optional(row.name, |node| setting(node, row))).collect();
+        let read: Vec<_> =
+            Settings::TABLE.iter().map(|row| object.optional(row.name, |node| setting(node, row))).collect();
         let chosen: Option<Vec<_>> = read.into_iter().collect();
         chosen.map(|chosen| Self(chosen.into_iter().flatten().collect()))
     }
@@ -39,7 +40,9 @@ fn setting(node: &Node<'_>, row: &Setting) -> Option<(String, SettingValue)> {
     };
     match Settings::default().set(row.name, value) {
         Ok(()) => Some((row.name.to_owned(), value)),
-        Err(error @ SettingError::Range { min, max }) => node.refuse(error.to_string(), format!("[{min}, {max}]")),
+        Err(error @ SettingError::Range { min, max }) => {
+            node.refuse(error.to_string(), format!("[{min}, {max}]"))
+        }
         Err(error) => node.refuse(error.to_string(), row.doc),
     }
 }
@@ -70,7 +73,9 @@ impl PartialSchema for MapSettings {
     fn schema() -> RefOr<Schema> {
         let object = ObjectBuilder::new()
             .schema_type(SchemaType::Type(Type::Object))
-            .description(Some("Every threshold of the method; the defaults are the paper's, where it has one."))
+            .description(Some(
+                "Every threshold of the method; the defaults are the paper's, where it has one.",
+            ))
             .additional_properties(Some(AdditionalProperties::FreeForm(false)));
         Settings::TABLE.iter().fold(object, |object, row| object.property(row.name, row_schema(row))).into()
     }

@@ -56,10 +56,10 @@ pub struct Transform {
 #[serde(deny_unknown_fields)]
 pub struct Time {
     /// Whole seconds.
-    #[schema(minimum = -62135596800i64, maximum = 253402300799i64)]
+    #[schema(minimum = -62_135_596_800_i64, maximum = 253_402_300_799_i64)]
     pub sec: i64,
     /// Nanoseconds within the second.
-    #[schema(minimum = 0, maximum = 999999999)]
+    #[schema(minimum = 0, maximum = 999_999_999)]
     pub nanosec: u32,
 }
 
@@ -68,7 +68,8 @@ impl Decode for Pose {
         let transform = node.object(&["translation", "rotation"])?;
         let translation = transform.required("translation", |node| {
             let vector = node.object(&["x", "y", "z"])?;
-            let [x, y, z] = ["x", "y", "z"].map(|axis| vector.required(axis, |n| n.number(limits::COORDINATE_M)));
+            let [x, y, z] =
+                ["x", "y", "z"].map(|axis| vector.required(axis, |n| n.number(limits::COORDINATE_M)));
             Some([x?, y?, z?])
         });
         let rotation = transform.required("rotation", |node| {
@@ -78,7 +79,8 @@ impl Decode for Pose {
             let rotation = [x?, y?, z?, w?];
             let norm = rotation.iter().map(|part| part * part).sum::<f64>().sqrt();
             if Self::new([0.0; 3], rotation).is_none() {
-                return node.refuse(format!("not a unit quaternion: its norm is {norm}"), "a norm of 1, within 1 %");
+                return node
+                    .refuse(format!("not a unit quaternion: its norm is {norm}"), "a norm of 1, within 1 %");
             }
             Some(rotation)
         });

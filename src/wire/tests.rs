@@ -16,10 +16,11 @@ use super::poses::{PosesAnswer, PosesBody};
 use super::read::{self, Decode};
 use super::{bulk, event, examples, keyframe, problem, semantics, usage, verdict};
 use crate::model::map::MapProperties;
-use crate::service::{LoopQuery, MapPatch, NewLoop, PoseCorrection};
+use crate::model::request::{LoopQuery, MapPatch, NewLoop, PoseCorrection};
 
 fn is_shape<T: Serialize + DeserializeOwned>(example: &Value) {
-    let shape: T = serde_json::from_value(example.clone()).unwrap_or_else(|error| panic!("{error}: {example}"));
+    let shape: T =
+        serde_json::from_value(example.clone()).unwrap_or_else(|error| panic!("{error}: {example}"));
     assert_eq!(serde_json::to_value(shape).expect("JSON"), *example);
 }
 
@@ -121,7 +122,8 @@ fn all_faults_of_a_body_are_told_at_once() {
         "bow": {"words": [1, 1], "weights": [1]},
         "a/b~c": 1
     });
-    let expected = ["/a~1b~0c", "/stamp", "/pose/translation/x", "/pose/rotation", "/bow/words/1", "/bow/weights"];
+    let expected =
+        ["/a~1b~0c", "/stamp", "/pose/translation/x", "/pose/rotation", "/bow/words/1", "/bow/weights"];
     assert_eq!(faults(&body), expected);
 }
 

@@ -5,8 +5,8 @@ use utoipa::ToSchema;
 
 use super::space::rounded;
 use crate::model::verdict::{
-    AnchorEvidence, BowEvidence, Candidate, CandidateDecision, ContradictionEvidence, Decision, GeometryEvidence,
-    GeometryStatus, MatchEvidence, Reason, Verdict,
+    AnchorEvidence, BowEvidence, Candidate, CandidateDecision, ContradictionEvidence, Decision,
+    GeometryEvidence, GeometryStatus, MatchEvidence, Reason, Verdict,
 };
 
 /// The answer to "is this keyframe a loop?". The same map version, keyframe, settings and seed give the same bytes.

@@ -51,13 +51,17 @@ fn room(path: &Path) -> String {
 
 fn is_test(path: &Path) -> bool {
     let name = path.file_stem().unwrap().to_string_lossy();
-    matches!(&*name, "tests" | "law" | "laws" | "golden") || path.components().any(|part| part.as_os_str() == "tests")
+    matches!(&*name, "tests" | "law" | "laws" | "golden")
+        || path.components().any(|part| part.as_os_str() == "tests")
 }
 
 #[test]
 fn a_room_imports_only_from_rooms_below_it() {
-    let level: BTreeMap<&str, usize> =
-        LAYERS.iter().enumerate().flat_map(|(depth, rooms)| rooms.iter().map(move |room| (*room, depth))).collect();
+    let level: BTreeMap<&str, usize> = LAYERS
+        .iter()
+        .enumerate()
+        .flat_map(|(depth, rooms)| rooms.iter().map(move |room| (*room, depth)))
+        .collect();
     let mut wrong = Vec::new();
     for (path, text) in sources() {
         let from = room(&path);
@@ -80,7 +84,11 @@ fn files_are_small_and_their_first_line_names_the_concept() {
     let mut lines: Vec<usize> = Vec::new();
     for (path, text) in sources() {
         let count = text.lines().count();
-        assert!(count <= LINES_MAX || is_test(&path), "{} has {count} lines: it is two concepts", path.display());
+        assert!(
+            count <= LINES_MAX || is_test(&path),
+            "{} has {count} lines: it is two concepts",
+            path.display()
+        );
         assert!(text.starts_with("//!"), "{} does not say what it is", path.display());
         let name = path.file_stem().unwrap().to_string_lossy().into_owned();
         assert!(!["util", "utils", "helpers", "common", "misc"].contains(&&*name), "{}", path.display());
@@ -97,7 +105,18 @@ fn the_core_does_no_io_and_knows_no_clock_no_json_and_no_async() {
         if !matches!(&*room(&path), "recognition" | "model" | "geometry" | "semantics") || is_test(&path) {
             continue;
         }
-        for forbidden in ["std::fs", "std::net", "std::time", "std::env", "tokio", "serde", "sqlx", "reqwest", "axum", "async "] {
+        for forbidden in [
+            "std::fs",
+            "std::net",
+            "std::time",
+            "std::env",
+            "tokio",
+            "serde",
+            "sqlx",
+            "reqwest",
+            "axum",
+            "async ",
+        ] {
             assert!(!text.contains(forbidden), "{} uses {forbidden}", path.display());
         }
     }

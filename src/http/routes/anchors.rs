@@ -113,7 +113,10 @@ pub async fn delete_anchor(
         OfRead
     )
 )]
-pub async fn get_crop(State(service): State<Service>, InAnchor { map, anchor }: InAnchor) -> Result<Response, Problem> {
+pub async fn get_crop(
+    State(service): State<Service>,
+    InAnchor { map, anchor }: InAnchor,
+) -> Result<Response, Problem> {
     let crop = service.crop(&map, anchor).await?;
     // A client sent it, and browsers shall not find a page in it.
     Ok(([(CONTENT_TYPE, crop.media_type), (X_CONTENT_TYPE_OPTIONS, "nosniff")], crop.bytes).into_response())

@@ -43,7 +43,8 @@ pub async fn put_keyframes(
     Extension(request_id): Extension<RequestId>,
     request: Request,
 ) -> Result<Response, Problem> {
-    let accepted = ["application/x-ndjson", "application/ndjson", "application/jsonl", "application/x-jsonlines"];
+    let accepted =
+        ["application/x-ndjson", "application/ndjson", "application/jsonl", "application/x-jsonlines"];
     expect_type(request.headers(), |essence| accepted.contains(&essence), NDJSON)?;
     service.get_map(&map).await?;
     let mut answer = Answer::of(&request_id);
@@ -83,7 +84,10 @@ impl Answer {
                 }
             };
             if self.items == limits::BULK_ITEMS {
-                let detail = format!("a bulk request has at most {} items; the rest is not stored", limits::BULK_ITEMS);
+                let detail = format!(
+                    "a bulk request has at most {} items; the rest is not stored",
+                    limits::BULK_ITEMS
+                );
                 return self.refused(number, None, Problem::new(Kind::TOO_LARGE, detail));
             }
             self.items += 1;
@@ -117,11 +121,16 @@ impl IntoResponse for Answer {
 }
 
 /// Stores one line; a refusal comes with the id, if the line has one.
-async fn store(service: &Service, map: &MapId, text: Bytes) -> Result<(bool, BulkLine), (Option<String>, Problem)> {
+async fn store(
+    service: &Service,
+    map: &MapId,
+    text: Bytes,
+) -> Result<(bool, BulkLine), (Option<String>, Problem)> {
     let read = |line: Value| Ok((bulk::line_id(&line), bulk::decode(line)));
     let (id, sent) = decoded(text, read).await.map_err(|problem| (None, problem))?;
     let sent = sent.map_err(|faults| (id.clone(), Problem::invalid(faults)))?;
-    let stored = service.put_keyframe(map, sent.keyframe, sent.digest).await.map_err(|error| (id, error.into()))?;
+    let stored =
+        service.put_keyframe(map, sent.keyframe, sent.digest).await.map_err(|error| (id, error.into()))?;
     let status = if stored.created { StatusCode::CREATED } else { StatusCode::OK };
     Ok((true, BulkLine::stored(0, status.as_u16(), !stored.created, stored.value.into())))
 }

@@ -97,7 +97,8 @@ impl<S: Send + Sync> FromRequestParts<S> for LastEventId {
         let Some(header) = parts.headers.get("last-event-id") else { return Ok(Self(None)) };
         let text = header.to_str().unwrap_or_default().trim();
         text.parse().map(|seq| Self(Some(seq))).map_err(|_| {
-            let fault = FieldError::new("last-event-id:", "not the number of an event").got(text).limit("digits");
+            let fault =
+                FieldError::new("last-event-id:", "not the number of an event").got(text).limit("digits");
             Problem::new(Kind::BAD_REQUEST, "`last-event-id` is malformed").with(vec![fault])
         })
     }

@@ -14,8 +14,9 @@ use crate::http::query::{Ask, Paging, Query};
 use crate::http::refusals::{OfDelete, OfRead, OfWrite};
 use crate::model::ids::{KeyframeId, MapId};
 use crate::model::report::Page;
+use crate::model::request::{LoopQuery, Subject};
 use crate::model::verdict::{Decision, Verify};
-use crate::service::{LoopQuery, Service, Subject};
+use crate::service::Service;
 use crate::wire::anchor::LocalAnchorMap;
 use crate::wire::examples;
 use crate::wire::keyframe::{KeyframeAnswer, KeyframeBody, KeyframeView};
@@ -33,7 +34,7 @@ use crate::wire::verdict::LoopAnswer;
     responses(
         (status = 201, description = "The keyframe is stored", body = KeyframeAnswer, example = examples::keyframe_answer),
         (status = 200, description = "The same keyframe was stored before", body = KeyframeAnswer,
-            
+
             headers(("idempotent-replayed" = String, description = "`true`")), example = examples::keyframe_answer),
         OfWrite
     )

@@ -89,7 +89,10 @@ impl Lines {
         if let Ok(data) = frame.map_err(|error| unreadable(&error))?.into_data() {
             self.taken += data.len();
             if self.taken > BULK_BYTES {
-                return Err(Problem::new(Kind::TOO_LARGE, format!("a bulk request has at most {BULK_BYTES} bytes")));
+                return Err(Problem::new(
+                    Kind::TOO_LARGE,
+                    format!("a bulk request has at most {BULK_BYTES} bytes"),
+                ));
             }
             self.buffer.extend_from_slice(&data);
         }
@@ -102,7 +105,8 @@ mod tests {
     use super::*;
 
     async fn lines(chunks: &'static [&'static str]) -> Vec<Line> {
-        let stream = futures_util::stream::iter(chunks.iter().map(|chunk| Ok::<_, std::io::Error>(chunk.as_bytes())));
+        let stream =
+            futures_util::stream::iter(chunks.iter().map(|chunk| Ok::<_, std::io::Error>(chunk.as_bytes())));
         let mut lines = Lines::of(Body::from_stream(stream));
         let mut all = Vec::new();
         while let Some(line) = lines.next().await.expect("a whole body") {
@@ -124,8 +128,10 @@ mod tests {
 
     #[tokio::test]
     async fn a_line_too_long_is_passed_over_and_the_next_one_read() {
-        static LONG: std::sync::LazyLock<String> = std::sync::LazyLock::new(|| "x".repeat(LINE_BYTES / 2 + 1));
-        static CHUNKS: std::sync::LazyLock<Vec<&str>> = std::sync::LazyLock::new(|| vec![&LONG, &LONG, "x\nb\n", &LONG, &LONG]);
+        static LONG: std::sync::LazyLock<String> =
+            std::sync::LazyLock::new(|| "x".repeat(LINE_BYTES / 2 + 1));
+        static CHUNKS: std::sync::LazyLock<Vec<&str>> =
+            std::sync::LazyLock::new(|| vec![&LONG, &LONG, "x\nb\n", &LONG, &LONG]);
         assert_eq!(lines(&CHUNKS).await, [Line::TooLong, text("b"), Line::TooLong]);
     }
 }

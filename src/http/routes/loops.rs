@@ -10,7 +10,8 @@ use crate::http::path::{InLoop, InMap, LoopPath, MapPath};
 use crate::http::problem::Problem;
 use crate::http::query::{Paging, Query};
 use crate::http::refusals::{OfDelete, OfRead, OfWrite};
-use crate::service::{NewLoop, Service};
+use crate::model::request::NewLoop;
+use crate::service::Service;
 use crate::wire::examples;
 use crate::wire::list::LoopList;
 use crate::wire::loops::{LoopBody, LoopClosed, LoopRevoked};
@@ -24,7 +25,7 @@ use crate::wire::loops::{LoopBody, LoopClosed, LoopRevoked};
     responses(
         (status = 201, description = "The loop is confirmed", body = LoopClosed, example = examples::loop_closed),
         (status = 200, description = "The same loop was confirmed before", body = LoopClosed,
-            
+
             headers(("idempotent-replayed" = String, description = "`true`")), example = examples::loop_closed),
         OfWrite
     )

@@ -12,7 +12,8 @@ use crate::http::problem::Problem;
 use crate::http::query::{Paging, Query};
 use crate::http::refusals::{OfDelete, OfList, OfRead, OfWrite};
 use crate::model::map::MapProperties;
-use crate::service::{MapPatch, Service};
+use crate::model::request::MapPatch;
+use crate::service::Service;
 use crate::wire::examples;
 use crate::wire::list::MapList;
 use crate::wire::map::{MapBody, MapPatchBody, MapView};
@@ -24,7 +25,10 @@ use crate::wire::map::{MapBody, MapPatchBody, MapView};
     get, path = "/v1/maps", tag = "maps", params(Paging),
     responses((status = 200, description = "One part of the list", body = MapList, example = examples::maps), OfList)
 )]
-pub async fn list_maps(State(service): State<Service>, Query(page): Query<Paging>) -> Result<Json<MapList>, Problem> {
+pub async fn list_maps(
+    State(service): State<Service>,
+    Query(page): Query<Paging>,
+) -> Result<Json<MapList>, Problem> {
     let maps = service.list_maps(page.cursor.as_deref(), page.limit).await?;
     Ok(Json(maps.into()))
 }

@@ -7,7 +7,8 @@ use crate::http::body::Body;
 use crate::http::path::{InMap, MapPath};
 use crate::http::problem::Problem;
 use crate::http::refusals::OfWrite;
-use crate::service::{PoseCorrection, Service};
+use crate::model::request::PoseCorrection;
+use crate::service::Service;
 use crate::wire::examples;
 use crate::wire::poses::{PosesAnswer, PosesBody};
 

@@ -11,6 +11,7 @@ use crate::http::answer::json_bytes;
 use crate::http::metrics::Metrics;
 use crate::http::problem::{Kind, Problem};
 use crate::http::refusals::{OfNobody, OfReadiness};
+use crate::service::Service;
 use crate::wire::examples;
 use crate::wire::service::{Health, Version};
 
@@ -45,15 +46,16 @@ pub async fn readyz(State(app): State<App>) -> Result<Json<Health>, Problem> {
 /// With that of the SQLite inside it.
 #[utoipa::path(
     get, path = "/version", tag = "service",
-    responses((status = 200, description = "The version", body = Version, example = examples::version), OfNobody)
+    responses((status = 200, description = "The version", body = Version, example = examples::version), OfReadiness)
 )]
-pub async fn get_version() -> Json<Version> {
-    Json(Version {
+pub async fn get_version(State(service): State<Service>) -> Result<Json<Version>, Problem> {
+    let sqlite = service.sqlite_version().await?;
+    Ok(Json(Version {
         name: build::NAME.to_owned(),
         version: build::VERSION.to_owned(),
-        sqlite: build::sqlite_version().to_owned(),
+        sqlite,
         vocabulary: None,
-    })
+    }))
 }
 
 /// Read the metrics

@@ -256,7 +256,10 @@ impl From<&BowVector> for BowShape {
     fn from(bow: &BowVector) -> Self {
         // Ten decimals: one unit of 2^-31 is 4.7e-10, and no word's weight may become zero.
         let shown = |units: u32| (f64::from(units) / f64::from(BowVector::ONE) * 1e10).round() / 1e10;
-        Self { words: bow.words().to_vec(), weights: bow.weights().iter().map(|&units| shown(units)).collect() }
+        Self {
+            words: bow.words().to_vec(),
+            weights: bow.weights().iter().map(|&units| shown(units)).collect(),
+        }
     }
 }
 

@@ -16,7 +16,16 @@ use crate::wire::limits;
 use crate::wire::read::{self, Decode, Node};
 
 const FIELDS: [&str; 10] = [
-    "session", "stamp", "pose", "camera", "bow", "features", "map_points", "observes", "covisible", "detections",
+    "session",
+    "stamp",
+    "pose",
+    "camera",
+    "bow",
+    "features",
+    "map_points",
+    "observes",
+    "covisible",
+    "detections",
 ];
 
 /// The session of keyframes that name none.
@@ -52,7 +61,8 @@ fn keyframe(node: &Node<'_>, id: &KeyframeId, stored: bool) -> Option<SentKeyfra
     let bow = body.optional("bow", bow);
     let features = body.optional("features", features::decode);
     let map_points = body.optional("map_points", points);
-    let observes = body.optional("observes", |node| node.list(limits::MAP_POINTS, |point| point.whole(limits::POINT)));
+    let observes =
+        body.optional("observes", |node| node.list(limits::MAP_POINTS, |point| point.whole(limits::POINT)));
     let covisible = body.optional("covisible", |node| covisible(node, stored.then_some(id)));
     let detections = body.optional("detections", |node| node.list(limits::DETECTIONS, detection::decode));
     let features = features?;
@@ -89,7 +99,8 @@ fn camera(node: &Node<'_>) -> Option<Camera> {
     let body = node.object(&["fx", "fy", "cx", "cy", "width", "height"])?;
     let [fx, fy] = ["fx", "fy"].map(|name| body.required(name, |node| node.number(limits::FOCAL_LENGTH_PX)));
     let [cx, cy] = ["cx", "cy"].map(|name| body.required(name, |node| node.number(limits::PIXEL)));
-    let [width, height] = ["width", "height"].map(|name| body.required(name, |node| node.count(limits::IMAGE_SIDE_PX)));
+    let [width, height] =
+        ["width", "height"].map(|name| body.required(name, |node| node.count(limits::IMAGE_SIDE_PX)));
     Some(Camera { fx: fx?, fy: fy?, cx: cx?, cy: cy?, width: width?, height: height? })
 }
 
@@ -108,7 +119,8 @@ fn bow(node: &Node<'_>) -> Option<BowVector> {
 /// Numbers and positions of map points, in parallel.
 pub fn points(node: &Node<'_>) -> Option<Vec<(PointId, Point3)>> {
     let body = node.object(&["ids", "positions"])?;
-    let ids = body.required("ids", |node| unique(node, limits::MAP_POINTS, |point| point.whole(limits::POINT)));
+    let ids =
+        body.required("ids", |node| unique(node, limits::MAP_POINTS, |point| point.whole(limits::POINT)));
     let positions = body.required("positions", |node| node.list(limits::MAP_POINTS, Point3::decode));
     body.parallel("ids", "positions")?;
     Some(ids?.into_iter().zip(positions?).collect())

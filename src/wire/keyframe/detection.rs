@@ -7,7 +7,8 @@ use crate::wire::base64;
 use crate::wire::limits;
 use crate::wire::read::{Decode, Node};
 
-const FIELDS: [&str; 8] = ["class", "confidence", "box", "map_points", "position", "text", "description", "crop"];
+const FIELDS: [&str; 8] =
+    ["class", "confidence", "box", "map_points", "position", "text", "description", "crop"];
 
 /// Files that start so are images of this type.
 const SIGNATURES: [(&[u8], &str); 2] = [(b"\x89PNG\r\n\x1a\n", "image/png"), (b"\xff\xd8\xff", "image/jpeg")];
@@ -18,7 +19,8 @@ pub fn decode(node: &Node<'_>) -> Option<Detection> {
     let class = body.required("class", |node| node.name(limits::CLASS_CHARS));
     let confidence = body.required("confidence", |node| node.number(limits::CONFIDENCE));
     let box_px = body.required("box", box_px);
-    let map_points = body.optional("map_points", |node| node.list(limits::MAP_POINTS, |point| point.whole(limits::POINT)));
+    let map_points =
+        body.optional("map_points", |node| node.list(limits::MAP_POINTS, |point| point.whole(limits::POINT)));
     let position = body.optional("position", Point3::decode);
     let text = body.optional("text", |node| node.text(limits::TEXT_CHARS));
     let description = body.optional("description", |node| node.text(limits::TEXT_CHARS));
@@ -52,7 +54,8 @@ fn said(text: Option<String>) -> Option<String> {
 fn crop(node: &Node<'_>) -> Option<Crop> {
     let bytes = base64::decode(node)?;
     if bytes.len() > limits::CROP_BYTES {
-        return node.refuse(format!("the crop is {} bytes", bytes.len()), format!("{} bytes", limits::CROP_BYTES));
+        return node
+            .refuse(format!("the crop is {} bytes", bytes.len()), format!("{} bytes", limits::CROP_BYTES));
     }
     match SIGNATURES.iter().find(|(signature, _)| bytes.starts_with(signature)) {
         Some(&(_, media_type)) => Some(Crop { media_type, bytes }),

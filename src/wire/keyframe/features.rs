@@ -11,14 +11,17 @@ pub fn decode(node: &Node<'_>) -> Option<Features> {
     let descriptor_bytes = body.required("descriptor_bytes", descriptor_bytes);
     let keypoints = body.required("keypoints", |node| node.list(limits::FEATURES, keypoint));
     let map_points = body.optional("map_points", |node| {
-        node.list(limits::FEATURES, |point| point.whole(limits::POINT_OR_NONE).map(|id| (id >= 0).then_some(id)))
+        node.list(limits::FEATURES, |point| {
+            point.whole(limits::POINT_OR_NONE).map(|id| (id >= 0).then_some(id))
+        })
     });
     let descriptors = body.required("descriptors", |node| {
         let bytes = base64::decode(node)?;
         // Both counts are needed to say how long it should be; where one is wrong, that has been said.
         let (Some(each), Some(keypoints)) = (descriptor_bytes, &keypoints) else { return Some(bytes) };
         if bytes.len() != each * keypoints.len() {
-            let limit = format!("{} bytes: {each} for each of {} keypoints", each * keypoints.len(), keypoints.len());
+            let limit =
+                format!("{} bytes: {each} for each of {} keypoints", each * keypoints.len(), keypoints.len());
             return node.refuse(format!("the descriptors are {} bytes", bytes.len()), limit);
         }
         Some(bytes)

@@ -17,7 +17,9 @@ use utoipa::ToSchema;
 
 use super::space::{Time, Transform};
 
-pub use answer::{CovisibleView, DetectionView, KeyframeAnswer, KeyframeLine, KeyframeView, OutcomeName, OutcomeView};
+pub use answer::{
+    CovisibleView, DetectionView, KeyframeAnswer, KeyframeLine, KeyframeView, OutcomeName, OutcomeView,
+};
 pub use decode::{SentKeyframe, named, points, unique, unnamed};
 
 /// A keyframe to be stored, or asked about without being stored. Only `stamp` and `pose` are required.
@@ -47,7 +49,7 @@ pub struct KeyframeBody {
     pub map_points: Option<PointsShape>,
     /// Map points observed, besides those of `features.map_points`; the order does not matter.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(max_items = 100000, value_type = Option<Vec<PointNumber>>, inline)]
+    #[schema(max_items = 100_000, value_type = Option<Vec<PointNumber>>, inline)]
     pub observes: Option<Vec<i64>>,
     /// Covisible keyframes known to the client, also across sessions; each must exist.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -81,7 +83,7 @@ pub struct Pixels(#[expect(dead_code, reason = "a schema only")] f64);
 
 /// A word's number in its vocabulary.
 #[derive(ToSchema)]
-#[schema(minimum = 0, maximum = 4294967295i64)]
+#[schema(minimum = 0, maximum = 4_294_967_295_i64)]
 pub struct WordNumber(#[expect(dead_code, reason = "a schema only")] i64);
 
 /// A word's weight, in any unit: weights are normalised to sum to one.
@@ -107,10 +109,10 @@ pub struct CameraShape {
     #[schema(minimum = -1e6, maximum = 1e6)]
     pub cy: f64,
     /// Image width, in pixels.
-    #[schema(minimum = 1, maximum = 1000000)]
+    #[schema(minimum = 1, maximum = 1_000_000)]
     pub width: u32,
     /// Image height, in pixels.
-    #[schema(minimum = 1, maximum = 1000000)]
+    #[schema(minimum = 1, maximum = 1_000_000)]
     pub height: u32,
 }
 
@@ -136,7 +138,7 @@ pub struct FeaturesShape {
     #[schema(minimum = 8, maximum = 512, multiple_of = 8)]
     pub descriptor_bytes: u32,
     /// The descriptors one after the other, in base64.
-    #[schema(max_length = 13653336)]
+    #[schema(max_length = 13_653_336)]
     pub descriptors: String,
     /// One for each descriptor: `[u,v]`, `[u,v,octave]` or `[u,v,octave,angle_deg]`, in pixels, pyramid level and degrees.
     #[schema(max_items = 20000, value_type = Vec<KeypointNumbers>, inline)]
@@ -158,10 +160,10 @@ pub struct KeypointNumbers(#[expect(dead_code, reason = "a schema only")] Vec<f6
 #[schema(as = MapPoints)]
 pub struct PointsShape {
     /// The points' numbers in their session, none twice.
-    #[schema(max_items = 100000, value_type = Vec<PointNumber>, inline)]
+    #[schema(max_items = 100_000, value_type = Vec<PointNumber>, inline)]
     pub ids: Vec<i64>,
     /// `[x,y,z]` of each in the session's frame, in metres.
-    #[schema(max_items = 100000, value_type = Vec<Position>, inline)]
+    #[schema(max_items = 100_000, value_type = Vec<Position>, inline)]
     pub positions: Vec<[f64; 3]>,
 }
 
@@ -183,7 +185,7 @@ pub struct CovisibleShape {
     #[schema(min_length = 1, max_length = 128, pattern = "^[A-Za-z0-9._:-]{1,128}$")]
     pub keyframe: String,
     /// How many map points the two share; it counts whatever it is.
-    #[schema(value_type = i64, minimum = 0, maximum = 4294967295i64)]
+    #[schema(value_type = i64, minimum = 0, maximum = 4_294_967_295_i64)]
     pub shared: u32,
 }
 
@@ -204,7 +206,7 @@ pub struct DetectionShape {
     pub box_px: [f64; 4],
     /// The map points that the box covers: the object's place.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(max_items = 100000, value_type = Option<Vec<PointNumber>>, inline)]
+    #[schema(max_items = 100_000, value_type = Option<Vec<PointNumber>>, inline)]
     pub map_points: Option<Vec<i64>>,
     /// Where the object stands in the session's frame, in metres; serves where it has no map points.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -220,6 +222,6 @@ pub struct DetectionShape {
     pub description: Option<String>,
     /// The image inside the box, PNG or JPEG of at most 4 MiB, in base64.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(max_length = 5592408)]
+    #[schema(max_length = 5_592_408)]
     pub crop: Option<String>,
 }

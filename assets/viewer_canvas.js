@@ -1,0 +1,232 @@
+// Canvas: the top view. It knows points on a page and what is marked among them; what they mean is the panel's affair.
+
+import { shifted } from "./viewer_scene.js";
+import { drawScene } from "./viewer_draw.js";
+
+const PICK_PX = 9;
+const TICK_PX = 13;
+const MARGIN_PX = 36;
+
+/** Nothing is marked. `lines` are drawn from place to place, `rings` around keyframes. */
+export const NO_MARKS = { keyframe: null, anchor: null, rings: new Map(), lines: [], found: null };
+
+/** Draws a scene, moves over it, and tells what is under the pointer. */
+export class MapCanvas {
+  /** `on.pick({kind,id}|null)` after a click, `on.hover(hit|null, x, y)` under the pointer. */
+  constructor(canvas, on) {
+    Object.assign(this, { canvas, on, scene: null, layout: null, marks: NO_MARKS, labels: true });
+    this.view = { u: 0, v: 0, scale: 1 };
+    this.keyframes = [];
+    this.anchors = [];
+    this.pointers = new Map();
+    this.size = { width: 1, height: 1 };
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
+    this.listen();
+  }
+
+  /** A new scene or another layout of it; the view stays where it is. */
+  show(scene, layout) {
+    Object.assign(this, { scene, layout });
+    const [u, v] = layout.plane;
+    this.keyframes = [];
+    this.anchors = [];
+    for (const { session, du, dv } of layout.groups) {
+      for (const keyframe of session.keyframes) {
+        const { id, place, forward } = keyframe;
+        this.keyframes.push({
+          kind: "keyframe", id, u: place[u] + du, v: place[v] + dv, ahead: [forward[u], forward[v]], session,
+        });
+      }
+      for (const { anchor, place } of session.anchors) {
+        this.anchors.push({ kind: "anchor", id: anchor.id, u: place[u] + du, v: place[v] + dv, anchor, session });
+      }
+    }
+    this.byId = new Map(this.keyframes.map((point) => [point.id, point]));
+    this.draw();
+  }
+
+  /** Marks what is selected and what belongs to it. */
+  mark(marks) {
+    this.marks = { ...NO_MARKS, ...marks };
+    this.draw();
+  }
+
+  showLabels(labels) {
+    this.labels = labels;
+    this.draw();
+  }
+
+  /** Where a place of a session's frame is on the page; null if that session is not shown. */
+  project(sessionName, place) {
+    const group = this.layout?.groups.find(({ session }) => session.name === sessionName);
+    if (!group) return null;
+    const [u, v] = this.layout.plane;
+    return { u: place[u] + group.du, v: place[v] + group.dv };
+  }
+
+  /** Shows everything. */
+  fit() {
+    if (!this.layout) return;
+    const { u0, u1, v0, v1 } = this.layout.bounds;
+    const { width, height } = this.size;
+    const room = (pixels, length) => Math.max(pixels - 2 * MARGIN_PX, 40) / Math.max(length, 1e-9);
+    const scale = Math.min(room(width, u1 - u0), room(height, v1 - v0));
+    this.view = { u: (u0 + u1) / 2, v: (v0 + v1) / 2, scale: Math.min(scale, 400) };
+    this.draw();
+  }
+
+  /** Brings a thing into view, and near enough to tell it from its neighbours. */
+  reveal(kind, id) {
+    const point = kind === "keyframe" ? this.byId?.get(id) : this.anchors.find((anchor) => anchor.id === id);
+    if (!point) return false;
+    const { x, y } = this.onScreen(point);
+    const { width, height } = this.size;
+    const group = this.layout.framed && this.layout.groups.find(({ session }) => session === point.session);
+    if (group) {
+      const box = shifted(group);
+      const whole = Math.min(width / (box.u1 - box.u0), height / (box.v1 - box.v0)) * 0.5;
+      if (this.view.scale < whole / 4) this.view = { u: point.u, v: point.v, scale: whole };
+    }
+    if (x < 40 || y < 40 || x > width - 40 || y > height - 40) Object.assign(this.view, { u: point.u, v: point.v });
+    this.draw();
+    return true;
+  }
+
+  pan(dx, dy) {
+    this.view.u -= dx / this.view.scale;
+    this.view.v += dy / this.view.scale;
+    this.draw();
+  }
+
+  /** Zooms by a factor and leaves one point of the screen where it is. */
+  zoom(factor, x = this.size.width / 2, y = this.size.height / 2) {
+    const before = this.onPage(x, y);
+    this.view.scale = Math.min(Math.max(this.view.scale * factor, 1e-6), 1e5);
+    const after = this.onPage(x, y);
+    this.view.u += before.u - after.u;
+    this.view.v += before.v - after.v;
+    this.draw();
+  }
+
+  onScreen({ u, v }) {
+    const { width, height } = this.size;
+    return { x: (u - this.view.u) * this.view.scale + width / 2, y: height / 2 - (v - this.view.v) * this.view.scale };
+  }
+
+  onPage(x, y) {
+    const { width, height } = this.size;
+    return { u: (x - width / 2) / this.view.scale + this.view.u, v: (height / 2 - y) / this.view.scale + this.view.v };
+  }
+
+  /** How long the line that shows where a keyframe looks is, in pixels: shorter where they stand close. */
+  tickLength() {
+    if (this.keyframes.length < 2) return TICK_PX;
+    const { u0, u1, v0, v1 } = this.layout.bounds;
+    const typical = Math.max(u1 - u0, v1 - v0) * this.view.scale / Math.sqrt(this.keyframes.length);
+    return typical < 4 ? 0 : Math.min(TICK_PX, Math.max(5, typical));
+  }
+
+  /** What lies at a point of the screen, nearest first. A keyframe is its dot and its line of sight. */
+  hits(x, y) {
+    const hits = [];
+    const length = this.tickLength();
+    for (const point of this.anchors) {
+      const at = this.onScreen(point);
+      const distance = Math.hypot(at.x - x, at.y - y) - 2;
+      if (distance < PICK_PX) hits.push({ distance, point });
+    }
+    for (const point of this.keyframes) {
+      const at = this.onScreen(point);
+      if (Math.abs(at.x - x) > PICK_PX + TICK_PX || Math.abs(at.y - y) > PICK_PX + TICK_PX) continue;
+      const distance = toSegment(x - at.x, y - at.y, point.ahead[0] * length, -point.ahead[1] * length);
+      if (distance < PICK_PX) hits.push({ distance, point });
+    }
+    return hits.sort((a, b) => a.distance - b.distance).map(({ point }) => point);
+  }
+
+  /** A click takes the nearest thing; another click at the same place takes the next one. */
+  pick(x, y) {
+    const hits = this.hits(x, y);
+    const selected = hits.findIndex(({ kind, id }) => this.marks[kind] === id);
+    const hit = hits.length ? hits[(selected + 1) % hits.length] : null;
+    this.on.pick(hit && { kind: hit.kind, id: hit.id });
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const first = this.size.width === 1;
+    this.size = { width: Math.max(width, 1), height: Math.max(height, 1) };
+    const ratio = window.devicePixelRatio || 1;
+    this.canvas.width = Math.round(width * ratio);
+    this.canvas.height = Math.round(height * ratio);
+    if (first) this.fit();
+    this.drawNow();
+  }
+
+  /** Draws once before the next frame, however often it is called. */
+  draw() {
+    this.waiting ??= requestAnimationFrame(() => this.drawNow());
+  }
+
+  drawNow() {
+    cancelAnimationFrame(this.waiting);
+    this.waiting = null;
+    if (this.layout) drawScene(this);
+  }
+
+  listen() {
+    const { canvas } = this;
+    const at = (event) => {
+      const box = canvas.getBoundingClientRect();
+      return { x: event.clientX - box.left, y: event.clientY - box.top };
+    };
+    canvas.addEventListener("wheel", (event) => {
+      event.preventDefault();
+      const { x, y } = at(event);
+      const lines = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 16 : 1;
+      this.zoom(Math.exp(-event.deltaY * lines * (event.ctrlKey ? 0.01 : 0.0016)), x, y);
+    }, { passive: false });
+    canvas.addEventListener("pointerdown", (event) => {
+      canvas.setPointerCapture(event.pointerId);
+      this.pointers.set(event.pointerId, { ...at(event), moved: 0 });
+    });
+    canvas.addEventListener("pointermove", (event) => this.moved(event, at(event)));
+    canvas.addEventListener("pointerup", (event) => {
+      const pointer = this.pointers.get(event.pointerId);
+      this.pointers.delete(event.pointerId);
+      if (pointer && pointer.moved < 5 && this.pointers.size === 0) this.pick(pointer.x, pointer.y);
+    });
+    canvas.addEventListener("pointercancel", (event) => this.pointers.delete(event.pointerId));
+    canvas.addEventListener("pointerleave", () => this.on.hover(null, 0, 0));
+    canvas.addEventListener("dblclick", (event) => this.zoom(2, at(event).x, at(event).y));
+  }
+
+  moved(event, now) {
+    const pointer = this.pointers.get(event.pointerId);
+    if (!pointer) {
+      const [hit] = this.hits(now.x, now.y);
+      this.canvas.classList.toggle("on-thing", Boolean(hit));
+      this.on.hover(hit ?? null, now.x, now.y);
+      return;
+    }
+    const other = [...this.pointers.entries()].find(([id]) => id !== event.pointerId)?.[1];
+    if (other) {
+      const spread = (a) => Math.max(Math.hypot(a.x - other.x, a.y - other.y), 1);
+      this.pan((now.x - pointer.x) / 2, (now.y - pointer.y) / 2);
+      this.zoom(spread(now) / spread(pointer), (now.x + other.x) / 2, (now.y + other.y) / 2);
+      other.moved = Infinity;
+    } else if (pointer.moved + Math.hypot(now.x - pointer.x, now.y - pointer.y) >= 5) {
+      this.pan(now.x - pointer.x, now.y - pointer.y);
+      this.on.hover(null, 0, 0);
+    }
+    pointer.moved += Math.hypot(now.x - pointer.x, now.y - pointer.y);
+    Object.assign(pointer, now);
+  }
+}
+
+function toSegment(x, y, dx, dy) {
+  const squared = dx * dx + dy * dy;
+  const along = squared > 0 ? Math.min(Math.max((x * dx + y * dy) / squared, 0), 1) : 0;
+  return Math.hypot(x - along * dx, y - along * dy);
+}

@@ -1,0 +1,252 @@
+// Details: all that is known about the selected keyframe or anchor.
+
+import { get, path, post, send } from "./viewer_api.js";
+import { copyable, count, el, fill, number, sign } from "./dom.js";
+import { explain, judge } from "./viewer_verdict.js";
+
+const STATES = { valid: "good", pending: "open", uninformative: "" };
+const LISTED = 60;
+
+/** Fills a place with what is selected. A newer selection wins over the answers to an older one. */
+export class Details {
+  /** `world` gives `map()`, `scene()`, `version()`, and hears `mark(kind, id, marks)`; `refs` makes references. */
+  constructor(place, world, refs) {
+    Object.assign(this, { place, world, refs, turn: new AbortController() });
+  }
+
+  /** What to do, while nothing is selected. */
+  clear() {
+    this.begin();
+    fill(this.place, el("p", { class: "hint" },
+      "Choose a keyframe (a dot; its line is where the camera looks) or an anchor (a diamond) on the map, or one in the lists."));
+  }
+
+  begin() {
+    this.turn.abort();
+    this.turn = new AbortController();
+    return this.turn.signal;
+  }
+
+  address(...parts) {
+    return path("maps", this.world.map(), ...parts);
+  }
+
+  keyframe(id) {
+    const signal = this.begin();
+    const line = this.world.scene().keyframes.get(id);
+    if (!line) {
+      fill(this.place, el("h2", {}, "Keyframe ", el("code", {}, id)), el("p", {}, "It is not in the map (any more)."));
+      return;
+    }
+    const neighbours = el("div", {}, el("p", { class: "muted" }, "Reading …"));
+    const around = el("div", {}, el("p", { class: "muted" }, "Reading …"));
+    const place = line.place.map((metres) => number(metres, 2)).join(", ");
+    fill(this.place,
+      el("h2", {}, "Keyframe ", el("code", {}, id)),
+      facts(["Session", sign(line.session)], ["Time", time(line.stamp)], ["Position", `${place} m`],
+        ["Loops", this.loopsOf(id)]),
+      this.question(id, signal),
+      el("h3", {}, "Anchors around it"), around,
+      el("h3", {}, "Covisible keyframes"), neighbours,
+      this.detections(id, signal));
+    this.neighbours(id, neighbours, signal);
+    this.around(id, around, signal);
+  }
+
+  loopsOf(id) {
+    const loops = this.world.scene().loops.filter(({ keyframe, candidate }) => keyframe === id || candidate === id);
+    return loops.length === 0 ? null
+      : loops.map((loop) => el("div", {}, "closed with ", this.refs.keyframe(loop.keyframe === id ? loop.candidate : loop.keyframe),
+        el("span", { class: "muted" }, ` (${loop.id})`)));
+  }
+
+  /** The button and the answer. */
+  question(id, signal) {
+    const answer = el("div", {});
+    const verify = el("select", { "aria-label": "Which checks must run" },
+      el("option", { value: "auto" }, "geometry if possible"), el("option", { value: "anchors" }, "anchors only"),
+      el("option", { value: "geometry" }, "geometry must verify"));
+    const ask = async () => {
+      button.disabled = true;
+      const body = { keyframe: id, verify: verify.value };
+      const address = this.address("loop-queries");
+      await shown(answer, signal, async () => {
+        const verdict = await post(address, body);
+        return this.verdict(id, verdict, curlOf(address, body));
+      });
+      button.disabled = false;
+    };
+    const button = el("button", { type: "button", class: "main", click: ask }, "Is it a loop?");
+    return el("div", { class: "question" }, el("div", { class: "row" }, button, verify), answer);
+  }
+
+  verdict(id, verdict, curl) {
+    this.world.mark("keyframe", id, { verdict });
+    const described = (anchor) => this.world.scene().anchors.get(anchor)?.description;
+    return explain(verdict, { refs: this.refs, described, curl, version: this.world.version() });
+  }
+
+  /** A verdict that was kept. It does not say which keyframe was asked about; events and loops do. */
+  query(query, keyframe) {
+    const signal = this.begin();
+    const answer = el("div", {});
+    fill(this.place, el("h2", {}, "Loop query ", el("code", {}, query)),
+      keyframe && el("p", {}, "Asked about ", this.refs.keyframe(keyframe)), answer);
+    shown(answer, signal, async () => this.verdict(keyframe, await get(this.address("loop-queries", query), signal)));
+  }
+
+  neighbours(id, place, signal) {
+    return shown(place, signal, async () => {
+      const { items } = await get(this.address("keyframes", id, "covisible"), signal);
+      this.world.mark("keyframe", id, { covisible: items.map(({ keyframe }) => keyframe) });
+      if (items.length === 0) return el("p", { class: "muted" }, "None: it shares too few points with any other.");
+      const most = items.slice().sort((a, b) => b.shared - a.shared);
+      return longList(most, "flow", ({ keyframe, shared }) =>
+        [this.refs.keyframe(keyframe), el("span", { class: "muted small", title: "shared map points" }, ` ${shared}`)]);
+    });
+  }
+
+  around(id, place, signal) {
+    return shown(place, signal, async () => {
+      const { anchors } = await get(this.address("keyframes", id, "local-anchor-map"), signal);
+      this.world.mark("keyframe", id, { around: anchors });
+      if (anchors.length === 0) return el("p", { class: "muted" }, "None: neither it nor a covisible keyframe sees an anchor.");
+      const near = anchors.slice().sort((a, b) => a.distance_m - b.distance_m);
+      return table(["Anchor", "Reads", "Distance", "Weight"], near.map((anchor) => [
+        this.refs.anchor(anchor.anchor), anchor.description ? sign(anchor.description) : chip(anchor.state, STATES),
+        `${number(anchor.distance_m)} m`, anchor.state === "valid" ? number(anchor.weight) : "–",
+      ]));
+    });
+  }
+
+  /** Read only when it is opened: the answer carries every feature of the keyframe. */
+  detections(id, signal) {
+    const place = el("div", {});
+    const read = () => shown(place, signal, async () => {
+      const { detections, observes } = await get(this.address("keyframes", id), signal);
+      const line = (detection) => el("li", {},
+        el("div", {}, detection.class, " ", chip(detection.outcome, { created: "good", observed: "good" }), " ",
+          detection.anchor && this.refs.anchor(detection.anchor)),
+        (detection.description ?? detection.text) && el("div", {}, sign(detection.description ?? detection.text)),
+        el("div", { class: "muted small" }, `confidence ${number(detection.confidence)}`,
+          detection.reason && `, ignored: ${detection.reason.replaceAll("_", " ")}`));
+      return [el("p", { class: "muted" }, `${count(detections.length, "detection")}; it observes ${count(observes.length, "map point")}.`),
+        el("ul", { class: "lines" }, detections.map(line))];
+    });
+    return el("details", { toggle: ({ target }) => target.open && place.childElementCount === 0 && read() },
+      el("summary", {}, "What was detected in it"), place);
+  }
+
+  anchor(id) {
+    const signal = this.begin();
+    const place = el("div", {}, el("p", { class: "muted" }, "Reading …"));
+    fill(this.place, el("h2", {}, "Anchor ", el("code", {}, id)), place);
+    this.world.mark("anchor", id, {});
+    shown(place, signal, async () => {
+      const anchor = await get(this.address("anchors", id), signal);
+      this.world.mark("anchor", id, { keyframes: anchor.keyframes, matches: anchor.matches.map((match) => match.anchor) });
+      return this.anchorView(anchor, signal);
+    });
+  }
+
+  anchorView(anchor, signal) {
+    const { refs } = this;
+    const votes = anchor.readings.reduce((sum, { weight }) => sum + weight, 0);
+    const source = anchor.description_source === "operator" ? "by hand" : "by the vote over its readings";
+    const places = anchor.frames.map(({ session, center }) =>
+      el("div", {}, center.map((metres) => number(metres, 2)).join(", "), " m in ", sign(session)));
+    return [
+      el("p", { class: "reads" }, anchor.description ? sign(anchor.description) : "not described yet"),
+      el("p", {}, el("span", { class: "chip" }, anchor.class), " ", chip(anchor.state, STATES)),
+      anchor.has_crop && this.crop(anchor.id, signal),
+      facts(["Described", anchor.description && source],
+        ["Identifiers", anchor.identifiers.length > 0 && anchor.identifiers.map((text) => [sign(text), " "])],
+        ["Tells", anchor.description && `level ${anchor.information_level} of 5`],
+        ["Stands at", places.length > 0 ? places : "not known yet"], ["Map points", number(anchor.map_points, 0)],
+        ["Goes by", anchor.merged_into && refs.anchor(anchor.merged_into)],
+        ["Also", anchor.merged_from.length > 0 && anchor.merged_from.map((id) => [refs.anchor(id), " "])]),
+      el("h3", {}, "Readings"),
+      anchor.readings.length === 0 ? el("p", { class: "muted" }, "Nothing has been read yet.")
+        : table(["Text", "Votes", "Weight", "Share"], anchor.readings.map(({ text, weight, count: n }) =>
+          [sign(text), number(n, 0), number(weight), votes > 0 ? `${number(100 * weight / votes, 0)} %` : "–"])),
+      el("h3", {}, "Matching anchors"),
+      anchor.matches.length === 0 ? el("p", { class: "muted" }, "None.") : longList(anchor.matches, "lines", (match) => [
+        el("div", {}, refs.anchor(match.anchor), " ", this.reads(match.anchor), " ",
+          match.kind === "revisit" ? el("span", { class: "chip good" }, "seen before") : el("span", { class: "chip" }, "covisible")),
+        el("div", { class: "muted small" }, `level ${match.level} of 5, judged ${judge(match.source)}: `, sign(match.reason))]),
+      anchor.matches_total > anchor.matches.length
+        && el("p", { class: "muted" }, `${count(anchor.matches_total, "match", "matches")} in all; these are the oldest.`),
+      el("h3", {}, "Seen by"),
+      longList(anchor.keyframes, "flow", (keyframe) => refs.keyframe(keyframe)),
+    ];
+  }
+
+  reads(id) {
+    const text = this.world.scene().anchors.get(id)?.description;
+    return text ? sign(`“${text}”`) : "";
+  }
+
+  /** Drawn on a canvas rather than linked, so that a key can be sent along. */
+  crop(id, signal) {
+    const figure = el("figure", { class: "crop" });
+    (async () => {
+      const response = await send(this.address("anchors", id, "crop"), { signal });
+      const image = await createImageBitmap(await response.blob());
+      const canvas = el("canvas", { width: image.width, height: image.height, role: "img", "aria-label": "The best image of the anchor" });
+      canvas.getContext("2d").drawImage(image, 0, 0);
+      figure.append(canvas);
+    })().catch(() => fill(figure, el("p", { class: "muted small" }, "The image cannot be shown.")));
+    return figure;
+  }
+}
+
+/** Puts what was read in its place, or why it could not be read. */
+async function shown(place, signal, read) {
+  try {
+    const children = await read();
+    if (!signal.aborted) fill(place, children);
+  } catch (error) {
+    if (!signal.aborted) fill(place, el("p", { class: "fault", role: "alert" }, error.message));
+  }
+}
+
+function facts(...rows) {
+  const said = rows.filter(([, value]) => value !== null && value !== undefined && value !== false && value !== "");
+  return el("dl", { class: "facts" }, said.map(([name, value]) => [el("dt", {}, name), el("dd", {}, value)]));
+}
+
+function chip(state, tones) {
+  return el("span", { class: `chip ${tones[state] ?? ""}` }, state);
+}
+
+function table(heads, rows) {
+  return el("table", {}, el("thead", {}, el("tr", {}, heads.map((head) => el("th", { scope: "col" }, head)))),
+    el("tbody", {}, rows.map((cells) => el("tr", {}, cells.map((cell) => el("td", {}, cell))))));
+}
+
+/** A list that shows its first items, and the rest when asked. */
+export function longList(items, kind, line) {
+  const list = el("ul", { class: kind }, items.slice(0, LISTED).map((item) => el("li", {}, line(item))));
+  if (items.length <= LISTED) return list;
+  let from = LISTED;
+  const more = el("button", { type: "button", click: () => {
+    list.append(...items.slice(from, from + 500).map((item) => el("li", {}, line(item))));
+    from += 500;
+    more.remove();
+    if (from < items.length) list.after(more);
+    more.textContent = `${number(items.length - from, 0)} more`;
+  } }, `${number(items.length - LISTED, 0)} more`);
+  return el("div", {}, list, more);
+}
+
+/** A robot's clock may count from 1970 or from its start. */
+function time({ sec, nanosec }) {
+  const seconds = `${sec}.${String(nanosec).padStart(9, "0").replace(/0{1,6}$/, "")} s`;
+  const sane = sec > 631152000 && sec < 7258118400;
+  return sane ? [new Date(sec * 1000).toISOString().replace("T", " ").replace(".000Z", " UTC"), el("div", { class: "muted small" }, seconds)] : seconds;
+}
+
+function curlOf(address, body) {
+  const url = new URL(address, document.baseURI).href;
+  return `curl -X POST ${url} \\\n  -H 'content-type: application/json' \\\n  -d '${JSON.stringify(body)}'`;
+}

@@ -1,0 +1,289 @@
+// Draw: the marks on the canvas, from the ground up: frames, paths, loops, keyframes, anchors, the selection, the scale.
+
+import { AXES, shifted } from "./viewer_scene.js";
+
+const LABELS = 400;
+const LABEL_CHARACTERS = 28;
+const CLASS_HUES = [35, 150, 320, 95, 265, 200, 0, 230];
+
+/** The colours of the page, read anew when it is drawn: day and night change them. */
+function themed(canvas) {
+  const style = getComputedStyle(canvas);
+  const colour = (name) => style.getPropertyValue(`--${name}`).trim();
+  const names = ["ground", "panel", "line", "strong-line", "text", "muted", "accent", "good", "bad", "open"];
+  return { ...Object.fromEntries(names.map((name) => [name, colour(name)])), dark: isDark() };
+}
+
+function isDark() {
+  return matchMedia("(prefers-color-scheme: dark)").matches;
+}
+
+/** A session's colour: neighbours in the list get hues far apart. */
+export function sessionColour(index) {
+  return `oklch(${isDark() ? 0.72 : 0.58} 0.12 ${(250 + index * 137.508) % 360})`;
+}
+
+/** The colour of a class of anchors. */
+export function classColour(index) {
+  return `oklch(${isDark() ? 0.8 : 0.52} 0.17 ${CLASS_HUES[index % CLASS_HUES.length]})`;
+}
+
+/** Draws everything that a `MapCanvas` shows. */
+export function drawScene(map) {
+  const context = map.canvas.getContext("2d");
+  const ratio = window.devicePixelRatio || 1;
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  context.clearRect(0, 0, map.size.width, map.size.height);
+  context.lineJoin = context.lineCap = "round";
+  const brush = { map, context, theme: themed(map.canvas), labels: new Labels(context) };
+  if (map.layout.framed) drawFrames(brush);
+  drawPaths(brush);
+  drawLoops(brush);
+  drawKeyframes(brush);
+  drawLines(brush);
+  drawRings(brush);
+  drawAnchors(brush);
+  drawScale(brush);
+}
+
+function drawFrames({ map, context, theme }) {
+  context.font = "12px system-ui, sans-serif";
+  context.textBaseline = "bottom";
+  context.lineWidth = 1;
+  for (const group of map.layout.groups) {
+    const box = shifted(group);
+    const [start, end] = [map.onScreen({ u: box.u0, v: box.v1 }), map.onScreen({ u: box.u1, v: box.v0 })];
+    const [width, height] = [end.x - start.x, end.y - start.y];
+    if (end.x < 0 || end.y < 0 || start.x > map.size.width || start.y > map.size.height) continue;
+    context.fillStyle = theme.panel;
+    context.strokeStyle = theme.line;
+    context.beginPath();
+    context.roundRect(start.x, start.y, width, height, 6);
+    context.fill();
+    context.stroke();
+    const title = width > 30 ? fitted(context, group.session.name, width) : "";
+    context.fillStyle = theme.muted;
+    context.fillText(title, start.x + 2, start.y - 2);
+  }
+}
+
+function fitted(context, text, width) {
+  if (context.measureText(text).width <= width) return text;
+  let cut = text.length;
+  while (cut > 1 && context.measureText(`${text.slice(0, cut)}…`).width > width) cut -= 1;
+  return cut > 1 ? `${text.slice(0, cut)}…` : "";
+}
+
+function drawPaths({ map, context }) {
+  context.lineWidth = 1.5;
+  context.globalAlpha = 0.55;
+  const { groups, plane: [u, v] } = map.layout;
+  for (const { session, du, dv } of groups) {
+    context.strokeStyle = sessionColour(session.index);
+    context.beginPath();
+    for (const { place } of session.keyframes) {
+      const { x, y } = map.onScreen({ u: place[u] + du, v: place[v] + dv });
+      context.lineTo(x, y);
+    }
+    context.stroke();
+  }
+  context.globalAlpha = 1;
+}
+
+function drawLoops({ map, context, theme }) {
+  context.strokeStyle = theme.good;
+  context.lineWidth = 2;
+  context.setLineDash([7, 4]);
+  context.beginPath();
+  for (const { keyframe, candidate } of map.scene.loops) {
+    segment(map, context, map.byId.get(keyframe), map.byId.get(candidate));
+  }
+  context.stroke();
+  context.setLineDash([]);
+}
+
+function segment(map, context, from, to) {
+  if (!from || !to) return;
+  const [a, b] = [map.onScreen(from), map.onScreen(to)];
+  context.moveTo(a.x, a.y);
+  context.lineTo(b.x, b.y);
+}
+
+/** A dot, and a line the way the camera looks: keyframes that turn on the spot are told apart by it. */
+function drawKeyframes({ map, context }) {
+  const { width, height } = map.size;
+  const length = map.tickLength();
+  const radius = length === 0 ? 1.6 : 2.6;
+  const bySession = Map.groupBy ? Map.groupBy(map.keyframes, ({ session }) => session) : grouped(map.keyframes);
+  for (const [session, points] of bySession) {
+    context.fillStyle = context.strokeStyle = sessionColour(session.index);
+    context.lineWidth = 1.3;
+    const dots = new Path2D();
+    const ticks = new Path2D();
+    for (const point of points) {
+      const { x, y } = map.onScreen(point);
+      if (x < -20 || y < -20 || x > width + 20 || y > height + 20) continue;
+      dots.rect(x - radius, y - radius, 2 * radius, 2 * radius);
+      ticks.moveTo(x, y);
+      ticks.lineTo(x + point.ahead[0] * length, y - point.ahead[1] * length);
+    }
+    if (length > 0) context.stroke(ticks);
+    context.fill(dots);
+  }
+}
+
+function grouped(points) {
+  const groups = new Map();
+  for (const point of points) groups.set(point.session, [...(groups.get(point.session) ?? []), point]);
+  return groups;
+}
+
+/** Lines of the selection: to the anchors around it with their distances, and to the candidates of a verdict. */
+function drawLines({ map, context, theme, labels }) {
+  for (const { from, to, tone, text, dashed } of map.marks.lines) {
+    if (!from || !to) continue;
+    context.strokeStyle = theme[tone];
+    context.lineWidth = 1.6;
+    context.setLineDash(dashed ? [3, 4] : []);
+    context.beginPath();
+    segment(map, context, from, to);
+    context.stroke();
+    if (!text) continue;
+    const [a, b] = [map.onScreen(from), map.onScreen(to)];
+    if (Math.hypot(a.x - b.x, a.y - b.y) > 24) {
+      labels.put(text, (a.x + b.x) / 2, (a.y + b.y) / 2, { colour: theme[tone], halo: theme.ground, centred: true });
+    }
+  }
+  context.setLineDash([]);
+}
+
+function drawRings({ map, context, theme, labels }) {
+  const ring = (point, tone, radius, width) => {
+    const { x, y } = map.onScreen(point);
+    context.strokeStyle = theme[tone];
+    context.lineWidth = width;
+    context.beginPath();
+    context.arc(x, y, radius, 0, 2 * Math.PI);
+    context.stroke();
+  };
+  for (const [id, tone] of map.marks.rings) {
+    const point = map.byId.get(id);
+    if (point) ring(point, tone, 5.5, 1.8);
+  }
+  const selected = map.byId.get(map.marks.keyframe);
+  if (!selected) return;
+  const { x, y } = map.onScreen(selected);
+  // Of all that stand on one spot, this is where the selected one looks.
+  context.strokeStyle = theme.accent;
+  context.lineWidth = 3;
+  context.beginPath();
+  context.moveTo(x, y);
+  context.lineTo(x + selected.ahead[0] * 20, y - selected.ahead[1] * 20);
+  context.stroke();
+  ring(selected, "accent", 8, 3);
+  labels.put(selected.id, x + 12, y - 12, { colour: theme.accent, halo: theme.ground, always: true, bold: true });
+}
+
+function drawAnchors({ map, context, theme, labels }) {
+  const { marks: { anchor: selected, found }, size: { width, height }, scene } = map;
+  const classes = new Map(scene.classes.map(({ name, index }) => [name, index]));
+  const rank = ({ id, anchor }) => (id === selected ? 0 : found?.has(id) ? 1 : anchor.state === "valid" ? 2 : 3);
+  const points = map.anchors.slice().sort((a, b) => rank(a) - rank(b));
+  const shown = [];
+  for (const point of points) {
+    const at = map.onScreen(point);
+    if (at.x > -20 && at.y > -20 && at.x < width + 20 && at.y < height + 20) shown.push({ point, at });
+  }
+  // The least important first, so that the others lie on top of it.
+  for (const { point, at } of shown.toReversed()) {
+    const { id, anchor } = point;
+    context.globalAlpha = found && !found.has(id) && id !== selected ? 0.25 : 1;
+    diamond(context, theme, at, classColour(classes.get(anchor.class)), anchor.state, id === selected);
+  }
+  context.globalAlpha = 1;
+  for (const { point: { id, anchor }, at } of shown) {
+    const marked = id === selected || found?.has(id);
+    if (!marked && (!map.labels || found)) continue;
+    const text = shortened(anchor.description ?? (anchor.state === "pending" ? "…" : anchor.class));
+    labels.put(text, at.x + 9, at.y, { colour: theme.text, halo: theme.ground, always: id === selected, bold: marked });
+  }
+}
+
+/** Filled: described. Hollow: not described yet. Small: described, and says too little to be matched. */
+function diamond(context, theme, { x, y }, colour, state, selected) {
+  const radius = (state === "uninformative" ? 3.5 : 5.5) + (selected ? 2 : 0);
+  context.beginPath();
+  context.moveTo(x, y - radius);
+  context.lineTo(x + radius, y);
+  context.lineTo(x, y + radius);
+  context.lineTo(x - radius, y);
+  context.closePath();
+  context.fillStyle = state === "pending" ? theme.ground : colour;
+  context.fill();
+  context.strokeStyle = selected ? theme.accent : state === "pending" ? colour : theme.ground;
+  context.lineWidth = selected ? 3 : state === "pending" ? 2 : 1;
+  context.stroke();
+}
+
+function shortened(text) {
+  const line = text.replace(/[\p{C}\s]+/gu, " ").trim();
+  const characters = [...line];
+  return characters.length > LABEL_CHARACTERS ? `${characters.slice(0, LABEL_CHARACTERS - 1).join("")}…` : line;
+}
+
+/** Writes labels where there is room left; the first to come is written. */
+class Labels {
+  constructor(context) {
+    Object.assign(this, { context, taken: new Map(), written: 0 });
+  }
+
+  put(text, x, y, { colour, halo, always = false, bold = false, centred = false }) {
+    if (!always && this.written >= LABELS) return;
+    const { context } = this;
+    context.font = `${bold ? "600 " : ""}12px system-ui, sans-serif`;
+    context.textBaseline = "middle";
+    const width = context.measureText(text).width;
+    const left = centred ? x - width / 2 : x;
+    if (!this.take(left, y - 7, width, 14) && !always) return;
+    this.written += 1;
+    context.lineWidth = 3.5;
+    context.strokeStyle = halo;
+    context.strokeText(text, left, y);
+    context.fillStyle = colour;
+    context.fillText(text, left, y);
+  }
+
+  /** Takes the cells of a grid under a box, if all of them are free. */
+  take(x, y, width, height) {
+    const cells = [];
+    for (let i = Math.floor(x / 8); i <= Math.floor((x + width) / 8); i += 1) {
+      for (let j = Math.floor(y / 8); j <= Math.floor((y + height) / 8); j += 1) cells.push(`${i},${j}`);
+    }
+    if (cells.some((cell) => this.taken.has(cell))) return false;
+    cells.forEach((cell) => this.taken.set(cell, true));
+    return true;
+  }
+}
+
+/** A bar of a round length, and which axes the page shows. */
+function drawScale({ map, context, theme }) {
+  const { width, height } = map.size;
+  const about = 110 / map.view.scale;
+  const step = 10 ** Math.floor(Math.log10(about));
+  const length = [5, 2, 1].map((n) => n * step).find((n) => n <= about) ?? step;
+  const [x, y] = [width - 16, height - 16];
+  context.strokeStyle = context.fillStyle = theme.muted;
+  context.lineWidth = 1.5;
+  context.beginPath();
+  context.moveTo(x - length * map.view.scale, y - 5);
+  context.lineTo(x - length * map.view.scale, y);
+  context.lineTo(x, y);
+  context.lineTo(x, y - 5);
+  context.stroke();
+  context.font = "12px system-ui, sans-serif";
+  context.textBaseline = "bottom";
+  const [right, up] = map.layout.plane.map((axis) => AXES[axis]);
+  const metres = length >= 1000 ? `${length / 1000} km` : length < 0.01 ? `${Number((length * 1000).toPrecision(1))} mm` : `${Number(length.toPrecision(1))} m`;
+  const text = `${right} →  ${up} ↑   ${metres}`;
+  context.fillText(text, x - context.measureText(text).width, y - 8);
+}

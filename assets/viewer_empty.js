@@ -1,0 +1,59 @@
+// Empty: what to do when there is nothing to show.
+
+import { setKey } from "./viewer_api.js";
+import { copyable, el } from "./dom.js";
+
+/** This server, as a client on this machine would name it. */
+function server() {
+  return new URL(".", document.baseURI).href.replace(/\/$/, "");
+}
+
+/** No map at all. */
+export function noMaps() {
+  return el("div", { class: "empty" },
+    el("h2", {}, "No maps yet"),
+    el("p", {}, "A map holds the keyframes of your robots and the signs they have seen. Make one:"),
+    copyable(`curl -X PUT ${server()}/v1/maps/my-map \\\n  -H 'content-type: application/json' \\\n  -d '{"description":"Ninth floor"}'`),
+    el("p", {}, "or play a recording and watch it arrive here:"),
+    copyable(`revisit replay FILE.ndjson.zst --server ${server()}`),
+    el("p", { class: "muted" }, "This page looks again every few seconds. ", el("a", { href: "docs" }, "The API reference"), " tells the rest."));
+}
+
+/** A map without keyframes. */
+export function noKeyframes(map) {
+  const body = `{"session":"robot-7","stamp":{"sec":1,"nanosec":0},
+       "pose":{"translation":{"x":0,"y":0,"z":0},"rotation":{"x":0,"y":0,"z":0,"w":1}},
+       "detections":[{"class":"door_number","confidence":0.9,"box":[300,180,340,220],
+                      "position":[0.5,0,2],"text":"901"}]}`;
+  return el("div", { class: "empty" },
+    el("h2", {}, "No keyframes in this map yet"),
+    el("p", {}, "Send one; it appears here by itself:"),
+    copyable(`curl -X PUT ${server()}/v1/maps/${encodeURIComponent(map)}/keyframes/kf-1 \\\n  -H 'content-type: application/json' \\\n  -d '${body}'`),
+    el("p", { class: "muted" }, "Only the stamp and the pose are required. ", el("a", { href: "docs" }, "The API reference"), " tells what else helps."));
+}
+
+/** A map that the address names and the server has not. */
+export function noSuchMap(map) {
+  return el("div", { class: "empty" }, el("h2", {}, "There is no map ", el("code", {}, map)),
+    el("p", {}, "Choose another one above, or make it:"),
+    copyable(`curl -X PUT ${server()}/v1/maps/${encodeURIComponent(map)} \\\n  -H 'content-type: application/json' -d '{}'`));
+}
+
+/** The server cannot be read. */
+export function unreachable(message) {
+  return el("div", { class: "empty" }, el("h2", {}, "The map cannot be read"),
+    el("p", { class: "fault" }, message), el("p", { class: "muted" }, "This page tries again every few seconds."));
+}
+
+/** The server wants a key. */
+export function keyWanted(retry) {
+  const input = el("input", { type: "password", autocomplete: "off", "aria-label": "API key", required: true });
+  const submit = (event) => {
+    event.preventDefault();
+    setKey(input.value.trim());
+    retry();
+  };
+  return el("div", { class: "empty" }, el("h2", {}, "This server wants an API key"),
+    el("p", {}, "It is kept in this browser tab only. An operator makes one with ", el("code", {}, "revisit keys create"), "."),
+    el("form", { class: "row", submit }, input, el("button", { type: "submit", class: "main" }, "Use it")));
+}

@@ -1,0 +1,116 @@
+// Lists: the map's anchors (searched by the server), keyframes and loops, for those who look by name or use no pointer.
+
+import { list, path } from "./viewer_api.js";
+import { count, debounced, el, fill, number, sign } from "./dom.js";
+import { longList } from "./viewer_details.js";
+
+const SEARCH_WAIT_MS = 250;
+
+/** The tab of anchors: a search box, a class, a state, and what they find. */
+export class AnchorList {
+  /** `found(ids)` hears which anchors a search found, `null` when none is on. */
+  constructor(place, world, refs, found) {
+    Object.assign(this, { place, world, refs, found, turn: new AbortController(), filters: { text: "", class: "", state: "" } });
+    const later = debounced(() => this.search(), SEARCH_WAIT_MS);
+    this.text = el("input", { type: "search", placeholder: "Search what the signs say", "aria-label": "Search descriptions", maxlength: 4096, input: later });
+    this.classes = el("select", { "aria-label": "Class", change: () => this.search() });
+    this.states = el("select", { "aria-label": "State", change: () => this.search() },
+      el("option", { value: "" }, "every state"), ["valid", "pending", "uninformative"].map((state) => el("option", {}, state)));
+    this.results = el("div", {});
+    fill(place, el("div", { class: "filters" }, this.text, el("div", { class: "row" }, this.classes, this.states)), this.results);
+  }
+
+  /** Another map: no search is on. */
+  reset() {
+    this.text.value = this.states.value = "";
+    this.known = null;
+    fill(this.classes);
+    this.found(null);
+  }
+
+  /** The map has changed; the search stays. */
+  refresh() {
+    const { classes } = this.world.scene();
+    const known = classes.map(({ name }) => name).join("\n");
+    if (known !== this.known) {
+      const chosen = this.classes.value;
+      fill(this.classes, el("option", { value: "" }, "every class"), classes.map(({ name }) => el("option", { value: name }, name)));
+      this.classes.value = classes.some(({ name }) => name === chosen) ? chosen : "";
+      this.known = known;
+    }
+    this.search();
+  }
+
+  async search() {
+    this.turn.abort();
+    this.turn = new AbortController();
+    const { signal } = this.turn;
+    const wanted = { text: this.text.value.trim(), class: this.classes.value, state: this.states.value };
+    const parameters = Object.fromEntries(Object.entries(wanted).filter(([, value]) => value !== ""));
+    if (Object.keys(parameters).length === 0) {
+      this.found(null);
+      this.show([...this.world.scene().anchors.values()], false);
+      return;
+    }
+    try {
+      const { items } = await list(path("maps", this.world.map(), "anchors"), { signal, parameters });
+      this.found(new Set(items.map(({ id }) => id)));
+      this.show(items, true);
+    } catch (error) {
+      if (!signal.aborted) fill(this.results, el("p", { class: "fault", role: "alert" }, error.message));
+    }
+  }
+
+  show(anchors, searched) {
+    if (anchors.length === 0) {
+      const none = searched ? "No anchor is like that."
+        : "No anchors yet. They come from the detections of keyframes: a class, a box, a text, and map points or a position.";
+      fill(this.results, el("p", { class: "hint" }, none));
+      return;
+    }
+    fill(this.results, el("p", { class: "muted small", role: "status" }, searched ? `${count(anchors.length, "anchor")} found` : count(anchors.length, "anchor")),
+      longList(anchors, "lines", (anchor) => [
+        el("div", {}, this.refs.anchor(anchor.id), " ", anchor.description ? sign(anchor.description) : el("span", { class: "muted" }, "not described yet")),
+        el("div", { class: "muted small" }, `${anchor.class}, ${anchor.state}, seen by ${anchor.keyframes.length}`,
+          anchor.matches_total > 0 && `, matches ${anchor.matches_total}`)]));
+  }
+}
+
+/** The tab of keyframes, filtered by name here. */
+export class KeyframeList {
+  constructor(place, world, refs) {
+    Object.assign(this, { place, world, refs });
+    this.text = el("input", { type: "search", placeholder: "Filter by id or session", "aria-label": "Filter keyframes", input: debounced(() => this.refresh(), 120) });
+    this.results = el("div", {});
+    fill(place, el("div", { class: "filters" }, this.text), this.results);
+  }
+
+  reset() {
+    this.text.value = "";
+  }
+
+  refresh() {
+    const wanted = this.text.value.trim().toLowerCase();
+    const all = [...this.world.scene().keyframes.values()];
+    const keyframes = all.filter(({ id, session }) => `${id}\n${session}`.toLowerCase().includes(wanted));
+    fill(this.results, el("p", { class: "muted small", role: "status" }, wanted ? `${number(keyframes.length, 0)} of ${count(all.length, "keyframe")}` : count(all.length, "keyframe")),
+      longList(keyframes, "lines", (keyframe) => [
+        this.refs.keyframe(keyframe.id),
+        el("span", { class: "muted small" }, " ", sign(keyframe.session), `, ${keyframe.covisible} covisible, ${count(keyframe.anchors.length, "anchor")}`)]));
+  }
+}
+
+/** The tab of confirmed loops. */
+export function fillLoops(place, world, refs) {
+  const { loops } = world.scene();
+  if (loops.length === 0) {
+    fill(place, el("p", { class: "hint" }, "No loop is confirmed yet. A client confirms one with ",
+      el("code", {}, `POST /v1/maps/${world.map()}/loops`), " once its optimisation has closed it."));
+    return;
+  }
+  fill(place, el("p", { class: "muted small" }, count(loops.length, "confirmed loop")), longList(loops, "lines", (loop) => [
+    el("div", {}, el("code", {}, loop.id), ": ", refs.keyframe(loop.keyframe), " back at ", refs.keyframe(loop.candidate)),
+    el("div", { class: "muted small" }, loop.query && [refs.query(loop.query, loop.keyframe), "; "],
+      loop.merged.length === 0 ? "no anchors merged"
+        : ["merged ", loop.merged.map(({ into, from }, index) => [index > 0 && ", ", refs.anchor(from), " into ", refs.anchor(into)])])]));
+}

@@ -1,0 +1,149 @@
+// Verdict: the answer to a loop query, told as one person would tell another.
+
+import { el, number, copyable, count, sign } from "./dom.js";
+
+const TONES = { loop: "good", verified: "good", rejected: "bad", no_loop: "bad", failed: "bad", undecided: "open" };
+const NAMES = { loop: "loop", no_loop: "no loop", undecided: "undecided", rejected: "rejected" };
+const MARKS = { pass: "✓", fail: "✕", open: "?", none: "–" };
+const SPOKEN = { pass: "passed", fail: "failed", open: "open", none: "not run" };
+
+/** The colour in which a candidate's verdict is drawn. */
+export function toneOf(verdict) {
+  return TONES[verdict] ?? "muted";
+}
+
+/**
+ * The whole answer. `refs` makes references to keyframes and anchors, `described(id)` gives an anchor's description;
+ * `curl` is the request it answers.
+ */
+export function explain(answer, { refs, described, curl, version }) {
+  const { candidates, excluded_covisible: excluded = 0 } = answer;
+  const context = { refs, described };
+  const stale = version > answer.map_version && `The map has moved on to version ${version} since.`;
+  return el("section", { class: `verdict ${toneOf(answer.verdict)}`, "aria-live": "polite" },
+    el("h3", {}, headline(answer, refs)),
+    answer.reason && el("p", {}, why(answer.reason)),
+    answer.degraded && el("p", { class: "small" }, "A language model was away: the built-in judge stood in for it."),
+    el("p", { class: "muted small" },
+      `${count(candidates.length, "candidate")} compared, at version ${answer.map_version} of the map. `,
+      excluded > 0 && `${count(excluded, "keyframe")} left out because ${excluded === 1 ? "it sees" : "they see"} the same points as this one: that is the present place, not a return. `,
+      stale),
+    el("ol", { class: "candidates" }, candidates.map((candidate, index) => card(candidate, index === 0, context))),
+    curl && el("details", { class: "small" }, el("summary", {}, "The same with curl"), copyable(curl)),
+    el("details", { class: "small" }, el("summary", {}, "The answer as JSON"), copyable(JSON.stringify(answer, null, 2))));
+}
+
+function headline({ verdict, best, candidates }, refs) {
+  if (verdict === "loop") return ["Yes, it is a loop: back at ", refs.keyframe(best)];
+  if (verdict === "undecided") return "It cannot be told yet";
+  return candidates.length === 0 ? "No: nothing in this map is like it" : "No: places are like it, none is the same";
+}
+
+function card(candidate, open, context) {
+  const { keyframe, verdict, reason } = candidate;
+  return el("li", {}, el("details", { class: "candidate", open },
+    el("summary", {}, context.refs.keyframe(keyframe), " ",
+      el("span", { class: `chip ${toneOf(verdict)}` }, NAMES[verdict] ?? verdict), " ",
+      el("span", { class: "muted small" }, brief(candidate))),
+    el("p", {}, reason ? why(reason) : "It passed every check that could run."),
+    el("ol", { class: "checks" }, appearance(candidate), anchors(candidate, context), geometry(candidate))));
+}
+
+/** What decided, in a few words and figures. */
+function brief({ reason, anchors: figures, geometry: { status, inliers }, bow }) {
+  const figure = { score_below_threshold: "signs differ", contradiction: "signs contradict", no_anchors: "no signs to compare",
+    llm_pending: "descriptions pending", llm_unavailable: "model away", no_features: "no features", bow_below_reference: "looks differ",
+    too_few_inliers: "geometry differs", anchors_disagree_with_transform: "signs misplaced", covisible: "same place as now" };
+  if (reason) return figure[reason.code] ?? reason.code;
+  if (status === "verified" && inliers) return `${number(inliers, 0)} inliers`;
+  return figures ? `S = ${number(figures.similarity)}` : `BoW ${number(bow.score, 3)}`;
+}
+
+/** The reason for a person, with what was measured and what was asked. The server's own sentence follows if it adds to it. */
+export function why({ code, measured, limit, detail }) {
+  const [m, l] = [measured, limit].map((value) => (value === undefined || value === null ? "?" : number(value, 3)));
+  const sentences = {
+    no_candidates: "No keyframe shares a word with it, and none sees an anchor that it sees.",
+    empty_bow: "It has no words (a blank wall?), and no anchor speaks for any place.",
+    covisible: "It sees the same points as this keyframe: the present place, not a return.",
+    bow_below_reference: `It looks less alike (${m}) than this map asks for (${l}).`,
+    no_anchors: "Around one of the two no anchor is described, so there is nothing to compare.",
+    llm_pending: "Anchors are not described yet, and their descriptions could turn the answer. Ask again in a while.",
+    llm_unavailable: "The language model is away, and its word could turn the answer. Ask again in a while.",
+    score_below_threshold: `The anchors around the two do not agree enough: S is ${m} and must exceed ${l}.`,
+    contradiction: `Signs exclude each other. What contradicts weighs ${m}, what agrees ${l}.`,
+    no_features: "Geometry was asked for, and it could not run.",
+    too_few_inliers: `Too few features fit one transformation: ${m}, and ${l} are needed.`,
+    anchors_disagree_with_transform: `Once geometry has aligned the two, the matched anchors lie apart: S is ${m} and must exceed ${l}.`,
+  };
+  const own = sentences[code];
+  if (!own) return [`${code}: ${m} against ${l}. `, detail && sign(detail)];
+  return [own, detail && [" ", el("span", { class: "muted" }, "(", sign(detail), ")")]];
+}
+
+function check(state, title, figure, ...body) {
+  return el("li", { class: `check ${state}` },
+    el("span", { class: "mark", role: "img", "aria-label": SPOKEN[state] }, MARKS[state]),
+    el("div", {}, el("h4", {}, title, el("span", { class: "figure" }, figure)), body));
+}
+
+function appearance({ bow: { score, common_words: words, reference_score: reference }, reason }) {
+  const state = reason?.code === "bow_below_reference" ? "fail" : words === 0 ? "none" : "pass";
+  const neighbours = reference > 0
+    && ` The keyframes just around this one score ${number(reference, 3)} or more, so it looks ${score >= reference ? "as much" : "less"} alike.`;
+  const text = words === 0
+    ? "The two share no word; an anchor seen before proposed this candidate."
+    : [`${count(words, "word")} in common.`, neighbours];
+  return check(state, "Appearance (bag of words)", number(score, 3), el("p", {}, text));
+}
+
+function anchors({ anchors: figures, reason }, { refs, described }) {
+  const title = "Anchors around the two";
+  if (!figures) return check("none", title, "", el("p", {}, "Not reached."));
+  const { similarity, threshold, in_query: here, in_candidate: there, pending, matches, contradictions } = figures;
+  const stopped = { score_below_threshold: "fail", contradiction: "fail", anchors_disagree_with_transform: "fail", no_anchors: "open", llm_pending: "open", llm_unavailable: "open" };
+  const empty = here === 0 || there === 0;
+  const state = stopped[reason?.code] ?? (similarity > threshold ? "pass" : empty ? "none" : "open");
+  const named = (id) => [refs.anchor(id), described(id) && [" ", sign(`“${described(id)}”`)]];
+  const degrees = (radians) => number(radians * 180 / Math.PI, 0);
+  return check(state, title, empty ? "" : `S = ${number(similarity)}`,
+    empty ? null : bar(similarity, threshold),
+    el("p", {}, `${count(here, "described anchor")} here, ${there} there`, pending > 0 && `, ${pending} not described yet`,
+      empty ? "." : ["; S must exceed ", number(threshold), "."]),
+    el("ul", { class: "pairs" },
+      matches.map((pair) => el("li", { class: "agrees" },
+        el("div", {}, named(pair.query_anchor), " is like ", named(pair.candidate_anchor)),
+        el("div", { class: "muted small" }, `level ${pair.level} of 5, judged ${judge(pair.source)}; from here and there `,
+          `${degrees(pair.angle_difference_rad)}° and ${number(pair.distance_difference_m)} m apart; weight ${number(pair.weight)}`))),
+      contradictions.map((pair) => el("li", { class: "contradicts" },
+        el("div", {}, sign(pair.reason)),
+        el("div", { class: "muted small" }, named(pair.query_anchor), " against ", named(pair.candidate_anchor),
+          pair.weight !== undefined && `; weight ${number(pair.weight)}`)))));
+}
+
+/** Who judged, within a sentence. */
+export function judge(source) {
+  const known = { identical: "identical texts", identifiers: "by their identifiers", lexical: "by their words", operator: "by an operator" };
+  return known[source] ?? (source.startsWith("model:") ? `by ${source.slice(6)}` : source);
+}
+
+/** A bar of S from 0 to 1, with a line at what it must exceed. */
+function bar(similarity, threshold) {
+  const filled = el("span", { class: "filled" });
+  const line = el("span", { class: "limit" });
+  filled.style.width = `${Math.min(Math.max(similarity, 0), 1) * 100}%`;
+  line.style.left = `${Math.min(Math.max(threshold, 0), 1) * 100}%`;
+  filled.classList.toggle("enough", similarity > threshold);
+  return el("div", { class: "bar", "aria-hidden": "true" }, filled, line);
+}
+
+function geometry({ geometry: { status, matches, inliers, reason, candidate_from_query: transform } }) {
+  const state = { verified: "pass", failed: "fail" }[status] ?? "none";
+  const figure = inliers === undefined || inliers === null ? "" : `${number(inliers, 0)} of ${number(matches, 0)}`;
+  const said = { verified: "The features of both images fit one transformation.", failed: "The features do not fit one transformation.", skipped: "It did not run." };
+  const shift = transform && Math.hypot(...["x", "y", "z"].map((axis) => transform.translation[axis]));
+  return check(state, "Geometry", figure,
+    el("p", {}, said[status] ?? status, reason && [" ", sign(`${reason}.`.replace(/\.\.$/, "."))]),
+    transform && el("p", { class: "muted small" }, `The two cameras stand ${number(shift)} m apart`,
+      Math.abs(transform.scale - 1) > 1e-6 && `, at scale ${number(transform.scale, 3)}`, "."));
+}

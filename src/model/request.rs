@@ -1,0 +1,83 @@
+//! What a client asks for, checked: the requests that are more than an id.
+
+use super::anchor::AnchorState;
+use super::ids::{KeyframeId, LoopId, PointId, SessionId};
+use super::keyframe::NewKeyframe;
+use super::settings::SettingValue;
+use super::verdict::Verify;
+use crate::geometry::{Point3, Pose};
+
+/// SHA-256 of a request's body in canonical form: tells a retry from another request under the same id.
+pub type Digest = [u8; 32];
+
+/// What to change about a map; what is left out stays.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MapPatch {
+    /// The new description.
+    pub description: Option<String>,
+    /// The new classes.
+    pub anchor_classes: Option<Vec<String>>,
+    /// Are its lengths metres?
+    pub metric: Option<bool>,
+    /// Settings to change, by name.
+    pub settings: Vec<(String, SettingValue)>,
+}
+
+/// A loop that a client has closed in its own map.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NewLoop {
+    /// Its name.
+    pub id: LoopId,
+    /// The keyframe that came back.
+    pub keyframe: KeyframeId,
+    /// The keyframe it came back to.
+    pub candidate: KeyframeId,
+    /// The query that found it.
+    pub query: Option<String>,
+}
+
+/// Corrected poses and map points of one session.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoseCorrection {
+    /// The session.
+    pub session: SessionId,
+    /// The keyframes and their new `map_from_camera`, in metres.
+    pub keyframes: Vec<(KeyframeId, Pose)>,
+    /// The map points and their new positions, in the session's frame, in metres.
+    pub map_points: Vec<(PointId, Point3)>,
+}
+
+/// The keyframe that is asked about.
+#[derive(Clone, Debug)]
+pub enum Subject {
+    /// One of the map.
+    Stored(KeyframeId),
+    /// One that came with the query and is not stored.
+    Inline(Box<NewKeyframe>, Digest),
+}
+
+/// A loop query.
+#[derive(Clone, Debug)]
+pub struct LoopQuery {
+    /// The keyframe that is asked about.
+    pub subject: Subject,
+    /// Which checks to run.
+    pub verify: Verify,
+    /// How long to wait for descriptions that are still missing, in milliseconds.
+    pub max_wait_ms: u64,
+    /// The seed of whatever is drawn.
+    pub seed: u64,
+}
+
+/// Which anchors are wanted.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct AnchorFilter {
+    /// Of this class.
+    pub class: Option<String>,
+    /// With this text in their description, whatever the case, width and dashes.
+    pub text: Option<String>,
+    /// In this state.
+    pub state: Option<AnchorState>,
+    /// With those that were merged into others.
+    pub merged: bool,
+}

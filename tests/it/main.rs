@@ -1,0 +1,8 @@
+//! The one integration binary: everything here speaks to a real server over HTTP, or reads what is committed.
+
+mod bad_input;
+mod crash;
+mod openapi;
+mod recordings;
+mod support;
+mod tidy;

@@ -1,0 +1,109 @@
+//! A real server in this process, on a database of its own, and the few words needed to speak to it.
+
+use reqwest::header::{CONTENT_TYPE, HeaderMap};
+use reqwest::{Method, RequestBuilder, StatusCode};
+use revisit::http::RunningServer;
+use revisit::service::{Service, ServiceOptions};
+use serde_json::{Value, json};
+
+/// A server; it stops, and its database goes, when this value goes.
+pub struct Server {
+    http: reqwest::Client,
+    running: RunningServer,
+    _directory: tempfile::TempDir,
+}
+
+/// What a request was answered.
+#[derive(Debug)]
+pub struct Answer {
+    pub status: StatusCode,
+    pub headers: HeaderMap,
+    /// Null where the answer is empty or no JSON.
+    pub body: Value,
+}
+
+impl Server {
+    /// Starts a server on an empty database.
+    pub async fn start() -> Self {
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        let database = format!("sqlite://{}", directory.path().join("test.db").display());
+        let service = Service::open(ServiceOptions { database }).await.expect("a service");
+        let running = RunningServer::start(service).await.expect("a free port");
+        let http = reqwest::Client::builder().no_proxy().build().expect("a client");
+        Self { http, running, _directory: directory }
+    }
+
+    /// A request to be completed by hand.
+    pub fn request(&self, method: Method, path: &str) -> RequestBuilder {
+        self.http.request(method, format!("{}{path}", self.running.url()))
+    }
+
+    pub async fn get(&self, path: &str) -> Answer {
+        Answer::of(self.request(Method::GET, path)).await
+    }
+
+    pub async fn put(&self, path: &str, body: &Value) -> Answer {
+        Answer::of(self.request(Method::PUT, path).json(body)).await
+    }
+
+    pub async fn post(&self, path: &str, body: &Value) -> Answer {
+        Answer::of(self.request(Method::POST, path).json(body)).await
+    }
+
+    pub async fn patch(&self, path: &str, body: &Value) -> Answer {
+        Answer::of(self.request(Method::PATCH, path).json(body)).await
+    }
+
+    pub async fn delete(&self, path: &str) -> Answer {
+        Answer::of(self.request(Method::DELETE, path)).await
+    }
+
+    /// A body sent byte by byte as it is.
+    pub async fn send(
+        &self,
+        method: Method,
+        path: &str,
+        media_type: &str,
+        body: impl Into<reqwest::Body>,
+    ) -> Answer {
+        Answer::of(self.request(method, path).header(CONTENT_TYPE, media_type).body(body)).await
+    }
+}
+
+impl Answer {
+    /// Sends a request and reads its answer.
+    pub async fn of(request: RequestBuilder) -> Self {
+        let response = request.send().await.expect("an answer");
+        let (status, headers) = (response.status(), response.headers().clone());
+        let bytes = response.bytes().await.expect("a whole answer");
+        Self { status, headers, body: serde_json::from_slice(&bytes).unwrap_or_default() }
+    }
+
+    /// The answer's body, if the status is the expected one.
+    #[track_caller]
+    pub fn expect(self, status: u16) -> Value {
+        assert_eq!(self.status.as_u16(), status, "{self:#?}");
+        self.body
+    }
+
+    /// A header as text; empty where there is none.
+    pub fn header(&self, name: &str) -> &str {
+        self.headers.get(name).and_then(|value| value.to_str().ok()).unwrap_or_default()
+    }
+
+    /// The pointers of a problem's faults.
+    pub fn pointers(&self) -> Vec<&str> {
+        let errors = self.body["errors"].as_array().map(Vec::as_slice).unwrap_or_default();
+        errors.iter().filter_map(|error| error["pointer"].as_str()).collect()
+    }
+}
+
+/// The smallest keyframe: at the origin, looking along z.
+pub fn keyframe() -> Value {
+    json!({"stamp": {"sec": 1, "nanosec": 0}, "pose": pose([0.0, 0.0, 0.0])})
+}
+
+/// A pose at a place, without rotation.
+pub fn pose([x, y, z]: [f64; 3]) -> Value {
+    json!({"translation": {"x": x, "y": y, "z": z}, "rotation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}})
+}
