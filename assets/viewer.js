@@ -1,1 +1,344 @@
-// Placeholder: the viewer follows.
+// Viewer: one map on one page. This file holds what is chosen and ties the parts together.
+
+import { everything, get, key, list, path } from "./viewer_api.js";
+import { MapCanvas } from "./viewer_canvas.js";
+import { Details } from "./viewer_details.js";
+import { classColour, sessionColour } from "./viewer_draw.js";
+import { keyWanted, noKeyframes, noMaps, noSuchMap, unreachable } from "./viewer_empty.js";
+import { EventList, listen } from "./viewer_events.js";
+import { AnchorList, KeyframeList, fillLoops } from "./viewer_lists.js";
+import { marksOf } from "./viewer_marks.js";
+import { AXES, PLANES, arrange, buildScene, widestPlane } from "./viewer_scene.js";
+import { count, el, fill, number, sign } from "./dom.js";
+
+const LOOK_AGAIN_MS = 4000;
+const REFRESH_MS = 500;
+const MAPS_EVERY = 8;
+
+const at = (id) => document.getElementById(id);
+const state = {
+  map: null, meta: null, version: 0, scene: buildScene({ keyframes: [], anchors: [], loops: [] }),
+  choice: null, apart: true, plane: null, selection: null, marks: {}, found: null,
+};
+let stream = null;
+let loading = null;
+let planned = null;
+let tookMs = 0;
+let looks = 0;
+
+const refs = {
+  keyframe: (id) => ref(id, () => select("keyframe", id)),
+  // An anchor of a keyframe that was asked about and not stored has no page.
+  anchor: (id) => (id.startsWith("inline-") ? el("code", {}, id) : ref(id, () => select("anchor", id))),
+  query: (id, keyframe) => ref("why", () => {
+    choose(keyframe ? { kind: "keyframe", id: keyframe } : null);
+    openTab("details");
+    details.query(id, keyframe);
+  }),
+};
+const world = { map: () => state.map, scene: () => state.scene, version: () => state.meta?.map_version ?? 0, mark };
+const canvas = new MapCanvas(at("canvas"), { pick: (hit) => (hit ? select(hit.kind, hit.id) : letGo()), hover });
+const details = new Details(at("details"), world, refs);
+const anchors = new AnchorList(at("anchors"), world, refs, (found) => { state.found = found; remark(); });
+const keyframes = new KeyframeList(at("keyframes"), world, refs);
+const events = new EventList(at("events"), at("tab-events"), refs);
+
+function ref(id, click) {
+  return el("button", { type: "button", class: "ref", click }, id);
+}
+
+// --- What is selected -------------------------------------------------------------------------------------------------
+
+function select(kind, id) {
+  choose({ kind, id });
+  openTab("details");
+  details[kind](id);
+}
+
+/** Selects on the map, and brings the session into view if another one is shown. */
+function choose(selection) {
+  state.selection = selection;
+  state.marks = {};
+  remark();
+  if (selection && !canvas.reveal(selection.kind, selection.id) && state.choice !== null) {
+    Object.assign(state, { choice: null, apart: true });
+    lay();
+    canvas.fit();
+    canvas.reveal(selection.kind, selection.id);
+  }
+  remember();
+}
+
+function letGo() {
+  choose(null);
+  details.clear();
+}
+
+/** More is known about the selected thing. */
+function mark(kind, id, more) {
+  if (state.selection?.kind !== kind || state.selection.id !== id) return;
+  Object.assign(state.marks, more);
+  remark();
+}
+
+function remark() {
+  canvas.mark({ ...marksOf(canvas, state), found: state.found });
+}
+
+/** The address names the map and the selection, so that it can be sent to somebody. */
+function remember(push = false) {
+  const query = new URLSearchParams();
+  if (state.map) query.set("map", state.map);
+  if (state.selection) query.set(state.selection.kind, state.selection.id);
+  const address = query.size > 0 ? `?${query}` : location.pathname;
+  if (push) history.pushState(null, "", address);
+  else history.replaceState(null, "", address);
+}
+
+function step(by) {
+  const shown = canvas.keyframes;
+  if (shown.length === 0) return;
+  const now = shown.findIndex(({ id }) => state.selection?.kind === "keyframe" && id === state.selection.id);
+  const next = now < 0 ? (by > 0 ? 0 : shown.length - 1) : (now + by + shown.length) % shown.length;
+  select("keyframe", shown[next].id);
+}
+
+// --- The map and its data ---------------------------------------------------------------------------------------------
+
+async function open(map, selection = null, push = false) {
+  stream?.stop();
+  loading?.abort();
+  clearTimeout(planned);
+  planned = loading = null;
+  Object.assign(state, { map, meta: null, version: 0, selection, choice: null, apart: true, plane: null, found: null });
+  document.title = `${map} – Revisit`;
+  at("maps").value = map;
+  remember(push);
+  canvas.moved = false;
+  events.clear();
+  anchors.reset();
+  keyframes.reset();
+  details.clear();
+  if (!await load()) return;
+  stream = listen(map, { event: happened, state: connected });
+  if (selection) select(selection.kind, selection.id);
+}
+
+/** Reads the map anew; false if that failed or another map was opened meanwhile. */
+async function load() {
+  loading?.abort();
+  const turn = new AbortController();
+  loading = turn;
+  const begun = performance.now();
+  try {
+    const all = await everything(state.map, turn.signal);
+    if (turn.signal.aborted) return false;
+    Object.assign(state, { meta: all.meta, version: all.version, scene: buildScene(all) });
+    cover(all.keyframes.length + all.anchors.length === 0 ? noKeyframes(state.map) : null);
+    redraw();
+    return true;
+  } catch (error) {
+    if (!turn.signal.aborted) failed(error);
+    return false;
+  } finally {
+    tookMs = performance.now() - begun;
+    if (loading === turn) loading = null;
+  }
+}
+
+function failed(error) {
+  connected("away");
+  if (error.status === 401) cover(keyWanted(start));
+  else if (error.status === 404) cover(noSuchMap(state.map));
+  else cover(unreachable(error.message));
+}
+
+/** An event: history is only listed, news also refresh the map. */
+function happened(event) {
+  events.add(event);
+  if (event.map_version > state.version) refreshSoon();
+}
+
+/** A large map is read less often. */
+function refreshSoon() {
+  planned ??= setTimeout(async () => {
+    if (loading === null) await load();
+    planned = null;
+  }, Math.max(REFRESH_MS, 3 * tookMs));
+}
+
+/** Keyframes make no events, and maps come and go: look now and then. */
+async function lookAgain() {
+  if (document.hidden || loading !== null || (key() === null && at("empty").querySelector("form"))) return;
+  looks += 1;
+  try {
+    if (state.map === null || looks % MAPS_EVERY === 0) await readMaps();
+    if (state.map === null) return;
+    const meta = await get(path("maps", state.map));
+    if (meta.id !== state.map) return;
+    if (stream === null || state.meta === null) await open(state.map, state.selection);
+    else if (meta.map_version !== state.version) refreshSoon();
+  } catch (error) {
+    failed(error);
+  }
+}
+
+async function readMaps() {
+  const { items } = await list("v1/maps");
+  const ids = items.map(({ id }) => id);
+  if (state.map !== null && !ids.includes(state.map)) ids.unshift(state.map);
+  const shown = [...at("maps").options].map(({ value }) => value);
+  if (ids.join("\n") !== shown.join("\n")) fill(at("maps"), ids.map((id) => el("option", { value: id }, id)));
+  at("maps").disabled = ids.length === 0;
+  if (state.map !== null) at("maps").value = state.map;
+  else if (ids.length > 0) await open(ids[0]);
+  else cover(noMaps());
+}
+
+async function start() {
+  const query = new URLSearchParams(location.search);
+  const kind = ["keyframe", "anchor"].find((name) => query.has(name));
+  state.map = query.get("map") || null;
+  try {
+    await readMaps();
+    if (query.get("map")) await open(state.map, kind ? { kind, id: query.get(kind) } : null);
+  } catch (error) {
+    failed(error);
+  }
+}
+
+function connected(how) {
+  at("live").dataset.state = how;
+  at("live-text").textContent = { live: "live", away: "connection lost" }[how] ?? "not connected";
+}
+
+// --- What is on the page ----------------------------------------------------------------------------------------------
+
+function cover(content) {
+  at("empty").hidden = content === null;
+  fill(at("empty"), content);
+  if (content === null) canvas.resize();
+}
+
+function redraw() {
+  const { meta, scene } = state;
+  fill(at("figures"), [[meta.keyframes, "keyframe"], [meta.anchors, "anchor"], [meta.sessions, "session"], [meta.loops, "loop"]]
+    .map(([n, one]) => el("span", {}, el("b", {}, number(n, 0)), ` ${n === 1 ? one : `${one}s`}`)),
+  el("span", {}, "version ", el("b", {}, meta.map_version)));
+  at("figures").title = meta.description;
+  fill(at("sessions"), sessionOptions(scene));
+  lay();
+  fill(at("legend"), legend(scene));
+  anchors.refresh();
+  keyframes.refresh();
+  fillLoops(at("loops"), world, refs);
+  at("tab-loops").textContent = meta.loops > 0 ? `Loops ${meta.loops}` : "Loops";
+}
+
+function sessionOptions({ sessions }) {
+  const one = sessions.map(({ name, keyframes: { length } }) => el("option", { value: `=${name}` }, `${name} (${length})`));
+  if (sessions.length < 2) return one;
+  return [el("option", { value: "apart" }, `${sessions.length} sessions, side by side`),
+    el("option", { value: "over" }, `${sessions.length} sessions, overlaid at their origins`), el("optgroup", { label: "One session" }, one)];
+}
+
+/** Lays the chosen sessions out in the chosen plane. */
+function lay() {
+  const { scene, choice, apart } = state;
+  if (choice !== null && !scene.sessions.some(({ name }) => name === choice)) state.choice = null;
+  const plane = state.plane ?? widestPlane(scene);
+  const { width, height } = canvas.size;
+  canvas.show(scene, arrange(scene, { plane, choice: state.choice, apart, aspect: width / height }));
+  const value = state.choice !== null ? `=${state.choice}` : apart ? "apart" : "over";
+  at("sessions").value = value;
+  if (at("sessions").selectedIndex < 0) at("sessions").selectedIndex = 0;
+  fill(at("planes"), PLANES.map((each) => el("button", {
+    type: "button", "aria-pressed": String(each.join() === plane.join()),
+    click: () => { state.plane = each; canvas.moved = false; lay(); at("planes").children[PLANES.indexOf(each)].focus(); },
+  }, each.map((axis) => AXES[axis]).join("–"))));
+  remark();
+}
+
+function legend({ classes, sessions, loops, anchors: all }) {
+  const glyph = (kind, colour) => {
+    const mark = el("span", { class: `glyph ${kind}` });
+    if (colour) mark.style.background = colour;
+    return mark;
+  };
+  const pending = [...all.values()].filter((anchor) => anchor.state === "pending").length;
+  return [
+    sessions.length <= 6 && sessions.map(({ name, index }) => el("div", {}, glyph("round", sessionColour(index)), sign(name))),
+    classes.slice(0, 8).map(({ name, size, index }) => el("div", {}, glyph("", classColour(index)), sign(name), ` ${number(size, 0)}`)),
+    classes.length > 8 && el("div", {}, `and ${count(classes.length - 8, "more class", "more classes")}`),
+    pending > 0 && el("div", {}, glyph("hollow"), `not described yet ${number(pending, 0)}`),
+    loops.length > 0 && el("div", {}, glyph("dash"), "confirmed loop"),
+  ];
+}
+
+function hover(hit, x, y) {
+  const tip = at("tip");
+  tip.hidden = hit === null;
+  if (hit === null) return;
+  const { anchors: all, keyframes: frames } = state.scene;
+  if (hit.kind === "keyframe") {
+    const { session, covisible, anchors: seen } = frames.get(hit.id);
+    fill(tip, el("div", { class: "mono" }, hit.id), el("div", { class: "muted" }, sign(session)),
+      el("div", { class: "muted" }, `${covisible} covisible, ${count(seen.length, "anchor")}`));
+  } else {
+    const { description, class: kind, state: how, keyframes: seen } = all.get(hit.id);
+    fill(tip, el("div", {}, el("span", { class: "mono" }, hit.id), " ", description ? sign(description) : ""),
+      el("div", { class: "muted" }, `${kind}, ${how}, seen by ${seen.length}`));
+  }
+  const { width, height } = canvas.size;
+  const left = x + 14 + tip.offsetWidth > width ? x - 10 - tip.offsetWidth : x + 14;
+  const top = y + 14 + tip.offsetHeight > height ? y - 10 - tip.offsetHeight : y + 14;
+  tip.style.transform = `translate(${Math.max(left, 2)}px, ${Math.max(top, 2)}px)`;
+}
+
+const tabs = [...document.querySelectorAll("[role=tab]")];
+
+function openTab(panel) {
+  for (const tab of tabs) {
+    const chosen = tab.getAttribute("aria-controls") === panel;
+    tab.setAttribute("aria-selected", String(chosen));
+    tab.tabIndex = chosen ? 0 : -1;
+    at(tab.getAttribute("aria-controls")).hidden = !chosen;
+  }
+  at(panel).scrollTop = 0;
+}
+
+tabs.forEach((tab, index) => {
+  tab.addEventListener("click", () => openTab(tab.getAttribute("aria-controls")));
+  tab.addEventListener("keydown", ({ key: pressed }) => {
+    const by = { ArrowRight: 1, ArrowLeft: -1 }[pressed];
+    if (!by) return;
+    const next = tabs[(index + by + tabs.length) % tabs.length];
+    openTab(next.getAttribute("aria-controls"));
+    next.focus();
+  });
+});
+
+const KEYS = {
+  ArrowLeft: () => canvas.pan(60, 0), ArrowRight: () => canvas.pan(-60, 0), ArrowUp: () => canvas.pan(0, 60), ArrowDown: () => canvas.pan(0, -60),
+  "+": () => canvas.zoom(1.4), "=": () => canvas.zoom(1.4), "-": () => canvas.zoom(1 / 1.4), 0: () => canvas.fit(),
+  n: () => step(1), p: () => step(-1), Escape: letGo,
+};
+at("canvas").addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.metaKey || event.altKey || !KEYS[event.key]) return;
+  event.preventDefault();
+  KEYS[event.key]();
+});
+at("in").addEventListener("click", () => canvas.zoom(1.4));
+at("out").addEventListener("click", () => canvas.zoom(1 / 1.4));
+at("fit").addEventListener("click", () => canvas.fit());
+at("labels").addEventListener("change", ({ target }) => canvas.showLabels(target.checked));
+at("maps").addEventListener("change", ({ target }) => open(target.value, null, true));
+at("sessions").addEventListener("change", ({ target: { value } }) => {
+  Object.assign(state, { choice: value.startsWith("=") ? value.slice(1) : null, apart: value === "apart" });
+  canvas.moved = false;
+  lay();
+});
+addEventListener("popstate", start);
+setInterval(lookAgain, LOOK_AGAIN_MS);
+document.addEventListener("visibilitychange", lookAgain);
+start();

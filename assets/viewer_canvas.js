@@ -6,6 +6,7 @@ import { drawScene } from "./viewer_draw.js";
 const PICK_PX = 9;
 const TICK_PX = 13;
 const MARGIN_PX = 36;
+const EDGE_PX = 28;
 
 /** Nothing is marked. `lines` are drawn from place to place, `rings` around keyframes. */
 export const NO_MARKS = { keyframe: null, anchor: null, rings: new Map(), lines: [], found: null };
@@ -14,10 +15,13 @@ export const NO_MARKS = { keyframe: null, anchor: null, rings: new Map(), lines:
 export class MapCanvas {
   /** `on.pick({kind,id}|null)` after a click, `on.hover(hit|null, x, y)` under the pointer. */
   constructor(canvas, on) {
-    Object.assign(this, { canvas, on, scene: null, layout: null, marks: NO_MARKS, labels: true });
+    Object.assign(this, { canvas, on, scene: null, layout: null, marks: NO_MARKS, labels: true, step: 0 });
     this.view = { u: 0, v: 0, scale: 1 };
+    this.moved = false;
     this.keyframes = [];
     this.anchors = [];
+    this.byId = new Map();
+    this.bySession = new Map();
     this.pointers = new Map();
     this.size = { width: 1, height: 1 };
     new ResizeObserver(() => this.resize()).observe(canvas);
@@ -25,25 +29,24 @@ export class MapCanvas {
     this.listen();
   }
 
-  /** A new scene or another layout of it; the view stays where it is. */
+  /** A new scene or another layout of it; the view stays where somebody has moved it. */
   show(scene, layout) {
     Object.assign(this, { scene, layout });
     const [u, v] = layout.plane;
-    this.keyframes = [];
+    this.bySession = new Map();
     this.anchors = [];
     for (const { session, du, dv } of layout.groups) {
-      for (const keyframe of session.keyframes) {
-        const { id, place, forward } = keyframe;
-        this.keyframes.push({
-          kind: "keyframe", id, u: place[u] + du, v: place[v] + dv, ahead: [forward[u], forward[v]], session,
-        });
-      }
+      this.bySession.set(session, session.keyframes.map(({ id, place, forward }) =>
+        ({ kind: "keyframe", id, u: place[u] + du, v: place[v] + dv, ahead: [forward[u], forward[v]], session })));
       for (const { anchor, place } of session.anchors) {
         this.anchors.push({ kind: "anchor", id: anchor.id, u: place[u] + du, v: place[v] + dv, anchor, session });
       }
     }
+    this.keyframes = [...this.bySession.values()].flat();
     this.byId = new Map(this.keyframes.map((point) => [point.id, point]));
-    this.draw();
+    this.step = usualStep([...this.bySession.values()]);
+    if (this.moved) this.draw();
+    else this.fit();
   }
 
   /** Marks what is selected and what belongs to it. */
@@ -67,6 +70,7 @@ export class MapCanvas {
 
   /** Shows everything. */
   fit() {
+    this.moved = false;
     if (!this.layout) return;
     const { u0, u1, v0, v1 } = this.layout.bounds;
     const { width, height } = this.size;
@@ -78,22 +82,33 @@ export class MapCanvas {
 
   /** Brings a thing into view, and near enough to tell it from its neighbours. */
   reveal(kind, id) {
-    const point = kind === "keyframe" ? this.byId?.get(id) : this.anchors.find((anchor) => anchor.id === id);
+    const point = this.point(kind, id);
     if (!point) return false;
-    const { x, y } = this.onScreen(point);
     const { width, height } = this.size;
     const group = this.layout.framed && this.layout.groups.find(({ session }) => session === point.session);
     if (group) {
       const box = shifted(group);
       const whole = Math.min(width / (box.u1 - box.u0), height / (box.v1 - box.v0)) * 0.5;
-      if (this.view.scale < whole / 4) this.view = { u: point.u, v: point.v, scale: whole };
+      if (this.view.scale < whole / 4) {
+        this.view = { u: point.u, v: point.v, scale: whole };
+        this.moved = true;
+      }
     }
-    if (x < 40 || y < 40 || x > width - 40 || y > height - 40) Object.assign(this.view, { u: point.u, v: point.v });
+    const { x, y } = this.onScreen(point);
+    const outside = (at, most) => Math.max(EDGE_PX - at, 0) - Math.max(at - most + EDGE_PX, 0);
+    const [dx, dy] = [outside(x, width), outside(y, height)];
+    if (dx !== 0 || dy !== 0) this.pan(dx, dy);
     this.draw();
     return true;
   }
 
+  /** Where a thing is shown; an anchor may be shown in several frames, and the first counts. */
+  point(kind, id) {
+    return kind === "keyframe" ? this.byId.get(id) : this.anchors.find((anchor) => anchor.id === id);
+  }
+
   pan(dx, dy) {
+    this.moved = true;
     this.view.u -= dx / this.view.scale;
     this.view.v += dy / this.view.scale;
     this.draw();
@@ -101,6 +116,7 @@ export class MapCanvas {
 
   /** Zooms by a factor and leaves one point of the screen where it is. */
   zoom(factor, x = this.size.width / 2, y = this.size.height / 2) {
+    this.moved = true;
     const before = this.onPage(x, y);
     this.view.scale = Math.min(Math.max(this.view.scale * factor, 1e-6), 1e5);
     const after = this.onPage(x, y);
@@ -119,12 +135,10 @@ export class MapCanvas {
     return { u: (x - width / 2) / this.view.scale + this.view.u, v: (height / 2 - y) / this.view.scale + this.view.v };
   }
 
-  /** How long the line that shows where a keyframe looks is, in pixels: shorter where they stand close. */
+  /** How long the line that shows where a keyframe looks is, in pixels: shorter where they stand close, none where dense. */
   tickLength() {
-    if (this.keyframes.length < 2) return TICK_PX;
-    const { u0, u1, v0, v1 } = this.layout.bounds;
-    const typical = Math.max(u1 - u0, v1 - v0) * this.view.scale / Math.sqrt(this.keyframes.length);
-    return typical < 4 ? 0 : Math.min(TICK_PX, Math.max(5, typical));
+    const apart = this.step === 0 ? TICK_PX : this.step * this.view.scale;
+    return apart < 3 ? 0 : Math.min(TICK_PX, Math.max(5, 1.5 * apart));
   }
 
   /** What lies at a point of the screen, nearest first. A keyframe is its dot and its line of sight. */
@@ -155,12 +169,11 @@ export class MapCanvas {
 
   resize() {
     const { clientWidth: width, clientHeight: height } = this.canvas;
-    const first = this.size.width === 1;
     this.size = { width: Math.max(width, 1), height: Math.max(height, 1) };
     const ratio = window.devicePixelRatio || 1;
     this.canvas.width = Math.round(width * ratio);
     this.canvas.height = Math.round(height * ratio);
-    if (first) this.fit();
+    if (!this.moved) this.fit();
     this.drawNow();
   }
 
@@ -191,7 +204,7 @@ export class MapCanvas {
       canvas.setPointerCapture(event.pointerId);
       this.pointers.set(event.pointerId, { ...at(event), moved: 0 });
     });
-    canvas.addEventListener("pointermove", (event) => this.moved(event, at(event)));
+    canvas.addEventListener("pointermove", (event) => this.dragged(event, at(event)));
     canvas.addEventListener("pointerup", (event) => {
       const pointer = this.pointers.get(event.pointerId);
       this.pointers.delete(event.pointerId);
@@ -202,7 +215,7 @@ export class MapCanvas {
     canvas.addEventListener("dblclick", (event) => this.zoom(2, at(event).x, at(event).y));
   }
 
-  moved(event, now) {
+  dragged(event, now) {
     const pointer = this.pointers.get(event.pointerId);
     if (!pointer) {
       const [hit] = this.hits(now.x, now.y);
@@ -223,6 +236,13 @@ export class MapCanvas {
     pointer.moved += Math.hypot(now.x - pointer.x, now.y - pointer.y);
     Object.assign(pointer, now);
   }
+}
+
+/** The usual way from one keyframe to the next; 0 if all stand still. */
+function usualStep(paths) {
+  const steps = paths.flatMap((path) => path.slice(1).map((to, index) => Math.hypot(to.u - path[index].u, to.v - path[index].v)));
+  const moving = steps.filter((step) => step > 1e-6).sort((a, b) => a - b);
+  return moving.length > 0 ? moving[Math.floor(moving.length / 2)] : 0;
 }
 
 function toSegment(x, y, dx, dy) {

@@ -173,7 +173,7 @@ export class Details {
       anchor.matches.length === 0 ? el("p", { class: "muted" }, "None.") : longList(anchor.matches, "lines", (match) => [
         el("div", {}, refs.anchor(match.anchor), " ", this.reads(match.anchor), " ",
           match.kind === "revisit" ? el("span", { class: "chip good" }, "seen before") : el("span", { class: "chip" }, "covisible")),
-        el("div", { class: "muted small" }, `level ${match.level} of 5, judged ${judge(match.source)}: `, sign(match.reason))]),
+        el("div", { class: "muted small" }, `level ${match.level} of 5, ${judge(match.source)}: `, sign(match.reason))]),
       anchor.matches_total > anchor.matches.length
         && el("p", { class: "muted" }, `${count(anchor.matches_total, "match", "matches")} in all; these are the oldest.`),
       el("h3", {}, "Seen by"),

@@ -4,7 +4,8 @@ import { AXES, shifted } from "./viewer_scene.js";
 
 const LABELS = 400;
 const LABEL_CHARACTERS = 28;
-const CLASS_HUES = [35, 150, 320, 95, 265, 200, 0, 230];
+const CLASS_HUES = [45, 330, 110, 200, 285, 10, 150, 240];
+const CROWD = 120;
 
 /** The colours of the page, read anew when it is drawn: day and night change them. */
 function themed(canvas) {
@@ -35,7 +36,7 @@ export function drawScene(map) {
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   context.clearRect(0, 0, map.size.width, map.size.height);
   context.lineJoin = context.lineCap = "round";
-  const brush = { map, context, theme: themed(map.canvas), labels: new Labels(context) };
+  const brush = { map, context, theme: themed(map.canvas), labels: new Labels(context, map.size.width) };
   if (map.layout.framed) drawFrames(brush);
   drawPaths(brush);
   drawLoops(brush);
@@ -114,8 +115,7 @@ function drawKeyframes({ map, context }) {
   const { width, height } = map.size;
   const length = map.tickLength();
   const radius = length === 0 ? 1.6 : 2.6;
-  const bySession = Map.groupBy ? Map.groupBy(map.keyframes, ({ session }) => session) : grouped(map.keyframes);
-  for (const [session, points] of bySession) {
+  for (const [session, points] of map.bySession) {
     context.fillStyle = context.strokeStyle = sessionColour(session.index);
     context.lineWidth = 1.3;
     const dots = new Path2D();
@@ -130,12 +130,6 @@ function drawKeyframes({ map, context }) {
     if (length > 0) context.stroke(ticks);
     context.fill(dots);
   }
-}
-
-function grouped(points) {
-  const groups = new Map();
-  for (const point of points) groups.set(point.session, [...(groups.get(point.session) ?? []), point]);
-  return groups;
 }
 
 /** Lines of the selection: to the anchors around it with their distances, and to the candidates of a verdict. */
@@ -181,7 +175,7 @@ function drawRings({ map, context, theme, labels }) {
   context.lineTo(x + selected.ahead[0] * 20, y - selected.ahead[1] * 20);
   context.stroke();
   ring(selected, "accent", 8, 3);
-  labels.put(selected.id, x + 12, y - 12, { colour: theme.accent, halo: theme.ground, always: true, bold: true });
+  labels.beside(selected.id, { x, y: y - 12 }, 12, { colour: theme.accent, halo: theme.ground, always: true, bold: true });
 }
 
 function drawAnchors({ map, context, theme, labels }) {
@@ -194,24 +188,25 @@ function drawAnchors({ map, context, theme, labels }) {
     const at = map.onScreen(point);
     if (at.x > -20 && at.y > -20 && at.x < width + 20 && at.y < height + 20) shown.push({ point, at });
   }
+  const size = shown.length > CROWD ? 4 : 5.5;
   // The least important first, so that the others lie on top of it.
   for (const { point, at } of shown.toReversed()) {
     const { id, anchor } = point;
     context.globalAlpha = found && !found.has(id) && id !== selected ? 0.25 : 1;
-    diamond(context, theme, at, classColour(classes.get(anchor.class)), anchor.state, id === selected);
+    diamond(context, theme, at, classColour(classes.get(anchor.class)), anchor.state, id === selected, size);
   }
   context.globalAlpha = 1;
   for (const { point: { id, anchor }, at } of shown) {
     const marked = id === selected || found?.has(id);
     if (!marked && (!map.labels || found)) continue;
     const text = shortened(anchor.description ?? (anchor.state === "pending" ? "…" : anchor.class));
-    labels.put(text, at.x + 9, at.y, { colour: theme.text, halo: theme.ground, always: id === selected, bold: marked });
+    labels.beside(text, at, 9, { colour: theme.text, halo: theme.ground, always: id === selected, bold: marked });
   }
 }
 
 /** Filled: described. Hollow: not described yet. Small: described, and says too little to be matched. */
-function diamond(context, theme, { x, y }, colour, state, selected) {
-  const radius = (state === "uninformative" ? 3.5 : 5.5) + (selected ? 2 : 0);
+function diamond(context, theme, { x, y }, colour, state, selected, size) {
+  const radius = (state === "uninformative" ? 0.65 : 1) * size + (selected ? 2 : 0);
   context.beginPath();
   context.moveTo(x, y - radius);
   context.lineTo(x + radius, y);
@@ -233,17 +228,22 @@ function shortened(text) {
 
 /** Writes labels where there is room left; the first to come is written. */
 class Labels {
-  constructor(context) {
-    Object.assign(this, { context, taken: new Map(), written: 0 });
+  constructor(context, most) {
+    Object.assign(this, { context, most, taken: new Set(), written: 0 });
   }
 
-  put(text, x, y, { colour, halo, always = false, bold = false, centred = false }) {
+  /** Right of a point, beside a mark of some size; left of it where the page ends. */
+  beside(text, { x, y }, gap, style) {
+    this.put(text, x + gap, y, { ...style, back: 2 * gap });
+  }
+
+  put(text, x, y, { colour, halo, always = false, bold = false, centred = false, back = 0 }) {
     if (!always && this.written >= LABELS) return;
     const { context } = this;
     context.font = `${bold ? "600 " : ""}12px system-ui, sans-serif`;
     context.textBaseline = "middle";
     const width = context.measureText(text).width;
-    const left = centred ? x - width / 2 : x;
+    const left = centred ? x - width / 2 : back > 0 && x + width > this.most ? x - back - width : x;
     if (!this.take(left, y - 7, width, 14) && !always) return;
     this.written += 1;
     context.lineWidth = 3.5;
@@ -260,7 +260,7 @@ class Labels {
       for (let j = Math.floor(y / 8); j <= Math.floor((y + height) / 8); j += 1) cells.push(`${i},${j}`);
     }
     if (cells.some((cell) => this.taken.has(cell))) return false;
-    cells.forEach((cell) => this.taken.set(cell, true));
+    cells.forEach((cell) => this.taken.add(cell));
     return true;
   }
 }

@@ -65,7 +65,7 @@ export function arrange(scene, { plane, choice, apart, aspect }) {
   const shown = scene.sessions.filter((session) => choice === null || session.name === choice);
   const groups = shown.map((session) => ({ session, du: 0, dv: 0, box: boxOf(session, plane) }));
   const framed = apart && groups.length > 1;
-  if (framed) shelve(groups, aspect);
+  if (framed) shelveBest(groups, aspect);
   return { plane, groups, framed, bounds: union(groups.map(shifted)) };
 }
 
@@ -105,28 +105,38 @@ function union(boxes) {
   return { u0: side("u0", Math.min), u1: side("u1", Math.max), v0: side("v0", Math.min), v1: side("v1", Math.max) };
 }
 
-/** Puts the groups on shelves, in their order, so that all together take about the page's shape. */
-function shelve(groups, aspect) {
+/** Puts the groups on shelves, in their order, of the width that shows them largest on a page of this shape. */
+function shelveBest(groups, aspect) {
   const sides = groups.flatMap(({ box }) => [box.u1 - box.u0, box.v1 - box.v0]).sort((a, b) => a - b);
-  const usual = Math.max(sides[Math.floor(sides.length * 0.75)], 0.5);
-  const margin = usual * 0.15;
-  for (const group of groups) group.box = atLeast(group.box, usual * 0.6, margin);
-  const gap = usual * 0.18;
-  const area = groups.reduce((sum, { box }) => sum + (box.u1 - box.u0 + gap) * (box.v1 - box.v0 + 2 * gap), 0);
-  const widest = Math.max(...groups.map(({ box }) => box.u1 - box.u0));
-  const width = Math.max(Math.sqrt(area * aspect), widest);
+  const usual = Math.max(sides[Math.floor(sides.length * 0.75)], sides.at(-1) * 0.3, 0.5);
+  for (const group of groups) group.box = roomy(group.box, usual * 0.3, usual * 0.12);
+  const widths = groups.map(({ box }) => box.u1 - box.u0);
+  const [widest, all] = [Math.max(...widths), widths.reduce((sum, width) => sum + 2 * width, 0)];
+  let best = { size: Infinity, width: widest };
+  for (let width = widest; width <= all; width *= 1.08) {
+    const { u0, u1, v0, v1 } = shelve(groups, width, usual);
+    const size = Math.max(u1 - u0, (v1 - v0) * aspect);
+    if (size < best.size) best = { size, width };
+  }
+  shelve(groups, best.width, usual);
+}
+
+/** One try; gives the box around all. Above each shelf there is room for titles. */
+function shelve(groups, width, usual) {
+  const gap = usual * 0.12;
   let [u, v, tallest] = [0, 0, 0];
   for (const group of groups) {
     const [w, h] = [group.box.u1 - group.box.u0, group.box.v1 - group.box.v0];
-    if (u > 0 && u + w > width * 1.02) [u, v, tallest] = [0, v - tallest - 2 * gap, 0];
+    if (u > 0 && u + w > width) [u, v, tallest] = [0, v - tallest - 2.5 * gap, 0];
     group.du = u - group.box.u0;
     group.dv = v - group.box.v1;
     u += w + gap;
     tallest = Math.max(tallest, h);
   }
+  return union(groups.map(shifted));
 }
 
-function atLeast({ u0, u1, v0, v1 }, least, margin) {
+function roomy({ u0, u1, v0, v1 }, least, margin) {
   const grow = (a, b) => Math.max(0, least - (b - a)) / 2 + margin;
   const [du, dv] = [grow(u0, u1), grow(v0, v1)];
   return { u0: u0 - du, u1: u1 + du, v0: v0 - dv, v1: v1 + dv };

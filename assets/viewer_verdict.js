@@ -42,16 +42,16 @@ function headline({ verdict, best, candidates }, refs) {
 function card(candidate, open, context) {
   const { keyframe, verdict, reason } = candidate;
   return el("li", {}, el("details", { class: "candidate", open },
-    el("summary", {}, context.refs.keyframe(keyframe), " ",
+    el("summary", {}, el("code", {}, keyframe), " ",
       el("span", { class: `chip ${toneOf(verdict)}` }, NAMES[verdict] ?? verdict), " ",
       el("span", { class: "muted small" }, brief(candidate))),
-    el("p", {}, reason ? why(reason) : "It passed every check that could run."),
+    el("p", {}, context.refs.keyframe(keyframe), ": ", reason ? why(reason) : "it passed every check that could run."),
     el("ol", { class: "checks" }, appearance(candidate), anchors(candidate, context), geometry(candidate))));
 }
 
 /** What decided, in a few words and figures. */
 function brief({ reason, anchors: figures, geometry: { status, inliers }, bow }) {
-  const figure = { score_below_threshold: "signs differ", contradiction: "signs contradict", no_anchors: "no signs to compare",
+  const figure = { score_below_threshold: "signs differ", contradiction: "signs contradict", no_anchors: "nothing to compare",
     llm_pending: "descriptions pending", llm_unavailable: "model away", no_features: "no features", bow_below_reference: "looks differ",
     too_few_inliers: "geometry differs", anchors_disagree_with_transform: "signs misplaced", covisible: "same place as now" };
   if (reason) return figure[reason.code] ?? reason.code;
@@ -67,7 +67,7 @@ export function why({ code, measured, limit, detail }) {
     empty_bow: "It has no words (a blank wall?), and no anchor speaks for any place.",
     covisible: "It sees the same points as this keyframe: the present place, not a return.",
     bow_below_reference: `It looks less alike (${m}) than this map asks for (${l}).`,
-    no_anchors: "Around one of the two no anchor is described, so there is nothing to compare.",
+    no_anchors: "There are no anchors to compare.",
     llm_pending: "Anchors are not described yet, and their descriptions could turn the answer. Ask again in a while.",
     llm_unavailable: "The language model is away, and its word could turn the answer. Ask again in a while.",
     score_below_threshold: `The anchors around the two do not agree enough: S is ${m} and must exceed ${l}.`,
@@ -90,7 +90,7 @@ function check(state, title, figure, ...body) {
 function appearance({ bow: { score, common_words: words, reference_score: reference }, reason }) {
   const state = reason?.code === "bow_below_reference" ? "fail" : words === 0 ? "none" : "pass";
   const neighbours = reference > 0
-    && ` The keyframes just around this one score ${number(reference, 3)} or more, so it looks ${score >= reference ? "as much" : "less"} alike.`;
+    && ` This keyframe's own covisible neighbours score ${number(reference, 3)} or more.`;
   const text = words === 0
     ? "The two share no word; an anchor seen before proposed this candidate."
     : [`${count(words, "word")} in common.`, neighbours];
@@ -113,18 +113,19 @@ function anchors({ anchors: figures, reason }, { refs, described }) {
     el("ul", { class: "pairs" },
       matches.map((pair) => el("li", { class: "agrees" },
         el("div", {}, named(pair.query_anchor), " is like ", named(pair.candidate_anchor)),
-        el("div", { class: "muted small" }, `level ${pair.level} of 5, judged ${judge(pair.source)}; from here and there `,
+        el("div", { class: "muted small" }, `level ${pair.level} of 5, ${judge(pair.source)}; from here and there `,
           `${degrees(pair.angle_difference_rad)}° and ${number(pair.distance_difference_m)} m apart; weight ${number(pair.weight)}`))),
       contradictions.map((pair) => el("li", { class: "contradicts" },
         el("div", {}, sign(pair.reason)),
         el("div", { class: "muted small" }, named(pair.query_anchor), " against ", named(pair.candidate_anchor),
-          pair.weight !== undefined && `; weight ${number(pair.weight)}`)))));
+          pair.weight !== undefined && `; weight ${number(pair.weight)}`)))),
+    contradictions.length > 0 && reason?.code !== "contradiction" && el("p", { class: "muted small" }, "What contradicts does not outweigh what agrees."));
 }
 
-/** Who judged, within a sentence. */
+/** Who judged two descriptions, within a sentence. */
 export function judge(source) {
-  const known = { identical: "identical texts", identifiers: "by their identifiers", lexical: "by their words", operator: "by an operator" };
-  return known[source] ?? (source.startsWith("model:") ? `by ${source.slice(6)}` : source);
+  const known = { identical: "identical texts", identifiers: "judged by identifiers", lexical: "judged by words", operator: "judged by an operator" };
+  return known[source] ?? (source.startsWith("model:") ? `judged by ${source.slice(6)}` : source);
 }
 
 /** A bar of S from 0 to 1, with a line at what it must exceed. */
@@ -140,10 +141,10 @@ function bar(similarity, threshold) {
 function geometry({ geometry: { status, matches, inliers, reason, candidate_from_query: transform } }) {
   const state = { verified: "pass", failed: "fail" }[status] ?? "none";
   const figure = inliers === undefined || inliers === null ? "" : `${number(inliers, 0)} of ${number(matches, 0)}`;
-  const said = { verified: "The features of both images fit one transformation.", failed: "The features do not fit one transformation.", skipped: "It did not run." };
+  const said = { verified: "The features of both images fit one transformation", failed: "The features do not fit one transformation", skipped: "It did not run" };
   const shift = transform && Math.hypot(...["x", "y", "z"].map((axis) => transform.translation[axis]));
   return check(state, "Geometry", figure,
-    el("p", {}, said[status] ?? status, reason && [" ", sign(`${reason}.`.replace(/\.\.$/, "."))]),
+    el("p", {}, said[status] ?? status, reason && [": ", sign(reason)], "."),
     transform && el("p", { class: "muted small" }, `The two cameras stand ${number(shift)} m apart`,
       Math.abs(transform.scale - 1) > 1e-6 && `, at scale ${number(transform.scale, 3)}`, "."));
 }

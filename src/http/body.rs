@@ -100,7 +100,10 @@ pub fn expect_type(
     } else {
         String::new()
     };
-    Err(Problem::new(Kind::UNSUPPORTED_MEDIA_TYPE, format!("the content-type is {essence:?}, not {wanted}{hint}")))
+    Err(Problem::new(
+        Kind::UNSUPPORTED_MEDIA_TYPE,
+        format!("the content-type is {essence:?}, not {wanted}{hint}"),
+    ))
 }
 
 async fn json_bytes(request: Request) -> Result<Bytes, Problem> {

@@ -10,19 +10,36 @@ use crate::model::invalid::FieldError;
 /// No anchor ever gets this version: a tag that is none of ours matches nothing, and the service says 404 or 412.
 const NO_VERSION: u64 = u64::MAX;
 
-/// What `if-match` says, if it is there: a version, or `None` for `*`, any version.
-pub struct IfMatch(pub Option<Option<u64>>);
+/// What `if-match` says, if it is there.
+pub struct IfMatch(Option<Seen>);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Seen {
+    /// `*`: whatever version there is.
+    Any,
+    /// This version.
+    Version(u64),
+}
 
 impl IfMatch {
-    /// What it says, or the problem that it is missing.
+    /// The version it asks for (`None` for any), or the problem that it is missing.
     pub fn required(self) -> Result<Option<u64>, Problem> {
         let detail = "send `if-match` with the anchor's `etag`, or `*` for whatever version it has";
-        self.0.ok_or_else(|| Problem::new(Kind::PRECONDITION_REQUIRED, detail))
+        self.0.map(Seen::version).ok_or_else(|| Problem::new(Kind::PRECONDITION_REQUIRED, detail))
     }
 
-    /// What it says; a request without it minds no version.
+    /// The version it asks for; a request without it minds none.
     pub fn optional(self) -> Option<u64> {
-        self.0.flatten()
+        self.0.and_then(Seen::version)
+    }
+}
+
+impl Seen {
+    fn version(self) -> Option<u64> {
+        match self {
+            Self::Any => None,
+            Self::Version(version) => Some(version),
+        }
     }
 }
 
@@ -37,7 +54,7 @@ impl<S: Send + Sync> FromRequestParts<S> for IfMatch {
     async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
         let Some(header) = parts.headers.get(IF_MATCH) else { return Ok(Self(None)) };
         let text = header.to_str().unwrap_or_default().trim();
-        read(text).map(|expected| Self(Some(expected))).ok_or_else(|| {
+        read(text).map(|seen| Self(Some(seen))).ok_or_else(|| {
             let fault =
                 FieldError::new("if-match:", "not an entity tag").got(text).limit("\"<version>\" or *");
             Problem::new(Kind::BAD_REQUEST, "`if-match` is malformed").with(vec![fault])
@@ -45,9 +62,9 @@ impl<S: Send + Sync> FromRequestParts<S> for IfMatch {
     }
 }
 
-fn read(text: &str) -> Option<Option<u64>> {
+fn read(text: &str) -> Option<Seen> {
     if text == "*" {
-        return Some(None);
+        return Some(Seen::Any);
     }
     // A weak tag is well formed and never matches (RFC 9110 §13.1.1).
     let (weak, tag) = text.strip_prefix("W/").map_or((false, text), |tag| (true, tag));
@@ -56,7 +73,7 @@ fn read(text: &str) -> Option<Option<u64>> {
         return None;
     }
     let version = tag.parse().ok().filter(|version: &u64| !weak && version.to_string() == tag);
-    Some(Some(version.unwrap_or(NO_VERSION)))
+    Some(Seen::Version(version.unwrap_or(NO_VERSION)))
 }
 
 #[cfg(test)]
@@ -65,10 +82,10 @@ mod tests {
 
     #[test]
     fn a_tag_is_a_version_or_matches_nothing_or_is_malformed() {
-        assert_eq!(read("*"), Some(None));
-        assert_eq!(read("\"4\""), Some(Some(4)));
+        assert_eq!(read("*"), Some(Seen::Any));
+        assert_eq!(read("\"4\""), Some(Seen::Version(4)));
         for other in ["\"x\"", "W/\"4\"", "\"04\"", "\"\""] {
-            assert_eq!(read(other), Some(Some(NO_VERSION)), "{other}");
+            assert_eq!(read(other), Some(Seen::Version(NO_VERSION)), "{other}");
         }
         for malformed in ["4", "\"4", "", "\"4\", \"5\""] {
             assert_eq!(read(malformed), None, "{malformed}");

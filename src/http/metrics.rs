@@ -23,7 +23,8 @@ pub struct Metrics {
     requests: Family<RequestLabels, Counter>,
     latency: Family<RouteLabels, Histogram>,
     verdicts: Family<VerdictLabels, Counter>,
-    stats: Vec<(fn(&Stats) -> u64, Gauge<u64, AtomicU64>)>,
+    /// Parallel to [`GAUGES`].
+    gauges: Vec<Gauge<u64, AtomicU64>>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
@@ -69,15 +70,11 @@ impl Default for Metrics {
         registry.register_with_unit("http_request", "Time to answer", Unit::Seconds, latency.clone());
         let verdicts = Family::default();
         registry.register("loop_verdicts", "Loop queries by verdict", verdicts.clone());
-        let stats = GAUGES
-            .into_iter()
-            .map(|(name, help, read)| {
-                let gauge = Gauge::default();
-                registry.register(name, help, gauge.clone());
-                (read, gauge)
-            })
-            .collect();
-        Self { registry, requests, latency, verdicts, stats }
+        let gauges: Vec<Gauge<u64, AtomicU64>> = GAUGES.iter().map(|_| Gauge::default()).collect();
+        for ((name, help, _), gauge) in GAUGES.into_iter().zip(&gauges) {
+            registry.register(name, help, gauge.clone());
+        }
+        Self { registry, requests, latency, verdicts, gauges }
     }
 }
 
@@ -101,7 +98,7 @@ impl Metrics {
 
     /// Everything, with the service's own numbers as they are now.
     pub fn text(&self, stats: &Stats) -> String {
-        for (read, gauge) in &self.stats {
+        for ((_, _, read), gauge) in GAUGES.into_iter().zip(&self.gauges) {
             gauge.set(read(stats));
         }
         let mut out = String::new();

@@ -1,5 +1,7 @@
 //! Pages: the viewer and the reference, embedded in the binary; they load nothing from anywhere else.
 
+use std::future::ready;
+
 use axum::Router;
 use axum::http::header::{CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, X_CONTENT_TYPE_OPTIONS};
 use axum::response::IntoResponse;
@@ -8,46 +10,93 @@ use axum::routing::get;
 /// Nothing from elsewhere, no inline script, and no framing by others.
 const POLICY: &str = "default-src 'self'; img-src 'self' data: blob:; frame-ancestors 'none'; base-uri 'none'; form-action 'self'";
 
-struct Page {
-    path: &'static str,
-    media_type: &'static str,
+struct Asset {
+    name: &'static str,
     bytes: &'static [u8],
 }
 
-macro_rules! page {
-    ($path:literal, $file:literal, $media_type:expr) => {
-        Page {
-            path: $path,
-            media_type: $media_type,
-            bytes: include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/", $file)),
-        }
+macro_rules! assets {
+    ($($name:literal)*) => {
+        &[$(Asset {
+            name: $name,
+            bytes: include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/", $name)),
+        }),*]
     };
 }
 
-const HTML: &str = "text/html; charset=utf-8";
-const SCRIPT: &str = "text/javascript; charset=utf-8";
-const STYLE: &str = "text/css; charset=utf-8";
-
-const PAGES: [Page; 5] = [
-    page!("/", "viewer.html", HTML),
-    page!("/docs", "docs.html", HTML),
-    page!("/assets/viewer.js", "viewer.js", SCRIPT),
-    page!("/assets/docs.js", "docs.js", SCRIPT),
-    page!("/assets/revisit.css", "revisit.css", STYLE),
+/// Every file of `assets/`; a test finds those that are missing here.
+#[rustfmt::skip]
+const ASSETS: &[Asset] = assets![
+    "docs.css"
+    "docs.html"
+    "docs.js"
+    "docs_schema.js"
+    "dom.js"
+    "favicon.svg"
+    "page.css"
+    "viewer.css"
+    "viewer.html"
+    "viewer.js"
+    "viewer_api.js"
+    "viewer_canvas.js"
+    "viewer_details.js"
+    "viewer_draw.js"
+    "viewer_empty.js"
+    "viewer_events.js"
+    "viewer_lists.js"
+    "viewer_marks.js"
+    "viewer_scene.js"
+    "viewer_verdict.js"
 ];
 
-/// Their routes.
+/// Their routes: the pages under their own addresses, everything else under `/assets`.
 pub fn routes<S: Clone + Send + Sync + 'static>() -> Router<S> {
-    PAGES.iter().fold(Router::new(), |router, page| router.route(page.path, get(move || serve(page))))
+    ASSETS.iter().fold(Router::new(), |router, asset| {
+        let path = match asset.name {
+            "viewer.html" => "/".to_owned(),
+            "docs.html" => "/docs".to_owned(),
+            name => format!("/assets/{name}"),
+        };
+        router.route(&path, get(move || ready(serve(asset))))
+    })
 }
 
-async fn serve(page: &'static Page) -> impl IntoResponse {
+fn serve(asset: &'static Asset) -> impl IntoResponse {
     let headers = [
-        (CONTENT_TYPE, page.media_type),
+        (CONTENT_TYPE, media_type(asset.name)),
         (CONTENT_SECURITY_POLICY, POLICY),
         (X_CONTENT_TYPE_OPTIONS, "nosniff"),
         // The binary changes under the same addresses.
         (CACHE_CONTROL, "no-cache"),
     ];
-    (headers, page.bytes)
+    (headers, asset.bytes)
+}
+
+fn media_type(name: &str) -> &'static str {
+    match name.rsplit('.').next() {
+        Some("html") => "text/html; charset=utf-8",
+        Some("js") => "text/javascript; charset=utf-8",
+        Some("css") => "text/css; charset=utf-8",
+        Some("svg") => "image/svg+xml",
+        Some("png") => "image/png",
+        _ => "application/octet-stream",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_file_of_assets_is_served_as_what_it_is() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/assets");
+        let files =
+            std::fs::read_dir(folder).expect("a folder").map(|file| file.expect("a file").file_name());
+        let mut present: Vec<String> = files.map(|name| name.to_string_lossy().into_owned()).collect();
+        let mut embedded: Vec<&str> = ASSETS.iter().map(|asset| asset.name).collect();
+        present.sort_unstable();
+        embedded.sort_unstable();
+        assert_eq!(embedded, present, "list the files of assets/ in ASSETS");
+        assert!(embedded.iter().all(|name| media_type(name) != "application/octet-stream"), "{embedded:?}");
+    }
 }

@@ -63,15 +63,24 @@ impl Problem {
     /// A problem of a kind, with what happened this time.
     pub fn new(kind: Kind, detail: impl Into<String>) -> Self {
         let detail = detail.into().into();
-        Self { kind, code: kind.code, detail, errors: Vec::new(), retry_after_s: None, cause: None }
+        // Who is told "not now" is told when.
+        let retry_after_s = (kind == Kind::UNAVAILABLE).then_some(1);
+        Self { kind, code: kind.code, detail, errors: Vec::new(), retry_after_s, cause: None }
     }
 
     /// The problem of a bare status, as layers below ours answer it.
     pub fn of_status(status: StatusCode) -> Self {
-        let unnamed =
-            Kind { status, code: "http", title: status.canonical_reason().unwrap_or("The request failed") };
-        let kind = Kind::ALL.iter().copied().find(|kind| kind.status == status && kind.code != "syntax");
-        Self::new(kind.unwrap_or(unnamed), status.canonical_reason().unwrap_or_default())
+        let reason = status.canonical_reason().unwrap_or("The request failed");
+        let unnamed = Kind { status, code: "http", title: reason };
+        let kind = Kind::ALL.iter().copied().find(|kind| kind.status == status && *kind != Kind::SYNTAX);
+        let detail = match status {
+            // A content-type that is refused is refused by name: what is left is the encoding.
+            StatusCode::UNSUPPORTED_MEDIA_TYPE => {
+                "the content-encoding is not one of gzip, zstd and identity"
+            }
+            _ => reason,
+        };
+        Self::new(kind.unwrap_or(unnamed), detail)
     }
 
     /// Faults of the request's body, path or parameters.

@@ -49,7 +49,7 @@ pub struct AnchorView {
     pub frames: Vec<AnchorFrameView>,
     /// How many distinct map points it has.
     pub map_points: usize,
-    /// The anchors that match it, oldest first; at most the first hundred or so of `matches_total`.
+    /// The anchors that match it, oldest first; at most 100 of `matches_total`.
     pub matches: Vec<AnchorMatchView>,
     /// How many anchors match it in all.
     pub matches_total: usize,

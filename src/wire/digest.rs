@@ -26,7 +26,9 @@ fn add(sha: &mut Sha256, value: &Value) {
         Value::String(text) => add_text(sha, text),
         Value::Array(items) => {
             add_length(sha, b"a", items.len());
-            items.iter().for_each(|item| add(sha, item));
+            for item in items {
+                add(sha, item);
+            }
         }
         Value::Object(members) => {
             add_length(sha, b"o", members.len());

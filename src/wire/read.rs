@@ -92,7 +92,7 @@ impl<'a> Node<'a> {
         match self.step {
             Step::Root => {}
             Step::Name(name) => push_name(&mut pointer, name),
-            Step::Index(index) => pointer.push_str(&format!("/{index}")),
+            Step::Index(index) => push_name(&mut pointer, &index.to_string()),
         }
         pointer
     }

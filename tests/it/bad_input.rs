@@ -34,7 +34,7 @@ fn check(what: &str, answer: &Answer, status: u16, pointers: &[&str]) {
 }
 
 /// The smallest keyframe with these members put in.
-fn with(members: Value) -> Value {
+fn with(members: &Value) -> Value {
     let mut body = keyframe();
     for (name, value) in members.as_object().expect("members") {
         body[name] = value.clone();
@@ -42,12 +42,12 @@ fn with(members: Value) -> Value {
     body
 }
 
-fn detection(members: Value) -> Value {
+fn detection(members: &Value) -> Value {
     let mut detection = json!({"class": "door_number", "confidence": 0.9, "box": [0, 0, 10, 10]});
     for (name, value) in members.as_object().expect("members") {
         detection[name] = value.clone();
     }
-    with(json!({"detections": [detection]}))
+    with(&json!({"detections": [detection]}))
 }
 
 /// Bodies that are JSON and mean nothing good, each with the places at fault.
@@ -56,59 +56,59 @@ fn meaningless() -> Vec<(&'static str, Value, &'static [&'static str])> {
     let at = |x: Value| json!({"translation": {"x": x, "y": 0, "z": 0}, "rotation": {"x": 0, "y": 0, "z": 0, "w": 1}});
     let features = |bytes: Value, descriptors: &str| {
         with(
-            json!({"features": {"descriptor_bytes": bytes, "descriptors": descriptors, "keypoints": [[1, 2]]}}),
+            &json!({"features": {"descriptor_bytes": bytes, "descriptors": descriptors, "keypoints": [[1, 2]]}}),
         )
     };
     vec![
         ("no object", json!([]), &[""]),
         ("nothing", json!({}), &["/stamp", "/pose"]),
-        ("an unknown field", with(json!({"weather": "fine"})), &["/weather"]),
+        ("an unknown field", with(&json!({"weather": "fine"})), &["/weather"]),
         (
             "an unknown field below",
-            with(json!({"stamp": {"sec": 1, "nanosec": 0, "usec": 1}})),
+            with(&json!({"stamp": {"sec": 1, "nanosec": 0, "usec": 1}})),
             &["/stamp/usec"],
         ),
-        ("text for a number", with(json!({"stamp": {"sec": "1", "nanosec": 0}})), &["/stamp/sec"]),
-        ("a number for a list", with(json!({"observes": 12})), &["/observes"]),
-        ("null for an object", with(json!({"camera": null})), &["/camera"]),
-        ("a fraction for a count", with(json!({"observes": [1.5]})), &["/observes/0"]),
-        ("1e39", with(json!({"pose": at(json!(1e39))})), &["/pose/translation/x"]),
-        ("a zero quaternion", with(json!({"pose": rotation(0.0)})), &["/pose/rotation"]),
-        ("half a quaternion", with(json!({"pose": rotation(0.5)})), &["/pose/rotation"]),
+        ("text for a number", with(&json!({"stamp": {"sec": "1", "nanosec": 0}})), &["/stamp/sec"]),
+        ("a number for a list", with(&json!({"observes": 12})), &["/observes"]),
+        ("null for an object", with(&json!({"camera": null})), &["/camera"]),
+        ("a fraction for a count", with(&json!({"observes": [1.5]})), &["/observes/0"]),
+        ("1e39", with(&json!({"pose": at(json!(1e39))})), &["/pose/translation/x"]),
+        ("a zero quaternion", with(&json!({"pose": rotation(0.0)})), &["/pose/rotation"]),
+        ("half a quaternion", with(&json!({"pose": rotation(0.5)})), &["/pose/rotation"]),
         (
             "a duplicate word",
-            with(json!({"bow": {"words": [3, 7, 3], "weights": [1, 1, 1]}})),
+            with(&json!({"bow": {"words": [3, 7, 3], "weights": [1, 1, 1]}})),
             &["/bow/words/2"],
         ),
-        ("unequal lists", with(json!({"bow": {"words": [3, 7], "weights": [1]}})), &["/bow/weights"]),
-        ("a negative weight", with(json!({"bow": {"words": [3], "weights": [-1]}})), &["/bow/weights/0"]),
+        ("unequal lists", with(&json!({"bow": {"words": [3, 7], "weights": [1]}})), &["/bow/weights"]),
+        ("a negative weight", with(&json!({"bow": {"words": [3], "weights": [-1]}})), &["/bow/weights/0"]),
         (
             "too large a word",
-            with(json!({"bow": {"words": [4_294_967_296_u64], "weights": [1]}})),
+            with(&json!({"bow": {"words": [4_294_967_296_u64], "weights": [1]}})),
             &["/bow/words/0"],
         ),
         (
             "unequal points",
-            with(json!({"map_points": {"ids": [1], "positions": []}})),
+            with(&json!({"map_points": {"ids": [1], "positions": []}})),
             &["/map_points/positions"],
         ),
         ("bad base64", features(json!(8), "!!"), &["/features/descriptors"]),
         ("too few descriptors", features(json!(8), "AAAA"), &["/features/descriptors"]),
         ("odd descriptors", features(json!(12), ""), &["/features/descriptor_bytes"]),
-        ("swapped corners", detection(json!({"box": [10, 0, 0, 10]})), &["/detections/0/box"]),
-        ("confidence above one", detection(json!({"confidence": 1.5})), &["/detections/0/confidence"]),
-        ("a crop that is no image", detection(json!({"crop": "AAAA"})), &["/detections/0/crop"]),
+        ("swapped corners", detection(&json!({"box": [10, 0, 0, 10]})), &["/detections/0/box"]),
+        ("confidence above one", detection(&json!({"confidence": 1.5})), &["/detections/0/confidence"]),
+        ("a crop that is no image", detection(&json!({"crop": "AAAA"})), &["/detections/0/crop"]),
         (
             "itself covisible",
-            with(json!({"covisible": [{"keyframe": "kf-2", "shared": 9}]})),
+            with(&json!({"covisible": [{"keyframe": "kf-2", "shared": 9}]})),
             &["/covisible/0/keyframe"],
         ),
         (
             "nobody covisible",
-            with(json!({"covisible": [{"keyframe": "kf-9", "shared": 9}]})),
+            with(&json!({"covisible": [{"keyframe": "kf-9", "shared": 9}]})),
             &["/covisible/0/keyframe"],
         ),
-        ("a bad id", with(json!({"session": "a/b"})), &["/session"]),
+        ("a bad id", with(&json!({"session": "a/b"})), &["/session"]),
         (
             "several at once",
             json!({

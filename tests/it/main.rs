@@ -1,6 +1,7 @@
 //! The one integration binary: everything here speaks to a real server over HTTP, or reads what is committed.
 
 mod bad_input;
+mod bounds;
 mod crash;
 mod openapi;
 mod recordings;

@@ -7,7 +7,7 @@ use super::{BowShape, CameraShape, CovisibleShape, FeaturesShape, PointsShape};
 use crate::geometry::Point3;
 use crate::model::anchor::{AnchorState, Outcome};
 use crate::model::bow::BowVector;
-use crate::model::ids::{KeyframeId, PointId};
+use crate::model::ids::{AnchorSeq, KeyframeId, PointId};
 use crate::model::keyframe::{Camera, Detection, Features, Keypoint};
 use crate::model::report::{KeyframeRecord, KeyframeReport, KeyframeSummary};
 use crate::wire::anchor::AnchorStateName;
@@ -228,7 +228,7 @@ impl From<KeyframeSummary> for KeyframeLine {
             stamp: summary.stamp.into(),
             pose: summary.map_from_camera.into(),
             covisible: summary.covisible,
-            anchors: summary.anchors.into_iter().map(|anchor| anchor.public()).collect(),
+            anchors: summary.anchors.into_iter().map(AnchorSeq::public).collect(),
         }
     }
 }

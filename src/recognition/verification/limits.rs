@@ -1,0 +1,118 @@
+//! The thresholds of the verification, each with its source.
+
+/// Every threshold. [`Limits::default`] is what the service uses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Fewest descriptor matches between points with a position on both sides to try at all (ORB-SLAM: 20).
+    pub min_matches: u32,
+    /// Fewest inliers at the very end, after guided search and refinement, for a loop (ORB-SLAM3: 20).
+    pub min_inliers: u32,
+    /// Is the scale 1, the map being metric?
+    pub fixed_scale: bool,
+    /// How descriptors are matched.
+    pub matching: MatchingLimits,
+    /// What a keypoint's position scatters by at octave 0, in pixels.
+    pub keypoint_sigma_px: f64,
+    /// How much more it scatters from octave to octave: the scale factor of ORB's image pyramid, 1.2.
+    pub octave_factor: f64,
+    /// The squared reprojection error, in units of the keypoint's variance, below which a pair is an inlier: 9.21,
+    /// the 99 % quantile of chi-square with two degrees of freedom (`contract.md` §8.13).
+    pub max_chi_square: f64,
+    /// How samples are drawn.
+    pub sampling: SamplingLimits,
+    /// How the guided search looks for more matches.
+    pub guided: GuidedLimits,
+}
+
+/// How descriptors are matched. Distances are shares of the descriptor's length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MatchingLimits {
+    /// The largest distance of a match. ORB-SLAM: 50 of 256 bits with the vocabulary (`TH_LOW`), 100 without (`TH_HIGH`).
+    pub max_distance: f64,
+    /// The best must be closer than this share of the second best (ORB-SLAM's loop closing: 0.75 to 0.9).
+    pub max_ratio: f64,
+    /// Must each be the other's best?
+    pub mutual: bool,
+    /// Must the matches turn the image alike, where both sides have orientations?
+    pub orientation: bool,
+}
+
+/// How RANSAC draws its samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SamplingLimits {
+    /// The most hypotheses (ORB-SLAM: 300).
+    pub max_hypotheses: u32,
+    /// Sampling stops once the chance of having missed every good sample is below this (ORB-SLAM: 1 %).
+    pub max_chance_of_miss: f64,
+    /// A hypothesis comes from three noisy points: its inliers may be this many times farther off than the last ones.
+    pub tolerance: f64,
+    /// The longest side of a sample's triangle, as a share of its distance from the camera, must exceed this.
+    pub min_extent: f64,
+    /// Its height over that side, as a share of the side, must exceed this: three points on a line leave the rotation open.
+    pub min_height: f64,
+    /// On metric maps, the sides of the two triangles may differ by this factor.
+    pub max_side_factor: f64,
+}
+
+/// How the guided search looks for more matches around the projected points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GuidedLimits {
+    /// How far from the projection a keypoint may be, in standard deviations of its position.
+    pub radius: f64,
+    /// The largest descriptor distance, as a share of the length.
+    pub max_distance: f64,
+    /// Rounds of search and refinement.
+    pub rounds: u32,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            min_matches: 20,
+            min_inliers: 20,
+            fixed_scale: true,
+            matching: MatchingLimits::default(),
+            keypoint_sigma_px: 2.0,
+            octave_factor: 1.2,
+            max_chi_square: 9.21,
+            sampling: SamplingLimits::default(),
+            guided: GuidedLimits::default(),
+        }
+    }
+}
+
+impl Default for MatchingLimits {
+    fn default() -> Self {
+        Self { max_distance: 100.0 / 256.0, max_ratio: 0.9, mutual: true, orientation: true }
+    }
+}
+
+impl Default for SamplingLimits {
+    fn default() -> Self {
+        Self {
+            max_hypotheses: 1_000,
+            max_chance_of_miss: 0.01,
+            tolerance: 2.0,
+            min_extent: 0.05,
+            min_height: 0.1,
+            max_side_factor: 1.5,
+        }
+    }
+}
+
+impl Default for GuidedLimits {
+    fn default() -> Self {
+        Self { radius: 4.0, max_distance: 80.0 / 256.0, rounds: 2 }
+    }
+}
+
+impl Limits {
+    /// The inverse variance of a keypoint's position at an octave, per square pixel.
+    pub fn inverse_variance(&self, octave: u8) -> f64 {
+        let mut sigma_px = self.keypoint_sigma_px;
+        for _ in 0..octave {
+            sigma_px *= self.octave_factor;
+        }
+        (sigma_px * sigma_px).recip()
+    }
+}
