@@ -216,6 +216,7 @@ function connected(how) {
 
 function cover(content) {
   at("empty").hidden = content === null;
+  document.body.classList.toggle("covered", content !== null);
   fill(at("empty"), content);
   if (content === null) canvas.resize();
 }

@@ -79,7 +79,8 @@ async fn measure(url: &str, map: &str, clients: usize) -> (f64, f64, f64) {
                     }
                     let asked = Instant::now();
                     let address = format!("{url}/v1/maps/{map}/keyframes/kf-{client}-{number}");
-                    let answer = http.put(address).json(&keyframe(client, number)).send().await.expect("an answer");
+                    let answer =
+                        http.put(address).json(&keyframe(client, number)).send().await.expect("an answer");
                     assert_eq!(answer.status(), 201);
                     answer.bytes().await.expect("a body");
                     latencies.push(asked.elapsed().as_secs_f64() * 1e3);
@@ -103,14 +104,22 @@ async fn round(name: &str, slow_sync: Option<&Path>) {
     let (alone, p50, p99) = measure(&server.url, "alone", 1).await;
     println!("{name:<28} {:>8} {alone:>10.0} {p50:>9.2} {p99:>9.2}", 1);
     let (together, p50, p99) = measure(&server.url, "together", CLIENTS).await;
-    println!("{name:<28} {CLIENTS:>8} {together:>10.0} {p50:>9.2} {p99:>9.2}   {:.1} x one client", together / alone);
+    println!(
+        "{name:<28} {CLIENTS:>8} {together:>10.0} {p50:>9.2} {p99:>9.2}   {:.1} x one client",
+        together / alone
+    );
 }
 
 /// The shim, built beside the benchmark; `None` where there is no C compiler.
 fn build_shim() -> Option<PathBuf> {
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("slow_sync.so");
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/commits/slow_sync.c");
-    let built = Command::new("cc").args(["-shared", "-fPIC", "-O2", "-o"]).arg(&target).arg(source).args(["-ldl"]).status();
+    let built = Command::new("cc")
+        .args(["-shared", "-fPIC", "-O2", "-o"])
+        .arg(&target)
+        .arg(source)
+        .args(["-ldl"])
+        .status();
     built.ok()?.success().then_some(target)
 }
 

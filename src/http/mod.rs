@@ -9,7 +9,7 @@
 //! | [`router`] | the layers around the routes |
 //! | [`server`] | the accept loop, and how it stops |
 //! | [`metrics`] | what Prometheus reads |
-//! | [`document`], [`refusals`] | the API document |
+//! | [`mod@document`], [`refusals`] | the API document |
 //! | [`pages`] | the viewer and the reference |
 
 pub mod answer;

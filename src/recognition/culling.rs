@@ -13,7 +13,9 @@ use crate::model::ids::{AnchorSeq, KeyframeSeq};
 pub fn cull_keyframe(index: &mut MapIndex, keyframe: KeyframeSeq, bow: Arc<BowVector>) -> Decided {
     let mut record = Recorder::new(index);
     let seen: Vec<AnchorSeq> = record.index().anchors_seen_by(keyframe).collect();
-    seen.iter().for_each(|anchor| record.touch(*anchor));
+    for anchor in &seen {
+        record.touch(*anchor);
+    }
     record.apply(vec![Change::KeyframeRemoved(keyframe, bow)]);
     for anchor in seen {
         if record.index().anchor(anchor).is_some_and(|anchor| anchor.observations.is_empty()) {

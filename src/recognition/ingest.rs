@@ -47,7 +47,9 @@ pub fn ingest(index: &mut MapIndex, new: &NewKeyframe) -> Ingested {
     let (keyframe, session) = add_keyframe(&mut record, new);
     let (outcomes, before) = associate_detections(&mut record, new, keyframe, session);
     let seen = record.index().objects_seen_by(keyframe);
-    seen.iter().for_each(|root| record.touch(*root));
+    for root in &seen {
+        record.touch(*root);
+    }
     let changed = tell_described(&mut record, &seen, &before);
     merge_covisible(&mut record, keyframe, &seen, &changed);
     let revisits = tell_revisits(&mut record, keyframe, &changed);

@@ -16,11 +16,11 @@
 //! | left, right, arrows | `direction.rs` | `Directions` |
 //! | sets of words and their likeness | `words.rs` | `overlap`, `prefix` |
 //! | a parsed description | `text.rs` | [`Text::parse`] |
-//! | InformationLevel | `information.rs` | [`information`] |
+//! | InformationLevel | `information.rs` | [`information()`] |
 //! | do two sets of identifiers agree? | `agreement.rs` | [`conflict`] |
-//! | SimilarityLevel: the rules | `similarity.rs` | [`similarity`], [`similarity_level`] |
+//! | SimilarityLevel: the rules | `similarity.rs` | [`similarity()`], [`similarity_level`] |
 //! | the sentence that explains a level | `reason.rs` | `sentence` |
-//! | MergeText | `merge.rs` | [`merge`] |
+//! | MergeText | `merge.rs` | [`merge()`] |
 //! | which texts to compare at all | `keys.rs` | [`Text::keys`] |
 
 mod agreement;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::live::{Decision, LiveMap};
 use super::maps::bad_cursor;
-use super::{Service, ServiceError, Stored};
+use super::{Begun, Service, ServiceError, Stored};
 use crate::model::anchor::{AnchorState, Outcome};
 use crate::model::ids::{KeyframeId, KeyframeSeq, MapId};
 use crate::model::keyframe::NewKeyframe;
@@ -24,6 +24,28 @@ enum Put {
     Exists(KeyframeSeq),
 }
 
+/// A keyframe that is decided and on its way to the disk.
+pub struct PendingKeyframe {
+    service: Service,
+    live: Arc<LiveMap>,
+    id: KeyframeId,
+    digest: Digest,
+    begun: Begun<Put>,
+}
+
+impl PendingKeyframe {
+    /// Waits until it is on disk.
+    pub async fn committed(self) -> Result<Stored<KeyframeReport>, ServiceError> {
+        match self.begun.committed().await? {
+            (Put::Created(mut value), map_version) => {
+                value.map_version = map_version;
+                Ok(Stored { created: true, map_version, value })
+            }
+            (Put::Exists(seq), _) => self.service.put_again(&self.live, &self.id, seq, self.digest).await,
+        }
+    }
+}
+
 impl Service {
     /// Stores a keyframe and associates its detections, or finds that this very request had done so.
     pub async fn put_keyframe(
@@ -32,6 +54,17 @@ impl Service {
         keyframe: NewKeyframe,
         digest: Digest,
     ) -> Result<Stored<KeyframeReport>, ServiceError> {
+        self.begin_keyframe(map, keyframe, digest).await?.committed().await
+    }
+
+    /// The first half of [`Self::put_keyframe`]: decided and queued, in the order of calls. Who has many keyframes
+    /// begins the next one before the disk has this one.
+    pub async fn begin_keyframe(
+        &self,
+        map: &MapId,
+        keyframe: NewKeyframe,
+        digest: Digest,
+    ) -> Result<PendingKeyframe, ServiceError> {
         let live = self.live(map).await?;
         let id = keyframe.id.clone();
         let decide = move |index: &mut MapIndex| {
@@ -47,13 +80,8 @@ impl Service {
             let rows = NewKeyframeRows { keyframe: Arc::new(keyframe), digest };
             Ok(Decision::Changed(Put::Created(report), ingested.decided, Some(rows)))
         };
-        match self.change(&live, decide).await? {
-            (Put::Created(mut value), map_version) => {
-                value.map_version = map_version;
-                Ok(Stored { created: true, map_version, value })
-            }
-            (Put::Exists(seq), _) => self.put_again(&live, &id, seq, digest).await,
-        }
+        let begun = self.begin(&live, decide).await?;
+        Ok(PendingKeyframe { service: self.clone(), live, id, digest, begun })
     }
 
     async fn put_again(

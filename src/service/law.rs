@@ -221,10 +221,11 @@ async fn holds_after(requests: Vec<Request>) {
     }
     let live = service.live(&map).await.unwrap();
     let loaded = service.store.load(&map).await.unwrap().unwrap();
-    let state = live.state().unwrap();
-    assert_eq!(loaded.version, state.version);
-    pretty(&loaded.index, &state.index);
-    drop(state);
+    {
+        let state = live.state().unwrap();
+        assert_eq!(loaded.version, state.version);
+        pretty(&loaded.index, &state.index);
+    }
     service.close().await;
 }
 

@@ -20,10 +20,11 @@ mod reports;
 
 use std::sync::Arc;
 
-use tokio::sync::Semaphore;
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::task::spawn_blocking;
 
 pub use error::ServiceError;
+pub use keyframes::PendingKeyframe;
 pub use queries::QueryAnswer;
 
 use crate::model::ids::MapId;
@@ -139,18 +140,26 @@ impl Service {
         self.registry.get(&self.store, id).await
     }
 
-    /// Decides a write off the async threads and waits until it is on disk. If the client goes away in
-    /// between, the decision is committed all the same.
+    /// Decides a write off the async threads and queues it. If the client goes away, the decision is
+    /// committed all the same.
+    async fn begin<T: Send + 'static>(
+        &self,
+        live: &Arc<LiveMap>,
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
+    ) -> Result<Begun<T>, ServiceError> {
+        let permit = self.writes.clone().acquire_owned().await.map_err(|_| closed())?;
+        let (deciding, store) = (live.clone(), self.store.clone());
+        let pending = spawn_blocking(move || deciding.decide(&store, decide)).await.map_err(panicked)??;
+        Ok(Begun { live: live.clone(), pending, _permit: permit })
+    }
+
+    /// Decides a write and waits until it is on disk.
     async fn change<T: Send + 'static>(
         &self,
         live: &Arc<LiveMap>,
         decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
     ) -> Result<(T, u64), ServiceError> {
-        let _permit = self.writes.acquire().await.map_err(|_| closed())?;
-        let (deciding, store) = (live.clone(), self.store.clone());
-        let pending: Pending<T> =
-            spawn_blocking(move || deciding.decide(&store, decide)).await.map_err(panicked)??;
-        pending.committed(live).await
+        self.begin(live, decide).await?.committed().await
     }
 
     /// Reads the index off the async threads, and waits until what was read is on disk.
@@ -169,6 +178,21 @@ impl Service {
         .map_err(panicked)??;
         live.on_disk(version).await?;
         Ok((version, value))
+    }
+}
+
+/// A write that is decided and on its way to the disk.
+struct Begun<T> {
+    live: Arc<LiveMap>,
+    pending: Pending<T>,
+    /// Counts among the writes under way until the disk has it.
+    _permit: OwnedSemaphorePermit,
+}
+
+impl<T> Begun<T> {
+    /// Waits until it is on disk.
+    async fn committed(self) -> Result<(T, u64), ServiceError> {
+        self.pending.committed(&self.live).await
     }
 }
 

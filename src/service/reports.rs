@@ -1,5 +1,7 @@
 //! What a reader is shown of an anchor.
 
+use std::collections::BTreeSet;
+
 use crate::model::ids::AnchorSeq;
 use crate::model::report::{AnchorMatchReport, AnchorReport};
 use crate::recognition::index::{MapIndex, Object};
@@ -48,7 +50,7 @@ fn matches(index: &MapIndex, root: AnchorSeq, object: &Object) -> (Vec<AnchorMat
     let texts = index.texts();
     let Some(text) = texts.of(root) else { return (Vec::new(), 0) };
     let total = matching::matches(index, root).count();
-    let near = if total == 0 { Default::default() } else { matching::neighbourhood(index, root) };
+    let near = if total == 0 { BTreeSet::default() } else { matching::neighbourhood(index, root) };
     let shown = matching::matches(index, root).take(MATCHES_SHOWN).filter_map(|other| {
         let (level, source) = texts.level(text, texts.of(other)?)?;
         let (ours, theirs) =

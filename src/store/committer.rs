@@ -110,7 +110,7 @@ async fn run(pool: SqlitePool, mut queue: mpsc::UnboundedReceiver<Message>, coun
         let mut next = Some(first);
         while let Some(message) = next {
             match message {
-                Message::Job(queued) => group.push(queued),
+                Message::Job(queued) => group.push(*queued),
                 Message::Close(closed) => {
                     closing = Some(closed);
                     break;
@@ -128,11 +128,13 @@ async fn run(pool: SqlitePool, mut queue: mpsc::UnboundedReceiver<Message>, coun
     }
 }
 
-async fn commit_group(pool: &SqlitePool, group: Vec<Box<Queued>>, counters: &Counters) {
+async fn commit_group(pool: &SqlitePool, group: Vec<Queued>, counters: &Counters) {
     let size = group.len() as u64;
     let (void, group): (Vec<_>, Vec<_>) =
         group.into_iter().partition(|queued| queued.broken.load(Ordering::Acquire));
-    void.into_iter().for_each(|queued| (queued.done)(Err(StoreError::Superseded)));
+    for queued in void {
+        (queued.done)(Err(StoreError::Superseded));
+    }
     if group.is_empty() {
         counters.waiting.fetch_sub(size, Ordering::Relaxed);
         return;
@@ -142,12 +144,14 @@ async fn commit_group(pool: &SqlitePool, group: Vec<Box<Queued>>, counters: &Cou
     match result {
         Ok(()) => {
             counters.jobs.fetch_add(group.len() as u64, Ordering::Relaxed);
-            group.into_iter().for_each(|queued| (queued.done)(Ok(())));
+            for queued in group {
+                (queued.done)(Ok(()));
+            }
         }
         Err(error) => {
             warn!(%error, jobs = group.len(), "a group did not commit; trying its jobs one by one");
             for queued in group {
-                commit_alone(pool, *queued, counters).await;
+                commit_alone(pool, queued, counters).await;
             }
         }
     }

@@ -40,7 +40,10 @@ impl From<sqlx::Error> for StoreError {
     fn from(error: sqlx::Error) -> Self {
         /// SQLITE_FULL; extended codes carry the primary one in their low byte.
         const FULL: i32 = 13;
-        let code = error.as_database_error().and_then(|e| e.code()).and_then(|code| code.parse::<i32>().ok());
+        let code = error
+            .as_database_error()
+            .and_then(sqlx::error::DatabaseError::code)
+            .and_then(|code| code.parse::<i32>().ok());
         match code {
             Some(code) if code & 0xff == FULL => Self::DiskFull,
             _ => Self::Database(error.to_string()),

@@ -3,7 +3,7 @@
 //! `MapIndex::build(load(map)) == live index` is the law of the house; the changes come in an order
 //! in which every one finds what it names.
 
-use std::collections::HashMap;
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use sqlx::Row;
@@ -213,19 +213,14 @@ async fn anchors(db: &mut Db, key: MapKey) -> Result<Vec<Change>, StoreError> {
             changes.push(Change::DescriptionSet(seq, by_hand.map(Into::into)));
         }
     }
-    let crops: HashMap<(u32, u16), ()> =
-        sqlx::query_as("select keyframe, detection from crops where map_key = $1")
-            .bind(key)
-            .fetch_all(&mut *db)
-            .await?
-            .into_iter()
-            .map(|crop| (crop, ()))
-            .collect();
+    let select = "select keyframe, detection from crops where map_key = $1";
+    let crops: Vec<(u32, u16)> = sqlx::query_as(select).bind(key).fetch_all(&mut *db).await?;
+    let crops: HashSet<(u32, u16)> = crops.into_iter().collect();
     let select =
         "select * from detections where map_key = $1 and anchor is not null order by keyframe, detection";
     for row in sqlx::query(select).bind(key).fetch_all(&mut *db).await? {
         let at = (row.try_get("keyframe")?, row.try_get("detection")?);
-        let observation = observation(&row, crops.contains_key(&at))?;
+        let observation = observation(&row, crops.contains(&at))?;
         changes.push(Change::Observed(AnchorSeq(row.try_get("anchor")?), Box::new(observation)));
     }
     Ok(changes)

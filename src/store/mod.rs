@@ -4,7 +4,7 @@
 //! |---|---|
 //! | opening, pragmas, migrations | this file, [`schema`] |
 //! | one writer, group commit | [`committer`] |
-//! | from changes to rows | [`write`], [`keyframe_rows`] |
+//! | from changes to rows | [`mod@write`], [`keyframe_rows`] |
 //! | from rows to changes, when a map is first asked for | [`load`] |
 //! | reads of one row | [`read`] |
 //! | packed lists in blobs | [`blob`] |

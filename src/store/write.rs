@@ -11,7 +11,7 @@ use super::keyframe_rows::{add_detections, add_keyframe, pose_blob, set_points};
 use crate::model::anchor::Outcome;
 use crate::model::change::{Change, Loop, Merge, MergeCause};
 use crate::model::event::Event;
-use crate::model::ids::{AnchorSeq, KeyframeSeq, MapId};
+use crate::model::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, MapId};
 use crate::model::keyframe::NewKeyframe;
 use crate::model::map::MapProperties;
 use crate::model::request::Digest;
@@ -301,9 +301,9 @@ async fn tell(db: &mut SqliteConnection, map: MapKey, events: &[Event]) -> Resul
             .bind(event.map_version as i64)
             .bind(event.anchor.map(|anchor| anchor.0))
             .bind(event.other.map(|anchor| anchor.0))
-            .bind(event.keyframe.as_ref().map(|id| id.as_str()))
-            .bind(event.candidate.as_ref().map(|id| id.as_str()))
-            .bind(event.loop_id.as_ref().map(|id| id.as_str()))
+            .bind(event.keyframe.as_ref().map(KeyframeId::as_str))
+            .bind(event.candidate.as_ref().map(KeyframeId::as_str))
+            .bind(event.loop_id.as_ref().map(LoopId::as_str))
             .bind(&event.query)
             .bind(&event.detail);
         run(db, query).await?;

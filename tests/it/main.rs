@@ -1,5 +1,8 @@
 //! The one integration binary: everything here speaks to a real server over HTTP, or reads what is committed.
 
+// A test that cannot go on has failed; unwrap says where.
+#![allow(clippy::unwrap_used)]
+
 mod bad_input;
 mod bounds;
 mod crash;

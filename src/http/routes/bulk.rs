@@ -1,5 +1,7 @@
 //! Bulk: many keyframes in one request, each with its own result.
 
+use std::collections::VecDeque;
+
 use axum::body::Body;
 use axum::extract::{Extension, Request, State};
 use axum::http::StatusCode;
@@ -15,7 +17,7 @@ use crate::http::path::{InMap, MapPath};
 use crate::http::problem::{Kind, Problem};
 use crate::http::refusals::OfWrite;
 use crate::model::ids::MapId;
-use crate::service::Service;
+use crate::service::{PendingKeyframe, Service};
 use crate::wire::bulk::{self, BulkItem, BulkLine};
 use crate::wire::examples;
 use crate::wire::limits;
@@ -52,17 +54,34 @@ pub async fn put_keyframes(
     Ok(answer.into_response())
 }
 
+/// So many lines of one request may wait for the disk at once: enough to share its syncs, and few beside those of others.
+const UNDER_WAY_MAX: usize = 128;
+
+/// A line that is decided and on its way to the disk.
+struct UnderWay {
+    line: usize,
+    id: Option<String>,
+    keyframe: PendingKeyframe,
+}
+
 /// The lines answered so far. They are kept until the end, for only then is it known whether any failed.
 struct Answer {
     request_id: String,
     lines: Vec<u8>,
     items: usize,
     failed: bool,
+    under_way: VecDeque<UnderWay>,
 }
 
 impl Answer {
     fn of(request_id: &RequestId) -> Self {
-        Self { request_id: request_id.to_string(), lines: Vec::new(), items: 0, failed: false }
+        Self {
+            request_id: request_id.to_string(),
+            lines: Vec::new(),
+            items: 0,
+            failed: false,
+            under_way: VecDeque::new(),
+        }
     }
 
     async fn take(&mut self, service: &Service, map: &MapId, body: Body) {
@@ -70,16 +89,16 @@ impl Answer {
         for number in 1.. {
             let line = match lines.next().await {
                 Ok(Some(line)) => line,
-                Ok(None) => return,
+                Ok(None) => return self.all_committed().await,
                 // What came before is stored: the answer says so, and in its last line what broke off.
-                Err(problem) => return self.refused(number, None, problem),
+                Err(problem) => return self.refused(number, None, problem).await,
             };
             let text = match line {
                 Line::Text(text) if text.trim_ascii().is_empty() => continue,
                 Line::Text(text) => text,
                 Line::TooLong => {
                     let detail = format!("a line has at most {} bytes", limits::LINE_BYTES);
-                    self.refused(number, None, Problem::new(Kind::TOO_LARGE, detail));
+                    self.refused(number, None, Problem::new(Kind::TOO_LARGE, detail)).await;
                     continue;
                 }
             };
@@ -88,17 +107,45 @@ impl Answer {
                     "a bulk request has at most {} items; the rest is not stored",
                     limits::BULK_ITEMS
                 );
-                return self.refused(number, None, Problem::new(Kind::TOO_LARGE, detail));
+                return self.refused(number, None, Problem::new(Kind::TOO_LARGE, detail)).await;
             }
             self.items += 1;
-            match store(service, map, text).await {
-                Ok((stored, line)) => self.push(&BulkLine { line: number, ..line }, stored),
-                Err((id, problem)) => self.refused(number, id, problem),
+            match begin(service, map, text).await {
+                Ok((id, keyframe)) => self.under_way.push_back(UnderWay { line: number, id, keyframe }),
+                Err((id, problem)) => self.refused(number, id, problem).await,
+            }
+            if self.under_way.len() > UNDER_WAY_MAX {
+                self.oldest_committed().await;
             }
         }
     }
 
-    fn refused(&mut self, line: usize, id: Option<String>, problem: Problem) {
+    /// Answers the oldest line that is under way, once it is on disk.
+    async fn oldest_committed(&mut self) {
+        let Some(UnderWay { line, id, keyframe }) = self.under_way.pop_front() else { return };
+        match keyframe.committed().await {
+            Ok(stored) => {
+                let status = if stored.created { StatusCode::CREATED } else { StatusCode::OK };
+                let answer = BulkLine::stored(line, status.as_u16(), !stored.created, stored.value.into());
+                self.push(&answer, true);
+            }
+            Err(error) => self.push_refused(line, id, error.into()),
+        }
+    }
+
+    /// Answers every line under way: lines are answered in their order.
+    async fn all_committed(&mut self) {
+        while !self.under_way.is_empty() {
+            self.oldest_committed().await;
+        }
+    }
+
+    async fn refused(&mut self, line: usize, id: Option<String>, problem: Problem) {
+        self.all_committed().await;
+        self.push_refused(line, id, problem);
+    }
+
+    fn push_refused(&mut self, line: usize, id: Option<String>, problem: Problem) {
         if let Some(cause) = problem.cause() {
             tracing::error!(request_id = self.request_id, line, cause, "bulk item failed");
         }
@@ -120,17 +167,17 @@ impl IntoResponse for Answer {
     }
 }
 
-/// Stores one line; a refusal comes with the id, if the line has one.
-async fn store(
+/// Decides one line and queues it; a refusal comes with the id, if the line has one.
+async fn begin(
     service: &Service,
     map: &MapId,
     text: Bytes,
-) -> Result<(bool, BulkLine), (Option<String>, Problem)> {
+) -> Result<(Option<String>, PendingKeyframe), (Option<String>, Problem)> {
     let read = |line: Value| Ok((bulk::line_id(&line), bulk::decode(line)));
     let (id, sent) = decoded(text, read).await.map_err(|problem| (None, problem))?;
     let sent = sent.map_err(|faults| (id.clone(), Problem::invalid(faults)))?;
-    let stored =
-        service.put_keyframe(map, sent.keyframe, sent.digest).await.map_err(|error| (id, error.into()))?;
-    let status = if stored.created { StatusCode::CREATED } else { StatusCode::OK };
-    Ok((true, BulkLine::stored(0, status.as_u16(), !stored.created, stored.value.into())))
+    match service.begin_keyframe(map, sent.keyframe, sent.digest).await {
+        Ok(keyframe) => Ok((id, keyframe)),
+        Err(error) => Err((id, error.into())),
+    }
 }

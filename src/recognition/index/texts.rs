@@ -24,6 +24,9 @@ struct Node {
     matches: BTreeMap<TextId, (u8, Source)>,
 }
 
+/// Who carries a text, and which other texts match it.
+type Content<'a> = (&'a BTreeSet<AnchorSeq>, BTreeMap<&'a str, (u8, Source)>);
+
 /// The texts of a map's valid objects.
 #[derive(Clone, Debug, Default)]
 pub struct TextIndex {
@@ -161,7 +164,7 @@ impl TextIndex {
     }
 
     /// What the index says, without the numbers it says it by.
-    fn content(&self) -> BTreeMap<(&str, &str), (&BTreeSet<AnchorSeq>, BTreeMap<&str, (u8, Source)>)> {
+    fn content(&self) -> BTreeMap<(&str, &str), Content<'_>> {
         let named = |id: &TextId| self.node(*id).text.normalised();
         self.nodes
             .iter()

@@ -1,0 +1,123 @@
+//! A feature of the query and a feature or landmark of the candidate that may be one point, and how well a transformation explains it.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::geometry::Sim3;
+use crate::geometry::pinhole::Pinhole;
+
+/// A point known in one camera's frame, and where the other camera's image shows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reprojection {
+    /// The point in the frame of the camera it comes from.
+    pub point: Vector3<f64>,
+    /// Where the image of the other camera shows it, in pixels.
+    pub pixel: [f64; 2],
+    /// The inverse variance of that pixel, per square pixel.
+    pub inverse_variance: f64,
+}
+
+impl Reprojection {
+    /// How far off the pixel is in x and y; `None` if the point falls behind the camera.
+    pub fn residual_px(&self, point_in_camera: &Vector3<f64>, camera: &Pinhole) -> Option<[f64; 2]> {
+        let [u, v] = camera.project(point_in_camera)?;
+        Some([u - self.pixel[0], v - self.pixel[1]])
+    }
+
+    /// The squared error in units of the variance; infinite if the point falls behind the camera.
+    fn chi_square(&self, map: &Map, camera: &Pinhole) -> f64 {
+        let residual = self.residual_px(&map.apply(&self.point), camera);
+        residual.map_or(f64::INFINITY, |[u, v]| (u * u + v * v) * self.inverse_variance)
+    }
+}
+
+/// A pair that may be one point. At least one of the two is there; with a position on both sides, both are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Correspondence {
+    /// The candidate's point, to be seen in the query's image.
+    pub into_query: Option<Reprojection>,
+    /// The query's point, to be seen in the candidate's image.
+    pub into_candidate: Option<Reprojection>,
+}
+
+/// The two cameras.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cameras {
+    /// The query's.
+    pub query: Pinhole,
+    /// The candidate's.
+    pub candidate: Pinhole,
+}
+
+/// A similarity as matrix and vector, for loops over many points.
+#[derive(Clone, Copy, Debug)]
+struct Map {
+    linear: Matrix3<f64>,
+    translation: Vector3<f64>,
+}
+
+impl Map {
+    fn of(sim3: &Sim3) -> Self {
+        let (linear, translation) = sim3.linear_and_translation();
+        Self { linear, translation }
+    }
+
+    fn apply(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.linear * point + self.translation
+    }
+}
+
+/// A transformation between two cameras, ready to be tested on correspondences.
+#[derive(Clone, Copy, Debug)]
+pub struct Hypothesis {
+    cameras: Cameras,
+    candidate_from_query: Map,
+    query_from_candidate: Map,
+}
+
+impl Hypothesis {
+    /// Prepares a transformation.
+    pub fn new(cameras: &Cameras, candidate_from_query: &Sim3) -> Self {
+        Self {
+            cameras: *cameras,
+            candidate_from_query: Map::of(candidate_from_query),
+            query_from_candidate: Map::of(&candidate_from_query.inverse()),
+        }
+    }
+
+    /// The worse of the squared errors in the two images, in units of the keypoint's variance; infinite if a point
+    /// falls behind a camera.
+    pub fn chi_square(&self, pair: &Correspondence) -> f64 {
+        let in_query = pair.into_query.map_or(0.0, |it| it.chi_square(&self.query_from_candidate, &self.cameras.query));
+        let in_candidate =
+            pair.into_candidate.map_or(0.0, |it| it.chi_square(&self.candidate_from_query, &self.cameras.candidate));
+        in_query.max(in_candidate)
+    }
+
+    /// The sum of the errors of a pair in both images, in pixels, and how many images that is.
+    pub fn error_px(&self, pair: &Correspondence) -> (f64, u32) {
+        let sides = [
+            (pair.into_query, &self.query_from_candidate, &self.cameras.query),
+            (pair.into_candidate, &self.candidate_from_query, &self.cameras.candidate),
+        ];
+        sides.into_iter().fold((0.0, 0), |(sum, count), (side, map, camera)| match side {
+            Some(it) => (sum + (it.chi_square(map, camera) / it.inverse_variance).sqrt(), count + 1),
+            None => (sum, count),
+        })
+    }
+
+    /// A point of the candidate's frame in the query's.
+    pub fn in_query(&self, point_in_candidate: &Vector3<f64>) -> Vector3<f64> {
+        self.query_from_candidate.apply(point_in_candidate)
+    }
+
+    /// A point of the query's frame in the candidate's.
+    pub fn in_candidate(&self, point_in_query: &Vector3<f64>) -> Vector3<f64> {
+        self.candidate_from_query.apply(point_in_query)
+    }
+
+    /// The places of the pairs whose error in both images is below the limit.
+    pub fn inliers(&self, pairs: &[Correspondence], max_chi_square: f64) -> Vec<u32> {
+        let is_inlier = |(_, pair): &(usize, &Correspondence)| self.chi_square(pair) < max_chi_square;
+        pairs.iter().enumerate().filter(is_inlier).map(|(place, _)| place as u32).collect()
+    }
+}

@@ -1,0 +1,171 @@
+//! With a transformation in hand, more matches: points projected into the other image, descriptors compared nearby.
+
+use nalgebra::Vector3;
+
+use super::correspondence::{Correspondence, Hypothesis, Reprojection};
+use super::keypoint_grid::KeypointGrid;
+use super::limits::Limits;
+use super::{Landmark, View};
+use crate::geometry::hamming::distance;
+use crate::geometry::pinhole::Pinhole;
+
+/// What a feature of the query is matched with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Target {
+    /// A feature of the candidate.
+    Feature(u32),
+    /// A landmark of the window, by its id.
+    Landmark(u32),
+}
+
+/// A match found by projection, to be compared with the others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Proposal {
+    distance: u32,
+    query: u32,
+    target: Target,
+    /// The place of the landmark in the window; 0 for a feature.
+    place: u32,
+}
+
+/// The two keyframes and the window, indexed by place in the image.
+pub struct GuidedSearch<'a> {
+    query: &'a View<'a>,
+    candidate: &'a View<'a>,
+    window: &'a [Landmark<'a>],
+    limits: &'a Limits,
+    query_grid: KeypointGrid,
+    candidate_grid: KeypointGrid,
+    landmark_ids: usize,
+}
+
+impl<'a> GuidedSearch<'a> {
+    /// Indexes the keypoints of the two images.
+    pub fn new(
+        query: &'a View<'a>,
+        candidate: &'a View<'a>,
+        window: &'a [Landmark<'a>],
+        limits: &'a Limits,
+    ) -> Self {
+        let landmark_ids = window.iter().map(|landmark| landmark.id as usize + 1).max().unwrap_or(0);
+        let query_grid = KeypointGrid::new(query.keypoints, &query.camera);
+        let candidate_grid = KeypointGrid::new(candidate.keypoints, &candidate.camera);
+        Self { query, candidate, window, limits, query_grid, candidate_grid, landmark_ids }
+    }
+
+    /// The pairs that projection and descriptors suggest, each feature and each landmark in one at most. The nearest
+    /// descriptors choose first, ties by the smaller feature.
+    pub fn search(&self, hypothesis: &Hypothesis) -> Vec<Correspondence> {
+        let mut proposals = Vec::new();
+        self.project_candidate_features(hypothesis, &mut proposals);
+        self.project_landmarks(hypothesis, &mut proposals);
+        self.project_query_features(hypothesis, &mut proposals);
+        proposals.sort_unstable();
+        let mut query_taken = vec![false; self.query.keypoints.len()];
+        let mut feature_taken = vec![false; self.candidate.keypoints.len()];
+        let mut landmark_taken = vec![false; self.landmark_ids];
+        proposals.retain(|proposal| {
+            let target = match proposal.target {
+                Target::Feature(feature) => &mut feature_taken[feature as usize],
+                Target::Landmark(id) => &mut landmark_taken[id as usize],
+            };
+            let query = &mut query_taken[proposal.query as usize];
+            let is_free = !*target && !*query;
+            (*target, *query) = (true, true);
+            is_free
+        });
+        proposals.sort_unstable_by_key(|proposal| proposal.query);
+        proposals.iter().map(|proposal| self.correspondence(proposal)).collect()
+    }
+
+    fn project_candidate_features(&self, hypothesis: &Hypothesis, proposals: &mut Vec<Proposal>) {
+        for (feature, point) in located(self.candidate) {
+            let descriptor = self.candidate.descriptors.get(feature as usize);
+            let found = self.nearest_query_feature(&hypothesis.in_query(&point), descriptor);
+            let target = Target::Feature(feature);
+            proposals.extend(found.map(|(distance, query)| Proposal { distance, query, target, place: 0 }));
+        }
+    }
+
+    fn project_landmarks(&self, hypothesis: &Hypothesis, proposals: &mut Vec<Proposal>) {
+        for (place, landmark) in self.window.iter().enumerate() {
+            let point = landmark.point_in_camera.coords;
+            let found = self.nearest_query_feature(&hypothesis.in_query(&point), landmark.descriptor);
+            let (target, place) = (Target::Landmark(landmark.id), place as u32);
+            proposals.extend(found.map(|(distance, query)| Proposal { distance, query, target, place }));
+        }
+    }
+
+    fn project_query_features(&self, hypothesis: &Hypothesis, proposals: &mut Vec<Proposal>) {
+        for (query, point) in located(self.query) {
+            let descriptor = self.query.descriptors.get(query as usize);
+            let projected = self.candidate.pinhole().project(&hypothesis.in_candidate(&point));
+            let found = projected.and_then(|pixel| self.nearest(pixel, descriptor, self.candidate, &self.candidate_grid));
+            proposals.extend(found.map(|(distance, feature)| Proposal {
+                distance,
+                query,
+                target: Target::Feature(feature),
+                place: 0,
+            }));
+        }
+    }
+
+    fn nearest_query_feature(&self, point_in_query: &Vector3<f64>, descriptor: &[u64]) -> Option<(u32, u32)> {
+        let pixel = self.query.pinhole().project(point_in_query)?;
+        self.nearest(pixel, descriptor, self.query, &self.query_grid)
+    }
+
+    /// The feature around a pixel whose descriptor is nearest, and its distance.
+    fn nearest(&self, pixel: [f64; 2], descriptor: &[u64], view: &View, grid: &KeypointGrid) -> Option<(u32, u32)> {
+        let max_distance = self.limits.guided.max_distance * f64::from(view.descriptors.bits());
+        let radius_px = self.limits.guided.radius * self.limits.keypoint_sigma_px;
+        grid.around(pixel, radius_px)
+            .map(|feature| (distance(descriptor, view.descriptors.get(feature as usize)), feature))
+            .filter(|&(distance, _)| f64::from(distance) <= max_distance)
+            .min()
+    }
+
+    fn correspondence(&self, proposal: &Proposal) -> Correspondence {
+        let query = proposal.query as usize;
+        let (point, sighting) = match proposal.target {
+            Target::Feature(feature) => {
+                let feature = feature as usize;
+                let sighting = sighting(self.candidate, feature, self.limits);
+                (self.candidate.points_in_camera[feature].map(|point| point.coords), Some(sighting))
+            }
+            Target::Landmark(_) => {
+                let point = self.window[proposal.place as usize].point_in_camera.coords;
+                (Some(point), virtual_sighting(&point, &self.candidate.pinhole(), self.limits))
+            }
+        };
+        let of_query = self.query.points_in_camera[query].map(|point| point.coords);
+        let (pixel, inverse_variance) = sighting_of_query(self.query, query, self.limits);
+        Correspondence {
+            into_query: point.map(|point| Reprojection { point, pixel, inverse_variance }),
+            into_candidate: of_query
+                .zip(sighting)
+                .map(|(point, (pixel, inverse_variance))| Reprojection { point, pixel, inverse_variance }),
+        }
+    }
+}
+
+type Sighting = ([f64; 2], f64);
+
+/// Where an image shows a feature, and the inverse variance of that.
+pub(super) fn sighting(view: &View, feature: usize, limits: &Limits) -> Sighting {
+    let keypoint = &view.keypoints[feature];
+    ([keypoint.u, keypoint.v], limits.inverse_variance(keypoint.octave))
+}
+
+use sighting as sighting_of_query;
+
+/// Where the candidate's image would show a landmark that only its neighbours saw; `None` behind the camera.
+fn virtual_sighting(point: &Vector3<f64>, camera: &Pinhole, limits: &Limits) -> Option<Sighting> {
+    Some((camera.project(point)?, limits.inverse_variance(0)))
+}
+
+/// The features that have a position, with it.
+fn located<'a>(view: &'a View) -> impl Iterator<Item = (u32, Vector3<f64>)> + 'a {
+    let points = view.points_in_camera.iter().enumerate();
+    points.filter_map(|(feature, point)| Some((feature as u32, (*point)?.coords)))
+}

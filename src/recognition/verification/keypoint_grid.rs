@@ -1,0 +1,99 @@
+//! The keypoints of an image by square cells, to find those around a pixel.
+
+use crate::model::keyframe::{Camera, Keypoint};
+
+/// The side of a cell, in pixels (ORB-SLAM: 10; larger here, since the radius is).
+const CELL_PX: f64 = 16.0;
+
+/// At most so many cells each way, whatever size a client says its image has.
+const CELLS_MAX: f64 = 1024.0;
+
+/// Keypoints by cell. Those outside the image belong to the cells at its border.
+#[derive(Clone, Debug)]
+pub struct KeypointGrid {
+    columns: usize,
+    rows: usize,
+    /// Where each cell's keypoints start in `features`.
+    starts: Vec<u32>,
+    features: Vec<u32>,
+    pixels: Vec<[f64; 2]>,
+}
+
+impl KeypointGrid {
+    /// Sorts the keypoints into cells.
+    pub fn new(keypoints: &[Keypoint], camera: &Camera) -> Self {
+        let cells = |length: u32| (f64::from(length) / CELL_PX).ceil().clamp(1.0, CELLS_MAX) as usize;
+        let (columns, rows) = (cells(camera.width), cells(camera.height));
+        let mut grid = Self {
+            columns,
+            rows,
+            starts: vec![0; columns * rows + 1],
+            features: vec![0; keypoints.len()],
+            pixels: keypoints.iter().map(|keypoint| [keypoint.u, keypoint.v]).collect(),
+        };
+        let cells: Vec<usize> = grid.pixels.iter().map(|&[u, v]| grid.row(v) * columns + grid.column(u)).collect();
+        for &cell in &cells {
+            grid.starts[cell + 1] += 1;
+        }
+        for cell in 0..columns * rows {
+            grid.starts[cell + 1] += grid.starts[cell];
+        }
+        let mut next = grid.starts.clone();
+        for (feature, &cell) in cells.iter().enumerate() {
+            grid.features[next[cell] as usize] = feature as u32;
+            next[cell] += 1;
+        }
+        grid
+    }
+
+    /// The keypoints closer than `radius_px` to a pixel, in no particular order.
+    pub fn around(&self, [u, v]: [f64; 2], radius_px: f64) -> impl Iterator<Item = u32> + '_ {
+        let columns = self.column(u - radius_px)..self.column(u + radius_px) + 1;
+        let rows = self.row(v - radius_px)..self.row(v + radius_px) + 1;
+        rows.flat_map(move |row| {
+            // Cells of one row lie one after the other.
+            let (first, last) = (row * self.columns + columns.start, row * self.columns + columns.end);
+            &self.features[self.starts[first] as usize..self.starts[last] as usize]
+        })
+        .copied()
+        .filter(move |&feature| {
+            let [x, y] = self.pixels[feature as usize];
+            (x - u) * (x - u) + (y - v) * (y - v) < radius_px * radius_px
+        })
+    }
+
+    fn column(&self, u: f64) -> usize {
+        // A cast takes what is below 0 and what is no number to 0.
+        ((u / CELL_PX) as usize).min(self.columns - 1)
+    }
+
+    fn row(&self, v: f64) -> usize {
+        ((v / CELL_PX) as usize).min(self.rows - 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn it_finds_what_a_loop_over_all_finds(
+            pixels in prop::collection::vec((-50.0..700.0f64, -50.0..530.0f64), 0..200),
+            (u, v) in (-100.0..800.0f64, -100.0..600.0f64),
+            radius in 0.0..120.0f64,
+        ) {
+            let camera = Camera { fx: 1.0, fy: 1.0, cx: 0.0, cy: 0.0, width: 640, height: 480 };
+            let keypoint = |&(u, v): &(f64, f64)| Keypoint { u, v, octave: 0, angle_deg: None };
+            let keypoints: Vec<_> = pixels.iter().map(keypoint).collect();
+            let mut found: Vec<u32> = KeypointGrid::new(&keypoints, &camera).around([u, v], radius).collect();
+            found.sort_unstable();
+            let is_near = |&i: &u32| {
+                let (x, y) = pixels[i as usize];
+                (x - u) * (x - u) + (y - v) * (y - v) < radius * radius
+            };
+            prop_assert_eq!(found, (0..pixels.len() as u32).filter(is_near).collect::<Vec<_>>());
+        }
+    }
+}

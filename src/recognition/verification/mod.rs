@@ -1,0 +1,281 @@
+//! §V, the last step: the similarity transformation between two keyframes, and how many features match under it.
+//!
+//! | step | file |
+//! |---|---|
+//! | match descriptors | [`descriptor_matching`], [`orientation`] |
+//! | find a transformation most of them agree with | [`ransac`], [`correspondence`] |
+//! | refine it on the reprojection errors | [`refinement`] |
+//! | project, match again, count | [`guided_search`], [`keypoint_grid`] |
+//! | the thresholds | [`limits`] |
+//!
+//! The steps are those of ORB-SLAM3's loop detection (C. Campos et al., T-RO 2021). Unlike there, a point must lie in
+//! front of both cameras, thresholds are not truncated to integers, degenerate samples are refused, random numbers come
+//! from a seed, and points that only the neighbours of the candidate saw count.
+
+pub mod correspondence;
+pub mod descriptor_matching;
+pub mod guided_search;
+pub mod keypoint_grid;
+pub mod limits;
+pub mod orientation;
+pub mod ransac;
+pub mod refinement;
+
+use thiserror::Error;
+
+use crate::geometry::hamming::PackedDescriptors;
+use crate::geometry::pinhole::Pinhole;
+use crate::geometry::{Point3, Sim3};
+use crate::model::keyframe::{Camera, Keypoint};
+use correspondence::{Cameras, Correspondence, Hypothesis, Reprojection};
+use descriptor_matching::{Match, Side, match_descriptors};
+use guided_search::{GuidedSearch, sighting};
+pub use limits::{GuidedLimits, Limits, MatchingLimits, SamplingLimits};
+use ransac::sample_consensus;
+use refinement::refine;
+
+/// A keyframe as the verification sees it. The lists run in parallel.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    /// Its camera.
+    pub camera: Camera,
+    /// Where its features are.
+    pub keypoints: &'a [Keypoint],
+    /// Their descriptors.
+    pub descriptors: &'a PackedDescriptors,
+    /// The vocabulary's node of each, [`descriptor_matching::NO_NODE`] for none; `None` without a vocabulary.
+    pub nodes: Option<&'a [u32]>,
+    /// The map point of each in this keyframe's camera frame, in metres, if it has one with a position.
+    pub points_in_camera: &'a [Option<Point3>],
+}
+
+impl View<'_> {
+    fn pinhole(&self) -> Pinhole {
+        let Camera { fx, fy, cx, cy, .. } = self.camera;
+        Pinhole { fx, fy, cx, cy }
+    }
+
+    /// The features that have a position.
+    fn located(&self) -> Vec<u32> {
+        let points = self.points_in_camera.iter().enumerate();
+        points.filter(|(_, point)| point.is_some()).map(|(feature, _)| feature as u32).collect()
+    }
+}
+
+/// A map point that keyframes covisible with the candidate see and the candidate does not.
+#[derive(Clone, Copy, Debug)]
+pub struct Landmark<'a> {
+    /// Small numbers of the caller's choice. A landmark seen several times may come with each of its descriptors, under one id.
+    pub id: u32,
+    /// Where it is in the candidate's camera frame, in metres.
+    pub point_in_camera: Point3,
+    /// Its descriptor.
+    pub descriptor: &'a [u64],
+}
+
+/// What the transformation was looked for with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Model {
+    /// A similarity from points with positions on both sides.
+    Sim3,
+}
+
+/// Is the candidate the query's place?
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// A transformation explains enough features.
+    Verified,
+    /// None does.
+    Failed,
+}
+
+/// Why a candidate failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum Failure {
+    /// The descriptors of the two keyframes have different lengths.
+    #[error("descriptors of {query} and {candidate} bits cannot be compared")]
+    DescriptorLengths {
+        /// The query's, in bits.
+        query: u32,
+        /// The candidate's.
+        candidate: u32,
+    },
+    /// Too few descriptors match between points with positions.
+    #[error("{matches} matches between points with positions, of {limit} needed")]
+    TooFewMatches {
+        /// How many match.
+        matches: u32,
+        /// `Limits::min_matches`.
+        limit: u32,
+    },
+    /// No sample gave a transformation.
+    #[error("none of {hypotheses} samples gave a transformation, {degenerate} of them being degenerate")]
+    NoHypothesis {
+        /// Samples drawn.
+        hypotheses: u32,
+        /// Those too small, on a line, or of two shapes.
+        degenerate: u32,
+    },
+    /// The best transformation explains too few features.
+    #[error("{inliers} inliers, of {limit} needed")]
+    TooFewInliers {
+        /// How many it explains.
+        inliers: u32,
+        /// `Limits::min_inliers`.
+        limit: u32,
+    },
+}
+
+/// The answer, with the evidence.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verification {
+    /// The answer.
+    pub status: Status,
+    /// What was looked for.
+    pub model: Model,
+    /// Descriptor matches between points with positions on both sides.
+    pub matches: u32,
+    /// Samples that RANSAC drew.
+    pub hypotheses: u32,
+    /// The matches that the best hypothesis explains, once refined.
+    pub matched_inliers: u32,
+    /// Matches after the guided search.
+    pub projected_matches: u32,
+    /// Those of them that the final transformation explains.
+    pub inliers: u32,
+    /// The mean reprojection error of the inliers in both images, in pixels.
+    pub mean_reprojection_error_px: Option<f64>,
+    /// The best transformation, also when the candidate failed for its few inliers: maps points of the query's camera
+    /// frame into the candidate's.
+    pub candidate_from_query: Option<Sim3>,
+    /// Why the candidate failed.
+    pub failure: Option<Failure>,
+}
+
+/// Verifies one candidate. The same values give the same bits, on any thread.
+pub fn verify(
+    query: &View,
+    candidate: &View,
+    window: &[Landmark],
+    limits: &Limits,
+    seed: u64,
+) -> Verification {
+    let mut result = Verification {
+        status: Status::Failed,
+        model: Model::Sim3,
+        matches: 0,
+        hypotheses: 0,
+        matched_inliers: 0,
+        projected_matches: 0,
+        inliers: 0,
+        mean_reprojection_error_px: None,
+        candidate_from_query: None,
+        failure: None,
+    };
+    match find_transformation(query, candidate, window, limits, seed, &mut result) {
+        Ok(()) => result.status = Status::Verified,
+        Err(failure) => result.failure = Some(failure),
+    }
+    result
+}
+
+fn find_transformation(
+    query: &View,
+    candidate: &View,
+    window: &[Landmark],
+    limits: &Limits,
+    seed: u64,
+    result: &mut Verification,
+) -> Result<(), Failure> {
+    let cameras = Cameras { query: query.pinhole(), candidate: candidate.pinhole() };
+    let matched = match_located(query, candidate, limits)?;
+    result.matches = matched.len() as u32;
+    if result.matches < limits.min_matches {
+        return Err(Failure::TooFewMatches { matches: result.matches, limit: limits.min_matches });
+    }
+
+    let sampled = sample_consensus(&matched, &cameras, limits, seed);
+    result.hypotheses = sampled.hypotheses;
+    let Some((first, agreeing)) = sampled.best else {
+        let (hypotheses, degenerate) = (sampled.hypotheses, sampled.degenerate);
+        return Err(Failure::NoHypothesis { hypotheses, degenerate });
+    };
+    let mut candidate_from_query = settle(first, &matched, agreeing, &cameras, limits);
+    let hypothesis = Hypothesis::new(&cameras, &candidate_from_query);
+    result.matched_inliers = hypothesis.inliers(&matched, limits.max_chi_square).len() as u32;
+
+    let search = GuidedSearch::new(query, candidate, window, limits);
+    let mut pairs = matched;
+    for _ in 0..limits.guided.rounds {
+        let hypothesis = Hypothesis::new(&cameras, &candidate_from_query);
+        pairs = search.search(&hypothesis);
+        let agreeing = hypothesis.inliers(&pairs, limits.max_chi_square);
+        candidate_from_query = settle(candidate_from_query, &pairs, agreeing, &cameras, limits);
+    }
+    result.projected_matches = pairs.len() as u32;
+
+    let hypothesis = Hypothesis::new(&cameras, &candidate_from_query);
+    let inliers = hypothesis.inliers(&pairs, limits.max_chi_square);
+    result.inliers = inliers.len() as u32;
+    result.mean_reprojection_error_px = mean_error_px(&hypothesis, &pairs, &inliers);
+    result.candidate_from_query = Some(candidate_from_query);
+    if result.inliers < limits.min_inliers {
+        return Err(Failure::TooFewInliers { inliers: result.inliers, limit: limits.min_inliers });
+    }
+    Ok(())
+}
+
+/// Matches the features that have a position.
+fn match_located(query: &View, candidate: &View, limits: &Limits) -> Result<Vec<Correspondence>, Failure> {
+    let (of_query, of_candidate) = (query.located(), candidate.located());
+    let bits = (query.descriptors.bits(), candidate.descriptors.bits());
+    if bits.0 != bits.1 && !of_query.is_empty() && !of_candidate.is_empty() {
+        return Err(Failure::DescriptorLengths { query: bits.0, candidate: bits.1 });
+    }
+    let matches = match_descriptors(&side(query, &of_query), &side(candidate, &of_candidate), &limits.matching);
+    let reprojection = |from: &View, feature: u32, into: &View, seen: u32| {
+        let point = from.points_in_camera[feature as usize]?.coords;
+        let (pixel, inverse_variance) = sighting(into, seen as usize, limits);
+        Some(Reprojection { point, pixel, inverse_variance })
+    };
+    let pair = |found: &Match| Correspondence {
+        into_query: reprojection(candidate, found.candidate, query, found.query),
+        into_candidate: reprojection(query, found.query, candidate, found.candidate),
+    };
+    Ok(matches.iter().map(pair).collect())
+}
+
+fn side<'a>(view: &View<'a>, features: &'a [u32]) -> Side<'a> {
+    Side { descriptors: view.descriptors, keypoints: view.keypoints, nodes: view.nodes, features }
+}
+
+/// Refines on the inliers and takes the inliers again, until they stay.
+fn settle(
+    first: Sim3,
+    pairs: &[Correspondence],
+    mut inliers: Vec<u32>,
+    cameras: &Cameras,
+    limits: &Limits,
+) -> Sim3 {
+    /// Rounds at most; two or three are the rule.
+    const ROUNDS: u32 = 5;
+    let mut best = first;
+    for _ in 0..ROUNDS {
+        if inliers.len() < 3 {
+            break;
+        }
+        best = refine(&best, pairs, &inliers, cameras, limits.fixed_scale);
+        let next = Hypothesis::new(cameras, &best).inliers(pairs, limits.max_chi_square);
+        if next == inliers {
+            break;
+        }
+        inliers = next;
+    }
+    best
+}
+
+fn mean_error_px(hypothesis: &Hypothesis, pairs: &[Correspondence], inliers: &[u32]) -> Option<f64> {
+    let errors = inliers.iter().map(|&place| hypothesis.error_px(&pairs[place as usize]));
+    let (sum, images) = errors.fold((0.0, 0), |(sum, count), (error, images)| (sum + error, count + images));
+    (images > 0).then(|| sum / f64::from(images))
+}

@@ -1,0 +1,40 @@
+//! A file as it comes: plain, gzip or zstd, told by its first bytes whatever its name.
+
+use std::io::{self, BufRead, BufReader, Cursor, Read};
+
+use flate2::bufread::MultiGzDecoder;
+
+use super::binary;
+
+const GZIP_MAGIC: &[u8] = &[0x1f, 0x8b];
+const ZSTD_MAGIC: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
+
+/// Large enough that a read costs nothing beside what is done with it.
+const BUFFER_BYTES: usize = 256 * 1024;
+
+/// The bytes of a file, decompressed.
+pub fn decompressed(bytes: impl Read + Send + 'static) -> io::Result<Box<dyn BufRead + Send>> {
+    let (head, bytes) = peek(bytes, ZSTD_MAGIC.len())?;
+    let bytes = BufReader::with_capacity(BUFFER_BYTES, bytes);
+    Ok(if head.starts_with(GZIP_MAGIC) {
+        Box::new(BufReader::with_capacity(BUFFER_BYTES, MultiGzDecoder::new(bytes)))
+    } else if head.starts_with(ZSTD_MAGIC) {
+        Box::new(BufReader::with_capacity(BUFFER_BYTES, zstd::Decoder::with_buffer(bytes)?))
+    } else {
+        Box::new(bytes)
+    })
+}
+
+/// The bytes of a vocabulary, decompressed, and whether they are the binary form.
+pub(super) fn open(bytes: impl Read + Send + 'static) -> io::Result<(impl BufRead, bool)> {
+    let (head, bytes) = peek(decompressed(bytes)?, binary::MAGIC.len())?;
+    let is_binary = head == binary::MAGIC;
+    Ok((bytes, is_binary))
+}
+
+/// The first `count` bytes, or as many as there are, and a reader that still has them before it.
+fn peek<R: Read>(mut bytes: R, count: usize) -> io::Result<(Vec<u8>, io::Chain<Cursor<Vec<u8>>, R>)> {
+    let mut head = Vec::new();
+    bytes.by_ref().take(count as u64).read_to_end(&mut head)?;
+    Ok((head.clone(), Cursor::new(head).chain(bytes)))
+}

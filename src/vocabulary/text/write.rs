@@ -1,0 +1,39 @@
+//! Writes the text form; every weight in as many digits as it takes to read the same double.
+
+use std::io::{self, BufWriter, Write};
+
+use crate::vocabulary::Vocabulary;
+
+/// Writes a vocabulary, its nodes in the order of the file it came from.
+pub(in crate::vocabulary) fn write(vocabulary: &Vocabulary, out: impl Write) -> io::Result<()> {
+    let mut out = BufWriter::with_capacity(256 * 1024, out);
+    let shape = vocabulary.shape();
+    write!(out, "{} {}  0 0", shape.branching, shape.levels)?;
+    let nodes = in_file_order(vocabulary);
+    let decimals: Vec<String> = (0..=255).map(|byte: u8| format!("{byte} ")).collect();
+    let each = vocabulary.descriptor_words();
+    for &(node, parent) in nodes.iter().skip(1) {
+        let (node, link) = (node as usize, vocabulary.links[node as usize]);
+        let is_word = link.count() == 0;
+        write!(out, "\n{} {} ", vocabulary.node_ids[parent as usize], u8::from(is_word))?;
+        for word in &vocabulary.descriptors[node * each..(node + 1) * each] {
+            for byte in word.to_le_bytes() {
+                out.write_all(decimals[usize::from(byte)].as_bytes())?;
+            }
+        }
+        let weight = if is_word { vocabulary.weights[link.target() as usize] } else { 0.0 };
+        write!(out, " {weight}")?;
+    }
+    out.flush()
+}
+
+/// Each node and its parent, by their number in the file.
+fn in_file_order(vocabulary: &Vocabulary) -> Vec<(u32, u32)> {
+    let mut nodes = vec![(0, 0); vocabulary.node_count()];
+    for (node, link) in (0..).zip(&vocabulary.links) {
+        for child in link.target()..link.target() + link.count() {
+            nodes[vocabulary.node_ids[child as usize] as usize] = (child, node);
+        }
+    }
+    nodes
+}

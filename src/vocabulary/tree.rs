@@ -1,0 +1,262 @@
+//! The tree: nodes in the order of a file, put into breadth-first arrays.
+
+use super::fingerprint::Fingerprint;
+use super::{Shape, Vocabulary};
+
+/// Children or word of a node, in one read: the descent meets them far apart in memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Link(u64);
+
+impl Link {
+    /// A node with `count` children, side by side from `first`.
+    pub fn children(first: u32, count: u32) -> Self {
+        Self(u64::from(count) << 32 | u64::from(first))
+    }
+
+    /// A leaf.
+    pub fn word(word: u32) -> Self {
+        Self(u64::from(word))
+    }
+
+    /// How many children there are; 0 for a leaf.
+    pub fn count(self) -> u32 {
+        (self.0 >> 32) as u32
+    }
+
+    /// The first child; for a leaf its word.
+    pub fn target(self) -> u32 {
+        self.0 as u32
+    }
+
+    /// As stored.
+    pub fn bits(self) -> u64 {
+        self.0
+    }
+
+    /// From storage; [`Tree`] or a check of the file vouches for it.
+    pub fn from_bits(bits: u64) -> Self {
+        Self(bits)
+    }
+}
+
+/// Why nodes do not make a vocabulary. Nodes are counted from 1, the root is 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum TreeFault {
+    /// k or L is nothing a vocabulary has.
+    #[error(
+        "k = {branching} and L = {levels}; k must lie in 1..={}, L in 1..={}",
+        Tree::BRANCHING_MAX,
+        Tree::LEVELS_MAX
+    )]
+    Shape {
+        /// k.
+        branching: u64,
+        /// L.
+        levels: u64,
+    },
+    /// A node hangs on itself or on one that comes later.
+    #[error("node {node} hangs on node {parent}, which does not come before it")]
+    LateParent {
+        /// The node.
+        node: u32,
+        /// Its parent.
+        parent: u64,
+    },
+    /// A word has a child.
+    #[error("node {node} hangs on node {parent}, which is a word")]
+    ParentIsWord {
+        /// The node.
+        node: u32,
+        /// Its parent.
+        parent: u32,
+    },
+    /// An inner node without children.
+    #[error("node {node} is marked as inner, but has no children")]
+    Barren {
+        /// The node.
+        node: u32,
+    },
+    /// The tree is deeper than any vocabulary.
+    #[error("node {node} lies deeper than {} levels", Tree::LEVELS_MAX)]
+    TooDeep {
+        /// The node.
+        node: u32,
+    },
+    /// A weight that is no inverse document frequency.
+    #[error("the weight of node {node} is {weight}; it must be finite and not negative")]
+    Weight {
+        /// The node.
+        node: u32,
+        /// Its weight.
+        weight: f64,
+    },
+    /// More nodes than a vocabulary may have.
+    #[error("more than {} nodes", Tree::NODES_MAX)]
+    TooManyNodes,
+    /// Nothing but the root.
+    #[error("it has no words")]
+    Empty,
+}
+
+impl Eq for Vocabulary {}
+
+/// A tree that grows node by node, parents before their children.
+pub(super) struct Tree {
+    shape: Shape,
+    /// These five run in parallel; the root is node 0.
+    parents: Vec<u32>,
+    depths: Vec<u8>,
+    is_word: Vec<bool>,
+    child_counts: Vec<u32>,
+    weights: Vec<f64>,
+    descriptors: Vec<u64>,
+}
+
+impl Tree {
+    /// The largest k.
+    pub const BRANCHING_MAX: u64 = 65_536;
+    /// The largest L, and the deepest tree.
+    pub const LEVELS_MAX: u64 = 64;
+    /// The most nodes.
+    pub const NODES_MAX: usize = 1 << 26;
+
+    /// A root without children.
+    pub fn new(shape: Shape) -> Self {
+        let root = vec![0; shape.descriptor_bytes / 8];
+        Self {
+            shape,
+            parents: vec![0],
+            depths: vec![0],
+            is_word: vec![false],
+            child_counts: vec![0],
+            weights: vec![0.0],
+            descriptors: root,
+        }
+    }
+
+    /// Refuses a k or an L that no vocabulary has.
+    pub fn check_shape(branching: u64, levels: u64) -> Result<(u32, u32), TreeFault> {
+        if (1..=Self::BRANCHING_MAX).contains(&branching) && (1..=Self::LEVELS_MAX).contains(&levels) {
+            Ok((branching as u32, levels as u32))
+        } else {
+            Err(TreeFault::Shape { branching, levels })
+        }
+    }
+
+    /// How many nodes there are, the root included: the number of the next one.
+    pub fn node_count(&self) -> usize {
+        self.parents.len()
+    }
+
+    /// Where the next node's descriptor goes: its words are pushed here before [`Tree::push`].
+    pub fn descriptors(&mut self) -> &mut Vec<u64> {
+        &mut self.descriptors
+    }
+
+    /// Adds a node whose descriptor has been pushed; returns its number.
+    pub fn push(&mut self, parent: u64, is_word: bool, weight: f64) -> Result<u32, TreeFault> {
+        if self.node_count() >= Self::NODES_MAX {
+            return Err(TreeFault::TooManyNodes);
+        }
+        let node = self.node_count() as u32;
+        debug_assert_eq!(self.descriptors.len(), (node as usize + 1) * self.shape.descriptor_bytes / 8);
+        if parent >= u64::from(node) {
+            return Err(TreeFault::LateParent { node, parent });
+        }
+        let parent = parent as u32;
+        if self.is_word[parent as usize] {
+            return Err(TreeFault::ParentIsWord { node, parent });
+        }
+        let depth = self.depths[parent as usize] + 1;
+        if u64::from(depth) > Self::LEVELS_MAX {
+            return Err(TreeFault::TooDeep { node });
+        }
+        check_weight(node, weight)?;
+        self.child_counts[parent as usize] += 1;
+        self.child_counts.push(0);
+        self.parents.push(parent);
+        self.depths.push(depth);
+        self.is_word.push(is_word);
+        // Adding zero turns -0 into 0: equal vocabularies shall have equal bytes.
+        self.weights.push(if is_word { weight + 0.0 } else { 0.0 });
+        Ok(node)
+    }
+
+    /// Puts the nodes into their final order.
+    pub fn finish(self) -> Result<Vocabulary, TreeFault> {
+        if self.node_count() == 1 {
+            return Err(TreeFault::Empty);
+        }
+        let barren = |&node: &usize| !self.is_word[node] && self.child_counts[node] == 0;
+        if let Some(node) = (1..self.node_count()).find(barren) {
+            return Err(TreeFault::Barren { node: node as u32 });
+        }
+        let places = self.breadth_first();
+        let mut links = vec![Link::word(0); places.len()];
+        let mut node_ids = vec![0; places.len()];
+        let mut descriptors = vec![0; self.descriptors.len()];
+        let mut weights = Vec::new();
+        let each = self.shape.descriptor_bytes / 8;
+        for (node, place) in places.iter().enumerate() {
+            let at = place.node as usize;
+            node_ids[at] = node as u32;
+            descriptors[at * each..(at + 1) * each]
+                .copy_from_slice(&self.descriptors[node * each..(node + 1) * each]);
+            links[at] = if self.is_word[node] {
+                // Words are numbered in the order of the file.
+                weights.push(self.weights[node]);
+                Link::word(weights.len() as u32 - 1)
+            } else {
+                Link::children(place.first_child, self.child_counts[node])
+            };
+        }
+        weights.shrink_to_fit();
+        let fingerprint = Fingerprint::default();
+        let mut vocabulary =
+            Vocabulary { shape: self.shape, links, node_ids, weights, descriptors, fingerprint };
+        vocabulary.fingerprint = Fingerprint::of(&vocabulary);
+        Ok(vocabulary)
+    }
+
+    /// Where each node goes: by depth, then by its parent's place, then in the order of the file.
+    fn breadth_first(&self) -> Vec<Place> {
+        let depth_max = self.depths.iter().copied().max().unwrap_or_default();
+        let mut by_depth = vec![Vec::new(); usize::from(depth_max) + 1];
+        for (node, &depth) in self.depths.iter().enumerate() {
+            by_depth[usize::from(depth)].push(node as u32);
+        }
+        let mut places = vec![Place::default(); self.node_count()];
+        let mut next = 1;
+        // Where the next child of each node goes; a level's nodes come in any order, their parents are placed.
+        let mut next_child = vec![0; self.node_count()];
+        for level in &by_depth {
+            let mut level: Vec<u32> = level.clone();
+            for &node in &level {
+                if node != 0 {
+                    let slot = &mut next_child[self.parents[node as usize] as usize];
+                    places[node as usize].node = *slot;
+                    *slot += 1;
+                }
+            }
+            level.sort_unstable_by_key(|&node| places[node as usize].node);
+            for &node in &level {
+                places[node as usize].first_child = next;
+                next_child[node as usize] = next;
+                next += self.child_counts[node as usize];
+            }
+        }
+        places
+    }
+}
+
+/// Refuses a weight that is no inverse document frequency.
+pub(super) fn check_weight(node: u32, weight: f64) -> Result<(), TreeFault> {
+    if weight.is_finite() && weight >= 0.0 { Ok(()) } else { Err(TreeFault::Weight { node, weight }) }
+}
+
+/// A node's place in breadth-first order, and its first child's.
+#[derive(Clone, Copy, Default)]
+struct Place {
+    node: u32,
+    first_child: u32,
+}
