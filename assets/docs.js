@@ -34,7 +34,7 @@ function render(api) {
     el("h2", {}, el("a", { href: `#tag-${name}` }, name)),
     el("ul", {}, operations.map(({ id, method, summary }) => el("li", { "data-for": id },
       el("a", { href: `#${id}` }, el("span", { class: `method ${method}` }, method), el("span", {}, summary))))))),
-  el("section", {}, el("h2", {}, el("a", { href: "#problems" }, "problems"))));
+  el("section", {}, el("h2", { "data-for": "problems" }, el("a", { href: "#problems" }, "problems"))));
   at("filter").addEventListener("input", debounced(filter, 80));
   addEventListener("hashchange", reach);
   reach();
@@ -53,7 +53,7 @@ function grouped(api) {
 function article(operation, api, schemas) {
   const { id, method, path, summary, description, parameters: given = [], requestBody } = operation;
   const [type, body] = Object.entries(requestBody?.content ?? {})[0] ?? [];
-  return el("article", { id, class: "operation" },
+  return el("article", { id, class: "operation", "data-words": words(operation, schemas) },
     el("h3", {}, el("a", { href: `#${id}`, class: "self" }, summary)),
     el("p", { class: "address" }, el("span", { class: `method ${method}` }, method), " ", el("code", {}, route(path))),
     prose(description),
@@ -61,6 +61,12 @@ function article(operation, api, schemas) {
     given.length > 0 && [el("h4", {}, "Parameters"), parameters(given, schemas)],
     body && [el("h4", {}, "Body ", el("code", { class: "muted" }, type)), schemas.fields(body.schema)],
     el("h4", {}, "Answers"), answers(operation, api, schemas));
+}
+
+/** What the filter looks at: not the examples, in which everything stands. */
+function words({ id, tag, method, path, summary, description, parameters: given = [], requestBody, responses }, schemas) {
+  const bodies = Object.values(requestBody?.content ?? {}).map(({ schema }) => Object.keys(schemas.inside(schema).inner?.properties ?? {}));
+  return [id, tag, method, path, summary, description, given.map(({ name }) => name), bodies, Object.keys(responses)].flat(Infinity).join(" ").toLowerCase();
 }
 
 /** The path, which may break after a slash. */
@@ -107,7 +113,7 @@ function shape(type, { schema }, api, schemas) {
 function curl({ method, path, parameters: given = [], responses }, type, body, schemas) {
   const value = ({ name, example: sample, schema }) => sample ?? schema?.example ?? SAMPLES[name] ?? name;
   const filled = path.replace(/\{(\w+)\}/g, (_, name) => encodeURIComponent(value(given.find((one) => one.name === name && one.in === "path") ?? { name })));
-  const query = given.filter((one) => one.in === "query" && one.required).map((one) => `${one.name}=${encodeURIComponent(value(one))}`).join("&");
+  const query = given.filter((one) => one.in === "query" && one.required && one.schema?.default === undefined).map((one) => `${one.name}=${encodeURIComponent(value(one))}`).join("&");
   const address = new URL(filled.slice(1), new URL(".", document.baseURI)).href + (query && `?${query}`);
   const answerTypes = Object.values(responses).flatMap(({ content }) => Object.keys(content ?? {}));
   const parts = ["curl"];
@@ -131,21 +137,22 @@ function quoted(text) {
 
 /** Hides what does not have every word. */
 function filter() {
-  const words = at("filter").value.toLowerCase().split(/\s+/).filter(Boolean);
-  const has = (element) => words.every((word) => element.textContent.toLowerCase().includes(word));
+  const wanted = at("filter").value.toLowerCase().split(/\s+/).filter(Boolean);
+  const has = (element) => wanted.every((word) => (element.dataset.words ?? element.textContent.toLowerCase()).includes(word));
   for (const tag of document.querySelectorAll("#reference > .tag")) {
-    const named = words.length > 0 && has(tag.querySelector("h2"));
+    const named = wanted.length > 0 && has(tag.querySelector("h2"));
     const items = [...tag.querySelectorAll(".operation, .problem")];
     for (const item of items) item.hidden = !named && !has(item);
     tag.hidden = items.every((item) => item.hidden);
   }
-  document.querySelector(".intro").hidden = words.length > 0;
+  document.querySelector(".intro").hidden = wanted.length > 0;
   for (const item of document.querySelectorAll("#contents [data-for]")) item.hidden = at(item.dataset.for).hidden;
   for (const section of document.querySelectorAll("#contents > section")) {
     const items = [...section.querySelectorAll("[data-for]")];
     section.hidden = items.length > 0 && items.every((item) => item.hidden);
   }
   const none = [...document.querySelectorAll("#reference > .tag")].every((tag) => tag.hidden);
+  scrollTo(0, 0);
   at("none")?.remove();
   if (none) at("reference").append(el("p", { id: "none", role: "status" }, "Nothing has all of these words."));
 }

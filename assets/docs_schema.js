@@ -45,7 +45,7 @@ export class Schemas {
       return [
         el("dt", {}, el("code", { class: "field" }, field), " ", el("span", { class: "type" }, this.type(given)),
           required.includes(field) ? el("span", { class: "required" }, "required") : null, bounds(schema), this.itemBounds(schema)),
-        el("dd", {}, prose(schema.description), values && el("p", { class: "values" }, values.map((value) => el("code", { class: "value" }, JSON.stringify(value)))),
+        el("dd", {}, prose(schema.description), values && this.ownWords(given), values && el("p", { class: "values" }, values.map((value) => el("code", { class: "value" }, JSON.stringify(value)))),
           inner && !above.includes(name) && this.folded(inner, name, each, [...above, name])),
       ];
     }));
@@ -54,10 +54,16 @@ export class Schemas {
   /** Made when it is first opened: some schemas are deep. */
   folded(inner, name, each, above) {
     const open = ({ target }) => {
-      if (target.open && target.childElementCount === 1) target.append(this.members(inner, above));
+      if (target.open && target.childElementCount === 1) target.append(el("div", {}, this.ownWords({ $ref: `/${name}` })), this.members(inner, above));
     };
     const count = Object.keys(inner.properties).length;
     return el("details", { toggle: open }, el("summary", {}, each ? "each item: " : "", el("code", {}, name ?? "object"), `, ${count} fields`));
+  }
+
+  /** What a named schema says of itself, where the field that holds it says something else. */
+  ownWords({ $ref, description }) {
+    const own = $ref && this.named[$ref.split("/").at(-1)]?.description;
+    return own && own !== description ? prose(own) : null;
   }
 
   values(given) {
@@ -66,12 +72,11 @@ export class Schemas {
   }
 
   /** A few words: `list of numbers`, `Transform`. */
-  type(given) {
+  type(given, many = false) {
     const { schema, name } = this.resolve(given);
-    if (schema.type === "array") return `list of ${this.type(schema.items ?? {})}`;
+    if (schema.type === "array") return `list${many ? "s" : ""} of ${this.type(schema.items ?? {}, true)}`;
     if (name) return name;
-    const kinds = [schema.type ?? "any"].flat();
-    return kinds.map((kind) => ({ object: "object", null: "null" }[kind] ?? kind)).join(" or ");
+    return [schema.type ?? "value"].flat().map((kind) => (many && kind !== "null" ? `${kind}s` : kind)).join(" or ");
   }
 
   itemBounds(schema) {
@@ -93,7 +98,7 @@ export class Schemas {
 /** What a value must keep to, in a few words. */
 export function bounds(schema, prefix = "") {
   const said = [];
-  const shown = (value) => (Math.abs(value) >= 1e7 ? value.toExponential().replace("e+", "e") : number(value, 9));
+  const shown = (value) => (Math.abs(value) >= 1e15 ? value.toExponential().replace("e+", "e") : number(value, 9));
   const span = (least, most, unit) => {
     if (least !== undefined && most !== undefined) said.push(least === most ? `${prefix}${shown(least)}${unit}` : `${prefix}${shown(least)} … ${shown(most)}${unit}`);
     else if (least !== undefined) said.push(`${prefix}≥ ${shown(least)}${unit}`);

@@ -147,7 +147,7 @@ async function load() {
 }
 
 function failed(error) {
-  connected("away");
+  connected(error.status ? "off" : "away");
   if (error.status === 401) cover(keyWanted(start));
   else if (error.status === 404) cover(noSuchMap(state.map));
   else cover(unreachable(error.message));

@@ -44,6 +44,7 @@ export function drawScene(map) {
   drawLines(brush);
   drawRings(brush);
   drawAnchors(brush);
+  brush.labels.write();
   drawScale(brush);
 }
 
@@ -226,10 +227,10 @@ function shortened(text) {
   return characters.length > LABEL_CHARACTERS ? `${characters.slice(0, LABEL_CHARACTERS - 1).join("")}…` : line;
 }
 
-/** Writes labels where there is room left; the first to come is written. */
+/** Labels where there is room left: the first to come gets it. They are written last, on top of everything. */
 class Labels {
   constructor(context, most) {
-    Object.assign(this, { context, most, taken: new Set(), written: 0 });
+    Object.assign(this, { context, most, taken: new Set(), kept: [] });
   }
 
   /** Right of a point, beside a mark of some size; left of it where the page ends. */
@@ -238,19 +239,26 @@ class Labels {
   }
 
   put(text, x, y, { colour, halo, always = false, bold = false, centred = false, back = 0 }) {
-    if (!always && this.written >= LABELS) return;
+    if (!always && this.kept.length >= LABELS) return;
     const { context } = this;
-    context.font = `${bold ? "600 " : ""}12px system-ui, sans-serif`;
-    context.textBaseline = "middle";
+    const font = context.font = `${bold ? "600 " : ""}12px system-ui, sans-serif`;
     const width = context.measureText(text).width;
     const left = centred ? x - width / 2 : back > 0 && x + width > this.most ? x - back - width : x;
     if (!this.take(left, y - 7, width, 14) && !always) return;
-    this.written += 1;
+    this.kept.push({ text, left, y, font, colour, halo });
+  }
+
+  write() {
+    const { context } = this;
+    context.textBaseline = "middle";
     context.lineWidth = 3.5;
-    context.strokeStyle = halo;
-    context.strokeText(text, left, y);
-    context.fillStyle = colour;
-    context.fillText(text, left, y);
+    for (const { text, left, y, font, colour, halo } of this.kept.reverse()) {
+      context.font = font;
+      context.strokeStyle = halo;
+      context.strokeText(text, left, y);
+      context.fillStyle = colour;
+      context.fillText(text, left, y);
+    }
   }
 
   /** Takes the cells of a grid under a box, if all of them are free. */

@@ -40,7 +40,7 @@ impl Link {
 }
 
 /// Why nodes do not make a vocabulary. Nodes are counted from 1, the root is 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum TreeFault {
     /// k or L is nothing a vocabulary has.
     #[error(
@@ -97,8 +97,6 @@ pub enum TreeFault {
     #[error("it has no words")]
     Empty,
 }
-
-impl Eq for Vocabulary {}
 
 /// A tree that grows node by node, parents before their children.
 pub(super) struct Tree {
@@ -198,7 +196,7 @@ impl Tree {
         let mut weights = Vec::new();
         let each = self.shape.descriptor_bytes / 8;
         for (node, place) in places.iter().enumerate() {
-            let at = place.node as usize;
+            let at = place.at as usize;
             node_ids[at] = node as u32;
             descriptors[at * each..(at + 1) * each]
                 .copy_from_slice(&self.descriptors[node * each..(node + 1) * each]);
@@ -229,16 +227,15 @@ impl Tree {
         let mut next = 1;
         // Where the next child of each node goes; a level's nodes come in any order, their parents are placed.
         let mut next_child = vec![0; self.node_count()];
-        for level in &by_depth {
-            let mut level: Vec<u32> = level.clone();
+        for mut level in by_depth {
             for &node in &level {
                 if node != 0 {
                     let slot = &mut next_child[self.parents[node as usize] as usize];
-                    places[node as usize].node = *slot;
+                    places[node as usize].at = *slot;
                     *slot += 1;
                 }
             }
-            level.sort_unstable_by_key(|&node| places[node as usize].node);
+            level.sort_unstable_by_key(|&node| places[node as usize].at);
             for &node in &level {
                 places[node as usize].first_child = next;
                 next_child[node as usize] = next;
@@ -257,6 +254,6 @@ pub(super) fn check_weight(node: u32, weight: f64) -> Result<(), TreeFault> {
 /// A node's place in breadth-first order, and its first child's.
 #[derive(Clone, Copy, Default)]
 struct Place {
-    node: u32,
+    at: u32,
     first_child: u32,
 }

@@ -7,6 +7,8 @@ mod bad_input;
 mod bounds;
 mod crash;
 mod openapi;
+mod paper;
+mod readme;
 mod recordings;
 mod support;
 mod tidy;

@@ -35,7 +35,12 @@ impl Server {
 
     /// A request to be completed by hand.
     pub fn request(&self, method: Method, path: &str) -> RequestBuilder {
-        self.http.request(method, format!("{}{path}", self.running.url()))
+        self.http.request(method, self.url(path))
+    }
+
+    /// The address of a path, for clients of another kind.
+    pub fn url(&self, path: &str) -> String {
+        format!("{}{path}", self.running.url())
     }
 
     pub async fn get(&self, path: &str) -> Answer {

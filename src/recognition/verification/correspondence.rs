@@ -37,6 +37,8 @@ pub struct Correspondence {
     pub into_query: Option<Reprojection>,
     /// The query's point, to be seen in the candidate's image.
     pub into_candidate: Option<Reprojection>,
+    /// Is it a feature of the candidate itself, not only a landmark of its neighbours?
+    pub is_direct: bool,
 }
 
 /// The two cameras.

@@ -141,6 +141,7 @@ impl<'a> GuidedSearch<'a> {
         let of_query = self.query.points_in_camera[query].map(|point| point.coords);
         let (pixel, inverse_variance) = sighting_of_query(self.query, query, self.limits);
         Correspondence {
+            is_direct: matches!(proposal.target, Target::Feature(_)),
             into_query: point.map(|point| Reprojection { point, pixel, inverse_variance }),
             into_candidate: of_query
                 .zip(sighting)

@@ -148,6 +148,10 @@ pub struct Verification {
     /// The best transformation, also when the candidate failed for its few inliers: maps points of the query's camera
     /// frame into the candidate's.
     pub candidate_from_query: Option<Sim3>,
+    /// X
+    pub direct_any: u32,
+    /// X
+    pub direct_both: u32,
     /// Why the candidate failed.
     pub failure: Option<Failure>,
 }
@@ -170,6 +174,7 @@ pub fn verify(
         inliers: 0,
         mean_reprojection_error_px: None,
         candidate_from_query: None,
+        direct_any: 0, direct_both: 0,
         failure: None,
     };
     match find_transformation(query, candidate, window, limits, seed, &mut result) {
@@ -217,6 +222,8 @@ fn find_transformation(
     let hypothesis = Hypothesis::new(&cameras, &candidate_from_query);
     let inliers = hypothesis.inliers(&pairs, limits.max_chi_square);
     result.inliers = inliers.len() as u32;
+    result.direct_any = inliers.iter().filter(|&&i| pairs[i as usize].is_direct).count() as u32;
+    result.direct_both = inliers.iter().filter(|&&i| pairs[i as usize].is_direct && pairs[i as usize].into_query.is_some() && pairs[i as usize].into_candidate.is_some()).count() as u32;
     result.mean_reprojection_error_px = mean_error_px(&hypothesis, &pairs, &inliers);
     result.candidate_from_query = Some(candidate_from_query);
     if result.inliers < limits.min_inliers {
@@ -241,6 +248,7 @@ fn match_located(query: &View, candidate: &View, limits: &Limits) -> Result<Vec<
     let pair = |found: &Match| Correspondence {
         into_query: reprojection(candidate, found.candidate, query, found.query),
         into_candidate: reprojection(query, found.query, candidate, found.candidate),
+        is_direct: true,
     };
     Ok(matches.iter().map(pair).collect())
 }

@@ -45,22 +45,27 @@ fn for_each_block(
     vocabulary: &Vocabulary,
     mut each: impl FnMut(&[u64]) -> io::Result<()>,
 ) -> io::Result<()> {
-    let mut section = |words: &mut dyn Iterator<Item = u64>| {
-        let mut block = Vec::with_capacity(BLOCK_WORDS);
-        loop {
-            block.clear();
-            block.extend(words.by_ref().take(BLOCK_WORDS));
-            if block.is_empty() {
-                return io::Result::Ok(());
-            }
-            each(&block)?;
-        }
-    };
-    section(&mut vocabulary.links.iter().map(|link| link.bits()))?;
-    section(&mut vocabulary.weights.iter().map(|weight| weight.to_bits()))?;
-    section(&mut vocabulary.node_ids.chunks(2).map(|pair| {
+    section(vocabulary.links.iter().map(|link| link.bits()), &mut each)?;
+    section(vocabulary.weights.iter().map(|weight| weight.to_bits()), &mut each)?;
+    let pairs = vocabulary.node_ids.chunks(2).map(|pair| {
         let second = pair.get(1).copied().unwrap_or_default();
         u64::from(second) << 32 | u64::from(pair[0])
-    }))?;
-    section(&mut vocabulary.descriptors.iter().copied())
+    });
+    section(pairs, &mut each)?;
+    section(vocabulary.descriptors.iter().copied(), &mut each)
+}
+
+fn section(
+    mut words: impl Iterator<Item = u64>,
+    each: &mut impl FnMut(&[u64]) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut block = Vec::with_capacity(BLOCK_WORDS);
+    loop {
+        block.clear();
+        block.extend(words.by_ref().take(BLOCK_WORDS));
+        if block.is_empty() {
+            return Ok(());
+        }
+        each(&block)?;
+    }
 }

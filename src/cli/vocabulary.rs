@@ -1,0 +1,285 @@
+//! `revisit vocabulary`: converts, describes and trains vocabularies.
+
+use std::borrow::Cow;
+use std::fmt::{self, Write as _};
+use std::fs::{self, File};
+use std::io::{self, BufRead as _, Read as _, Write};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use base64::Engine as _;
+use base64::engine::DecodePaddingMode;
+use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
+use clap::{Args, Subcommand, ValueEnum};
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Deserialize;
+
+use super::{Failure, write_out};
+use crate::vocabulary::train::{TrainSettings, TrainingSet, train};
+use crate::vocabulary::{Vocabulary, decompressed};
+
+/// A line of a recording is not longer, as in `replay`.
+const MAX_LINE_BYTES: u64 = 64 * 1024 * 1024;
+
+/// How hard text is compressed with zstd: it is written once, and twice the effort saves a twentieth.
+const ZSTD_LEVEL: i32 = 9;
+
+/// Convert, describe and train ORB vocabularies.
+///
+/// A vocabulary is DBoW2's text (`ORBvoc.txt`; plain, gzip or zstd) or a binary form of Revisit's own, which loads
+/// a hundred times faster. Both are read everywhere, whatever the file is called.
+#[derive(Args, Clone, Debug)]
+pub struct VocabularyArgs {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Clone, Debug, Subcommand)]
+enum Command {
+    Convert(ConvertArgs),
+    Info(InfoArgs),
+    Train(TrainArgs),
+}
+
+/// Write a vocabulary in the other form.
+#[derive(Args, Clone, Debug)]
+struct ConvertArgs {
+    /// The vocabulary, in either form
+    input: PathBuf,
+    /// Where to write it
+    output: PathBuf,
+    #[command(flatten)]
+    form: FormArgs,
+}
+
+/// Say what a vocabulary is.
+#[derive(Args, Clone, Debug)]
+struct InfoArgs {
+    /// The vocabulary, in either form
+    file: PathBuf,
+}
+
+/// Train a vocabulary on the descriptors of recordings.
+#[derive(Args, Clone, Debug)]
+struct TrainArgs {
+    /// NDJSON as `replay` plays it, plain, gzip or zstd; every keyframe with features counts as an image
+    #[arg(required = true, value_name = "RECORDING")]
+    recordings: Vec<PathBuf>,
+    /// Where to write the vocabulary
+    #[arg(value_name = "OUT")]
+    output: PathBuf,
+    /// Into how many clusters a node is split
+    #[arg(long, env = "REVISIT_K", default_value_t = TrainSettings::default().branching)]
+    k: u32,
+    /// How many times: there are up to k^levels words
+    #[arg(long, env = "REVISIT_LEVELS", default_value_t = TrainSettings::default().levels)]
+    levels: u32,
+    /// Draws the first centres; the same seed gives the same vocabulary
+    #[arg(long, env = "REVISIT_SEED", default_value_t = TrainSettings::default().seed)]
+    seed: u64,
+    #[command(flatten)]
+    form: FormArgs,
+}
+
+#[derive(Args, Clone, Copy, Debug)]
+struct FormArgs {
+    /// The form to write. By default the name decides: .txt, .gz and .zst are text, all others binary
+    #[arg(long, env = "REVISIT_FORM", value_enum)]
+    form: Option<Form>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+enum Form {
+    Text,
+    Binary,
+}
+
+/// Runs it.
+pub async fn run(args: VocabularyArgs) -> Result<(), Failure> {
+    // Nothing here waits for anything but the disk and the processor.
+    tokio::task::spawn_blocking(move || match args.command {
+        Command::Convert(args) => convert(&args),
+        Command::Info(args) => info(&args),
+        Command::Train(args) => train_on(&args),
+    })
+    .await?
+}
+
+fn convert(args: &ConvertArgs) -> Result<(), Failure> {
+    let vocabulary = load(&args.input)?;
+    save(&vocabulary, &args.output, args.form)?;
+    Ok(write_out(&format!("{}\n", vocabulary.fingerprint()))?)
+}
+
+fn info(args: &InfoArgs) -> Result<(), Failure> {
+    let start = Instant::now();
+    let vocabulary = load(&args.file)?;
+    let loaded = start.elapsed();
+    let shape = vocabulary.shape();
+    let mut text = String::new();
+    let mut row = |name: &str, value: &dyn fmt::Display| writeln!(text, "{name:<18}{value}");
+    row("k", &shape.branching)?;
+    row("L", &shape.levels)?;
+    row("words", &vocabulary.word_count())?;
+    row("nodes", &vocabulary.node_count())?;
+    row("descriptor", &format_args!("{} bytes", shape.descriptor_bytes))?;
+    row("scoring", &"L1 norm, TF-IDF")?;
+    row("fingerprint", &vocabulary.fingerprint())?;
+    row("memory", &format_args!("{:.1} MB", vocabulary.heap_bytes() as f64 / 1e6))?;
+    row("loaded in", &format_args!("{:.1} ms", loaded.as_secs_f64() * 1e3))?;
+    write_out(&text)?;
+    if vocabulary.fingerprint_holds() {
+        return Ok(());
+    }
+    Err("the content is not what the fingerprint says: convert the text form again".into())
+}
+
+fn train_on(args: &TrainArgs) -> Result<(), Failure> {
+    let output = &args.output;
+    // `train A.ndjson B.ndjson` with OUT forgotten would write over B.
+    if output.exists() && is_recording(output)? {
+        return Err(format!("{} is a recording; where to write comes last", output.display()).into());
+    }
+    let mut set = TrainingSet::new();
+    for recording in &args.recordings {
+        read_recording(recording, &mut set).map_err(|error| format!("{}: {error}", recording.display()))?;
+    }
+    let progress = progress_bar("training");
+    let settings =
+        TrainSettings { branching: args.k, levels: args.levels, seed: args.seed, ..TrainSettings::default() };
+    let trained = train(&set, settings, |at| {
+        progress.set_length(at.total);
+        progress.set_position(at.done);
+    });
+    progress.finish_and_clear();
+    let vocabulary = trained?;
+    save(&vocabulary, output, args.form)?;
+    Ok(write_out(&format!(
+        "{} words out of {} descriptors of {} images: {}\n",
+        vocabulary.word_count(),
+        set.descriptor_count(),
+        set.image_count(),
+        vocabulary.fingerprint()
+    ))?)
+}
+
+fn load(path: &Path) -> Result<Vocabulary, Failure> {
+    Vocabulary::load(path).map_err(|error| format!("{}: {error}", path.display()).into())
+}
+
+/// Writes beside the file first: what was there stays whole until the new one is.
+fn save(vocabulary: &Vocabulary, path: &Path, form: FormArgs) -> Result<(), Failure> {
+    let failed = |error: io::Error| -> Failure { format!("cannot write {}: {error}", path.display()).into() };
+    let mut partial = path.as_os_str().to_owned();
+    partial.push(".partial");
+    let partial = PathBuf::from(partial);
+    let written = write_to(vocabulary, &partial, path, form).and_then(|()| fs::rename(&partial, path));
+    written.map_err(|error| {
+        // It may not be there at all.
+        let _ = fs::remove_file(&partial);
+        failed(error)
+    })
+}
+
+fn write_to(vocabulary: &Vocabulary, partial: &Path, path: &Path, form: FormArgs) -> io::Result<()> {
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    let by_name = if ["txt", "gz", "zst"].contains(&extension) { Form::Text } else { Form::Binary };
+    let form = form.form.unwrap_or(by_name);
+    let mut file = File::create(partial)?;
+    match extension {
+        "gz" => {
+            let mut out = GzEncoder::new(&mut file, Compression::default());
+            write_form(vocabulary, form, &mut out)?;
+            out.finish()?;
+        }
+        "zst" => {
+            let mut out = zstd::Encoder::new(&mut file, ZSTD_LEVEL)?;
+            write_form(vocabulary, form, &mut out)?;
+            out.finish()?;
+        }
+        _ => write_form(vocabulary, form, &mut file)?,
+    }
+    file.sync_all()
+}
+
+fn write_form(vocabulary: &Vocabulary, form: Form, out: &mut impl Write) -> io::Result<()> {
+    match form {
+        Form::Text => vocabulary.write_text(out),
+        Form::Binary => vocabulary.write_binary(out),
+    }
+}
+
+/// What training needs of a line of a recording.
+#[derive(Deserialize)]
+struct Line<'a> {
+    #[serde(borrow)]
+    op: Cow<'a, str>,
+    #[serde(borrow)]
+    body: Option<Body<'a>>,
+}
+
+#[derive(Deserialize)]
+struct Body<'a> {
+    #[serde(borrow)]
+    features: Option<Descriptors<'a>>,
+}
+
+#[derive(Deserialize)]
+struct Descriptors<'a> {
+    descriptor_bytes: usize,
+    #[serde(borrow)]
+    descriptors: Cow<'a, str>,
+}
+
+/// As the service reads it: with or without padding.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &base64::alphabet::STANDARD,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
+);
+
+fn read_recording(path: &Path, set: &mut TrainingSet) -> Result<(), Failure> {
+    let file = File::open(path)?;
+    let progress = progress_bar("reading");
+    progress.set_length(file.metadata()?.len());
+    let mut reader = decompressed(progress.wrap_read(file))?;
+    let mut text = Vec::new();
+    for number in 1_u64.. {
+        text.clear();
+        let length = reader.by_ref().take(MAX_LINE_BYTES).read_until(b'\n', &mut text)?;
+        if length == 0 {
+            break;
+        }
+        if length as u64 == MAX_LINE_BYTES {
+            return Err(format!("line {number} is longer than {MAX_LINE_BYTES} bytes").into());
+        }
+        if !text.trim_ascii().is_empty() {
+            add_line(&text, set).map_err(|error| format!("line {number}: {error}"))?;
+        }
+    }
+    progress.finish_and_clear();
+    Ok(())
+}
+
+fn add_line(text: &[u8], set: &mut TrainingSet) -> Result<(), Failure> {
+    let line: Line = serde_json::from_slice(text)?;
+    let features = line.body.and_then(|body| body.features);
+    if let Some(features) = features.filter(|_| line.op == "keyframe") {
+        set.add_image(features.descriptor_bytes, &BASE64.decode(&*features.descriptors)?)?;
+    }
+    Ok(())
+}
+
+fn is_recording(path: &Path) -> io::Result<bool> {
+    let mut head = Vec::new();
+    decompressed(File::open(path)?)?.take(64).read_to_end(&mut head)?;
+    Ok(head.trim_ascii_start().starts_with(b"{"))
+}
+
+/// Shown on standard error, and only on a terminal.
+fn progress_bar(what: &'static str) -> ProgressBar {
+    let style = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {msg}")
+        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::no_length().with_style(style).with_message(what)
+}

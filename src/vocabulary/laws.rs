@@ -1,0 +1,1 @@
+//! Small vocabularies by hand, and every way a file can be wrong.

@@ -1,0 +1,157 @@
+//! §5: the same question gets the same bytes, again and after a restart.
+
+use std::path::Path;
+
+use reqwest::Method;
+use revisit::http::RunningServer;
+use revisit::service::{Service, ServiceOptions};
+use serde_json::{Value, json};
+
+use super::scene::{Keyframe, NAMES, Scene, door, keyframe, thing, unread};
+
+/// The bytes that a request is answered.
+async fn bytes(request: reqwest::RequestBuilder) -> Vec<u8> {
+    let response = request.send().await.expect("an answer");
+    assert!(response.status().is_success(), "{}", response.status());
+    response.bytes().await.expect("a whole answer").into()
+}
+
+/// Passages with several candidates each, by words and by anchors.
+fn passages() -> Vec<(String, Keyframe)> {
+    let visit = |number: usize| {
+        let room = number % 3;
+        let x = number as f64;
+        let sights = [
+            door(&format!("{}", 901 + 9 * room), [x, 0.0, 2.0 + 0.1 * x]),
+            thing("poster", NAMES[room]).at([x + 1.0, 0.3, 1.0]).confidence(0.7),
+            thing("sign", "EXIT").at([x - 2.0, 0.0, 1.0]),
+            unread([x, 5.0, 1.0]),
+        ];
+        let words = [(1, 0.3), (10 + room as u32, 0.6), (100 + number as u32, 0.1)];
+        (format!("kf-{number}"), keyframe().at([x, 0.0, 0.0]).words(&words).sees(sights))
+    };
+    (0..9).map(visit).collect()
+}
+
+#[tokio::test]
+async fn the_same_question_at_the_same_version_gets_the_same_bytes() {
+    let scene = Scene::new().await;
+    for (id, keyframe) in passages() {
+        scene.put(&id, keyframe).await;
+    }
+    let ask = async |body: Value| bytes(scene.server.request(Method::POST, &scene.path("/loop-queries")).json(&body)).await;
+    let inline = passages().remove(4).1.0;
+    for body in [
+        json!({"keyframe": "kf-8"}),
+        json!({"keyframe": "kf-3", "verify": "geometry", "seed": 7}),
+        json!({"inline": inline, "verify": "anchors"}),
+    ] {
+        let first = ask(body.clone()).await;
+        assert_eq!(ask(body.clone()).await, first, "{body}");
+        let id = serde_json::from_slice::<Value>(&first).expect("JSON")["id"].as_str().expect("an id").to_owned();
+        let path = scene.path(&format!("/loop-queries/{id}"));
+        assert_eq!(bytes(scene.server.request(Method::GET, &path)).await, first, "read back: {body}");
+    }
+}
+
+#[tokio::test]
+async fn the_name_of_a_query_says_what_was_asked_and_of_which_version() {
+    let scene = Scene::new().await;
+    for (id, keyframe) in passages() {
+        scene.put(&id, keyframe).await;
+    }
+    let name = async |body: Value| scene.post("/loop-queries", &body).await["id"].as_str().expect("an id").to_owned();
+    let first = name(json!({"keyframe": "kf-8"})).await;
+    assert_eq!(name(json!({"keyframe": "kf-8", "verify": "auto", "seed": 0})).await, first, "these are the defaults");
+    let mut names = vec![first];
+    for body in [
+        json!({"keyframe": "kf-7"}),
+        json!({"keyframe": "kf-8", "seed": 1}),
+        json!({"keyframe": "kf-8", "verify": "anchors"}),
+        json!({"inline": passages().remove(8).1.0}),
+    ] {
+        names.push(name(body).await);
+    }
+    scene.set(json!({"candidates_max": 21})).await;
+    names.push(name(json!({"keyframe": "kf-8"})).await);
+    let all = names.len();
+    names.sort();
+    names.dedup();
+    assert_eq!(names.len(), all, "{names:?}");
+}
+
+#[tokio::test]
+async fn a_query_does_not_change_the_maps_version() {
+    let scene = Scene::new().await;
+    for (id, keyframe) in passages() {
+        scene.put(&id, keyframe).await;
+    }
+    let version = async || scene.get("").await["map_version"].clone();
+    let before = version().await;
+    assert_eq!(scene.ask("kf-8").await["map_version"], before);
+    assert_eq!(version().await, before);
+    scene.put("kf-9", keyframe()).await;
+    assert_eq!(version().await, json!(before.as_u64().expect("a number") + 1));
+}
+
+/// A server on a database that outlives it.
+async fn open(database: &Path) -> RunningServer {
+    let database = format!("sqlite://{}", database.display());
+    let service = Service::open(ServiceOptions { database }).await.expect("a service");
+    RunningServer::start(service).await.expect("a free port")
+}
+
+/// All that a client can read of the map, and every verdict.
+async fn everything(http: &reqwest::Client, server: &RunningServer) -> Vec<(String, Vec<u8>)> {
+    let map = format!("{}/v1/maps/tower", server.url());
+    let mut paths: Vec<String> =
+        ["", "/keyframes", "/anchors?merged=true&limit=1000", "/loops"].map(str::to_owned).to_vec();
+    let kept: Vec<usize> = (0..9).filter(|number| *number != 5).collect();
+    for number in &kept {
+        paths.extend(["", "/covisible", "/local-anchor-map"].map(|rest| format!("/keyframes/kf-{number}{rest}")));
+    }
+    let mut found = Vec::new();
+    for path in paths {
+        found.push((path.clone(), bytes(http.get(format!("{map}{path}"))).await));
+    }
+    for number in kept {
+        let body = json!({"keyframe": format!("kf-{number}"), "seed": 3});
+        found.push((format!("{body}"), bytes(http.post(format!("{map}/loop-queries")).json(&body)).await));
+    }
+    found
+}
+
+#[tokio::test]
+async fn a_second_server_on_the_same_database_gives_the_same_bytes() {
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    let database = directory.path().join("restart.db");
+    let http = reqwest::Client::builder().no_proxy().build().expect("a client");
+
+    let server = open(&database).await;
+    let map = format!("{}/v1/maps/tower", server.url());
+    bytes(http.put(&map).json(&json!({"settings": {"description_min_information_level": 2}}))).await;
+    for (id, keyframe) in passages() {
+        bytes(http.put(format!("{map}/keyframes/{id}")).json(&keyframe.0)).await;
+    }
+    // Something of everything that can happen to a map.
+    for (id, keyframe, candidate) in [("l-1", "kf-6", "kf-0"), ("l-2", "kf-7", "kf-1")] {
+        let body = json!({"id": id, "keyframe": keyframe, "candidate": candidate});
+        bytes(http.post(format!("{map}/loops")).json(&body)).await;
+    }
+    bytes(http.delete(format!("{map}/loops/l-2"))).await;
+    bytes(http.delete(format!("{map}/keyframes/kf-5"))).await;
+    let moved = json!({"keyframes": {"ids": ["kf-3"], "poses": [crate::support::pose([0.1, 0.2, 0.3])]}});
+    bytes(http.post(format!("{map}/poses")).json(&moved)).await;
+    let by_hand = http.patch(format!("{map}/anchors/a-3")).header("if-match", "*");
+    bytes(by_hand.json(&json!({"description": "room 950"}))).await;
+    bytes(http.patch(&map).json(&json!({"settings": {"anchor_map_min_similarity": 0.25}}))).await;
+
+    let before = everything(&http, &server).await;
+    server.stop().await.expect("it stops");
+    let server = open(&database).await;
+    let after = everything(&http, &server).await;
+    for ((what, before), (_, after)) in before.iter().zip(&after) {
+        assert_eq!(String::from_utf8_lossy(after), String::from_utf8_lossy(before), "{what}");
+    }
+    server.stop().await.expect("it stops");
+}
