@@ -37,7 +37,7 @@ const refs = {
   }),
 };
 const world = { map: () => state.map, scene: () => state.scene, version: () => state.meta?.map_version ?? 0, mark };
-const canvas = new MapCanvas(at("canvas"), { pick: (hit) => (hit ? select(hit.kind, hit.id) : letGo()), hover });
+const canvas = new MapCanvas(at("canvas"), { pick: (hit) => (hit ? select(hit.kind, hit.id, false) : letGo()), hover });
 const details = new Details(at("details"), world, refs);
 const anchors = new AnchorList(at("anchors"), world, refs, (found) => { state.found = found; remark(); });
 const keyframes = new KeyframeList(at("keyframes"), world, refs);
@@ -49,18 +49,18 @@ function ref(id, click) {
 
 // --- What is selected -------------------------------------------------------------------------------------------------
 
-function select(kind, id) {
-  choose({ kind, id });
+function select(kind, id, reveal = true) {
+  choose({ kind, id }, reveal);
   openTab("details");
   details[kind](id);
 }
 
-/** Selects on the map, and brings the session into view if another one is shown. */
-function choose(selection) {
+/** Selects on the map, and brings it into view; its session too if another one is shown. */
+function choose(selection, reveal = true) {
   state.selection = selection;
   state.marks = {};
   remark();
-  if (selection && !canvas.reveal(selection.kind, selection.id) && state.choice !== null) {
+  if (selection && reveal && !canvas.reveal(selection.kind, selection.id) && state.choice !== null) {
     Object.assign(state, { choice: null, apart: true });
     lay();
     canvas.fit();
@@ -147,10 +147,19 @@ async function load() {
 }
 
 function failed(error) {
-  connected(error.status ? "off" : "away");
   if (error.status === 401) cover(keyWanted(start));
-  else if (error.status === 404) cover(noSuchMap(state.map));
-  else cover(unreachable(error.message));
+  else if (error.status === 404 && state.map !== null) gone();
+  // What was read before stays on the page while the server is away.
+  else if (state.meta === null) cover(unreachable(error.message));
+  connected(error.status < 500 ? "off" : "away");
+}
+
+/** The map is not there (any more); it may come. */
+function gone() {
+  stream?.stop();
+  stream = null;
+  state.meta = null;
+  cover(noSuchMap(state.map));
 }
 
 /** An event: history is only listed, news also refresh the map. */
@@ -189,7 +198,7 @@ async function readMaps() {
   if (state.map !== null && !ids.includes(state.map)) ids.unshift(state.map);
   const shown = [...at("maps").options].map(({ value }) => value);
   if (ids.join("\n") !== shown.join("\n")) fill(at("maps"), ids.map((id) => el("option", { value: id }, id)));
-  at("maps").disabled = ids.length === 0;
+  at("maps").parentElement.hidden = ids.length === 0;
   if (state.map !== null) at("maps").value = state.map;
   else if (ids.length > 0) await open(ids[0]);
   else cover(noMaps());

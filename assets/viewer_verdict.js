@@ -59,7 +59,9 @@ function brief({ reason, anchors: figures, geometry: { status, inliers }, bow })
   return figures ? `S = ${number(figures.similarity)}` : `BoW ${number(bow.score, 3)}`;
 }
 
-/** The reason for a person, with what was measured and what was asked. The server's own sentence follows if it adds to it. */
+const ADDS_DETAIL = ["no_anchors", "contradiction", "no_features", "llm_pending", "llm_unavailable"];
+
+/** The reason for a person, with what was measured and what was asked. The server's own sentence follows where it adds to it. */
 export function why({ code, measured, limit, detail }) {
   const [m, l] = [measured, limit].map((value) => (value === undefined || value === null ? "?" : number(value, 3)));
   const sentences = {
@@ -78,7 +80,7 @@ export function why({ code, measured, limit, detail }) {
   };
   const own = sentences[code];
   if (!own) return [`${code}: ${m} against ${l}. `, detail && sign(detail)];
-  return [own, detail && [" ", el("span", { class: "muted" }, "(", sign(detail), ")")]];
+  return [own, ADDS_DETAIL.includes(code) && detail && [" ", el("span", { class: "muted" }, "(", sign(detail), ")")]];
 }
 
 function check(state, title, figure, ...body) {

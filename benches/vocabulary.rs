@@ -144,7 +144,11 @@ fn write_drawn(path: &Path) -> io::Result<Vec<[u8; DESCRIPTOR_BYTES]>> {
 }
 
 /// Flips up to so many bits.
-fn mutated(descriptor: &[u8; DESCRIPTOR_BYTES], flips: usize, rng: &mut ChaCha8Rng) -> [u8; DESCRIPTOR_BYTES] {
+fn mutated(
+    descriptor: &[u8; DESCRIPTOR_BYTES],
+    flips: usize,
+    rng: &mut ChaCha8Rng,
+) -> [u8; DESCRIPTOR_BYTES] {
     let mut mutated = *descriptor;
     for _ in 0..flips {
         let bit = rng.random_range(0..DESCRIPTOR_BYTES * 8);

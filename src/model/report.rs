@@ -36,6 +36,8 @@ pub struct KeyframeReport {
     pub covisible: usize,
     /// What became of its detections, in their order, each with its anchor's state.
     pub detections: Vec<(Outcome, Option<AnchorState>)>,
+    /// Has it just shown an anchor that matches one seen before? That triggers loop detection (§III).
+    pub revisits: bool,
 }
 
 /// One distinct reading of an anchor with its votes (`contract.md` §8.4).

@@ -76,7 +76,8 @@ impl Service {
                 return Err(ServiceError::Invalid(errors));
             }
             let ingested = ingest(index, &keyframe);
-            let report = report(index, &keyframe.id, ingested.keyframe, &ingested.outcomes);
+            let mut report = report(index, &keyframe.id, ingested.keyframe, &ingested.outcomes);
+            report.revisits = ingested.revisits;
             let rows = NewKeyframeRows { keyframe: Arc::new(keyframe), digest };
             Ok(Decision::Changed(Put::Created(report), ingested.decided, Some(rows)))
         };
@@ -235,6 +236,7 @@ fn report(index: &MapIndex, id: &KeyframeId, seq: KeyframeSeq, outcomes: &[Outco
         map_version: 0,
         covisible: index.covisibility().degree(seq),
         detections: outcomes.iter().map(|outcome| current(index, *outcome)).collect(),
+        revisits: false,
     }
 }
 

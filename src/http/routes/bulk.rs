@@ -49,8 +49,8 @@ pub async fn put_keyframes(
         ["application/x-ndjson", "application/ndjson", "application/jsonl", "application/x-jsonlines"];
     expect_type(request.headers(), |essence| accepted.contains(&essence), NDJSON)?;
     service.get_map(&map).await?;
-    let mut answer = Answer::of(&request_id);
-    answer.take(&service, &map, request.into_body()).await;
+    let mut answer = Answer::of(service, map, &request_id);
+    answer.take(request.into_body()).await;
     Ok(answer.into_response())
 }
 
@@ -66,6 +66,8 @@ struct UnderWay {
 
 /// The lines answered so far. They are kept until the end, for only then is it known whether any failed.
 struct Answer {
+    service: Service,
+    map: MapId,
     request_id: String,
     lines: Vec<u8>,
     items: usize,
@@ -74,8 +76,10 @@ struct Answer {
 }
 
 impl Answer {
-    fn of(request_id: &RequestId) -> Self {
+    fn of(service: Service, map: MapId, request_id: &RequestId) -> Self {
         Self {
+            service,
+            map,
             request_id: request_id.to_string(),
             lines: Vec::new(),
             items: 0,
@@ -84,7 +88,7 @@ impl Answer {
         }
     }
 
-    async fn take(&mut self, service: &Service, map: &MapId, body: Body) {
+    async fn take(&mut self, body: Body) {
         let mut lines = Lines::of(body);
         for number in 1.. {
             let line = match lines.next().await {
@@ -110,7 +114,7 @@ impl Answer {
                 return self.refused(number, None, Problem::new(Kind::TOO_LARGE, detail)).await;
             }
             self.items += 1;
-            match begin(service, map, text).await {
+            match begin(&self.service, &self.map, text).await {
                 Ok((id, keyframe)) => self.under_way.push_back(UnderWay { line: number, id, keyframe }),
                 Err((id, problem)) => self.refused(number, id, problem).await,
             }
@@ -125,6 +129,9 @@ impl Answer {
         let Some(UnderWay { line, id, keyframe }) = self.under_way.pop_front() else { return };
         match keyframe.committed().await {
             Ok(stored) => {
+                if stored.created && stored.value.revisits {
+                    self.service.trigger_loop_check(&self.map, &stored.value.keyframe);
+                }
                 let status = if stored.created { StatusCode::CREATED } else { StatusCode::OK };
                 let answer = BulkLine::stored(line, status.as_u16(), !stored.created, stored.value.into());
                 self.push(&answer, true);

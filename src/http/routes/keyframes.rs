@@ -47,7 +47,12 @@ pub async fn put_keyframe(
     let stored = app.service.put_keyframe(&map, sent.keyframe, sent.digest).await?;
     let loop_answer = match also.query {
         Some(_) => Some(ask_about(&app, &map, keyframe, stored.created).await?),
-        None => None,
+        None => {
+            if stored.created && stored.value.revisits {
+                app.service.trigger_loop_check(&map, &keyframe);
+            }
+            None
+        }
     };
     Ok(written(stored.created, KeyframeAnswer { loop_answer, ..stored.value.into() }))
 }

@@ -14,6 +14,17 @@ pub struct Reprojection {
     pub pixel: [f64; 2],
     /// The inverse variance of that pixel, per square pixel.
     pub inverse_variance: f64,
+    /// How deep that camera's own map has it, if it has.
+    pub depth: Option<Depth>,
+}
+
+/// A depth as a camera's own map has it: the z coordinate in the camera's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Depth {
+    /// In metres, positive.
+    pub metres: f64,
+    /// The inverse of its standard deviation.
+    pub inverse_sigma: f64,
 }
 
 impl Reprojection {
@@ -25,8 +36,11 @@ impl Reprojection {
 
     /// The squared error in units of the variance; infinite if the point falls behind the camera.
     fn chi_square(&self, map: &Map, camera: &Pinhole) -> f64 {
-        let residual = self.residual_px(&map.apply(&self.point), camera);
-        residual.map_or(f64::INFINITY, |[u, v]| (u * u + v * v) * self.inverse_variance)
+        let point = map.apply(&self.point);
+        let Some([u, v]) = self.residual_px(&point, camera) else { return f64::INFINITY };
+        let in_image = (u * u + v * v) * self.inverse_variance;
+        let in_depth = self.depth.map_or(0.0, |depth| (point.z - depth.metres) * depth.inverse_sigma);
+        in_image.max(in_depth * in_depth)
     }
 }
 
@@ -102,7 +116,10 @@ impl Hypothesis {
             (pair.into_candidate, &self.candidate_from_query, &self.cameras.candidate),
         ];
         sides.into_iter().fold((0.0, 0), |(sum, count), (side, map, camera)| match side {
-            Some(it) => (sum + (it.chi_square(map, camera) / it.inverse_variance).sqrt(), count + 1),
+            Some(it) => match it.residual_px(&map.apply(&it.point), camera) {
+                Some([u, v]) => (sum + (u * u + v * v).sqrt(), count + 1),
+                None => (sum, count),
+            },
             None => (sum, count),
         })
     }

@@ -140,12 +140,14 @@ impl<'a> GuidedSearch<'a> {
         };
         let of_query = self.query.points_in_camera[query].map(|point| point.coords);
         let (pixel, inverse_variance) = sighting_of_query(self.query, query, self.limits);
+        let depth_of = |point: Option<Vector3<f64>>| point.and_then(|point| self.limits.depth(point.z));
+        let (query_depth, candidate_depth) = (depth_of(of_query), depth_of(point));
         Correspondence {
             is_direct: matches!(proposal.target, Target::Feature(_)),
-            into_query: point.map(|point| Reprojection { point, pixel, inverse_variance }),
+            into_query: point.map(|point| Reprojection { point, pixel, inverse_variance, depth: query_depth }),
             into_candidate: of_query
                 .zip(sighting)
-                .map(|(point, (pixel, inverse_variance))| Reprojection { point, pixel, inverse_variance }),
+                .map(|(point, (pixel, inverse_variance))| Reprojection { point, pixel, inverse_variance, depth: candidate_depth }),
         }
     }
 }

@@ -1,5 +1,8 @@
 //! The thresholds of the verification, each with its source.
 
+use super::correspondence::Depth;
+use crate::geometry::pinhole::MIN_DEPTH;
+
 /// Every threshold. [`Limits::default`] is what the service uses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
@@ -15,6 +18,9 @@ pub struct Limits {
     pub keypoint_sigma_px: f64,
     /// How much more it scatters from octave to octave: the scale factor of ORB's image pyramid, 1.2.
     pub octave_factor: f64,
+    /// What a point's depth in its own map scatters by, as a share of it. Small far-off planes look alike from either
+    /// side of their normal; only the depth of their points tells.
+    pub depth_sigma: f64,
     /// The squared reprojection error, in units of the keypoint's variance, below which a pair is an inlier: 9.21,
     /// the 99 % quantile of chi-square with two degrees of freedom (`contract.md` §8.13).
     pub max_chi_square: f64,
@@ -74,6 +80,7 @@ impl Default for Limits {
             matching: MatchingLimits::default(),
             keypoint_sigma_px: 2.0,
             octave_factor: 1.2,
+            depth_sigma: 0.1,
             max_chi_square: 9.21,
             sampling: SamplingLimits::default(),
             guided: GuidedLimits::default(),
@@ -107,6 +114,11 @@ impl Default for GuidedLimits {
 }
 
 impl Limits {
+    /// The depth of a point in its own camera; `None` behind it.
+    pub fn depth(&self, metres: f64) -> Option<Depth> {
+        (metres > MIN_DEPTH).then(|| Depth { metres, inverse_sigma: (metres * self.depth_sigma).recip() })
+    }
+
     /// The inverse variance of a keypoint's position at an octave, per square pixel.
     pub fn inverse_variance(&self, octave: u8) -> f64 {
         let mut sigma_px = self.keypoint_sigma_px;

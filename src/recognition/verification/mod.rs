@@ -243,7 +243,8 @@ fn match_located(query: &View, candidate: &View, limits: &Limits) -> Result<Vec<
     let reprojection = |from: &View, feature: u32, into: &View, seen: u32| {
         let point = from.points_in_camera[feature as usize]?.coords;
         let (pixel, inverse_variance) = sighting(into, seen as usize, limits);
-        Some(Reprojection { point, pixel, inverse_variance })
+        let depth = into.points_in_camera[seen as usize].and_then(|point| limits.depth(point.z));
+        Some(Reprojection { point, pixel, inverse_variance, depth })
     };
     let pair = |found: &Match| Correspondence {
         into_query: reprojection(candidate, found.candidate, query, found.query),

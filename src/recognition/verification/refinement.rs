@@ -89,8 +89,10 @@ impl Problem<'_> {
     fn cost(&self, sim3: &Sim3) -> f64 {
         let (to_candidate, to_query) = (sim3.linear_and_translation(), sim3.inverse().linear_and_translation());
         let side = |it: &Reprojection, (linear, translation): &(Matrix3<f64>, Vector3<f64>), camera: &Pinhole| {
-            let residual = it.residual_px(&(linear * it.point + translation), camera);
-            residual.map_or(f64::INFINITY, |[u, v]| huber_cost((u * u + v * v) * it.inverse_variance))
+            let point = linear * it.point + translation;
+            let Some([u, v]) = it.residual_px(&point, camera) else { return f64::INFINITY };
+            let in_depth = it.depth.map_or(0.0, |depth| (point.z - depth.metres) * depth.inverse_sigma);
+            huber_cost((u * u + v * v) * it.inverse_variance) + huber_cost(in_depth * in_depth)
         };
         self.chosen()
             .map(|pair| {
@@ -135,17 +137,27 @@ impl NormalEquations {
         let (x, y) = (in_camera.x * inverse_depth, in_camera.y * inverse_depth);
         let of_point = Matrix2x3::new(camera.fx, 0.0, -camera.fx * x, 0.0, camera.fy, -camera.fy * y) * inverse_depth;
         let by_move = of_point * outer;
-        for (row, residual) in [(by_move.row(0).transpose(), u), (by_move.row(1).transpose(), v)] {
-            let turn = inner.cross(&row);
-            let jacobian = Step::from([turn.x, turn.y, turn.z, row.x, row.y, row.z, row.dot(inner)]);
-            let weighted = jacobian * weight;
-            for column in 0..7 {
-                for line in column..7 {
-                    self.information[(line, column)] += weighted[line] * jacobian[column];
-                }
-            }
-            self.gradient += weighted * residual;
+        self.add_residual(&by_move.row(0).transpose(), inner, u, weight);
+        self.add_residual(&by_move.row(1).transpose(), inner, v, weight);
+        if let Some(depth) = it.depth {
+            let residual = in_camera.z - depth.metres;
+            let inverse_variance = depth.inverse_sigma * depth.inverse_sigma;
+            let weight = inverse_variance * huber_weight(residual * residual * inverse_variance);
+            self.add_residual(&outer.row(2).transpose(), inner, residual, weight);
         }
+    }
+
+    fn add_residual(&mut self, by_move: &Vector3<f64>, inner: &Vector3<f64>, residual: f64, weight: f64) {
+        let turn = inner.cross(by_move);
+        let jacobian =
+            Step::from([turn.x, turn.y, turn.z, by_move.x, by_move.y, by_move.z, by_move.dot(inner)]);
+        let weighted = jacobian * weight;
+        for column in 0..7 {
+            for line in column..7 {
+                self.information[(line, column)] += weighted[line] * jacobian[column];
+            }
+        }
+        self.gradient += weighted * residual;
     }
 
     /// The damped step; `None` if the equations do not determine one.

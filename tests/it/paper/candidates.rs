@@ -12,7 +12,8 @@ async fn a_covisible_keyframe_is_excluded_and_counted() {
         "keypoints": [[1, 1], [2, 2], [3, 3], [4, 4], [5, 5]], "map_points": [11, 12, 13, 14, 15]
     });
     let first = || keyframe().observes(1..=15);
-    let declared = |shared: i64| keyframe().member("covisible", json!([{"keyframe": "kf-1", "shared": shared}]));
+    let declared =
+        |shared: i64| keyframe().member("covisible", json!([{"keyframe": "kf-1", "shared": shared}]));
     let check = async |what: &str, settings: Value, query: Keyframe, excluded: bool| {
         let scene = Scene::with(settings).await;
         scene.put("kf-1", first()).await;
@@ -31,13 +32,37 @@ async fn a_covisible_keyframe_is_excluded_and_counted() {
     check("15 common map points", fifteen(), keyframe().observes(1..=15), true).await;
     check("14 common map points", fifteen(), keyframe().observes(2..=15), false).await;
     check("14, one of them twice", fifteen(), keyframe().observes((2..=15).chain([2])), false).await;
-    check("14, where 14 suffice", json!({"covisibility_min_shared_points": 14}), keyframe().observes(2..=15), true).await;
-    check("10 listed and 5 seen by features", fifteen(), keyframe().observes(1..=10).member("features", features.clone()), true).await;
-    check("9 listed and 5 seen by features", fifteen(), keyframe().observes(2..=10).member("features", features), false).await;
+    check(
+        "14, where 14 suffice",
+        json!({"covisibility_min_shared_points": 14}),
+        keyframe().observes(2..=15),
+        true,
+    )
+    .await;
+    check(
+        "10 listed and 5 seen by features",
+        fifteen(),
+        keyframe().observes(1..=10).member("features", features.clone()),
+        true,
+    )
+    .await;
+    check(
+        "9 listed and 5 seen by features",
+        fifteen(),
+        keyframe().observes(2..=10).member("features", features),
+        false,
+    )
+    .await;
     check("declared", fifteen(), declared(40), true).await;
     check("declared with nothing shared", fifteen(), declared(0), true).await;
     check("declared across sessions", fifteen(), declared(40).session("other-day"), true).await;
-    check("the same points of another session", fifteen(), keyframe().observes(1..=15).session("other-day"), false).await;
+    check(
+        "the same points of another session",
+        fifteen(),
+        keyframe().observes(1..=15).session("other-day"),
+        false,
+    )
+    .await;
 }
 
 #[tokio::test]
@@ -84,7 +109,8 @@ async fn the_score_is_the_sum_over_common_words_of_the_smaller_weight() {
 #[tokio::test]
 async fn the_reference_score_is_the_lowest_against_the_covisible_keyframes() {
     let scene = Scene::new().await;
-    let covisible: [(&str, &[(u32, f64)]); 3] = [("half", &[(1, 1.0)]), ("quarter", &[(2, 1.0)]), ("wall", &[])];
+    let covisible: [(&str, &[(u32, f64)]); 3] =
+        [("half", &[(1, 1.0)]), ("quarter", &[(2, 1.0)]), ("wall", &[])];
     for (id, words) in covisible {
         scene.put(id, keyframe().words(words)).await;
     }
@@ -103,13 +129,17 @@ async fn the_reference_score_is_the_lowest_against_the_covisible_keyframes() {
 #[tokio::test]
 async fn a_candidate_must_score_its_share_of_the_reference_only_if_a_share_is_set() {
     // The reference is 1/2; the candidates score 1/2 and 1/4.
-    for (ratio, limit, weak_passes) in [(0.0, 0.0, true), (0.5, 0.25, true), (0.75, 0.375, false), (1.0, 0.5, false)] {
+    for (ratio, limit, weak_passes) in
+        [(0.0, 0.0, true), (0.5, 0.25, true), (0.75, 0.375, false), (1.0, 0.5, false)]
+    {
         let scene = Scene::with(json!({"candidates_min_score_ratio": ratio})).await;
         let plate = || [door("901", [0.0, 0.0, 2.0])];
         scene.put("before", keyframe().words(&[(1, 1.0)])).await;
         scene.put("strong", keyframe().words(&[(2, 0.5), (8, 0.5)]).sees(plate())).await;
         scene.put("weak", keyframe().words(&[(2, 0.25), (9, 0.75)]).sees(plate())).await;
-        scene.put("query", keyframe().words(&[(1, 0.5), (2, 0.5)]).covisible(&["before"]).sees(plate())).await;
+        scene
+            .put("query", keyframe().words(&[(1, 0.5), (2, 0.5)]).covisible(&["before"]).sees(plate()))
+            .await;
         assert_eq!(scene.compare("query", "strong").await["verdict"], "loop", "{ratio}");
         let weak = scene.compare("query", "weak").await;
         if weak_passes {
@@ -124,7 +154,8 @@ async fn a_candidate_must_score_its_share_of_the_reference_only_if_a_share_is_se
 }
 
 #[tokio::test]
-async fn the_share_of_the_reference_is_asked_of_bag_of_words_candidates_and_not_of_those_that_anchors_propose() {
+async fn the_share_of_the_reference_is_asked_of_bag_of_words_candidates_and_not_of_those_that_anchors_propose()
+ {
     let scene = Scene::with(json!({"candidates_min_score_ratio": 0.5})).await;
     let plate = || [door("901", [0.0, 0.0, 2.0])];
     scene.put("before", keyframe().words(&[(1, 1.0)])).await;
@@ -146,9 +177,10 @@ async fn ranked(candidates_max: u32, keyframes: &[(&str, f64, &[&str])]) -> Vec<
 
 #[tokio::test]
 async fn places_are_counted_greedily_from_the_best_by_direct_covisibility() {
-    let check = async |what: &str, candidates_max: u32, keyframes: &[(&str, f64, &[&str])], expected: &[&str]| {
-        assert_eq!(ranked(candidates_max, keyframes).await, expected, "{what}");
-    };
+    let check =
+        async |what: &str, candidates_max: u32, keyframes: &[(&str, f64, &[&str])], expected: &[&str]| {
+            assert_eq!(ranked(candidates_max, keyframes).await, expected, "{what}");
+        };
     let chain = |scores: [f64; 4]| -> [(&str, f64, &[&str]); 4] {
         let [a, b, c, d] = scores;
         [("kf-1", a, &[]), ("kf-2", b, &["kf-1"]), ("kf-3", c, &["kf-2"]), ("kf-7", d, &[])]
@@ -157,7 +189,8 @@ async fn places_are_counted_greedily_from_the_best_by_direct_covisibility() {
     check("its end leaves the other end", 20, &chain([0.9, 0.7, 0.5, 0.1]), &["kf-1", "kf-3", "kf-7"]).await;
     check("two places", 2, &chain([0.9, 0.7, 0.5, 0.1]), &["kf-1", "kf-3"]).await;
     check("one place", 1, &chain([0.9, 0.7, 0.5, 0.1]), &["kf-1"]).await;
-    check("equal scores go to the smallest id", 1, &[("kf-5", 0.5, &[]), ("kf-4", 0.5, &[])], &["kf-4"]).await;
+    check("equal scores go to the smallest id", 1, &[("kf-5", 0.5, &[]), ("kf-4", 0.5, &[])], &["kf-4"])
+        .await;
 }
 
 #[tokio::test]

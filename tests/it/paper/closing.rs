@@ -6,7 +6,11 @@ use super::scene::{Keyframe, NAMES, Scene, door, keyframe, list, texts, to_the_l
 
 /// A passage that sees 901, Turing, and one more.
 fn passage(more: &str) -> Keyframe {
-    keyframe().sees([door("901", [0.0, 0.0, 2.0]), door(NAMES[0], [2.0, 0.0, 2.0]), door(more, [-2.0, 0.0, 2.0])])
+    keyframe().sees([
+        door("901", [0.0, 0.0, 2.0]),
+        door(NAMES[0], [2.0, 0.0, 2.0]),
+        door(more, [-2.0, 0.0, 2.0]),
+    ])
 }
 
 /// Two passages of one place; the anchors of each.
@@ -52,7 +56,10 @@ async fn a_confirmed_loop_merges_the_pairs_that_matched_and_no_others() {
     assert_eq!(scene.anchors().await.len(), 4);
     let events = scene.events_until("anchors_merged", 2).await;
     let confirmed = events.iter().find(|event| event["event"] == "loop_confirmed").expect("it is told");
-    assert_eq!([&confirmed["loop"], &confirmed["keyframe"], &confirmed["candidate"]], ["l-1", "kf-9", "kf-1"]);
+    assert_eq!(
+        [&confirmed["loop"], &confirmed["keyframe"], &confirmed["candidate"]],
+        ["l-1", "kf-9", "kf-1"]
+    );
     let listed = scene.get("/loops").await;
     assert_eq!(listed["items"][0]["id"], "l-1");
     assert_eq!(listed["items"][0]["merged"], pairs);
@@ -115,7 +122,8 @@ async fn covisibility_that_was_declared_outlives_a_revoked_loop() {
 async fn a_loop_merges_one_to_one_even_where_the_map_reads_the_equation_to_the_letter() {
     // Three EXIT signs in view of each other, all of them in reach of each of the other three.
     let scene = Scene::with(to_the_letter(&json!({"description_min_information_level": 2}))).await;
-    let signs = || [[0.6, 0.0, 0.8], [0.0, 0.6, 0.8], [2.0 / 3.0, 2.0 / 3.0, 1.0 / 3.0]].map(|at| door("EXIT", at));
+    let signs =
+        || [[0.6, 0.0, 0.8], [0.0, 0.6, 0.8], [2.0 / 3.0, 2.0 / 3.0, 1.0 / 3.0]].map(|at| door("EXIT", at));
     let old = scene.put("kf-1", keyframe().sees(signs())).await;
     let new = scene.put("kf-9", keyframe().sees(signs())).await;
     let closed = scene.close("l-1", "kf-9", "kf-1").await;

@@ -29,7 +29,11 @@ async fn a_description_of_information_level_4_makes_a_valid_anchor_and_a_setting
             assert_eq!(anchor["information_level"], *level, "{text:?}");
         }
         let valid = states_like(&scene, "valid").await;
-        assert_eq!(valid, table.iter().filter(|(_, _, states)| states[column] == "valid").count(), "at {bar}");
+        assert_eq!(
+            valid,
+            table.iter().filter(|(_, _, states)| states[column] == "valid").count(),
+            "at {bar}"
+        );
     }
 }
 
@@ -46,7 +50,11 @@ async fn a_sign_becomes_evidence_when_the_bar_comes_down() {
     }
     let figures = async || {
         let candidate = scene.compare("kf-9", "kf-1").await;
-        (candidate["verdict"].clone(), candidate["reason"]["code"].clone(), candidate["anchors"]["in_query"].clone())
+        (
+            candidate["verdict"].clone(),
+            candidate["reason"]["code"].clone(),
+            candidate["anchors"]["in_query"].clone(),
+        )
     };
     assert_eq!(figures().await, (json!("undecided"), json!("no_anchors"), json!(0)));
     scene.set(json!({"description_min_information_level": 2})).await;
@@ -57,7 +65,9 @@ async fn a_sign_becomes_evidence_when_the_bar_comes_down() {
 async fn an_anchor_has_its_class_keyframes_map_points_box_and_description() {
     let scene = Scene::new().await;
     let corners = [(1, [0.0, 0.0, 2.0]), (2, [1.0, 0.0, 2.0]), (3, [0.5, 1.0, 2.0])];
-    let seen = scene.put("kf-1", keyframe().points(&corners).sees([thing("door_number", "Room 901").on([1, 2, 3])])).await;
+    let seen = scene
+        .put("kf-1", keyframe().points(&corners).sees([thing("door_number", "Room 901").on([1, 2, 3])]))
+        .await;
     let more = keyframe().covisible(&["kf-1"]).points(&[(4, [0.5, 0.5, 3.0])]);
     // 2 of 3 points are covered: more than 0.2.
     let again = scene.put("kf-2", more.sees([thing("door_number", "Room 901").on([2, 3, 4])])).await;

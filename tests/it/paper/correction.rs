@@ -32,7 +32,12 @@ async fn a_box_follows_its_map_points() {
 #[tokio::test]
 async fn points_that_a_later_keyframe_moves_or_triangulates_move_the_box_too() {
     let scene = Scene::new().await;
-    scene.put("kf-1", keyframe().points(&[(1, [0.0, 0.0, 2.0])]).sees([thing("door_number", "901").on([1, 2])])).await;
+    scene
+        .put(
+            "kf-1",
+            keyframe().points(&[(1, [0.0, 0.0, 2.0])]).sees([thing("door_number", "901").on([1, 2])]),
+        )
+        .await;
     close_to_all("one point", &scene.anchors().await[0]["center"], [0.0, 0.0, 2.0]);
     scene.put("kf-2", keyframe().points(&[(2, [4.0, 0.0, 2.0])])).await;
     close_to_all("two points", &scene.anchors().await[0]["center"], [2.0, 0.0, 2.0]);
@@ -47,11 +52,17 @@ async fn an_anchor_known_by_position_alone_moves_with_its_keyframe() {
     let before = scene.local_map("kf-1").await;
     // A quarter turn about y takes ahead (z) to x: 2 m ahead of (10, 5, 0) is (12, 5, 0).
     let half = std::f64::consts::FRAC_1_SQRT_2;
-    let answer = scene.post("/poses", &poses(&[("kf-1", turned([10.0, 5.0, 0.0], [0.0, half, 0.0, half]))], &[])).await;
+    let answer = scene
+        .post("/poses", &poses(&[("kf-1", turned([10.0, 5.0, 0.0], [0.0, half, 0.0, half]))], &[]))
+        .await;
     assert_eq!([&answer["keyframes"], &answer["map_points"]], [1, 0]);
     close_to_all("center", &scene.anchors().await[0]["center"], [12.0, 5.0, 0.0]);
     assert_eq!(scene.local_map("kf-1").await, before, "what the camera sees has not changed");
-    close_to_all("pose", &vector(&scene.get("/keyframes/kf-1").await["pose"]["translation"]), [10.0, 5.0, 0.0]);
+    close_to_all(
+        "pose",
+        &vector(&scene.get("/keyframes/kf-1").await["pose"]["translation"]),
+        [10.0, 5.0, 0.0],
+    );
 }
 
 fn vector(translation: &Value) -> Value {
@@ -73,7 +84,8 @@ async fn each_sight_by_position_moves_with_its_own_keyframe() {
 async fn corrected_poses_change_the_verdict() {
     let scene = Scene::new().await;
     // By points, so that only the keyframe moves: 901 is 2 m ahead, and then 5 m.
-    let seen = |id: i64| keyframe().points(&[(id, [0.0, 0.0, 2.0])]).sees([thing("door_number", "901").on([id])]);
+    let seen =
+        |id: i64| keyframe().points(&[(id, [0.0, 0.0, 2.0])]).sees([thing("door_number", "901").on([id])]);
     scene.put("kf-1", seen(1)).await;
     scene.put("kf-9", seen(2)).await;
     close_to("S", &scene.compare("kf-9", "kf-1").await["anchors"]["similarity"], 1.0);
@@ -84,9 +96,14 @@ async fn corrected_poses_change_the_verdict() {
 #[tokio::test]
 async fn a_correction_is_taken_over_whole_or_not_at_all() {
     let scene = Scene::new().await;
-    scene.put("kf-1", keyframe().points(&[(1, [0.0, 0.0, 2.0])]).sees([thing("door_number", "901").on([1])])).await;
+    scene
+        .put("kf-1", keyframe().points(&[(1, [0.0, 0.0, 2.0])]).sees([thing("door_number", "901").on([1])]))
+        .await;
     let before = (scene.get("/keyframes/kf-1").await, scene.get("/anchors").await);
-    let body = poses(&[("kf-1", pose([9.0, 0.0, 0.0])), ("kf-none", pose([9.0, 0.0, 0.0]))], &[(1, [5.0, 5.0, 5.0])]);
+    let body = poses(
+        &[("kf-1", pose([9.0, 0.0, 0.0])), ("kf-none", pose([9.0, 0.0, 0.0]))],
+        &[(1, [5.0, 5.0, 5.0])],
+    );
     let answer = scene.server.post(&scene.path("/poses"), &body).await;
     assert_eq!(answer.status.as_u16(), 422);
     assert_eq!(answer.pointers(), ["/keyframes/ids/1"]);
@@ -100,7 +117,9 @@ async fn a_culled_keyframe_takes_its_covisibility_and_its_sights_with_it() {
     for (n, (id, x, text)) in chain.into_iter().enumerate() {
         let before = if n == 0 { vec![] } else { vec![chain[n - 1].0] };
         let plate = door(text, [x, 0.0, 2.0]).confidence(0.75);
-        scene.put(id, keyframe().covisible(&before).sees([plate, door(NAMES[n], [n as f64 * 9.0, 9.0, 2.0])])).await;
+        scene
+            .put(id, keyframe().covisible(&before).sees([plate, door(NAMES[n], [n as f64 * 9.0, 9.0, 2.0])]))
+            .await;
     }
     let [plate, own, lost, far] = scene.anchors().await.try_into().expect("four anchors");
     assert_eq!(plate["description"], "907");

@@ -35,15 +35,30 @@ async fn a_description_that_stands_in_p_places_weighs_a_pth() {
     };
     let default = || json!({});
     check("it hangs once", default(), &[], 1.0).await;
-    check("it hangs at three more places", default(), &[("here", "sign", "exit", &[10.0, 20.0, 30.0])], 4.0).await;
+    check("it hangs at three more places", default(), &[("here", "sign", "exit", &[10.0, 20.0, 30.0])], 4.0)
+        .await;
     check("exactly 3 m apart is one place", default(), &[("here", "sign", "exit", &[3.0])], 1.0).await;
     check("more than 3 m apart are two", default(), &[("here", "sign", "exit", &[3.01])], 2.0).await;
-    check("another radius", json!({"distinctive_place_radius_m": 2.9}), &[("here", "sign", "exit", &[3.0])], 2.0).await;
-    check("turned off", json!({"distinctive_weights": false}), &[("here", "sign", "exit", &[10.0, 20.0])], 1.0).await;
+    check(
+        "another radius",
+        json!({"distinctive_place_radius_m": 2.9}),
+        &[("here", "sign", "exit", &[3.0])],
+        2.0,
+    )
+    .await;
+    check(
+        "turned off",
+        json!({"distinctive_weights": false}),
+        &[("here", "sign", "exit", &[10.0, 20.0])],
+        1.0,
+    )
+    .await;
     check("other texts are not counted", default(), &[("here", "sign", "toilet", &[10.0, 20.0])], 1.0).await;
-    check("other classes are not counted", default(), &[("here", "poster", "EXIT", &[10.0, 20.0])], 1.0).await;
+    check("other classes are not counted", default(), &[("here", "poster", "EXIT", &[10.0, 20.0])], 1.0)
+        .await;
     // Frames of different sessions cannot be compared: the largest count of any one of them, 3, and not 1 + 3.
-    check("the largest of the sessions", default(), &[("there", "sign", "exit", &[0.0, 10.0, 20.0])], 3.0).await;
+    check("the largest of the sessions", default(), &[("there", "sign", "exit", &[0.0, 10.0, 20.0])], 3.0)
+        .await;
     check("and not the smaller", default(), &[("there", "sign", "exit", &[50.0])], 1.0).await;
 }
 

@@ -2,7 +2,9 @@
 
 use serde_json::{Value, json};
 
-use super::scene::{NAMES, Scene, Sight, close_to, door, keyframe, list, merged, thing, to_the_letter, unread};
+use super::scene::{
+    NAMES, Scene, Sight, close_to, door, keyframe, list, merged, thing, to_the_letter, unread,
+};
 
 /// What the query says of the candidate, each seeing these things from the origin.
 pub(super) async fn compared(
@@ -73,7 +75,8 @@ async fn s_is_the_weight_of_what_matches_over_the_weight_of_everything() {
         &[door("901", [0.0, 0.0, 1.0]), door("902", [2.0, 0.0, 0.0]), name(0, [0.0, 4.0, 0.0])],
     )
     .await;
-    check("nothing in common", letter(0.0, 0), &[name(0, [0.0, 0.0, 1.0])], &[name(1, [0.0, 0.0, 1.0])]).await;
+    check("nothing in common", letter(0.0, 0), &[name(0, [0.0, 0.0, 1.0])], &[name(1, [0.0, 0.0, 1.0])])
+        .await;
     check(
         "another class is another thing",
         letter(0.0, 0),
@@ -94,10 +97,13 @@ async fn s_is_the_weight_of_what_matches_over_the_weight_of_everything() {
 async fn three_exit_signs_against_three_make_s_three_by_the_letter_and_one_if_each_matches_once() {
     // Unit vectors 50.2, 48.2 and 48.2 degrees apart: each of the three is in reach of each, and none is another's twin
     // (0.85 m, 0.82 m and 0.82 m). Nine pairs of 1 + 1 over 6, or three of them over 6.
-    let signs =
-        || [[0.6, 0.0, 0.8], [0.0, 0.6, 0.8], [2.0 / 3.0, 2.0 / 3.0, 1.0 / 3.0]].map(|position| door("EXIT", position));
+    let signs = || {
+        [[0.6, 0.0, 0.8], [0.0, 0.6, 0.8], [2.0 / 3.0, 2.0 / 3.0, 1.0 / 3.0]]
+            .map(|position| door("EXIT", position))
+    };
     let valid = json!({"description_min_information_level": 2});
-    check("to the letter", Reading { settings: to_the_letter(&valid), ..letter(3.0, 9) }, &signs(), &signs()).await;
+    check("to the letter", Reading { settings: to_the_letter(&valid), ..letter(3.0, 9) }, &signs(), &signs())
+        .await;
     let once = to_the_letter(&merged(valid, &json!({"one_to_one": true})));
     check("one-to-one", Reading { settings: once, ..letter(1.0, 3) }, &signs(), &signs()).await;
 }
@@ -121,7 +127,8 @@ async fn the_assignment_takes_the_greatest_weight_together_where_the_heaviest_pa
 #[tokio::test]
 async fn a_pair_is_told_with_every_figure() {
     let settings = to_the_letter(&json!({}));
-    let found = compared(&settings, [door("901", [0.0, 0.0, 2.0])], [door("room 901", [1.5, 0.0, 2.0])]).await;
+    let found =
+        compared(&settings, [door("901", [0.0, 0.0, 2.0])], [door("room 901", [1.5, 0.0, 2.0])]).await;
     let pair = &found["anchors"]["matches"][0];
     assert_eq!(pair["level"], 5);
     assert_eq!(pair["source"], "identifiers");
@@ -138,7 +145,9 @@ async fn relative_places_are_compared_in_each_keyframes_own_camera_frame() {
     // The same room, seen from the same chair by two robots whose maps are turned by a right angle and 100 m apart.
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let scene = Scene::with(to_the_letter(&json!({}))).await;
-    scene.put("candidate", keyframe().sees([door("901", [0.0, 0.0, 2.0]), door("902", [2.0, 0.0, 0.0])])).await;
+    scene
+        .put("candidate", keyframe().sees([door("901", [0.0, 0.0, 2.0]), door("902", [2.0, 0.0, 0.0])]))
+        .await;
     // A quarter turn about y takes ahead (z) to x and right (x) to -z.
     let there = [door("901", [102.0, 0.0, 0.0]), door("902", [100.0, 0.0, -2.0])];
     let query = keyframe().session("other-day").turned([100.0, 0.0, 0.0], [0.0, half, 0.0, half]);
@@ -154,7 +163,8 @@ async fn relative_places_are_compared_in_each_keyframes_own_camera_frame() {
 async fn only_valid_anchors_count_in_s() {
     let settings = to_the_letter(&json!({}));
     let query = [door("901", [0.0, 0.0, 2.0]), door("exit", [2.0, 0.0, 0.0]), unread([-2.0, 0.0, 0.0])];
-    let found = compared(&settings, query, [door("901", [0.0, 0.0, 2.0]), door("exit", [2.0, 0.0, 0.0])]).await;
+    let found =
+        compared(&settings, query, [door("901", [0.0, 0.0, 2.0]), door("exit", [2.0, 0.0, 0.0])]).await;
     close_to("S", &found["anchors"]["similarity"], 1.0);
     assert_eq!(found["anchors"]["in_query"], 1);
     assert_eq!(found["anchors"]["in_candidate"], 1);

@@ -57,9 +57,11 @@ async fn an_inline_keyframe_gets_the_verdict_it_would_get_if_it_were_stored() {
     check("a door that nobody has read", &passage().await, query(vec![unread(AHEAD)]), "undecided").await;
     check("a sign", &passage().await, query(vec![door("exit", AHEAD)]), "undecided").await;
     check("nothing", &passage().await, query(vec![]), "undecided").await;
-    check("no word in common", &passage().await, query(vec![door("901", AHEAD)]).words(&[(9, 1.0)]), "loop").await;
+    check("no word in common", &passage().await, query(vec![door("901", AHEAD)]).words(&[(9, 1.0)]), "loop")
+        .await;
     check("no word at all", &passage().await, query(vec![]).words(&[]), "undecided").await;
-    check("shared map points", &passage().await, query(vec![door("901", AHEAD)]).observes(6..=20), "no_loop").await;
+    check("shared map points", &passage().await, query(vec![door("901", AHEAD)]).observes(6..=20), "no_loop")
+        .await;
     let by_points = || thing("door_number", "901").on([101, 102]);
     let points = query(vec![by_points()]).points(&[(101, [-1.0, 0.0, 2.0]), (102, [1.0, 0.0, 2.0])]);
     check("map points of its own", &passage().await, points.clone(), "loop").await;
@@ -69,7 +71,9 @@ async fn an_inline_keyframe_gets_the_verdict_it_would_get_if_it_were_stored() {
 #[tokio::test]
 async fn an_inline_keyframe_tracks_what_its_neighbours_saw() {
     let scene = passage().await;
-    scene.put("new", keyframe().words(&[(1, 1.0)]).at([1.0, 0.0, 0.0]).sees([door("901", [1.0, 0.0, 2.0])])).await;
+    scene
+        .put("new", keyframe().words(&[(1, 1.0)]).at([1.0, 0.0, 0.0]).sees([door("901", [1.0, 0.0, 2.0])]))
+        .await;
     let sights = [door("901", [1.0, 0.0, 2.0]), door("Gauss", [9.0, 0.0, 2.0])];
     let query = keyframe().words(&[(1, 1.0)]).covisible(&["new"]).at([1.0, 0.0, 0.0]).sees(sights);
     check("tracked, and a new one", &scene, query, "loop").await;
@@ -78,7 +82,11 @@ async fn an_inline_keyframe_tracks_what_its_neighbours_saw() {
 #[tokio::test]
 async fn an_inline_anchor_counts_itself_among_the_places_of_its_description() {
     let scene = Scene::with(json!({"description_min_information_level": 2})).await;
-    let see = |x: f64| keyframe().at([x, 0.0, 0.0]).sees([thing("sign", "EXIT").at([x, 0.0, 2.0]), door("901", [x + 2.0, 0.0, 0.0])]);
+    let see = |x: f64| {
+        keyframe()
+            .at([x, 0.0, 0.0])
+            .sees([thing("sign", "EXIT").at([x, 0.0, 2.0]), door("901", [x + 2.0, 0.0, 0.0])])
+    };
     scene.put("old-1", see(0.0)).await;
     scene.put("old-2", see(10.0)).await;
     // §8.6: p counts the places of the anchor itself and of those it matches; stored, it would stand at a third.
@@ -94,7 +102,10 @@ async fn an_inline_sight_that_would_be_merged_with_its_neighbours_anchor_is_not_
     scene.put("new", keyframe().points(&before).sees([thing("door_number", "901").on([1, 2])])).await;
     // It touches the neighbour's box in one of its six points: no tracking, but the same text, covisible and close.
     let points: Vec<(i64, [f64; 3])> = (11..)
-        .zip([[1.0, 1.0], [2.0, 1.0], [1.5, 1.0], [1.5, 2.0], [2.0, 2.0], [1.5, 1.5]].map(|[x, y]| [x, y, 2.0]))
+        .zip(
+            [[1.0, 1.0], [2.0, 1.0], [1.5, 1.0], [1.5, 2.0], [2.0, 2.0], [1.5, 1.5]]
+                .map(|[x, y]| [x, y, 2.0]),
+        )
         .collect();
     let query = keyframe().points(&points).covisible(&["new"]).sees([plate(11)]);
     check("a twin", &scene, query, "loop").await;
@@ -112,7 +123,8 @@ async fn an_inline_query_changes_nothing() {
         state
     };
     let before = state().await;
-    let query = keyframe().covisible(&["old"]).session("new").points(&[(1, AHEAD)]).sees([door("901", AHEAD)]);
+    let query =
+        keyframe().covisible(&["old"]).session("new").points(&[(1, AHEAD)]).sees([door("901", AHEAD)]);
     for verify in ["auto", "anchors", "geometry"] {
         scene.post("/loop-queries", &json!({"inline": query.0, "verify": verify})).await;
     }

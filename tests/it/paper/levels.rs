@@ -52,7 +52,13 @@ async fn similarity_level_of_the_golden_pairs_both_ways_round() {
 #[tokio::test]
 async fn a_text_is_like_itself_however_it_is_written() {
     let server = Server::start().await;
-    for (a, b) in [("901", "901"), ("HUB 10", "hub 10"), (" Room  901 ", "room 901"), ("B1\u{2013}03", "B1-03"), ("exit", "EXIT")] {
+    for (a, b) in [
+        ("901", "901"),
+        ("HUB 10", "hub 10"),
+        (" Room  901 ", "room 901"),
+        ("B1\u{2013}03", "B1-03"),
+        ("exit", "EXIT"),
+    ] {
         assert_eq!(asked(&server, "similarity", json!({"a": a, "b": b})).await["level"], 5, "{a:?} / {b:?}");
     }
 }

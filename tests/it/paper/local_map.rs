@@ -28,7 +28,9 @@ async fn anchors_of_keyframes_two_hops_away_are_in_and_three_hops_away_are_out()
     for (n, id) in chain.into_iter().enumerate() {
         let before = if n == 0 { vec![] } else { vec![chain[n - 1]] };
         let x = n as f64 * 10.0;
-        scene.put(id, keyframe().covisible(&before).at([x, 0.0, 0.0]).sees([door(NAMES[n], [x, 0.0, 2.0])])).await;
+        scene
+            .put(id, keyframe().covisible(&before).at([x, 0.0, 0.0]).sees([door(NAMES[n], [x, 0.0, 2.0])]))
+            .await;
     }
     let check = async |id: &str, expected: &[&str]| assert_eq!(around(&scene, id).await, expected, "{id}");
     check("kf-0", &NAMES[..3]).await;
@@ -39,16 +41,17 @@ async fn anchors_of_keyframes_two_hops_away_are_in_and_three_hops_away_are_out()
 
 #[tokio::test]
 async fn a_bearing_is_a_unit_vector_in_the_camera_frame_and_the_distance_is_euclidean() {
-    let check = async |what: &str, rotation: [f64; 4], offset: [f64; 3], bearing: [f64; 3], distance_m: f64| {
-        let scene = Scene::new().await;
-        let place = [1.0, 2.0, 3.0];
-        let anchor = [0, 1, 2].map(|axis| place[axis] + offset[axis]);
-        scene.put("kf-1", keyframe().turned(place, rotation).sees([door("901", anchor)])).await;
-        let found = scene.local_map("kf-1").await.remove(0);
-        close_to_all(what, &found["bearing"], bearing);
-        close_to(what, &found["distance_m"], distance_m);
-        close_to(what, &found["weight"], 1.0 / distance_m);
-    };
+    let check =
+        async |what: &str, rotation: [f64; 4], offset: [f64; 3], bearing: [f64; 3], distance_m: f64| {
+            let scene = Scene::new().await;
+            let place = [1.0, 2.0, 3.0];
+            let anchor = [0, 1, 2].map(|axis| place[axis] + offset[axis]);
+            scene.put("kf-1", keyframe().turned(place, rotation).sees([door("901", anchor)])).await;
+            let found = scene.local_map("kf-1").await.remove(0);
+            close_to_all(what, &found["bearing"], bearing);
+            close_to(what, &found["distance_m"], distance_m);
+            close_to(what, &found["weight"], 1.0 / distance_m);
+        };
     let straight = [0.0, 0.0, 0.0, 1.0];
     check("ahead", straight, [0.0, 0.0, 2.0], [0.0, 0.0, 1.0], 2.0).await;
     check("right, 3-4-5", straight, [3.0, 0.0, 4.0], [0.6, 0.0, 0.8], 5.0).await;
@@ -64,7 +67,8 @@ async fn a_bearing_is_a_unit_vector_in_the_camera_frame_and_the_distance_is_eucl
     let rolled = [0.0, 0.0, HALF, HALF];
     check("rolled", rolled, [2.0, 0.0, 0.0], [0.0, -1.0, 0.0], 2.0).await;
     // -q is the same turn as q.
-    check("turned right, otherwise written", [0.0, -HALF, 0.0, -HALF], [2.0, 0.0, 0.0], [0.0, 0.0, 1.0], 2.0).await;
+    check("turned right, otherwise written", [0.0, -HALF, 0.0, -HALF], [2.0, 0.0, 0.0], [0.0, 0.0, 1.0], 2.0)
+        .await;
 }
 
 #[tokio::test]
@@ -81,7 +85,9 @@ async fn where_an_anchor_stands_is_the_centre_of_its_box() {
 #[tokio::test]
 async fn the_weight_is_one_over_the_distance_bounded_by_the_least_distance() {
     // (distance, weight with the default bound 0.1, weight with the bound 1)
-    for (distance_m, weight, bounded) in [(4.0, 0.25, 0.25), (0.5, 2.0, 1.0), (0.1, 10.0, 1.0), (0.05, 10.0, 1.0), (0.0, 10.0, 1.0)] {
+    for (distance_m, weight, bounded) in
+        [(4.0, 0.25, 0.25), (0.5, 2.0, 1.0), (0.1, 10.0, 1.0), (0.05, 10.0, 1.0), (0.0, 10.0, 1.0)]
+    {
         let scene = Scene::new().await;
         scene.put("kf-1", keyframe().sees([door("901", [0.0, 0.0, distance_m])])).await;
         close_to("weight", &scene.local_map("kf-1").await[0]["weight"], weight);
@@ -93,7 +99,8 @@ async fn the_weight_is_one_over_the_distance_bounded_by_the_least_distance() {
 #[tokio::test]
 async fn the_map_shows_every_anchor_around_with_its_class_and_state() {
     let scene = Scene::new().await;
-    let sights = [door("901", [0.0, 0.0, 2.0]), thing("sign", "exit").at([3.0, 0.0, 2.0]), unread([-3.0, 0.0, 2.0])];
+    let sights =
+        [door("901", [0.0, 0.0, 2.0]), thing("sign", "exit").at([3.0, 0.0, 2.0]), unread([-3.0, 0.0, 2.0])];
     let stored = scene.put("kf-1", keyframe().sees(sights)).await;
     let found: Value = scene.get("/keyframes/kf-1/local-anchor-map").await;
     assert_eq!(found["keyframe"], "kf-1");

@@ -68,7 +68,11 @@ async fn anchors_that_say_the_same_merge_if_covisible_and_are_a_revisit_if_not()
         ("901-905", "903", false),
         ("901", "910", false),
     ] {
-        let (covisible, apart) = if alike { (Became::One, Became::Two("revisit")) } else { (Became::Strangers, Became::Strangers) };
+        let (covisible, apart) = if alike {
+            (Became::One, Became::Two("revisit"))
+        } else {
+            (Became::Strangers, Became::Strangers)
+        };
         check(a, b, json!({}), true, covisible).await;
         check(a, b, json!({}), false, apart).await;
     }
@@ -101,7 +105,13 @@ async fn covisible_anchors_that_match_merge_if_their_boxes_touch_or_their_centre
     check("at the radius", json!({}), 0.75, Became::One).await;
     check("beyond it", json!({}), 0.76, Became::Two("covisible")).await;
     check("another radius", json!({"association_position_radius_m": 2.0}), 1.9, Became::One).await;
-    check("the same point is touched by both boxes", json!({"association_position_radius_m": 0.0}), 0.0, Became::One).await;
+    check(
+        "the same point is touched by both boxes",
+        json!({"association_position_radius_m": 0.0}),
+        0.0,
+        Became::One,
+    )
+    .await;
     check("no radius", json!({"association_position_radius_m": 0.0}), 0.01, Became::Two("covisible")).await;
 }
 
@@ -119,7 +129,8 @@ async fn a_merged_anchor_has_the_keyframes_the_points_and_the_readings_of_both_a
     close_to_all("center", &anchor["center"], [1.0, 1.0, 2.0]);
     // The vote over all readings: 0.75 against 0.5.
     assert_eq!(anchor["description"], "901");
-    let readings = json!([{"text": "901", "weight": 0.75, "count": 1}, {"text": "room 901", "weight": 0.5, "count": 1}]);
+    let readings =
+        json!([{"text": "901", "weight": 0.75, "count": 1}, {"text": "room 901", "weight": 0.5, "count": 1}]);
     assert_eq!(anchor["readings"], readings);
     assert_eq!(anchor["matches"], json!([]));
 
@@ -147,7 +158,8 @@ async fn an_anchor_seen_again_elsewhere_matches_all_its_earlier_selves() {
     }
     let anchors = scene.anchors().await;
     for anchor in &anchors {
-        let others: Vec<&Value> = anchors.iter().map(|other| &other["id"]).filter(|id| **id != anchor["id"]).collect();
+        let others: Vec<&Value> =
+            anchors.iter().map(|other| &other["id"]).filter(|id| **id != anchor["id"]).collect();
         assert_eq!(list(&anchor["matches"]).iter().map(|found| &found["anchor"]).collect::<Vec<_>>(), others);
         assert_eq!(texts(&anchor["matches"], "kind"), ["revisit"; 2]);
         assert_eq!(texts(&anchor["matches"], "source"), ["identical"; 2]);

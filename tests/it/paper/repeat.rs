@@ -39,7 +39,9 @@ async fn the_same_question_at_the_same_version_gets_the_same_bytes() {
     for (id, keyframe) in passages() {
         scene.put(&id, keyframe).await;
     }
-    let ask = async |body: Value| bytes(scene.server.request(Method::POST, &scene.path("/loop-queries")).json(&body)).await;
+    let ask = async |body: Value| {
+        bytes(scene.server.request(Method::POST, &scene.path("/loop-queries")).json(&body)).await
+    };
     let inline = passages().remove(4).1.0;
     for body in [
         json!({"keyframe": "kf-8"}),
@@ -48,7 +50,8 @@ async fn the_same_question_at_the_same_version_gets_the_same_bytes() {
     ] {
         let first = ask(body.clone()).await;
         assert_eq!(ask(body.clone()).await, first, "{body}");
-        let id = serde_json::from_slice::<Value>(&first).expect("JSON")["id"].as_str().expect("an id").to_owned();
+        let id =
+            serde_json::from_slice::<Value>(&first).expect("JSON")["id"].as_str().expect("an id").to_owned();
         let path = scene.path(&format!("/loop-queries/{id}"));
         assert_eq!(bytes(scene.server.request(Method::GET, &path)).await, first, "read back: {body}");
     }
@@ -60,9 +63,15 @@ async fn the_name_of_a_query_says_what_was_asked_and_of_which_version() {
     for (id, keyframe) in passages() {
         scene.put(&id, keyframe).await;
     }
-    let name = async |body: Value| scene.post("/loop-queries", &body).await["id"].as_str().expect("an id").to_owned();
+    let name = async |body: Value| {
+        scene.post("/loop-queries", &body).await["id"].as_str().expect("an id").to_owned()
+    };
     let first = name(json!({"keyframe": "kf-8"})).await;
-    assert_eq!(name(json!({"keyframe": "kf-8", "verify": "auto", "seed": 0})).await, first, "these are the defaults");
+    assert_eq!(
+        name(json!({"keyframe": "kf-8", "verify": "auto", "seed": 0})).await,
+        first,
+        "these are the defaults"
+    );
     let mut names = vec![first];
     for body in [
         json!({"keyframe": "kf-7"}),
@@ -108,7 +117,9 @@ async fn everything(http: &reqwest::Client, server: &RunningServer) -> Vec<(Stri
         ["", "/keyframes", "/anchors?merged=true&limit=1000", "/loops"].map(str::to_owned).to_vec();
     let kept: Vec<usize> = (0..9).filter(|number| *number != 5).collect();
     for number in &kept {
-        paths.extend(["", "/covisible", "/local-anchor-map"].map(|rest| format!("/keyframes/kf-{number}{rest}")));
+        paths.extend(
+            ["", "/covisible", "/local-anchor-map"].map(|rest| format!("/keyframes/kf-{number}{rest}")),
+        );
     }
     let mut found = Vec::new();
     for path in paths {

@@ -99,7 +99,8 @@ impl Scene {
     /// What the query about one keyframe says of another.
     pub(super) async fn compare(&self, query: &str, candidate: &str) -> Value {
         let answer = self.ask(query).await;
-        candidate_of(&answer, candidate).unwrap_or_else(|| panic!("{candidate} is no candidate of {query}: {answer:#}"))
+        candidate_of(&answer, candidate)
+            .unwrap_or_else(|| panic!("{candidate} is no candidate of {query}: {answer:#}"))
     }
 
     /// Confirms a loop.
@@ -124,7 +125,8 @@ impl Scene {
 
     /// The keyframes covisible with one, sorted.
     pub(super) async fn covisible(&self, keyframe: &str) -> Vec<String> {
-        let mut ids = texts(&self.get(&format!("/keyframes/{keyframe}/covisible")).await["items"], "keyframe");
+        let mut ids =
+            texts(&self.get(&format!("/keyframes/{keyframe}/covisible")).await["items"], "keyframe");
         ids.sort();
         ids
     }

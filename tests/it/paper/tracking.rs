@@ -34,7 +34,12 @@ async fn a_detection_joins_an_anchor_that_covers_at_least_the_share_sigma_of_its
     let some = |covered: usize, of: usize| -> Vec<[f64; 3]> {
         (0..of).map(|n| if n < covered { inside } else { AWAY }).collect()
     };
-    let check = async |what: &str, sigma: f64, class: &str, positions: &[[f64; 3]], covisible: bool, expected: &str| {
+    let check = async |what: &str,
+                       sigma: f64,
+                       class: &str,
+                       positions: &[[f64; 3]],
+                       covisible: bool,
+                       expected: &str| {
         let scene = anchor_with_box(json!({"association_min_point_share": sigma})).await;
         let keyframe = on_points(class, positions);
         let keyframe = if covisible { keyframe.covisible(&["kf-1"]) } else { keyframe };
@@ -56,8 +61,7 @@ async fn a_detection_joins_an_anchor_that_covers_at_least_the_share_sigma_of_its
 /// Two anchors, the older over x 0..2 and the newer over x 1..3; what becomes of the plates on these points.
 async fn between_two(plates: &[&[f64]]) -> Vec<String> {
     let scene = Scene::new().await;
-    let corners =
-        [(1, [0.0, 0.0, 2.0]), (2, [2.0, 1.0, 2.0]), (3, [1.0, 0.0, 2.0]), (4, [3.0, 1.0, 2.0])];
+    let corners = [(1, [0.0, 0.0, 2.0]), (2, [2.0, 1.0, 2.0]), (3, [1.0, 0.0, 2.0]), (4, [3.0, 1.0, 2.0])];
     let two = [plate("door_number").on([1, 2]), plate("door_number").on([3, 4])];
     let first = scene.put("kf-1", keyframe().points(&corners).sees(two)).await;
     let known = texts(&first["detections"], "anchor");
@@ -131,7 +135,8 @@ async fn a_position_joins_only_its_class_and_only_what_a_covisible_keyframe_saw(
 async fn an_anchors_centre_is_the_centre_of_its_box_and_both_move_as_it_is_seen() {
     let scene = Scene::new().await;
     let see = async |id: &str, before: &[&str], x: f64| {
-        scene.put(id, keyframe().covisible(before).sees([unread([x, 0.0, 2.0])])).await["detections"][0].clone()
+        scene.put(id, keyframe().covisible(before).sees([unread([x, 0.0, 2.0])])).await["detections"][0]
+            .clone()
     };
     let anchor = see("kf-1", &[], 0.0).await["anchor"].clone();
     assert_eq!(see("kf-2", &["kf-1"], 0.5).await["anchor"], anchor);
@@ -161,8 +166,10 @@ async fn points_that_are_not_triangulated_yet_found_no_twin() {
     let scene = Scene::new().await;
     let known = scene.put("kf-1", keyframe().sees([plate("door_number").on([1, 2, 3])])).await;
     // One of two is the anchor's own: a share of 0.5.
-    let answer = scene.put("kf-2", keyframe().covisible(&["kf-1"]).sees([plate("door_number").on([3, 4])])).await;
+    let answer =
+        scene.put("kf-2", keyframe().covisible(&["kf-1"]).sees([plate("door_number").on([3, 4])])).await;
     assert_eq!(answer["detections"][0]["anchor"], known["detections"][0]["anchor"]);
-    let other = scene.put("kf-3", keyframe().covisible(&["kf-1"]).sees([plate("door_number").on([8, 9])])).await;
+    let other =
+        scene.put("kf-3", keyframe().covisible(&["kf-1"]).sees([plate("door_number").on([8, 9])])).await;
     assert_eq!(other["detections"][0]["outcome"], "created");
 }

@@ -13,7 +13,12 @@ fn plate() -> Vec<Sight> {
 
 #[tokio::test]
 async fn where_either_local_map_is_empty_a_setting_decides() {
-    let check = async |what: &str, policy: &str, query: Vec<Sight>, candidate: Vec<Sight>, verdict: &str, code: &str| {
+    let check = async |what: &str,
+                       policy: &str,
+                       query: Vec<Sight>,
+                       candidate: Vec<Sight>,
+                       verdict: &str,
+                       code: &str| {
         let found = compared(&json!({"without_anchors": policy}), query, candidate).await;
         assert_eq!(found["verdict"], verdict, "{what}, {policy}");
         assert_eq!(found["reason"]["code"], code, "{what}, {policy}");
@@ -31,7 +36,15 @@ async fn where_either_local_map_is_empty_a_setting_decides() {
         check("the candidate sees none", policy, plate(), vec![], verdict, code).await;
         check("what is not valid does not count", policy, exit(), exit(), verdict, code).await;
     }
-    check("both see one", "undecided", plate(), vec![door("910", [0.0, 0.0, -1.0])], "rejected", "score_below_threshold").await;
+    check(
+        "both see one",
+        "undecided",
+        plate(),
+        vec![door("910", [0.0, 0.0, -1.0])],
+        "rejected",
+        "score_below_threshold",
+    )
+    .await;
 }
 
 #[tokio::test]
@@ -51,17 +64,18 @@ async fn an_answer_is_undecided_if_any_candidate_is_and_none_is_a_loop() {
 #[tokio::test]
 async fn an_anchor_not_described_yet_leaves_undecided_what_it_could_turn() {
     let name = |number: usize, position: [f64; 3]| thing("poster", NAMES[number]).at(position);
-    let check = async |what: &str, query: Vec<Sight>, candidate: Vec<Sight>, pending: u32, code: Option<&str>| {
-        let found = compared(&json!({}), query, candidate).await;
-        assert_eq!(found["anchors"]["pending"], pending, "{what}");
-        let verdict = match code {
-            Some("llm_pending") => "undecided",
-            Some(_) => "rejected",
-            None => "loop",
+    let check =
+        async |what: &str, query: Vec<Sight>, candidate: Vec<Sight>, pending: u32, code: Option<&str>| {
+            let found = compared(&json!({}), query, candidate).await;
+            assert_eq!(found["anchors"]["pending"], pending, "{what}");
+            let verdict = match code {
+                Some("llm_pending") => "undecided",
+                Some(_) => "rejected",
+                None => "loop",
+            };
+            assert_eq!(found["verdict"], verdict, "{what}: {found:#}");
+            assert_eq!(found["reason"]["code"].as_str(), code, "{what}");
         };
-        assert_eq!(found["verdict"], verdict, "{what}: {found:#}");
-        assert_eq!(found["reason"]["code"].as_str(), code, "{what}");
-    };
     let open = Some("llm_pending");
     let no = Some("score_below_threshold");
     check("the query's only one", vec![unread(AHEAD)], plate(), 1, open).await;
@@ -103,7 +117,9 @@ async fn what_could_turn_is_measured_by_the_maps_own_reading_of_the_equation() {
     {
         let scene = one_against_three(one_to_one).await;
         let before = scene.compare("query", "candidate").await;
-        scene.put("query-2", keyframe().words(&[(7, 1.0)]).covisible(&["query"]).sees([door("901", BETWEEN)])).await;
+        scene
+            .put("query-2", keyframe().words(&[(7, 1.0)]).covisible(&["query"]).sees([door("901", BETWEEN)]))
+            .await;
         let after = scene.compare("query", "candidate").await;
         close_to("S once it is read", &after["anchors"]["similarity"], similarity);
         assert_eq!(after["verdict"], then, "one_to_one: {one_to_one}");
