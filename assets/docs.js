@@ -25,7 +25,8 @@ function render(api) {
   const schemas = new Schemas(api);
   const groups = grouped(api);
   fill(at("reference"),
-    el("section", { class: "intro" }, prose(api.info.description), el("p", { class: "muted" }, `Version ${api.info.version}, ${api.info.license?.name ?? ""}`)),
+    el("section", { class: "intro" }, prose(api.info.description),
+      el("p", { class: "muted" }, `Version ${api.info.version}, ${api.info.license?.name ?? ""}`)),
     groups.map(({ name, description, operations }) => el("section", { id: `tag-${name}`, class: "tag" },
       el("h2", {}, el("a", { href: `#tag-${name}`, class: "self" }, name)), prose(description),
       operations.map((operation) => article(operation, api, schemas)))),
@@ -65,8 +66,10 @@ function article(operation, api, schemas) {
 
 /** What the filter looks at: not the examples, in which everything stands. */
 function words({ id, tag, method, path, summary, description, parameters: given = [], requestBody, responses }, schemas) {
-  const bodies = Object.values(requestBody?.content ?? {}).map(({ schema }) => Object.keys(schemas.inside(schema).inner?.properties ?? {}));
-  return [id, tag, method, path, summary, description, given.map(({ name }) => name), bodies, Object.keys(responses)].flat(Infinity).join(" ").toLowerCase();
+  const fields = ({ schema }) => Object.keys(schemas.inside(schema).inner?.properties ?? {});
+  const bodies = Object.values(requestBody?.content ?? {}).flatMap(fields);
+  const names = given.map(({ name }) => name);
+  return [id, tag, method, path, summary, description, ...names, ...bodies, ...Object.keys(responses)].join(" ").toLowerCase();
 }
 
 /** The path, which may break after a slash. */
@@ -81,8 +84,8 @@ function answers({ responses }, api, schemas) {
   const code = ({ $ref }) => $ref.split("/").at(-1);
   return [
     told.map(([status, response]) => answer(status, response, api, schemas, told[0][0] === status)),
-    refused.length > 0 && el("p", { class: "refusals" }, "Refusals: ", refused.map(([status, response]) => [
-      el("a", { href: `#problem-${code(response)}` }, status === "default" ? "" : `${status} `, code(response).replaceAll("_", " ")), " "])),
+    refused.length > 0 && el("p", { class: "refusals" }, "Refusals: ", refused.map(([status, response]) =>
+      el("a", { href: `#problem-${code(response)}` }, status !== "default" && `${status} `, code(response).replaceAll("_", " ")))),
   ];
 }
 
@@ -92,17 +95,19 @@ function answer(status, { description, content = {}, headers = {} }, api, schema
   if (bodies.length === 0 && Object.keys(headers).length === 0) return el("p", { class: "answer" }, head);
   return el("details", { class: "answer", open: first }, el("summary", {}, head),
     Object.entries(headers).map(([name, header]) => el("p", {}, "Header ", el("code", {}, name), ": ", inline(header.description))),
-    bodies.map(([type, media]) => [el("p", {}, el("code", { class: "muted" }, type)), example(type, media, schemas), shape(type, media, api, schemas)]));
+    bodies.map(([type, media]) =>
+      [el("p", {}, el("code", { class: "muted" }, type)), example(media, schemas), shape(type, media, api, schemas)]));
 }
 
-function example(type, { example: given, schema }, schemas) {
+function example({ example: given, schema }, schemas) {
   if (given === undefined) return null;
   return copyable(typeof given === "string" ? given.trimEnd() : pretty(schemas.ordered(given, schema)));
 }
 
 function shape(type, { schema }, api, schemas) {
   if (type === "text/event-stream" && api.components.schemas.Event) {
-    return el("details", {}, el("summary", {}, "Fields of ", el("code", {}, "data")), schemas.fields({ $ref: "#/components/schemas/Event" }));
+    const fields = schemas.fields({ $ref: "#/components/schemas/Event" });
+    return el("details", {}, el("summary", {}, "Fields of ", el("code", {}, "data")), fields);
   }
   if (!type.endsWith("json")) return null;
   const { inner } = schemas.inside(schema);
@@ -112,8 +117,10 @@ function shape(type, { schema }, api, schemas) {
 /** One line for a shell. Values come from the document's examples. */
 function curl({ method, path, parameters: given = [], responses }, type, body, schemas) {
   const value = ({ name, example: sample, schema }) => sample ?? schema?.example ?? SAMPLES[name] ?? name;
-  const filled = path.replace(/\{(\w+)\}/g, (_, name) => encodeURIComponent(value(given.find((one) => one.name === name && one.in === "path") ?? { name })));
-  const query = given.filter((one) => one.in === "query" && one.required && one.schema?.default === undefined).map((one) => `${one.name}=${encodeURIComponent(value(one))}`).join("&");
+  const inPath = (name) => given.find((one) => one.name === name && one.in === "path") ?? { name };
+  const filled = path.replace(/\{(\w+)\}/g, (_, name) => encodeURIComponent(value(inPath(name))));
+  const asked = given.filter((one) => one.in === "query" && one.required && one.schema?.default === undefined);
+  const query = asked.map((one) => `${one.name}=${encodeURIComponent(value(one))}`).join("&");
   const address = new URL(filled.slice(1), new URL(".", document.baseURI)).href + (query && `?${query}`);
   const answerTypes = Object.values(responses).flatMap(({ content }) => Object.keys(content ?? {}));
   const parts = ["curl"];
@@ -126,7 +133,8 @@ function curl({ method, path, parameters: given = [], responses }, type, body, s
   if (body) {
     lines.push(`-H 'content-type: ${type}'`);
     const sample = schemas.ordered(body.example ?? {}, body.schema);
-    lines.push(type === "application/x-ndjson" ? `--data-binary ${quoted(JSON.stringify(sample))}` : `-d ${quoted(pretty(sample, "  "))}`);
+    const oneLine = type === "application/x-ndjson";
+    lines.push(oneLine ? `--data-binary ${quoted(JSON.stringify(sample))}` : `-d ${quoted(pretty(sample, "  "))}`);
   }
   return lines.join(" \\\n  ");
 }

@@ -11,11 +11,16 @@ const EXPLAINED = {
   not_found: "The map, keyframe, anchor, loop or query is not there; it may also lie outside what the key may see.",
   method_not_allowed: "The path is there, the method is not. The header `allow` says what it takes.",
   timeout: "The body stopped arriving. Send it again: a write by id can be repeated without harm.",
-  conflict: "The id is taken by another body, or what is stored does not allow the change. `code` says which: `map_exists`, `keyframe_exists`, `loop_exists` (another body was sent under this id before; choose another id, or read what is there) or `anchor_merged` (the anchor goes by another one's name; address that one).",
-  precondition_failed: "`if-match` named a version that is not the present one. Read the anchor again, decide again, send the new `etag`.",
+  conflict: "The id is taken by another body, or what is stored does not allow the change. `code` says which: `map_exists`, "
+    + "`keyframe_exists`, `loop_exists` (another body was sent under this id before; choose another id, or read what is there) "
+    + "or `anchor_merged` (the anchor goes by another one's name; address that one).",
+  precondition_failed: "`if-match` named a version that is not the present one. "
+    + "Read the anchor again, decide again, send the new `etag`.",
   too_large: "The body, a line or the map is beyond its limit; `detail` says which. Send less at once.",
-  unsupported_media_type: "The body is neither JSON nor what this operation takes, or is compressed in a way that is not known: gzip and zstd are.",
-  invalid: "The body was read, and cannot be meant so. `errors` lists every fault at once, each with a JSON pointer into the body, what was sent (`got`) and what would have been allowed (`limit`).",
+  unsupported_media_type: "The body is neither JSON nor what this operation takes, "
+    + "or is compressed in a way that is not known: gzip and zstd are.",
+  invalid: "The body was read, and cannot be meant so. `errors` lists every fault at once, each with a JSON pointer into the body, "
+    + "what was sent (`got`) and what would have been allowed (`limit`).",
   precondition_required: "Changing an anchor needs `if-match` with the `etag` that was seen, or `*` for whatever is there.",
   too_many_requests: "Wait for as long as `retry-after` says, then send it again.",
   internal: "A fault of the server. Its log tells more under the `request_id`.",
@@ -23,6 +28,9 @@ const EXPLAINED = {
   disk_full: "Nothing was written. Reading and deleting go on; free some space and send it again.",
   other: "Any refusal that an operation does not list: of a proxy, of a header that is too long, or a failure of the server.",
 };
+
+const ABOUT = "Every answer of 400 and above is `application/problem+json` (RFC 9457), from whichever layer it comes. Its `type` leads "
+  + "to this page, its `code` is for programs, its `detail` for people. All faults of a request are told at once.";
 
 /** The section on refusals: the form they share, and each kind. */
 export function problems(api, schemas) {
@@ -33,10 +41,12 @@ export function problems(api, schemas) {
   const schema = { $ref: "#/components/schemas/Problem" };
   return el("section", { id: "problems", class: "tag" },
     el("h2", {}, el("a", { href: "#problems", class: "self" }, "Problems")),
-    el("p", {}, inline("Every answer of 400 and above is `application/problem+json` (RFC 9457), from whichever layer it comes. Its `type` leads to this page, its `code` is for programs, its `detail` for people. All faults of a request are told at once.")),
+    el("p", {}, inline(ABOUT)),
     el("details", {}, el("summary", {}, "Its fields"), schemas.fields(schema)),
     kinds.map(({ code, title, status, media }) => el("article", { id: `problem-${code}`, class: "problem" },
-      el("h3", {}, el("a", { href: `#problem-${code}`, class: "self" }, status && el("span", { class: "status bad" }, status), " ", el("code", {}, code)), " ", title),
+      el("h3", {}, el("a", { href: `#problem-${code}`, class: "self" },
+        status && el("span", { class: "status bad" }, status), " ", el("code", {}, code)), " ", title),
       el("p", {}, inline(EXPLAINED[code])),
-      media?.example && code !== "other" && el("details", {}, el("summary", {}, "Example"), copyable(pretty(schemas.ordered(media.example, schema)))))));
+      media?.example && code !== "other"
+        && el("details", {}, el("summary", {}, "Example"), copyable(pretty(schemas.ordered(media.example, schema)))))));
 }

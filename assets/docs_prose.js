@@ -8,14 +8,17 @@ const LINE = 76;
 export function prose(text) {
   return (text ?? "").split(/\n{2,}/).filter((block) => block.trim()).map((block) => {
     const lines = block.split("\n");
-    if (lines.every((line) => /^[-*] /.test(line))) return el("ul", { class: "bullets" }, lines.map((line) => el("li", {}, inline(line.slice(2)))));
+    if (lines.every((line) => /^[-*] /.test(line))) {
+      return el("ul", { class: "bullets" }, lines.map((line) => el("li", {}, inline(line.slice(2)))));
+    }
     return el("p", {}, inline(lines.join(" ")));
   });
 }
 
 /** One line of prose. */
 export function inline(text) {
-  return (text ?? "").split(/(`[^`]+`)/).map((part) => (part.startsWith("`") && part.length > 2 ? el("code", {}, part.slice(1, -1)) : part));
+  const isCode = (part) => part.startsWith("`") && part.length > 2;
+  return (text ?? "").split(/(`[^`]+`)/).map((part) => (isCode(part) ? el("code", {}, part.slice(1, -1)) : part));
 }
 
 /** JSON that keeps on one line what fits there. */

@@ -22,7 +22,9 @@ export class Schemas {
     const { schema, name } = this.resolve(given);
     const about = schema.description && prose(schema.description);
     const { inner, each } = this.inside(given);
-    if (inner) return el("div", { class: "schema" }, each && el("p", {}, this.type(given)), about, this.members(inner, name ? [name] : []));
+    if (inner) {
+      return el("div", { class: "schema" }, each && el("p", {}, this.type(given)), about, this.members(inner, name ? [name] : []));
+    }
     return el("div", { class: "schema" }, el("p", {}, this.type(given), bounds(schema)), about);
   }
 
@@ -44,8 +46,8 @@ export class Schemas {
       const values = this.values(given);
       return [
         el("dt", {}, el("code", { class: "field" }, field), " ", el("span", { class: "type" }, this.type(given)),
-          required.includes(field) ? el("span", { class: "required" }, "required") : null, bounds(schema), this.itemBounds(schema)),
-        el("dd", {}, prose(schema.description), values && this.ownWords(given), values && el("p", { class: "values" }, values.map((value) => el("code", { class: "value" }, JSON.stringify(value)))),
+          required.includes(field) && el("span", { class: "required" }, "required"), bounds(schema), this.itemBounds(schema)),
+        el("dd", {}, prose(schema.description), values && [this.ownWords(given), choices(values)],
           inner && !above.includes(name) && this.folded(inner, name, each, [...above, name])),
       ];
     }));
@@ -54,7 +56,8 @@ export class Schemas {
   /** Made when it is first opened: some schemas are deep. */
   folded(inner, name, each, above) {
     const open = ({ target }) => {
-      if (target.open && target.childElementCount === 1) target.append(el("div", {}, this.ownWords({ $ref: `/${name}` })), this.members(inner, above));
+      if (!target.open || target.childElementCount > 1) return;
+      target.append(el("div", {}, this.ownWords({ $ref: `/${name}` })), this.members(inner, above));
     };
     const count = Object.keys(inner.properties).length;
     return el("details", { toggle: open }, el("summary", {}, each ? "each item: " : "", el("code", {}, name ?? "object"), `, ${count} fields`));
@@ -90,7 +93,8 @@ export class Schemas {
     const { schema } = this.resolve(given);
     if (Array.isArray(value)) return value.map((item) => this.ordered(item, schema.items));
     if (value === null || typeof value !== "object" || !schema.properties) return value;
-    const names = [...Object.keys(schema.properties).filter((name) => name in value), ...Object.keys(value).filter((name) => !(name in schema.properties))];
+    const named = Object.keys(schema.properties).filter((name) => name in value);
+    const names = [...named, ...Object.keys(value).filter((name) => !named.includes(name))];
     return Object.fromEntries(names.map((name) => [name, this.ordered(value[name], schema.properties[name])]));
   }
 }
@@ -100,7 +104,8 @@ export function bounds(schema, prefix = "") {
   const said = [];
   const shown = (value) => (Math.abs(value) >= 1e15 ? value.toExponential().replace("e+", "e") : number(value, 9));
   const span = (least, most, unit) => {
-    if (least !== undefined && most !== undefined) said.push(least === most ? `${prefix}${shown(least)}${unit}` : `${prefix}${shown(least)} … ${shown(most)}${unit}`);
+    if (least !== undefined && least === most) said.push(`${prefix}${shown(least)}${unit}`);
+    else if (least !== undefined && most !== undefined) said.push(`${prefix}${shown(least)} … ${shown(most)}${unit}`);
     else if (least !== undefined) said.push(`${prefix}≥ ${shown(least)}${unit}`);
     else if (most !== undefined) said.push(`${prefix}≤ ${shown(most)}${unit}`);
   };
@@ -114,15 +119,20 @@ export function bounds(schema, prefix = "") {
   return chips.map((chip) => [" ", chip]);
 }
 
+function choices(values) {
+  return el("p", { class: "values" }, values.map((value) => el("code", { class: "value" }, JSON.stringify(value))));
+}
+
 /** The parameters of an operation. */
 export function parameters(list, schemas) {
   return el("dl", { class: "members" }, list.map((parameter) => {
     const { schema } = schemas.resolve(parameter.schema);
     const values = schemas.values(parameter.schema);
     return [
-      el("dt", {}, el("code", { class: "field" }, parameter.name), " ", el("span", { class: "type" }, `${parameter.in}, ${schemas.type(parameter.schema)}`),
+      el("dt", {}, el("code", { class: "field" }, parameter.name), " ",
+        el("span", { class: "type" }, `${parameter.in}, ${schemas.type(parameter.schema)}`),
         parameter.required && el("span", { class: "required" }, "required"), bounds(schema)),
-      el("dd", {}, el("p", {}, inline(parameter.description)), values && el("p", { class: "values" }, values.map((value) => el("code", { class: "value" }, value)))),
+      el("dd", {}, el("p", {}, inline(parameter.description)), values && choices(values)),
     ];
   }));
 }

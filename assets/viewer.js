@@ -3,23 +3,26 @@
 import { everything, get, key, list, path } from "./viewer_api.js";
 import { MapCanvas } from "./viewer_canvas.js";
 import { Details } from "./viewer_details.js";
-import { classColour, sessionColour } from "./viewer_draw.js";
 import { keyWanted, noKeyframes, noMaps, noSuchMap, unreachable } from "./viewer_empty.js";
 import { EventList, listen } from "./viewer_events.js";
+import { inBrief, legend, sessionOptions } from "./viewer_legend.js";
 import { AnchorList, KeyframeList, fillLoops } from "./viewer_lists.js";
 import { marksOf } from "./viewer_marks.js";
 import { AXES, PLANES, arrange, buildScene, widestPlane } from "./viewer_scene.js";
-import { count, el, fill, number, sign } from "./dom.js";
+import { el, fill, number } from "./dom.js";
 
 const LOOK_AGAIN_MS = 4000;
 const REFRESH_MS = 500;
 const MAPS_EVERY = 8;
 
+const NOTHING = buildScene({ keyframes: [], anchors: [], loops: [] });
 const at = (id) => document.getElementById(id);
-const state = {
-  map: null, meta: null, version: 0, scene: buildScene({ keyframes: [], anchors: [], loops: [] }),
+/** What is known and chosen when a map is opened: nothing. */
+const FRESH = {
+  map: null, meta: null, version: 0, scene: NOTHING,
   choice: null, apart: true, plane: null, selection: null, marks: {}, found: null,
 };
+const state = { ...FRESH };
 let stream = null;
 let loading = null;
 let planned = null;
@@ -110,7 +113,8 @@ async function open(map, selection = null, push = false) {
   loading?.abort();
   clearTimeout(planned);
   planned = loading = null;
-  Object.assign(state, { map, meta: null, version: 0, selection, choice: null, apart: true, plane: null, found: null });
+  Object.assign(state, { ...FRESH, map, selection });
+  lay();
   document.title = `${map} – Revisit`;
   at("maps").value = map;
   remember(push);
@@ -239,17 +243,8 @@ function redraw() {
   fill(at("sessions"), sessionOptions(scene));
   lay();
   fill(at("legend"), legend(scene));
-  anchors.refresh();
-  keyframes.refresh();
-  fillLoops(at("loops"), world, refs);
+  for (const panel of Object.keys(lists)) if (!at(panel).hidden && !isRead(at(panel))) lists[panel]();
   at("tab-loops").textContent = meta.loops > 0 ? `Loops ${meta.loops}` : "Loops";
-}
-
-function sessionOptions({ sessions }) {
-  const one = sessions.map(({ name, keyframes: { length } }) => el("option", { value: `=${name}` }, `${name} (${length})`));
-  if (sessions.length < 2) return one;
-  return [el("option", { value: "apart" }, `${sessions.length} sessions, side by side`),
-    el("option", { value: "over" }, `${sessions.length} sessions, overlaid at their origins`), el("optgroup", { label: "One session" }, one)];
 }
 
 /** Lays the chosen sessions out in the chosen plane. */
@@ -269,40 +264,26 @@ function lay() {
   remark();
 }
 
-function legend({ classes, sessions, loops, anchors: all }) {
-  const glyph = (kind, colour) => {
-    const mark = el("span", { class: `glyph ${kind}` });
-    if (colour) mark.style.background = colour;
-    return mark;
-  };
-  const pending = [...all.values()].filter((anchor) => anchor.state === "pending").length;
-  return [
-    sessions.length <= 6 && sessions.map(({ name, index }) => el("div", {}, glyph("round", sessionColour(index)), sign(name))),
-    classes.slice(0, 8).map(({ name, size, index }) => el("div", {}, glyph("", classColour(index)), sign(name), ` ${number(size, 0)}`)),
-    classes.length > 8 && el("div", {}, `and ${count(classes.length - 8, "more class", "more classes")}`),
-    pending > 0 && el("div", {}, glyph("hollow"), `not described yet ${number(pending, 0)}`),
-    loops.length > 0 && el("div", {}, glyph("dash"), "confirmed loop"),
-  ];
-}
-
 function hover(hit, x, y) {
   const tip = at("tip");
   tip.hidden = hit === null;
   if (hit === null) return;
-  const { anchors: all, keyframes: frames } = state.scene;
-  if (hit.kind === "keyframe") {
-    const { session, covisible, anchors: seen } = frames.get(hit.id);
-    fill(tip, el("div", { class: "mono" }, hit.id), el("div", { class: "muted" }, sign(session)),
-      el("div", { class: "muted" }, `${covisible} covisible, ${count(seen.length, "anchor")}`));
-  } else {
-    const { description, class: kind, state: how, keyframes: seen } = all.get(hit.id);
-    fill(tip, el("div", {}, el("span", { class: "mono" }, hit.id), " ", description ? sign(description) : ""),
-      el("div", { class: "muted" }, `${kind}, ${how}, seen by ${seen.length}`));
-  }
+  fill(tip, inBrief(hit, state.scene));
   const { width, height } = canvas.size;
   const left = x + 14 + tip.offsetWidth > width ? x - 10 - tip.offsetWidth : x + 14;
   const top = y + 14 + tip.offsetHeight > height ? y - 10 - tip.offsetHeight : y + 14;
   tip.style.transform = `translate(${Math.max(left, 2)}px, ${Math.max(top, 2)}px)`;
+}
+
+/** Filled when they are opened, and again when the map changes, unless somebody is in the middle of one. */
+const lists = {
+  anchors: () => anchors.refresh(),
+  keyframes: () => keyframes.refresh(),
+  loops: () => fillLoops(at("loops"), world, refs),
+};
+
+function isRead(panel) {
+  return panel.scrollTop > 40 || panel.getBoundingClientRect().top < 0 || Boolean(document.activeElement?.closest("aside li"));
 }
 
 const tabs = [...document.querySelectorAll("[role=tab]")];
@@ -315,6 +296,7 @@ function openTab(panel) {
     at(tab.getAttribute("aria-controls")).hidden = !chosen;
   }
   at(panel).scrollTop = 0;
+  lists[panel]?.();
 }
 
 tabs.forEach((tab, index) => {
@@ -329,7 +311,8 @@ tabs.forEach((tab, index) => {
 });
 
 const KEYS = {
-  ArrowLeft: () => canvas.pan(60, 0), ArrowRight: () => canvas.pan(-60, 0), ArrowUp: () => canvas.pan(0, 60), ArrowDown: () => canvas.pan(0, -60),
+  ArrowLeft: () => canvas.pan(60, 0), ArrowRight: () => canvas.pan(-60, 0),
+  ArrowUp: () => canvas.pan(0, 60), ArrowDown: () => canvas.pan(0, -60),
   "+": () => canvas.zoom(1.4), "=": () => canvas.zoom(1.4), "-": () => canvas.zoom(1 / 1.4), 0: () => canvas.fit(),
   n: () => step(1), p: () => step(-1), Escape: letGo,
 };

@@ -7,6 +7,7 @@ const PICK_PX = 9;
 const TICK_PX = 13;
 const MARGIN_PX = 36;
 const EDGE_PX = 28;
+const FRAME_PX = 220;
 
 /** Nothing is marked. `lines` are drawn from place to place, `rings` around keyframes. */
 export const NO_MARKS = { keyframe: null, anchor: null, rings: new Map(), lines: [], found: null };
@@ -87,10 +88,10 @@ export class MapCanvas {
     const { width, height } = this.size;
     const group = this.layout.framed && this.layout.groups.find(({ session }) => session === point.session);
     if (group) {
-      const box = shifted(group);
-      const whole = Math.min(width / (box.u1 - box.u0), height / (box.v1 - box.v0)) * 0.5;
-      if (this.view.scale < whole / 4) {
-        this.view = { u: point.u, v: point.v, scale: whole };
+      const { u0, u1, v0, v1 } = shifted(group);
+      const side = Math.max(u1 - u0, v1 - v0);
+      if (side * this.view.scale < FRAME_PX / 4) {
+        this.view = { u: point.u, v: point.v, scale: FRAME_PX / side };
         this.moved = true;
       }
     }

@@ -55,14 +55,16 @@ export class Details {
 
   loopsOf(id) {
     const loops = this.world.scene().loops.filter(({ keyframe, candidate }) => keyframe === id || candidate === id);
-    return loops.length === 0 ? null
-      : loops.map((loop) => el("div", {}, "closed with ", this.refs.keyframe(loop.keyframe === id ? loop.candidate : loop.keyframe),
-        el("span", { class: "muted" }, ` (${loop.id})`)));
+    if (loops.length === 0) return null;
+    const other = ({ keyframe, candidate }) => (keyframe === id ? candidate : keyframe);
+    return loops.map((loop) => el("div", {}, "closed with ", this.refs.keyframe(other(loop)),
+      el("span", { class: "muted" }, ` (${loop.id})`)));
   }
 
   /** The button and the answer. */
   question(id, signal) {
     const answer = el("div", {});
+    const spoken = el("p", { class: "offscreen", role: "status" });
     const verify = el("select", { "aria-label": "Which checks must run" },
       el("option", { value: "auto" }, "geometry if possible"), el("option", { value: "anchors" }, "anchors only"),
       el("option", { value: "geometry" }, "geometry must verify"));
@@ -74,10 +76,11 @@ export class Details {
         const verdict = await post(address, body);
         return this.verdict(id, verdict, curlOf(address, body));
       });
+      spoken.textContent = answer.querySelector("h3, .fault")?.textContent ?? "";
       button.disabled = false;
     };
     const button = el("button", { type: "button", class: "main", click: ask }, "Is it a loop?");
-    return el("div", { class: "question" }, el("div", { class: "row" }, button, verify), answer);
+    return el("div", { class: "question" }, el("div", { class: "row" }, button, verify), spoken, answer);
   }
 
   verdict(id, verdict, curl) {
@@ -130,8 +133,8 @@ export class Details {
         (detection.description ?? detection.text) && el("div", {}, sign(detection.description ?? detection.text)),
         el("div", { class: "muted small" }, `confidence ${number(detection.confidence)}`,
           detection.reason && `, ignored: ${detection.reason.replaceAll("_", " ")}`));
-      return [el("p", { class: "muted" }, `${count(detections.length, "detection")}; it observes ${count(observes.length, "map point")}.`),
-        el("ul", { class: "lines" }, detections.map(line))];
+      const both = `${count(detections.length, "detection")}; it observes ${count(observes.length, "map point")}.`;
+      return [el("p", { class: "muted" }, both), el("ul", { class: "lines" }, detections.map(line))];
     });
     return el("details", { toggle: ({ target }) => target.open && place.childElementCount === 0 && read() },
       el("summary", {}, "What was detected in it"), place);
@@ -172,7 +175,7 @@ export class Details {
       el("h3", {}, "Matching anchors"),
       anchor.matches.length === 0 ? el("p", { class: "muted" }, "None.") : longList(anchor.matches, "lines", (match) => [
         el("div", {}, refs.anchor(match.anchor), " ", this.reads(match.anchor), " ",
-          match.kind === "revisit" ? el("span", { class: "chip good" }, "seen before") : el("span", { class: "chip" }, "covisible")),
+          chip(match.kind === "revisit" ? "seen before" : "covisible", { "seen before": "good" })),
         el("div", { class: "muted small" }, `level ${match.level} of 5, ${judge(match.source)}: `, sign(match.reason))]),
       anchor.matches_total > anchor.matches.length
         && el("p", { class: "muted" }, `${count(anchor.matches_total, "match", "matches")} in all; these are the oldest.`),
@@ -192,7 +195,8 @@ export class Details {
     (async () => {
       const response = await send(this.address("anchors", id, "crop"), { signal });
       const image = await createImageBitmap(await response.blob());
-      const canvas = el("canvas", { width: image.width, height: image.height, role: "img", "aria-label": "The best image of the anchor" });
+      const { width, height } = image;
+      const canvas = el("canvas", { width, height, role: "img", "aria-label": "The best image of the anchor" });
       canvas.getContext("2d").drawImage(image, 0, 0);
       figure.append(canvas);
     })().catch(() => fill(figure, el("p", { class: "muted small" }, "The image cannot be shown.")));
@@ -243,7 +247,9 @@ export function longList(items, kind, line) {
 function time({ sec, nanosec }) {
   const seconds = `${sec}.${String(nanosec).padStart(9, "0").replace(/0{1,6}$/, "")} s`;
   const sane = sec > 631152000 && sec < 7258118400;
-  return sane ? [new Date(sec * 1000).toISOString().replace("T", " ").replace(".000Z", " UTC"), el("div", { class: "muted small" }, seconds)] : seconds;
+  if (!sane) return seconds;
+  const day = new Date(sec * 1000).toISOString().replace("T", " ").replace(".000Z", " UTC");
+  return [day, el("div", { class: "muted small" }, seconds)];
 }
 
 function curlOf(address, body) {

@@ -291,7 +291,12 @@ function drawScale({ map, context, theme }) {
   context.font = "12px system-ui, sans-serif";
   context.textBaseline = "bottom";
   const [right, up] = map.layout.plane.map((axis) => AXES[axis]);
-  const metres = length >= 1000 ? `${length / 1000} km` : length < 0.01 ? `${Number((length * 1000).toPrecision(1))} mm` : `${Number(length.toPrecision(1))} m`;
-  const text = `${right} →  ${up} ↑   ${metres}`;
+  const text = `${right} →  ${up} ↑   ${metric(length)}`;
   context.fillText(text, x - context.measureText(text).width, y - 8);
+}
+
+function metric(metres) {
+  if (metres >= 1000) return `${metres / 1000} km`;
+  if (metres < 0.01) return `${Number((metres * 1000).toPrecision(1))} mm`;
+  return `${Number(metres.toPrecision(1))} m`;
 }

@@ -8,15 +8,23 @@ function server() {
   return new URL(".", document.baseURI).href.replace(/\/$/, "");
 }
 
+function putting(what, body) {
+  return `curl -X PUT ${server()}/v1/maps/${what} \\\n  -H 'content-type: application/json' \\\n  -d '${body}'`;
+}
+
+function reference() {
+  return el("a", { href: "docs" }, "The API reference");
+}
+
 /** No map at all. */
 export function noMaps() {
   return el("div", { class: "empty" },
     el("h2", {}, "No maps yet"),
     el("p", {}, "A map holds the keyframes of your robots and the signs they have seen. Make one:"),
-    copyable(`curl -X PUT ${server()}/v1/maps/my-map \\\n  -H 'content-type: application/json' \\\n  -d '{"description":"Ninth floor"}'`),
+    copyable(putting("my-map", `{"description":"Ninth floor"}`)),
     el("p", {}, "or play a recording and watch it arrive here:"),
     copyable(`revisit replay FILE.ndjson.zst --server ${server()}`),
-    el("p", { class: "muted" }, "This page looks again every few seconds. ", el("a", { href: "docs" }, "The API reference"), " tells the rest."));
+    el("p", { class: "muted" }, "This page looks again every few seconds. ", reference(), " tells the rest."));
 }
 
 /** A map without keyframes. */
@@ -28,15 +36,15 @@ export function noKeyframes(map) {
   return el("div", { class: "empty" },
     el("h2", {}, "No keyframes in this map yet"),
     el("p", {}, "Send one; it appears here by itself:"),
-    copyable(`curl -X PUT ${server()}/v1/maps/${encodeURIComponent(map)}/keyframes/kf-1 \\\n  -H 'content-type: application/json' \\\n  -d '${body}'`),
-    el("p", { class: "muted" }, "Only the stamp and the pose are required. ", el("a", { href: "docs" }, "The API reference"), " tells what else helps."));
+    copyable(putting(`${encodeURIComponent(map)}/keyframes/kf-1`, body)),
+    el("p", { class: "muted" }, "Only the stamp and the pose are required. ", reference(), " tells what else helps."));
 }
 
 /** A map that the address names and the server has not. */
 export function noSuchMap(map) {
   return el("div", { class: "empty" }, el("h2", {}, "There is no map ", el("code", {}, map)),
     el("p", {}, "Choose another one above, or make it:"),
-    copyable(`curl -X PUT ${server()}/v1/maps/${encodeURIComponent(map)} \\\n  -H 'content-type: application/json' -d '{}'`));
+    copyable(putting(encodeURIComponent(map), "{}")));
 }
 
 /** The server cannot be read. */

@@ -119,7 +119,8 @@ export class EventList {
       case "anchor_described": return text ? [a, " reads ", text] : [a, " has a new description"];
       case "anchors_matched": return [a, " was seen before, as ", b, text && [": ", text]];
       case "anchors_merged": return [b, " became one with ", a, text && el("p", { class: "muted small" }, text)];
-      case "loop_found": return ["Loop found: ", from, " is back at ", to, event.query && [" (", query(event.query, event.keyframe), ")"]];
+      case "loop_found":
+        return ["Loop found: ", from, " is back at ", to, event.query && [" (", query(event.query, event.keyframe), ")"]];
       case "loop_confirmed": return ["Loop ", named(event), " closed: ", from, " with ", to];
       case "loop_revoked": return ["Loop ", named(event), " revoked: ", from, " with ", to];
       default: return [event.event, text && [": ", text]];

@@ -5,6 +5,8 @@ import { count, debounced, el, fill, number, sign } from "./dom.js";
 import { longList } from "./viewer_details.js";
 
 const SEARCH_WAIT_MS = 250;
+const FILTER_WAIT_MS = 120;
+const TEXT_CHARACTERS = 4096;
 
 /** The tab of anchors: a search box, a class, a state, and what they find. */
 export class AnchorList {
@@ -12,7 +14,7 @@ export class AnchorList {
   constructor(place, world, refs, found) {
     Object.assign(this, { place, world, refs, found, turn: new AbortController(), filters: { text: "", class: "", state: "" } });
     const later = debounced(() => this.search(), SEARCH_WAIT_MS);
-    this.text = el("input", { type: "search", placeholder: "Search what the signs say", "aria-label": "Search descriptions", maxlength: 4096, input: later });
+    this.text = searchBox("Search what the signs say", later);
     this.classes = el("select", { "aria-label": "Class", change: () => this.search() });
     this.states = el("select", { "aria-label": "State", change: () => this.search() },
       el("option", { value: "" }, "every state"), ["valid", "pending", "uninformative"].map((state) => el("option", {}, state)));
@@ -34,7 +36,8 @@ export class AnchorList {
     const known = classes.map(({ name }) => name).join("\n");
     if (known !== this.known) {
       const chosen = this.classes.value;
-      fill(this.classes, el("option", { value: "" }, "every class"), classes.map(({ name }) => el("option", { value: name }, name)));
+      const options = classes.map(({ name }) => el("option", { value: name }, name));
+      fill(this.classes, el("option", { value: "" }, "every class"), options);
       this.classes.value = classes.some(({ name }) => name === chosen) ? chosen : "";
       this.known = known;
     }
@@ -68,9 +71,10 @@ export class AnchorList {
       fill(this.results, el("p", { class: "hint" }, none));
       return;
     }
-    fill(this.results, el("p", { class: "muted small", role: "status" }, searched ? `${count(anchors.length, "anchor")} found` : count(anchors.length, "anchor")),
+    const unread = () => el("span", { class: "muted" }, "not described yet");
+    fill(this.results, status(`${count(anchors.length, "anchor")}${searched ? " found" : ""}`),
       longList(anchors, "lines", (anchor) => [
-        el("div", {}, this.refs.anchor(anchor.id), " ", anchor.description ? sign(anchor.description) : el("span", { class: "muted" }, "not described yet")),
+        el("div", {}, this.refs.anchor(anchor.id), " ", anchor.description ? sign(anchor.description) : unread()),
         el("div", { class: "muted small" }, `${anchor.class}, ${anchor.state}, seen by ${anchor.keyframes.length}`,
           anchor.matches_total > 0 && `, matches ${anchor.matches_total}`)]));
   }
@@ -80,7 +84,7 @@ export class AnchorList {
 export class KeyframeList {
   constructor(place, world, refs) {
     Object.assign(this, { place, world, refs });
-    this.text = el("input", { type: "search", placeholder: "Filter by id or session", "aria-label": "Filter keyframes", input: debounced(() => this.refresh(), 120) });
+    this.text = searchBox("Filter by id or session", debounced(() => this.refresh(), FILTER_WAIT_MS));
     this.results = el("div", {});
     fill(place, el("div", { class: "filters" }, this.text), this.results);
   }
@@ -93,10 +97,11 @@ export class KeyframeList {
     const wanted = this.text.value.trim().toLowerCase();
     const all = [...this.world.scene().keyframes.values()];
     const keyframes = all.filter(({ id, session }) => `${id}\n${session}`.toLowerCase().includes(wanted));
-    fill(this.results, el("p", { class: "muted small", role: "status" }, wanted ? `${number(keyframes.length, 0)} of ${count(all.length, "keyframe")}` : count(all.length, "keyframe")),
+    fill(this.results, status(`${wanted ? `${number(keyframes.length, 0)} of ` : ""}${count(all.length, "keyframe")}`),
       longList(keyframes, "lines", (keyframe) => [
         this.refs.keyframe(keyframe.id),
-        el("span", { class: "muted small" }, " ", sign(keyframe.session), `, ${keyframe.covisible} covisible, ${count(keyframe.anchors.length, "anchor")}`)]));
+        el("span", { class: "muted small" }, " ", sign(keyframe.session),
+          `, ${keyframe.covisible} covisible, ${count(keyframe.anchors.length, "anchor")}`)]));
   }
 }
 
@@ -111,6 +116,14 @@ export function fillLoops(place, world, refs) {
   fill(place, el("p", { class: "muted small" }, count(loops.length, "confirmed loop")), longList(loops, "lines", (loop) => [
     el("div", {}, el("code", {}, loop.id), ": ", refs.keyframe(loop.keyframe), " back at ", refs.keyframe(loop.candidate)),
     el("div", { class: "muted small" }, loop.query && [refs.query(loop.query, loop.keyframe), "; "],
-      loop.merged.length === 0 ? "no anchors merged"
-        : ["merged ", loop.merged.map(({ into, from }, index) => [index > 0 && ", ", refs.anchor(from), " into ", refs.anchor(into)])])]));
+      loop.merged.length === 0 ? "no anchors merged" : "merged ",
+      loop.merged.map(({ into, from }, index) => [index > 0 && ", ", refs.anchor(from), " into ", refs.anchor(into)]))]));
+}
+
+function searchBox(hint, input) {
+  return el("input", { type: "search", placeholder: hint, "aria-label": hint, maxlength: TEXT_CHARACTERS, input });
+}
+
+function status(text) {
+  return el("p", { class: "muted small", role: "status" }, text);
 }

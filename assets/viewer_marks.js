@@ -44,6 +44,8 @@ function ofAnchor(canvas, id, { keyframes = [], matches = [] }) {
     const from = places.find(({ session }) => session === to?.session);
     if (from) lines.push({ from, to, tone: "accent", dashed: true });
   }
-  for (const match of matches.slice(0, MATCH_LINES)) lines.push({ from: places[0], to: canvas.point("anchor", match), tone: "good" });
+  for (const match of matches.slice(0, MATCH_LINES)) {
+    lines.push({ from: places[0], to: canvas.point("anchor", match), tone: "good" });
+  }
   return { anchor: id, rings: new Map(keyframes.map((keyframe) => [keyframe, "accent"])), lines };
 }

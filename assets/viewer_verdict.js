@@ -20,13 +20,14 @@ export function explain(answer, { refs, described, curl, version }) {
   const { candidates, excluded_covisible: excluded = 0 } = answer;
   const context = { refs, described };
   const stale = version > answer.map_version && `The map has moved on to version ${version} since.`;
-  return el("section", { class: `verdict ${toneOf(answer.verdict)}`, "aria-live": "polite" },
+  return el("section", { class: `verdict ${toneOf(answer.verdict)}` },
     el("h3", {}, headline(answer, refs)),
     answer.reason && el("p", {}, why(answer.reason)),
     answer.degraded && el("p", { class: "small" }, "A language model was away: the built-in judge stood in for it."),
     el("p", { class: "muted small" },
       `${count(candidates.length, "candidate")} compared, at version ${answer.map_version} of the map. `,
-      excluded > 0 && `${count(excluded, "keyframe")} left out because ${excluded === 1 ? "it sees" : "they see"} the same points as this one: that is the present place, not a return. `,
+      excluded > 0 && `${count(excluded, "keyframe")} left out because ${excluded === 1 ? "it sees" : "they see"} the same `,
+      excluded > 0 && "points as this one: that is the present place, not a return. ",
       stale),
     el("ol", { class: "candidates" }, candidates.map((candidate, index) => card(candidate, index === 0, context))),
     curl && el("details", { class: "small" }, el("summary", {}, "The same with curl"), copyable(curl)),
@@ -49,19 +50,29 @@ function card(candidate, open, context) {
     el("ol", { class: "checks" }, appearance(candidate), anchors(candidate, context), geometry(candidate))));
 }
 
+const BRIEF = {
+  score_below_threshold: "signs differ",
+  contradiction: "signs contradict",
+  no_anchors: "nothing to compare",
+  llm_pending: "descriptions pending",
+  llm_unavailable: "model away",
+  no_features: "no features",
+  bow_below_reference: "looks differ",
+  too_few_inliers: "geometry differs",
+  anchors_disagree_with_transform: "signs misplaced",
+  covisible: "same place as now",
+};
+
 /** What decided, in a few words and figures. */
 function brief({ reason, anchors: figures, geometry: { status, inliers }, bow }) {
-  const figure = { score_below_threshold: "signs differ", contradiction: "signs contradict", no_anchors: "nothing to compare",
-    llm_pending: "descriptions pending", llm_unavailable: "model away", no_features: "no features", bow_below_reference: "looks differ",
-    too_few_inliers: "geometry differs", anchors_disagree_with_transform: "signs misplaced", covisible: "same place as now" };
-  if (reason) return figure[reason.code] ?? reason.code;
+  if (reason) return BRIEF[reason.code] ?? reason.code;
   if (status === "verified" && inliers) return `${number(inliers, 0)} inliers`;
   return figures ? `S = ${number(figures.similarity)}` : `BoW ${number(bow.score, 3)}`;
 }
 
 const ADDS_DETAIL = ["no_anchors", "contradiction", "no_features", "llm_pending", "llm_unavailable"];
 
-/** The reason for a person, with what was measured and what was asked. The server's own sentence follows where it adds to it. */
+/** The reason for a person, with what was measured and asked. The server's own sentence follows where it adds to it. */
 export function why({ code, measured, limit, detail }) {
   const [m, l] = [measured, limit].map((value) => (value === undefined || value === null ? "?" : number(value, 3)));
   const sentences = {
@@ -76,7 +87,8 @@ export function why({ code, measured, limit, detail }) {
     contradiction: `Signs exclude each other. What contradicts weighs ${m}, what agrees ${l}.`,
     no_features: "Geometry was asked for, and it could not run.",
     too_few_inliers: `Too few features fit one transformation: ${m}, and ${l} are needed.`,
-    anchors_disagree_with_transform: `Once geometry has aligned the two, the matched anchors lie apart: S is ${m} and must exceed ${l}.`,
+    anchors_disagree_with_transform:
+      `Once geometry has aligned the two, the matched anchors lie apart: S is ${m} and must exceed ${l}.`,
   };
   const own = sentences[code];
   if (!own) return [`${code}: ${m} against ${l}. `, detail && sign(detail)];
@@ -99,13 +111,17 @@ function appearance({ bow: { score, common_words: words, reference_score: refere
   return check(state, "Appearance (bag of words)", number(score, 3), el("p", {}, text));
 }
 
+const STOPPED_BY_ANCHORS = {
+  score_below_threshold: "fail", contradiction: "fail", anchors_disagree_with_transform: "fail",
+  no_anchors: "open", llm_pending: "open", llm_unavailable: "open",
+};
+
 function anchors({ anchors: figures, reason }, { refs, described }) {
   const title = "Anchors around the two";
   if (!figures) return check("none", title, "", el("p", {}, "Not reached."));
   const { similarity, threshold, in_query: here, in_candidate: there, pending, matches, contradictions } = figures;
-  const stopped = { score_below_threshold: "fail", contradiction: "fail", anchors_disagree_with_transform: "fail", no_anchors: "open", llm_pending: "open", llm_unavailable: "open" };
   const empty = here === 0 || there === 0;
-  const state = stopped[reason?.code] ?? (similarity > threshold ? "pass" : empty ? "none" : "open");
+  const state = STOPPED_BY_ANCHORS[reason?.code] ?? (similarity > threshold ? "pass" : empty ? "none" : "open");
   const named = (id) => [refs.anchor(id), described(id) && [" ", sign(`“${described(id)}”`)]];
   const degrees = (radians) => number(radians * 180 / Math.PI, 0);
   return check(state, title, empty ? "" : `S = ${number(similarity)}`,
@@ -116,17 +132,21 @@ function anchors({ anchors: figures, reason }, { refs, described }) {
       matches.map((pair) => el("li", { class: "agrees" },
         el("div", {}, named(pair.query_anchor), " is like ", named(pair.candidate_anchor)),
         el("div", { class: "muted small" }, `level ${pair.level} of 5, ${judge(pair.source)}; from here and there `,
-          `${degrees(pair.angle_difference_rad)}° and ${number(pair.distance_difference_m)} m apart; weight ${number(pair.weight)}`))),
+          `${degrees(pair.angle_difference_rad)}° and ${number(pair.distance_difference_m)} m apart; `,
+          `weight ${number(pair.weight)}`))),
       contradictions.map((pair) => el("li", { class: "contradicts" },
         el("div", {}, sign(pair.reason)),
         el("div", { class: "muted small" }, named(pair.query_anchor), " against ", named(pair.candidate_anchor),
           pair.weight !== undefined && `; weight ${number(pair.weight)}`)))),
-    contradictions.length > 0 && reason?.code !== "contradiction" && el("p", { class: "muted small" }, "What contradicts does not outweigh what agrees."));
+    contradictions.length > 0 && reason?.code !== "contradiction"
+      && el("p", { class: "muted small" }, "What contradicts does not outweigh what agrees."));
 }
 
 /** Who judged two descriptions, within a sentence. */
 export function judge(source) {
-  const known = { identical: "identical texts", identifiers: "judged by identifiers", lexical: "judged by words", operator: "judged by an operator" };
+  const known = {
+    identical: "identical texts", identifiers: "judged by identifiers", lexical: "judged by words", operator: "judged by an operator",
+  };
   return known[source] ?? (source.startsWith("model:") ? `judged by ${source.slice(6)}` : source);
 }
 
@@ -143,7 +163,11 @@ function bar(similarity, threshold) {
 function geometry({ geometry: { status, matches, inliers, reason, candidate_from_query: transform } }) {
   const state = { verified: "pass", failed: "fail" }[status] ?? "none";
   const figure = inliers === undefined || inliers === null ? "" : `${number(inliers, 0)} of ${number(matches, 0)}`;
-  const said = { verified: "The features of both images fit one transformation", failed: "The features do not fit one transformation", skipped: "It did not run" };
+  const said = {
+    verified: "The features of both images fit one transformation",
+    failed: "The features do not fit one transformation",
+    skipped: "It did not run",
+  };
   const shift = transform && Math.hypot(...["x", "y", "z"].map((axis) => transform.translation[axis]));
   return check(state, "Geometry", figure,
     el("p", {}, said[status] ?? status, reason && [": ", sign(reason)], "."),

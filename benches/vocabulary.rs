@@ -12,6 +12,10 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use revisit::vocabulary::{LEVELS_UP, Vocabulary};
 
+/// As the binary has it: half of the time of a binary load goes into getting memory.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 const SEED: u64 = 6;
 const BRANCHING: usize = 10;
 const LEVELS: usize = 6;

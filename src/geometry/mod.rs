@@ -5,10 +5,19 @@
 //! | rigid transformation between two frames | [`pose`] |
 //! | axis-aligned bounding box | [`aabb`] |
 //! | bearing and distance of a point from a camera | [`bearing`] |
+//! | similarity transformation, and its closed form | [`sim3`], [`absolute_orientation`] |
+//! | pinhole projection | [`pinhole`] |
+//! | distances of binary descriptors | [`hamming`] |
+//! | seeded random numbers | [`sampling`] |
 
 pub mod aabb;
+pub mod absolute_orientation;
 pub mod bearing;
+pub mod hamming;
+pub mod pinhole;
 pub mod pose;
+pub mod sampling;
+pub mod sim3;
 
 /// A point in some frame, in metres; the name of the variable says which frame.
 pub type Point3 = nalgebra::Point3<f64>;
@@ -16,3 +25,4 @@ pub type Point3 = nalgebra::Point3<f64>;
 pub use aabb::Aabb;
 pub use bearing::Bearing;
 pub use pose::Pose;
+pub use sim3::Sim3;

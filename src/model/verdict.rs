@@ -1,7 +1,7 @@
 //! The answer to "is this keyframe a loop?", with the figures of every check that ran (§V).
 
 use super::ids::KeyframeId;
-use crate::geometry::Bearing;
+use crate::geometry::{Bearing, Sim3};
 
 /// What the service says of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,6 +66,10 @@ pub enum ReasonCode {
     Contradiction,
     /// Geometry had to verify, and features are missing.
     NoFeatures,
+    /// No transformation explains enough features.
+    TooFewInliers,
+    /// Under the verified transformation too few matched anchors stand where they should.
+    AnchorsDisagreeWithTransform,
 }
 
 impl ReasonCode {
@@ -80,6 +84,8 @@ impl ReasonCode {
             Self::ScoreBelowThreshold => "score_below_threshold",
             Self::Contradiction => "contradiction",
             Self::NoFeatures => "no_features",
+            Self::TooFewInliers => "too_few_inliers",
+            Self::AnchorsDisagreeWithTransform => "anchors_disagree_with_transform",
         }
     }
 }
@@ -185,6 +191,23 @@ pub struct GeometryEvidence {
     pub status: GeometryStatus,
     /// Why it was skipped or failed, for a person.
     pub reason: Option<String>,
+    /// What was found, if it ran.
+    pub figures: Option<GeometryFigures>,
+}
+
+/// What geometric verification found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GeometryFigures {
+    /// Descriptor matches between points with positions on both sides.
+    pub matches: u32,
+    /// Samples that RANSAC drew.
+    pub hypotheses: u32,
+    /// Matches that the final transformation explains, after the guided search.
+    pub inliers: u32,
+    /// The inliers' mean reprojection error in both images, in pixels.
+    pub mean_reprojection_error_px: Option<f64>,
+    /// Maps points of the query's camera frame into the candidate's, in metres.
+    pub candidate_from_query: Option<Sim3>,
 }
 
 /// How far geometric verification came.
@@ -192,6 +215,10 @@ pub struct GeometryEvidence {
 pub enum GeometryStatus {
     /// It did not run.
     Skipped,
+    /// It ran and found no transformation that explains enough.
+    Failed,
+    /// It ran and found one.
+    Verified,
 }
 
 impl GeometryStatus {
@@ -199,6 +226,8 @@ impl GeometryStatus {
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Skipped => "skipped",
+            Self::Failed => "failed",
+            Self::Verified => "verified",
         }
     }
 }

@@ -7,7 +7,7 @@
 
 use super::anchor_map::{LocalAnchor, LocalAnchorMap};
 use super::assignment::assign;
-use super::contradiction::{Contradiction, contradictions};
+use super::contradiction::{Contradiction, contradict, unmatched};
 use super::index::TextIndex;
 use crate::model::anchor::AnchorState;
 use crate::model::settings::Settings;
@@ -50,6 +50,12 @@ pub struct Comparison<'a> {
     pub matches: Vec<Matched<'a>>,
     /// The pairs that contradict (only with `contradiction_veto`).
     pub contradictions: Vec<Contradiction<'a>>,
+    /// The weight of all valid anchors of both maps: the denominator of Eq. (2).
+    pub total_weight: f64,
+    /// Valid anchors of the query's map that nothing in the candidate's is called like.
+    pub unmatched_of_query: Vec<&'a LocalAnchor>,
+    /// Valid anchors of the candidate's map that nothing in the query's is called like.
+    pub unmatched_of_candidate: Vec<&'a LocalAnchor>,
 }
 
 impl Comparison<'_> {
@@ -74,9 +80,16 @@ pub fn compare<'a>(
     let of_query: Vec<&LocalAnchor> = query.valid().collect();
     let of_candidate: Vec<&LocalAnchor> = candidate.valid().collect();
     let matches = matching_pairs(&of_query, &of_candidate, texts, settings);
-    let all = total(of_query.iter().chain(&of_candidate).map(|anchor| anchor.weight));
+    let total_weight = total(of_query.iter().chain(&of_candidate).map(|anchor| anchor.weight));
     let pending = query.pending() + candidate.pending();
-    let similarity = similarity(total(matches.iter().map(Matched::weight)), all);
+    let similarity = equation_2(total(matches.iter().map(Matched::weight)), total_weight);
+    let unmatched_of_query = unmatched(&of_query, &of_candidate, texts, settings);
+    let unmatched_of_candidate = unmatched(&of_candidate, &of_query, texts, settings);
+    let contradictions = if settings.contradiction_veto {
+        contradict(&unmatched_of_query, &unmatched_of_candidate, |a, b| same_relative_place(a, b, settings))
+    } else {
+        Vec::new()
+    };
     Comparison {
         similarity,
         similarity_at_best: if pending == 0 {
@@ -87,12 +100,11 @@ pub fn compare<'a>(
         in_query: of_query.len(),
         in_candidate: of_candidate.len(),
         pending,
-        contradictions: if settings.contradiction_veto {
-            contradictions(&of_query, &of_candidate, texts, settings)
-        } else {
-            Vec::new()
-        },
         matches,
+        contradictions,
+        total_weight,
+        unmatched_of_query,
+        unmatched_of_candidate,
     }
 }
 
@@ -102,7 +114,7 @@ fn total(weights: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Eq. (2): the summed weight of matching pairs over the weight of all anchors of both maps.
-fn similarity(matching_weight: f64, total_weight: f64) -> f64 {
+pub(super) fn equation_2(matching_weight: f64, total_weight: f64) -> f64 {
     if total_weight > 0.0 { matching_weight / total_weight } else { 0.0 }
 }
 
@@ -181,7 +193,7 @@ fn at_best(
     let valid = total(query.valid().chain(candidate.valid()).map(|anchor| anchor.weight));
     let paired = pairs.iter().flat_map(|(i, j)| [&of_query[*i], &of_candidate[*j]]);
     let described_later = total(paired.filter(|anchor| is_pending(anchor)).map(|anchor| anchor.weight));
-    similarity(matching, valid + described_later)
+    equation_2(matching, valid + described_later)
 }
 
 fn is_pending(anchor: &LocalAnchor) -> bool {

@@ -6,7 +6,7 @@
 
 use super::anchor_map::LocalAnchor;
 use super::assignment::assign;
-use super::comparison::{same_relative_place, similar};
+use super::comparison::similar;
 use super::index::TextIndex;
 use crate::model::settings::Settings;
 use crate::semantics;
@@ -40,26 +40,31 @@ impl Contradiction<'_> {
     }
 }
 
-/// The contradicting pairs, one-to-one, by maximum weight.
+/// The anchors that nothing on the other side is called like.
 ///
 /// "Unmatched on the other side" is taken by description alone: a plate that also hangs somewhere
 /// in the other map is known there, and seeing its neighbour in its place means another point of
 /// view, not another building.
-pub fn contradictions<'a>(
-    of_query: &[&'a LocalAnchor],
-    of_candidate: &[&'a LocalAnchor],
+pub fn unmatched<'a>(
+    these: &[&'a LocalAnchor],
+    those: &[&'a LocalAnchor],
     texts: &TextIndex,
     settings: &Settings,
+) -> Vec<&'a LocalAnchor> {
+    let known = |anchor: &LocalAnchor| those.iter().any(|that| similar(anchor, that, texts, settings).is_some());
+    these.iter().copied().filter(|anchor| !known(anchor)).collect()
+}
+
+/// The contradicting pairs among unmatched anchors, one-to-one, by maximum weight; `same_place` tells
+/// which anchors stand at the same place.
+pub fn contradict<'a>(
+    query: &[&'a LocalAnchor],
+    candidate: &[&'a LocalAnchor],
+    same_place: impl Fn(&LocalAnchor, &LocalAnchor) -> bool,
 ) -> Vec<Contradiction<'a>> {
-    let unmatched = |these: &[&'a LocalAnchor], those: &[&'a LocalAnchor]| -> Vec<&'a LocalAnchor> {
-        let known =
-            |anchor: &LocalAnchor| those.iter().any(|that| similar(anchor, that, texts, settings).is_some());
-        these.iter().copied().filter(|anchor| !known(anchor)).collect()
-    };
-    let (query, candidate) = (unmatched(of_query, of_candidate), unmatched(of_candidate, of_query));
     let pairs = assign(query.len(), candidate.len(), |i, j| {
         let (a, b) = (query[i], candidate[j]);
-        (same_relative_place(a, b, settings) && surely_differ(a, b)).then_some(a.weight + b.weight)
+        (same_place(a, b) && surely_differ(a, b)).then_some(a.weight + b.weight)
     });
     pairs.into_iter().map(|(i, j)| Contradiction { query: query[i], candidate: candidate[j] }).collect()
 }

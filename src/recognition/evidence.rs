@@ -2,16 +2,18 @@
 
 use std::cmp::Ordering;
 
+use super::alignment::Aligned;
 use super::candidates::Proposal;
 use super::comparison::Comparison;
 use super::contradiction::Contradiction;
+use super::verification::{Failure, Status, Verification};
 use crate::model::settings::Settings;
 use crate::model::verdict::{
     AnchorEvidence, BowEvidence, Candidate, CandidateDecision, ContradictionEvidence, GeometryEvidence,
-    GeometryStatus, MatchEvidence, Reason, ReasonCode, Verify,
+    GeometryFigures, GeometryStatus, MatchEvidence, Reason, ReasonCode,
 };
 
-/// Loops first, then undecided, then rejected; each by S, then by score, then the smallest id.
+/// Loops first, then undecided, then rejected; each by inliers, then S, then score, then the smallest id.
 pub(super) fn best_first(a: &Candidate, b: &Candidate) -> Ordering {
     let rank = |candidate: &Candidate| match candidate.decision {
         CandidateDecision::Loop => 0,
@@ -20,7 +22,9 @@ pub(super) fn best_first(a: &Candidate, b: &Candidate) -> Ordering {
     };
     let similarity =
         |candidate: &Candidate| candidate.anchors.as_ref().map_or(0.0, |anchors| anchors.similarity);
+    let inliers = |candidate: &Candidate| candidate.geometry.figures.as_ref().map_or(0, |figures| figures.inliers);
     (rank(a).cmp(&rank(b)))
+        .then_with(|| inliers(b).cmp(&inliers(a)))
         .then_with(|| similarity(b).total_cmp(&similarity(a)))
         .then_with(|| b.bow.score.total_cmp(&a.bow.score))
         .then_with(|| a.keyframe.cmp(&b.keyframe))
@@ -67,13 +71,43 @@ fn contradiction(pair: &Contradiction<'_>) -> ContradictionEvidence {
     }
 }
 
-/// Geometric verification is not built yet, and every answer says so.
-pub(super) fn geometry_not_run(verify: Verify) -> GeometryEvidence {
-    let reason = match verify {
-        Verify::Anchors => "the query asks for anchors alone",
-        Verify::Auto | Verify::Geometry => "this version of the server does not verify geometry yet",
+/// Under the transformation: the pairs that do not stand are gone, S is taken again.
+pub(super) fn align(anchors: &mut AnchorEvidence, aligned: &Aligned<'_>) {
+    let mut stands = aligned.stands.iter();
+    anchors.matches.retain(|_| stands.next().copied().unwrap_or(false));
+    anchors.similarity = aligned.similarity;
+    anchors.contradictions = aligned.contradictions.iter().map(contradiction).collect();
+}
+
+pub(super) fn geometry_skipped(reason: &str) -> GeometryEvidence {
+    GeometryEvidence { status: GeometryStatus::Skipped, reason: Some(reason.to_owned()), figures: None }
+}
+
+pub(super) fn geometry(verification: &Verification) -> GeometryEvidence {
+    GeometryEvidence {
+        status: match verification.status {
+            Status::Verified => GeometryStatus::Verified,
+            Status::Failed => GeometryStatus::Failed,
+        },
+        reason: verification.failure.map(|failure| failure.to_string()),
+        figures: Some(GeometryFigures {
+            matches: verification.matches,
+            hypotheses: verification.hypotheses,
+            inliers: verification.inliers,
+            mean_reprojection_error_px: verification.mean_reprojection_error_px,
+            candidate_from_query: verification.candidate_from_query,
+        }),
+    }
+}
+
+pub(super) fn too_few_inliers(verification: &Verification, settings: &Settings) -> Reason {
+    let (measured, limit) = match verification.failure {
+        Some(Failure::TooFewMatches { matches, limit }) => (matches, limit),
+        _ => (verification.inliers, settings.geometry_min_inliers),
     };
-    GeometryEvidence { status: GeometryStatus::Skipped, reason: Some(reason.to_owned()) }
+    let detail = verification.failure.map_or_else(String::new, |failure| failure.to_string());
+    let (measured, limit) = (Some(f64::from(measured)), Some(f64::from(limit)));
+    Reason { code: ReasonCode::TooFewInliers, measured, limit, detail }
 }
 
 pub(super) fn reason(code: ReasonCode, measured: f64, limit: f64) -> Reason {
@@ -83,13 +117,16 @@ pub(super) fn reason(code: ReasonCode, measured: f64, limit: f64) -> Reason {
                 "the words score {measured:.3}, below {limit:.3}, the share asked for of the reference score"
             )
         }
+        ReasonCode::AnchorsDisagreeWithTransform => {
+            format!("under the transformation the anchor maps agree by S = {measured:.3}, which does not exceed {limit}")
+        }
         _ => format!("the anchor maps agree by S = {measured:.3}, which does not exceed {limit}"),
     };
     Reason { code, measured: Some(measured), limit: Some(limit), detail }
 }
 
-pub(super) fn contradicted(comparison: &Comparison<'_>, contradicting: f64, agreeing: f64) -> Reason {
-    let heaviest = comparison.contradictions.iter().max_by(|a, b| a.weight().total_cmp(&b.weight()));
+pub(super) fn contradicted(pairs: &[Contradiction<'_>], contradicting: f64, agreeing: f64) -> Reason {
+    let heaviest = pairs.iter().max_by(|a, b| a.weight().total_cmp(&b.weight()));
     let detail = heaviest.map_or_else(String::new, Contradiction::reason);
     Reason { code: ReasonCode::Contradiction, measured: Some(contradicting), limit: Some(agreeing), detail }
 }
@@ -112,13 +149,9 @@ pub(super) fn no_anchors(comparison: &Comparison<'_>) -> Reason {
     Reason { code: ReasonCode::NoAnchors, measured: Some(0.0), limit: Some(1.0), detail: detail.to_owned() }
 }
 
-pub(super) fn geometry_missing() -> Reason {
-    Reason {
-        code: ReasonCode::NoFeatures,
-        measured: None,
-        limit: None,
-        detail: "geometry must verify, and this version of the server cannot yet".to_owned(),
-    }
+pub(super) fn geometry_missing(missing: &str) -> Reason {
+    let detail = format!("geometry must verify: {missing}");
+    Reason { code: ReasonCode::NoFeatures, measured: None, limit: None, detail }
 }
 
 pub(super) fn no_candidates(empty_bow: bool) -> Reason {

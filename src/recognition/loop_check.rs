@@ -1,5 +1,9 @@
 //! "Is this keyframe a loop?": the whole funnel of §V on one screen.
+//!
+//! Checks 1 to 3 need the map and run under its lock ([`screen`]); what passes them and has features waits for
+//! geometry, which needs descriptors from disk and no map ([`super::conclusion`]).
 
+use super::alignment::Compared;
 use super::anchor_map::{Centre, LocalAnchorMap, local_anchor_map};
 use super::candidates::{Proposal, Proposals, find_candidates};
 use super::comparison::{Comparison, compare};
@@ -7,25 +11,37 @@ use super::distinctiveness::PlaceCounts;
 use super::evidence;
 use super::index::MapIndex;
 use super::query::Query;
+use super::screening::{Screened, Screening, Standing};
+use super::sight::Sight;
+use crate::model::settings::Settings;
 use crate::model::settings::WithoutAnchors;
-use crate::model::verdict::{Candidate, CandidateDecision, Decision, Reason, ReasonCode, Verdict, Verify};
+use crate::model::verdict::{Candidate, CandidateDecision, Reason, ReasonCode, Verify};
 
-/// Answers a query at this version of the map. Pure: the same arguments give the same answer.
-pub fn check_loop(index: &MapIndex, map_version: u64, query: &Query<'_>, verify: Verify) -> Verdict {
+/// Runs checks 1 to 3 at this version of the map. Pure: the same arguments give the same answer.
+pub fn screen(index: &MapIndex, map_version: u64, query: &Query<'_>, verify: Verify) -> Screening {
     let mut places = PlaceCounts::default();
     // Checks 1 and 2: not covisible, and alike by bag of words or by an anchor seen before.
     let proposals = find_candidates(index, query, &mut places);
     // Check 3: the local anchor maps.
     let around_query = local_anchor_map(index, &query.centre, &mut places);
-    let mut candidates: Vec<Candidate> = (proposals.candidates.iter())
+    let candidates = (proposals.candidates.iter())
         .filter_map(|proposal| {
             let centre = Centre::stored(index, proposal.keyframe)?;
             let around_candidate = local_anchor_map(index, &centre, &mut places);
             check_candidate(index, &proposals, *proposal, &around_query, &around_candidate, verify)
         })
         .collect();
-    candidates.sort_by(evidence::best_first);
-    answer(map_version, query, candidates)
+    Screening {
+        map_version,
+        settings: index.properties().settings.clone(),
+        metric: index.properties().metric,
+        verify,
+        empty_bow: query.bow.is_empty(),
+        excluded_covisible: query.covisible().count(),
+        query: query.keyframe,
+        sight: query.sight.clone(),
+        candidates,
+    }
 }
 
 fn check_candidate(
@@ -35,7 +51,7 @@ fn check_candidate(
     around_query: &LocalAnchorMap,
     around_candidate: &LocalAnchorMap,
     verify: Verify,
-) -> Option<Candidate> {
+) -> Option<Screened> {
     let settings = &index.properties().settings;
     let bow = evidence::bow(proposal, proposals.reference_score);
     let mut candidate = Candidate {
@@ -43,87 +59,52 @@ fn check_candidate(
         decision: CandidateDecision::Loop,
         bow,
         anchors: None,
-        geometry: evidence::geometry_not_run(verify),
+        geometry: evidence::geometry_skipped("an earlier check decided"),
         reason: None,
     };
     let min_score = settings.candidates_min_score_ratio * proposals.reference_score;
     if bow.score < min_score {
         let reason = evidence::reason(ReasonCode::BowBelowReference, bow.score, min_score);
-        return Some(stopped(candidate, CandidateDecision::Rejected, reason));
+        return Some(Screened::stopped(proposal.keyframe, candidate, CandidateDecision::Rejected, reason));
     }
     let comparison = compare(around_query, around_candidate, index.texts(), settings);
     candidate.anchors = Some(evidence::anchors(&comparison, settings));
-    let geometry_must_verify = verify == Verify::Geometry;
-    Some(match judge_anchors(&comparison, settings.without_anchors, settings.anchor_map_min_similarity) {
-        Err((decision, reason)) => stopped(candidate, decision, reason),
-        Ok(AnchorsSay::Same) if !geometry_must_verify => candidate,
-        Ok(AnchorsSay::Same | AnchorsSay::AskGeometry) => {
-            stopped(candidate, CandidateDecision::Undecided, evidence::geometry_missing())
-        }
+    Some(match judge_anchors(&comparison, settings) {
+        Err((decision, reason)) => Screened::stopped(proposal.keyframe, candidate, decision, reason),
+        Ok(standing) => Screened {
+            keyframe: proposal.keyframe,
+            candidate,
+            standing,
+            compared: Compared::of(&comparison),
+            sight: if verify == Verify::Anchors { None } else { Sight::stored(index, proposal.keyframe) },
+        },
     })
-}
-
-/// What a comparison that stops nobody says.
-enum AnchorsSay {
-    /// The two places are one.
-    Same,
-    /// Without anchors, geometry alone decides.
-    AskGeometry,
 }
 
 /// Check 3 of §V: contradictions first, since they name what S only measures.
 fn judge_anchors(
     comparison: &Comparison<'_>,
-    without_anchors: WithoutAnchors,
-    min_similarity: f64,
-) -> Result<AnchorsSay, (CandidateDecision, Reason)> {
+    settings: &Settings,
+) -> Result<Standing, (CandidateDecision, Reason)> {
     use CandidateDecision::{Rejected, Undecided};
+    let min_similarity = settings.anchor_map_min_similarity;
     let (agreeing, contradicting) = (comparison.agreeing_weight(), comparison.contradicting_weight());
     if contradicting > agreeing {
-        return Err((Rejected, evidence::contradicted(comparison, contradicting, agreeing)));
+        return Err((Rejected, evidence::contradicted(&comparison.contradictions, contradicting, agreeing)));
     }
     if comparison.similarity > min_similarity {
-        return Ok(AnchorsSay::Same);
+        return Ok(Standing::AnchorsAgree);
     }
-    let measured = evidence::reason(ReasonCode::ScoreBelowThreshold, comparison.similarity, min_similarity);
     if comparison.similarity_at_best > min_similarity {
         return Err((Undecided, evidence::pending(comparison)));
     }
     if comparison.in_query > 0 && comparison.in_candidate > 0 {
-        return Err((Rejected, measured));
+        let reason = evidence::reason(ReasonCode::ScoreBelowThreshold, comparison.similarity, min_similarity);
+        return Err((Rejected, reason));
     }
-    match without_anchors {
+    match settings.without_anchors {
         WithoutAnchors::Undecided => Err((Undecided, evidence::no_anchors(comparison))),
         WithoutAnchors::Reject => Err((Rejected, evidence::no_anchors(comparison))),
-        WithoutAnchors::Geometry => Ok(AnchorsSay::AskGeometry),
-    }
-}
-
-fn stopped(mut candidate: Candidate, decision: CandidateDecision, reason: Reason) -> Candidate {
-    candidate.decision = decision;
-    candidate.reason = Some(reason);
-    candidate
-}
-
-fn answer(map_version: u64, query: &Query<'_>, candidates: Vec<Candidate>) -> Verdict {
-    let of = |decision| candidates.iter().filter(move |c: &&Candidate| c.decision == decision);
-    let loops: Vec<_> = of(CandidateDecision::Loop).map(|candidate| candidate.keyframe.clone()).collect();
-    let nothing_to_compare = candidates.is_empty() && query.bow.is_empty();
-    let decision = if !loops.is_empty() {
-        Decision::Loop
-    } else if nothing_to_compare || of(CandidateDecision::Undecided).next().is_some() {
-        Decision::Undecided
-    } else {
-        Decision::NoLoop
-    };
-    Verdict {
-        map_version,
-        decision,
-        best: loops.first().cloned(),
-        loops,
-        degraded: false,
-        excluded_covisible: query.covisible().count(),
-        reason: candidates.is_empty().then(|| evidence::no_candidates(query.bow.is_empty())),
-        candidates,
+        WithoutAnchors::Geometry => Ok(Standing::AskGeometry),
     }
 }

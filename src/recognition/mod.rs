@@ -9,29 +9,34 @@
 //! | §IV-C.2, merge on a confirmed loop | [`closing`] | [`closing::close_loop`], [`closing::revoke_loop`] |
 //! | §V, check 1: covisible keyframes | [`covisibility`] | [`covisibility::Covisibility`] |
 //! | §V, check 2: bag of words | [`inverted_file`], [`places`], [`candidates`] | [`candidates::find_candidates`] |
-//! | §V, check 3: the funnel | [`loop_check`] | [`loop_check::check_loop`] |
+//! | §V, the funnel: checks 1 to 3 | [`loop_check`], [`screening`] | [`loop_check::screen`] |
 //! | §V-A, local anchor map | [`anchor_map`] | [`anchor_map::local_anchor_map`] |
 //! | §V-B, Eq. (1) and (2) | [`comparison`], [`assignment`] | [`comparison::compare`] |
+//! | §V, the last step: similarity transformation | [`verification`] | [`verification::verify`] |
+//! | §V, the answer | [`conclusion`] | [`conclusion::conclude`] |
 //! | ours: distinctive weights | [`distinctiveness`] | [`distinctiveness::PlaceCounts`] |
-//! | ours: contradiction veto | [`contradiction`] | [`contradiction::contradictions`] |
+//! | ours: contradiction veto | [`contradiction`] | [`contradiction::contradict`] |
+//! | ours: anchors under the transformation | [`alignment`] | [`alignment::Compared::under`] |
 //!
-//! Beside the paper: [`query`] is the keyframe that is asked about, [`evidence`] turns figures into a
+//! Beside the paper: [`query`] is the keyframe that is asked about, [`sight`] and [`features`] are what geometry
+//! needs to know of it, [`evidence`] turns figures into a
 //! verdict, [`recorder`] keeps changes, [`correction`] moves poses and points, [`culling`] removes.
-//!
-//! Not here yet: the similarity transformation, the last step of §V.
 
+pub mod alignment;
 pub mod anchor_map;
 pub mod assignment;
 pub mod association;
 pub mod candidates;
 pub mod closing;
 pub mod comparison;
+pub mod conclusion;
 pub mod contradiction;
 pub mod correction;
 pub mod covisibility;
 pub mod culling;
 pub mod distinctiveness;
 pub mod evidence;
+pub mod features;
 pub mod index;
 pub mod ingest;
 pub mod inverted_file;
@@ -40,3 +45,6 @@ pub mod matching;
 pub mod places;
 pub mod query;
 pub mod recorder;
+pub mod screening;
+pub mod sight;
+pub mod verification;

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::anchor_map::{Centre, inline_centre};
 use super::index::{MapIndex, TextId};
+use super::sight::Sight;
 use crate::model::bow::BowVector;
 use crate::model::ids::{AnchorSeq, KeyframeSeq};
 use crate::model::keyframe::NewKeyframe;
@@ -19,20 +20,23 @@ pub struct Query<'a> {
     pub centre: Centre,
     /// The objects it sees, ascending.
     pub seen: BTreeSet<AnchorSeq>,
+    /// What geometry needs to know of it, if its client told the camera.
+    pub sight: Option<Sight>,
 }
 
 impl<'a> Query<'a> {
     /// About a keyframe of the map, with its bag of words from the store.
     pub fn stored(index: &MapIndex, keyframe: KeyframeSeq, bow: &'a BowVector) -> Option<Self> {
         let centre = Centre::stored(index, keyframe)?;
-        Some(Self { keyframe: Some(keyframe), bow, centre, seen: index.objects_seen_by(keyframe) })
+        let (seen, sight) = (index.objects_seen_by(keyframe), Sight::stored(index, keyframe));
+        Some(Self { keyframe: Some(keyframe), bow, centre, seen, sight })
     }
 
     /// About a keyframe that is not stored, as if it had just arrived.
     pub fn inline(index: &MapIndex, keyframe: &'a NewKeyframe) -> Self {
         let covisible = inline_covisible(index, keyframe);
         let (centre, seen) = inline_centre(index, keyframe, covisible);
-        Self { keyframe: None, bow: &keyframe.bow, centre, seen }
+        Self { keyframe: None, bow: &keyframe.bow, centre, seen, sight: Sight::inline(index, keyframe) }
     }
 
     /// Is this keyframe covisible with the query, or the query itself (§V, check 1)?

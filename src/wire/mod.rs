@@ -10,7 +10,7 @@
 //! | [`digest`] | what makes two bodies the same |
 //! | [`space`], [`base64`] | vectors, poses, times; bytes inside JSON |
 //! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`anchor`], [`loops`], [`event`] | resources |
-//! | [`loop_query`], [`verdict`] | "is this keyframe a loop?" and its answer |
+//! | [`loop_query`], [`verdict`], [`geometry`] | "is this keyframe a loop?" and its answer |
 //! | [`semantics`], [`usage`], [`service`] | the three functions of §IV-A.2; what models cost; how the server is |
 //! | [`list`], [`problem`] | parts of lists; refusals |
 //! | [`examples`] | one example of each, for the API document |
@@ -21,6 +21,7 @@ pub mod bulk;
 pub mod digest;
 pub mod event;
 pub mod examples;
+pub mod geometry;
 pub mod keyframe;
 pub mod limits;
 pub mod list;

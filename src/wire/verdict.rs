@@ -3,10 +3,11 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::geometry::GeometryView;
 use super::space::rounded;
 use crate::model::verdict::{
     AnchorEvidence, BowEvidence, Candidate, CandidateDecision, ContradictionEvidence, Decision,
-    GeometryEvidence, GeometryStatus, MatchEvidence, Reason, Verdict,
+    MatchEvidence, Reason, Verdict,
 };
 
 /// The answer to "is this keyframe a loop?". The same map version, keyframe, settings and seed give the same bytes.
@@ -71,7 +72,7 @@ pub struct CandidateView {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub anchors: Option<AnchorFigures>,
     /// Geometry.
-    pub geometry: GeometryFigures,
+    pub geometry: GeometryView,
     /// The check that stopped it; left out for a loop.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<ReasonView>,
@@ -140,27 +141,6 @@ pub struct ContradictionView {
     pub reason: String,
     /// The pair's two weights together, in 1/m.
     pub weight: f64,
-}
-
-/// Figures of the geometric check.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct GeometryFigures {
-    /// How far it came.
-    pub status: GeometryStatusName,
-    /// Why it was skipped or failed, for a person.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub reason: Option<String>,
-}
-
-/// `verified`, `failed`, or `skipped` with its reason.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = GeometryStatus)]
-#[expect(missing_docs, reason = "said above")]
-pub enum GeometryStatusName {
-    Verified,
-    Failed,
-    Skipped,
 }
 
 /// The check that decided, with what it measured and what it asked for.
@@ -275,15 +255,6 @@ impl From<&ContradictionEvidence> for ContradictionView {
             reason: pair.reason.clone(),
             weight: rounded(pair.weight),
         }
-    }
-}
-
-impl From<&GeometryEvidence> for GeometryFigures {
-    fn from(geometry: &GeometryEvidence) -> Self {
-        let status = match geometry.status {
-            GeometryStatus::Skipped => GeometryStatusName::Skipped,
-        };
-        Self { status, reason: geometry.reason.clone() }
     }
 }
 

@@ -51,8 +51,19 @@ pub struct Correspondence {
     pub into_query: Option<Reprojection>,
     /// The query's point, to be seen in the candidate's image.
     pub into_candidate: Option<Reprojection>,
-    /// Is it a feature of the candidate itself, not only a landmark of its neighbours?
-    pub is_direct: bool,
+    /// The number of bits in which the descriptors differ.
+    pub distance: u32,
+    /// The feature of the query.
+    pub query_feature: u32,
+    /// The feature of the candidate; `None` for a landmark that only its neighbours saw.
+    pub candidate_feature: Option<u32>,
+}
+
+impl Correspondence {
+    /// Does the candidate itself see it, and have both sides a position for it?
+    pub fn is_located(&self) -> bool {
+        self.candidate_feature.is_some() && self.into_query.is_some() && self.into_candidate.is_some()
+    }
 }
 
 /// The two cameras.

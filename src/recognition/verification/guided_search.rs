@@ -55,7 +55,7 @@ impl<'a> GuidedSearch<'a> {
 
     /// The pairs that projection and descriptors suggest, each feature and each landmark in one at most. The nearest
     /// descriptors choose first, ties by the smaller feature.
-    pub fn search(&self, hypothesis: &Hypothesis) -> Vec<Correspondence> {
+    pub fn search(&self, hypothesis: &Hypothesis, kept: Vec<Correspondence>) -> Vec<Correspondence> {
         let mut proposals = Vec::new();
         self.project_candidate_features(hypothesis, &mut proposals);
         self.project_landmarks(hypothesis, &mut proposals);
@@ -64,6 +64,12 @@ impl<'a> GuidedSearch<'a> {
         let mut query_taken = vec![false; self.query.keypoints.len()];
         let mut feature_taken = vec![false; self.candidate.keypoints.len()];
         let mut landmark_taken = vec![false; self.landmark_ids];
+        for pair in &kept {
+            query_taken[pair.query_feature as usize] = true;
+            if let Some(feature) = pair.candidate_feature {
+                feature_taken[feature as usize] = true;
+            }
+        }
         proposals.retain(|proposal| {
             let target = match proposal.target {
                 Target::Feature(feature) => &mut feature_taken[feature as usize],
@@ -71,11 +77,15 @@ impl<'a> GuidedSearch<'a> {
             };
             let query = &mut query_taken[proposal.query as usize];
             let is_free = !*target && !*query;
-            (*target, *query) = (true, true);
+            if is_free {
+                (*target, *query) = (true, true);
+            }
             is_free
         });
-        proposals.sort_unstable_by_key(|proposal| proposal.query);
-        proposals.iter().map(|proposal| self.correspondence(proposal)).collect()
+        let mut pairs = kept;
+        pairs.extend(proposals.iter().map(|proposal| self.correspondence(proposal)));
+        pairs.sort_by_key(|pair| pair.query_feature);
+        pairs
     }
 
     fn project_candidate_features(&self, hypothesis: &Hypothesis, proposals: &mut Vec<Proposal>) {
@@ -143,7 +153,12 @@ impl<'a> GuidedSearch<'a> {
         let depth_of = |point: Option<Vector3<f64>>| point.and_then(|point| self.limits.depth(point.z));
         let (query_depth, candidate_depth) = (depth_of(of_query), depth_of(point));
         Correspondence {
-            is_direct: matches!(proposal.target, Target::Feature(_)),
+            distance: proposal.distance,
+            query_feature: proposal.query,
+            candidate_feature: match proposal.target {
+                Target::Feature(feature) => Some(feature),
+                Target::Landmark(_) => None,
+            },
             into_query: point.map(|point| Reprojection { point, pixel, inverse_variance, depth: query_depth }),
             into_candidate: of_query
                 .zip(sighting)

@@ -152,6 +152,8 @@ pub struct Verification {
     pub direct_any: u32,
     /// X
     pub direct_both: u32,
+    /// X
+    pub dists: Vec<(u32, u32)>,
     /// Why the candidate failed.
     pub failure: Option<Failure>,
 }
@@ -174,7 +176,7 @@ pub fn verify(
         inliers: 0,
         mean_reprojection_error_px: None,
         candidate_from_query: None,
-        direct_any: 0, direct_both: 0,
+        direct_any: 0, direct_both: 0, dists: vec![],
         failure: None,
     };
     match find_transformation(query, candidate, window, limits, seed, &mut result) {
@@ -210,10 +212,12 @@ fn find_transformation(
     result.matched_inliers = hypothesis.inliers(&matched, limits.max_chi_square).len() as u32;
 
     let search = GuidedSearch::new(query, candidate, window, limits);
-    let mut pairs = matched;
+    let mut pairs = Vec::new();
     for _ in 0..limits.guided.rounds {
         let hypothesis = Hypothesis::new(&cameras, &candidate_from_query);
-        pairs = search.search(&hypothesis);
+        let explained = hypothesis.inliers(&matched, limits.max_chi_square);
+        let kept = explained.iter().map(|&place| matched[place as usize]).collect();
+        pairs = search.search(&hypothesis, kept);
         let agreeing = hypothesis.inliers(&pairs, limits.max_chi_square);
         candidate_from_query = settle(candidate_from_query, &pairs, agreeing, &cameras, limits);
     }
@@ -222,8 +226,9 @@ fn find_transformation(
     let hypothesis = Hypothesis::new(&cameras, &candidate_from_query);
     let inliers = hypothesis.inliers(&pairs, limits.max_chi_square);
     result.inliers = inliers.len() as u32;
-    result.direct_any = inliers.iter().filter(|&&i| pairs[i as usize].is_direct).count() as u32;
-    result.direct_both = inliers.iter().filter(|&&i| pairs[i as usize].is_direct && pairs[i as usize].into_query.is_some() && pairs[i as usize].into_candidate.is_some()).count() as u32;
+    result.dists = inliers.iter().filter(|&&i| pairs[i as usize].is_located()).map(|&i| (pairs[i as usize].distance, pairs[i as usize].query_feature)).collect();
+    result.direct_any = inliers.iter().filter(|&&i| pairs[i as usize].candidate_feature.is_some()).count() as u32;
+    result.direct_both = inliers.iter().filter(|&&i| pairs[i as usize].is_located()).count() as u32;
     result.mean_reprojection_error_px = mean_error_px(&hypothesis, &pairs, &inliers);
     result.candidate_from_query = Some(candidate_from_query);
     if result.inliers < limits.min_inliers {
@@ -249,7 +254,9 @@ fn match_located(query: &View, candidate: &View, limits: &Limits) -> Result<Vec<
     let pair = |found: &Match| Correspondence {
         into_query: reprojection(candidate, found.candidate, query, found.query),
         into_candidate: reprojection(query, found.query, candidate, found.candidate),
-        is_direct: true,
+        distance: found.distance,
+        query_feature: found.query,
+        candidate_feature: Some(found.candidate),
     };
     Ok(matches.iter().map(pair).collect())
 }

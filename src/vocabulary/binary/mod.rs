@@ -39,7 +39,9 @@ pub enum BinaryFault {
     #[error("it does not start as one")]
     Magic,
     /// Written by a later program.
-    #[error("version {0} is not known to this program, which reads version {VERSION}; convert the text form again")]
+    #[error(
+        "version {0} is not known to this program, which reads version {VERSION}; convert the text form again"
+    )]
     Version(u32),
     /// A bit is wrong somewhere in the header.
     #[error("the header is damaged")]
@@ -71,3 +73,9 @@ pub enum BinaryFault {
     #[error("there is no memory for {0} bytes")]
     Memory(usize),
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests;
+#[cfg(test)]
+pub(super) use self::tests::mend;

@@ -13,7 +13,8 @@ pub(in crate::vocabulary) fn read(bytes: &mut impl Read) -> Result<Vocabulary, V
     let mut head = [0; Header::BYTES];
     bytes.read_exact(&mut head).map_err(cut_short)?;
     let header = Header::from_bytes(&head)?;
-    let mut content = Content { bytes, checksum: Checksum::new(), buffer: vec![0; BLOCK_WORDS * 8], block: Vec::new() };
+    let mut content =
+        Content { bytes, checksum: Checksum::new(), buffer: vec![0; BLOCK_WORDS * 8], block: Vec::new() };
     let (nodes, each) = (header.nodes, header.shape.descriptor_bytes / 8);
 
     let links = content.section(nodes, nodes, |out, block| {

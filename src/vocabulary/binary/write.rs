@@ -41,10 +41,7 @@ fn write_blocks(vocabulary: &Vocabulary, out: &mut impl Write) -> io::Result<()>
     })
 }
 
-fn for_each_block(
-    vocabulary: &Vocabulary,
-    mut each: impl FnMut(&[u64]) -> io::Result<()>,
-) -> io::Result<()> {
+fn for_each_block(vocabulary: &Vocabulary, mut each: impl FnMut(&[u64]) -> io::Result<()>) -> io::Result<()> {
     section(vocabulary.links.iter().map(|link| link.bits()), &mut each)?;
     section(vocabulary.weights.iter().map(|weight| weight.to_bits()), &mut each)?;
     let pairs = vocabulary.node_ids.chunks(2).map(|pair| {

@@ -34,11 +34,7 @@ pub(super) fn descriptor_bytes(line: &[u8]) -> Result<usize, TextFault> {
 }
 
 /// Reads a node whose descriptor has `expected` bytes, and adds the descriptor to `descriptors`.
-pub(super) fn node(
-    line: &[u8],
-    expected: usize,
-    descriptors: &mut Vec<u64>,
-) -> Result<NodeLine, TextFault> {
+pub(super) fn node(line: &[u8], expected: usize, descriptors: &mut Vec<u64>) -> Result<NodeLine, TextFault> {
     parse(line, expected, descriptors).map_err(|what| match byte_count(line) {
         Some(got) if got != expected => TextFault::MixedDescriptors { got, expected },
         _ => TextFault::Node(what),

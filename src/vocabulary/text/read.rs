@@ -2,8 +2,8 @@
 
 use std::io::{BufRead, Read as _};
 
-use super::line::{self, NodeLine};
 use super::TextFault;
+use super::line::{self, NodeLine};
 use crate::vocabulary::tree::Tree;
 use crate::vocabulary::{Shape, Vocabulary, VocabularyError};
 

@@ -3,7 +3,8 @@
 use super::TrainingSet;
 use super::majority::Majority;
 use super::random::Random;
-use crate::vocabulary::nearest::{distance, nearest};
+use crate::geometry::hamming::distance;
+use crate::vocabulary::nearest::nearest;
 
 /// Parts `members` into at most `k` clusters, and sorts them by cluster.
 ///

@@ -109,6 +109,18 @@ async fn what_is_seen_while_a_loop_stands_stays_with_its_own_passage_when_it_fal
 }
 
 #[tokio::test]
+async fn a_loop_names_the_query_that_found_it() {
+    let (scene, ..) = two_passages().await;
+    let query = scene.ask("kf-9").await["id"].clone();
+    let body = json!({"id": "l-1", "keyframe": "kf-9", "candidate": "kf-1", "query": query});
+    scene.post("/loops", &body).await;
+    assert_eq!(scene.get("/loops").await["items"][0]["query"], query);
+    let events = scene.events_until("anchors_merged", 2).await;
+    let confirmed = events.iter().find(|event| event["event"] == "loop_confirmed").expect("it is told");
+    assert_eq!(confirmed["query"], query);
+}
+
+#[tokio::test]
 async fn covisibility_that_was_declared_outlives_a_revoked_loop() {
     let scene = Scene::new().await;
     scene.put("kf-1", passage(NAMES[1])).await;

@@ -18,6 +18,7 @@ pub(super) const NAMES: [&str; 6] = ["Turing", "Curie", "Noether", "Kepler", "Lo
 /// One map on a server of its own.
 pub(super) struct Scene {
     pub(super) server: Server,
+    map: &'static str,
 }
 
 /// The settings with which the service is the paper's method to the letter, and some more.
@@ -49,12 +50,12 @@ impl Scene {
     pub(super) async fn of(map: Value) -> Self {
         let server = Server::start().await;
         server.put(MAP, &map).await.expect(201);
-        Self { server }
+        Self { server, map: MAP }
     }
 
     /// A path below the map.
     pub(super) fn path(&self, rest: &str) -> String {
-        format!("{MAP}{rest}")
+        format!("{}{rest}", self.map)
     }
 
     /// Stores a keyframe; its answer.
@@ -81,7 +82,7 @@ impl Scene {
 
     /// Changes settings.
     pub(super) async fn set(&self, settings: Value) {
-        self.server.patch(MAP, &json!({"settings": settings})).await.expect(200);
+        self.server.patch(self.map, &json!({"settings": settings})).await.expect(200);
     }
 
     /// Describes an anchor by hand.
@@ -141,7 +142,9 @@ impl Scene {
             let chunk = chunk.unwrap_or_else(|_| panic!("no {kind} after {events:#?}"));
             text.extend(chunk.expect("a stream").expect("a stream without an end"));
             events = events_in(&String::from_utf8_lossy(&text));
-            if events.iter().filter(|event| event["event"] == kind).count() >= times {
+            let mut told = events.iter().enumerate().filter(|(_, event)| event["event"] == kind);
+            if let Some((last, _)) = told.nth(times - 1) {
+                events.truncate(last + 1);
                 return events;
             }
         }

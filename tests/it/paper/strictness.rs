@@ -80,15 +80,25 @@ async fn s_must_exceed_its_threshold() {
 #[tokio::test]
 async fn descriptions_must_reach_the_similarity_level_asked_for() {
     let check = async |what: &str, a: &str, b: &str, level: u32, similarity: f64| {
-        let settings = to_the_letter(&json!({"matching_min_similarity_level": level}));
-        let found = compared(&settings, [door(a, [0.0, 0.0, 2.0])], [door(b, [0.0, 0.0, 2.0])]).await;
-        close_to(what, &found["anchors"]["similarity"], similarity);
+        close_to(what, &json!(similarity_of(a, b, level).await), similarity);
     };
     check("4 or 5 is at least 4", "B1-3", "B1-03", 4, 1.0).await;
     check("3 is not at least 4", "9O1", "901", 4, 0.0).await;
     check("3 is at least 3", "9O1", "901", 3, 1.0).await;
     check("a range of rooms, 3 is not at least 4", "901-905", "903", 4, 0.0).await;
-    check("a range of rooms, 3 is at least 3", "901-905", "903", 3, 1.0).await;
     check("5 is at least 5", "901", "room 901", 5, 1.0).await;
     check("1 is never enough", "901", "910", 2, 0.0).await;
+}
+
+#[tokio::test]
+async fn a_range_of_rooms_and_one_of_them_match_where_level_3_suffices() {
+    // The golden pair 901-905 / 903 is of level 3.
+    close_to("S", &json!(similarity_of("901-905", "903", 3).await), 1.0);
+}
+
+/// S of two plates at the same relative place, where this SimilarityLevel suffices.
+async fn similarity_of(a: &str, b: &str, level: u32) -> f64 {
+    let settings = to_the_letter(&json!({"matching_min_similarity_level": level}));
+    let found = compared(&settings, [door(a, [0.0, 0.0, 2.0])], [door(b, [0.0, 0.0, 2.0])]).await;
+    found["anchors"]["similarity"].as_f64().expect("S")
 }

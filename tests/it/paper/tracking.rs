@@ -95,8 +95,9 @@ async fn one_detection_of_a_keyframe_feeds_an_anchor_the_larger_share_first_then
 
 #[tokio::test]
 async fn a_detection_with_only_a_position_joins_the_nearest_anchor_within_the_closed_radius() {
-    // (what, radius, the anchors' x, the detection's x, which it joins)
-    let table: [(&str, f64, &[f64], f64, Option<usize>); 7] = [
+    // What; radius; the anchors' x; the detection's x; which it joins.
+    type Case = (&'static str, f64, &'static [f64], f64, Option<usize>);
+    let table: [Case; 7] = [
         ("exactly the radius", 0.75, &[0.0], 0.75, Some(0)),
         ("beyond it", 0.75, &[0.0], 0.750_001, None),
         ("another radius, exactly", 0.5, &[0.0], 0.5, Some(0)),

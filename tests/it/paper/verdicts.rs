@@ -128,6 +128,26 @@ async fn what_could_turn_is_measured_by_the_maps_own_reading_of_the_equation() {
 }
 
 #[tokio::test]
+async fn what_is_not_described_yet_can_outweigh_a_contradiction() {
+    // 901 against 910 a metre ahead contradict by 1 + 1. Beside them, 0.2 m away, hangs 905, which the query has seen and
+    // nobody has read: 5 + 5 once it is, and S = 10 / 12.
+    let beside = [0.2, 0.0, 0.0];
+    let scene = Scene::new().await;
+    scene.put("candidate", keyframe().sees([door("910", AHEAD), door("905", beside)])).await;
+    scene.put("query", keyframe().sees([door("901", AHEAD), unread(beside)])).await;
+    let before = scene.compare("query", "candidate").await;
+    scene
+        .put("query-2", keyframe().words(&[(7, 1.0)]).covisible(&["query"]).sees([door("905", beside)]))
+        .await;
+    let after = scene.compare("query", "candidate").await;
+    close_to("S once it is read", &after["anchors"]["similarity"], 10.0 / 12.0);
+    assert_eq!(after["verdict"], "loop");
+    // §5: undecided is what a missing description could turn, as it just did.
+    assert_eq!(before["verdict"], "undecided", "{before:#}");
+    assert_eq!(before["reason"]["code"], "llm_pending");
+}
+
+#[tokio::test]
 async fn a_query_that_waits_hears_of_the_description_that_comes() {
     let scene = Scene::new().await;
     scene.put("candidate", keyframe().sees(plate())).await;

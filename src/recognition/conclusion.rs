@@ -1,0 +1,173 @@
+//! The last step of §V and the answer: geometry on what passed the anchors, the anchors under its transformation,
+//! and the best of what is left.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::evidence;
+use super::features::MatchableFeatures;
+use super::screening::{Screened, Screening, Standing};
+use super::sight::Sight;
+use super::verification::{Limits, Status, Verification, View, verify};
+use crate::model::ids::KeyframeSeq;
+use crate::model::verdict::{Candidate, CandidateDecision, Decision, ReasonCode, Verdict, Verify};
+
+/// The features that were read for a query.
+#[derive(Clone, Debug, Default)]
+pub struct FeatureSet {
+    /// The query's own, if it is not stored.
+    pub inline: Option<Arc<MatchableFeatures>>,
+    /// Those of the map's keyframes.
+    pub stored: BTreeMap<KeyframeSeq, Arc<MatchableFeatures>>,
+}
+
+/// Concludes a query. Pure, and without the map: the same arguments give the same answer, on any thread.
+pub fn conclude(screening: Screening, features: &FeatureSet, seed: u64) -> Verdict {
+    let of_query = match screening.query {
+        Some(seq) => features.stored.get(&seq),
+        None => features.inline.as_ref(),
+    };
+    let asked = screening.sight.as_ref().zip(of_query.map(AsRef::as_ref));
+    let mut candidates: Vec<Candidate> = (screening.candidates.iter())
+        .map(|screened| conclude_candidate(&screening, screened, asked, features, seed))
+        .collect();
+    candidates.sort_by(evidence::best_first);
+    answer(&screening, candidates)
+}
+
+fn conclude_candidate(
+    screening: &Screening,
+    screened: &Screened,
+    asked: Option<(&Sight, &MatchableFeatures)>,
+    features: &FeatureSet,
+    seed: u64,
+) -> Candidate {
+    let mut candidate = screened.candidate.clone();
+    if screened.standing == Standing::Stopped {
+        return candidate;
+    }
+    let found = screened.sight.as_ref().zip(features.stored.get(&screened.keyframe).map(AsRef::as_ref));
+    match run_geometry(screening, asked, found, features, seed) {
+        Ok(verification) => {
+            candidate.geometry = evidence::geometry(&verification);
+            judge_geometry(screening, screened, &verification, &mut candidate);
+        }
+        Err(missing) => {
+            candidate.geometry = evidence::geometry_skipped(missing);
+            if screening.verify == Verify::Geometry || screened.standing == Standing::AskGeometry {
+                candidate.decision = CandidateDecision::Undecided;
+                candidate.reason = Some(evidence::geometry_missing(missing));
+            }
+        }
+    }
+    candidate
+}
+
+/// Runs geometry on one candidate, or tells what is missing for it.
+fn run_geometry(
+    screening: &Screening,
+    asked: Option<(&Sight, &MatchableFeatures)>,
+    found: Option<(&Sight, &MatchableFeatures)>,
+    features: &FeatureSet,
+    seed: u64,
+) -> Result<Verification, &'static str> {
+    if screening.verify == Verify::Anchors {
+        return Err("the query asks for anchors alone");
+    }
+    let (query_sight, query) = asked.ok_or("the query has no features or no camera")?;
+    let (candidate_sight, candidate) = found.ok_or("the candidate has no features or no camera")?;
+    let limits = limits(screening);
+    let query_points = query_sight.points_in_camera(query);
+    let candidate_points = candidate_sight.points_in_camera(candidate);
+    let enough = |points: &[Option<_>]| points.iter().flatten().count() >= limits.min_matches as usize;
+    if !enough(&query_points) {
+        return Err("the query has too few features with triangulated map points");
+    }
+    if !enough(&candidate_points) {
+        return Err("the candidate has too few features with triangulated map points");
+    }
+    let window: Vec<_> = (candidate_sight.window.iter())
+        .filter_map(|seq| Some((*seq, features.stored.get(seq)?.as_ref())))
+        .collect();
+    let landmarks = candidate_sight.landmarks(candidate, &window);
+    let query = view(query_sight, query, &query_points);
+    let candidate = view(candidate_sight, candidate, &candidate_points);
+    Ok(verify(&query, &candidate, &landmarks, &limits, seed))
+}
+
+fn limits(screening: &Screening) -> Limits {
+    Limits {
+        min_matches: screening.settings.geometry_min_matches,
+        min_inliers: screening.settings.geometry_min_inliers,
+        fixed_scale: screening.metric,
+        ..Limits::default()
+    }
+}
+
+fn view<'a>(
+    sight: &Sight,
+    features: &'a MatchableFeatures,
+    points_in_camera: &'a [Option<crate::geometry::Point3>],
+) -> View<'a> {
+    View {
+        camera: sight.camera,
+        keypoints: &features.keypoints,
+        descriptors: &features.descriptors,
+        nodes: features.nodes.as_deref(),
+        points_in_camera,
+    }
+}
+
+/// What geometry found decides, and then the anchors under its transformation.
+fn judge_geometry(
+    screening: &Screening,
+    screened: &Screened,
+    verification: &Verification,
+    candidate: &mut Candidate,
+) {
+    let settings = &screening.settings;
+    if verification.status == Status::Failed {
+        candidate.decision = CandidateDecision::Rejected;
+        candidate.reason = Some(evidence::too_few_inliers(verification, settings));
+        return;
+    }
+    let Some(transform) = verification.candidate_from_query.filter(|_| screened.compared.has_anchors()) else { return };
+    let aligned = screened.compared.under(&transform, settings);
+    if let Some(anchors) = &mut candidate.anchors {
+        evidence::align(anchors, &aligned);
+    }
+    let contradicting: f64 = aligned.contradictions.iter().fold(0.0, |sum, pair| sum + pair.weight());
+    let min_similarity = settings.anchor_map_min_similarity;
+    let reason = if contradicting > aligned.agreeing_weight {
+        evidence::contradicted(&aligned.contradictions, contradicting, aligned.agreeing_weight)
+    } else if screened.standing == Standing::AnchorsAgree && aligned.similarity <= min_similarity {
+        evidence::reason(ReasonCode::AnchorsDisagreeWithTransform, aligned.similarity, min_similarity)
+    } else {
+        return;
+    };
+    candidate.decision = CandidateDecision::Rejected;
+    candidate.reason = Some(reason);
+}
+
+fn answer(screening: &Screening, candidates: Vec<Candidate>) -> Verdict {
+    let of = |decision| candidates.iter().filter(move |c: &&Candidate| c.decision == decision);
+    let loops: Vec<_> = of(CandidateDecision::Loop).map(|candidate| candidate.keyframe.clone()).collect();
+    let nothing_to_compare = candidates.is_empty() && screening.empty_bow;
+    let decision = if !loops.is_empty() {
+        Decision::Loop
+    } else if nothing_to_compare || of(CandidateDecision::Undecided).next().is_some() {
+        Decision::Undecided
+    } else {
+        Decision::NoLoop
+    };
+    Verdict {
+        map_version: screening.map_version,
+        decision,
+        best: loops.first().cloned(),
+        loops,
+        degraded: false,
+        excluded_covisible: screening.excluded_covisible,
+        reason: candidates.is_empty().then(|| evidence::no_candidates(screening.empty_bow)),
+        candidates,
+    }
+}

@@ -1,0 +1,41 @@
+//! A keyframe's features, ready to be matched: descriptors packed, points by number.
+
+use crate::geometry::hamming::PackedDescriptors;
+use crate::model::ids::PointId;
+use crate::model::keyframe::{Features, Keypoint};
+
+/// Features as the verification reads them; the lists run in parallel. Immutable like the keyframe they belong to.
+#[derive(Clone, Debug)]
+pub struct MatchableFeatures {
+    /// Where each was taken.
+    pub keypoints: Vec<Keypoint>,
+    /// The descriptors.
+    pub descriptors: PackedDescriptors,
+    /// The map point each observes, if any.
+    pub map_points: Vec<Option<PointId>>,
+    /// The vocabulary's node of each; `None` without a vocabulary.
+    pub nodes: Option<Vec<u32>>,
+}
+
+impl MatchableFeatures {
+    /// Packs the features of a keyframe; `None` if their lists do not fit together.
+    pub fn of(features: Features) -> Option<Self> {
+        let descriptors = PackedDescriptors::from_bytes(features.descriptor_bytes, &features.descriptors)?;
+        let count = descriptors.len();
+        (features.keypoints.len() == count && features.map_points.len() == count).then_some(Self {
+            keypoints: features.keypoints,
+            descriptors,
+            map_points: features.map_points,
+            nodes: None,
+        })
+    }
+
+    /// How much memory they take.
+    pub fn heap_bytes(&self) -> usize {
+        let count = self.keypoints.len();
+        let nodes = self.nodes.as_ref().map_or(0, |nodes| nodes.len() * size_of::<u32>());
+        count * (size_of::<Keypoint>() + size_of::<Option<PointId>>())
+            + self.descriptors.len() * self.descriptors.words_each() * size_of::<u64>()
+            + nodes
+    }
+}

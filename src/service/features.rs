@@ -1,0 +1,68 @@
+//! Features of keyframes, read from disk for the few that geometry looks at; a cache bounded in bytes.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use futures_util::{StreamExt as _, TryStreamExt as _, stream};
+use moka::future::Cache;
+
+use super::ServiceError;
+use crate::model::ids::KeyframeSeq;
+use crate::recognition::conclusion::FeatureSet;
+use crate::recognition::features::MatchableFeatures;
+use crate::store::{MapKey, Store, StoreError};
+
+/// What the cache may hold: some thousand keyframes of a thousand features.
+const CACHE_BYTES: u64 = 256 * 1024 * 1024;
+
+/// So many keyframes are read at once.
+const READS_AT_ONCE: usize = 8;
+
+/// The features of keyframes, by map and number. Both are never given twice and a keyframe's features never change, so
+/// nothing in here can be out of date.
+#[derive(Clone, Debug)]
+pub(super) struct FeatureCache {
+    cache: Cache<(MapKey, KeyframeSeq), Arc<MatchableFeatures>>,
+}
+
+impl FeatureCache {
+    pub fn new() -> Self {
+        let weigh = |_: &(MapKey, KeyframeSeq), features: &Arc<MatchableFeatures>| {
+            u32::try_from(features.heap_bytes()).unwrap_or(u32::MAX)
+        };
+        Self { cache: Cache::builder().max_capacity(CACHE_BYTES).weigher(weigh).build() }
+    }
+
+    /// The features of these keyframes; those without any are left out.
+    pub async fn read(
+        &self,
+        store: &Store,
+        map: MapKey,
+        wanted: BTreeSet<KeyframeSeq>,
+    ) -> Result<FeatureSet, ServiceError> {
+        let found: Vec<_> = stream::iter(wanted)
+            .map(|seq| async move { Ok::<_, ServiceError>((seq, self.read_one(store, map, seq).await?)) })
+            .buffer_unordered(READS_AT_ONCE)
+            .try_collect()
+            .await?;
+        let stored = found.into_iter().filter_map(|(seq, features)| Some((seq, features?))).collect();
+        Ok(FeatureSet { inline: None, stored })
+    }
+
+    async fn read_one(
+        &self,
+        store: &Store,
+        map: MapKey,
+        seq: KeyframeSeq,
+    ) -> Result<Option<Arc<MatchableFeatures>>, ServiceError> {
+        if let Some(known) = self.cache.get(&(map, seq)).await {
+            return Ok(Some(known));
+        }
+        let Some(features) = store.features(map, seq).await? else { return Ok(None) };
+        let features = MatchableFeatures::of(features)
+            .ok_or_else(|| StoreError::Corrupt(format!("the features of keyframe {} do not fit together", seq.0)))?;
+        let features = Arc::new(features);
+        self.cache.insert((map, seq), features.clone()).await;
+        Ok(Some(features))
+    }
+}
