@@ -6,6 +6,7 @@ import { explain, judge } from "./viewer_verdict.js";
 
 const STATES = { valid: "good", pending: "open", uninformative: "" };
 const LISTED = 60;
+const QUESTION = "Is it a loop?";
 
 /** Fills a place with what is selected. A newer selection wins over the answers to an older one. */
 export class Details {
@@ -70,6 +71,7 @@ export class Details {
       el("option", { value: "geometry" }, "geometry must verify"));
     const ask = async () => {
       button.disabled = true;
+      button.textContent = "Asking …";
       const body = { keyframe: id, verify: verify.value };
       const address = this.address("loop-queries");
       await shown(answer, signal, async () => {
@@ -77,9 +79,10 @@ export class Details {
         return this.verdict(id, verdict, curlOf(address, body));
       });
       spoken.textContent = answer.querySelector("h3, .fault")?.textContent ?? "";
+      button.textContent = QUESTION;
       button.disabled = false;
     };
-    const button = el("button", { type: "button", class: "main", click: ask }, "Is it a loop?");
+    const button = el("button", { type: "button", class: "main", click: ask }, QUESTION);
     return el("div", { class: "question" }, el("div", { class: "row" }, button, verify), spoken, answer);
   }
 

@@ -160,17 +160,20 @@ function bar(similarity, threshold) {
   return el("div", { class: "bar", "aria-hidden": "true" }, filled, line);
 }
 
-function geometry({ geometry: { status, matches, inliers, reason, candidate_from_query: transform } }) {
+function geometry({ geometry: { status, reason, matches, inliers, mean_reprojection_error_px: error, candidate_from_query: transform } }) {
   const state = { verified: "pass", failed: "fail" }[status] ?? "none";
-  const figure = inliers === undefined || inliers === null ? "" : `${number(inliers, 0)} of ${number(matches, 0)}`;
   const said = {
     verified: "The features of both images fit one transformation",
     failed: "The features do not fit one transformation",
     skipped: "It did not run",
   };
+  const known = (value) => value !== undefined && value !== null;
   const shift = transform && Math.hypot(...["x", "y", "z"].map((axis) => transform.translation[axis]));
-  return check(state, "Geometry", figure,
+  return check(state, "Geometry", known(inliers) ? count(inliers, "inlier") : "",
     el("p", {}, said[status] ?? status, reason && [": ", sign(reason)], "."),
-    transform && el("p", { class: "muted small" }, `The two cameras stand ${number(shift)} m apart`,
-      Math.abs(transform.scale - 1) > 1e-6 && `, at scale ${number(transform.scale, 3)}`, "."));
+    el("p", { class: "muted small" },
+      known(matches) && `${count(matches, "feature")} alike. `,
+      known(error) && `The inliers' mean error is ${number(error, 1)} px. `,
+      transform && `The two cameras stand ${number(shift)} m apart. `,
+      transform && Math.abs(transform.scale - 1) > 1e-6 && `The scale between them is ${number(transform.scale, 3)}.`));
 }

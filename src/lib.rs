@@ -12,4 +12,5 @@ pub mod recognition;
 pub mod semantics;
 pub mod service;
 pub mod store;
+pub mod vocabulary;
 pub mod wire;

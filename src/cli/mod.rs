@@ -3,6 +3,7 @@
 mod openapi;
 pub mod replay;
 mod serve;
+mod vocabulary;
 
 use std::error::Error;
 use std::io::{self, Write as _};
@@ -27,6 +28,7 @@ enum Command {
     Serve(serve::ServeArgs),
     Replay(replay::ReplayArgs),
     Openapi(openapi::OpenapiArgs),
+    Vocabulary(vocabulary::VocabularyArgs),
 }
 
 /// Why a subcommand failed, for a person.
@@ -39,6 +41,7 @@ impl Cli {
             Command::Serve(args) => serve::run(args).await,
             Command::Replay(args) => Ok(replay::run(args, serve::own_server).await?),
             Command::Openapi(args) => openapi::run(&args),
+            Command::Vocabulary(args) => vocabulary::run(args).await,
         }
     }
 }

@@ -29,7 +29,7 @@ const ZSTD_LEVEL: i32 = 9;
 /// Convert, describe and train ORB vocabularies.
 ///
 /// A vocabulary is DBoW2's text (`ORBvoc.txt`; plain, gzip or zstd) or a binary form of Revisit's own, which loads
-/// a hundred times faster. Both are read everywhere, whatever the file is called.
+/// some twenty times faster. Both are read everywhere, whatever the file is called.
 #[derive(Args, Clone, Debug)]
 pub struct VocabularyArgs {
     #[command(subcommand)]
@@ -282,4 +282,50 @@ fn progress_bar(what: &'static str) -> ProgressBar {
     let style = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {msg}")
         .unwrap_or_else(|_| ProgressStyle::default_bar());
     ProgressBar::no_length().with_style(style).with_message(what)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn saved(name: &str, vocabulary: &Vocabulary, form: Option<Form>) -> Vec<u8> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        save(vocabulary, &path, FormArgs { form }).unwrap();
+        assert_eq!(&load(&path).unwrap(), vocabulary, "{name}");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left beside {name}");
+        fs::read(path).unwrap()
+    }
+
+    #[test]
+    fn keyframes_of_a_recording_train_a_vocabulary_whose_form_goes_by_the_name() {
+        let line = r#"{"op":"keyframe","id":"k","body":{"stamp":{},"features":{"descriptor_bytes":8,"descriptors":"AAAAAAAAAAD//////////w"}}}"#;
+        let mut set = TrainingSet::new();
+        for text in [r#"{"op":"map","id":"m","body":{}}"#, line, r#"{"op":"query","keyframe":"k"}"#, line] {
+            add_line(text.as_bytes(), &mut set).unwrap();
+        }
+        assert_eq!((set.image_count(), set.descriptor_count()), (2, 4));
+        let settings = TrainSettings { branching: 2, levels: 1, ..TrainSettings::default() };
+        let vocabulary = train(&set, settings, |_| {}).unwrap();
+
+        assert!(saved("a.txt", &vocabulary, None).starts_with(b"2 1  0 0\n"));
+        assert!(saved("a.txt.gz", &vocabulary, None).starts_with(&[0x1f, 0x8b]));
+        assert!(saved("a.zst", &vocabulary, None).starts_with(&[0x28, 0xb5, 0x2f, 0xfd]));
+        let binary = saved("a.voc", &vocabulary, None);
+        assert_eq!(saved("a.txt", &vocabulary, Some(Form::Binary)), binary);
+    }
+
+    #[test]
+    fn a_line_that_is_no_operation_is_refused() {
+        let mut set = TrainingSet::new();
+        for text in [
+            "[]",
+            "{",
+            r#"{"op":"keyframe","body":{"features":{"descriptor_bytes":8,"descriptors":"?"}}}"#,
+            r#"{"op":"keyframe","body":{"features":{"descriptor_bytes":7,"descriptors":"AAAA"}}}"#,
+        ] {
+            assert!(add_line(text.as_bytes(), &mut set).is_err(), "{text}");
+        }
+    }
 }

@@ -45,9 +45,9 @@ pub fn align(pairs: &[(Point3, Point3)], scale: Scale) -> Result<Sim3, Degenerat
         return Err(Degenerate::TooFew(pairs.len()));
     }
     let count = pairs.len() as f64;
-    let (from_sum, to_sum) = pairs.iter().fold((Vector3::zeros(), Vector3::zeros()), |(f, t), (from, to)| {
-        (f + from.coords, t + to.coords)
-    });
+    let (from_sum, to_sum) = pairs
+        .iter()
+        .fold((Vector3::zeros(), Vector3::zeros()), |(f, t), (from, to)| (f + from.coords, t + to.coords));
     let (from_mean, to_mean) = (from_sum / count, to_sum / count);
     let (mut cross, mut from_spread, mut to_spread) = (Matrix3::zeros(), 0.0, 0.0);
     for (from, to) in pairs {

@@ -153,7 +153,8 @@ impl Columns {
         let one: [u64; N] = std::array::from_fn(|column| descriptor[column]);
         let columns: [&[u64]; N] = std::array::from_fn(|column| &self.words[column * self.count..][..count]);
         for (row, distance) in distances.iter_mut().enumerate() {
-            *distance = count_ones::<N>(std::array::from_fn(|column| one[column] ^ columns[column][row])) as u16;
+            *distance =
+                count_ones::<N>(std::array::from_fn(|column| one[column] ^ columns[column][row])) as u16;
         }
     }
 
@@ -218,7 +219,9 @@ mod tests {
         assert!(PackedDescriptors::from_bytes(12, &[1; 48]).is_none());
         assert!(PackedDescriptors::from_bytes(32, &[1; 48]).is_none());
         assert!(PackedDescriptors::from_bytes(0, &[]).is_none());
-        assert!(PackedDescriptors::from_bytes(32, &[]).is_some_and(|none| none.is_empty() && none.len() == 0));
+        assert!(
+            PackedDescriptors::from_bytes(32, &[]).is_some_and(|none| none.is_empty() && none.len() == 0)
+        );
         assert_eq!(PackedDescriptors::default().len(), 0);
     }
 }

@@ -31,6 +31,7 @@ use std::sync::Arc;
 
 use axum::extract::FromRef;
 use bytes::Bytes;
+use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 
 pub use document::document;
@@ -50,13 +51,21 @@ pub struct App {
     pub document: Bytes,
     /// Cancelled when the server is told to stop.
     pub stopping: CancellationToken,
+    /// Loop checks that anchors have triggered and that nobody waits for.
+    pub triggers: Arc<Semaphore>,
 }
 
 impl App {
     /// An app around a service, until `stopping` is cancelled.
     pub fn new(service: Service, stopping: CancellationToken) -> Self {
         let document = serde_json::to_vec(&document()).unwrap_or_default();
-        Self { service, metrics: Arc::new(Metrics::default()), document: document.into(), stopping }
+        Self {
+            service,
+            metrics: Arc::new(Metrics::default()),
+            document: document.into(),
+            stopping,
+            triggers: Arc::new(Semaphore::new(routes::TRIGGERS_AT_ONCE)),
+        }
     }
 }
 

@@ -18,6 +18,8 @@ pub struct Observation {
     pub position_in_session: Option<Point3>,
     /// What was read.
     pub reading: Option<Box<str>>,
+    /// Did a model or a person describe it, rather than a reader of characters?
+    pub described: bool,
     /// The area of the crop's box in pixels, if there is a crop.
     pub crop_area_px: Option<f64>,
 }

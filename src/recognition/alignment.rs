@@ -40,7 +40,11 @@ impl Compared {
     pub fn of(comparison: &Comparison<'_>) -> Self {
         let own = |anchors: &[&LocalAnchor]| anchors.iter().copied().cloned().collect();
         Self {
-            matched: comparison.matches.iter().map(|pair| (pair.query.clone(), pair.candidate.clone())).collect(),
+            matched: comparison
+                .matches
+                .iter()
+                .map(|pair| (pair.query.clone(), pair.candidate.clone()))
+                .collect(),
             total_weight: comparison.total_weight,
             unmatched_of_query: own(&comparison.unmatched_of_query),
             unmatched_of_candidate: own(&comparison.unmatched_of_candidate),
@@ -71,7 +75,12 @@ impl Compared {
         } else {
             Vec::new()
         };
-        Aligned { similarity: equation_2(agreeing_weight, self.total_weight), agreeing_weight, stands, contradictions }
+        Aligned {
+            similarity: equation_2(agreeing_weight, self.total_weight),
+            agreeing_weight,
+            stands,
+            contradictions,
+        }
     }
 }
 

@@ -103,6 +103,8 @@ pub struct InlineAnchor {
     pub class: Box<str>,
     /// What was read, parsed.
     pub text: Option<Arc<Text>>,
+    /// Did a model or a person describe it?
+    pub described: bool,
     /// Where it stands, in the session's frame.
     pub centre_in_session: Point3,
 }
@@ -172,6 +174,7 @@ fn inline_anchor(
         Some(_) => AnchorState::Uninformative,
     };
     let text = inline.text.as_ref().filter(|_| state == AnchorState::Valid);
+    let text_id = text.and_then(|text| index.texts().find(&inline.class, text));
     let bearing = Bearing::of(&inline.centre_in_session, &centre.map_from_camera);
     LocalAnchor {
         name: LocalName::Inline(inline.detection),
@@ -179,12 +182,14 @@ fn inline_anchor(
         state,
         description: inline.text.as_ref().map(|text| text.normalised().into()),
         text: inline.text.clone(),
-        text_id: text.and_then(|text| index.texts().find(&inline.class, text)),
-        sure: false,
+        text_id,
+        sure: inline.described,
         centre_in_session: inline.centre_in_session,
         bearing,
-        weight: weight(index, &bearing, || {
-            text.map_or(1, |text| places.of_texts(index, &index.texts().matching_text(&inline.class, text)))
+        weight: weight(index, &bearing, || match (text_id, text) {
+            (Some(known), _) => places.of_text(index, known),
+            (None, Some(text)) => places.of_guest(index, &inline.class, text),
+            (None, None) => 1,
         }),
     }
 }
@@ -221,6 +226,7 @@ pub fn inline_centre(
                     detection: number,
                     class: detection.class.as_str().into(),
                     text: detection.reading().map(|reading| Arc::new(Text::parse(reading))),
+                    described: detection.description.is_some(),
                     centre_in_session,
                 });
             }

@@ -8,7 +8,7 @@ use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::distinctiveness::PlaceCounts;
-use super::index::{MapIndex, Object};
+use super::index::{Anchor, MapIndex, Object};
 use super::inverted_file::{Scores, Scratch};
 use super::matching;
 use super::places::{PlaceLimits, PlaceScratch, best_places, greedy_places};
@@ -27,6 +27,8 @@ pub struct Proposal {
     pub keyframe: KeyframeSeq,
     /// Its bag-of-words score against the query.
     pub score: Score,
+    /// Did an anchor seen before propose it? Then its score gates nothing.
+    pub by_anchor: bool,
 }
 
 /// The candidates, and the reference score.
@@ -54,8 +56,11 @@ pub fn find_candidates(index: &MapIndex, query: &Query<'_>, places: &mut PlaceCo
             .unwrap_or(0.0);
         let mut candidates = by_words(index, query, &scores, place_scratch);
         for keyframe in by_anchors(index, query, &scores, places, place_scratch) {
-            if candidates.iter().all(|known| known.keyframe != keyframe) {
-                candidates.push(Proposal { keyframe, score: scores.get(keyframe.0) });
+            match candidates.iter_mut().find(|known| known.keyframe == keyframe) {
+                Some(known) => known.by_anchor = true,
+                None => {
+                    candidates.push(Proposal { keyframe, score: scores.get(keyframe.0), by_anchor: true })
+                }
             }
         }
         Proposals { candidates, reference_score }
@@ -73,7 +78,9 @@ fn by_words(
     let excluded = |keyframe| query.excludes(KeyframeSeq(keyframe));
     let near = |keyframe| neighbours(index, keyframe);
     let best = best_places(scores, limits, excluded, by_id(index), near, scratch);
-    best.into_iter().map(|(keyframe, score)| Proposal { keyframe: KeyframeSeq(keyframe), score }).collect()
+    best.into_iter()
+        .map(|(keyframe, score)| Proposal { keyframe: KeyframeSeq(keyframe), score, by_anchor: false })
+        .collect()
 }
 
 /// Keyframes that see an anchor seen again, ranked by how distinctive those anchors are together,
@@ -131,9 +138,8 @@ fn other_passages(index: &MapIndex, query: &Query<'_>, object: &Object) -> BTree
         .members
         .iter()
         .filter(|member| {
-            index
-                .anchor(**member)
-                .is_some_and(|anchor| anchor.keyframes().any(|keyframe| query.excludes(keyframe)))
+            let mut keyframes = index.anchor(**member).into_iter().flat_map(Anchor::keyframes);
+            keyframes.any(|keyframe| query.passes_with(index, keyframe))
         })
         .flat_map(|member| index.objects().same_passage(*member))
         .collect();

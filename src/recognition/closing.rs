@@ -3,11 +3,11 @@
 use super::anchor_map::{Centre, LocalName, local_anchor_map};
 use super::comparison::compare;
 use super::distinctiveness::PlaceCounts;
-use super::index::MapIndex;
+use super::index::{MapIndex, Object};
 use super::recorder::{Decided, Recorder};
 use crate::model::change::{Change, Loop, Merge, MergeCause};
 use crate::model::event::{Event, EventKind};
-use crate::model::ids::LoopId;
+use crate::model::ids::{AnchorSeq, KeyframeSeq, LoopId};
 use crate::model::report::MergeReport;
 use crate::model::settings::Settings;
 
@@ -15,7 +15,6 @@ use crate::model::settings::Settings;
 /// whatever the map's reading of Eq. (2) is (three EXIT signs are not one), and makes the two
 /// keyframes covisible (`contract.md` §8.12).
 pub fn close_loop(index: &mut MapIndex, closed: Loop) -> (Vec<MergeReport>, Decided) {
-    let pairs = matched_objects(index, &closed);
     let mut record = Recorder::new(index);
     let mut event = Event::of(EventKind::LoopConfirmed);
     event.loop_id = Some(closed.id.clone());
@@ -23,32 +22,57 @@ pub fn close_loop(index: &mut MapIndex, closed: Loop) -> (Vec<MergeReport>, Deci
     event.candidate = Some(closed.candidate_id.clone());
     event.query.clone_from(&closed.query);
     record.tell(event);
-    let id = closed.id.clone();
-    record.apply(vec![Change::LoopAdded(closed)]);
+    // What matches is asked before the loop joins the two neighbourhoods.
+    let pairs = matched_objects(record.index(), &closed);
+    record.apply(vec![Change::LoopAdded(closed.clone())]);
+    let merged = merge_pairs(&mut record, &closed, pairs);
+    (merged, record.finish())
+}
+
+/// Merges the matched pairs. Two that another loop has made one object already are linked all the same, from the
+/// anchor seen around one keyframe to the one seen around the other: should that loop be revoked, this one holds.
+fn merge_pairs(
+    record: &mut Recorder<'_>,
+    closed: &Loop,
+    pairs: Vec<(AnchorSeq, AnchorSeq)>,
+) -> Vec<MergeReport> {
     let mut merged = Vec::new();
     for (a, b) in pairs {
-        let objects = record.index().objects();
-        let (Some(a), Some(b)) = (objects.root(a), objects.root(b)) else { continue };
+        let index = record.index();
+        let (Some(mut a), Some(mut b)) = (index.objects().root(a), index.objects().root(b)) else { continue };
+        if a == b {
+            let around = |keyframe| index.objects().get(a).and_then(|o| member_around(index, o, keyframe));
+            let (Some(here), Some(there)) = (around(closed.keyframe), around(closed.candidate)) else {
+                continue;
+            };
+            (a, b) = (here, there);
+        }
         if a == b {
             continue;
         }
-        let merge = Merge { into: a.min(b), from: a.max(b), cause: MergeCause::Loop(id.clone()) };
+        let merge = Merge { into: a.min(b), from: a.max(b), cause: MergeCause::Loop(closed.id.clone()) };
         merged.push(MergeReport { into: merge.into, from: merge.from });
         let mut event = Event::of(EventKind::AnchorsMerged);
         (event.anchor, event.other) = (Some(merge.into), Some(merge.from));
-        event.loop_id = Some(id.clone());
+        event.loop_id = Some(closed.id.clone());
         record.tell(event);
         record.touch(merge.into);
         record.touch(merge.from);
         record.apply(vec![Change::Merged(merge)]);
     }
-    (merged, record.finish())
+    merged
 }
 
-fn matched_objects(
-    index: &MapIndex,
-    closed: &Loop,
-) -> Vec<(crate::model::ids::AnchorSeq, crate::model::ids::AnchorSeq)> {
+/// The anchor of an object that this keyframe, or one it passes with, has seen itself.
+fn member_around(index: &MapIndex, object: &Object, keyframe: KeyframeSeq) -> Option<AnchorSeq> {
+    let passes = |seen_by| seen_by == keyframe || index.covisibility().joins_by_sight(keyframe, seen_by);
+    let members = object.members.iter().copied();
+    members
+        .into_iter()
+        .find(|member| index.anchor(*member).is_some_and(|anchor| anchor.keyframes().any(passes)))
+}
+
+fn matched_objects(index: &MapIndex, closed: &Loop) -> Vec<(AnchorSeq, AnchorSeq)> {
     let mut places = PlaceCounts::default();
     let centres = Centre::stored(index, closed.keyframe).zip(Centre::stored(index, closed.candidate));
     let Some((query, candidate)) = centres else { return Vec::new() };
@@ -63,9 +87,9 @@ fn matched_objects(
     pairs.collect()
 }
 
-/// Takes a loop back: what it merged parts again.
+/// Takes a loop back: what it merged parts again, unless another loop that still stands matches it too.
 pub fn revoke_loop(index: &mut MapIndex, id: &LoopId) -> (Vec<MergeReport>, Decided) {
-    let split: Vec<MergeReport> = merges_of(index, id);
+    let made = merges_of(index, id);
     let mut record = Recorder::new(index);
     let mut event = Event::of(EventKind::LoopRevoked);
     event.loop_id = Some(id.clone());
@@ -74,12 +98,15 @@ pub fn revoke_loop(index: &mut MapIndex, id: &LoopId) -> (Vec<MergeReport>, Deci
         event.candidate = Some(closed.candidate_id.clone());
     }
     record.tell(event);
-    for merge in &split {
+    for merge in &made {
         record.touch(merge.into);
         record.touch(merge.from);
     }
     record.apply(vec![Change::LoopRemoved(id.clone())]);
-    (split, record.finish())
+    let objects = record.index().objects();
+    let parted =
+        made.iter().copied().filter(|merge| objects.root(merge.into) != objects.root(merge.from)).collect();
+    (parted, record.finish())
 }
 
 /// The anchors a loop merged.

@@ -5,6 +5,8 @@
 //! `one_to_one` an anchor matches at most one of the other map, by the assignment of maximum
 //! weight, and 0 <= S <= 1.
 
+use std::collections::BTreeSet;
+
 use super::anchor_map::{LocalAnchor, LocalAnchorMap};
 use super::assignment::assign;
 use super::contradiction::{Contradiction, contradict, unmatched};
@@ -38,8 +40,8 @@ impl Matched<'_> {
 pub struct Comparison<'a> {
     /// S of Eq. (2); 0 if a map is empty.
     pub similarity: f64,
-    /// S if every anchor not described yet turned out to match whatever stands where it stands.
-    pub similarity_at_best: f64,
+    /// The same if every anchor not described yet turned out to match whatever stands where it stands.
+    pub at_best: AtBest,
     /// |A_a|: valid anchors of the query's map.
     pub in_query: usize,
     /// |A_b|: valid anchors of the candidate's map.
@@ -56,6 +58,15 @@ pub struct Comparison<'a> {
     pub unmatched_of_query: Vec<&'a LocalAnchor>,
     /// Valid anchors of the candidate's map that nothing in the query's is called like.
     pub unmatched_of_candidate: Vec<&'a LocalAnchor>,
+}
+
+/// What a comparison may come to once everything is described.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AtBest {
+    /// S of Eq. (2).
+    pub similarity: f64,
+    /// The weight of everything that agrees.
+    pub agreeing_weight: f64,
 }
 
 impl Comparison<'_> {
@@ -82,7 +93,8 @@ pub fn compare<'a>(
     let matches = matching_pairs(&of_query, &of_candidate, texts, settings);
     let total_weight = total(of_query.iter().chain(&of_candidate).map(|anchor| anchor.weight));
     let pending = query.pending() + candidate.pending();
-    let similarity = equation_2(total(matches.iter().map(Matched::weight)), total_weight);
+    let agreeing_weight = total(matches.iter().map(Matched::weight));
+    let similarity = equation_2(agreeing_weight, total_weight);
     let unmatched_of_query = unmatched(&of_query, &of_candidate, texts, settings);
     let unmatched_of_candidate = unmatched(&of_candidate, &of_query, texts, settings);
     let contradictions = if settings.contradiction_veto {
@@ -92,8 +104,8 @@ pub fn compare<'a>(
     };
     Comparison {
         similarity,
-        similarity_at_best: if pending == 0 {
-            similarity
+        at_best: if pending == 0 {
+            AtBest { similarity, agreeing_weight }
         } else {
             at_best(query, candidate, texts, settings)
         },
@@ -126,11 +138,9 @@ fn matching_pairs<'a>(
     settings: &Settings,
 ) -> Vec<Matched<'a>> {
     let x = |i: usize, j: usize| matched(of_query[i], of_candidate[j], texts, settings);
-    if settings.one_to_one {
-        let pairs = assign(of_query.len(), of_candidate.len(), |i, j| x(i, j).map(|pair| pair.weight()));
-        return pairs.into_iter().filter_map(|(i, j)| x(i, j)).collect();
-    }
-    (0..of_query.len()).flat_map(|i| (0..of_candidate.len()).filter_map(move |j| x(i, j))).collect()
+    let weight = |i, j| x(i, j).map(|pair: Matched<'_>| pair.weight());
+    let pairs = pairs(of_query.len(), of_candidate.len(), settings, &weight);
+    pairs.into_iter().filter_map(|(i, j)| x(i, j)).collect()
 }
 
 /// Eq. (1): x(i, j) = 1 if A_i and A_j have similar descriptions and the same relative place.
@@ -177,7 +187,7 @@ fn at_best(
     candidate: &LocalAnchorMap,
     texts: &TextIndex,
     settings: &Settings,
-) -> f64 {
+) -> AtBest {
     let open = |map: &'_ LocalAnchorMap| -> Vec<LocalAnchor> {
         map.anchors.iter().filter(|anchor| anchor.state != AnchorState::Uninformative).cloned().collect()
     };
@@ -188,12 +198,34 @@ fn at_best(
         let fits = same_relative_place(a, b, settings);
         (fits && (wildcard || similar(a, b, texts, settings).is_some())).then_some(a.weight + b.weight)
     };
-    let pairs = assign(of_query.len(), of_candidate.len(), weight);
-    let matching = total(pairs.iter().filter_map(|(i, j)| weight(*i, *j)));
+    let pairs = pairs(of_query.len(), of_candidate.len(), settings, &weight);
+    let agreeing_weight = total(pairs.iter().filter_map(|(i, j)| weight(*i, *j)));
     let valid = total(query.valid().chain(candidate.valid()).map(|anchor| anchor.weight));
-    let paired = pairs.iter().flat_map(|(i, j)| [&of_query[*i], &of_candidate[*j]]);
-    let described_later = total(paired.filter(|anchor| is_pending(anchor)).map(|anchor| anchor.weight));
-    equation_2(matching, valid + described_later)
+    let described = |anchors: &[LocalAnchor], used: BTreeSet<usize>| {
+        total(
+            used.into_iter()
+                .map(|i| &anchors[i])
+                .filter(|anchor| is_pending(anchor))
+                .map(|anchor| anchor.weight),
+        )
+    };
+    let described_later = described(&of_query, pairs.iter().map(|(i, _)| *i).collect())
+        + described(&of_candidate, pairs.iter().map(|(_, j)| *j).collect());
+    AtBest { similarity: equation_2(agreeing_weight, valid + described_later), agreeing_weight }
+}
+
+/// The pairs that Eq. (2) sums: one-to-one by maximum weight, or, to the paper's letter, all there are.
+fn pairs(
+    rows: usize,
+    columns: usize,
+    settings: &Settings,
+    weight: &impl Fn(usize, usize) -> Option<f64>,
+) -> Vec<(usize, usize)> {
+    if settings.one_to_one {
+        return assign(rows, columns, weight);
+    }
+    let all = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
+    all.filter(|(i, j)| weight(*i, *j).is_some()).collect()
 }
 
 fn is_pending(anchor: &LocalAnchor) -> bool {

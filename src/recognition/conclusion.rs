@@ -131,7 +131,10 @@ fn judge_geometry(
         candidate.reason = Some(evidence::too_few_inliers(verification, settings));
         return;
     }
-    let Some(transform) = verification.candidate_from_query.filter(|_| screened.compared.has_anchors()) else { return };
+    let Some(transform) = verification.candidate_from_query.filter(|_| screened.compared.has_anchors())
+    else {
+        return;
+    };
     let aligned = screened.compared.under(&transform, settings);
     if let Some(anchors) = &mut candidate.anchors {
         evidence::align(anchors, &aligned);

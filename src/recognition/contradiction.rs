@@ -51,7 +51,8 @@ pub fn unmatched<'a>(
     texts: &TextIndex,
     settings: &Settings,
 ) -> Vec<&'a LocalAnchor> {
-    let known = |anchor: &LocalAnchor| those.iter().any(|that| similar(anchor, that, texts, settings).is_some());
+    let known =
+        |anchor: &LocalAnchor| those.iter().any(|that| similar(anchor, that, texts, settings).is_some());
     these.iter().copied().filter(|anchor| !known(anchor)).collect()
 }
 

@@ -69,6 +69,13 @@ impl Covisibility {
             .is_some_and(|list| list.binary_search_by_key(&b, |(other, _)| *other).is_ok())
     }
 
+    /// Are the two covisible by what they see, or by what a client declared, and not only by a confirmed loop?
+    pub fn joins_by_sight(&self, a: KeyframeSeq, b: KeyframeSeq) -> bool {
+        let edges = self.edges.get(a.index()).map_or(&[][..], Vec::as_slice);
+        let edge = edges.binary_search_by_key(&b, |(other, _)| *other).ok().map(|at| edges[at].1);
+        edge.is_some_and(|edge| edge.points > 0 || edge.declared.is_some())
+    }
+
     /// The two observe this many common map points, which is enough.
     pub fn share_points(&mut self, a: KeyframeSeq, b: KeyframeSeq, points: u32) {
         self.change(a, b, |edge| edge.points = points);

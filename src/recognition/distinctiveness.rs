@@ -6,44 +6,81 @@
 //! session's frame, since frames of different sessions cannot be compared; the largest count stands.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::sync::Arc;
 
+use super::anchor_map::Centre;
 use super::index::{MapIndex, TextId};
 use crate::geometry::Point3;
 use crate::model::ids::{AnchorSeq, SessionSeq};
+use crate::semantics::{self, Text};
+
+/// An anchor of an inline keyframe, which stands somewhere although the map does not have it.
+#[derive(Clone, Debug)]
+struct Guest {
+    class: Box<str>,
+    text: Arc<Text>,
+    /// The texts of the map that match its own.
+    matching: Vec<TextId>,
+    centre_in_session: Point3,
+}
 
 /// The counts of one query; each text is counted once.
 #[derive(Debug, Default)]
 pub struct PlaceCounts {
     by_text: HashMap<TextId, usize>,
+    guests: Vec<Guest>,
+    /// The session the guests are in, unless the map does not know it.
+    session: Option<SessionSeq>,
 }
 
 impl PlaceCounts {
-    /// In how many places objects stand that carry this text or one that matches it; at least 1.
+    /// Counts for a query around this centre: what an inline keyframe sees stands somewhere, too.
+    pub fn around(index: &MapIndex, centre: &Centre) -> Self {
+        let guests = centre.inline.iter().filter_map(|anchor| {
+            let text = anchor.text.clone()?;
+            let matching = index.texts().matching_text(&anchor.class, &text);
+            let (class, centre_in_session) = (anchor.class.clone(), anchor.centre_in_session);
+            Some(Guest { class, text, matching, centre_in_session })
+        });
+        Self { by_text: HashMap::new(), guests: guests.collect(), session: centre.session }
+    }
+
+    /// In how many places anchors stand that carry this text or one that matches it; at least 1.
     pub fn of_text(&mut self, index: &MapIndex, text: TextId) -> usize {
-        *self.by_text.entry(text).or_insert_with(|| {
-            let texts: Vec<TextId> = index.texts().matching(text).collect();
-            count(index, &texts)
-        })
+        if let Some(known) = self.by_text.get(&text) {
+            return *known;
+        }
+        let texts: Vec<TextId> = index.texts().matching(text).collect();
+        let count = self.count(index, &texts, |guest| guest.matching.contains(&text));
+        self.by_text.insert(text, count);
+        count
     }
 
-    /// The same for a text of which only the matching ones are in the map; at least 1.
-    pub fn of_texts(&mut self, index: &MapIndex, texts: &[TextId]) -> usize {
-        count(index, texts)
+    /// The same for a text that no object of the map carries.
+    pub fn of_guest(&self, index: &MapIndex, class: &str, text: &Text) -> usize {
+        let min_level = index.properties().settings.matching_min_similarity_level;
+        let alike = |guest: &Guest| {
+            *guest.class == *class && u32::from(semantics::similarity_level(text, &guest.text).0) >= min_level
+        };
+        self.count(index, &index.texts().matching_text(class, text), alike)
     }
-}
 
-fn count(index: &MapIndex, texts: &[TextId]) -> usize {
-    let carriers: BTreeSet<AnchorSeq> = texts.iter().flat_map(|text| index.texts().objects(*text)).collect();
-    let mut centres: BTreeMap<SessionSeq, Vec<Point3>> = BTreeMap::new();
-    for object in carriers.into_iter().filter_map(|root| index.objects().get(root)) {
-        for (session, shape) in &object.shapes {
-            if let Some(aabb) = shape.aabb {
-                centres.entry(*session).or_default().push(aabb.centre());
+    fn count(&self, index: &MapIndex, texts: &[TextId], carries: impl Fn(&Guest) -> bool) -> usize {
+        let carriers: BTreeSet<AnchorSeq> =
+            texts.iter().flat_map(|text| index.texts().objects(*text)).collect();
+        let mut centres: BTreeMap<Option<SessionSeq>, Vec<Point3>> = BTreeMap::new();
+        for object in carriers.into_iter().filter_map(|root| index.objects().get(root)) {
+            for (session, shape) in &object.shapes {
+                if let Some(aabb) = shape.aabb {
+                    centres.entry(Some(*session)).or_default().push(aabb.centre());
+                }
             }
         }
+        let guests = self.guests.iter().filter(|guest| carries(guest)).map(|guest| guest.centre_in_session);
+        centres.entry(self.session).or_default().extend(guests);
+        let radius_m = index.properties().settings.distinctive_place_radius_m;
+        centres.values().map(|centres| places(centres, radius_m)).max().unwrap_or(1).max(1)
     }
-    let radius_m = index.properties().settings.distinctive_place_radius_m;
-    centres.values().map(|centres| places(centres, radius_m)).max().unwrap_or(1).max(1)
 }
 
 /// How many of the points lie more than `radius_m` apart, taken greedily in their order. Points are

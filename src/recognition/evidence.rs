@@ -22,7 +22,8 @@ pub(super) fn best_first(a: &Candidate, b: &Candidate) -> Ordering {
     };
     let similarity =
         |candidate: &Candidate| candidate.anchors.as_ref().map_or(0.0, |anchors| anchors.similarity);
-    let inliers = |candidate: &Candidate| candidate.geometry.figures.as_ref().map_or(0, |figures| figures.inliers);
+    let inliers =
+        |candidate: &Candidate| candidate.geometry.figures.as_ref().map_or(0, |figures| figures.inliers);
     (rank(a).cmp(&rank(b)))
         .then_with(|| inliers(b).cmp(&inliers(a)))
         .then_with(|| similarity(b).total_cmp(&similarity(a)))
@@ -118,7 +119,9 @@ pub(super) fn reason(code: ReasonCode, measured: f64, limit: f64) -> Reason {
             )
         }
         ReasonCode::AnchorsDisagreeWithTransform => {
-            format!("under the transformation the anchor maps agree by S = {measured:.3}, which does not exceed {limit}")
+            format!(
+                "under the transformation the anchor maps agree by S = {measured:.3}, which does not exceed {limit}"
+            )
         }
         _ => format!("the anchor maps agree by S = {measured:.3}, which does not exceed {limit}"),
     };
@@ -134,7 +137,7 @@ pub(super) fn contradicted(pairs: &[Contradiction<'_>], contradicting: f64, agre
 pub(super) fn pending(comparison: &Comparison<'_>) -> Reason {
     let detail = format!(
         "{} anchors are not described yet; at best S would be {:.3}",
-        comparison.pending, comparison.similarity_at_best
+        comparison.pending, comparison.at_best.similarity
     );
     let pending = comparison.pending as f64;
     Reason { code: ReasonCode::LlmPending, measured: Some(pending), limit: Some(0.0), detail }

@@ -19,7 +19,7 @@ use crate::model::verdict::{Candidate, CandidateDecision, Reason, ReasonCode, Ve
 
 /// Runs checks 1 to 3 at this version of the map. Pure: the same arguments give the same answer.
 pub fn screen(index: &MapIndex, map_version: u64, query: &Query<'_>, verify: Verify) -> Screening {
-    let mut places = PlaceCounts::default();
+    let mut places = PlaceCounts::around(index, &query.centre);
     // Checks 1 and 2: not covisible, and alike by bag of words or by an anchor seen before.
     let proposals = find_candidates(index, query, &mut places);
     // Check 3: the local anchor maps.
@@ -63,7 +63,7 @@ fn check_candidate(
         reason: None,
     };
     let min_score = settings.candidates_min_score_ratio * proposals.reference_score;
-    if bow.score < min_score {
+    if !proposal.by_anchor && bow.score < min_score {
         let reason = evidence::reason(ReasonCode::BowBelowReference, bow.score, min_score);
         return Some(Screened::stopped(proposal.keyframe, candidate, CandidateDecision::Rejected, reason));
     }
@@ -89,14 +89,18 @@ fn judge_anchors(
     use CandidateDecision::{Rejected, Undecided};
     let min_similarity = settings.anchor_map_min_similarity;
     let (agreeing, contradicting) = (comparison.agreeing_weight(), comparison.contradicting_weight());
-    if contradicting > agreeing {
-        return Err((Rejected, evidence::contradicted(&comparison.contradictions, contradicting, agreeing)));
-    }
-    if comparison.similarity > min_similarity {
+    let could_turn = comparison.pending > 0
+        && comparison.at_best.similarity > min_similarity
+        && comparison.at_best.agreeing_weight >= contradicting;
+    let contradicted = contradicting > agreeing;
+    if !contradicted && comparison.similarity > min_similarity {
         return Ok(Standing::AnchorsAgree);
     }
-    if comparison.similarity_at_best > min_similarity {
+    if could_turn {
         return Err((Undecided, evidence::pending(comparison)));
+    }
+    if contradicted {
+        return Err((Rejected, evidence::contradicted(&comparison.contradictions, contradicting, agreeing)));
     }
     if comparison.in_query > 0 && comparison.in_candidate > 0 {
         let reason = evidence::reason(ReasonCode::ScoreBelowThreshold, comparison.similarity, min_similarity);

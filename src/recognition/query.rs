@@ -44,6 +44,15 @@ impl<'a> Query<'a> {
         self.centre.covisible.contains(&keyframe)
     }
 
+    /// Is this keyframe the query itself, or covisible with it for another reason than a confirmed loop? A loop
+    /// joins two passages and does not make them one.
+    pub fn passes_with(&self, index: &MapIndex, keyframe: KeyframeSeq) -> bool {
+        self.excludes(keyframe)
+            && self
+                .keyframe
+                .is_none_or(|own| own == keyframe || index.covisibility().joins_by_sight(own, keyframe))
+    }
+
     /// The covisible keyframes, without the query itself.
     pub fn covisible(&self) -> impl Iterator<Item = KeyframeSeq> + '_ {
         self.centre.covisible.iter().copied().filter(|keyframe| Some(*keyframe) != self.keyframe)

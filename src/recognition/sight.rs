@@ -105,8 +105,10 @@ impl Sight {
 }
 
 fn window(index: &MapIndex, seq: KeyframeSeq, session: SessionSeq) -> Vec<KeyframeSeq> {
-    let of_session = |(other, _): &(KeyframeSeq, u32)| index.keyframe(*other).is_some_and(|k| k.session == session);
-    let mut neighbours: Vec<(KeyframeSeq, u32)> = index.covisibility().shared(seq).filter(of_session).collect();
+    let of_session =
+        |(other, _): &(KeyframeSeq, u32)| index.keyframe(*other).is_some_and(|k| k.session == session);
+    let mut neighbours: Vec<(KeyframeSeq, u32)> =
+        index.covisibility().shared(seq).filter(of_session).collect();
     neighbours.sort_by_key(|(other, shared)| (std::cmp::Reverse(*shared), *other));
     neighbours.into_iter().take(WINDOW_KEYFRAMES).map(|(other, _)| other).collect()
 }

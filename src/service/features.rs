@@ -59,8 +59,9 @@ impl FeatureCache {
             return Ok(Some(known));
         }
         let Some(features) = store.features(map, seq).await? else { return Ok(None) };
-        let features = MatchableFeatures::of(features)
-            .ok_or_else(|| StoreError::Corrupt(format!("the features of keyframe {} do not fit together", seq.0)))?;
+        let features = MatchableFeatures::of(features).ok_or_else(|| {
+            StoreError::Corrupt(format!("the features of keyframe {} do not fit together", seq.0))
+        })?;
         let features = Arc::new(features);
         self.cache.insert((map, seq), features.clone()).await;
         Ok(Some(features))

@@ -58,9 +58,10 @@ impl Service {
         let id = id.clone();
         let decide = move |index: &mut MapIndex| {
             let known = report(index, &id);
-            let known =
+            let mut known =
                 known.ok_or_else(|| ServiceError::NotFound(format!("there is no loop {id} in this map")))?;
-            let (_, decided) = revoke_loop(index, &id);
+            let (parted, decided) = revoke_loop(index, &id);
+            known.merged = parted;
             Ok(Decision::Changed(known, decided, None))
         };
         let (report, version) = self.change(&live, decide).await?;

@@ -41,9 +41,6 @@ const WRITES_AT_ONCE: usize = 512;
 /// At most so many heavy reads (loop queries, lists) compute at once.
 const READS_AT_ONCE: usize = 16;
 
-/// At most so many triggered loop checks wait at once; more are passed over.
-const TRIGGERS_AT_ONCE: usize = 64;
-
 /// How to open the service.
 #[derive(Clone, Debug)]
 pub struct ServiceOptions {
@@ -90,7 +87,6 @@ pub struct Service {
     registry: Arc<Registry>,
     writes: Arc<Semaphore>,
     reads: Arc<Semaphore>,
-    triggers: Arc<Semaphore>,
     features: FeatureCache,
 }
 
@@ -104,7 +100,6 @@ impl Service {
             registry,
             writes: Arc::new(Semaphore::new(WRITES_AT_ONCE)),
             reads: Arc::new(Semaphore::new(READS_AT_ONCE)),
-            triggers: Arc::new(Semaphore::new(TRIGGERS_AT_ONCE)),
             features: FeatureCache::new(),
         })
     }

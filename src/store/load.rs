@@ -238,6 +238,7 @@ fn observation(row: &SqliteRow, has_crop: bool) -> Result<Observation, StoreErro
         map_points: map_points.into(),
         position_in_session: row.try_get::<Option<&[u8]>, _>("position")?.map(point).transpose()?,
         reading: description.or(text).map(Into::into),
+        described: description.is_some(),
         crop_area_px: has_crop.then_some((x1 - x0) * (y1 - y0)),
     })
 }

@@ -1,5 +1,7 @@
 //! Laws of a vocabulary, on trees drawn at random: both forms agree, the descent is the obvious one, readers never panic.
 
+use std::fmt::Write as _;
+
 use proptest::prelude::*;
 
 use super::train::{TrainSettings, TrainingSet, train};
@@ -23,7 +25,8 @@ impl Drawn {
         let mut text = format!("3 {}  0 0", self.levels);
         for (at, (parent, descriptor, weight)) in self.nodes.iter().enumerate() {
             let bytes: Vec<String> = descriptor.iter().map(u8::to_string).collect();
-            text += &format!("\n{parent} {} {}  {weight}", u8::from(self.is_word(at + 1)), bytes.join(" "));
+            let _ =
+                write!(text, "\n{parent} {} {}  {weight}", u8::from(self.is_word(at + 1)), bytes.join(" "));
         }
         text
     }

@@ -32,8 +32,11 @@ pub(super) fn open(bytes: impl Read + Send + 'static) -> io::Result<(impl BufRea
     Ok((bytes, is_binary))
 }
 
+/// What has been read of a reader, and the reader.
+type Whole<R> = io::Chain<Cursor<Vec<u8>>, R>;
+
 /// The first `count` bytes, or as many as there are, and a reader that still has them before it.
-fn peek<R: Read>(mut bytes: R, count: usize) -> io::Result<(Vec<u8>, io::Chain<Cursor<Vec<u8>>, R>)> {
+fn peek<R: Read>(mut bytes: R, count: usize) -> io::Result<(Vec<u8>, Whole<R>)> {
     let mut head = Vec::new();
     bytes.by_ref().take(count as u64).read_to_end(&mut head)?;
     Ok((head.clone(), Cursor::new(head).chain(bytes)))

@@ -10,7 +10,7 @@ fn text(header: &str, nodes: &[(u32, u8, u8, &str)]) -> String {
     let mut text = header.to_owned();
     for (parent, is_leaf, byte, weight) in nodes {
         let bytes = format!("{byte} ").repeat(8);
-        text += &format!("\n{parent} {is_leaf} {bytes} {weight}");
+        text.extend([format!("\n{parent} {is_leaf} {bytes} {weight}")]);
     }
     text
 }

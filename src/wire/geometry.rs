@@ -75,7 +75,9 @@ impl From<&GeometryEvidence> for GeometryView {
             hypotheses: number(|figures| figures.hypotheses),
             inliers: number(|figures| figures.inliers),
             mean_reprojection_error_px: figures.and_then(|f| f.mean_reprojection_error_px).map(rounded),
-            candidate_from_query: figures.and_then(|figures| figures.candidate_from_query).map(Similarity::from),
+            candidate_from_query: figures
+                .and_then(|figures| figures.candidate_from_query)
+                .map(Similarity::from),
         }
     }
 }

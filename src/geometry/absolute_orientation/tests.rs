@@ -14,7 +14,8 @@ fn any_cloud() -> impl Strategy<Value = Vec<Point3>> {
 
 fn width(points: &[Point3]) -> f64 {
     let mean = points.iter().map(|p| p.coords).sum::<Vector3<f64>>() / points.len() as f64;
-    let scatter: Matrix3<f64> = points.iter().map(|p| (p.coords - mean) * (p.coords - mean).transpose()).sum();
+    let scatter: Matrix3<f64> =
+        points.iter().map(|p| (p.coords - mean) * (p.coords - mean).transpose()).sum();
     let mut spread: Vec<f64> = scatter.symmetric_eigenvalues().iter().copied().collect();
     spread.sort_by(f64::total_cmp);
     spread[1].max(0.0).sqrt()

@@ -11,6 +11,8 @@ use bytes::Bytes;
 use serde_json::Value;
 
 use super::lines::{Line, Lines};
+use super::trigger::trigger_loop_check;
+use crate::http::App;
 use crate::http::body::{decoded, expect_type};
 use crate::http::envelope::RequestId;
 use crate::http::path::{InMap, MapPath};
@@ -40,7 +42,7 @@ const NDJSON: &str = "application/x-ndjson";
     )
 )]
 pub async fn put_keyframes(
-    State(service): State<Service>,
+    State(app): State<App>,
     InMap(map): InMap,
     Extension(request_id): Extension<RequestId>,
     request: Request,
@@ -48,8 +50,8 @@ pub async fn put_keyframes(
     let accepted =
         ["application/x-ndjson", "application/ndjson", "application/jsonl", "application/x-jsonlines"];
     expect_type(request.headers(), |essence| accepted.contains(&essence), NDJSON)?;
-    service.get_map(&map).await?;
-    let mut answer = Answer::of(service, map, &request_id);
+    app.service.get_map(&map).await?;
+    let mut answer = Answer::of(app, map, &request_id);
     answer.take(request.into_body()).await;
     Ok(answer.into_response())
 }
@@ -66,7 +68,7 @@ struct UnderWay {
 
 /// The lines answered so far. They are kept until the end, for only then is it known whether any failed.
 struct Answer {
-    service: Service,
+    app: App,
     map: MapId,
     request_id: String,
     lines: Vec<u8>,
@@ -76,9 +78,9 @@ struct Answer {
 }
 
 impl Answer {
-    fn of(service: Service, map: MapId, request_id: &RequestId) -> Self {
+    fn of(app: App, map: MapId, request_id: &RequestId) -> Self {
         Self {
-            service,
+            app,
             map,
             request_id: request_id.to_string(),
             lines: Vec::new(),
@@ -114,7 +116,7 @@ impl Answer {
                 return self.refused(number, None, Problem::new(Kind::TOO_LARGE, detail)).await;
             }
             self.items += 1;
-            match begin(&self.service, &self.map, text).await {
+            match begin(&self.app.service, &self.map, text).await {
                 Ok((id, keyframe)) => self.under_way.push_back(UnderWay { line: number, id, keyframe }),
                 Err((id, problem)) => self.refused(number, id, problem).await,
             }
@@ -130,7 +132,7 @@ impl Answer {
         match keyframe.committed().await {
             Ok(stored) => {
                 if stored.created && stored.value.revisits {
-                    self.service.trigger_loop_check(&self.map, &stored.value.keyframe);
+                    trigger_loop_check(&self.app, &self.map, &stored.value.keyframe);
                 }
                 let status = if stored.created { StatusCode::CREATED } else { StatusCode::OK };
                 let answer = BulkLine::stored(line, status.as_u16(), !stored.created, stored.value.into());

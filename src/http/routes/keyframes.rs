@@ -5,6 +5,7 @@ use axum::extract::State;
 use axum::response::Response;
 
 use super::loop_queries::{ask, kept};
+use super::trigger::trigger_loop_check;
 use crate::http::App;
 use crate::http::answer::written;
 use crate::http::body::KeyframeInPath;
@@ -34,7 +35,6 @@ use crate::wire::verdict::LoopAnswer;
     responses(
         (status = 201, description = "The keyframe is stored", body = KeyframeAnswer, example = examples::keyframe_answer),
         (status = 200, description = "The same keyframe was stored before", body = KeyframeAnswer,
-
             headers(("idempotent-replayed" = String, description = "`true`")), example = examples::keyframe_answer),
         OfWrite
     )
@@ -49,7 +49,7 @@ pub async fn put_keyframe(
         Some(_) => Some(ask_about(&app, &map, keyframe, stored.created).await?),
         None => {
             if stored.created && stored.value.revisits {
-                app.service.trigger_loop_check(&map, &keyframe);
+                trigger_loop_check(&app, &map, &keyframe);
             }
             None
         }

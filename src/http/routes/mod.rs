@@ -11,7 +11,10 @@ mod maps;
 mod poses;
 mod semantics;
 mod service;
+mod trigger;
 mod usage;
+
+pub use trigger::TRIGGERS_AT_ONCE;
 
 use utoipa::openapi::OpenApi;
 use utoipa_axum::router::OpenApiRouter;

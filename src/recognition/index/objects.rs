@@ -24,7 +24,7 @@ pub struct Description {
     pub text: Arc<Text>,
     /// Did an operator set it?
     pub by_hand: bool,
-    /// Is an identifier in it sure by itself: read alike at least twice, or set by hand?
+    /// Is an identifier in it sure by itself: read alike at least twice, or described by a model or by hand?
     pub sure: bool,
 }
 
@@ -64,7 +64,8 @@ impl Object {
         let description = match (by_hand, votes.elected()) {
             (Some(raw), _) => Some(Description::new(raw, true, true)),
             (None, Some(elected)) => {
-                Some(Description::new(elected.text, false, elected.count >= SURE_READINGS))
+                let sure = elected.described || elected.count >= SURE_READINGS;
+                Some(Description::new(elected.text, false, sure))
             }
             (None, None) => None,
         };

@@ -16,6 +16,8 @@ const UNITS_PER_CONFIDENCE: f64 = 1e6;
 struct Tally {
     /// Does it say anything? Any number of "unknown" does not outvote one number read.
     informative: bool,
+    /// Did a model or a person say so at least once?
+    described: bool,
     units: u64,
     count: usize,
     newest: (KeyframeSeq, u16),
@@ -42,6 +44,8 @@ pub struct Elected<'a> {
     pub text: &'a str,
     /// How many detections read it alike.
     pub count: usize,
+    /// Did a model or a person say so at least once?
+    pub described: bool,
 }
 
 impl Votes {
@@ -51,6 +55,7 @@ impl Votes {
         let text = Text::parse(reading);
         let vote = Tally {
             informative: text.information_level() > 1,
+            described: observation.described,
             units: (observation.confidence * UNITS_PER_CONFIDENCE).round() as u64,
             count: 1,
             newest: (observation.keyframe, observation.detection),
@@ -73,6 +78,7 @@ impl Votes {
         };
         tally.units += vote.units;
         tally.count += vote.count;
+        tally.described |= vote.described;
         if vote.newest > tally.newest {
             tally.newest = vote.newest;
             tally.text = vote.text;
@@ -82,7 +88,7 @@ impl Votes {
     /// The reading with the most weight; of equals, the newest.
     pub fn elected(&self) -> Option<Elected<'_>> {
         let best = self.tallies.values().max_by_key(|tally| tally.rank())?;
-        Some(Elected { text: &best.text, count: best.count })
+        Some(Elected { text: &best.text, count: best.count, described: best.described })
     }
 
     /// Every reading, heaviest first.

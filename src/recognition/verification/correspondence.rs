@@ -114,9 +114,11 @@ impl Hypothesis {
     /// The worse of the squared errors in the two images, in units of the keypoint's variance; infinite if a point
     /// falls behind a camera.
     pub fn chi_square(&self, pair: &Correspondence) -> f64 {
-        let in_query = pair.into_query.map_or(0.0, |it| it.chi_square(&self.query_from_candidate, &self.cameras.query));
-        let in_candidate =
-            pair.into_candidate.map_or(0.0, |it| it.chi_square(&self.candidate_from_query, &self.cameras.candidate));
+        let in_query =
+            pair.into_query.map_or(0.0, |it| it.chi_square(&self.query_from_candidate, &self.cameras.query));
+        let in_candidate = pair
+            .into_candidate
+            .map_or(0.0, |it| it.chi_square(&self.candidate_from_query, &self.cameras.candidate));
         in_query.max(in_candidate)
     }
 

@@ -39,7 +39,9 @@ pub fn match_descriptors(query: &Side, candidate: &Side, limits: &MatchingLimits
     }
     let acceptance = Acceptance::new(limits, query.descriptors.bits());
     let mut matches = match (query.nodes, candidate.nodes) {
-        (Some(of_query), Some(of_candidate)) => by_nodes(query, of_query, candidate, of_candidate, &acceptance),
+        (Some(of_query), Some(of_candidate)) => {
+            by_nodes(query, of_query, candidate, of_candidate, &acceptance)
+        }
         _ => all_with_all(query, candidate, &acceptance),
     };
     matches.sort_unstable_by_key(|found| (found.query, found.candidate));

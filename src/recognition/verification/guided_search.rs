@@ -110,7 +110,8 @@ impl<'a> GuidedSearch<'a> {
         for (query, point) in located(self.query) {
             let descriptor = self.query.descriptors.get(query as usize);
             let projected = self.candidate.pinhole().project(&hypothesis.in_candidate(&point));
-            let found = projected.and_then(|pixel| self.nearest(pixel, descriptor, self.candidate, &self.candidate_grid));
+            let found = projected
+                .and_then(|pixel| self.nearest(pixel, descriptor, self.candidate, &self.candidate_grid));
             proposals.extend(found.map(|(distance, feature)| Proposal {
                 distance,
                 query,
@@ -126,7 +127,13 @@ impl<'a> GuidedSearch<'a> {
     }
 
     /// The feature around a pixel whose descriptor is nearest, and its distance.
-    fn nearest(&self, pixel: [f64; 2], descriptor: &[u64], view: &View, grid: &KeypointGrid) -> Option<(u32, u32)> {
+    fn nearest(
+        &self,
+        pixel: [f64; 2],
+        descriptor: &[u64],
+        view: &View,
+        grid: &KeypointGrid,
+    ) -> Option<(u32, u32)> {
         let max_distance = self.limits.guided.max_distance * f64::from(view.descriptors.bits());
         let radius_px = self.limits.guided.radius * self.limits.keypoint_sigma_px;
         grid.around(pixel, radius_px)
@@ -159,10 +166,18 @@ impl<'a> GuidedSearch<'a> {
                 Target::Feature(feature) => Some(feature),
                 Target::Landmark(_) => None,
             },
-            into_query: point.map(|point| Reprojection { point, pixel, inverse_variance, depth: query_depth }),
-            into_candidate: of_query
-                .zip(sighting)
-                .map(|(point, (pixel, inverse_variance))| Reprojection { point, pixel, inverse_variance, depth: candidate_depth }),
+            into_query: point.map(|point| Reprojection {
+                point,
+                pixel,
+                inverse_variance,
+                depth: query_depth,
+            }),
+            into_candidate: of_query.zip(sighting).map(|(point, (pixel, inverse_variance))| Reprojection {
+                point,
+                pixel,
+                inverse_variance,
+                depth: candidate_depth,
+            }),
         }
     }
 }

@@ -31,7 +31,8 @@ impl KeypointGrid {
             features: vec![0; keypoints.len()],
             pixels: keypoints.iter().map(|keypoint| [keypoint.u, keypoint.v]).collect(),
         };
-        let cells: Vec<usize> = grid.pixels.iter().map(|&[u, v]| grid.row(v) * columns + grid.column(u)).collect();
+        let cells: Vec<usize> =
+            grid.pixels.iter().map(|&[u, v]| grid.row(v) * columns + grid.column(u)).collect();
         for &cell in &cells {
             grid.starts[cell + 1] += 1;
         }

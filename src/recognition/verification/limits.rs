@@ -52,6 +52,8 @@ pub struct SamplingLimits {
     pub max_chance_of_miss: f64,
     /// A hypothesis comes from three noisy points: its inliers may be this many times farther off than the last ones.
     pub tolerance: f64,
+    /// A new best hypothesis is refined on its inliers so many times at most, while that makes it better.
+    pub local_rounds: u32,
     /// The longest side of a sample's triangle, as a share of its distance from the camera, must exceed this.
     pub min_extent: f64,
     /// Its height over that side, as a share of the side, must exceed this: three points on a line leave the rotation open.
@@ -78,9 +80,9 @@ impl Default for Limits {
             min_inliers: 20,
             fixed_scale: true,
             matching: MatchingLimits::default(),
-            keypoint_sigma_px: 2.0,
+            keypoint_sigma_px: 3.5,
             octave_factor: 1.2,
-            depth_sigma: 0.1,
+            depth_sigma: 0.08,
             max_chi_square: 9.21,
             sampling: SamplingLimits::default(),
             guided: GuidedLimits::default(),
@@ -100,6 +102,7 @@ impl Default for SamplingLimits {
             max_hypotheses: 1_000,
             max_chance_of_miss: 0.01,
             tolerance: 2.0,
+            local_rounds: 3,
             min_extent: 0.05,
             min_height: 0.1,
             max_side_factor: 1.5,
@@ -109,7 +112,7 @@ impl Default for SamplingLimits {
 
 impl Default for GuidedLimits {
     fn default() -> Self {
-        Self { radius: 4.0, max_distance: 80.0 / 256.0, rounds: 2 }
+        Self { radius: 4.0, max_distance: 75.0 / 256.0, rounds: 2 }
     }
 }
 

@@ -176,7 +176,9 @@ pub fn verify(
         inliers: 0,
         mean_reprojection_error_px: None,
         candidate_from_query: None,
-        direct_any: 0, direct_both: 0, dists: vec![],
+        direct_any: 0,
+        direct_both: 0,
+        dists: vec![],
         failure: None,
     };
     match find_transformation(query, candidate, window, limits, seed, &mut result) {
@@ -226,8 +228,13 @@ fn find_transformation(
     let hypothesis = Hypothesis::new(&cameras, &candidate_from_query);
     let inliers = hypothesis.inliers(&pairs, limits.max_chi_square);
     result.inliers = inliers.len() as u32;
-    result.dists = inliers.iter().filter(|&&i| pairs[i as usize].is_located()).map(|&i| (pairs[i as usize].distance, pairs[i as usize].query_feature)).collect();
-    result.direct_any = inliers.iter().filter(|&&i| pairs[i as usize].candidate_feature.is_some()).count() as u32;
+    result.dists = inliers
+        .iter()
+        .filter(|&&i| pairs[i as usize].is_located())
+        .map(|&i| (pairs[i as usize].distance, pairs[i as usize].query_feature))
+        .collect();
+    result.direct_any =
+        inliers.iter().filter(|&&i| pairs[i as usize].candidate_feature.is_some()).count() as u32;
     result.direct_both = inliers.iter().filter(|&&i| pairs[i as usize].is_located()).count() as u32;
     result.mean_reprojection_error_px = mean_error_px(&hypothesis, &pairs, &inliers);
     result.candidate_from_query = Some(candidate_from_query);
@@ -244,7 +251,8 @@ fn match_located(query: &View, candidate: &View, limits: &Limits) -> Result<Vec<
     if bits.0 != bits.1 && !of_query.is_empty() && !of_candidate.is_empty() {
         return Err(Failure::DescriptorLengths { query: bits.0, candidate: bits.1 });
     }
-    let matches = match_descriptors(&side(query, &of_query), &side(candidate, &of_candidate), &limits.matching);
+    let matches =
+        match_descriptors(&side(query, &of_query), &side(candidate, &of_candidate), &limits.matching);
     let reprojection = |from: &View, feature: u32, into: &View, seen: u32| {
         let point = from.points_in_camera[feature as usize]?.coords;
         let (pixel, inverse_variance) = sighting(into, seen as usize, limits);

@@ -57,7 +57,8 @@ mod tests {
 
     #[test]
     fn matches_that_turn_otherwise_are_dropped() {
-        let mut angles: Vec<_> = (0..40).map(|i| f64::from(i) * 9.0).map(|a| (Some(a), Some(a + 355.0))).collect();
+        let mut angles: Vec<_> =
+            (0..40).map(|i| f64::from(i) * 9.0).map(|a| (Some(a), Some(a + 355.0))).collect();
         angles[10].1 = Some(angles[10].0.unwrap() + 90.0);
         angles[11].1 = Some(angles[11].0.unwrap() + 90.0);
         angles[20].1 = Some(angles[20].0.unwrap() + 180.0);
@@ -69,6 +70,9 @@ mod tests {
 
     #[test]
     fn without_an_orientation_nothing_is_dropped() {
-        assert_eq!(kept(&[(Some(0.0), Some(10.0)), (None, Some(200.0)), (Some(5.0), Some(100.0))]), [0, 1, 2]);
+        assert_eq!(
+            kept(&[(Some(0.0), Some(10.0)), (None, Some(200.0)), (Some(5.0), Some(100.0))]),
+            [0, 1, 2]
+        );
     }
 }

@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 
 use super::correspondence::{Cameras, Correspondence, Hypothesis};
 use super::limits::{Limits, SamplingLimits};
+use super::refinement::refine;
 use crate::geometry::absolute_orientation::{Scale, align};
 use crate::geometry::sampling::{SplitMix64, chance_of_only_bad_samples};
 use crate::geometry::{Point3, Sim3};
@@ -39,23 +40,52 @@ pub fn sample_consensus(pairs: &[Correspondence], cameras: &Cameras, limits: &Li
     {
         result.hypotheses += 1;
         let sample = random.three_below(points.len()).map(|place| points[place]);
-        let hypothesis = is_sound(&sample, scale, sampling)
-            .then(|| align(&sample.map(|pair| (Point3::from(pair.query), Point3::from(pair.candidate))), scale));
+        let hypothesis = is_sound(&sample, scale, sampling).then(|| {
+            align(&sample.map(|pair| (Point3::from(pair.query), Point3::from(pair.candidate))), scale)
+        });
         let Some(Ok(candidate_from_query)) = hypothesis else {
             result.degenerate += 1;
             continue;
         };
         let tested = Hypothesis::new(cameras, &candidate_from_query);
-        if let Some((cost, inliers)) = cost(&tested, pairs, max_chi_square, least_cost) {
-            (best, least_cost) = (Some(candidate_from_query), cost);
-            inlier_share = f64::from(inliers) / points.len() as f64;
-        }
+        let Some((cost, count)) = cost(&tested, pairs, max_chi_square, least_cost) else { continue };
+        let found = Scored { candidate_from_query, cost, inliers: count };
+        let found = optimise(found, pairs, cameras, limits, max_chi_square);
+        (best, least_cost) = (Some(found.candidate_from_query), found.cost);
+        inlier_share = f64::from(found.inliers) / points.len() as f64;
     }
     result.best = best.map(|candidate_from_query| {
         let tested = Hypothesis::new(cameras, &candidate_from_query);
         (candidate_from_query, tested.inliers(pairs, max_chi_square))
     });
     result
+}
+
+/// A hypothesis and what it costs.
+#[derive(Clone, Copy, Debug)]
+struct Scored {
+    candidate_from_query: Sim3,
+    cost: f64,
+    inliers: u32,
+}
+
+/// A new best, refined on its inliers for as long as that lowers its cost (O. Chum et al., "Locally optimized RANSAC",
+/// 2003): what comes out depends less on which three points it came from.
+fn optimise(
+    mut best: Scored,
+    pairs: &[Correspondence],
+    cameras: &Cameras,
+    limits: &Limits,
+    max: f64,
+) -> Scored {
+    for _ in 0..limits.sampling.local_rounds {
+        let inliers = Hypothesis::new(cameras, &best.candidate_from_query).inliers(pairs, max);
+        let refined = refine(&best.candidate_from_query, pairs, &inliers, cameras, limits.fixed_scale);
+        let tested = Hypothesis::new(cameras, &refined);
+        let Some((cost, inliers)) = cost(&tested, pairs, max, best.cost) else { break };
+        best = Scored { candidate_from_query: refined, cost, inliers };
+    }
+    best
 }
 
 /// The cost and the number of inliers, or `None` as soon as the cost is no less than `least_cost`.
@@ -85,15 +115,21 @@ impl PointPair {
     }
 }
 
-/// Can three pairs give a transformation worth testing?
+/// Can three pairs give a transformation worth testing? Surfaces are seen from one side only: a triangle that turns
+/// clockwise in one image and counter-clockwise in the other would have to be looked at from behind. Without this test a
+/// wall and its mirror image match, by a turn of 180 degrees.
 fn is_sound(sample: &[PointPair; 3], scale: Scale, limits: &SamplingLimits) -> bool {
     let [of_query, of_candidate] =
         [Triangle::of(sample.map(|pair| pair.query)), Triangle::of(sample.map(|pair| pair.candidate))];
-    if !of_query.has_shape(limits) || !of_candidate.has_shape(limits) {
+    if !of_query.has_shape(limits)
+        || !of_candidate.has_shape(limits)
+        || of_query.volume_6 * of_candidate.volume_6 <= 0.0
+    {
         return false;
     }
     let ratios: [f64; 3] = std::array::from_fn(|i| of_candidate.squared_sides[i] / of_query.squared_sides[i]);
-    let (least, most) = ratios.iter().fold((f64::INFINITY, 0.0_f64), |(least, most), &r| (least.min(r), most.max(r)));
+    let (least, most) =
+        ratios.iter().fold((f64::INFINITY, 0.0_f64), |(least, most), &r| (least.min(r), most.max(r)));
     let max_squared = limits.max_side_factor * limits.max_side_factor;
     match scale {
         Scale::Fixed => least * max_squared >= 1.0 && most <= max_squared,
@@ -107,6 +143,8 @@ struct Triangle {
     squared_sides: [f64; 3],
     squared_area_2: f64,
     squared_distance: f64,
+    /// Six times the volume it spans with the camera's centre; the sign says which way it turns in the image.
+    volume_6: f64,
 }
 
 impl Triangle {
@@ -115,6 +153,7 @@ impl Triangle {
         Self {
             squared_sides: [ab.norm_squared(), ac.norm_squared(), bc.norm_squared()],
             squared_area_2: ab.cross(&ac).norm_squared(),
+            volume_6: a.dot(&b.cross(&c)),
             squared_distance: a.norm_squared().min(b.norm_squared()).min(c.norm_squared()),
         }
     }
@@ -141,17 +180,30 @@ mod tests {
     fn triples_that_say_little_are_refused() {
         let limits = SamplingLimits::default();
         assert!(triangle([[0.0, 0.0, 3.0], [1.0, 0.0, 3.0], [0.0, 1.0, 3.0]]).has_shape(&limits));
-        assert!(!triangle([[0.0, 0.0, 3.0], [1.0, 0.01, 3.0], [2.0, 0.0, 3.0]]).has_shape(&limits), "on a line");
-        assert!(!triangle([[0.0, 0.0, 3.0], [0.05, 0.0, 3.0], [0.0, 0.05, 3.0]]).has_shape(&limits), "too small");
+        assert!(
+            !triangle([[0.0, 0.0, 3.0], [1.0, 0.01, 3.0], [2.0, 0.0, 3.0]]).has_shape(&limits),
+            "on a line"
+        );
+        assert!(
+            !triangle([[0.0, 0.0, 3.0], [0.05, 0.0, 3.0], [0.0, 0.05, 3.0]]).has_shape(&limits),
+            "too small"
+        );
         assert!(!triangle([[0.0, 0.0, 3.0]; 3]).has_shape(&limits), "one point");
     }
 
     #[test]
     fn triples_of_two_shapes_are_refused() {
         let limits = SamplingLimits::default();
-        let pair = |query: [f64; 3], scale: f64| PointPair { query: query.into(), candidate: Vector3::from(query) * scale };
+        let pair = |query: [f64; 3], scale: f64| PointPair {
+            query: query.into(),
+            candidate: Vector3::from(query) * scale,
+        };
         let sample = |scales: [f64; 3]| {
-            [pair([1.0, 0.0, 4.0], scales[0]), pair([-1.0, 0.0, 4.0], scales[1]), pair([0.0, 1.0, 4.0], scales[2])]
+            [
+                pair([1.0, 0.0, 4.0], scales[0]),
+                pair([-1.0, 0.0, 4.0], scales[1]),
+                pair([0.0, 1.0, 4.0], scales[2]),
+            ]
         };
         assert!(is_sound(&sample([1.0; 3]), Scale::Fixed, &limits));
         assert!(!is_sound(&sample([2.0; 3]), Scale::Fixed, &limits));

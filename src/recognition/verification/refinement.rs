@@ -87,13 +87,15 @@ impl Problem<'_> {
 
     /// Huber's cost; infinite if a point falls behind a camera.
     fn cost(&self, sim3: &Sim3) -> f64 {
-        let (to_candidate, to_query) = (sim3.linear_and_translation(), sim3.inverse().linear_and_translation());
-        let side = |it: &Reprojection, (linear, translation): &(Matrix3<f64>, Vector3<f64>), camera: &Pinhole| {
-            let point = linear * it.point + translation;
-            let Some([u, v]) = it.residual_px(&point, camera) else { return f64::INFINITY };
-            let in_depth = it.depth.map_or(0.0, |depth| (point.z - depth.metres) * depth.inverse_sigma);
-            huber_cost((u * u + v * v) * it.inverse_variance) + huber_cost(in_depth * in_depth)
-        };
+        let (to_candidate, to_query) =
+            (sim3.linear_and_translation(), sim3.inverse().linear_and_translation());
+        let side =
+            |it: &Reprojection, (linear, translation): &(Matrix3<f64>, Vector3<f64>), camera: &Pinhole| {
+                let point = linear * it.point + translation;
+                let Some([u, v]) = it.residual_px(&point, camera) else { return f64::INFINITY };
+                let in_depth = it.depth.map_or(0.0, |depth| (point.z - depth.metres) * depth.inverse_sigma);
+                huber_cost((u * u + v * v) * it.inverse_variance) + huber_cost(in_depth * in_depth)
+            };
         self.chosen()
             .map(|pair| {
                 pair.into_candidate.map_or(0.0, |it| side(&it, &to_candidate, &self.cameras.candidate))
@@ -105,7 +107,8 @@ impl Problem<'_> {
     fn linearise(&self, sim3: &Sim3, fixed_scale: bool) -> NormalEquations {
         let (linear, translation) = sim3.linear_and_translation();
         let (inverse_linear, inverse_translation) = sim3.inverse().linear_and_translation();
-        let mut sum = NormalEquations { information: Information::zeros(), gradient: Step::zeros(), fixed_scale };
+        let mut sum =
+            NormalEquations { information: Information::zeros(), gradient: Step::zeros(), fixed_scale };
         for pair in self.chosen() {
             if let Some(it) = pair.into_candidate {
                 let moved = linear * it.point + translation;
@@ -135,7 +138,8 @@ impl NormalEquations {
         let weight = it.inverse_variance * huber_weight((u * u + v * v) * it.inverse_variance);
         let inverse_depth = in_camera.z.recip();
         let (x, y) = (in_camera.x * inverse_depth, in_camera.y * inverse_depth);
-        let of_point = Matrix2x3::new(camera.fx, 0.0, -camera.fx * x, 0.0, camera.fy, -camera.fy * y) * inverse_depth;
+        let of_point =
+            Matrix2x3::new(camera.fx, 0.0, -camera.fx * x, 0.0, camera.fy, -camera.fy * y) * inverse_depth;
         let by_move = of_point * outer;
         self.add_residual(&by_move.row(0).transpose(), inner, u, weight);
         self.add_residual(&by_move.row(1).transpose(), inner, v, weight);

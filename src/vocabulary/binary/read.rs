@@ -27,8 +27,7 @@ pub(in crate::vocabulary) fn read(bytes: &mut impl Read) -> Result<Vocabulary, V
         out.extend(block.iter().flat_map(|&pair| [pair as u32, (pair >> 32) as u32]));
     })?;
     node_ids.truncate(nodes);
-    let descriptors =
-        content.section(nodes * each, nodes * each, |out, block| out.extend_from_slice(block))?;
+    let descriptors = content.section(nodes * each, nodes * each, Vec::extend_from_slice)?;
 
     if content.checksum.finish() != header.content_checksum {
         return Err(BinaryFault::Checksum.into());

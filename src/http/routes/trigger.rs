@@ -1,0 +1,26 @@
+//! The trigger of §III: a keyframe that shows an anchor seen before is asked about, even if nobody asks.
+
+use super::loop_queries::{ask, kept};
+use crate::http::App;
+use crate::model::ids::{KeyframeId, MapId};
+use crate::model::request::{LoopQuery, Subject};
+use crate::model::verdict::{Decision, Verify};
+
+/// At most so many triggered checks wait at once. More are passed over: who wants to know asks.
+pub const TRIGGERS_AT_ONCE: usize = 64;
+
+/// Asks in the background, keeps the verdict, and tells those who listen if it is a loop.
+pub fn trigger_loop_check(app: &App, map: &MapId, keyframe: &KeyframeId) {
+    let Ok(permit) = app.triggers.clone().try_acquire_owned() else { return };
+    let (app, map, keyframe) = (app.clone(), map.clone(), keyframe.clone());
+    tokio::spawn(async move {
+        let _permit = permit;
+        let subject = Subject::Stored(keyframe.clone());
+        let query = LoopQuery { subject, verify: Verify::default(), max_wait_ms: 0, seed: 0 };
+        // The keyframe or its map may be gone already: then there is nothing to tell.
+        let Ok(answer) = ask(&app, &map, query).await else { return };
+        if answer.verdict.decision == Decision::Loop && kept(&app, &map, &answer).is_ok() {
+            app.service.announce_loop(&map, &keyframe, &answer);
+        }
+    });
+}
