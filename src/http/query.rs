@@ -43,7 +43,7 @@ impl<T: Decode, S: Send + Sync> FromRequestParts<S> for Query<T> {
 #[into_params(parameter_in = Query)]
 pub struct Paging {
     /// How many items at most.
-    #[param(minimum = 1, maximum = 1000, default = 100)]
+    #[param(minimum = 1, maximum = 1000, default = 100, required = false)]
     pub limit: usize,
     /// Where to start: `next_cursor` of the part before.
     #[param(max_length = 256)]

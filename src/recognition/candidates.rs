@@ -27,8 +27,9 @@ pub struct Proposal {
     pub keyframe: KeyframeSeq,
     /// Its bag-of-words score against the query.
     pub score: Score,
-    /// Did an anchor seen before propose it? Then its score gates nothing.
-    pub by_anchor: bool,
+    /// Did bag of words bring it? Then it must score its share of the reference; one that only anchors
+    /// propose need not.
+    pub by_words: bool,
 }
 
 /// The candidates, and the reference score.
@@ -56,11 +57,8 @@ pub fn find_candidates(index: &MapIndex, query: &Query<'_>, places: &mut PlaceCo
             .unwrap_or(0.0);
         let mut candidates = by_words(index, query, &scores, place_scratch);
         for keyframe in by_anchors(index, query, &scores, places, place_scratch) {
-            match candidates.iter_mut().find(|known| known.keyframe == keyframe) {
-                Some(known) => known.by_anchor = true,
-                None => {
-                    candidates.push(Proposal { keyframe, score: scores.get(keyframe.0), by_anchor: true })
-                }
+            if candidates.iter().all(|known| known.keyframe != keyframe) {
+                candidates.push(Proposal { keyframe, score: scores.get(keyframe.0), by_words: false });
             }
         }
         Proposals { candidates, reference_score }
@@ -79,7 +77,7 @@ fn by_words(
     let near = |keyframe| neighbours(index, keyframe);
     let best = best_places(scores, limits, excluded, by_id(index), near, scratch);
     best.into_iter()
-        .map(|(keyframe, score)| Proposal { keyframe: KeyframeSeq(keyframe), score, by_anchor: false })
+        .map(|(keyframe, score)| Proposal { keyframe: KeyframeSeq(keyframe), score, by_words: true })
         .collect()
 }
 

@@ -63,7 +63,7 @@ fn check_candidate(
         reason: None,
     };
     let min_score = settings.candidates_min_score_ratio * proposals.reference_score;
-    if !proposal.by_anchor && bow.score < min_score {
+    if proposal.by_words && bow.score < min_score {
         let reason = evidence::reason(ReasonCode::BowBelowReference, bow.score, min_score);
         return Some(Screened::stopped(proposal.keyframe, candidate, CandidateDecision::Rejected, reason));
     }

@@ -97,7 +97,7 @@ impl Sight {
         let mut landmarks = Vec::new();
         for (number, (id, descriptors)) in seen.into_iter().enumerate() {
             let Some(point_in_camera) = self.point_in_camera(id) else { continue };
-            let landmark = |descriptor| Landmark { id: number as u32, point_in_camera, descriptor };
+            let landmark = |descriptor| Landmark { id: number as _, point_in_camera, descriptor };
             landmarks.extend(descriptors.into_iter().map(landmark));
         }
         landmarks

@@ -1,4 +1,4 @@
-//! A feature of the query and a feature or landmark of the candidate that may be one point, and how well a transformation explains it.
+//! A feature of the query and one of the candidate that may be one point, and how well a transformation explains the pair.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -151,5 +151,10 @@ impl Hypothesis {
     pub fn inliers(&self, pairs: &[Correspondence], max_chi_square: f64) -> Vec<u32> {
         let is_inlier = |(_, pair): &(usize, &Correspondence)| self.chi_square(pair) < max_chi_square;
         pairs.iter().enumerate().filter(is_inlier).map(|(place, _)| place as u32).collect()
+    }
+
+    /// The pairs whose error in both images is below the limit.
+    pub fn explained(&self, pairs: &[Correspondence], max_chi_square: f64) -> Vec<Correspondence> {
+        pairs.iter().filter(|pair| self.chi_square(pair) < max_chi_square).copied().collect()
     }
 }

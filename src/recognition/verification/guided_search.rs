@@ -1,5 +1,7 @@
 //! With a transformation in hand, more matches: points projected into the other image, descriptors compared nearby.
 
+use std::collections::HashSet;
+
 use nalgebra::Vector3;
 
 use super::correspondence::{Correspondence, Hypothesis, Reprojection};
@@ -10,12 +12,12 @@ use crate::geometry::hamming::distance;
 use crate::geometry::pinhole::Pinhole;
 
 /// What a feature of the query is matched with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 enum Target {
     /// A feature of the candidate.
     Feature(u32),
     /// A landmark of the window, by its id.
-    Landmark(u32),
+    Landmark(u64),
 }
 
 /// A match found by projection, to be compared with the others.
@@ -36,7 +38,6 @@ pub struct GuidedSearch<'a> {
     limits: &'a Limits,
     query_grid: KeypointGrid,
     candidate_grid: KeypointGrid,
-    landmark_ids: usize,
 }
 
 impl<'a> GuidedSearch<'a> {
@@ -47,43 +48,33 @@ impl<'a> GuidedSearch<'a> {
         window: &'a [Landmark<'a>],
         limits: &'a Limits,
     ) -> Self {
-        let landmark_ids = window.iter().map(|landmark| landmark.id as usize + 1).max().unwrap_or(0);
         let query_grid = KeypointGrid::new(query.keypoints, &query.camera);
         let candidate_grid = KeypointGrid::new(candidate.keypoints, &candidate.camera);
-        Self { query, candidate, window, limits, query_grid, candidate_grid, landmark_ids }
+        Self { query, candidate, window, limits, query_grid, candidate_grid }
     }
 
-    /// The pairs that projection and descriptors suggest, each feature and each landmark in one at most. The nearest
-    /// descriptors choose first, ties by the smaller feature.
+    /// The pairs in `kept`, and those that projection and descriptors add to them, ascending by the query's feature. Each
+    /// feature and each landmark is in one pair at most; the nearest descriptors choose first, ties by the smaller feature.
     pub fn search(&self, hypothesis: &Hypothesis, kept: Vec<Correspondence>) -> Vec<Correspondence> {
         let mut proposals = Vec::new();
         self.project_candidate_features(hypothesis, &mut proposals);
         self.project_landmarks(hypothesis, &mut proposals);
         self.project_query_features(hypothesis, &mut proposals);
         proposals.sort_unstable();
-        let mut query_taken = vec![false; self.query.keypoints.len()];
-        let mut feature_taken = vec![false; self.candidate.keypoints.len()];
-        let mut landmark_taken = vec![false; self.landmark_ids];
+        let mut taken_of_query = vec![false; self.query.keypoints.len()];
+        let mut taken: HashSet<Target> = HashSet::new();
         for pair in &kept {
-            query_taken[pair.query_feature as usize] = true;
-            if let Some(feature) = pair.candidate_feature {
-                feature_taken[feature as usize] = true;
+            taken_of_query[pair.query_feature as usize] = true;
+            taken.extend(pair.candidate_feature.map(Target::Feature));
+        }
+        let mut pairs = kept;
+        for proposal in &proposals {
+            let is_taken = &mut taken_of_query[proposal.query as usize];
+            if !*is_taken && taken.insert(proposal.target) {
+                *is_taken = true;
+                pairs.push(self.correspondence(proposal));
             }
         }
-        proposals.retain(|proposal| {
-            let target = match proposal.target {
-                Target::Feature(feature) => &mut feature_taken[feature as usize],
-                Target::Landmark(id) => &mut landmark_taken[id as usize],
-            };
-            let query = &mut query_taken[proposal.query as usize];
-            let is_free = !*target && !*query;
-            if is_free {
-                (*target, *query) = (true, true);
-            }
-            is_free
-        });
-        let mut pairs = kept;
-        pairs.extend(proposals.iter().map(|proposal| self.correspondence(proposal)));
         pairs.sort_by_key(|pair| pair.query_feature);
         pairs
     }
@@ -144,53 +135,38 @@ impl<'a> GuidedSearch<'a> {
 
     fn correspondence(&self, proposal: &Proposal) -> Correspondence {
         let query = proposal.query as usize;
-        let (point, sighting) = match proposal.target {
+        let in_query = self.query.points_in_camera[query].map(|point| point.coords);
+        let (in_candidate, candidate_feature, seen) = match proposal.target {
             Target::Feature(feature) => {
-                let feature = feature as usize;
-                let sighting = sighting(self.candidate, feature, self.limits);
-                (self.candidate.points_in_camera[feature].map(|point| point.coords), Some(sighting))
+                let point = self.candidate.points_in_camera[feature as usize].map(|point| point.coords);
+                (point, Some(feature), Some(sighting(self.candidate, feature as usize, self.limits)))
             }
             Target::Landmark(_) => {
                 let point = self.window[proposal.place as usize].point_in_camera.coords;
-                (Some(point), virtual_sighting(&point, &self.candidate.pinhole(), self.limits))
+                (Some(point), None, virtual_sighting(&point, &self.candidate.pinhole(), self.limits))
             }
         };
-        let of_query = self.query.points_in_camera[query].map(|point| point.coords);
-        let (pixel, inverse_variance) = sighting_of_query(self.query, query, self.limits);
         let depth_of = |point: Option<Vector3<f64>>| point.and_then(|point| self.limits.depth(point.z));
-        let (query_depth, candidate_depth) = (depth_of(of_query), depth_of(point));
+        let reprojection = |point, (pixel, inverse_variance), depth| Reprojection { point, pixel, inverse_variance, depth };
+        let seen_by_query = sighting(self.query, query, self.limits);
         Correspondence {
+            into_query: in_candidate.map(|point| reprojection(point, seen_by_query, depth_of(in_query))),
+            into_candidate: in_query.zip(seen).map(|(point, seen)| reprojection(point, seen, depth_of(in_candidate))),
             distance: proposal.distance,
             query_feature: proposal.query,
-            candidate_feature: match proposal.target {
-                Target::Feature(feature) => Some(feature),
-                Target::Landmark(_) => None,
-            },
-            into_query: point.map(|point| Reprojection {
-                point,
-                pixel,
-                inverse_variance,
-                depth: query_depth,
-            }),
-            into_candidate: of_query.zip(sighting).map(|(point, (pixel, inverse_variance))| Reprojection {
-                point,
-                pixel,
-                inverse_variance,
-                depth: candidate_depth,
-            }),
+            candidate_feature,
         }
     }
 }
 
+/// A pixel and its inverse variance.
 type Sighting = ([f64; 2], f64);
 
-/// Where an image shows a feature, and the inverse variance of that.
+/// Where an image shows a feature.
 pub(super) fn sighting(view: &View, feature: usize, limits: &Limits) -> Sighting {
     let keypoint = &view.keypoints[feature];
     ([keypoint.u, keypoint.v], limits.inverse_variance(keypoint.octave))
 }
-
-use sighting as sighting_of_query;
 
 /// Where the candidate's image would show a landmark that only its neighbours saw; `None` behind the camera.
 fn virtual_sighting(point: &Vector3<f64>, camera: &Pinhole, limits: &Limits) -> Option<Sighting> {

@@ -30,7 +30,7 @@ use crate::model::keyframe::{Camera, Keypoint};
 use correspondence::{Cameras, Correspondence, Hypothesis, Reprojection};
 use descriptor_matching::{Match, Side, match_descriptors};
 use guided_search::{GuidedSearch, sighting};
-pub use limits::{GuidedLimits, Limits, MatchingLimits, SamplingLimits};
+pub use limits::{GuidedLimits, Limits, MatchingLimits, SamplingLimits, SureLimits};
 use ransac::sample_consensus;
 use refinement::refine;
 
@@ -62,11 +62,12 @@ impl View<'_> {
     }
 }
 
-/// A map point that keyframes covisible with the candidate see and the candidate does not.
+/// A map point that keyframes covisible with the candidate see. The caller leaves out those that the candidate sees itself,
+/// whose features its [`View`] has, and, within one session, those that the query sees: that they match says nothing.
 #[derive(Clone, Copy, Debug)]
 pub struct Landmark<'a> {
-    /// Small numbers of the caller's choice. A landmark seen several times may come with each of its descriptors, under one id.
-    pub id: u32,
+    /// A name of the caller's choice. A landmark seen several times may come with each of its descriptors, under one id.
+    pub id: u64,
     /// Where it is in the candidate's camera frame, in metres.
     pub point_in_camera: Point3,
     /// Its descriptor.
@@ -124,6 +125,14 @@ pub enum Failure {
         /// `Limits::min_inliers`.
         limit: u32,
     },
+    /// Too few of the features it explains are beyond doubt.
+    #[error("{sure} inliers have a position on both sides and near descriptors, of {limit} needed")]
+    TooFewSureInliers {
+        /// How many are.
+        sure: u32,
+        /// [`Limits::min_sure_inliers`].
+        limit: u32,
+    },
 }
 
 /// The answer, with the evidence.
@@ -139,21 +148,17 @@ pub struct Verification {
     pub hypotheses: u32,
     /// The matches that the best hypothesis explains, once refined.
     pub matched_inliers: u32,
-    /// Matches after the guided search.
+    /// Features of the query matched after the guided search, with the candidate's features and the window's landmarks.
     pub projected_matches: u32,
-    /// Those of them that the final transformation explains.
+    /// Those matched with features of the candidate itself that the final transformation explains.
     pub inliers: u32,
-    /// The mean reprojection error of the inliers in both images, in pixels.
+    /// The inliers beyond doubt ([`SureLimits`]).
+    pub sure_inliers: u32,
+    /// The mean reprojection error of all that the transformation explains, over both images, in pixels.
     pub mean_reprojection_error_px: Option<f64>,
     /// The best transformation, also when the candidate failed for its few inliers: maps points of the query's camera
     /// frame into the candidate's.
     pub candidate_from_query: Option<Sim3>,
-    /// X
-    pub direct_any: u32,
-    /// X
-    pub direct_both: u32,
-    /// X
-    pub dists: Vec<(u32, u32)>,
     /// Why the candidate failed.
     pub failure: Option<Failure>,
 }
@@ -174,11 +179,9 @@ pub fn verify(
         matched_inliers: 0,
         projected_matches: 0,
         inliers: 0,
+        sure_inliers: 0,
         mean_reprojection_error_px: None,
         candidate_from_query: None,
-        direct_any: 0,
-        direct_both: 0,
-        dists: vec![],
         failure: None,
     };
     match find_transformation(query, candidate, window, limits, seed, &mut result) {
@@ -217,29 +220,26 @@ fn find_transformation(
     let mut pairs = Vec::new();
     for _ in 0..limits.guided.rounds {
         let hypothesis = Hypothesis::new(&cameras, &candidate_from_query);
-        let explained = hypothesis.inliers(&matched, limits.max_chi_square);
-        let kept = explained.iter().map(|&place| matched[place as usize]).collect();
-        pairs = search.search(&hypothesis, kept);
+        pairs = search.search(&hypothesis, hypothesis.explained(&matched, limits.max_chi_square));
         let agreeing = hypothesis.inliers(&pairs, limits.max_chi_square);
         candidate_from_query = settle(candidate_from_query, &pairs, agreeing, &cameras, limits);
     }
     result.projected_matches = pairs.len() as u32;
 
     let hypothesis = Hypothesis::new(&cameras, &candidate_from_query);
-    let inliers = hypothesis.inliers(&pairs, limits.max_chi_square);
-    result.inliers = inliers.len() as u32;
-    result.dists = inliers
-        .iter()
-        .filter(|&&i| pairs[i as usize].is_located())
-        .map(|&i| (pairs[i as usize].distance, pairs[i as usize].query_feature))
-        .collect();
-    result.direct_any =
-        inliers.iter().filter(|&&i| pairs[i as usize].candidate_feature.is_some()).count() as u32;
-    result.direct_both = inliers.iter().filter(|&&i| pairs[i as usize].is_located()).count() as u32;
-    result.mean_reprojection_error_px = mean_error_px(&hypothesis, &pairs, &inliers);
+    let explained: Vec<Correspondence> = hypothesis.explained(&pairs, limits.max_chi_square);
+    let max_sure_distance = limits.sure.max_distance * f64::from(query.descriptors.bits());
+    let is_sure = |pair: &&Correspondence| pair.is_located() && f64::from(pair.distance) <= max_sure_distance;
+    result.inliers = explained.iter().filter(|pair| pair.candidate_feature.is_some()).count() as u32;
+    result.sure_inliers = explained.iter().filter(is_sure).count() as u32;
+    result.mean_reprojection_error_px = mean_error_px(&hypothesis, &explained);
     result.candidate_from_query = Some(candidate_from_query);
-    if result.inliers < limits.min_inliers {
-        return Err(Failure::TooFewInliers { inliers: result.inliers, limit: limits.min_inliers });
+    let (limit, sure_limit) = (limits.min_inliers, limits.min_sure_inliers());
+    if result.inliers < limit {
+        return Err(Failure::TooFewInliers { inliers: result.inliers, limit });
+    }
+    if result.sure_inliers < sure_limit {
+        return Err(Failure::TooFewSureInliers { sure: result.sure_inliers, limit: sure_limit });
     }
     Ok(())
 }
@@ -298,8 +298,11 @@ fn settle(
     best
 }
 
-fn mean_error_px(hypothesis: &Hypothesis, pairs: &[Correspondence], inliers: &[u32]) -> Option<f64> {
-    let errors = inliers.iter().map(|&place| hypothesis.error_px(&pairs[place as usize]));
+fn mean_error_px(hypothesis: &Hypothesis, pairs: &[Correspondence]) -> Option<f64> {
+    let errors = pairs.iter().map(|pair| hypothesis.error_px(pair));
     let (sum, images) = errors.fold((0.0, 0), |(sum, count), (error, images)| (sum + error, count + images));
     (images > 0).then(|| sum / f64::from(images))
 }
+
+#[cfg(test)]
+mod tests;

@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn triples_that_say_little_are_refused() {
-        let limits = SamplingLimits::default();
+        let limits = Limits::DEFAULT.sampling;
         assert!(triangle([[0.0, 0.0, 3.0], [1.0, 0.0, 3.0], [0.0, 1.0, 3.0]]).has_shape(&limits));
         assert!(
             !triangle([[0.0, 0.0, 3.0], [1.0, 0.01, 3.0], [2.0, 0.0, 3.0]]).has_shape(&limits),
@@ -193,7 +193,7 @@ mod tests {
 
     #[test]
     fn triples_of_two_shapes_are_refused() {
-        let limits = SamplingLimits::default();
+        let limits = Limits::DEFAULT.sampling;
         let pair = |query: [f64; 3], scale: f64| PointPair {
             query: query.into(),
             candidate: Vector3::from(query) * scale,
