@@ -13,6 +13,8 @@ create table maps (
     next_keyframe integer not null,
     next_anchor integer not null,
     next_event integer not null,
+    -- The vocabulary its words belong to, by fingerprint, or `client`; null until there are words.
+    vocabulary text,
     -- SHA-256 of the body that made the map, to tell a retry from another map of the same name.
     digest blob not null,
     constraint maps_key primary key (map_key),

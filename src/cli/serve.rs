@@ -1,6 +1,7 @@
 //! `revisit serve`: the server.
 
 use std::net::SocketAddr;
+use std::path::PathBuf;
 
 use clap::Args;
 use tokio::net::TcpListener;
@@ -25,6 +26,10 @@ pub struct ServeArgs {
     /// Where everything is kept; the file is made if it is not there
     #[arg(long, env = "REVISIT_DATABASE", value_name = "URL", default_value = "sqlite://revisit.db")]
     database: String,
+    /// A vocabulary: words are computed where a client sends features without them, and it guides matching. DBoW2's
+    /// text form or our binary one (`revisit vocabulary convert`), plain, gzip or zstd
+    #[arg(long, env = "REVISIT_VOCABULARY", value_name = "FILE")]
+    vocabulary: Option<PathBuf>,
     #[command(flatten)]
     log: logging::LogArgs,
 }
@@ -37,7 +42,9 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
     let listener = TcpListener::bind(args.listen)
         .await
         .map_err(|error| format!("cannot listen on {}: {error}", args.listen))?;
-    let service = Service::open(ServiceOptions { database: args.database.clone() }).await?;
+    let service =
+        Service::open(ServiceOptions { database: args.database.clone(), vocabulary: args.vocabulary })
+            .await?;
     let addr = listener.local_addr()?;
     write_out(&format!("listening on http://{addr}\n"))?;
     tracing::info!(%addr, database = args.database, version = build::VERSION, "serving");
@@ -67,7 +74,7 @@ fn stop_on_signal() -> Result<CancellationToken, Failure> {
 pub async fn own_server() -> Result<OwnServer, Failure> {
     let directory = tempfile::tempdir()?;
     let database = format!("sqlite://{}", directory.path().join("replay.db").display());
-    let service = Service::open(ServiceOptions { database }).await?;
+    let service = Service::open(ServiceOptions::on(database)).await?;
     let server = RunningServer::start(service).await?;
     let url = server.url();
     // Dropped in this order: the server stops before its directory goes.

@@ -74,6 +74,8 @@ pub struct Loop {
 pub enum Change {
     /// The map's description, classes or settings are now these.
     MapSet(Box<MapProperties>),
+    /// The map's words belong to this vocabulary from now on.
+    VocabularySet(Box<str>),
     /// A session appeared.
     SessionAdded(SessionSeq, SessionId),
     /// A keyframe arrived, with its bag of words. Features and crops travel to the store beside the change.

@@ -13,6 +13,9 @@ pub struct Stamp {
     pub nanosec: u32,
 }
 
+/// The name of whatever vocabulary a client uses, if it does not say.
+pub const CLIENTS_VOCABULARY: &str = "client";
+
 /// An undistorted pinhole camera, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
@@ -108,6 +111,8 @@ pub struct NewKeyframe {
     pub camera: Option<Camera>,
     /// Its bag of words; empty for a blank wall.
     pub bow: BowVector,
+    /// Whose words these are: a vocabulary's fingerprint, or [`CLIENTS_VOCABULARY`]. `None` if the client sent no bag of words.
+    pub vocabulary: Option<Box<str>>,
     /// Its features, if the client sent them.
     pub features: Option<Features>,
     /// Map points new or moved, in the session's frame, in metres.

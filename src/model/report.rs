@@ -13,6 +13,8 @@ pub struct MapReport {
     pub id: MapId,
     /// Its description, classes and settings.
     pub properties: MapProperties,
+    /// The vocabulary its words belong to, once there are any.
+    pub vocabulary: Option<String>,
     /// Grows by one with each write.
     pub version: u64,
     /// How many keyframes it holds.

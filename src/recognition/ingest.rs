@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::association::{Association, associate};
-use super::index::MapIndex;
+use super::index::{MapIndex, Object};
 use super::matching;
 use super::recorder::{Decided, Recorder};
 use crate::model::anchor::{Observation, Outcome};
@@ -41,6 +41,13 @@ pub fn check(index: &MapIndex, keyframe: &NewKeyframe) -> Vec<FieldError> {
     keyframe.covisible.iter().enumerate().filter_map(unknown).collect()
 }
 
+/// The vocabulary that the map's words belong to, if the keyframe's belong to another: the same number would mean
+/// two things, and every score would be noise.
+pub fn other_vocabulary<'a>(index: &'a MapIndex, keyframe: &NewKeyframe) -> Option<&'a str> {
+    let theirs = keyframe.vocabulary.as_deref().filter(|_| !keyframe.bow.is_empty())?;
+    index.vocabulary().filter(|ours| *ours != theirs)
+}
+
 /// Takes a checked keyframe into the map.
 pub fn ingest(index: &mut MapIndex, new: &NewKeyframe) -> Ingested {
     let mut record = Recorder::new(index);
@@ -52,7 +59,7 @@ pub fn ingest(index: &mut MapIndex, new: &NewKeyframe) -> Ingested {
     }
     let changed = tell_described(&mut record, &seen, &before);
     merge_covisible(&mut record, keyframe, &seen, &changed);
-    let revisits = tell_revisits(&mut record, keyframe, &changed);
+    let revisits = tell_revisits(&mut record, Some(keyframe), &changed);
     Ingested { keyframe, outcomes, revisits, decided: record.finish() }
 }
 
@@ -64,6 +71,9 @@ fn add_keyframe(record: &mut Recorder<'_>, new: &NewKeyframe) -> (KeyframeSeq, S
         changes.push(Change::SessionAdded(session, new.session.clone()));
         session
     });
+    if let (None, Some(vocabulary), false) = (index.vocabulary(), &new.vocabulary, new.bow.is_empty()) {
+        changes.push(Change::VocabularySet(vocabulary.clone()));
+    }
     let keyframe = Keyframe {
         seq: index.next_keyframe(),
         id: new.id.clone(),
@@ -170,13 +180,18 @@ fn tell_described(
     let changed: BTreeSet<AnchorSeq> =
         now.iter().filter(|(root, name)| before.get(root) != Some(name)).map(|(root, _)| *root).collect();
     for root in &changed {
-        let described = record.index().objects().get(*root).and_then(|object| object.description.as_ref());
-        let mut event = Event::of(EventKind::AnchorDescribed);
-        event.anchor = Some(*root);
-        event.detail = described.map(|description| description.raw.to_string());
-        record.tell(event);
+        tell_description(record, *root);
     }
     changed
+}
+
+/// Tells what an object is called now.
+pub(super) fn tell_description(record: &mut Recorder<'_>, root: AnchorSeq) {
+    let described = record.index().objects().get(root).and_then(|object| object.description.as_ref());
+    let mut event = Event::of(EventKind::AnchorDescribed);
+    event.anchor = Some(root);
+    event.detail = described.map(|description| description.raw.to_string());
+    record.tell(event);
 }
 
 /// Merges what matches, is covisible and stands close, until nothing more does.
@@ -189,27 +204,40 @@ fn merge_covisible(
     for seen in seen {
         // Another description may match anything near the object; the same one has only this
         // keyframe's neighbours to be held against anew.
-        loop {
-            let index = record.index();
-            let Some(root) = index.objects().root(*seen) else { break };
-            let around = match index.objects().get(root) {
-                Some(object) if changed.contains(seen) => index.keyframes_of(object),
-                _ => BTreeSet::from([keyframe]),
-            };
-            let Some(merge) = matching::covisible_merge(index, root, around.into_iter()) else { break };
-            let mut event = Event::of(EventKind::AnchorsMerged);
-            (event.anchor, event.other) = (Some(merge.into), Some(merge.from));
-            event.detail = Some("they match, their keyframes are covisible, and they stand close".into());
-            record.tell(event);
-            record.touch(merge.into);
-            record.touch(merge.from);
-            record.apply(vec![Change::Merged(merge)]);
-        }
+        merge_all(record, *seen, |index, object| {
+            if changed.contains(seen) { index.keyframes_of(object) } else { BTreeSet::from([keyframe]) }
+        });
     }
 }
 
-/// Tells which anchors of the keyframe match one seen before, on another passage (§III); is there any?
-fn tell_revisits(record: &mut Recorder<'_>, keyframe: KeyframeSeq, changed: &BTreeSet<AnchorSeq>) -> bool {
+/// Merges one anchor's object with what matches it among the objects seen around some of its keyframes.
+pub(super) fn merge_all(
+    record: &mut Recorder<'_>,
+    anchor: AnchorSeq,
+    around: impl Fn(&MapIndex, &Object) -> BTreeSet<KeyframeSeq>,
+) {
+    loop {
+        let index = record.index();
+        let Some(root) = index.objects().root(anchor) else { return };
+        let Some(object) = index.objects().get(root) else { return };
+        let around = around(index, object);
+        let Some(merge) = matching::covisible_merge(index, root, around.into_iter()) else { return };
+        let mut event = Event::of(EventKind::AnchorsMerged);
+        (event.anchor, event.other) = (Some(merge.into), Some(merge.from));
+        event.detail = Some("they match, their keyframes are covisible, and they stand close".into());
+        record.tell(event);
+        record.touch(merge.into);
+        record.touch(merge.from);
+        record.apply(vec![Change::Merged(merge)]);
+    }
+}
+
+/// Tells which of these anchors match one seen before, on another passage (§III); is there any?
+pub(super) fn tell_revisits(
+    record: &mut Recorder<'_>,
+    keyframe: Option<KeyframeSeq>,
+    changed: &BTreeSet<AnchorSeq>,
+) -> bool {
     let roots: BTreeSet<AnchorSeq> =
         changed.iter().filter_map(|anchor| record.index().objects().root(*anchor)).collect();
     let mut any = false;
@@ -220,7 +248,8 @@ fn tell_revisits(record: &mut Recorder<'_>, keyframe: KeyframeSeq, changed: &BTr
         for other in others {
             let mut event = Event::of(EventKind::AnchorsMatched);
             (event.anchor, event.other) = (Some(root), Some(other));
-            event.keyframe = record.index().keyframe(keyframe).map(|keyframe| keyframe.id.clone());
+            event.keyframe =
+                keyframe.and_then(|seq| record.index().keyframe(seq)).map(|keyframe| keyframe.id.clone());
             let described = record.index().objects().get(root).and_then(|object| object.description.as_ref());
             event.detail = described.map(|description| description.raw.to_string());
             record.tell(event);

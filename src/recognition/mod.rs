@@ -20,7 +20,7 @@
 //!
 //! Beside the paper: [`query`] is the keyframe that is asked about, [`sight`] and [`features`] are what geometry
 //! needs to know of it, [`evidence`] turns figures into a
-//! verdict, [`recorder`] keeps changes, [`correction`] moves poses and points, [`culling`] removes.
+//! verdict, [`recorder`] keeps changes, [`correction`] moves poses and points, [`describing`] takes a description by hand, [`culling`] removes.
 
 pub mod alignment;
 pub mod anchor_map;
@@ -34,6 +34,7 @@ pub mod contradiction;
 pub mod correction;
 pub mod covisibility;
 pub mod culling;
+pub mod describing;
 pub mod distinctiveness;
 pub mod evidence;
 pub mod features;

@@ -3,15 +3,13 @@
 use super::live::Decision;
 use super::maps::bad_cursor;
 use super::{Service, ServiceError, reports};
-use crate::model::change::Change;
-use crate::model::event::{Event, EventKind};
 use crate::model::ids::{AnchorSeq, MapId};
 use crate::model::keyframe::Crop;
 use crate::model::report::{AnchorReport, Page};
 use crate::model::request::AnchorFilter;
 use crate::recognition::culling::delete_object;
+use crate::recognition::describing::describe;
 use crate::recognition::index::MapIndex;
-use crate::recognition::recorder::Recorder;
 use crate::semantics::Text;
 
 impl Service {
@@ -61,16 +59,9 @@ impl Service {
         let live = self.live(map).await?;
         let decide = move |index: &mut MapIndex| {
             check_version(index, anchor, expected)?;
-            let mut record = Recorder::new(index);
-            record.apply(vec![Change::DescriptionSet(anchor, description.map(Into::into))]);
-            record.touch(anchor);
-            let mut event = Event::of(EventKind::AnchorDescribed);
-            event.anchor = Some(anchor);
-            let object = record.index().objects().get(anchor);
-            event.detail =
-                object.and_then(|o| o.description.as_ref()).map(|description| description.raw.to_string());
-            record.tell(event);
-            let decided = record.finish();
+            let decided = describe(index, anchor, description.map(Into::into));
+            // It may have become one with an older anchor.
+            let anchor = index.objects().root(anchor).unwrap_or(anchor);
             Ok(Decision::Changed(find(index, anchor)?, decided, None))
         };
         let (report, version) = self.change(&live, decide).await?;

@@ -5,11 +5,15 @@ use std::sync::Arc;
 
 use futures_util::{StreamExt as _, TryStreamExt as _, stream};
 use moka::future::Cache;
+use tokio::task::spawn_blocking;
 
-use super::ServiceError;
+use super::words::NamedVocabulary;
+use super::{ServiceError, panicked};
 use crate::model::ids::KeyframeSeq;
+use crate::model::keyframe::Features;
 use crate::recognition::conclusion::FeatureSet;
 use crate::recognition::features::MatchableFeatures;
+use crate::recognition::verification::descriptor_matching::NO_NODE;
 use crate::store::{MapKey, Store, StoreError};
 
 /// What the cache may hold: some thousand keyframes of a thousand features.
@@ -18,19 +22,21 @@ const CACHE_BYTES: u64 = 256 * 1024 * 1024;
 /// So many keyframes are read at once.
 const READS_AT_ONCE: usize = 8;
 
-/// The features of keyframes, by map and number. Both are never given twice and a keyframe's features never change, so
-/// nothing in here can be out of date.
+/// The features of keyframes, by map and number. Both are never given twice while the server runs, and a keyframe's
+/// features never change, so nothing in here can be out of date.
 #[derive(Clone, Debug)]
 pub(super) struct FeatureCache {
     cache: Cache<(MapKey, KeyframeSeq), Arc<MatchableFeatures>>,
+    /// Groups features by node, so that only those of one node are compared.
+    vocabulary: Option<Arc<NamedVocabulary>>,
 }
 
 impl FeatureCache {
-    pub fn new() -> Self {
+    pub fn new(vocabulary: Option<Arc<NamedVocabulary>>) -> Self {
         let weigh = |_: &(MapKey, KeyframeSeq), features: &Arc<MatchableFeatures>| {
             u32::try_from(features.heap_bytes()).unwrap_or(u32::MAX)
         };
-        Self { cache: Cache::builder().max_capacity(CACHE_BYTES).weigher(weigh).build() }
+        Self { cache: Cache::builder().max_capacity(CACHE_BYTES).weigher(weigh).build(), vocabulary }
     }
 
     /// The features of these keyframes; those without any are left out.
@@ -49,6 +55,14 @@ impl FeatureCache {
         Ok(FeatureSet { inline: None, stored })
     }
 
+    /// The features of a keyframe that is not stored, ready to be matched; `None` if their lists do not fit together.
+    pub async fn prepare(&self, features: Features) -> Result<Option<Arc<MatchableFeatures>>, ServiceError> {
+        let vocabulary = self.vocabulary.clone();
+        let prepared =
+            spawn_blocking(move || prepare(features, vocabulary.as_deref())).await.map_err(panicked)?;
+        Ok(prepared.map(Arc::new))
+    }
+
     async fn read_one(
         &self,
         store: &Store,
@@ -59,11 +73,28 @@ impl FeatureCache {
             return Ok(Some(known));
         }
         let Some(features) = store.features(map, seq).await? else { return Ok(None) };
-        let features = MatchableFeatures::of(features).ok_or_else(|| {
+        let prepared = self.prepare(features).await?;
+        let features = prepared.ok_or_else(|| {
             StoreError::Corrupt(format!("the features of keyframe {} do not fit together", seq.0))
         })?;
-        let features = Arc::new(features);
         self.cache.insert((map, seq), features.clone()).await;
         Ok(Some(features))
     }
+}
+
+/// Packs features, and groups them by the vocabulary's nodes if it has descriptors of their length.
+fn prepare(features: Features, vocabulary: Option<&NamedVocabulary>) -> Option<MatchableFeatures> {
+    let groups =
+        vocabulary.and_then(|named| Some(named.vocabulary.transform_features(&features).ok()?.groups));
+    let mut prepared = MatchableFeatures::of(features)?;
+    prepared.nodes = groups.map(|groups| {
+        let mut nodes = vec![NO_NODE; prepared.keypoints.len()];
+        for (node, of_node) in groups.iter() {
+            for feature in of_node {
+                nodes[*feature as usize] = node;
+            }
+        }
+        nodes
+    });
+    Some(prepared)
 }

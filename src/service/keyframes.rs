@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::live::{Decision, LiveMap};
 use super::maps::bad_cursor;
+use super::words::check_vocabulary;
 use super::{Begun, Service, ServiceError, Stored};
 use crate::model::anchor::{AnchorState, Outcome};
 use crate::model::ids::{KeyframeId, KeyframeSeq, MapId};
@@ -66,6 +67,7 @@ impl Service {
         digest: Digest,
     ) -> Result<PendingKeyframe, ServiceError> {
         let live = self.live(map).await?;
+        let keyframe = self.with_words(keyframe).await?;
         let id = keyframe.id.clone();
         let decide = move |index: &mut MapIndex| {
             if let Some(seq) = index.keyframe_seq(&keyframe.id) {
@@ -75,6 +77,7 @@ impl Service {
             if !errors.is_empty() {
                 return Err(ServiceError::Invalid(errors));
             }
+            check_vocabulary(index, &keyframe)?;
             let ingested = ingest(index, &keyframe);
             let mut report = report(index, &keyframe.id, ingested.keyframe, &ingested.outcomes);
             report.revisits = ingested.revisits;
@@ -269,6 +272,7 @@ fn record(
             map_from_camera: stored.map_from_camera,
             camera: stored.camera,
             bow: row.bow,
+            vocabulary: None,
             features: row.features,
             map_points: row.sent_points.into_iter().filter_map(position).collect(),
             observes: stored.observes.to_vec(),

@@ -6,7 +6,7 @@ use super::{Service, ServiceError, ServiceOptions};
 use crate::geometry::{Point3, Pose};
 use crate::model::bow::BowVector;
 use crate::model::ids::{AnchorSeq, KeyframeId, MapId};
-use crate::model::keyframe::{Crop, Detection, NewKeyframe, Stamp};
+use crate::model::keyframe::{CLIENTS_VOCABULARY, Crop, Detection, NewKeyframe, Stamp};
 use crate::model::map::MapProperties;
 use crate::model::request::{MapPatch, NewLoop, PoseCorrection};
 use crate::model::settings::SettingValue;
@@ -153,6 +153,7 @@ async fn send(service: &Service, map: &MapId, request: Request) -> Result<(), Se
                 map_from_camera: Pose::new([f64::from(name) * 0.1, 0.2, 0.3], [0.0, 0.6, 0.0, 0.8]).unwrap(),
                 camera: None,
                 bow: BowVector::normalised(words).unwrap(),
+                vocabulary: Some(CLIENTS_VOCABULARY.into()),
                 features: None,
                 map_points: points.iter().filter(|id| **id % 3 != 0).map(|id| (*id, point(*id))).collect(),
                 observes: points,
@@ -206,7 +207,7 @@ async fn send(service: &Service, map: &MapId, request: Request) -> Result<(), Se
 async fn holds_after(requests: Vec<Request>) {
     let folder = tempfile::tempdir().unwrap();
     let database = format!("sqlite://{}/law.db", folder.path().display());
-    let service = Service::open(ServiceOptions { database }).await.unwrap();
+    let service = Service::open(ServiceOptions::on(database)).await.unwrap();
     let map: MapId = "hotel".parse().unwrap();
     let mut properties = MapProperties { metric: true, ..MapProperties::default() };
     properties.settings.covisibility_min_shared_points = 3;

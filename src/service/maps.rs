@@ -128,6 +128,7 @@ fn report(id: MapId, state: &State) -> MapReport {
     MapReport {
         id,
         properties: state.index.properties().clone(),
+        vocabulary: state.index.vocabulary().map(str::to_owned),
         version: state.version,
         keyframes: state.index.keyframe_count(),
         anchors: state.index.objects().len(),

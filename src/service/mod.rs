@@ -18,7 +18,9 @@ mod poses;
 mod queries;
 mod registry;
 mod reports;
+mod words;
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
@@ -34,6 +36,7 @@ use crate::store::Store;
 use features::FeatureCache;
 use live::{Decision, LiveMap, Pending, State};
 use registry::Registry;
+use words::NamedVocabulary;
 
 /// At most so many writes are decided or wait for the disk at once; more wait their turn.
 const WRITES_AT_ONCE: usize = 512;
@@ -46,6 +49,15 @@ const READS_AT_ONCE: usize = 16;
 pub struct ServiceOptions {
     /// `sqlite://PATH`.
     pub database: String,
+    /// A vocabulary to compute words with, and to guide the matching of descriptors.
+    pub vocabulary: Option<PathBuf>,
+}
+
+impl ServiceOptions {
+    /// A service on this database, without a vocabulary.
+    pub fn on(database: impl Into<String>) -> Self {
+        Self { database: database.into(), vocabulary: None }
+    }
 }
 
 /// A write's result, and whether it was made now or had been before.
@@ -88,11 +100,16 @@ pub struct Service {
     writes: Arc<Semaphore>,
     reads: Arc<Semaphore>,
     features: FeatureCache,
+    vocabulary: Option<Arc<NamedVocabulary>>,
 }
 
 impl Service {
     /// Opens the database and gets ready; maps are loaded when they are first asked for.
     pub async fn open(options: ServiceOptions) -> Result<Self, ServiceError> {
+        let vocabulary = match options.vocabulary {
+            Some(path) => Some(Arc::new(words::load(path).await?)),
+            None => None,
+        };
         let store = Store::open(&options.database).await?;
         let registry = Arc::new(Registry::new(store.next_map_key().await?));
         Ok(Self {
@@ -100,7 +117,8 @@ impl Service {
             registry,
             writes: Arc::new(Semaphore::new(WRITES_AT_ONCE)),
             reads: Arc::new(Semaphore::new(READS_AT_ONCE)),
-            features: FeatureCache::new(),
+            features: FeatureCache::new(vocabulary.clone()),
+            vocabulary,
         })
     }
 

@@ -11,13 +11,13 @@ use tokio::time::{Instant, timeout_at};
 
 use super::keyframes::find;
 use super::live::LiveMap;
+use super::words::check_vocabulary;
 use super::{Service, ServiceError, closed, milliseconds_since, panicked};
 use crate::model::bow::BowVector;
-use crate::model::ids::MapId;
+use crate::model::ids::{KeyframeId, MapId};
 use crate::model::request::{LoopQuery, Subject};
 use crate::model::verdict::{ReasonCode, Verdict};
 use crate::recognition::conclusion::conclude;
-use crate::recognition::features::MatchableFeatures;
 use crate::recognition::index::MapIndex;
 use crate::recognition::ingest::check;
 use crate::recognition::loop_check::screen;
@@ -29,6 +29,8 @@ use crate::recognition::screening::Screening;
 pub struct QueryAnswer {
     /// Derived from the map's version and the query, so that the same question has the same name.
     pub id: String,
+    /// The keyframe that was asked about, unless it was inline.
+    pub keyframe: Option<KeyframeId>,
     /// The answer.
     pub verdict: Verdict,
     /// What it took. Not a part of the answer's body, which the same question gives again to the byte.
@@ -50,6 +52,10 @@ impl Service {
     /// Answers a loop query. Changes nothing, and calls no model.
     pub async fn loop_query(&self, map: &MapId, query: LoopQuery) -> Result<QueryAnswer, ServiceError> {
         let live = self.live(map).await?;
+        let mut query = query;
+        if let Subject::Inline(keyframe, _) = &mut query.subject {
+            **keyframe = self.with_words((**keyframe).clone()).await?;
+        }
         let query = Arc::new(query);
         let deadline = Instant::now() + Duration::from_millis(query.max_wait_ms);
         loop {
@@ -78,7 +84,9 @@ impl Service {
         let wanted = screening.wanted_features();
         let mut features = self.features.read(&self.store, live.key, wanted).await?;
         if let Subject::Inline(keyframe, _) = &query.subject {
-            features.inline = keyframe.features.clone().and_then(MatchableFeatures::of).map(Arc::new);
+            if let Some(own) = keyframe.features.clone() {
+                features.inline = self.features.prepare(own).await?;
+            }
         }
         timings.features_ms = milliseconds_since(started.into_std());
 
@@ -92,7 +100,11 @@ impl Service {
             spawn_blocking(move || conclude(screening, &features, seed)).await.map_err(panicked)?
         };
         timings.geometry_ms = milliseconds_since(started.into_std());
-        Ok(QueryAnswer { id: name(&live.id, version, query), verdict, timings })
+        let keyframe = match &query.subject {
+            Subject::Stored(id) => Some(id.clone()),
+            Subject::Inline(..) => None,
+        };
+        Ok(QueryAnswer { id: name(&live.id, version, query), keyframe, verdict, timings })
     }
 
     /// The bag of words of a stored keyframe; it lies on disk only.
@@ -139,6 +151,7 @@ fn screen_subject(
             if !errors.is_empty() {
                 return Err(ServiceError::Invalid(errors.into_iter().map(within_inline).collect()));
             }
+            check_vocabulary(index, keyframe)?;
             Query::inline(index, keyframe)
         }
     };

@@ -56,6 +56,9 @@ impl Store {
         let key: MapKey = row.try_get("map_key")?;
         let mut index = MapIndex::default();
         index.apply(&[Change::MapSet(Box::new(properties(&mut db, key, &row).await?))]);
+        if let Some(vocabulary) = row.try_get::<Option<String>, _>("vocabulary")? {
+            index.apply(&[Change::VocabularySet(vocabulary.into())]);
+        }
         index.apply(&sessions(&mut db, key).await?);
         load_points(&mut db, key, &mut index).await?;
         load_keyframes(&mut db, key, &mut index).await?;

@@ -180,6 +180,10 @@ async fn change_map(db: &mut SqliteConnection, batch: &Batch) -> Result<(), Stor
 async fn apply(db: &mut SqliteConnection, map: MapKey, change: &Change) -> Result<(), StoreError> {
     match change {
         Change::MapSet(properties) => set_properties(db, map, properties).await,
+        Change::VocabularySet(name) => {
+            let update = "update maps set vocabulary = $2 where map_key = $1";
+            run(db, sqlx::query(update).bind(map).bind(&**name)).await
+        }
         Change::SessionAdded(seq, id) => {
             let insert = "insert into sessions (map_key, session, id) values ($1, $2, $3)";
             run(db, sqlx::query(insert).bind(map).bind(seq.0).bind(id.as_str())).await

@@ -70,6 +70,9 @@ pub const DETECTIONS: usize = 500;
 pub const CLASS_CHARS: usize = 64;
 /// Characters of a text, a description or a search.
 pub const TEXT_CHARS: usize = 4096;
+
+/// The name of a vocabulary, in characters.
+pub const VOCABULARY_CHARS: usize = 128;
 /// Bytes of a crop, decoded.
 pub const CROP_BYTES: usize = 4 << 20;
 

@@ -72,6 +72,9 @@ pub struct MapView {
     pub anchor_classes: Vec<String>,
     /// Every setting in force.
     pub settings: MapSettings,
+    /// The vocabulary its words belong to: a fingerprint, a name that a client gave, or `client`; left out while it has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vocabulary: Option<String>,
     /// How many keyframes it holds.
     pub keyframes: usize,
     /// How many anchors it holds, merged ones counted once.
@@ -136,6 +139,7 @@ impl From<MapReport> for MapView {
         Self {
             id: map.id.to_string(),
             map_version: map.version,
+            vocabulary: map.vocabulary,
             settings: (&map.properties.settings).into(),
             description: map.properties.description,
             metric: map.properties.metric,

@@ -5,6 +5,7 @@ use utoipa::ToSchema;
 
 use super::geometry::GeometryView;
 use super::space::rounded;
+use crate::model::ids::KeyframeId;
 use crate::model::verdict::{
     AnchorEvidence, BowEvidence, Candidate, CandidateDecision, ContradictionEvidence, Decision,
     MatchEvidence, Reason, Verdict,
@@ -15,6 +16,9 @@ use crate::model::verdict::{
 pub struct LoopAnswer {
     /// The query's id, derived from what was asked, so that it repeats too.
     pub id: String,
+    /// The keyframe that was asked about; left out for an inline one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub keyframe: Option<String>,
     /// The map's version that was asked.
     pub map_version: u64,
     /// The answer.
@@ -161,9 +165,10 @@ pub struct ReasonView {
 
 impl LoopAnswer {
     /// The answer of a query.
-    pub fn of(id: &str, verdict: &Verdict) -> Self {
+    pub fn of(id: &str, keyframe: Option<&KeyframeId>, verdict: &Verdict) -> Self {
         Self {
             id: id.to_owned(),
+            keyframe: keyframe.map(ToString::to_string),
             map_version: verdict.map_version,
             verdict: verdict.decision.into(),
             best: verdict.best.as_ref().map(ToString::to_string),

@@ -12,3 +12,4 @@ mod readme;
 mod recordings;
 mod support;
 mod tidy;
+mod vocabulary;

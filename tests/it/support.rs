@@ -1,5 +1,7 @@
 //! A real server in this process, on a database of its own, and the few words needed to speak to it.
 
+use std::path::PathBuf;
+
 use reqwest::header::{CONTENT_TYPE, HeaderMap};
 use reqwest::{Method, RequestBuilder, StatusCode};
 use revisit::http::RunningServer;
@@ -25,9 +27,18 @@ pub struct Answer {
 impl Server {
     /// Starts a server on an empty database.
     pub async fn start() -> Self {
+        Self::with(None).await
+    }
+
+    /// Starts a server with a vocabulary.
+    pub async fn with_vocabulary(file: PathBuf) -> Self {
+        Self::with(Some(file)).await
+    }
+
+    async fn with(vocabulary: Option<PathBuf>) -> Self {
         let directory = tempfile::tempdir().expect("a temporary directory");
         let database = format!("sqlite://{}", directory.path().join("test.db").display());
-        let service = Service::open(ServiceOptions { database }).await.expect("a service");
+        let service = Service::open(ServiceOptions { database, vocabulary }).await.expect("a service");
         let running = RunningServer::start(service).await.expect("a free port");
         let http = reqwest::Client::builder().no_proxy().build().expect("a client");
         Self { http, running, _directory: directory }

@@ -1,7 +1,8 @@
 //! Loop queries: "is this keyframe a loop?", and the verdict read back with every figure.
 
 use axum::extract::State;
-use axum::response::Response;
+use axum::http::HeaderName;
+use axum::response::{IntoResponse as _, Response};
 use bytes::Bytes;
 
 use crate::http::App;
@@ -12,10 +13,13 @@ use crate::http::problem::Problem;
 use crate::http::refusals::{OfMapQuestion, OfRead};
 use crate::model::ids::MapId;
 use crate::model::request::LoopQuery;
-use crate::service::{QueryAnswer, Service};
+use crate::service::{QueryAnswer, Service, Timings};
 use crate::wire::examples;
 use crate::wire::loop_query::LoopQueryBody;
 use crate::wire::verdict::LoopAnswer;
+
+/// The W3C header in which a server tells what it spent its time on.
+const SERVER_TIMING: HeaderName = HeaderName::from_static("server-timing");
 
 /// Ask whether a keyframe is a loop
 ///
@@ -35,7 +39,8 @@ pub async fn query_loop(
     Body(query): Body<LoopQuery>,
 ) -> Result<Response, Problem> {
     let answer = ask(&app, &map, query).await?;
-    kept(&app, &map, &answer).map(|(_, bytes)| json_bytes(bytes))
+    let (_, bytes) = kept(&app, &map, &answer)?;
+    Ok(([(SERVER_TIMING, server_timing(answer.timings))], json_bytes(bytes)).into_response())
 }
 
 /// Read a verdict again
@@ -59,9 +64,15 @@ pub async fn ask(app: &App, map: &MapId, query: LoopQuery) -> Result<QueryAnswer
     Ok(answer)
 }
 
+/// What each step took, in milliseconds.
+fn server_timing(timings: Timings) -> String {
+    let Timings { screen_ms, features_ms, geometry_ms } = timings;
+    format!("screen;dur={screen_ms:.3}, features;dur={features_ms:.3}, geometry;dur={geometry_ms:.3}")
+}
+
 /// Writes an answer once, for the client and for the record.
 pub fn kept(app: &App, map: &MapId, answer: &QueryAnswer) -> Result<(LoopAnswer, Bytes), Problem> {
-    let view = LoopAnswer::of(&answer.id, &answer.verdict);
+    let view = LoopAnswer::of(&answer.id, answer.keyframe.as_ref(), &answer.verdict);
     let bytes = serde_json::to_vec(&view).map_err(|error| Problem::internal(error.to_string()))?;
     let bytes = Bytes::from(bytes);
     app.service.keep_query(map, &answer.id, bytes.clone());

@@ -54,7 +54,7 @@ pub async fn get_version(State(service): State<Service>) -> Result<Json<Version>
         name: build::NAME.to_owned(),
         version: build::VERSION.to_owned(),
         sqlite,
-        vocabulary: None,
+        vocabulary: service.vocabulary().map(|(name, _)| name.to_owned()),
     }))
 }
 

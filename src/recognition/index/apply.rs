@@ -43,6 +43,7 @@ impl MapIndex {
     fn apply_fact(&mut self, change: &Change, touched: &mut Touched) {
         match change {
             Change::MapSet(properties) => self.set_properties(properties, touched),
+            Change::VocabularySet(name) => self.vocabulary = Some(name.clone()),
             Change::SessionAdded(seq, id) => {
                 self.sessions.resize(self.sessions.len().max(seq.index() + 1), id.clone());
                 self.sessions[seq.index()] = id.clone();

@@ -35,6 +35,7 @@ pub struct MapIndex {
     keyframes: Vec<Option<Keyframe>>,
     anchors: Vec<Option<Anchor>>,
     loops: BTreeMap<LoopId, Loop>,
+    vocabulary: Option<Box<str>>,
 
     session_by_id: HashMap<SessionId, SessionSeq>,
     keyframe_by_id: HashMap<KeyframeId, KeyframeSeq>,
@@ -52,6 +53,11 @@ impl MapIndex {
     /// The map's description, classes and settings.
     pub fn properties(&self) -> &MapProperties {
         &self.properties
+    }
+
+    /// The vocabulary the map's words belong to, once there are any.
+    pub fn vocabulary(&self) -> Option<&str> {
+        self.vocabulary.as_deref()
     }
 
     /// A session's number.

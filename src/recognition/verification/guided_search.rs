@@ -126,7 +126,7 @@ impl<'a> GuidedSearch<'a> {
         grid: &KeypointGrid,
     ) -> Option<(u32, u32)> {
         let max_distance = self.limits.guided.max_distance * f64::from(view.descriptors.bits());
-        let radius_px = self.limits.guided.radius * self.limits.keypoint_sigma_px;
+        let radius_px = self.limits.guided.radius * self.limits.variance_px2(0).sqrt();
         grid.around(pixel, radius_px)
             .map(|feature| (distance(descriptor, view.descriptors.get(feature as usize)), feature))
             .filter(|&(distance, _)| f64::from(distance) <= max_distance)
@@ -147,11 +147,14 @@ impl<'a> GuidedSearch<'a> {
             }
         };
         let depth_of = |point: Option<Vector3<f64>>| point.and_then(|point| self.limits.depth(point.z));
-        let reprojection = |point, (pixel, inverse_variance), depth| Reprojection { point, pixel, inverse_variance, depth };
+        let reprojection =
+            |point, (pixel, inverse_variance), depth| Reprojection { point, pixel, inverse_variance, depth };
         let seen_by_query = sighting(self.query, query, self.limits);
         Correspondence {
             into_query: in_candidate.map(|point| reprojection(point, seen_by_query, depth_of(in_query))),
-            into_candidate: in_query.zip(seen).map(|(point, seen)| reprojection(point, seen, depth_of(in_candidate))),
+            into_candidate: in_query
+                .zip(seen)
+                .map(|(point, seen)| reprojection(point, seen, depth_of(in_candidate))),
             distance: proposal.distance,
             query_feature: proposal.query,
             candidate_feature,
@@ -165,12 +168,12 @@ type Sighting = ([f64; 2], f64);
 /// Where an image shows a feature.
 pub(super) fn sighting(view: &View, feature: usize, limits: &Limits) -> Sighting {
     let keypoint = &view.keypoints[feature];
-    ([keypoint.u, keypoint.v], limits.inverse_variance(keypoint.octave))
+    ([keypoint.u, keypoint.v], limits.variance_px2(keypoint.octave).recip())
 }
 
 /// Where the candidate's image would show a landmark that only its neighbours saw; `None` behind the camera.
 fn virtual_sighting(point: &Vector3<f64>, camera: &Pinhole, limits: &Limits) -> Option<Sighting> {
-    Some((camera.project(point)?, limits.inverse_variance(0)))
+    Some((camera.project(point)?, limits.variance_px2(0).recip()))
 }
 
 /// The features that have a position, with it.

@@ -20,11 +20,12 @@ pub struct Limits {
     pub fixed_scale: bool,
     /// How descriptors are matched.
     pub matching: MatchingLimits,
-    /// What a keypoint is off by at octave 0, in pixels: the keypoint's own position (1 px in ORB-SLAM) and what the
-    /// position of its point in the map adds. Landmarks of real maps are a hand's breadth off: between two maps of `euroc`
-    /// with 1 px two thirds of the true pairs are lost, from 3 px on nearly none.
+    /// What a keypoint's position scatters by at octave 0, in pixels (ORB-SLAM: 1).
     pub keypoint_sigma_px: f64,
-    /// How much more it scatters from octave to octave: the scale factor of ORB's image pyramid, 1.2.
+    /// What the place of its landmark in the map adds to that, in pixels, at any octave. Landmarks of real maps are a hand's
+    /// breadth off, and two maps drift: between two maps of `euroc` most true pairs are lost with 0, nearly none from 3 on.
+    pub landmark_sigma_px: f64,
+    /// How much more a keypoint scatters from octave to octave: the scale factor of ORB's image pyramid, 1.2.
     pub octave_factor: f64,
     /// What a point's depth in its own map scatters by, as a share of it. Small far-off planes look alike from either
     /// side of their normal; only the depth of their points tells.
@@ -47,6 +48,9 @@ pub struct Limits {
 pub struct SureLimits {
     /// The share of `min_inliers` that must be sure: 12 of 20.
     pub share: f64,
+    /// The share of the descriptor matches that must be sure: the more matches, the more of them agree by chance. In a
+    /// mirrored room with the same pictures a band of a tenth of them does; true pairs of `euroc` have 17 % and more.
+    pub share_of_matches: f64,
     /// The largest distance of their descriptors, as a share of the length (ORB-SLAM's `TH_LOW`: 50 of 256 bits).
     pub max_distance: f64,
 }
@@ -87,7 +91,7 @@ pub struct SamplingLimits {
 /// How the guided search looks for more matches around the projected points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GuidedLimits {
-    /// How far from the projection a keypoint may be, in standard deviations of its position.
+    /// How far from the projection a keypoint may be, in standard deviations at octave 0.
     pub radius: f64,
     /// The largest descriptor distance, as a share of the length.
     pub max_distance: f64,
@@ -106,10 +110,16 @@ impl Limits {
     pub const DEFAULT: Self = Self {
         min_matches: 20,
         min_inliers: 20,
-        sure: SureLimits { share: 0.6, max_distance: 55.0 / 256.0 },
+        sure: SureLimits { share: 0.6, share_of_matches: 0.125, max_distance: 55.0 / 256.0 },
         fixed_scale: true,
-        matching: MatchingLimits { max_distance: 100.0 / 256.0, max_ratio: 0.9, mutual: true, orientation: true },
-        keypoint_sigma_px: 3.5,
+        matching: MatchingLimits {
+            max_distance: 100.0 / 256.0,
+            max_ratio: 0.9,
+            mutual: true,
+            orientation: true,
+        },
+        keypoint_sigma_px: 1.0,
+        landmark_sigma_px: 3.35,
         octave_factor: 1.2,
         depth_sigma: 0.08,
         max_chi_square: 9.21,
@@ -125,9 +135,11 @@ impl Limits {
         guided: GuidedLimits { radius: 4.0, max_distance: 75.0 / 256.0, rounds: 2 },
     };
 
-    /// How many inliers must be sure; never fewer than the three that any transformation explains.
-    pub fn min_sure_inliers(&self) -> u32 {
-        ((f64::from(self.min_inliers) * self.sure.share).ceil() as u32).max(4)
+    /// How many inliers must be sure, of so many matches; always more than the three that any transformation explains.
+    pub fn min_sure_inliers(&self, matches: u32) -> u32 {
+        let least = (f64::from(self.min_inliers) * self.sure.share).ceil();
+        let of_matches = (f64::from(matches) * self.sure.share_of_matches).ceil();
+        (least.max(of_matches) as u32).max(4)
     }
 
     /// The depth of a point in its own camera; `None` behind it.
@@ -135,12 +147,12 @@ impl Limits {
         (metres > MIN_DEPTH).then(|| Depth { metres, inverse_sigma: (metres * self.depth_sigma).recip() })
     }
 
-    /// The inverse variance of a keypoint's position at an octave, per square pixel.
-    pub fn inverse_variance(&self, octave: u8) -> f64 {
+    /// The variance sigma^2(octave) of what a projected landmark and its keypoint are apart, in square pixels.
+    pub fn variance_px2(&self, octave: u8) -> f64 {
         let mut sigma_px = self.keypoint_sigma_px;
         for _ in 0..octave {
             sigma_px *= self.octave_factor;
         }
-        (sigma_px * sigma_px).recip()
+        sigma_px * sigma_px + self.landmark_sigma_px * self.landmark_sigma_px
     }
 }

@@ -234,7 +234,7 @@ fn find_transformation(
     result.sure_inliers = explained.iter().filter(is_sure).count() as u32;
     result.mean_reprojection_error_px = mean_error_px(&hypothesis, &explained);
     result.candidate_from_query = Some(candidate_from_query);
-    let (limit, sure_limit) = (limits.min_inliers, limits.min_sure_inliers());
+    let (limit, sure_limit) = (limits.min_inliers, limits.min_sure_inliers(result.matches));
     if result.inliers < limit {
         return Err(Failure::TooFewInliers { inliers: result.inliers, limit });
     }

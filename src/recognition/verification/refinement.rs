@@ -10,7 +10,7 @@ use crate::geometry::pinhole::Pinhole;
 const HUBER_SIGMAS: f64 = 1.345;
 /// Steps at most; it converges in three to six.
 const MAX_STEPS: u32 = 15;
-/// A step that lowers the cost by less than this share of it is the last.
+/// A step that changes the cost by less than this share of it is the last.
 const MIN_GAIN: f64 = 1e-6;
 /// The damping at the start, as a share of the diagonal.
 const FIRST_DAMPING: f64 = 1e-4;
@@ -43,14 +43,16 @@ pub fn refine(
             continue;
         };
         let next_cost = problem.cost(&next);
-        if next_cost >= cost || next_cost.is_nan() {
+        let gain = (cost - next_cost) / cost;
+        if gain > 0.0 {
+            (best, cost, damping) = (next, next_cost, damping / 10.0);
+        }
+        if gain.abs() < MIN_GAIN || gain.is_nan() {
+            break;
+        }
+        if gain < 0.0 {
             damping *= 10.0;
             continue;
-        }
-        let gain = (cost - next_cost) / cost;
-        (best, cost, damping) = (next, next_cost, damping / 10.0);
-        if gain < MIN_GAIN {
-            break;
         }
         normal = problem.linearise(&best, fixed_scale);
     }

@@ -108,7 +108,8 @@ fn seven_outliers_in_ten_are_borne() {
 
 #[test]
 fn mirrored_rooms_are_refused() {
-    for scene in [Scene::room(6, 400), Scene::wall(6, 400)] {
+    let rooms = (0..5).map(|seed| Scene::room(seed, 400));
+    for scene in rooms.chain((0..5).map(|seed| Scene::wall(seed, 400))) {
         let mut mirrored = scene.clone();
         for point in &mut mirrored.points {
             point.x = -point.x;
@@ -173,7 +174,7 @@ fn what_only_neighbours_saw_is_matched_too() {
     let without = verify(&query.view(), &candidate.view(), &[], &LIMITS, 7);
     let with = verify(&query.view(), &candidate.view(), &window, &LIMITS, 7);
     assert_eq!(with.status, Status::Verified);
-    assert!(with.projected_matches > without.projected_matches + 20, "{with:?} {without:?}");
+    assert!(with.projected_matches > without.projected_matches + 10, "{with:?} {without:?}");
     // A landmark given with several descriptors is still one landmark.
     let twice: Vec<Landmark> = window.iter().chain(&window).copied().collect();
     assert_eq!(verify(&query.view(), &candidate.view(), &twice, &LIMITS, 7), with);
@@ -188,7 +189,8 @@ fn repeats_and_threads_change_no_bit() {
     let bits = |seed: u64| {
         let found = verify(&query.view(), &candidate.view(), &[], &LIMITS, seed);
         let sim3 = found.candidate_from_query.expect("a transformation");
-        let floats = [sim3.translation_m().to_vec(), sim3.rotation_xyzw().to_vec(), vec![sim3.scale()]].concat();
+        let floats =
+            [sim3.translation_m().to_vec(), sim3.rotation_xyzw().to_vec(), vec![sim3.scale()]].concat();
         (format!("{found:?}"), floats.iter().map(|float| float.to_bits()).collect::<Vec<_>>())
     };
     let expected = bits(1);
@@ -206,7 +208,10 @@ fn what_cannot_be_compared_says_so() {
     let candidate = scene.seen_from(&from_yaw(0.0, [0.0; 3]), 1);
     let mut query = candidate.clone();
     query.descriptors = PackedDescriptors::from_bytes(8, &vec![0; 8 * query.keypoints.len()]).expect("packs");
-    assert_eq!(refused(&query, &candidate, &LIMITS), Failure::DescriptorLengths { query: 64, candidate: 256 });
+    assert_eq!(
+        refused(&query, &candidate, &LIMITS),
+        Failure::DescriptorLengths { query: 64, candidate: 256 }
+    );
     let empty = Keyframe::default();
     let nothing = Failure::TooFewMatches { matches: 0, limit: 20 };
     assert_eq!(refused(&empty, &candidate, &LIMITS), nothing);
@@ -222,7 +227,7 @@ fn too_few_sure_inliers_are_told_from_too_few() {
     let mut query = scene.seen_from(&from_yaw(0.1, [0.1, 0.0, 0.0]), 2);
     let strict = Limits { sure: SureLimits { max_distance: 0.0, ..LIMITS.sure }, ..LIMITS };
     let failure = refused(&query, &candidate, &strict);
-    assert!(matches!(failure, Failure::TooFewSureInliers { limit: 12, .. }), "{failure}");
+    assert!(matches!(failure, Failure::TooFewSureInliers { sure: 0, .. }), "{failure}");
     // Ten points are no three hundred.
     query.points_in_camera.iter_mut().skip(60).for_each(|point| *point = None);
     let many = Limits { min_matches: 3, min_inliers: 1_000, ..LIMITS };

@@ -259,6 +259,7 @@ impl From<&BowVector> for BowShape {
         Self {
             words: bow.words().to_vec(),
             weights: bow.weights().iter().map(|&units| shown(units)).collect(),
+            vocabulary: None,
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::geometry::{Point3, Pose};
 use crate::model::bow::BowVector;
 use crate::model::ids::{KeyframeId, PointId, SessionId};
 use crate::model::invalid::FieldError;
-use crate::model::keyframe::{Camera, Features, NewKeyframe, Stamp};
+use crate::model::keyframe::{CLIENTS_VOCABULARY, Camera, Features, NewKeyframe, Stamp};
 use crate::wire::digest::{self, Digest};
 use crate::wire::limits;
 use crate::wire::read::{self, Decode, Node};
@@ -66,13 +66,15 @@ fn keyframe(node: &Node<'_>, id: &KeyframeId, stored: bool) -> Option<SentKeyfra
     let covisible = body.optional("covisible", |node| covisible(node, stored.then_some(id)));
     let detections = body.optional("detections", |node| node.list(limits::DETECTIONS, detection::decode));
     let features = features?;
+    let (bow, vocabulary) = bow?.map_or_else(Default::default, |(bow, vocabulary)| (bow, Some(vocabulary)));
     let keyframe = NewKeyframe {
         id: id.clone(),
         session: session?.or_else(|| DEFAULT_SESSION.parse().ok())?,
         stamp: stamp?,
         map_from_camera: pose?,
         camera: camera?,
-        bow: bow?.unwrap_or_default(),
+        bow,
+        vocabulary,
         observes: observed(observes?.unwrap_or_default(), features.as_ref()),
         features,
         map_points: map_points?.unwrap_or_default(),
@@ -104,14 +106,16 @@ fn camera(node: &Node<'_>) -> Option<Camera> {
     Some(Camera { fx: fx?, fy: fy?, cx: cx?, cy: cy?, width: width?, height: height? })
 }
 
-fn bow(node: &Node<'_>) -> Option<BowVector> {
-    let body = node.object(&["words", "weights"])?;
+/// The bag of words, and whose words they are.
+fn bow(node: &Node<'_>) -> Option<(BowVector, Box<str>)> {
+    let body = node.object(&["words", "weights", "vocabulary"])?;
+    let vocabulary = body.optional("vocabulary", |node| node.text(limits::VOCABULARY_CHARS));
     let words = body.required("words", |node| unique(node, limits::WORDS, |word| word.count(limits::WORD)));
     let weights =
         body.required("weights", |node| node.list(limits::WORDS, |weight| weight.number(limits::WEIGHT)));
     body.parallel("words", "weights")?;
     match BowVector::normalised(words?.into_iter().zip(weights?).collect()) {
-        Ok(bow) => Some(bow),
+        Ok(bow) => Some((bow, vocabulary?.map_or_else(|| CLIENTS_VOCABULARY.into(), Into::into))),
         Err(error) => node.refuse(error.to_string(), "a bag of words"),
     }
 }

@@ -127,6 +127,10 @@ pub struct BowShape {
     /// Their weights, without unit; normalised to sum to one on arrival.
     #[schema(max_items = 65535, value_type = Vec<WordWeight>, inline)]
     pub weights: Vec<f64>,
+    /// Whose words these are, such as a vocabulary's fingerprint. Words of two vocabularies do not go into one map.
+    #[schema(max_length = 128)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vocabulary: Option<String>,
 }
 
 /// Binary features: three lists in parallel.

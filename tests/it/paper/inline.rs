@@ -23,6 +23,8 @@ fn figures(mut answer: Value, founded: &[String]) -> Value {
             }
         }
     }
+    // An inline keyframe has no name.
+    answer["keyframe"] = Value::Null;
     answer
 }
 

@@ -4,11 +4,13 @@ use proptest::prelude::*;
 
 use super::*;
 
-const ALL: MatchingLimits = MatchingLimits { max_distance: 1.0, max_ratio: 1.0, mutual: false, orientation: false };
+const ALL: MatchingLimits =
+    MatchingLimits { max_distance: 1.0, max_ratio: 1.0, mutual: false, orientation: false };
 
 /// Descriptors of two words with few bits set, so that distances tie.
 fn packed(words: &[(u64, u64)]) -> PackedDescriptors {
-    let bytes: Vec<u8> = words.iter().flat_map(|(a, b)| [a.to_le_bytes(), b.to_le_bytes()].concat()).collect();
+    let bytes: Vec<u8> =
+        words.iter().flat_map(|(a, b)| [a.to_le_bytes(), b.to_le_bytes()].concat()).collect();
     PackedDescriptors::from_bytes(16, &bytes).expect("two words each")
 }
 
@@ -25,7 +27,8 @@ fn plainly(query: &Side, candidate: &Side, limits: &MatchingLimits) -> Vec<Match
         let one = from.descriptors.get(feature as usize);
         let same = |&&other: &&u32| {
             !guided
-                || (node(from, feature) == node(to, other) && node(from, feature).is_some_and(|node| node != NO_NODE))
+                || (node(from, feature) == node(to, other)
+                    && node(from, feature).is_some_and(|node| node != NO_NODE))
         };
         let mut all: Vec<_> = to
             .features
@@ -40,7 +43,8 @@ fn plainly(query: &Side, candidate: &Side, limits: &MatchingLimits) -> Vec<Match
     for &feature in query.features {
         let ranked = near(query, feature, candidate);
         let Some(&(best, other)) = ranked.first() else { continue };
-        let is_clear = ranked.get(1).is_none_or(|&(second, _)| f64::from(best) < limits.max_ratio * f64::from(second));
+        let is_clear =
+            ranked.get(1).is_none_or(|&(second, _)| f64::from(best) < limits.max_ratio * f64::from(second));
         let is_mutual = !limits.mutual || near(candidate, other, query)[0].1 == feature;
         if f64::from(best) <= limits.max_distance * bits && is_clear && is_mutual {
             found.push(Match { query: feature, candidate: other, distance: best });

@@ -39,7 +39,8 @@ impl Scene {
     pub fn room(seed: u64, count: usize) -> Self {
         let mut rng = rng(seed);
         let mut draw = || {
-            let (x, y, z) = (rng.random_range(-3.0..3.0), rng.random_range(-1.5..1.5), rng.random_range(2.0..6.0));
+            let (x, y, z) =
+                (rng.random_range(-3.0..3.0), rng.random_range(-1.5..1.5), rng.random_range(2.0..6.0));
             if rng.random_bool(0.5) { Point3::new(x, y, 6.0) } else { Point3::new(x, y, z) }
         };
         Self::new(seed, (0..count).map(|_| draw()).collect())
@@ -133,7 +134,9 @@ impl Keyframe {
         }
         let bytes: Vec<u8> = order
             .iter()
-            .flat_map(|&at| self.descriptors.get(at).iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<_>>())
+            .flat_map(|&at| {
+                self.descriptors.get(at).iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<_>>()
+            })
             .collect();
         self.descriptors = PackedDescriptors::from_bytes(BYTES, &bytes).expect("whole descriptors");
     }
