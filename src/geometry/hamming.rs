@@ -219,9 +219,7 @@ mod tests {
         assert!(PackedDescriptors::from_bytes(12, &[1; 48]).is_none());
         assert!(PackedDescriptors::from_bytes(32, &[1; 48]).is_none());
         assert!(PackedDescriptors::from_bytes(0, &[]).is_none());
-        assert!(
-            PackedDescriptors::from_bytes(32, &[]).is_some_and(|none| none.is_empty() && none.len() == 0)
-        );
+        assert!(PackedDescriptors::from_bytes(32, &[]).is_some_and(|none| none.is_empty()));
         assert_eq!(PackedDescriptors::default().len(), 0);
     }
 }

@@ -14,7 +14,7 @@ pub fn describe(index: &mut MapIndex, anchor: AnchorSeq, description: Option<Box
     record.apply(vec![Change::DescriptionSet(anchor, description)]);
     record.touch(anchor);
     tell_description(&mut record, anchor);
-    merge_all(&mut record, anchor, |index, object| index.keyframes_of(object));
+    merge_all(&mut record, anchor, MapIndex::keyframes_of);
     tell_revisits(&mut record, None, &BTreeSet::from([anchor]));
     record.finish()
 }

@@ -83,10 +83,10 @@ impl Service {
         let started = Instant::now();
         let wanted = screening.wanted_features();
         let mut features = self.features.read(&self.store, live.key, wanted).await?;
-        if let Subject::Inline(keyframe, _) = &query.subject {
-            if let Some(own) = keyframe.features.clone() {
-                features.inline = self.features.prepare(own).await?;
-            }
+        if let Subject::Inline(keyframe, _) = &query.subject
+            && let Some(own) = keyframe.features.clone()
+        {
+            features.inline = self.features.prepare(own).await?;
         }
         timings.features_ms = milliseconds_since(started.into_std());
 

@@ -45,15 +45,11 @@ pub async fn put_keyframe(
     KeyframeInPath { place: InKeyframe { map, keyframe }, sent }: KeyframeInPath,
 ) -> Result<Response, Problem> {
     let stored = app.service.put_keyframe(&map, sent.keyframe, sent.digest).await?;
-    let loop_answer = match also.query {
-        Some(_) => Some(ask_about(&app, &map, keyframe, stored.created).await?),
-        None => {
-            if stored.created && stored.value.revisits {
-                trigger_loop_check(&app, &map, &keyframe);
-            }
-            None
-        }
-    };
+    let asked = also.query.is_some();
+    if !asked && stored.created && stored.value.revisits {
+        trigger_loop_check(&app, &map, &keyframe);
+    }
+    let loop_answer = if asked { Some(ask_about(&app, &map, keyframe, stored.created).await?) } else { None };
     Ok(written(stored.created, KeyframeAnswer { loop_answer, ..stored.value.into() }))
 }
 
