@@ -4,6 +4,8 @@ use std::cmp::Ordering;
 
 use serde::{Deserialize, Serialize};
 
+use crate::wire::geometry::Similarity;
+
 /// A map was declared.
 #[derive(Clone, Debug, Deserialize)]
 pub struct MapAnswer {
@@ -165,41 +167,6 @@ pub struct GeometryFigures {
     pub candidate_from_query: Option<Similarity>,
 }
 
-/// A Sim(3) transform.
-#[derive(Clone, Copy, Debug, Deserialize)]
-pub struct Similarity {
-    /// Scale, 1 on metric maps.
-    pub scale: f64,
-    /// Metres.
-    pub translation: Vector,
-    /// Unit quaternion.
-    pub rotation: Quaternion,
-}
-
-/// A vector, metres.
-#[derive(Clone, Copy, Debug, Deserialize)]
-pub struct Vector {
-    /// Along the first axis.
-    pub x: f64,
-    /// Along the second axis.
-    pub y: f64,
-    /// Along the third axis.
-    pub z: f64,
-}
-
-/// A unit quaternion, scalar last.
-#[derive(Clone, Copy, Debug, Deserialize)]
-pub struct Quaternion {
-    /// Factor of i.
-    pub x: f64,
-    /// Factor of j.
-    pub y: f64,
-    /// Factor of k.
-    pub z: f64,
-    /// The scalar.
-    pub w: f64,
-}
-
 /// Why a check said no, or could not say.
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 pub struct Reason {
@@ -241,6 +208,12 @@ impl LoopAnswer {
             Some(best) => self.candidate(best),
             None => self.candidates.iter().max_by(|a, b| a.nearness(b)),
         }
+    }
+
+    /// The best loop with the transformation to close it with.
+    pub fn best_transform(&self) -> Option<(&str, &Similarity)> {
+        let best = self.candidate(self.best.as_deref()?)?;
+        Some((&best.keyframe, best.geometry.as_ref()?.candidate_from_query.as_ref()?))
     }
 
     /// The candidate of this id.

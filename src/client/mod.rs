@@ -23,7 +23,7 @@ use serde_json::Value;
 
 pub use answers::{
     AnchorFigures, BowFigures, Candidate, CandidateVerdict, ClosedLoop, DetectionAnswer, GeometryFigures,
-    KeyframeAnswer, LoopAnswer, MapAnswer, Merged, Quaternion, Reason, Similarity, Vector, Verdict,
+    KeyframeAnswer, LoopAnswer, MapAnswer, Merged, Reason, Verdict,
 };
 pub use error::{ClientError, FieldProblem, Problem};
 

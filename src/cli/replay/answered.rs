@@ -116,6 +116,12 @@ impl Answered {
         best.is_some_and(|best| !best.correct)
     }
 
+    /// A loop was said that is true.
+    pub fn is_right(&self) -> bool {
+        let best = self.service().and_then(|marked| marked.best);
+        best.is_some_and(|best| best.correct)
+    }
+
     /// There is a loop, and it was not said.
     pub fn is_missed(&self) -> bool {
         self.has_truth() && self.verdict != Verdict::Loop

@@ -24,14 +24,14 @@ impl Times {
 
     pub fn latency(mut self) -> Latency {
         self.0.sort_by(f64::total_cmp);
-        Latency { p50: self.percentile(50), p99: self.percentile(99) }
+        Latency { p50: percentile(&self.0, 50), p99: percentile(&self.0, 99) }
     }
+}
 
-    /// By nearest rank: a time that was measured, of sorted times.
-    fn percentile(&self, percent: usize) -> Option<f64> {
-        let rank = (self.0.len() * percent).div_ceil(100);
-        self.0.get(rank.checked_sub(1)?).copied()
-    }
+/// By nearest rank: a figure that was measured, of sorted figures.
+pub(super) fn percentile(sorted: &[f64], percent: usize) -> Option<f64> {
+    let rank = (sorted.len() * percent).div_ceil(100);
+    sorted.get(rank.checked_sub(1)?).copied()
 }
 
 #[cfg(test)]

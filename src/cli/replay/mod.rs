@@ -6,12 +6,14 @@
 //! | `overrides` | settings of the recording's maps, changed for this replay |
 //! | `play` | operations become requests, answers are kept |
 //! | `answered` | one query: what is true, what was answered, and why |
+//! | `frames` | how far transformations are from the true ones |
 //! | `score` | precision and recall, of the service and of BoW alone |
 //! | `latency` | percentiles |
 //! | `report` | everything learnt, as the JSON object |
 //! | `table` | the same for a person to read |
 
 mod answered;
+mod frames;
 mod latency;
 mod overrides;
 mod play;
@@ -32,6 +34,7 @@ use clap::builder::BoolishValueParser;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::client::{Client, ClientError};
+use frames::Frames;
 use play::Player;
 use recording::Recording;
 use report::Report;
@@ -62,6 +65,9 @@ pub struct ReplayArgs {
     /// Which settings to change
     #[command(flatten)]
     pub overrides: Overrides,
+    /// Where each session's frame lies in a common one: checks the transformations of the loops found
+    #[arg(long, env = "REVISIT_FRAMES", value_name = "FILE")]
+    pub frames: Option<PathBuf>,
     /// One line for every query with a true loop that was not accepted: why not
     #[arg(long, env = "REVISIT_EXPLAIN", value_parser = BoolishValueParser::new())]
     pub explain: bool,
@@ -97,6 +103,9 @@ pub enum ReplayError {
         /// What the system says.
         source: io::Error,
     },
+    /// The file of frames is none.
+    #[error("{0}")]
+    Frames(String),
     /// No server to play against.
     #[error("cannot start a server to replay against: {0}")]
     OwnServer(Box<dyn Error + Send + Sync>),
@@ -162,13 +171,14 @@ where
 {
     let progress = progress_bar();
     let recording = open(args, &progress)?;
+    let frames = args.frames.as_deref().map(Frames::read).transpose().map_err(ReplayError::Frames)?;
     // Kept to the end: dropping it stops the server.
     let own_server = match &args.server {
         Some(_) => None,
         None => Some(own_server().await.map_err(ReplayError::OwnServer)?),
     };
     let client = connect(args, own_server.as_ref())?;
-    let player = Player::new(client, args, progress.clone());
+    let player = Player::new(client, args, progress.clone(), frames.unwrap_or_default());
     let played = player.play(recording).await;
     progress.finish_and_clear();
     Ok(Report::new(args, played?))

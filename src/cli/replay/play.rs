@@ -8,6 +8,7 @@ use indicatif::ProgressBar;
 use serde_json::{Map, Value};
 
 use super::answered::{Answered, Labels};
+use super::frames::Frames;
 use super::latency::Times;
 use super::overrides::Overrides;
 use super::recording::{Body, Line, Op, Recording};
@@ -51,10 +52,12 @@ pub(super) struct Played {
     pub query_times: Times,
     /// How long writing the keyframes took.
     pub keyframe_times: Times,
+    /// Where the sessions' frames lie, if that is known.
+    pub frames: Frames,
 }
 
 impl Player {
-    pub fn new(client: Client, args: &ReplayArgs, progress: ProgressBar) -> Self {
+    pub fn new(client: Client, args: &ReplayArgs, progress: ProgressBar, frames: Frames) -> Self {
         Self {
             client,
             map_prefix: args.map_prefix.clone(),
@@ -63,7 +66,7 @@ impl Player {
             keep_going: args.keep_going,
             progress,
             found: BTreeSet::new(),
-            played: Played::default(),
+            played: Played { frames, ..Played::default() },
         }
     }
 
@@ -127,6 +130,7 @@ impl Player {
     }
 
     async fn keyframe(&mut self, map: &str, id: &str, body: Body) -> Result<(), ClientError> {
+        self.played.frames.saw(map, id, &body);
         let body = Value::Object(body);
         let start = Instant::now();
         let answer = self.client.put_keyframe(map, id, &body, false).await?;
@@ -160,6 +164,9 @@ impl Player {
         let answer = self.client.loop_query(map, &body).await?;
         self.played.query_times.add(start.elapsed());
         let answered = Answered::new(map, &keyframe, labels, &answer);
+        if let (true, Some((best, transform))) = (answered.is_right(), answer.best_transform()) {
+            self.played.frames.found(map, &keyframe, best, transform);
+        }
         self.played.queries.push(answered);
         Ok(())
     }

@@ -7,6 +7,7 @@ use serde_json::{Map, Value};
 
 use super::ReplayArgs;
 use super::answered::{Answered, Figures};
+use super::frames::TransformErrors;
 use super::latency::Latency;
 use super::play::Played;
 use super::score::{Accuracy, BowOnly, accuracy, bow_only};
@@ -34,6 +35,9 @@ pub(super) struct Report {
     /// Queries not scored: the recording does not say what is true.
     pub unlabelled: usize,
     pub bow_only: BowOnly,
+    /// How far the transformations of true loops are off, with `--frames`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transform_errors: Option<TransformErrors>,
     /// Of the queries.
     pub latency_ms: Latency,
     /// Of writing keyframes.
@@ -91,6 +95,7 @@ impl Report {
             ignored: count(Answered::is_ignored),
             unlabelled: count(|query| query.labels.is_none()),
             bow_only: bow_only(&bow_alone),
+            transform_errors: played.frames.errors(),
             reasons: Reasons::of(queries),
             false_loops: lines(queries, Answered::is_false_loop),
             missed: args.explain.then(|| lines(queries, Answered::is_missed)),

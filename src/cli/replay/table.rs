@@ -74,6 +74,14 @@ fn write_verdicts(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
     let (no_loop, undecided) = (report.no_loop, report.undecided);
     let loops = report.queries - no_loop - undecided;
     writeln!(f, "\nverdicts  {loops} loop, {no_loop} no_loop, {undecided} undecided")?;
+    if let Some(errors) = &report.transform_errors {
+        let (t, r) = (errors.translation_m, errors.rotation_deg);
+        writeln!(
+            f,
+            "transform of {} true loops off by {:.3} m, {:.2} deg at the median ({:.3} m, {:.2} deg at p90)",
+            errors.compared, t.median, r.median, t.p90, r.p90
+        )?;
+    }
     let (queries, keyframes) = (report.latency_ms, report.keyframe_latency_ms);
     let (queries, keyframes) = (latency(queries), latency(keyframes));
     writeln!(f, "latency   query {queries}; keyframe write {keyframes}")

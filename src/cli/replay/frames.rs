@@ -1,0 +1,113 @@
+//! Frames: how far the transformations of accepted loops are from where the sessions' frames are known to lie.
+//!
+//! A recording of several robots may come with a file that tells where each session's frame lies in a common one. The
+//! true camera-to-camera transformation then follows from the poses, and an answer's `candidate_from_query` is held
+//! against it.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::latency::percentile;
+use crate::geometry::Pose;
+use crate::wire::geometry::Similarity;
+use crate::wire::space::Transform;
+
+/// Where each session's frame lies in a common one, and where each keyframe was taken.
+#[derive(Debug, Default)]
+pub(super) struct Frames {
+    common_from_session: BTreeMap<String, Pose>,
+    common_from_camera: BTreeMap<(String, String), Pose>,
+    errors: Vec<(f64, f64)>,
+}
+
+#[derive(Deserialize)]
+struct FramesFile {
+    common_from_session: BTreeMap<String, Transform>,
+}
+
+/// How far transformations are off.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(super) struct TransformErrors {
+    /// Loops compared: accepted, true, with a transformation, in sessions whose frames are known.
+    pub compared: usize,
+    /// Between the two translations, in metres.
+    pub translation_m: Spread,
+    /// The angle between the two rotations, in degrees.
+    pub rotation_deg: Spread,
+}
+
+/// The middle and the upper end of a set of figures.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(super) struct Spread {
+    pub median: f64,
+    pub p90: f64,
+}
+
+impl Frames {
+    /// Reads `{"common_from_session": {session: transform}}`.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        let file = File::open(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
+        let read: FramesFile = serde_json::from_reader(BufReader::new(file))
+            .map_err(|error| format!("{}: {error}", path.display()))?;
+        let mut common_from_session = BTreeMap::new();
+        for (session, transform) in read.common_from_session {
+            let pose =
+                pose(transform).ok_or_else(|| format!("{}: {session} has no rotation", path.display()))?;
+            common_from_session.insert(session, pose);
+        }
+        Ok(Self { common_from_session, ..Self::default() })
+    }
+
+    /// A keyframe was sent.
+    pub fn saw(&mut self, map: &str, id: &str, body: &serde_json::Map<String, Value>) {
+        let session = body.get("session").and_then(Value::as_str).unwrap_or("default");
+        let sent = body.get("pose").and_then(|pose| Transform::deserialize(pose).ok()).and_then(pose);
+        if let (Some(common_from_session), Some(session_from_camera)) =
+            (self.common_from_session.get(session), sent)
+        {
+            let common_from_camera = common_from_session.after(&session_from_camera);
+            self.common_from_camera.insert((map.to_owned(), id.to_owned()), common_from_camera);
+        }
+    }
+
+    /// A true loop was found, with this transformation.
+    pub fn found(&mut self, map: &str, query: &str, candidate: &str, candidate_from_query: &Similarity) {
+        let camera = |id: &str| self.common_from_camera.get(&(map.to_owned(), id.to_owned()));
+        let (Some(query), Some(candidate)) = (camera(query), camera(candidate)) else { return };
+        let expected = candidate.inverse().after(query);
+        let Some(answered) = pose(Transform {
+            translation: candidate_from_query.translation,
+            rotation: candidate_from_query.rotation,
+        }) else {
+            return;
+        };
+        let off = expected.inverse().after(&answered);
+        let [.., w] = off.rotation_xyzw();
+        let [a, b] = [expected, answered].map(|pose| pose.centre());
+        self.errors.push(((a - b).norm(), 2.0 * w.abs().min(1.0).acos().to_degrees()));
+    }
+
+    /// What came of it; nothing if nothing could be compared.
+    pub fn errors(&self) -> Option<TransformErrors> {
+        let spread = |of: fn(&(f64, f64)) -> f64| {
+            let mut sorted: Vec<f64> = self.errors.iter().map(of).collect();
+            sorted.sort_by(f64::total_cmp);
+            Some(Spread { median: percentile(&sorted, 50)?, p90: percentile(&sorted, 90)? })
+        };
+        Some(TransformErrors {
+            compared: self.errors.len(),
+            translation_m: spread(|error| error.0)?,
+            rotation_deg: spread(|error| error.1)?,
+        })
+    }
+}
+
+fn pose(transform: Transform) -> Option<Pose> {
+    let (t, r) = (transform.translation, transform.rotation);
+    Pose::new([t.x, t.y, t.z], [r.x, r.y, r.z, r.w])
+}
