@@ -233,7 +233,15 @@ pub fn loop_answer() -> Value {
                     }],
                     "contradictions": []
                 },
-                "geometry": {"status": "skipped", "reason": "this server does not verify geometry yet"}
+                "geometry": {
+                    "status": "verified", "model": "sim3", "matches": 190, "hypotheses": 34, "inliers": 143,
+                    "mean_reprojection_error_px": 1.2,
+                    "candidate_from_query": {
+                        "scale": 1.0,
+                        "translation": {"x": 0.2, "y": 0.0, "z": -0.1},
+                        "rotation": {"x": 0.0, "y": 0.087, "z": 0.0, "w": 0.9962}
+                    }
+                }
             },
             {
                 "keyframe": "kf-44",
@@ -247,7 +255,7 @@ pub fn loop_answer() -> Value {
                         "reason": "reads 910 where 901 hung", "weight": 1.0
                     }]
                 },
-                "geometry": {"status": "skipped", "reason": "the anchors decided"},
+                "geometry": {"status": "skipped", "reason": "an earlier check decided"},
                 "reason": {
                     "code": "contradiction", "measured": 1.0, "limit": 0.0,
                     "detail": "1 pair of sure identifiers contradicts"

@@ -107,8 +107,8 @@ pub async fn delete_anchor(
     get, path = "/v1/maps/{map}/anchors/{anchor}/crop", tag = "anchors", params(AnchorPath),
     responses(
         (status = 200, description = "The image", content(
-            (Vec<u8> = "image/png", example = "(the bytes of a PNG file)"),
-            (Vec<u8> = "image/jpeg", example = "(the bytes of a JPEG file)")
+            (ImageFile = "image/png", example = "(the bytes of a PNG file)"),
+            (ImageFile = "image/jpeg", example = "(the bytes of a JPEG file)")
         )),
         OfRead
     )
@@ -121,6 +121,12 @@ pub async fn get_crop(
     // A client sent it, and browsers shall not find a page in it.
     Ok(([(CONTENT_TYPE, crop.media_type), (X_CONTENT_TYPE_OPTIONS, "nosniff")], crop.bytes).into_response())
 }
+
+/// An image file, as bytes.
+#[derive(utoipa::ToSchema)]
+#[schema(value_type = String, format = Binary)]
+#[expect(dead_code, reason = "a schema only")]
+pub struct ImageFile(Vec<u8>);
 
 fn tagged(anchor: AnchorView) -> Response {
     ([(ETAG, etag(anchor.version))], Json(anchor)).into_response()
