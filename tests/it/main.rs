@@ -6,6 +6,7 @@
 mod bad_input;
 mod bounds;
 mod crash;
+mod geometry;
 mod openapi;
 mod paper;
 mod readme;
