@@ -198,6 +198,9 @@ pub struct GeometryEvidence {
 /// What geometric verification found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GeometryFigures {
+    /// What was looked for: `sim3`, or `essential` where nothing is triangulated (the translation's length is then unknown
+    /// and given as 1).
+    pub model: &'static str,
     /// Descriptor matches between points with positions on both sides.
     pub matches: u32,
     /// Samples that RANSAC drew.

@@ -8,7 +8,8 @@ use super::evidence;
 use super::features::MatchableFeatures;
 use super::screening::{Screened, Screening, Standing};
 use super::sight::Sight;
-use super::verification::{Limits, Status, Verification, View, verify};
+use super::verification::essential::verify_essential;
+use super::verification::{Limits, Model, Status, Verification, View, verify};
 use crate::model::ids::KeyframeSeq;
 use crate::model::verdict::{Candidate, CandidateDecision, Decision, ReasonCode, Verdict, Verify};
 
@@ -79,17 +80,21 @@ fn run_geometry(
     let limits = limits(screening);
     let query_points = query_sight.points_in_camera(query);
     let candidate_points = candidate_sight.points_in_camera(candidate);
-    let enough = |points: &[Option<_>]| points.iter().flatten().count() >= limits.min_matches as usize;
-    if !enough(&query_points) {
-        return Err("the query has too few features with triangulated map points");
+    let min_matches = limits.min_matches as usize;
+    if query.keypoints.len() < min_matches || candidate.keypoints.len() < min_matches {
+        return Err("one of the two has fewer features than geometry_min_matches");
     }
-    if !enough(&candidate_points) {
-        return Err("the candidate has too few features with triangulated map points");
+    let triangulated = |points: &[Option<_>]| points.iter().flatten().count() >= min_matches;
+    if !triangulated(&query_points) || !triangulated(&candidate_points) {
+        // Monocular, before scale: directions alone can confirm the place.
+        let query = view(query_sight, query, &query_points);
+        let candidate = view(candidate_sight, candidate, &candidate_points);
+        return Ok(verify_essential(&query, &candidate, &limits, seed));
     }
     let window: Vec<_> = (candidate_sight.window.iter())
         .filter_map(|seq| Some((*seq, features.stored.get(seq)?.as_ref())))
         .collect();
-    let landmarks = candidate_sight.landmarks(candidate, &window);
+    let landmarks = candidate_sight.landmarks(candidate, &window, (query_sight, query));
     let query = view(query_sight, query, &query_points);
     let candidate = view(candidate_sight, candidate, &candidate_points);
     Ok(verify(&query, &candidate, &landmarks, &limits, seed))
@@ -131,10 +136,11 @@ fn judge_geometry(
         candidate.reason = Some(evidence::too_few_inliers(verification, settings));
         return;
     }
-    let Some(transform) = verification.candidate_from_query.filter(|_| screened.compared.has_anchors())
-    else {
-        return;
-    };
+    // A translation of unknown length puts no anchor anywhere.
+    let is_metric = verification.model == Model::Sim3;
+    let transform =
+        verification.candidate_from_query.filter(|_| is_metric && screened.compared.has_anchors());
+    let Some(transform) = transform else { return };
     let aligned = screened.compared.under(&transform, settings);
     if let Some(anchors) = &mut candidate.anchors {
         evidence::align(anchors, &aligned);

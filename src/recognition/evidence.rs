@@ -92,6 +92,7 @@ pub(super) fn geometry(verification: &Verification) -> GeometryEvidence {
         },
         reason: verification.failure.map(|failure| failure.to_string()),
         figures: Some(GeometryFigures {
+            model: verification.model.as_str(),
             matches: verification.matches,
             hypotheses: verification.hypotheses,
             inliers: verification.inliers,

@@ -21,6 +21,8 @@ const WINDOW_KEYFRAMES: usize = 10;
 pub struct Sight {
     /// Its camera.
     pub camera: Camera,
+    /// The session whose numbers its map points have; none if the map does not know it.
+    session: Option<SessionSeq>,
     session_from_camera: Pose,
     positions_in_session: HashMap<PointId, Point3>,
     /// The covisible keyframes of its session whose points join the guided search.
@@ -33,6 +35,7 @@ impl Sight {
         let keyframe = index.keyframe(seq)?;
         let mut sight = Self {
             camera: keyframe.camera?,
+            session: Some(keyframe.session),
             session_from_camera: keyframe.map_from_camera,
             positions_in_session: HashMap::new(),
             window: window(index, seq, keyframe.session),
@@ -50,6 +53,7 @@ impl Sight {
     pub fn inline(index: &MapIndex, keyframe: &NewKeyframe) -> Option<Self> {
         let mut sight = Self {
             camera: keyframe.camera?,
+            session: index.session(&keyframe.session),
             session_from_camera: keyframe.map_from_camera,
             positions_in_session: HashMap::new(),
             window: Vec::new(),
@@ -77,11 +81,13 @@ impl Sight {
     }
 
     /// The points that the window's keyframes see and this one does not, each with every descriptor it was
-    /// seen by. They are numbered in the order of their ids.
+    /// seen by. They are numbered in the order of their ids. A point that the query sees under the same number is
+    /// left out, too: that it matches says what is known already.
     pub fn landmarks<'a>(
         &self,
         own: &MatchableFeatures,
         window: &'a [(KeyframeSeq, &'a MatchableFeatures)],
+        query: (&Self, &MatchableFeatures),
     ) -> Vec<Landmark<'a>> {
         let mut seen: BTreeMap<PointId, Vec<&'a [u64]>> = BTreeMap::new();
         for (_, features) in window {
@@ -91,13 +97,14 @@ impl Sight {
                 }
             }
         }
-        for id in own.map_points.iter().flatten() {
+        let known = if query.0.session == self.session { &query.1.map_points[..] } else { &[] };
+        for id in own.map_points.iter().chain(known).flatten() {
             seen.remove(id);
         }
         let mut landmarks = Vec::new();
         for (number, (id, descriptors)) in seen.into_iter().enumerate() {
             let Some(point_in_camera) = self.point_in_camera(id) else { continue };
-            let landmark = |descriptor| Landmark { id: number as _, point_in_camera, descriptor };
+            let landmark = |descriptor| Landmark { id: number as u64, point_in_camera, descriptor };
             landmarks.extend(descriptors.into_iter().map(landmark));
         }
         landmarks

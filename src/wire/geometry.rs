@@ -16,7 +16,8 @@ pub struct GeometryView {
     /// Why it was skipped or failed, for a person.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
-    /// What was looked for: `sim3`, a similarity from points with positions on both sides.
+    /// What was looked for: `sim3`, a similarity from triangulated points; or `essential`, from directions alone, where
+    /// too few are triangulated: the translation's length is then unknown and given as 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model: Option<String>,
     /// Descriptor matches between features with triangulated map points on both sides.
@@ -70,7 +71,7 @@ impl From<&GeometryEvidence> for GeometryView {
         Self {
             status,
             reason: geometry.reason.clone(),
-            model: figures.map(|_| "sim3".to_owned()),
+            model: figures.map(|figures| figures.model.to_owned()),
             matches: number(|figures| figures.matches),
             hypotheses: number(|figures| figures.hypotheses),
             inliers: number(|figures| figures.inliers),

@@ -114,7 +114,8 @@ fn number(value: &Value) -> f64 {
 /// How far an answered transformation is from the planted one: metres, degrees.
 fn off(answered: &Value, planted: &Pose) -> (f64, f64) {
     let (t, r) = (&answered["translation"], &answered["rotation"]);
-    let answered = Pose::new(["x", "y", "z"].map(|axis| number(&t[axis])), ["x", "y", "z", "w"].map(|i| number(&r[i])));
+    let answered =
+        Pose::new(["x", "y", "z"].map(|axis| number(&t[axis])), ["x", "y", "z", "w"].map(|i| number(&r[i])));
     let answered = answered.expect("a rotation");
     let [.., w] = planted.inverse().after(&answered).rotation_xyzw();
     ((planted.centre() - answered.centre()).norm(), 2.0 * w.abs().min(1.0).acos().to_degrees())
@@ -166,7 +167,11 @@ async fn without_anchors_geometry_decides_only_where_the_map_says_so() {
         let query = Shot::of(room, query_pose()).body("b", features);
         let settings = json!({"without_anchors": policy});
         let (verdict, found) = asked(&candidate.body("a", true), &query, settings, "auto").await;
-        assert_eq!([verdict.as_str(), found["reason"]["code"].as_str().unwrap_or("none")], expected, "{found:#}");
+        assert_eq!(
+            [verdict.as_str(), found["reason"]["code"].as_str().unwrap_or("none")],
+            expected,
+            "{found:#}"
+        );
     };
     check(1, true, "geometry", ["loop", "none"]).await;
     check(2, true, "geometry", ["no_loop", "too_few_inliers"]).await;
@@ -204,7 +209,11 @@ async fn identifiers_contradict_under_the_transformation_where_bearings_cannot_t
     let (verdict, found) = asked(&candidate, &query, settings.clone(), "anchors").await;
     assert_eq!(verdict, "loop", "{found:#}");
     let (verdict, found) = asked(&candidate, &query, settings.clone(), "auto").await;
-    assert_eq!((verdict.as_str(), &found["reason"]["code"]), ("no_loop", &json!("contradiction")), "{found:#}");
+    assert_eq!(
+        (verdict.as_str(), &found["reason"]["code"]),
+        ("no_loop", &json!("contradiction")),
+        "{found:#}"
+    );
     assert_eq!(found["anchors"]["contradictions"][0]["reason"], "reads 955 where 777 hung");
     // A metre away it is another plate.
     let query = closer().plates(&[side, ("room 955", [1.0, 0.0, 2.5])]).body("b", true);
@@ -238,7 +247,37 @@ async fn a_map_without_metres_finds_the_scale_and_settings_gate() {
     assert!((scale - 2.0).abs() < 0.02, "{scale}");
     server.patch("/v1/maps/m", &json!({"settings": {"geometry_min_inliers": 1000}})).await.expect(200);
     let found = ask(&server, "auto").await["candidates"][0].clone();
-    assert_eq!((&found["reason"]["code"], number(&found["reason"]["limit"])), (&json!("too_few_inliers"), 1000.0));
+    assert_eq!(
+        (&found["reason"]["code"], number(&found["reason"]["limit"])),
+        (&json!("too_few_inliers"), 1000.0)
+    );
+}
+
+#[tokio::test]
+async fn points_that_nobody_has_triangulated_are_verified_by_directions_alone() {
+    let candidate = Shot::of(1, Pose::identity()).plates(&[DOOR]);
+    let flat = |shot: &Shot, session: &str| {
+        let mut body = shot.body(session, true);
+        body["map_points"] = json!({"ids": [], "positions": []});
+        body
+    };
+    let check = async |query: &Shot, expected: [&str; 3]| {
+        let (verdict, found) = asked(&flat(&candidate, "a"), &flat(query, "b"), json!({}), "geometry").await;
+        let geometry = &found["geometry"];
+        let said = [verdict.as_str(), geometry["model"].as_str().unwrap(), geometry["status"].as_str().unwrap()];
+        assert_eq!(said, expected, "{found:#}");
+        found
+    };
+    let moved = Shot::of(1, query_pose()).plates(&[DOOR]);
+    let found = check(&moved, ["loop", "essential", "verified"]).await;
+    // The direction is the planted one; its length nobody knows, and 1 is said.
+    let t = ["x", "y", "z"].map(|axis| number(&found["geometry"]["candidate_from_query"]["translation"][axis]));
+    let planted = query_pose().translation_m();
+    let length = planted.iter().map(|x| x * x).sum::<f64>().sqrt();
+    assert!((0..3).all(|axis| (t[axis] - planted[axis] / length).abs() < 0.01), "{t:?}");
+    check(&Shot::of(2, query_pose()).plates(&[DOOR]), ["no_loop", "essential", "failed"]).await;
+    // A camera that only turned.
+    check(&Shot::of(1, pose([0.0; 3], 12.0)).plates(&[DOOR]), ["no_loop", "essential", "failed"]).await;
 }
 
 #[tokio::test]
@@ -247,12 +286,18 @@ async fn a_thousand_times_the_same_question_from_eight_clients_gets_the_same_byt
     store(&server, "candidate", &Shot::of(1, Pose::identity()).plates(&[DOOR]).body("a", true)).await;
     store(&server, "query", &Shot::of(1, query_pose()).plates(&[DOOR]).body("b", true)).await;
     let question = json!({"keyframe": "query", "seed": 7});
-    let first = server.request(reqwest::Method::POST, "/v1/maps/m/loop-queries").json(&question).send().await.unwrap();
+    let first = server
+        .request(reqwest::Method::POST, "/v1/maps/m/loop-queries")
+        .json(&question)
+        .send()
+        .await
+        .unwrap();
     let timing = first.headers()["server-timing"].to_str().unwrap().to_owned();
     assert!(["screen", "features", "geometry"].iter().all(|step| timing.contains(step)), "{timing}");
     let first = first.bytes().await.unwrap();
     let clients = (0..8).map(|_| {
-        let (request, first) = (server.request(reqwest::Method::POST, "/v1/maps/m/loop-queries"), first.clone());
+        let (request, first) =
+            (server.request(reqwest::Method::POST, "/v1/maps/m/loop-queries"), first.clone());
         let request = request.json(&question);
         tokio::spawn(async move {
             for _ in 0..125 {
@@ -264,6 +309,7 @@ async fn a_thousand_times_the_same_question_from_eight_clients_gets_the_same_byt
     for client in clients.collect::<Vec<_>>() {
         client.await.unwrap();
     }
-    let other = server.post("/v1/maps/m/loop-queries", &json!({"keyframe": "query", "seed": 8})).await.expect(200);
+    let other =
+        server.post("/v1/maps/m/loop-queries", &json!({"keyframe": "query", "seed": 8})).await.expect(200);
     assert_ne!(other["id"], serde_json::from_slice::<Value>(&first).unwrap()["id"]);
 }

@@ -6,6 +6,7 @@
 //! | find a transformation most of them agree with | [`ransac`], [`correspondence`] |
 //! | refine it on the reprojection errors | [`refinement`] |
 //! | project, match again, count | [`guided_search`], [`keypoint_grid`] |
+//! | where nothing is triangulated: directions alone | [`essential`] |
 //! | the thresholds | [`limits`] |
 //!
 //! The steps are those of ORB-SLAM3's loop detection (C. Campos et al., T-RO 2021). Unlike there, a point must lie in
@@ -14,6 +15,7 @@
 
 pub mod correspondence;
 pub mod descriptor_matching;
+pub mod essential;
 pub mod guided_search;
 pub mod keypoint_grid;
 pub mod limits;
@@ -79,6 +81,18 @@ pub struct Landmark<'a> {
 pub enum Model {
     /// A similarity from points with positions on both sides.
     Sim3,
+    /// An essential matrix from directions alone: the translation's length is unknown, and reported as 1.
+    Essential,
+}
+
+impl Model {
+    /// The model's name in the contract.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Sim3 => "sim3",
+            Self::Essential => "essential",
+        }
+    }
 }
 
 /// Is the candidate the query's place?
@@ -125,6 +139,14 @@ pub enum Failure {
         /// `Limits::min_inliers`.
         limit: u32,
     },
+    /// The camera has only turned, as far as can be told.
+    #[error("{millidegrees} thousandths of a degree of parallax, of {limit} needed")]
+    TooLittleParallax {
+        /// The median angle left after the best rotation, in thousandths of a degree.
+        millidegrees: u32,
+        /// The least that tells.
+        limit: u32,
+    },
     /// Too few of the features it explains are beyond doubt.
     #[error("{sure} inliers have a position on both sides and near descriptors, of {limit} needed")]
     TooFewSureInliers {
@@ -163,6 +185,25 @@ pub struct Verification {
     pub failure: Option<Failure>,
 }
 
+impl Verification {
+    /// Before anything was looked at.
+    fn started(model: Model) -> Self {
+        Self {
+            status: Status::Failed,
+            model,
+            matches: 0,
+            hypotheses: 0,
+            matched_inliers: 0,
+            projected_matches: 0,
+            inliers: 0,
+            sure_inliers: 0,
+            mean_reprojection_error_px: None,
+            candidate_from_query: None,
+            failure: None,
+        }
+    }
+}
+
 /// Verifies one candidate. The same values give the same bits, on any thread.
 pub fn verify(
     query: &View,
@@ -171,19 +212,8 @@ pub fn verify(
     limits: &Limits,
     seed: u64,
 ) -> Verification {
-    let mut result = Verification {
-        status: Status::Failed,
-        model: Model::Sim3,
-        matches: 0,
-        hypotheses: 0,
-        matched_inliers: 0,
-        projected_matches: 0,
-        inliers: 0,
-        sure_inliers: 0,
-        mean_reprojection_error_px: None,
-        candidate_from_query: None,
-        failure: None,
-    };
+    let mut result = Verification::started(Model::Sim3);
+
     match find_transformation(query, candidate, window, limits, seed, &mut result) {
         Ok(()) => result.status = Status::Verified,
         Err(failure) => result.failure = Some(failure),
