@@ -264,14 +264,16 @@ async fn points_that_nobody_has_triangulated_are_verified_by_directions_alone() 
     let check = async |query: &Shot, expected: [&str; 3]| {
         let (verdict, found) = asked(&flat(&candidate, "a"), &flat(query, "b"), json!({}), "geometry").await;
         let geometry = &found["geometry"];
-        let said = [verdict.as_str(), geometry["model"].as_str().unwrap(), geometry["status"].as_str().unwrap()];
+        let said =
+            [verdict.as_str(), geometry["model"].as_str().unwrap(), geometry["status"].as_str().unwrap()];
         assert_eq!(said, expected, "{found:#}");
         found
     };
     let moved = Shot::of(1, query_pose()).plates(&[DOOR]);
     let found = check(&moved, ["loop", "essential", "verified"]).await;
     // The direction is the planted one; its length nobody knows, and 1 is said.
-    let t = ["x", "y", "z"].map(|axis| number(&found["geometry"]["candidate_from_query"]["translation"][axis]));
+    let t =
+        ["x", "y", "z"].map(|axis| number(&found["geometry"]["candidate_from_query"]["translation"][axis]));
     let planted = query_pose().translation_m();
     let length = planted.iter().map(|x| x * x).sum::<f64>().sqrt();
     assert!((0..3).all(|axis| (t[axis] - planted[axis] / length).abs() < 0.01), "{t:?}");
