@@ -6,6 +6,7 @@ pub mod cli;
 pub mod client;
 pub mod config;
 pub mod geometry;
+pub mod hotel;
 pub mod http;
 pub mod model;
 pub mod recognition;

@@ -1,5 +1,6 @@
 //! Command line: one thin file for each subcommand.
 
+mod eval;
 mod openapi;
 pub mod replay;
 mod serve;
@@ -27,6 +28,7 @@ pub struct Cli {
 enum Command {
     Serve(serve::ServeArgs),
     Replay(replay::ReplayArgs),
+    Eval(eval::EvalArgs),
     Openapi(openapi::OpenapiArgs),
     Vocabulary(vocabulary::VocabularyArgs),
 }
@@ -40,6 +42,7 @@ impl Cli {
         match self.command {
             Command::Serve(args) => serve::run(args).await,
             Command::Replay(args) => Ok(replay::run(args, serve::own_server).await?),
+            Command::Eval(args) => eval::run(args).await,
             Command::Openapi(args) => openapi::run(&args),
             Command::Vocabulary(args) => vocabulary::run(args).await,
         }

@@ -13,6 +13,12 @@ impl Client {
         Ok(MapAnswer { replayed: answer.replayed, ..answer.decode()? })
     }
 
+    /// Removes a map with all that is in it.
+    pub async fn delete_map(&self, map: &str) -> Result<(), ClientError> {
+        let url = self.map_url(map, &[], &[])?;
+        self.send(Method::DELETE, url, None).await.map(drop)
+    }
+
     /// Stores a keyframe, and asks the loop query in the same round trip if `ask_loop`.
     pub async fn put_keyframe(
         &self,

@@ -47,6 +47,11 @@ impl Pose {
         ))
     }
 
+    /// The same as nalgebra's type, for who computes with it.
+    pub fn isometry(&self) -> Isometry3<f64> {
+        self.0
+    }
+
     /// The translation `[x, y, z]`, in metres.
     pub fn translation_m(&self) -> [f64; 3] {
         let t = &self.0.translation.vector;
@@ -82,6 +87,12 @@ impl Pose {
     /// A point of the outer frame in the inner one.
     pub fn inverse_transform(&self, point: &Point3) -> Point3 {
         self.0.inverse_transform_point(point)
+    }
+}
+
+impl From<Isometry3<f64>> for Pose {
+    fn from(isometry: Isometry3<f64>) -> Self {
+        Self(isometry)
     }
 }
 

@@ -1,0 +1,56 @@
+//! Arms: the methods that drive through the same data.
+
+use serde_json::{Value, json};
+
+/// A method of finding loops.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Arm {
+    /// Revisit as it comes.
+    Ours,
+    /// The paper's method to the letter: the four switches of ours off.
+    Paper,
+    /// Bag of words and Sim3 without anchors, which is what ORB-SLAM3 does.
+    BagOfWords,
+}
+
+impl Arm {
+    /// All of them, in the order of tables.
+    pub const ALL: [Self; 3] = [Self::Ours, Self::Paper, Self::BagOfWords];
+
+    /// A word for file names and map ids.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ours => "ours",
+            Self::Paper => "paper",
+            Self::BagOfWords => "bow",
+        }
+    }
+
+    /// What a table calls it.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Ours => "Ours",
+            Self::Paper => "Paper's letter",
+            Self::BagOfWords => "BoW + Sim3",
+        }
+    }
+
+    /// The settings of its map.
+    pub fn settings(self) -> Value {
+        match self {
+            Self::Ours => json!({}),
+            Self::Paper => json!({
+                "one_to_one": false,
+                "distinctive_weights": false,
+                "contradiction_veto": false,
+                "aligned_anchors": false,
+            }),
+            Self::BagOfWords => json!({"without_anchors": "geometry"}),
+        }
+    }
+
+    /// Does it look at signs?
+    pub fn sees_signs(self) -> bool {
+        self != Self::BagOfWords
+    }
+}

@@ -1,0 +1,212 @@
+//! Furnishing: the points of rooms and corridor that a camera may recognise.
+//!
+//! Rooms of one kind are copies of one model: the same walls, beds and desks at the same places, up to centimetres and
+//! a few bits of each descriptor; what a guest left behind is nobody's copy. So are the stretches of corridor between
+//! doors. This is what takes in bag of words and geometry alike.
+
+use super::chance::Chance;
+use super::floor_plan::{
+    CEILING_M, CORRIDOR_HALF_WIDTH_M, DOORWAY_HALF_WIDTH_M, FloorPlan, ROOM_LEFT_M, Spot,
+};
+use super::texture::{Descriptor, Patterns, copy};
+
+/// A point of the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorldPoint {
+    /// In metres.
+    pub position: [f64; 3],
+    /// The direction it is best seen from; a unit vector.
+    pub normal: [f64; 3],
+    /// What it looks like from the front.
+    pub descriptor: Descriptor,
+    /// At this distance it is a corner of the image pyramid's middle octave.
+    pub reference_m: f64,
+    /// Which way it is turned in the image of an upright camera, in degrees.
+    pub angle_deg: f64,
+}
+
+/// A point of a model, in the frame of a [`Spot`] (u right, v ahead, z up).
+#[derive(Clone, Copy, Debug)]
+struct ModelPoint {
+    position: [f64; 3],
+    normal: [f64; 3],
+    descriptor: Descriptor,
+    reference_m: f64,
+    angle_deg: f64,
+}
+
+/// A piece of furniture: a box in the frame of a door.
+#[derive(Clone, Copy, Debug)]
+struct Furniture {
+    min: [f64; 3],
+    max: [f64; 3],
+}
+
+/// Points on each wall of a room.
+const POINTS_PER_WALL: usize = 90;
+/// Points on each piece of furniture.
+const POINTS_PER_PIECE: usize = 60;
+/// Points around a door, on the corridor's side.
+const POINTS_PER_DOOR_FRAME: usize = 40;
+/// Points on either wall of a stretch of corridor.
+const POINTS_PER_STRETCH: usize = 90;
+/// Points that are nobody's copy, in each room and on each stretch.
+const OWN_POINTS: usize = 40;
+/// How far a copy's point is from the model's, in metres.
+const COPY_SCATTER_M: f64 = 0.008;
+/// Where the best distance of points lies.
+const REFERENCE_M: [f64; 2] = [1.8, 3.6];
+
+/// The model of rooms, and of the corridor along them.
+#[derive(Clone, Debug)]
+pub struct Model {
+    room: Vec<ModelPoint>,
+    door_frame: Vec<ModelPoint>,
+    stretch: Vec<ModelPoint>,
+}
+
+impl Model {
+    /// Designs a room and its stretch of corridor.
+    pub fn new(plan: &FloorPlan, patterns: &Patterns, chance: &mut Chance) -> Self {
+        let (left, right, depth) = (-ROOM_LEFT_M, plan.room_right_m(), plan.layout.depth_m);
+        let mut room = Vec::new();
+        for _ in 0..POINTS_PER_WALL {
+            let (v, z) = (chance.within(0.1, depth), chance.within(0.3, CEILING_M - 0.1));
+            room.push(model_point([left, v, z], [1.0, 0.0, 0.0], patterns, chance));
+            let (v, z) = (chance.within(0.1, depth), chance.within(0.3, CEILING_M - 0.1));
+            room.push(model_point([right, v, z], [-1.0, 0.0, 0.0], patterns, chance));
+            let (u, z) = (chance.within(left, right), chance.within(0.3, CEILING_M - 0.1));
+            room.push(model_point([u, depth, z], [0.0, -1.0, 0.0], patterns, chance));
+            let (u, z) = (chance.within(DOORWAY_HALF_WIDTH_M, right), chance.within(0.3, CEILING_M - 0.1));
+            room.push(model_point([u, 0.0, z], [0.0, 1.0, 0.0], patterns, chance));
+        }
+        let pieces = [
+            // A bed along the right wall, a desk along the left one, a wardrobe behind the door, a chair, a television.
+            Furniture { min: [right - 1.5, depth - 2.4, 0.0], max: [right, depth - 0.4, 0.55] },
+            Furniture { min: [left, depth - 1.9, 0.0], max: [left + 0.6, depth - 0.6, 0.78] },
+            Furniture { min: [right - 0.6, 0.1, 0.0], max: [right, 1.2, 2.0] },
+            Furniture { min: [left + 0.7, depth - 1.5, 0.0], max: [left + 1.15, depth - 1.05, 0.95] },
+            Furniture { min: [left, 1.4, 1.0], max: [left + 0.12, 2.3, 1.55] },
+        ];
+        let shift = chance.within(-0.15, 0.15);
+        for piece in pieces {
+            for _ in 0..POINTS_PER_PIECE {
+                room.push(on_furniture(&piece, shift, patterns, chance));
+            }
+        }
+        let frame = (0..POINTS_PER_DOOR_FRAME).map(|number| {
+            let side = if number % 2 == 0 { -1.0 } else { 1.0 };
+            let u = side * (DOORWAY_HALF_WIDTH_M + chance.within(0.02, 0.12));
+            model_point([u, 0.0, chance.within(0.1, 2.2)], [0.0, -1.0, 0.0], patterns, chance)
+        });
+        let door_frame = frame.collect();
+        let (pitch, across) = (plan.layout.pitch_m, -2.0 * CORRIDOR_HALF_WIDTH_M);
+        let mut stretch = Vec::new();
+        for _ in 0..POINTS_PER_STRETCH {
+            let u = chance.within(DOORWAY_HALF_WIDTH_M + 0.15, pitch - DOORWAY_HALF_WIDTH_M - 0.15);
+            let z = chance.within(0.1, CEILING_M - 0.1);
+            stretch.push(model_point([u, 0.0, z], [0.0, -1.0, 0.0], patterns, chance));
+            let (u, z) = (chance.within(0.0, pitch), chance.within(0.1, CEILING_M - 0.1));
+            stretch.push(model_point([u, across, z], [0.0, 1.0, 0.0], patterns, chance));
+        }
+        Self { room, door_frame, stretch }
+    }
+
+    /// Builds a room behind this door, with what its guest left there.
+    pub fn furnish_room(
+        &self,
+        door: &Spot,
+        plan: &FloorPlan,
+        patterns: &Patterns,
+        chance: &mut Chance,
+    ) -> Vec<WorldPoint> {
+        let mut points: Vec<WorldPoint> =
+            (self.room.iter().chain(&self.door_frame)).map(|model| copied(model, door, chance)).collect();
+        for _ in 0..OWN_POINTS {
+            let (u, v) = (
+                chance.within(-ROOM_LEFT_M + 0.3, plan.room_right_m() - 0.3),
+                chance.within(0.8, plan.layout.depth_m - 0.3),
+            );
+            let angle: f64 = chance.within(-3.1, 3.1);
+            let own = model_point(
+                [u, v, chance.within(0.05, 1.0)],
+                [angle.sin(), angle.cos(), 0.0],
+                patterns,
+                chance,
+            );
+            points.push(copied(&own, door, chance));
+        }
+        points
+    }
+
+    /// Builds the stretch of corridor to the right of this door; `keep` says which of its points have a wall to be on.
+    pub fn furnish_stretch(
+        &self,
+        door: &Spot,
+        plan: &FloorPlan,
+        patterns: &Patterns,
+        chance: &mut Chance,
+        keep: impl Fn([f64; 2]) -> bool,
+    ) -> Vec<WorldPoint> {
+        let own = (0..OWN_POINTS).map(|number| {
+            let (v, normal) = if number % 2 == 0 { (0.0, -1.0) } else { (-2.0 * CORRIDOR_HALF_WIDTH_M, 1.0) };
+            let u = chance.within(DOORWAY_HALF_WIDTH_M + 0.15, plan.layout.pitch_m - 0.6);
+            let z = chance.within(0.1, CEILING_M - 0.1);
+            model_point([u, v, z], [0.0, normal, 0.0], patterns, chance)
+        });
+        let own: Vec<ModelPoint> = own.collect();
+        (self.stretch.iter().chain(&own))
+            .map(|model| copied(model, door, chance))
+            .filter(|point| keep([point.position[0], point.position[1]]))
+            .collect()
+    }
+}
+
+fn on_furniture(piece: &Furniture, shift: f64, patterns: &Patterns, chance: &mut Chance) -> ModelPoint {
+    let mut position: [f64; 3] = std::array::from_fn(|axis| chance.within(piece.min[axis], piece.max[axis]));
+    // On a side that can be seen from the door, or on top.
+    let normal = match chance.below(3) {
+        0 => {
+            position[1] = piece.min[1];
+            [0.0, -1.0, 0.0]
+        }
+        1 => {
+            let from_left = piece.max[0] > 1.0;
+            position[0] = if from_left { piece.min[0] } else { piece.max[0] };
+            [if from_left { -1.0 } else { 1.0 }, 0.0, 0.0]
+        }
+        _ => {
+            position[2] = piece.max[2];
+            [0.0, 0.0, 1.0]
+        }
+    };
+    position[1] += shift;
+    model_point(position, normal, patterns, chance)
+}
+
+fn model_point(position: [f64; 3], normal: [f64; 3], patterns: &Patterns, chance: &mut Chance) -> ModelPoint {
+    ModelPoint {
+        position,
+        normal,
+        descriptor: patterns.model(chance),
+        reference_m: chance.within(REFERENCE_M[0], REFERENCE_M[1]),
+        angle_deg: chance.within(0.0, 360.0),
+    }
+}
+
+fn copied(model: &ModelPoint, spot: &Spot, chance: &mut Chance) -> WorldPoint {
+    let mut scattered = model.position;
+    for (axis, coordinate) in scattered.iter_mut().enumerate() {
+        // On its surface: a copy's point moves along the wall, not into it.
+        *coordinate += chance.normal(COPY_SCATTER_M) * (1.0 - model.normal[axis].abs());
+    }
+    let [x, y] = spot.at(scattered[0], scattered[1]);
+    let [nx, ny] = spot.direction(model.normal[0], model.normal[1]);
+    WorldPoint {
+        position: [x, y, scattered[2]],
+        normal: [nx, ny, model.normal[2]],
+        descriptor: copy(model.descriptor, chance),
+        reference_m: model.reference_m,
+        angle_deg: model.angle_deg,
+    }
+}

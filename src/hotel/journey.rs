@@ -1,0 +1,91 @@
+//! Journey: everything a robot's sensors say on one tour, and the truth beside it.
+//!
+//! A journey is recorded once and then driven through by each arm of the experiment, so that all see the same data.
+
+use super::chance::Chance;
+use super::noise::Noise;
+use super::odometry::drifting_motions;
+use super::reader::Reader;
+use super::route::{Place, Stop};
+use super::sensor::{Feature, take_image};
+use super::signs::SignKind;
+use super::tracking::Tracker;
+use super::world::World;
+use crate::geometry::Pose;
+
+/// A detection as the robot sends it.
+#[derive(Clone, Debug)]
+pub struct Detection {
+    /// Its class.
+    pub kind: SignKind,
+    /// How sure the detector is.
+    pub confidence: f64,
+    /// `[x0, y0, x1, y1]`, in pixels.
+    pub bounding_box: [f64; 4],
+    /// The features on it.
+    pub features: Vec<usize>,
+    /// What was read, or how it is described.
+    pub text: String,
+}
+
+/// A keyframe as the sensors give it.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// The truth: where it was taken, on which visit.
+    pub stop: Stop,
+    /// Its motion since the last keyframe, `previous_from_this`, as odometry has it. The first one's is the identity.
+    pub motion: Pose,
+    /// Its corners.
+    pub features: Vec<Feature>,
+    /// The map point of each, as the robot's tracking numbers it, and whether it is new.
+    pub map_points: Vec<(u64, bool)>,
+    /// Its signs.
+    pub detections: Vec<Detection>,
+}
+
+/// One robot's tour.
+#[derive(Clone, Debug)]
+pub struct Journey {
+    /// The keyframes in order.
+    pub steps: Vec<Step>,
+}
+
+impl Journey {
+    /// Drives through a world and records it; odometry drifts by `drift_m`.
+    pub fn record(world: &World, stops: &[Stop], noise: Noise, drift_m: f64, seed: u64) -> Self {
+        let truth: Vec<Pose> = stops.iter().map(|stop| stop.stand.map_from_camera()).collect();
+        let motions = drifting_motions(&truth, drift_m, &mut Chance::new(seed, "odometry"));
+        let motions = std::iter::once(Pose::identity()).chain(motions);
+        let mut sensor = Chance::new(seed, "sensor");
+        let mut reading = Chance::new(seed, "reader");
+        let (mut tracker, mut reader) = (Tracker::default(), Reader::new(noise));
+        let mut plates = Chance::new(seed, "plates");
+        let missing: Vec<bool> = (world.signs.iter())
+            .map(|sign| plates.happens(noise.no_plate_share) && sign.kind == SignKind::DoorPlate)
+            .collect();
+        let steps = (stops.iter().zip(motions).enumerate()).map(|(number, (stop, motion))| {
+            let image = take_image(world, &stop.stand, noise.missed_share, &mut sensor);
+            let map_points =
+                image.features.iter().map(|feature| tracker.observe(feature.point, number)).collect();
+            let seen = image.signs.into_iter().filter(|seen| !missing[seen.sign]);
+            let detections = seen.map(|seen| {
+                let sign = &world.signs[seen.sign];
+                Detection {
+                    kind: sign.kind,
+                    confidence: seen.confidence,
+                    bounding_box: seen.bounding_box,
+                    features: seen.features,
+                    text: reader.read(seen.sign, sign, stop.visit, &mut reading),
+                }
+            });
+            let detections = detections.collect();
+            Step { stop: *stop, motion, features: image.features, map_points, detections }
+        });
+        Self { steps: steps.collect() }
+    }
+
+    /// Which room a visit is of.
+    pub fn place_of(&self, visit: usize) -> Option<Place> {
+        self.steps.iter().find(|step| step.stop.visit == visit).map(|step| step.stop.place)
+    }
+}

@@ -1,0 +1,89 @@
+//! Noise: what makes a world harder than the paper's.
+
+/// A kind of trouble.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum NoiseKind {
+    /// None: the paper's worlds.
+    None,
+    /// The reader takes characters for others, now and then all through a visit.
+    Reader,
+    /// Detections are missed, and some doors have no plate.
+    Missed,
+    /// Signs, paintings and numbers that hang everywhere.
+    Repeated,
+    /// The same thing is said in other words.
+    Wording,
+    /// Two robots with frames of their own in one map.
+    Fleet,
+    /// All of the above but the second robot.
+    Mixed,
+}
+
+impl NoiseKind {
+    /// Every kind of trouble, in the order of tables.
+    pub const TROUBLES: [Self; 6] =
+        [Self::Reader, Self::Missed, Self::Repeated, Self::Wording, Self::Fleet, Self::Mixed];
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Reader => "reader",
+            Self::Missed => "missed",
+            Self::Repeated => "repeated",
+            Self::Wording => "wording",
+            Self::Fleet => "fleet",
+            Self::Mixed => "mixed",
+        }
+    }
+
+    /// What a table says of it.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::None => "nothing",
+            Self::Reader => "misread characters",
+            Self::Missed => "missed plates",
+            Self::Repeated => "repeated signs, paintings and numbers",
+            Self::Wording => "other wording",
+            Self::Fleet => "two robots",
+            Self::Mixed => "all of it together",
+        }
+    }
+
+    /// What it does.
+    pub fn noise(self) -> Noise {
+        let quiet = Noise::default();
+        match self {
+            Self::None | Self::Fleet => quiet,
+            Self::Reader => Noise { misread_share: 0.15, glare_share: 0.04, ..quiet },
+            Self::Missed => Noise { missed_share: 0.35, no_plate_share: 0.1, ..quiet },
+            Self::Repeated => Noise { repeated_signs: true, ..quiet },
+            Self::Wording => Noise { other_wording: true, ..quiet },
+            Self::Mixed => Noise {
+                misread_share: 0.08,
+                glare_share: 0.02,
+                missed_share: 0.2,
+                no_plate_share: 0.05,
+                repeated_signs: true,
+                other_wording: true,
+            },
+        }
+    }
+}
+
+/// How much of what.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Noise {
+    /// The share of readings with a wrong character.
+    pub misread_share: f64,
+    /// The share of plates that a visit's light makes look like another number, for all its readings.
+    pub glare_share: f64,
+    /// The share of detections that are missed.
+    pub missed_share: f64,
+    /// The share of doors without a plate.
+    pub no_plate_share: f64,
+    /// Signs, paintings and numbers repeat at every door.
+    pub repeated_signs: bool,
+    /// Descriptions vary in their wording.
+    pub other_wording: bool,
+}

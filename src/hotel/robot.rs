@@ -1,0 +1,214 @@
+//! Robot: a SLAM client with odometry and a pose graph of its own, that asks the server on each keyframe.
+//!
+//! It trusts the answers: an accepted loop becomes an edge of its pose graph, false or not. That is the point of the
+//! experiment.
+
+use std::collections::HashMap;
+
+use super::arm::Arm;
+use super::camera::Stand;
+use super::journey::Step;
+use super::message;
+use super::pose_graph::{Edge, PoseGraphError, optimise};
+use crate::client::{Client, ClientError, LoopAnswer};
+use crate::geometry::{Point3, Pose};
+use serde_json::json;
+
+/// After it has closed a loop, a robot collects so many keyframes before it optimises again (ORB-SLAM3: 10).
+const CLOSING_EVERY_KEYFRAMES: usize = 10;
+/// What odometry errs by between two keyframes, as far as the pose graph is told.
+const ODOMETRY_SIGMA_M: f64 = 0.01;
+const ODOMETRY_SIGMA_RAD: f64 = 0.004;
+/// And what a loop's transformation errs by.
+const LOOP_SIGMA_M: f64 = 0.02;
+const LOOP_SIGMA_RAD: f64 = 0.006;
+/// Poses and points that moved less are not sent again.
+const MOVED_M: f64 = 0.001;
+const MOVED_RAD: f64 = 0.0005;
+
+/// Why a drive ended early.
+#[derive(Debug, thiserror::Error)]
+pub enum DriveError {
+    /// The server refused, or was not there.
+    #[error(transparent)]
+    Client(#[from] ClientError),
+    /// The pose graph has no solution.
+    #[error(transparent)]
+    PoseGraph(#[from] PoseGraphError),
+}
+
+/// A robot on its way.
+#[derive(Debug)]
+pub struct Robot<'a> {
+    client: &'a Client,
+    map: &'a str,
+    arm: Arm,
+    session: String,
+    /// Its own estimate of each keyframe's pose.
+    poses: Vec<Pose>,
+    /// The same, as last told to the server.
+    told: Vec<Pose>,
+    /// Each map point in the camera frame of the keyframe that first saw it.
+    points: HashMap<u64, (usize, Point3)>,
+    edges: Vec<Edge>,
+    /// Loops accepted since the last optimisation.
+    waiting: Vec<WaitingLoop>,
+    last_closing: usize,
+    closed: usize,
+}
+
+#[derive(Debug)]
+struct WaitingLoop {
+    keyframe: String,
+    candidate: String,
+    query: String,
+}
+
+impl<'a> Robot<'a> {
+    /// A robot before its first keyframe.
+    pub fn new(client: &'a Client, map: &'a str, arm: Arm, session: impl Into<String>) -> Self {
+        Self {
+            client,
+            map,
+            arm,
+            session: session.into(),
+            poses: Vec::new(),
+            told: Vec::new(),
+            points: HashMap::new(),
+            edges: Vec::new(),
+            waiting: Vec::new(),
+            last_closing: 0,
+            closed: 0,
+        }
+    }
+
+    /// Its keyframes' poses, in its own frame.
+    pub fn poses(&self) -> &[Pose] {
+        &self.poses
+    }
+
+    /// How often it has optimised its pose graph.
+    pub fn closed(&self) -> usize {
+        self.closed
+    }
+
+    /// A keyframe's id.
+    pub fn keyframe_id(&self, number: usize) -> String {
+        format!("{}-{number}", self.session)
+    }
+
+    /// The keyframe's number, if it is one of this robot's.
+    pub fn number_of(&self, keyframe: &str) -> Option<usize> {
+        keyframe.strip_prefix(&self.session)?.strip_prefix('-')?.parse().ok()
+    }
+
+    /// Sends the next keyframe with the question, takes the answer, and closes the loop if it is one.
+    pub async fn step(&mut self, step: &Step) -> Result<LoopAnswer, DriveError> {
+        let number = self.poses.len();
+        let pose = match self.poses.last() {
+            Some(last) => last.after(&step.motion),
+            // Its frame is its own: it does not know where it woke up.
+            None => Stand { at: [0.0, 0.0], heading_rad: 0.0 }.map_from_camera(),
+        };
+        if number > 0 {
+            self.edges.push(Edge {
+                from: number - 1,
+                to: number,
+                from_from_to: step.motion.isometry(),
+                sigma_m: ODOMETRY_SIGMA_M,
+                sigma_rad: ODOMETRY_SIGMA_RAD,
+            });
+        }
+        self.poses.push(pose);
+        self.told.push(pose);
+        let new_points = self.triangulate(number, step);
+        let body = message::keyframe(self.arm, &self.session, number, step, &pose, &new_points);
+        let id = self.keyframe_id(number);
+        let answer = self.client.put_keyframe(self.map, &id, &body, true).await?;
+        let answer = answer.loop_answer.unwrap_or_else(|| unreachable!("it was asked for"));
+        if let Some((candidate, candidate_from_query)) = answer.best_transform() {
+            if let Some(candidate_from_query) = message::pose(candidate_from_query) {
+                self.accept(number, candidate, &answer.id, candidate_from_query);
+            }
+        }
+        if !self.waiting.is_empty() && number >= self.last_closing + CLOSING_EVERY_KEYFRAMES {
+            self.close_loops().await?;
+        }
+        Ok(answer)
+    }
+
+    /// Closes what is left at the end of the drive.
+    pub async fn finish(&mut self) -> Result<(), DriveError> {
+        if self.waiting.is_empty() { Ok(()) } else { self.close_loops().await }
+    }
+
+    fn triangulate(&mut self, number: usize, step: &Step) -> Vec<(u64, Point3)> {
+        let pose = self.poses[number];
+        let mut placed = Vec::new();
+        for (feature, (id, is_new)) in step.features.iter().zip(&step.map_points) {
+            if *is_new {
+                self.points.insert(*id, (number, feature.in_camera));
+                placed.push((*id, pose.transform(&feature.in_camera)));
+            }
+        }
+        placed
+    }
+
+    fn accept(&mut self, number: usize, candidate: &str, query: &str, candidate_from_query: Pose) {
+        // A loop with another robot's keyframe moves nothing: each keeps a frame of its own.
+        if let Some(earlier) = self.number_of(candidate) {
+            self.edges.push(Edge {
+                from: earlier,
+                to: number,
+                from_from_to: candidate_from_query.isometry(),
+                sigma_m: LOOP_SIGMA_M,
+                sigma_rad: LOOP_SIGMA_RAD,
+            });
+        }
+        self.waiting.push(WaitingLoop {
+            keyframe: self.keyframe_id(number),
+            candidate: candidate.to_owned(),
+            query: query.to_owned(),
+        });
+    }
+
+    /// Optimises the pose graph, tells the server what moved, and which loop was closed.
+    async fn close_loops(&mut self) -> Result<(), DriveError> {
+        let mut poses: Vec<_> = self.poses.iter().map(Pose::isometry).collect();
+        optimise(&mut poses, &self.edges)?;
+        self.poses = poses.into_iter().map(Pose::from).collect();
+        self.last_closing = self.poses.len() - 1;
+        self.closed += 1;
+        let moved: Vec<usize> = (0..self.poses.len()).filter(|number| self.has_moved(*number)).collect();
+        if !moved.is_empty() {
+            let keyframes: Vec<(String, Pose)> =
+                moved.iter().map(|number| (self.keyframe_id(*number), self.poses[*number])).collect();
+            let mut points: Vec<(u64, Point3)> = (self.points.iter())
+                .filter(|(_, (reference, _))| self.has_moved(*reference))
+                .map(|(id, (reference, point))| (*id, self.poses[*reference].transform(point)))
+                .collect();
+            points.sort_by_key(|(id, _)| *id);
+            self.client.post_poses(self.map, &message::poses(&self.session, &keyframes, &points)).await?;
+            for number in moved {
+                self.told[number] = self.poses[number];
+            }
+        }
+        // One loop for each closing, the newest: the others are its neighbours.
+        if let Some(closing) = self.waiting.drain(..).next_back() {
+            let body = json!({
+                "id": format!("{}-loop-{}", self.session, self.closed),
+                "keyframe": closing.keyframe,
+                "candidate": closing.candidate,
+                "query": closing.query,
+            });
+            self.client.post_loop(self.map, &body).await?;
+        }
+        Ok(())
+    }
+
+    fn has_moved(&self, number: usize) -> bool {
+        let change = self.told[number].inverse().after(&self.poses[number]);
+        let [_, _, _, w] = change.rotation_xyzw();
+        change.centre().coords.norm() > MOVED_M || 2.0 * w.abs().min(1.0).acos() > MOVED_RAD
+    }
+}

@@ -1,0 +1,203 @@
+//! Route: the robot starts in a room, goes through the corridor to others in some order, and returns (§VI-A).
+//!
+//! A keyframe is made whenever it has driven or turned far enough. In each room it looks around once; on leaving it
+//! turns once in front of the door, so that it has read the plate.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use super::camera::Stand;
+use super::chance::Chance;
+use super::floor_plan::{CORRIDOR_HALF_WIDTH_M, FloorPlan};
+
+/// A keyframe after at most so many metres.
+pub const KEYFRAME_EVERY_M: f64 = 0.6;
+/// And after at most so much of a turn.
+pub const KEYFRAME_EVERY_RAD: f64 = 22.5 / 180.0 * PI;
+/// How far behind its door a room's middle is.
+const ROOM_MIDDLE_M: f64 = 2.3;
+/// No two passes are the same: how far off the line a pass may be, in metres.
+const PASS_SCATTER_M: f64 = 0.12;
+/// And how its heading scatters from keyframe to keyframe.
+const HEADING_SCATTER_RAD: f64 = 0.02;
+
+/// Where a visit takes place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Place {
+    /// In this room, or in front of its door on entering or leaving it.
+    Room(usize),
+    /// On the way between two rooms.
+    Corridor,
+}
+
+/// A keyframe's true stand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stop {
+    /// Where it was taken.
+    pub stand: Stand,
+    /// The visit it belongs to, counted from 0: a stay in a room, or a walk between two.
+    pub visit: usize,
+    /// Where that is.
+    pub place: Place,
+}
+
+/// The robot's way so far.
+struct Walk<'a> {
+    plan: &'a FloorPlan,
+    chance: &'a mut Chance,
+    stops: Vec<Stop>,
+    at: Stand,
+    visit: usize,
+    place: Place,
+}
+
+/// The keyframes of a tour through these rooms, the first of which is where it starts.
+pub fn tour(plan: &FloorPlan, rooms: &[usize], chance: &mut Chance) -> Vec<Stop> {
+    let Some(&first) = rooms.first() else { return Vec::new() };
+    let door = plan.rooms[first].door;
+    let at = Stand { at: door.at(0.0, ROOM_MIDDLE_M), heading_rad: door.heading_rad() };
+    let mut walk = Walk { plan, chance, stops: Vec::new(), at, visit: 0, place: Place::Room(first) };
+    walk.stop();
+    walk.look_around();
+    for pair in rooms.windows(2) {
+        walk.leave(pair[0]);
+        walk.begin(Place::Corridor);
+        walk.follow_corridor(pair[0], pair[1]);
+        walk.begin(Place::Room(pair[1]));
+        walk.enter(pair[1]);
+        walk.look_around();
+    }
+    walk.stops
+}
+
+impl Walk<'_> {
+    fn begin(&mut self, place: Place) {
+        self.visit += 1;
+        self.place = place;
+    }
+
+    fn stop(&mut self) {
+        let mut stand = self.at;
+        stand.heading_rad += self.chance.normal(HEADING_SCATTER_RAD);
+        self.stops.push(Stop { stand, visit: self.visit, place: self.place });
+    }
+
+    /// Turns to a heading, the shorter way.
+    fn turn_to(&mut self, heading_rad: f64) {
+        let turn = (heading_rad - self.at.heading_rad + PI).rem_euclid(TAU) - PI;
+        self.turn_by(turn);
+    }
+
+    fn turn_by(&mut self, turn_rad: f64) {
+        let steps = (turn_rad.abs() / KEYFRAME_EVERY_RAD).ceil();
+        let from = self.at.heading_rad;
+        for step in 1..=steps as usize {
+            self.at.heading_rad = from + turn_rad * step as f64 / steps;
+            self.stop();
+        }
+    }
+
+    fn look_around(&mut self) {
+        let turn = if self.chance.happens(0.5) { TAU } else { -TAU };
+        self.turn_by(turn);
+    }
+
+    /// Drives straight to about there, looking ahead.
+    fn drive_to(&mut self, [x, y]: [f64; 2]) {
+        let mut scatter = || self.chance.within(-PASS_SCATTER_M, PASS_SCATTER_M);
+        let to = [x + scatter(), y + scatter()];
+        let from = self.at.at;
+        let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+        let steps = (dx.hypot(dy) / KEYFRAME_EVERY_M).ceil();
+        for step in 1..=steps as usize {
+            let share = step as f64 / steps;
+            self.at.at = [from[0] + share * dx, from[1] + share * dy];
+            self.stop();
+        }
+    }
+
+    fn leave(&mut self, room: usize) {
+        let door = self.plan.rooms[room].door;
+        self.turn_to(door.heading_rad() + PI);
+        self.drive_to(door.at(0.0, -CORRIDOR_HALF_WIDTH_M));
+        self.look_around();
+    }
+
+    fn enter(&mut self, room: usize) {
+        let door = self.plan.rooms[room].door;
+        self.turn_to(door.heading_rad());
+        self.drive_to(door.at(0.0, ROOM_MIDDLE_M));
+    }
+
+    /// From one door to another, the shorter way around the ring.
+    fn follow_corridor(&mut self, from: usize, to: usize) {
+        let ring_m = self.plan.ring_m();
+        let (from_m, to_m) = (self.plan.rooms[from].along_m, self.plan.rooms[to].along_m);
+        let ahead_m = (to_m - from_m).rem_euclid(ring_m);
+        let forward = ahead_m <= ring_m / 2.0;
+        let total_m = if forward { ahead_m } else { ring_m - ahead_m };
+        let travelled_m = |corner_m: f64| {
+            if forward {
+                (corner_m - from_m).rem_euclid(ring_m)
+            } else {
+                (from_m - corner_m).rem_euclid(ring_m)
+            }
+        };
+        let mut ends: Vec<f64> =
+            self.plan.corners_m().into_iter().map(travelled_m).filter(|m| *m < total_m).collect();
+        ends.sort_by(f64::total_cmp);
+        ends.push(total_m);
+        let mut start_m = 0.0;
+        for end_m in ends {
+            let sign = if forward { 1.0 } else { -1.0 };
+            let middle_m = from_m + sign * (start_m + end_m) / 2.0;
+            let (_, along) = self.plan.centreline(middle_m);
+            self.turn_to(if forward { along } else { along + PI });
+            let (at, _) = self.plan.centreline(from_m + sign * end_m);
+            self.drive_to(at);
+            start_m = end_m;
+        }
+    }
+}
+
+/// Six rooms in some order and back to the first.
+pub fn six_rooms(plan: &FloorPlan, count: usize, chance: &mut Chance) -> Vec<usize> {
+    let mut rooms: Vec<usize> = (0..plan.rooms.len()).collect();
+    chance.shuffle(&mut rooms);
+    rooms.truncate(count);
+    rooms.push(rooms[0]);
+    rooms
+}
+
+/// The angle between two headings, in `[0, pi]`.
+pub fn heading_difference_rad(a: f64, b: f64) -> f64 {
+    ((a - b + PI).rem_euclid(TAU) - PI).abs()
+}
+
+const _: () = assert!(KEYFRAME_EVERY_RAD < FRAC_PI_2);
+
+#[cfg(test)]
+mod tests {
+    use super::super::floor_plan::{Layout, is_hidden};
+    use super::*;
+
+    #[test]
+    fn a_tour_goes_through_no_wall_and_ends_where_it_began() {
+        for (seed, layout) in [Layout::SE1, Layout::SE2].into_iter().cycle().take(8).enumerate() {
+            let plan = FloorPlan::new(layout);
+            let mut chance = Chance::new(seed as u64, "route");
+            let rooms = six_rooms(&plan, 6, &mut chance);
+            let stops = tour(&plan, &rooms, &mut chance);
+            for pair in stops.windows(2) {
+                let (a, b) = (pair[0].stand, pair[1].stand);
+                assert!(!is_hidden(a.at, b.at, &plan.walls), "{a:?} -> {b:?}");
+                let step_m = (a.at[0] - b.at[0]).hypot(a.at[1] - b.at[1]);
+                assert!(step_m < KEYFRAME_EVERY_M + 1e-9);
+                let turn = heading_difference_rad(a.heading_rad, b.heading_rad);
+                assert!(turn < KEYFRAME_EVERY_RAD + 8.0 * HEADING_SCATTER_RAD, "{turn}");
+            }
+            let (first, last) = (stops[0].stand.at, stops[stops.len() - 1].stand.at);
+            assert!((first[0] - last[0]).hypot(first[1] - last[1]) < 0.5);
+            assert_eq!(stops[stops.len() - 1].visit, 12);
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! Scenario: which world, which tour, which noise; the paper's twelve sequences, and any number of random ones.
+
+use super::chance::Chance;
+use super::floor_plan::Layout;
+use super::journey::Journey;
+use super::noise::NoiseKind;
+use super::paper::PrintedSequence;
+use super::route::{six_rooms, tour};
+use super::signs::SignPlan;
+use super::texture::Patterns;
+use super::trial::Course;
+use super::world::{World, WorldPlan};
+
+/// Rooms of a tour: six in the paper's, fewer in random worlds, so that many fit into a night.
+const PAPER_ROOMS: usize = 6;
+const RANDOM_ROOMS: usize = 4;
+/// What odometry is off by in random worlds, in metres: the range of Table III.
+const RANDOM_DRIFT_M: [f64; 2] = [0.22, 0.96];
+
+/// A world with what drives through it.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    /// The world.
+    pub world: World,
+    /// What drives through it.
+    pub course: Course,
+    /// The rooms of each tour.
+    pub tours: Vec<Vec<usize>>,
+}
+
+impl Scenario {
+    /// One of the paper's sequences: its layout, a tour of its own, its drift.
+    pub fn of_paper(sequence: &PrintedSequence, patterns: &Patterns) -> Self {
+        let (layout, floor, seed) =
+            if sequence.dataset == "SE1" { (Layout::SE1, 9, 901) } else { (Layout::SE2, 3, 302) };
+        let plan = WorldPlan { layout, floor, signs: SignPlan::default(), seed };
+        let world = World::new(&plan, patterns);
+        let seed = seed * 100 + sequence.number as u64;
+        Self::drive(world, NoiseKind::None, PAPER_ROOMS, &[sequence.orb_vo_m], seed)
+    }
+
+    /// A random world under some noise.
+    pub fn random(seed: u64, kind: NoiseKind, patterns: &Patterns) -> Self {
+        let mut chance = Chance::new(seed, "scenario");
+        let plan = WorldPlan {
+            layout: Layout::random(&mut chance),
+            floor: 1 + chance.below(12) as u32,
+            signs: SignPlan { repeated: kind.noise().repeated_signs },
+            seed,
+        };
+        let world = World::new(&plan, patterns);
+        let robots = if kind == NoiseKind::Fleet { 2 } else { 1 };
+        let drifts_m: Vec<f64> =
+            (0..robots).map(|_| chance.within(RANDOM_DRIFT_M[0], RANDOM_DRIFT_M[1])).collect();
+        Self::drive(world, kind, RANDOM_ROOMS, &drifts_m, seed)
+    }
+
+    /// One robot for each drift; robots of a fleet share half their rooms.
+    fn drive(world: World, kind: NoiseKind, rooms: usize, drifts_m: &[f64], seed: u64) -> Self {
+        let mut chance = Chance::new(seed, "route");
+        let (mut journeys, mut tours) = (Vec::new(), Vec::<Vec<usize>>::new());
+        for (robot, drift_m) in drifts_m.iter().enumerate() {
+            let mut tour_rooms = six_rooms(&world.plan, rooms, &mut chance);
+            if let Some(other) = tours.first() {
+                let shared = tour_rooms.len() / 2;
+                tour_rooms[1..=shared].copy_from_slice(&other[1..=shared]);
+                tour_rooms[1..=shared].reverse();
+                tour_rooms.dedup();
+            }
+            let stops = tour(&world.plan, &tour_rooms, &mut chance);
+            let seed = seed ^ ((robot as u64) << 32);
+            journeys.push(Journey::record(&world, &stops, kind.noise(), *drift_m, seed));
+            tours.push(tour_rooms);
+        }
+        Self { world, course: Course::new(journeys), tours }
+    }
+}

@@ -1,0 +1,158 @@
+//! Score: precision and recall, by query and by visit.
+//!
+//! By query as `replay` counts. By visit as the paper does: a visit is a stay in a room or a walk between two. It is
+//! *accepted* if any of its keyframes was taken for a loop, *right* if it was accepted and never wrongly, *found* if it
+//! was accepted rightly at least once; precision is right of accepted, recall is found of those that had a true loop.
+
+use serde::Serialize;
+
+/// What became of one query.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// No loop, and there was none.
+    RightlyNone,
+    /// No loop, though there was one.
+    Missed,
+    /// A loop, and it was one.
+    Right,
+    /// A loop, and it was none.
+    Wrong,
+    /// A loop with a keyframe that is neither right nor wrong.
+    Unscored,
+}
+
+/// One query of an experiment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Scored {
+    /// Which robot and which of its visits.
+    pub visit: (usize, usize),
+    /// Was there a true loop?
+    pub has_truth: bool,
+    /// What was answered.
+    pub outcome: Outcome,
+}
+
+/// Right of accepted, and found of those there are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Counts {
+    /// Taken for loops.
+    pub accepted: u64,
+    /// Rightly so.
+    pub right: u64,
+    /// Those that had a true loop.
+    pub with_truth: u64,
+    /// Of these, found.
+    pub found: u64,
+}
+
+impl Counts {
+    /// The share of accepted loops that are right; 1 if nothing was accepted.
+    pub fn precision(&self) -> f64 {
+        share(self.right, self.accepted)
+    }
+
+    /// The share of true loops that were found; 1 if there were none.
+    pub fn recall(&self) -> f64 {
+        share(self.found, self.with_truth)
+    }
+
+    /// Both together.
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            accepted: self.accepted + other.accepted,
+            right: self.right + other.right,
+            with_truth: self.with_truth + other.with_truth,
+            found: self.found + other.found,
+        }
+    }
+}
+
+/// The counts of some queries, by query.
+pub fn by_query(queries: &[Scored]) -> Counts {
+    let mut counts = Counts::default();
+    for query in queries.iter().filter(|query| query.outcome != Outcome::Unscored) {
+        let right = u64::from(query.outcome == Outcome::Right);
+        counts.accepted += right + u64::from(query.outcome == Outcome::Wrong);
+        counts.right += right;
+        counts.with_truth += u64::from(query.has_truth);
+        counts.found += right;
+    }
+    counts
+}
+
+/// The counts of the same queries, by visit.
+pub fn by_visit(queries: &[Scored]) -> Counts {
+    let mut visits: Vec<(usize, usize)> = queries.iter().map(|query| query.visit).collect();
+    visits.sort_unstable();
+    visits.dedup();
+    let mut counts = Counts::default();
+    for visit in visits {
+        let of_visit = || queries.iter().filter(move |query| query.visit == visit);
+        let any = |outcome: Outcome| of_visit().any(|query| query.outcome == outcome);
+        let (right, wrong) = (any(Outcome::Right), any(Outcome::Wrong));
+        counts.accepted += u64::from(right || wrong);
+        counts.right += u64::from(right && !wrong);
+        // A visit of which every true loop was answered with a neighbour is not scored either way.
+        let scored = || of_visit().filter(|query| query.outcome != Outcome::Unscored);
+        let has_truth = scored().any(|query| query.has_truth);
+        counts.with_truth += u64::from(has_truth);
+        counts.found += u64::from(has_truth && right);
+    }
+    counts
+}
+
+/// Wilson's interval of a share at 95 % (E. B. Wilson, JASA 22, 1927).
+pub fn confidence_interval(part: u64, whole: u64) -> (f64, f64) {
+    const Z: f64 = 1.959_964;
+    if whole == 0 {
+        return (0.0, 1.0);
+    }
+    let (n, p) = (whole as f64, part as f64 / whole as f64);
+    let middle = p + Z * Z / (2.0 * n);
+    let spread = Z * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
+    let scale = 1.0 + Z * Z / n;
+    (((middle - spread) / scale).max(0.0), ((middle + spread) / scale).min(1.0))
+}
+
+fn share(part: u64, whole: u64) -> f64 {
+    if whole == 0 { 1.0 } else { part as f64 / whole as f64 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn query(visit: usize, has_truth: bool, outcome: Outcome) -> Scored {
+        Scored { visit: (0, visit), has_truth, outcome }
+    }
+
+    #[test]
+    fn queries_and_visits_are_counted_apart() {
+        use Outcome::{Missed, Right, RightlyNone, Unscored, Wrong};
+        let queries = [
+            query(0, false, RightlyNone),
+            query(1, false, Wrong),
+            query(1, false, RightlyNone),
+            query(2, true, Missed),
+            query(2, true, Right),
+            query(3, true, Right),
+            query(3, true, Wrong),
+            query(4, true, Unscored),
+            query(5, true, Missed),
+        ];
+        let counts = by_query(&queries);
+        assert_eq!(counts, Counts { accepted: 4, right: 2, with_truth: 5, found: 2 });
+        let counts = by_visit(&queries);
+        assert_eq!(counts, Counts { accepted: 3, right: 1, with_truth: 3, found: 2 });
+    }
+
+    #[test]
+    fn an_interval_holds_its_share_and_narrows_with_more() {
+        let (low, high) = confidence_interval(95, 100);
+        assert!((low - 0.8882).abs() < 1e-3 && (high - 0.9785).abs() < 1e-3, "{low} {high}");
+        let (low_of_more, high_of_more) = confidence_interval(950, 1000);
+        assert!(low < low_of_more && high_of_more < high);
+        assert_eq!(confidence_interval(0, 0), (0.0, 1.0));
+    }
+}

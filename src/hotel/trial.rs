@@ -1,0 +1,147 @@
+//! Trial: one arm drives through recorded journeys, and what it was told is held against the truth.
+
+use super::absolute_pose_error::rmse_after_alignment;
+use super::arm::Arm;
+use super::journey::Journey;
+use super::message;
+use super::robot::{DriveError, Robot};
+use super::score::{Outcome, Scored};
+use super::truth::{Answerable, KeyframeIndex, answers};
+use crate::client::{Client, LoopAnswer, Verdict};
+use crate::geometry::{Point3, Pose};
+
+/// Journeys with their truth, ready to be driven through by every arm.
+#[derive(Clone, Debug)]
+pub struct Course {
+    /// One for each robot.
+    pub journeys: Vec<Journey>,
+    /// The keyframes of all robots in the order in which they are taken: turn by turn.
+    pub order: Vec<KeyframeIndex>,
+    /// What is right for each of them.
+    pub answers: Vec<Answerable>,
+}
+
+impl Course {
+    /// Robots drive at the same time, keyframe by keyframe.
+    pub fn new(journeys: Vec<Journey>) -> Self {
+        let longest = journeys.iter().map(|journey| journey.steps.len()).max().unwrap_or(0);
+        let order: Vec<KeyframeIndex> = (0..longest)
+            .flat_map(|number| (0..journeys.len()).map(move |robot| (robot, number)))
+            .filter(|(robot, number)| *number < journeys[*robot].steps.len())
+            .collect();
+        let answers = answers(&journeys, &order);
+        Self { journeys, order, answers }
+    }
+}
+
+/// One query with its answer.
+#[derive(Clone, Debug)]
+pub struct Asked {
+    /// Which keyframe.
+    pub keyframe: KeyframeIndex,
+    /// The keyframe that was answered, if it is one of ours.
+    pub best: Option<KeyframeIndex>,
+    /// How it is scored.
+    pub scored: Scored,
+    /// What the server said.
+    pub answer: LoopAnswer,
+}
+
+/// An arm at the end of its drive.
+#[derive(Clone, Debug)]
+pub struct Driven {
+    /// Which arm.
+    pub arm: Arm,
+    /// Every query, in order.
+    pub asked: Vec<Asked>,
+    /// Each robot's own estimate of its keyframes' poses, in its own frame.
+    pub poses: Vec<Vec<Pose>>,
+    /// RMSE of the positions after alignment, in metres, over all robots.
+    pub absolute_pose_error_m: f64,
+    /// How often pose graphs were optimised.
+    pub closed: usize,
+}
+
+impl Driven {
+    /// The queries as they are scored.
+    pub fn scored(&self) -> Vec<Scored> {
+        self.asked.iter().map(|asked| asked.scored).collect()
+    }
+}
+
+/// Drives an arm through a course, on a map of its own. `told` hears of each answer.
+pub async fn drive(
+    client: &Client,
+    map: &str,
+    arm: Arm,
+    course: &Course,
+    mut told: impl FnMut(&Asked),
+) -> Result<Driven, DriveError> {
+    client.put_map(map, &message::map(arm, "the simulated hotel")).await?;
+    let mut robots: Vec<Robot<'_>> =
+        (0..course.journeys.len()).map(|number| Robot::new(client, map, arm, session(number))).collect();
+    let mut asked = Vec::with_capacity(course.order.len());
+    for (keyframe, answerable) in course.order.iter().zip(&course.answers) {
+        let step = &course.journeys[keyframe.0].steps[keyframe.1];
+        let answer = robots[keyframe.0].step(step).await?;
+        let best = answer.best.as_deref().and_then(|best| find(&robots, best));
+        let outcome = outcome(&answer, best, answerable);
+        let has_truth = !answerable.truth.is_empty();
+        let scored = Scored { visit: (keyframe.0, step.stop.visit), has_truth, outcome };
+        let this = Asked { keyframe: *keyframe, best, scored, answer };
+        told(&this);
+        asked.push(this);
+    }
+    for robot in &mut robots {
+        robot.finish().await?;
+    }
+    let poses: Vec<Vec<Pose>> = robots.iter().map(|robot| robot.poses().to_vec()).collect();
+    Ok(Driven {
+        arm,
+        asked,
+        absolute_pose_error_m: absolute_pose_error_m(&course.journeys, &poses),
+        closed: robots.iter().map(Robot::closed).sum(),
+        poses,
+    })
+}
+
+/// The robots' poses by odometry alone.
+pub fn odometry(course: &Course) -> Vec<Vec<Pose>> {
+    let motions = |journey: &Journey| -> Vec<Pose> {
+        let after_first = journey.steps.iter().skip(1);
+        super::odometry::integrate(
+            &Pose::identity(),
+            &after_first.map(|step| step.motion).collect::<Vec<_>>(),
+        )
+    };
+    course.journeys.iter().map(motions).collect()
+}
+
+/// RMSE of the robots' positions, each aligned with its own truth, in metres.
+pub fn absolute_pose_error_m(journeys: &[Journey], poses: &[Vec<Pose>]) -> f64 {
+    let squared = journeys.iter().zip(poses).map(|(journey, poses)| {
+        let truth: Vec<Point3> =
+            journey.steps.iter().map(|step| step.stop.stand.map_from_camera().centre()).collect();
+        let estimated: Vec<Point3> = poses.iter().map(Pose::centre).collect();
+        rmse_after_alignment(&estimated, &truth).map_or(f64::NAN, |rmse| rmse * rmse)
+    });
+    (squared.sum::<f64>() / journeys.len() as f64).sqrt()
+}
+
+fn session(robot: usize) -> String {
+    if robot == 0 { "kf".to_owned() } else { format!("kf{}", robot + 1) }
+}
+
+fn find(robots: &[Robot<'_>], keyframe: &str) -> Option<KeyframeIndex> {
+    robots.iter().enumerate().find_map(|(robot, own)| Some((robot, own.number_of(keyframe)?)))
+}
+
+fn outcome(answer: &LoopAnswer, best: Option<KeyframeIndex>, answerable: &Answerable) -> Outcome {
+    match best.filter(|_| answer.verdict == Verdict::Loop) {
+        None if answerable.truth.is_empty() => Outcome::RightlyNone,
+        None => Outcome::Missed,
+        Some(best) if answerable.truth.contains(&best) => Outcome::Right,
+        Some(best) if answerable.ignore.contains(&best) => Outcome::Unscored,
+        Some(_) => Outcome::Wrong,
+    }
+}

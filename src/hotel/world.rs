@@ -1,0 +1,64 @@
+//! World: a floor with its furnishing and its signs.
+
+use super::chance::Chance;
+use super::floor_plan::{FloorPlan, Layout};
+use super::furnishing::{Model, WorldPoint};
+use super::signs::{Decorator, Sign, SignPlan};
+use super::texture::Patterns;
+
+/// What a world is made from.
+#[derive(Clone, Debug)]
+pub struct WorldPlan {
+    /// The floor's measures.
+    pub layout: Layout,
+    /// The number on the floor's doors starts with this.
+    pub floor: u32,
+    /// What hangs on the walls.
+    pub signs: SignPlan,
+    /// Furnishes it.
+    pub seed: u64,
+}
+
+/// A floor with everything on it.
+#[derive(Clone, Debug)]
+pub struct World {
+    /// From above.
+    pub plan: FloorPlan,
+    /// What a camera may recognise.
+    pub points: Vec<WorldPoint>,
+    /// What can be read.
+    pub signs: Vec<Sign>,
+    /// The rooms' numbers, in the order of their doors along the corridor.
+    pub numbers: Vec<String>,
+}
+
+impl World {
+    /// Builds it.
+    pub fn new(of: &WorldPlan, patterns: &Patterns) -> Self {
+        let plan = FloorPlan::new(of.layout);
+        let mut chance = Chance::new(of.seed, "furnishing");
+        let model = Model::new(&plan, patterns, &mut chance);
+        let mut points = Vec::new();
+        for room in &plan.rooms {
+            points.extend(model.furnish_room(&room.door, &plan, patterns, &mut chance));
+            let keep = |at: [f64; 2]| is_on_a_wall(&plan, at);
+            points.extend(model.furnish_stretch(&room.door, &plan, patterns, &mut chance, keep));
+        }
+        let numbers: Vec<String> = (1..=plan.rooms.len()).map(|n| format!("{}{n:02}", of.floor)).collect();
+        let mut chance = Chance::new(of.seed, "signs");
+        let mut decorator = Decorator { plan: &plan, patterns, points: &mut points };
+        let signs = decorator.hang(&numbers, of.signs, &mut chance);
+        Self { plan, points, signs, numbers }
+    }
+}
+
+/// Stretches of corridor are copied past doors and corners; only what lands on a wall is there.
+fn is_on_a_wall(plan: &FloorPlan, at: [f64; 2]) -> bool {
+    plan.walls.iter().any(|wall| {
+        let (dx, dy) = (wall.to[0] - wall.from[0], wall.to[1] - wall.from[1]);
+        let length = dx.hypot(dy);
+        let (tx, ty) = (at[0] - wall.from[0], at[1] - wall.from[1]);
+        let (along, off) = ((tx * dx + ty * dy) / length, (tx * dy - ty * dx) / length);
+        (0.0..=length).contains(&along) && off.abs() < 0.05
+    })
+}
