@@ -65,11 +65,21 @@ pub async fn run(args: EvalArgs) -> Result<(), Failure> {
             let vo = absolute_pose_error_m(&scenario.course.journeys, &odometry(&scenario.course));
             let mut line = format!("{name:12} kf {} gen {:.1}s vo {vo:.3}", scenario.course.order.len(), made.as_secs_f64());
             let mut counts = Vec::new();
+            {
+                let steps = &scenario.course.journeys[0].steps;
+                let mut n: Vec<usize> = steps.iter().map(|s| s.features.len()).collect();
+                n.sort_unstable();
+                let ids = |s: &crate::hotel::journey::Step| s.map_points.iter().map(|m| m.0).collect::<std::collections::HashSet<_>>();
+                let mut sh: Vec<usize> = steps.windows(2).map(|w| ids(&w[0]).intersection(&ids(&w[1])).count()).collect();
+                sh.sort_unstable();
+                let det: usize = steps.iter().map(|s| s.detections.len()).sum();
+                line += &format!(" feat p5 {} p50 {} p95 {} shared p5 {} p50 {} points {} det/kf {:.2}", n[n.len()/20], n[n.len()/2], n[n.len()*19/20], sh[sh.len()/20], sh[sh.len()/2], scenario.world.points.len(), det as f64 / steps.len() as f64);
+            }
             for arm in arms {
                 let t = std::time::Instant::now();
                 let map = format!("{name}-{}", arm.name());
                 let driven = drive(&client, &map, arm, &scenario.course, |asked| {
-                    if explain && !matches!(asked.scored.outcome, Outcome::RightlyNone | Outcome::Right) {
+                    if explain && !matches!(asked.scored.outcome, Outcome::RightlyNone) {
                         let step = &scenario.course.journeys[asked.keyframe.0].steps[asked.keyframe.1];
                         let lead = asked.answer.leading();
                         println!("{name} {} {:?} {:?} visit {:?} {:?} at {:.1?} best {:?} lead {:?} {:?}", arm.name(), asked.keyframe, asked.scored.outcome, asked.scored.visit, step.stop.place, step.stop.stand, asked.best.map(|b| (b, scenario.course.journeys[b.0].steps[b.1].stop.place, scenario.course.journeys[b.0].steps[b.1].stop.stand)),
@@ -81,6 +91,7 @@ pub async fn run(args: EvalArgs) -> Result<(), Failure> {
                 line += &format!(" | {} q {:.3}/{:.3} ({}/{} {}/{}) v {:.2}/{:.2} ape {:.3} c{} {:.1}s", arm.name(), q.precision(), q.recall(), q.right, q.accepted, q.found, q.with_truth, v.precision(), v.recall(), driven.absolute_pose_error_m, driven.closed, t.elapsed().as_secs_f64());
                 counts.push((arm, kind, q, v));
                 client.delete_map(&map).await.unwrap();
+                eprintln!("opt {} ms post {} ms", crate::hotel::robot::OPT.swap(0, std::sync::atomic::Ordering::Relaxed)/1000, crate::hotel::robot::POST.swap(0, std::sync::atomic::Ordering::Relaxed)/1000);
             }
             println!("{line}");
             counts

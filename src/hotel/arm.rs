@@ -45,7 +45,7 @@ impl Arm {
                 "contradiction_veto": false,
                 "aligned_anchors": false,
             }),
-            Self::BagOfWords => json!({"without_anchors": "geometry"}),
+            Self::BagOfWords => json!({"without_anchors": "geometry", "candidates_max": 3}),
         }
     }
 

@@ -200,6 +200,16 @@ impl FloorPlan {
         self.walls.push(Wall { from: on_wall(free_from), to: on_wall(side_m + overhang_m) });
     }
 
+    /// The room that this point is in, if it is in one.
+    pub fn room_around(&self, [x, y]: Flat) -> Option<usize> {
+        self.rooms.iter().position(|room| {
+            let ([ox, oy], [fx, fy]) = (room.door.origin, room.door.facing);
+            let (dx, dy) = (x - ox, y - oy);
+            let (u, v) = (dx * fy - dy * fx, dx * fx + dy * fy);
+            (-ROOM_LEFT_M..=self.room_right_m()).contains(&u) && (0.0..=self.layout.depth_m).contains(&v)
+        })
+    }
+
     /// How far a room's right wall is from the middle of its door, looking in.
     pub fn room_right_m(&self) -> f64 {
         self.layout.pitch_m - ROOM_LEFT_M - 0.1

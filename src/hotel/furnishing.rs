@@ -43,19 +43,24 @@ struct Furniture {
 }
 
 /// Points on each wall of a room.
-const POINTS_PER_WALL: usize = 90;
+const POINTS_PER_WALL: usize = 700;
 /// Points on each piece of furniture.
-const POINTS_PER_PIECE: usize = 60;
+const POINTS_PER_PIECE: usize = 180;
 /// Points around a door, on the corridor's side.
-const POINTS_PER_DOOR_FRAME: usize = 40;
+const POINTS_PER_DOOR_FRAME: usize = 110;
 /// Points on either wall of a stretch of corridor.
-const POINTS_PER_STRETCH: usize = 90;
+const POINTS_PER_STRETCH: usize = 650;
+/// Points on each wall of a corner of the corridor.
+const POINTS_PER_CORNER_WALL: usize = 900;
+/// How far a corner reaches into the corridor on either side.
+const CORNER_ARM_M: f64 = 3.0;
 /// Points that are nobody's copy, in each room and on each stretch.
-const OWN_POINTS: usize = 40;
+const OWN_POINTS: usize = 120;
 /// How far a copy's point is from the model's, in metres.
 const COPY_SCATTER_M: f64 = 0.008;
-/// Where the best distance of points lies.
-const REFERENCE_M: [f64; 2] = [1.8, 3.6];
+/// Where the best distance of points lies: coarse corners are found from afar, fine ones from near by, as many of one size
+/// as of another.
+const REFERENCE_M: [f64; 2] = [0.5, 5.0];
 
 /// The model of rooms, and of the corridor along them.
 #[derive(Clone, Debug)]
@@ -63,6 +68,7 @@ pub struct Model {
     room: Vec<ModelPoint>,
     door_frame: Vec<ModelPoint>,
     stretch: Vec<ModelPoint>,
+    corner: Vec<ModelPoint>,
 }
 
 impl Model {
@@ -109,7 +115,36 @@ impl Model {
             let (u, z) = (chance.within(0.0, pitch), chance.within(0.1, CEILING_M - 0.1));
             stretch.push(model_point([u, across, z], [0.0, 1.0, 0.0], patterns, chance));
         }
-        Self { room, door_frame, stretch }
+        // Both outer walls of a corner, and both inner ones.
+        let h = CORRIDOR_HALF_WIDTH_M;
+        let mut corner = Vec::new();
+        for _ in 0..POINTS_PER_CORNER_WALL {
+            let (outer, inner) = (chance.within(-CORNER_ARM_M, h), chance.within(-CORNER_ARM_M, -h));
+            let walls = [
+                ([outer, h], [0.0, -1.0]),
+                ([h, outer], [-1.0, 0.0]),
+                ([-h, inner], [1.0, 0.0]),
+                ([inner, -h], [0.0, 1.0]),
+            ];
+            for ([u, v], [nu, nv]) in walls {
+                let z = chance.within(0.1, CEILING_M - 0.1);
+                corner.push(model_point([u, v, z], [nu, nv, 0.0], patterns, chance));
+            }
+        }
+        Self { room, door_frame, stretch, corner }
+    }
+
+    /// Builds a corner of the corridor: `spot` stands in its middle and faces the wall ahead of who comes along, who will turn left.
+    pub fn furnish_corner(
+        &self,
+        spot: &Spot,
+        chance: &mut Chance,
+        keep: impl Fn([f64; 2]) -> bool,
+    ) -> Vec<WorldPoint> {
+        (self.corner.iter())
+            .map(|model| copied(model, spot, chance))
+            .filter(|point| keep([point.position[0], point.position[1]]))
+            .collect()
     }
 
     /// Builds a room behind this door, with what its guest left there.
@@ -189,7 +224,7 @@ fn model_point(position: [f64; 3], normal: [f64; 3], patterns: &Patterns, chance
         position,
         normal,
         descriptor: patterns.model(chance),
-        reference_m: chance.within(REFERENCE_M[0], REFERENCE_M[1]),
+        reference_m: chance.within(REFERENCE_M[0].ln(), REFERENCE_M[1].ln()).exp(),
         angle_deg: chance.within(0.0, 360.0),
     }
 }

@@ -12,7 +12,7 @@ use super::floor_plan::{CORRIDOR_HALF_WIDTH_M, FloorPlan};
 /// A keyframe after at most so many metres.
 pub const KEYFRAME_EVERY_M: f64 = 0.6;
 /// And after at most so much of a turn.
-pub const KEYFRAME_EVERY_RAD: f64 = 22.5 / 180.0 * PI;
+pub const KEYFRAME_EVERY_RAD: f64 = 18.0 / 180.0 * PI;
 /// How far behind its door a room's middle is.
 const ROOM_MIDDLE_M: f64 = 2.3;
 /// No two passes are the same: how far off the line a pass may be, in metres.
@@ -23,9 +23,9 @@ const HEADING_SCATTER_RAD: f64 = 0.02;
 /// Where a visit takes place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Place {
-    /// In this room, or in front of its door on entering or leaving it.
+    /// In this room, behind its door.
     Room(usize),
-    /// On the way between two rooms.
+    /// In the corridor.
     Corridor,
 }
 
@@ -34,7 +34,7 @@ pub enum Place {
 pub struct Stop {
     /// Where it was taken.
     pub stand: Stand,
-    /// The visit it belongs to, counted from 0: a stay in a room, or a walk between two.
+    /// Counted from 0: a stay in a room, or a walk between two.
     pub visit: usize,
     /// Where that is.
     pub place: Place,
@@ -60,9 +60,7 @@ pub fn tour(plan: &FloorPlan, rooms: &[usize], chance: &mut Chance) -> Vec<Stop>
     walk.look_around();
     for pair in rooms.windows(2) {
         walk.leave(pair[0]);
-        walk.begin(Place::Corridor);
         walk.follow_corridor(pair[0], pair[1]);
-        walk.begin(Place::Room(pair[1]));
         walk.enter(pair[1]);
         walk.look_around();
     }
@@ -70,15 +68,15 @@ pub fn tour(plan: &FloorPlan, rooms: &[usize], chance: &mut Chance) -> Vec<Stop>
 }
 
 impl Walk<'_> {
-    fn begin(&mut self, place: Place) {
-        self.visit += 1;
-        self.place = place;
-    }
-
     fn stop(&mut self) {
         let mut stand = self.at;
         stand.heading_rad += self.chance.normal(HEADING_SCATTER_RAD);
-        self.stops.push(Stop { stand, visit: self.visit, place: self.place });
+        let place = self.plan.room_around(stand.at).map_or(Place::Corridor, Place::Room);
+        if place != self.place {
+            self.visit += 1;
+            self.place = place;
+        }
+        self.stops.push(Stop { stand, visit: self.visit, place });
     }
 
     /// Turns to a heading, the shorter way.

@@ -1,8 +1,10 @@
 //! Score: precision and recall, by query and by visit.
 //!
-//! By query as `replay` counts. By visit as the paper does: a visit is a stay in a room or a walk between two. It is
-//! *accepted* if any of its keyframes was taken for a loop, *right* if it was accepted and never wrongly, *found* if it
-//! was accepted rightly at least once; precision is right of accepted, recall is found of those that had a true loop.
+//! By query as `replay` counts. By visit as the paper does ("when the robot visited the rooms", §VI-A): a visit is a stay
+//! in a room, and its answer is the loop with the most inliers that any of its keyframes got. Precision is right answers of
+//! all answers; recall is visits in which at least one keyframe was rightly answered, of those that had a true loop.
+
+use std::collections::BTreeMap;
 
 use serde::Serialize;
 
@@ -25,12 +27,14 @@ pub enum Outcome {
 /// One query of an experiment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scored {
-    /// Which robot and which of its visits.
-    pub visit: (usize, usize),
+    /// Which robot and which of its visits to rooms; none on the way between two.
+    pub visit: Option<(usize, usize)>,
     /// Was there a true loop?
     pub has_truth: bool,
     /// What was answered.
     pub outcome: Outcome,
+    /// How many inliers the answered loop has.
+    pub inliers: u64,
 }
 
 /// Right of accepted, and found of those there are.
@@ -83,21 +87,22 @@ pub fn by_query(queries: &[Scored]) -> Counts {
 
 /// The counts of the same queries, by visit.
 pub fn by_visit(queries: &[Scored]) -> Counts {
-    let mut visits: Vec<(usize, usize)> = queries.iter().map(|query| query.visit).collect();
-    visits.sort_unstable();
-    visits.dedup();
+    let mut visits: BTreeMap<(usize, usize), Vec<&Scored>> = BTreeMap::new();
+    for query in queries {
+        if let Some(visit) = query.visit {
+            visits.entry(visit).or_default().push(query);
+        }
+    }
     let mut counts = Counts::default();
-    for visit in visits {
-        let of_visit = || queries.iter().filter(move |query| query.visit == visit);
-        let any = |outcome: Outcome| of_visit().any(|query| query.outcome == outcome);
-        let (right, wrong) = (any(Outcome::Right), any(Outcome::Wrong));
-        counts.accepted += u64::from(right || wrong);
-        counts.right += u64::from(right && !wrong);
-        // A visit of which every true loop was answered with a neighbour is not scored either way.
-        let scored = || of_visit().filter(|query| query.outcome != Outcome::Unscored);
-        let has_truth = scored().any(|query| query.has_truth);
-        counts.with_truth += u64::from(has_truth);
-        counts.found += u64::from(has_truth && right);
+    for visit in visits.values() {
+        let answers = visit.iter().filter(|query| matches!(query.outcome, Outcome::Right | Outcome::Wrong));
+        // Of equals the first, so that the order of keyframes decides and not that of a map.
+        let answer = answers.rev().max_by_key(|query| query.inliers).map(|query| query.outcome);
+        let right = answer == Some(Outcome::Right);
+        counts.accepted += u64::from(answer.is_some());
+        counts.right += u64::from(right);
+        counts.with_truth += u64::from(visit.iter().any(|query| query.has_truth));
+        counts.found += u64::from(visit.iter().any(|query| query.outcome == Outcome::Right));
     }
     counts
 }
@@ -123,28 +128,31 @@ fn share(part: u64, whole: u64) -> f64 {
 mod tests {
     use super::*;
 
-    fn query(visit: usize, has_truth: bool, outcome: Outcome) -> Scored {
-        Scored { visit: (0, visit), has_truth, outcome }
+    fn query(visit: usize, has_truth: bool, outcome: Outcome, inliers: u64) -> Scored {
+        Scored { visit: (visit > 0).then_some((0, visit)), has_truth, outcome, inliers }
     }
 
     #[test]
     fn queries_and_visits_are_counted_apart() {
         use Outcome::{Missed, Right, RightlyNone, Unscored, Wrong};
         let queries = [
-            query(0, false, RightlyNone),
-            query(1, false, Wrong),
-            query(1, false, RightlyNone),
-            query(2, true, Missed),
-            query(2, true, Right),
-            query(3, true, Right),
-            query(3, true, Wrong),
-            query(4, true, Unscored),
-            query(5, true, Missed),
+            query(0, false, RightlyNone, 0),
+            query(0, false, Wrong, 30),
+            query(1, false, Wrong, 20),
+            query(1, false, RightlyNone, 0),
+            query(2, true, Missed, 0),
+            query(2, true, Right, 20),
+            query(3, true, Right, 90),
+            query(3, true, Wrong, 80),
+            query(4, true, Right, 80),
+            query(4, true, Wrong, 90),
+            query(5, true, Unscored, 99),
+            query(6, true, Missed, 0),
         ];
         let counts = by_query(&queries);
-        assert_eq!(counts, Counts { accepted: 4, right: 2, with_truth: 5, found: 2 });
+        assert_eq!(counts, Counts { accepted: 7, right: 3, with_truth: 7, found: 3 });
         let counts = by_visit(&queries);
-        assert_eq!(counts, Counts { accepted: 3, right: 1, with_truth: 3, found: 2 });
+        assert_eq!(counts, Counts { accepted: 4, right: 2, with_truth: 5, found: 3 });
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::model::keyframe::Keypoint;
 /// Nothing farther off is recognised.
 pub const RANGE_M: f64 = 8.0;
 /// A feature detector fires on so many of the corners it could.
-const FOUND_SHARE: f64 = 0.75;
+const FOUND_SHARE: f64 = 0.85;
 /// The most features of an image; the nearest are kept.
 const FEATURES_MAX: usize = 400;
 /// Corners are recognised up to this far from their normal.

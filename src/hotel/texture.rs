@@ -20,7 +20,7 @@ pub const PATTERNS: usize = 1_500;
 /// What a model's corner differs from its pattern by, in bits.
 const MODEL_BITS: f64 = 22.0;
 /// What a copy differs from its model by.
-const COPY_BITS: f64 = 8.0;
+const COPY_BITS: f64 = 17.0;
 /// What a side differs from the front by.
 const SIDE_BITS: f64 = 9.0;
 /// What one image differs from the next by.

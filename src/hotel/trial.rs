@@ -5,9 +5,10 @@ use super::arm::Arm;
 use super::journey::Journey;
 use super::message;
 use super::robot::{DriveError, Robot};
+use super::route::Place;
 use super::score::{Outcome, Scored};
 use super::truth::{Answerable, KeyframeIndex, answers};
-use crate::client::{Client, LoopAnswer, Verdict};
+use crate::client::{Candidate, Client, LoopAnswer, Verdict};
 use crate::geometry::{Point3, Pose};
 
 /// Journeys with their truth, ready to be driven through by every arm.
@@ -87,7 +88,9 @@ pub async fn drive(
         let best = answer.best.as_deref().and_then(|best| find(&robots, best));
         let outcome = outcome(&answer, best, answerable);
         let has_truth = !answerable.truth.is_empty();
-        let scored = Scored { visit: (keyframe.0, step.stop.visit), has_truth, outcome };
+        let visit = (step.stop.place != Place::Corridor).then_some((keyframe.0, step.stop.visit));
+        let inliers = answer.leading().and_then(Candidate::inliers).unwrap_or(0);
+        let scored = Scored { visit, has_truth, outcome, inliers };
         let this = Asked { keyframe: *keyframe, best, scored, answer };
         told(&this);
         asked.push(this);

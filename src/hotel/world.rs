@@ -1,7 +1,7 @@
 //! World: a floor with its furnishing and its signs.
 
 use super::chance::Chance;
-use super::floor_plan::{FloorPlan, Layout};
+use super::floor_plan::{FloorPlan, Layout, Spot};
 use super::furnishing::{Model, WorldPoint};
 use super::signs::{Decorator, Sign, SignPlan};
 use super::texture::Patterns;
@@ -43,6 +43,11 @@ impl World {
             points.extend(model.furnish_room(&room.door, &plan, patterns, &mut chance));
             let keep = |at: [f64; 2]| is_on_a_wall(&plan, at);
             points.extend(model.furnish_stretch(&room.door, &plan, patterns, &mut chance, keep));
+        }
+        for corner_m in plan.corners_m() {
+            let ([x, y], heading) = plan.centreline(corner_m - 1e-6);
+            let spot = Spot { origin: [x, y], facing: [heading.cos(), heading.sin()] };
+            points.extend(model.furnish_corner(&spot, &mut chance, |at| is_on_a_wall(&plan, at)));
         }
         let numbers: Vec<String> = (1..=plan.rooms.len()).map(|n| format!("{}{n:02}", of.floor)).collect();
         let mut chance = Chance::new(of.seed, "signs");
