@@ -9,7 +9,7 @@ use crate::hotel::arm::Arm;
 use crate::hotel::noise::NoiseKind;
 use crate::hotel::paper::SEQUENCES;
 use crate::hotel::scenario::Scenario;
-use crate::hotel::score::{by_query, by_visit, Counts, Outcome};
+use crate::hotel::score::{Counts, Outcome, by_query, by_visit};
 use crate::hotel::texture::Patterns;
 use crate::hotel::trial::{absolute_pose_error_m, drive, odometry};
 use crate::http::RunningServer;
@@ -40,20 +40,29 @@ pub async fn run(args: EvalArgs) -> Result<(), Failure> {
     let dir = tempfile::tempdir()?;
     let voc = dir.path().join("hotel.voc");
     patterns.vocabulary()?.write_binary(std::fs::File::create(&voc)?)?;
-    let service = Service::open(ServiceOptions { database: format!("sqlite://{}", dir.path().join("e.db").display()), vocabulary: Some(voc) }).await?;
+    let service = Service::open(ServiceOptions {
+        database: format!("sqlite://{}", dir.path().join("e.db").display()),
+        vocabulary: Some(voc),
+    })
+    .await?;
     let server = RunningServer::start(service).await?;
     let client = Client::new(&server.url())?;
-    let arms: Vec<Arm> = Arm::ALL.into_iter().filter(|a| args.arms.split(',').any(|n| n == a.name())).collect();
+    let arms: Vec<Arm> =
+        Arm::ALL.into_iter().filter(|a| args.arms.split(',').any(|n| n == a.name())).collect();
     let mut jobs: Vec<(String, NoiseKind, u64, Option<usize>)> = Vec::new();
     if let Some(n) = args.worlds {
         let seeds: Vec<u64> = args.world.map_or_else(|| (0..n).collect(), |w| vec![w]);
         for kind in NoiseKind::TROUBLES.into_iter().chain([NoiseKind::None]) {
             if args.noise == "all" && kind != NoiseKind::None || args.noise == kind.name() {
-                for seed in &seeds { jobs.push((format!("{}-{seed}", kind.name()), kind, *seed, None)); }
+                for seed in &seeds {
+                    jobs.push((format!("{}-{seed}", kind.name()), kind, *seed, None));
+                }
             }
         }
     } else {
-        for (i, s) in SEQUENCES.iter().enumerate().take(args.sequences) { jobs.push((s.name().replace(' ', "-"), NoiseKind::None, 0, Some(i))); }
+        for (i, s) in SEQUENCES.iter().enumerate().take(args.sequences) {
+            jobs.push((s.name().replace(' ', "-"), NoiseKind::None, 0, Some(i)));
+        }
     }
     let results = futures_util::stream::iter(jobs).map(|(name, kind, seed, seq)| {
         let (client, patterns, arms) = (client.clone(), patterns.clone(), arms.clone());
@@ -79,6 +88,13 @@ pub async fn run(args: EvalArgs) -> Result<(), Failure> {
                 let t = std::time::Instant::now();
                 let map = format!("{name}-{}", arm.name());
                 let driven = drive(&client, &map, arm, &scenario.course, |asked| {
+                    if explain && let Some((b, t)) = asked.best.zip(asked.answer.best_transform()) {
+                        let stand = |k: (usize, usize)| scenario.course.journeys[k.0].steps[k.1].stop.stand.map_from_camera();
+                        let truth = stand(b).inverse().after(&stand(asked.keyframe));
+                        let est = crate::hotel::message::pose(t.1).unwrap();
+                        let d = truth.inverse().after(&est);
+                        println!("{name} ERR {} {:?} -> {:?} {:?} inl {:?} matches {:?} err {:.3} m {:.2} deg far {:.2}", arm.name(), asked.keyframe, b, asked.scored.outcome, asked.answer.leading().and_then(|l| l.inliers()), asked.answer.leading().and_then(|l| l.geometry.as_ref().and_then(|g| g.matches)), d.centre().coords.norm(), 2.0 * d.rotation_xyzw()[3].abs().min(1.0).acos().to_degrees(), truth.centre().coords.norm());
+                    }
                     if explain && !matches!(asked.scored.outcome, Outcome::RightlyNone) {
                         let step = &scenario.course.journeys[asked.keyframe.0].steps[asked.keyframe.1];
                         let lead = asked.answer.leading();
@@ -97,13 +113,31 @@ pub async fn run(args: EvalArgs) -> Result<(), Failure> {
             counts
         }
     }).buffer_unordered(2).collect::<Vec<_>>().await;
-    let mut pooled: std::collections::BTreeMap<(NoiseKind, Arm), (Counts, Counts)> = std::collections::BTreeMap::new();
+    let mut pooled: std::collections::BTreeMap<(NoiseKind, Arm), (Counts, Counts)> =
+        std::collections::BTreeMap::new();
     for (arm, kind, q, v) in results.into_iter().flatten() {
         let e = pooled.entry((kind, arm)).or_default();
-        e.0 = e.0.plus(q); e.1 = e.1.plus(v);
+        e.0 = e.0.plus(q);
+        e.1 = e.1.plus(v);
     }
     for ((kind, arm), (q, v)) in pooled {
-        println!("{:10} {:6} query P {:.4} R {:.4} ({}/{}, {}/{}) visit P {:.4} R {:.4} ({}/{}, {}/{})", kind.name(), arm.name(), q.precision(), q.recall(), q.right, q.accepted, q.found, q.with_truth, v.precision(), v.recall(), v.right, v.accepted, v.found, v.with_truth);
+        println!(
+            "{:10} {:6} query P {:.4} R {:.4} ({}/{}, {}/{}) visit P {:.4} R {:.4} ({}/{}, {}/{})",
+            kind.name(),
+            arm.name(),
+            q.precision(),
+            q.recall(),
+            q.right,
+            q.accepted,
+            q.found,
+            q.with_truth,
+            v.precision(),
+            v.recall(),
+            v.right,
+            v.accepted,
+            v.found,
+            v.with_truth
+        );
     }
     server.stop().await?;
     Ok(())

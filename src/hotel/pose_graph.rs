@@ -5,9 +5,7 @@
 //! so poses are converted at this border and nowhere else.
 
 use factrs::assign_symbols;
-use factrs::core::{
-    BetweenResidual, GaussianNoise, Graph, LevenMarquardt, PriorResidual, SE3, SO3, Values,
-};
+use factrs::core::{BetweenResidual, GaussianNoise, Graph, LevenMarquardt, PriorResidual, SE3, SO3, Values};
 use factrs::fac;
 use factrs::linalg::Vector3;
 use factrs::optimizers::{LevenParams, OptError};
@@ -110,11 +108,14 @@ mod tests {
     /// Around a ring, each step too long and turned too far; and the edge that knows better.
     fn ring(poses: usize) -> (Vec<Isometry3<f64>>, Vec<Isometry3<f64>>, Vec<Edge>, Edge) {
         let turn = |angle: f64| UnitQuaternion::from_euler_angles(0.0, 0.0, angle);
-        let step = |length: f64, angle: f64| Isometry3::from_parts(Translation3::new(length, 0.0, 0.0), turn(angle));
+        let step =
+            |length: f64, angle: f64| Isometry3::from_parts(Translation3::new(length, 0.0, 0.0), turn(angle));
         let angle = std::f64::consts::TAU / poses as f64;
         let (right, wrong) = (step(0.5, angle), step(0.505, angle * 1.01));
         let chain = |motion: &Isometry3<f64>| {
-            std::iter::successors(Some(Isometry3::identity()), |pose| Some(pose * motion)).take(poses).collect()
+            std::iter::successors(Some(Isometry3::identity()), |pose| Some(pose * motion))
+                .take(poses)
+                .collect()
         };
         let edge = |from, to, from_from_to| Edge { from, to, from_from_to, sigma_m: 0.01, sigma_rad: 0.01 };
         let (truth, drifted): (Vec<_>, Vec<_>) = (chain(&right), chain(&wrong));
@@ -124,7 +125,8 @@ mod tests {
     }
 
     fn rmse_m(a: &[Isometry3<f64>], b: &[Isometry3<f64>]) -> f64 {
-        let squared = a.iter().zip(b).map(|(a, b)| (a.translation.vector - b.translation.vector).norm_squared());
+        let squared =
+            a.iter().zip(b).map(|(a, b)| (a.translation.vector - b.translation.vector).norm_squared());
         (squared.sum::<f64>() / a.len() as f64).sqrt()
     }
 

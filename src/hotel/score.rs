@@ -101,7 +101,8 @@ pub fn by_visit(queries: &[Scored]) -> Counts {
         let right = answer == Some(Outcome::Right);
         counts.accepted += u64::from(answer.is_some());
         counts.right += u64::from(right);
-        counts.with_truth += u64::from(visit.iter().any(|query| query.has_truth));
+        let scored = |query: &&&Scored| query.outcome != Outcome::Unscored;
+        counts.with_truth += u64::from(visit.iter().filter(scored).any(|query| query.has_truth));
         counts.found += u64::from(visit.iter().any(|query| query.outcome == Outcome::Right));
     }
     counts
@@ -152,7 +153,7 @@ mod tests {
         let counts = by_query(&queries);
         assert_eq!(counts, Counts { accepted: 7, right: 3, with_truth: 7, found: 3 });
         let counts = by_visit(&queries);
-        assert_eq!(counts, Counts { accepted: 4, right: 2, with_truth: 5, found: 3 });
+        assert_eq!(counts, Counts { accepted: 4, right: 2, with_truth: 4, found: 3 });
     }
 
     #[test]

@@ -99,7 +99,7 @@ impl Decorator<'_> {
     /// Hangs everything; `numbers` are the rooms', in their order.
     pub fn hang(&mut self, numbers: &[String], signs: SignPlan, chance: &mut Chance) -> Vec<Sign> {
         let mut hung = Vec::new();
-        let titles = paintings(self.plan.rooms.len(), chance);
+        let titles = paintings(self.plan.rooms.len() + 8, chance);
         let patterns = self.patterns;
         let look_like_no_other = |chance: &mut Chance| -> Vec<Descriptor> {
             (0..POINTS_PER_SIGN).map(|_| patterns.model(chance)).collect()
@@ -140,14 +140,24 @@ impl Decorator<'_> {
                 hung.push(self.sign(SignKind::ExitSign, REPEATED_EXIT.to_owned(), spot, &exit, chance));
             }
         }
-        for corner_m in self.plan.corners_m() {
-            // On the outer wall, seen by who comes along.
+        let rooms = self.plan.rooms.len();
+        for (corner, corner_m) in self.plan.corners_m().into_iter().enumerate() {
+            // On the outer walls, seen by who comes along either way.
             let ([x, y], heading) = self.plan.centreline(corner_m - 1e-6);
-            let facing = [heading.cos(), heading.sin()];
-            let spot = Spot { origin: [x, y], facing };
-            let spot = self.place(&spot, 0.0, CORRIDOR_HALF_WIDTH_M, EXIT_Z_M, -1.0);
+            let ahead = Spot { origin: [x, y], facing: [heading.cos(), heading.sin()] };
+            let aside = Spot { origin: [x, y], facing: [heading.sin(), -heading.cos()] };
+            let spot = self.place(&ahead, 0.0, CORRIDOR_HALF_WIDTH_M, EXIT_Z_M, -1.0);
             let text = if signs.repeated { REPEATED_EXIT } else { "EXIT" };
             hung.push(self.sign(SignKind::ExitSign, text.to_owned(), spot, &exit, chance));
+            for (number, wall) in [ahead, aside].into_iter().enumerate() {
+                let spot = self.place(&wall, 0.0, CORRIDOR_HALF_WIDTH_M, PAINTING_Z_M, -1.0);
+                let (title, look) = if signs.repeated {
+                    (titles[0].clone(), same_painting.clone())
+                } else {
+                    (titles[rooms + 2 * corner + number].clone(), look_like_no_other(chance))
+                };
+                hung.push(self.sign(SignKind::Painting, title, spot, &look, chance));
+            }
         }
         hung
     }
@@ -194,7 +204,7 @@ impl Decorator<'_> {
     }
 }
 
-const SUBJECTS: [&str; 26] = [
+const SUBJECTS: [&str; 36] = [
     "fox",
     "lighthouse",
     "violinist",
@@ -221,6 +231,16 @@ const SUBJECTS: [&str; 26] = [
     "orchard",
     "airship",
     "whale",
+    "gondola",
+    "juggler",
+    "cheetah",
+    "vineyard",
+    "blacksmith",
+    "parrot",
+    "submarine",
+    "waterfall",
+    "fiddler",
+    "hedgehog",
 ];
 const COMPANIONS: [&str; 14] = [
     "barrel", "umbrella", "birch", "bicycle", "fountain", "teapot", "ladder", "lantern", "piano", "cactus",

@@ -64,6 +64,8 @@ pub enum ReasonCode {
     ScoreBelowThreshold,
     /// Sure identifiers contradict each other at the same relative place.
     Contradiction,
+    /// Everything that agrees hangs in several places: it could be any of them.
+    NotDistinctive,
     /// Geometry had to verify, and features are missing.
     NoFeatures,
     /// No transformation explains enough features.
@@ -83,6 +85,7 @@ impl ReasonCode {
             Self::LlmPending => "llm_pending",
             Self::ScoreBelowThreshold => "score_below_threshold",
             Self::Contradiction => "contradiction",
+            Self::NotDistinctive => "not_distinctive",
             Self::NoFeatures => "no_features",
             Self::TooFewInliers => "too_few_inliers",
             Self::AnchorsDisagreeWithTransform => "anchors_disagree_with_transform",

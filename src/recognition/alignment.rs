@@ -2,10 +2,14 @@
 //! and sure identifiers must not contradict each other there (§8.7).
 //!
 //! Bearing and distance compare anchors up to a cone; a transformation compares places. So what matched by
-//! chance falls away here, and a plate read differently at the very same place speaks up.
+//! chance falls away here, and a plate read differently at the very same place speaks up. So does one that hangs once, is in
+//! both maps, and would hang twice under the transformation: seen from the next door, all doors are alike, but room 904 is
+//! not where room 905 is.
 
-use super::anchor_map::LocalAnchor;
-use super::comparison::{Comparison, equation_2};
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::anchor_map::{LocalAnchor, LocalName};
+use super::comparison::{Comparison, Matched, equation_2};
 use super::contradiction::{Contradiction, contradict};
 use crate::geometry::{Point3, Sim3};
 use crate::model::settings::Settings;
@@ -13,10 +17,24 @@ use crate::model::settings::Settings;
 /// Under a transformation, anchors this near to each other stand at the same place, in metres (`contract.md` §8.7).
 const SAME_PLACE_M: f64 = 0.75;
 
+/// Far anchors stand where the transformation puts them only as well as it turns: this share of their distance.
+const TURNING_SHARE: f64 = 0.15;
+
+/// A pair of anchors of one description.
+#[derive(Clone, Debug)]
+struct Pair {
+    query: LocalAnchor,
+    candidate: LocalAnchor,
+    weight: f64,
+    agreement: f64,
+    places: usize,
+}
+
 /// What a comparison found, kept until the transformation is known.
 #[derive(Clone, Debug, Default)]
 pub struct Compared {
-    matched: Vec<(LocalAnchor, LocalAnchor)>,
+    matched: Vec<Pair>,
+    elsewhere: Vec<Pair>,
     total_weight: f64,
     unmatched_of_query: Vec<LocalAnchor>,
     unmatched_of_candidate: Vec<LocalAnchor>,
@@ -29,8 +47,12 @@ pub struct Aligned<'a> {
     pub stands: Vec<bool>,
     /// S of Eq. (2), over the pairs that stand.
     pub similarity: f64,
-    /// The weight of the pairs that stand.
-    pub agreeing_weight: f64,
+    /// What the pairs that stand say for this place ([`Matched::agreement`]).
+    pub agreement: f64,
+    /// The least number of places that something that stands hangs at; none if nothing does.
+    pub least_places: Option<usize>,
+    /// The weight of what hangs once, is in both maps, and would stand elsewhere.
+    pub displaced: f64,
     /// The pairs that contradict at the same place.
     pub contradictions: Vec<Contradiction<'a>>,
 }
@@ -40,11 +62,8 @@ impl Compared {
     pub fn of(comparison: &Comparison<'_>) -> Self {
         let own = |anchors: &[&LocalAnchor]| anchors.iter().copied().cloned().collect();
         Self {
-            matched: comparison
-                .matches
-                .iter()
-                .map(|pair| (pair.query.clone(), pair.candidate.clone()))
-                .collect(),
+            matched: comparison.matches.iter().map(Pair::of).collect(),
+            elsewhere: comparison.elsewhere.iter().map(Pair::of).collect(),
             total_weight: comparison.total_weight,
             unmatched_of_query: own(&comparison.unmatched_of_query),
             unmatched_of_candidate: own(&comparison.unmatched_of_candidate),
@@ -63,11 +82,22 @@ impl Compared {
         };
         let limit_m = settings.anchor_map_max_distance_difference_m;
         let stands: Vec<bool> = (self.matched.iter())
-            .map(|(query, candidate)| !settings.aligned_anchors || apart_m(query, candidate) <= limit_m)
+            .map(|pair| !settings.aligned_anchors || apart_m(&pair.query, &pair.candidate) <= limit_m)
             .collect();
-        let standing = self.matched.iter().zip(&stands).filter(|(_, stands)| **stands);
-        let agreeing_weight =
-            standing.fold(0.0, |sum, ((query, candidate), _)| sum + query.weight + candidate.weight);
+        let standing =
+            || self.matched.iter().zip(&stands).filter(|(_, stands)| **stands).map(|(pair, _)| pair);
+        let sum = |of: fn(&Pair) -> f64| standing().fold(0.0, |sum, pair| sum + of(pair));
+        let displaced = if settings.aligned_anchors {
+            let is_off = |pair: &&Pair| {
+                apart_m(&pair.query, &pair.candidate) > limit_m.max(pair.distance_m() * TURNING_SHARE)
+            };
+            let fell =
+                self.matched.iter().zip(&stands).filter(|(pair, stands)| !**stands && pair.places == 1);
+            let off = fell.map(|(pair, _)| pair).chain(&self.elsewhere).filter(is_off);
+            displaced_weight(off, standing())
+        } else {
+            0.0
+        };
         let (query, candidate): (Vec<_>, Vec<_>) =
             (self.unmatched_of_query.iter().collect(), self.unmatched_of_candidate.iter().collect());
         let contradictions = if settings.contradiction_veto {
@@ -76,12 +106,46 @@ impl Compared {
             Vec::new()
         };
         Aligned {
-            similarity: equation_2(agreeing_weight, self.total_weight),
-            agreeing_weight,
+            similarity: equation_2(sum(|pair| pair.weight), self.total_weight),
+            agreement: sum(|pair| pair.agreement),
+            least_places: standing().map(|pair| pair.places).min(),
+            displaced,
             stands,
             contradictions,
         }
     }
+}
+
+impl Pair {
+    fn of(matched: &Matched<'_>) -> Self {
+        Self {
+            query: matched.query.clone(),
+            candidate: matched.candidate.clone(),
+            weight: matched.weight(),
+            agreement: matched.agreement(),
+            places: matched.places,
+        }
+    }
+
+    /// How far the nearer of the two is from its camera.
+    fn distance_m(&self) -> f64 {
+        self.query.bearing.distance_m().min(self.candidate.bearing.distance_m())
+    }
+}
+
+/// The weight of the pairs that are off, each anchor of the query counted once, with the heaviest of its pairs, and not if
+/// it also stands where it should: what two robots' maps hold twice is not displaced.
+fn displaced_weight<'a>(
+    off: impl Iterator<Item = &'a Pair>,
+    standing: impl Iterator<Item = &'a Pair>,
+) -> f64 {
+    let stands: BTreeSet<LocalName> = standing.map(|pair| pair.query.name).collect();
+    let mut heaviest: BTreeMap<LocalName, f64> = BTreeMap::new();
+    for pair in off.filter(|pair| !stands.contains(&pair.query.name)) {
+        let weight = heaviest.entry(pair.query.name).or_insert(0.0);
+        *weight = weight.max(pair.weight);
+    }
+    heaviest.values().fold(0.0, |sum, weight| sum + weight)
 }
 
 /// Where the anchor's centre is in its own central keyframe's camera frame.

@@ -60,11 +60,15 @@ pub struct LocalAnchor {
     /// Its weight in Eq. (2): 1/d, divided by the number of places it stands at if the map's
     /// settings ask for distinctive weights.
     pub weight: f64,
+    /// The number of places it stands at; 1 unless the map's settings ask for distinctive weights.
+    pub places: usize,
 }
 
 /// The anchors around one keyframe, ordered by name.
 #[derive(Clone, Debug, Default)]
 pub struct LocalAnchorMap {
+    /// The session whose frame the anchors are in; none if the map does not know it.
+    pub session: Option<SessionSeq>,
     /// The anchors.
     pub anchors: Vec<LocalAnchor>,
 }
@@ -131,7 +135,7 @@ pub fn local_anchor_map(index: &MapIndex, centre: &Centre, places: &mut PlaceCou
     let stored = roots.into_iter().filter_map(|root| stored_anchor(index, centre, root, places));
     let mut anchors: Vec<LocalAnchor> = stored.collect();
     anchors.extend(centre.inline.iter().map(|inline| inline_anchor(index, centre, inline, places)));
-    LocalAnchorMap { anchors }
+    LocalAnchorMap { session: centre.session, anchors }
 }
 
 fn stored_anchor(
@@ -145,6 +149,7 @@ fn stored_anchor(
     let centre_in_session = object.aabb(centre.session?)?.centre();
     let text_id = index.texts().of(root);
     let bearing = Bearing::of(&centre_in_session, &centre.map_from_camera);
+    let places = places_at(index, || text_id.map_or(1, |text| places.of_text(index, text)));
     Some(LocalAnchor {
         name: LocalName::Object(root),
         class: index.class_of(object).into(),
@@ -155,7 +160,8 @@ fn stored_anchor(
         sure: object.description.as_ref().is_some_and(|description| description.sure),
         centre_in_session,
         bearing,
-        weight: weight(index, &bearing, || text_id.map_or(1, |text| places.of_text(index, text))),
+        weight: weight(index, &bearing, places),
+        places,
     })
 }
 
@@ -176,6 +182,11 @@ fn inline_anchor(
     let text = inline.text.as_ref().filter(|_| state == AnchorState::Valid);
     let text_id = text.and_then(|text| index.texts().find(&inline.class, text));
     let bearing = Bearing::of(&inline.centre_in_session, &centre.map_from_camera);
+    let places = places_at(index, || match (text_id, text) {
+        (Some(known), _) => places.of_text(index, known),
+        (None, Some(text)) => places.of_guest(index, &inline.class, text),
+        (None, None) => 1,
+    });
     LocalAnchor {
         name: LocalName::Inline(inline.detection),
         class: inline.class.clone(),
@@ -186,19 +197,20 @@ fn inline_anchor(
         sure: inline.described,
         centre_in_session: inline.centre_in_session,
         bearing,
-        weight: weight(index, &bearing, || match (text_id, text) {
-            (Some(known), _) => places.of_text(index, known),
-            (None, Some(text)) => places.of_guest(index, &inline.class, text),
-            (None, None) => 1,
-        }),
+        weight: weight(index, &bearing, places),
+        places,
     }
 }
 
 /// 1/d of §V-B, bounded by the least distance; (1/d)/p with distinctive weights (`contract.md` §8.6).
-fn weight(index: &MapIndex, bearing: &Bearing, places: impl FnOnce() -> usize) -> f64 {
-    let settings = &index.properties().settings;
-    let weight = 1.0 / bearing.distance_m().max(settings.anchor_map_min_distance_m);
-    if settings.distinctive_weights { weight / places() as f64 } else { weight }
+fn weight(index: &MapIndex, bearing: &Bearing, places: usize) -> f64 {
+    let least_m = index.properties().settings.anchor_map_min_distance_m;
+    1.0 / bearing.distance_m().max(least_m) / places as f64
+}
+
+/// p of `contract.md` §8.6, counted only if the map's settings ask for it.
+fn places_at(index: &MapIndex, count: impl FnOnce() -> usize) -> usize {
+    if index.properties().settings.distinctive_weights { count() } else { 1 }
 }
 
 /// Associates an inline keyframe's detections as ingest would, and changes nothing: those that

@@ -26,12 +26,19 @@ pub struct Matched<'a> {
     pub level: u8,
     /// Who judged.
     pub source: Source,
+    /// In how many places it hangs, were the two one object.
+    pub places: usize,
 }
 
 impl Matched<'_> {
     /// What the pair adds to the numerator of Eq. (2).
     pub fn weight(&self) -> f64 {
         self.query.weight + self.candidate.weight
+    }
+
+    /// What it says for this place: what hangs in p places agrees with all of them, and only one p-th of it is for this one.
+    pub fn agreement(&self) -> f64 {
+        self.weight() / self.query.places.max(self.candidate.places) as f64
     }
 }
 
@@ -50,6 +57,9 @@ pub struct Comparison<'a> {
     pub pending: usize,
     /// The pairs that match.
     pub matches: Vec<Matched<'a>>,
+    /// Pairs of one description at different relative places, which hang nowhere else: from another point of view the same
+    /// objects, under a transformation perhaps not.
+    pub elsewhere: Vec<Matched<'a>>,
     /// The pairs that contradict (only with `contradiction_veto`).
     pub contradictions: Vec<Contradiction<'a>>,
     /// The weight of all valid anchors of both maps: the denominator of Eq. (2).
@@ -70,9 +80,14 @@ pub struct AtBest {
 }
 
 impl Comparison<'_> {
-    /// The weight of everything that agrees.
-    pub fn agreeing_weight(&self) -> f64 {
-        total(self.matches.iter().map(Matched::weight))
+    /// The weight of everything that agrees with this place rather than with others.
+    pub fn agreement(&self) -> f64 {
+        total(self.matches.iter().map(Matched::agreement))
+    }
+
+    /// The least number of places that something that agrees hangs at; none if nothing agrees.
+    pub fn least_places(&self) -> Option<usize> {
+        self.matches.iter().map(|pair| pair.places).min()
     }
 
     /// The weight of everything that contradicts.
@@ -90,7 +105,10 @@ pub fn compare<'a>(
 ) -> Comparison<'a> {
     let of_query: Vec<&LocalAnchor> = query.valid().collect();
     let of_candidate: Vec<&LocalAnchor> = candidate.valid().collect();
-    let matches = matching_pairs(&of_query, &of_candidate, texts, settings);
+    let is_one_frame = query.session.is_some() && query.session == candidate.session;
+    let matcher = Matcher { is_one_frame, texts, settings };
+    let matches = matcher.matching_pairs(&of_query, &of_candidate);
+    let elsewhere = matcher.elsewhere(&of_query, &of_candidate);
     let total_weight = total(of_query.iter().chain(&of_candidate).map(|anchor| anchor.weight));
     let pending = query.pending() + candidate.pending();
     let agreeing_weight = total(matches.iter().map(Matched::weight));
@@ -113,6 +131,7 @@ pub fn compare<'a>(
         in_candidate: of_candidate.len(),
         pending,
         matches,
+        elsewhere,
         contradictions,
         total_weight,
         unmatched_of_query,
@@ -130,31 +149,64 @@ pub(super) fn equation_2(matching_weight: f64, total_weight: f64) -> f64 {
     if total_weight > 0.0 { matching_weight / total_weight } else { 0.0 }
 }
 
-/// The pairs that Eq. (2) sums, in the order of the two maps.
-fn matching_pairs<'a>(
-    of_query: &[&'a LocalAnchor],
-    of_candidate: &[&'a LocalAnchor],
-    texts: &TextIndex,
-    settings: &Settings,
-) -> Vec<Matched<'a>> {
-    let x = |i: usize, j: usize| matched(of_query[i], of_candidate[j], texts, settings);
-    let weight = |i, j| x(i, j).map(|pair: Matched<'_>| pair.weight());
-    let pairs = pairs(of_query.len(), of_candidate.len(), settings, &weight);
-    pairs.into_iter().filter_map(|(i, j)| x(i, j)).collect()
+/// What deciding on a pair needs.
+struct Matcher<'m> {
+    /// Are the two maps in one session's frame?
+    is_one_frame: bool,
+    texts: &'m TextIndex,
+    settings: &'m Settings,
 }
 
-/// Eq. (1): x(i, j) = 1 if A_i and A_j have similar descriptions and the same relative place.
-fn matched<'a>(
-    query: &'a LocalAnchor,
-    candidate: &'a LocalAnchor,
-    texts: &TextIndex,
-    settings: &Settings,
-) -> Option<Matched<'a>> {
-    if !same_relative_place(query, candidate, settings) {
-        return None;
+impl Matcher<'_> {
+    /// The pairs that Eq. (2) sums, in the order of the two maps.
+    fn matching_pairs<'a>(
+        &self,
+        of_query: &[&'a LocalAnchor],
+        of_candidate: &[&'a LocalAnchor],
+    ) -> Vec<Matched<'a>> {
+        let x = |i: usize, j: usize| self.matched(of_query[i], of_candidate[j]);
+        let weight = |i, j| x(i, j).map(|pair: Matched<'_>| pair.weight());
+        let pairs = pairs(of_query.len(), of_candidate.len(), self.settings, &weight);
+        pairs.into_iter().filter_map(|(i, j)| x(i, j)).collect()
     }
-    let (level, source) = similar(query, candidate, texts, settings)?;
-    Some(Matched { query, candidate, level, source })
+
+    /// Eq. (1): x(i, j) = 1 if A_i and A_j have similar descriptions and the same relative place.
+    fn matched<'a>(&self, query: &'a LocalAnchor, candidate: &'a LocalAnchor) -> Option<Matched<'a>> {
+        if same_relative_place(query, candidate, self.settings) { self.alike(query, candidate) } else { None }
+    }
+
+    /// The pairs of similar descriptions at different relative places that hang nowhere else.
+    fn elsewhere<'a>(
+        &self,
+        of_query: &[&'a LocalAnchor],
+        of_candidate: &[&'a LocalAnchor],
+    ) -> Vec<Matched<'a>> {
+        if !self.settings.aligned_anchors {
+            return Vec::new();
+        }
+        let pairs = of_query.iter().flat_map(|a| of_candidate.iter().map(move |b| (*a, *b)));
+        pairs
+            .filter(|(a, b)| !same_relative_place(a, b, self.settings))
+            .filter_map(|(a, b)| self.alike(a, b))
+            .filter(|pair| pair.places == 1)
+            .collect()
+    }
+
+    fn alike<'a>(&self, query: &'a LocalAnchor, candidate: &'a LocalAnchor) -> Option<Matched<'a>> {
+        let (level, source) = similar(query, candidate, self.texts, self.settings)?;
+        let radius_m = self.settings.distinctive_place_radius_m;
+        let places = places_if_one(query, candidate, self.is_one_frame, radius_m);
+        Some(Matched { query, candidate, level, source, places })
+    }
+}
+
+/// In how many places what two anchors show hangs, were the two one object: one place fewer than counted, if the frame
+/// has them apart. A plate seen again after metres of drift hangs in one place; an exit sign seen at a second door as well,
+/// until there is a third.
+fn places_if_one(query: &LocalAnchor, candidate: &LocalAnchor, is_one_frame: bool, radius_m: f64) -> usize {
+    let places = query.places.max(candidate.places);
+    let apart_m = (query.centre_in_session - candidate.centre_in_session).norm();
+    if is_one_frame && apart_m > radius_m { (places - 1).max(1) } else { places }
 }
 
 /// |theta_i - theta_j| < pi/3 and |d_i - d_j| < 1, strictly.

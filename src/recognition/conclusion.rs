@@ -147,10 +147,17 @@ fn judge_geometry(
     }
     let contradicting: f64 = aligned.contradictions.iter().fold(0.0, |sum, pair| sum + pair.weight());
     let min_similarity = settings.anchor_map_min_similarity;
-    let reason = if contradicting > aligned.agreeing_weight {
-        evidence::contradicted(&aligned.contradictions, contradicting, aligned.agreeing_weight)
-    } else if screened.standing == Standing::AnchorsAgree && aligned.similarity <= min_similarity {
+    let agreed = screened.standing == Standing::AnchorsAgree;
+    let reason = if contradicting > aligned.agreement {
+        evidence::contradicted(&aligned.contradictions, contradicting, aligned.agreement)
+    } else if contradicting + aligned.displaced > aligned.agreement {
+        evidence::displaced(contradicting + aligned.displaced, aligned.agreement)
+    } else if agreed && aligned.similarity <= min_similarity {
         evidence::reason(ReasonCode::AnchorsDisagreeWithTransform, aligned.similarity, min_similarity)
+    } else if let Some(places) = aligned.least_places.filter(|places| agreed && *places > 1) {
+        candidate.decision = CandidateDecision::Undecided;
+        candidate.reason = Some(evidence::not_distinctive(places));
+        return;
     } else {
         return;
     };

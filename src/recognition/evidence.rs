@@ -135,6 +135,18 @@ pub(super) fn contradicted(pairs: &[Contradiction<'_>], contradicting: f64, agre
     Reason { code: ReasonCode::Contradiction, measured: Some(contradicting), limit: Some(agreeing), detail }
 }
 
+pub(super) fn displaced(against: f64, agreeing: f64) -> Reason {
+    let detail = String::from("under the transformation signs that hang once would hang in two places");
+    let (measured, limit) = (Some(against), Some(agreeing));
+    Reason { code: ReasonCode::AnchorsDisagreeWithTransform, measured, limit, detail }
+}
+
+pub(super) fn not_distinctive(places: usize) -> Reason {
+    let detail = format!("everything that agrees hangs in at least {places} places");
+    let (measured, limit) = (Some(places as f64), Some(1.0));
+    Reason { code: ReasonCode::NotDistinctive, measured, limit, detail }
+}
+
 pub(super) fn pending(comparison: &Comparison<'_>) -> Reason {
     let detail = format!(
         "{} anchors are not described yet; at best S would be {:.3}",

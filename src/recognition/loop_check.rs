@@ -88,13 +88,16 @@ fn judge_anchors(
 ) -> Result<Standing, (CandidateDecision, Reason)> {
     use CandidateDecision::{Rejected, Undecided};
     let min_similarity = settings.anchor_map_min_similarity;
-    let (agreeing, contradicting) = (comparison.agreeing_weight(), comparison.contradicting_weight());
+    let (agreeing, contradicting) = (comparison.agreement(), comparison.contradicting_weight());
     let could_turn = comparison.pending > 0
         && comparison.at_best.similarity > min_similarity
         && comparison.at_best.agreeing_weight >= contradicting;
     let contradicted = contradicting > agreeing;
     if !contradicted && comparison.similarity > min_similarity {
-        return Ok(Standing::AnchorsAgree);
+        return match comparison.least_places() {
+            Some(places) if places > 1 => Err((Undecided, evidence::not_distinctive(places))),
+            _ => Ok(Standing::AnchorsAgree),
+        };
     }
     if could_turn {
         return Err((Undecided, evidence::pending(comparison)));
