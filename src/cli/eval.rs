@@ -93,7 +93,13 @@ pub async fn run(args: EvalArgs) -> Result<(), Failure> {
                         let truth = stand(b).inverse().after(&stand(asked.keyframe));
                         let est = crate::hotel::message::pose(t.1).unwrap();
                         let d = truth.inverse().after(&est);
-                        println!("{name} ERR {} {:?} -> {:?} {:?} inl {:?} matches {:?} err {:.3} m {:.2} deg far {:.2}", arm.name(), asked.keyframe, b, asked.scored.outcome, asked.answer.leading().and_then(|l| l.inliers()), asked.answer.leading().and_then(|l| l.geometry.as_ref().and_then(|g| g.matches)), d.centre().coords.norm(), 2.0 * d.rotation_xyzw()[3].abs().min(1.0).acos().to_degrees(), truth.centre().coords.norm());
+                        println!("{name} ERR {} {:?} -> {:?} {:?} inl {:?} same {} matches {:?} err {:.3} m {:.2} deg far {:.2}", arm.name(), asked.keyframe, b, asked.scored.outcome, asked.answer.leading().and_then(|l| l.inliers()), {
+                            let pts = |k: (usize, usize)| scenario.course.journeys[k.0].steps[k.1].features.iter().map(|f| f.point).collect::<std::collections::HashSet<_>>();
+                            pts(b).intersection(&pts(asked.keyframe)).count()
+                        }, asked.answer.leading().and_then(|l| l.geometry.as_ref().and_then(|g| g.matches)), d.centre().coords.norm(), 2.0 * d.rotation_xyzw()[3].abs().min(1.0).acos().to_degrees(), truth.centre().coords.norm());
+                    }
+                    if explain && asked.scored.outcome == Outcome::Wrong && let Some(l) = asked.answer.leading() {
+                        println!("{name} WHY {} {:?}", arm.name(), l.anchors);
                     }
                     if explain && !matches!(asked.scored.outcome, Outcome::RightlyNone) {
                         let step = &scenario.course.journeys[asked.keyframe.0].steps[asked.keyframe.1];

@@ -149,6 +149,35 @@ pub struct AnchorFigures {
     /// Anchors in the candidate's local map.
     #[serde(default)]
     pub in_candidate: u64,
+    /// The pairs that match.
+    #[serde(default)]
+    pub matches: Vec<AnchorMatch>,
+    /// The pairs that contradict.
+    #[serde(default)]
+    pub contradictions: Vec<AnchorContradiction>,
+}
+
+/// An anchor of the query's local map and one of the candidate's that match.
+#[derive(Clone, Debug, Deserialize)]
+pub struct AnchorMatch {
+    /// The query's.
+    pub query_anchor: String,
+    /// The candidate's.
+    pub candidate_anchor: String,
+    /// What the pair adds to the numerator of Eq. (2).
+    #[serde(default)]
+    pub weight: f64,
+}
+
+/// An anchor of each side that cannot be one object.
+#[derive(Clone, Debug, Deserialize)]
+pub struct AnchorContradiction {
+    /// The query's.
+    pub query_anchor: String,
+    /// The candidate's.
+    pub candidate_anchor: String,
+    /// For a person: "reads 910 where 901 hung".
+    pub reason: String,
 }
 
 /// Figures of the geometric check.
@@ -178,6 +207,9 @@ pub struct Reason {
     /// What it was held against.
     #[serde(default)]
     pub limit: Option<f64>,
+    /// One sentence for a person.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub detail: Option<String>,
 }
 
 /// A loop is closed.

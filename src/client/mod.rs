@@ -22,8 +22,8 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 pub use answers::{
-    AnchorFigures, BowFigures, Candidate, CandidateVerdict, ClosedLoop, DetectionAnswer, GeometryFigures,
-    KeyframeAnswer, LoopAnswer, MapAnswer, Merged, Reason, Verdict,
+    AnchorContradiction, AnchorFigures, AnchorMatch, BowFigures, Candidate, CandidateVerdict, ClosedLoop,
+    DetectionAnswer, GeometryFigures, KeyframeAnswer, LoopAnswer, MapAnswer, Merged, Reason, Verdict,
 };
 pub use error::{ClientError, FieldProblem, Problem};
 

@@ -45,7 +45,9 @@ impl Arm {
                 "contradiction_veto": false,
                 "aligned_anchors": false,
             }),
-            Self::BagOfWords => json!({"without_anchors": "geometry", "candidates_max": 3}),
+            Self::BagOfWords => {
+                json!({"without_anchors": "geometry", "candidates_max": 3, "aligned_anchors": false})
+            }
         }
     }
 

@@ -109,6 +109,8 @@ pub struct FloorPlan {
     pub walls: Vec<Wall>,
     /// The rooms, in the order of their doors along the corridor.
     pub rooms: Vec<Room>,
+    /// Where the corridor's pattern repeats: at each door of its outer wall, and on to the corners where there are none.
+    pub bays: Vec<Spot>,
 }
 
 impl FloorPlan {
@@ -116,7 +118,7 @@ impl FloorPlan {
     pub fn new(layout: Layout) -> Self {
         let Layout { length_m: l, width_m: w, .. } = layout;
         let h = CORRIDOR_HALF_WIDTH_M;
-        let mut plan = Self { layout, walls: Vec::new(), rooms: Vec::new() };
+        let mut plan = Self { layout, walls: Vec::new(), rooms: Vec::new(), bays: Vec::new() };
         // Around the ring, anticlockwise: each side's start and direction, and the corridor before it.
         let sides: [(Flat, Flat, f64, f64); 4] = [
             ([0.0, 0.0], [1.0, 0.0], l, 0.0),
@@ -181,6 +183,12 @@ impl FloorPlan {
             |s: f64| [start[0] + s * along[0] + h * facing[0], start[1] + s * along[1] + h * facing[1]];
         let Layout { pitch_m, depth_m, .. } = self.layout;
         let first = side_m / 2.0 - (rooms as f64 - 1.0) / 2.0 * pitch_m;
+        if overhang_m > 0.0 {
+            let before = ((first + overhang_m) / pitch_m).ceil();
+            let bays = (0..).map(|number| first + (f64::from(number) - before) * pitch_m);
+            let within = bays.take_while(|s| *s < side_m + overhang_m + pitch_m);
+            self.bays.extend(within.map(|s| Spot { origin: on_wall(s), facing }));
+        }
         let mut free_from = -overhang_m;
         for number in 0..rooms {
             let s = first + number as f64 * pitch_m;

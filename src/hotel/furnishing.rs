@@ -83,7 +83,10 @@ impl Model {
             room.push(model_point([right, v, z], [-1.0, 0.0, 0.0], patterns, chance));
             let (u, z) = (chance.within(left, right), chance.within(0.3, CEILING_M - 0.1));
             room.push(model_point([u, depth, z], [0.0, -1.0, 0.0], patterns, chance));
-            let (u, z) = (chance.within(DOORWAY_HALF_WIDTH_M, right), chance.within(0.3, CEILING_M - 0.1));
+            let (mut u, z) = (chance.within(left, right), chance.within(0.3, CEILING_M - 0.1));
+            if u.abs() < DOORWAY_HALF_WIDTH_M {
+                u += DOORWAY_HALF_WIDTH_M.copysign(u);
+            }
             room.push(model_point([u, 0.0, z], [0.0, 1.0, 0.0], patterns, chance));
         }
         let pieces = [

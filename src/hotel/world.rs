@@ -41,8 +41,10 @@ impl World {
         let mut points = Vec::new();
         for room in &plan.rooms {
             points.extend(model.furnish_room(&room.door, &plan, patterns, &mut chance));
+        }
+        for bay in &plan.bays {
             let keep = |at: [f64; 2]| is_on_a_wall(&plan, at);
-            points.extend(model.furnish_stretch(&room.door, &plan, patterns, &mut chance, keep));
+            points.extend(model.furnish_stretch(bay, &plan, patterns, &mut chance, keep));
         }
         for corner_m in plan.corners_m() {
             let ([x, y], heading) = plan.centreline(corner_m - 1e-6);

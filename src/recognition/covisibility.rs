@@ -62,6 +62,12 @@ impl Covisibility {
         self.edges.get(keyframe.index()).into_iter().flatten().map(|(other, edge)| (*other, edge.shared()))
     }
 
+    /// The keyframes of its session that share enough map points with one.
+    pub fn sharing_points(&self, keyframe: KeyframeSeq) -> impl Iterator<Item = KeyframeSeq> + '_ {
+        let edges = self.edges.get(keyframe.index()).into_iter().flatten();
+        edges.filter(|(_, edge)| edge.points > 0).map(|(other, _)| *other)
+    }
+
     /// Are the two covisible?
     pub fn joins(&self, a: KeyframeSeq, b: KeyframeSeq) -> bool {
         self.edges

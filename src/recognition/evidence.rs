@@ -141,6 +141,14 @@ pub(super) fn displaced(against: f64, agreeing: f64) -> Reason {
     Reason { code: ReasonCode::AnchorsDisagreeWithTransform, measured, limit, detail }
 }
 
+pub(super) fn disagrees_with_odometry(off_m: f64, limit_m: f64, length_m: f64) -> Reason {
+    let detail = format!(
+        "the transformation is {off_m:.2} m off from where the robot tracked itself to on a way of {length_m:.1} m"
+    );
+    let code = ReasonCode::OdometryDisagreesWithTransform;
+    Reason { code, measured: Some(off_m), limit: Some(limit_m), detail }
+}
+
 pub(super) fn not_distinctive(places: usize) -> Reason {
     let detail = format!("everything that agrees hangs in at least {places} places");
     let (measured, limit) = (Some(places as f64), Some(1.0));

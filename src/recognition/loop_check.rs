@@ -13,6 +13,7 @@ use super::index::MapIndex;
 use super::query::Query;
 use super::screening::{Screened, Screening, Standing};
 use super::sight::Sight;
+use super::tracked_path::TrackedPaths;
 use crate::model::settings::Settings;
 use crate::model::settings::WithoutAnchors;
 use crate::model::verdict::{Candidate, CandidateDecision, Reason, ReasonCode, Verify};
@@ -24,13 +25,14 @@ pub fn screen(index: &MapIndex, map_version: u64, query: &Query<'_>, verify: Ver
     let proposals = find_candidates(index, query, &mut places);
     // Check 3: the local anchor maps.
     let around_query = local_anchor_map(index, &query.centre, &mut places);
-    let candidates = (proposals.candidates.iter())
+    let candidates: Vec<Screened> = (proposals.candidates.iter())
         .filter_map(|proposal| {
             let centre = Centre::stored(index, proposal.keyframe)?;
             let around_candidate = local_anchor_map(index, &centre, &mut places);
             check_candidate(index, &proposals, *proposal, &around_query, &around_candidate, verify)
         })
         .collect();
+    let candidates = with_tracked_paths(index, query, candidates);
     Screening {
         map_version,
         settings: index.properties().settings.clone(),
@@ -42,6 +44,21 @@ pub fn screen(index: &MapIndex, map_version: u64, query: &Query<'_>, verify: Ver
         sight: query.sight.clone(),
         candidates,
     }
+}
+
+/// What odometry knows of the candidates that geometry is to look at.
+fn with_tracked_paths(index: &MapIndex, query: &Query<'_>, mut candidates: Vec<Screened>) -> Vec<Screened> {
+    let waits = |screened: &Screened| screened.standing != Standing::Stopped && screened.sight.is_some();
+    if let Some(keyframe) = query.keyframe
+        && index.properties().settings.aligned_anchors
+        && candidates.iter().any(waits)
+    {
+        let paths = TrackedPaths::from(index, keyframe);
+        for screened in candidates.iter_mut().filter(|screened| waits(screened)) {
+            screened.path = paths.to(index, keyframe, screened.keyframe);
+        }
+    }
+    candidates
 }
 
 fn check_candidate(
@@ -76,6 +93,7 @@ fn check_candidate(
             candidate,
             standing,
             compared: Compared::of(&comparison),
+            path: None,
             sight: if verify == Verify::Anchors { None } else { Sight::stored(index, proposal.keyframe) },
         },
     })

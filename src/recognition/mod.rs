@@ -17,6 +17,7 @@
 //! | ours: distinctive weights | [`distinctiveness`] | [`distinctiveness::PlaceCounts`] |
 //! | ours: contradiction veto | [`contradiction`] | [`contradiction::contradict`] |
 //! | ours: anchors under the transformation | [`alignment`] | [`alignment::Compared::under`] |
+//! | ours: odometry over short ways | [`tracked_path`] | [`tracked_path::TrackedPath`] |
 //!
 //! Beside the paper: [`query`] is the keyframe that is asked about, [`sight`] and [`features`] are what geometry
 //! needs to know of it, [`evidence`] turns figures into a
@@ -48,4 +49,5 @@ pub mod query;
 pub mod recorder;
 pub mod screening;
 pub mod sight;
+pub mod tracked_path;
 pub mod verification;

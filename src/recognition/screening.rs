@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::alignment::Compared;
 use super::sight::Sight;
+use super::tracked_path::TrackedPath;
 use crate::model::ids::KeyframeSeq;
 use crate::model::settings::Settings;
 use crate::model::verdict::{Candidate, CandidateDecision, Reason, Verify};
@@ -30,6 +31,8 @@ pub struct Screened {
     pub standing: Standing,
     /// What the comparison found, to be held against a transformation.
     pub compared: Compared,
+    /// How it hangs together with the query by odometry, if it does.
+    pub path: Option<TrackedPath>,
     /// What geometry needs to know of it.
     pub sight: Option<Sight>,
 }
@@ -43,7 +46,14 @@ impl Screened {
     ) -> Self {
         candidate.decision = decision;
         candidate.reason = Some(reason);
-        Self { keyframe, candidate, standing: Standing::Stopped, compared: Compared::default(), sight: None }
+        Self {
+            keyframe,
+            candidate,
+            standing: Standing::Stopped,
+            compared: Compared::default(),
+            path: None,
+            sight: None,
+        }
     }
 }
 
