@@ -2,7 +2,7 @@
 //!
 //! By query as `replay` counts. By visit as the paper does ("when the robot visited the rooms", §VI-A): a visit is a stay
 //! in a room, and its answer is the loop with the most inliers that any of its keyframes got. Precision is right answers of
-//! all answers; recall is visits in which at least one keyframe was rightly answered, of those that had a true loop.
+//! all answers; recall is visits in which at least one keyframe was rightly answered, of those to a room visited before.
 
 use std::collections::BTreeMap;
 
@@ -29,6 +29,8 @@ pub enum Outcome {
 pub struct Scored {
     /// Which robot and which of its visits to rooms; none on the way between two.
     pub visit: Option<(usize, usize)>,
+    /// Was that room visited before?
+    pub is_revisit: bool,
     /// Was there a true loop?
     pub has_truth: bool,
     /// What was answered.
@@ -101,9 +103,9 @@ pub fn by_visit(queries: &[Scored]) -> Counts {
         let right = answer == Some(Outcome::Right);
         counts.accepted += u64::from(answer.is_some());
         counts.right += u64::from(right);
-        let scored = |query: &&&Scored| query.outcome != Outcome::Unscored;
-        counts.with_truth += u64::from(visit.iter().filter(scored).any(|query| query.has_truth));
-        counts.found += u64::from(visit.iter().any(|query| query.outcome == Outcome::Right));
+        let is_revisit = visit.iter().any(|query| query.is_revisit);
+        counts.with_truth += u64::from(is_revisit);
+        counts.found += u64::from(is_revisit && visit.iter().any(|query| query.outcome == Outcome::Right));
     }
     counts
 }
@@ -130,7 +132,8 @@ mod tests {
     use super::*;
 
     fn query(visit: usize, has_truth: bool, outcome: Outcome, inliers: u64) -> Scored {
-        Scored { visit: (visit > 0).then_some((0, visit)), has_truth, outcome, inliers }
+        let visit = (visit > 0).then_some((0, visit));
+        Scored { visit, is_revisit: has_truth, has_truth, outcome, inliers }
     }
 
     #[test]
@@ -153,7 +156,7 @@ mod tests {
         let counts = by_query(&queries);
         assert_eq!(counts, Counts { accepted: 7, right: 3, with_truth: 7, found: 3 });
         let counts = by_visit(&queries);
-        assert_eq!(counts, Counts { accepted: 4, right: 2, with_truth: 4, found: 3 });
+        assert_eq!(counts, Counts { accepted: 4, right: 2, with_truth: 5, found: 3 });
     }
 
     #[test]

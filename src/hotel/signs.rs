@@ -32,7 +32,7 @@ impl SignKind {
     /// How far off a detector still finds it, in metres.
     pub fn detected_within_m(self) -> f64 {
         match self {
-            Self::DoorPlate | Self::FloorSign => 4.5,
+            Self::DoorPlate | Self::FloorSign => 5.2,
             Self::Painting | Self::ExitSign => 6.5,
         }
     }

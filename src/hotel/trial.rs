@@ -1,5 +1,7 @@
 //! Trial: one arm drives through recorded journeys, and what it was told is held against the truth.
 
+use std::collections::HashMap;
+
 use super::absolute_pose_error::rmse_after_alignment;
 use super::arm::Arm;
 use super::journey::Journey;
@@ -20,6 +22,8 @@ pub struct Course {
     pub order: Vec<KeyframeIndex>,
     /// What is right for each of them.
     pub answers: Vec<Answerable>,
+    /// The first visit to each room: which robot's, and which of its visits.
+    first_stays: HashMap<Place, (usize, usize)>,
 }
 
 impl Course {
@@ -31,8 +35,27 @@ impl Course {
             .filter(|(robot, number)| *number < journeys[*robot].steps.len())
             .collect();
         let answers = answers(&journeys, &order);
-        Self { journeys, order, answers }
+        let first_stays = first_stays(&journeys, &order);
+        Self { journeys, order, answers, first_stays }
     }
+
+    /// Was this keyframe taken in a room that a robot, this one or another, had visited before?
+    fn is_revisit(&self, keyframe: KeyframeIndex) -> bool {
+        let stop = self.journeys[keyframe.0].steps[keyframe.1].stop;
+        let stay = (keyframe.0, stop.visit);
+        self.first_stays.get(&stop.place).is_some_and(|first| *first != stay)
+    }
+}
+
+fn first_stays(journeys: &[Journey], order: &[KeyframeIndex]) -> HashMap<Place, (usize, usize)> {
+    let mut first = HashMap::new();
+    for (robot, number) in order {
+        let stop = journeys[*robot].steps[*number].stop;
+        if stop.place != Place::Corridor {
+            first.entry(stop.place).or_insert((*robot, stop.visit));
+        }
+    }
+    first
 }
 
 /// One query with its answer.
@@ -90,7 +113,8 @@ pub async fn drive(
         let has_truth = !answerable.truth.is_empty();
         let visit = (step.stop.place != Place::Corridor).then_some((keyframe.0, step.stop.visit));
         let inliers = answer.leading().and_then(Candidate::inliers).unwrap_or(0);
-        let scored = Scored { visit, has_truth, outcome, inliers };
+        let is_revisit = course.is_revisit(*keyframe);
+        let scored = Scored { visit, is_revisit, has_truth, outcome, inliers };
         let this = Asked { keyframe: *keyframe, best, scored, answer };
         told(&this);
         asked.push(this);

@@ -5,6 +5,7 @@
 //! | match descriptors | [`descriptor_matching`], [`orientation`] |
 //! | find a transformation most of them agree with | [`ransac`], [`correspondence`] |
 //! | refine it on the reprojection errors | [`refinement`] |
+//! | a flat patch may be tilted the other way | [`planar_ambiguity`] |
 //! | project, match again, count | [`guided_search`], [`keypoint_grid`] |
 //! | where nothing is triangulated: directions alone | [`essential`] |
 //! | the thresholds | [`limits`] |
@@ -20,6 +21,7 @@ pub mod guided_search;
 pub mod keypoint_grid;
 pub mod limits;
 pub mod orientation;
+pub mod planar_ambiguity;
 pub mod ransac;
 pub mod refinement;
 
@@ -33,6 +35,7 @@ use correspondence::{Cameras, Correspondence, Hypothesis, Reprojection};
 use descriptor_matching::{Match, Side, match_descriptors};
 use guided_search::{GuidedSearch, sighting};
 pub use limits::{GuidedLimits, Limits, MatchingLimits, SamplingLimits, SureLimits};
+use planar_ambiguity::better_tilted;
 use ransac::sample_consensus;
 use refinement::refine;
 
@@ -243,6 +246,12 @@ fn find_transformation(
         return Err(Failure::NoHypothesis { hypotheses, degenerate });
     };
     let mut candidate_from_query = settle(first, &matched, agreeing, &cameras, limits);
+    let agreeing = Hypothesis::new(&cameras, &candidate_from_query).inliers(&matched, limits.max_chi_square);
+    if let Some(tilted) =
+        better_tilted(&candidate_from_query, &matched, &agreeing, &cameras, limits.fixed_scale)
+    {
+        candidate_from_query = settle(tilted, &matched, agreeing, &cameras, limits);
+    }
     let hypothesis = Hypothesis::new(&cameras, &candidate_from_query);
     result.matched_inliers = hypothesis.inliers(&matched, limits.max_chi_square).len() as u32;
 

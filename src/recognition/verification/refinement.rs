@@ -59,6 +59,11 @@ pub fn refine(
     best
 }
 
+/// What the pairs at `places` cost under a transformation: Huber's sum over the squared errors of both images and depths.
+pub fn cost(candidate_from_query: &Sim3, pairs: &[Correspondence], places: &[u32], cameras: &Cameras) -> f64 {
+    Problem { pairs, places, cameras }.cost(candidate_from_query)
+}
+
 /// The transformation moved by a small step in the candidate's frame.
 fn moved(sim3: &Sim3, step: &Step) -> Sim3 {
     // Cayley's map: to first order the exponential, and it needs no sine.
