@@ -1,5 +1,6 @@
 //! Command line: one thin file for each subcommand.
 
+mod demo;
 mod eval;
 mod openapi;
 pub mod replay;
@@ -10,6 +11,8 @@ use std::error::Error;
 use std::io::{self, Write as _};
 
 use clap::{Parser, Subcommand};
+use tokio::signal::unix::{SignalKind, signal};
+use tokio_util::sync::CancellationToken;
 
 /// Revisit: semantic place recognition. "Is this keyframe a loop?"
 ///
@@ -28,6 +31,7 @@ pub struct Cli {
 enum Command {
     Serve(serve::ServeArgs),
     Replay(replay::ReplayArgs),
+    Demo(demo::DemoArgs),
     Eval(eval::EvalArgs),
     Openapi(openapi::OpenapiArgs),
     Vocabulary(vocabulary::VocabularyArgs),
@@ -42,6 +46,7 @@ impl Cli {
         match self.command {
             Command::Serve(args) => serve::run(args).await,
             Command::Replay(args) => Ok(replay::run(args, serve::own_server).await?),
+            Command::Demo(args) => demo::run(args).await,
             Command::Eval(args) => eval::run(args).await,
             Command::Openapi(args) => openapi::run(&args),
             Command::Vocabulary(args) => vocabulary::run(args).await,
@@ -56,4 +61,20 @@ fn write_out(text: &str) -> io::Result<()> {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         other => other,
     }
+}
+
+/// Cancelled by the first SIGTERM or SIGINT.
+fn stop_on_signal() -> Result<CancellationToken, Failure> {
+    let (mut term, mut int) = (signal(SignalKind::terminate())?, signal(SignalKind::interrupt())?);
+    let stopping = CancellationToken::new();
+    let token = stopping.clone();
+    tokio::spawn(async move {
+        tokio::select! {
+            _ = term.recv() => {}
+            _ = int.recv() => {}
+        }
+        tracing::info!("stopping");
+        token.cancel();
+    });
+    Ok(stopping)
 }

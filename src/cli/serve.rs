@@ -1,18 +1,20 @@
 //! `revisit serve`: the server.
 
+use std::fs::File;
+use std::io::BufWriter;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::Args;
 use tokio::net::TcpListener;
-use tokio::signal::unix::{SignalKind, signal};
-use tokio_util::sync::CancellationToken;
 
 use super::replay::OwnServer;
-use super::{Failure, write_out};
+use super::{Failure, stop_on_signal, write_out};
 use crate::config::{build, listen, logging};
+use crate::hotel::texture::Patterns;
 use crate::http::{self, RunningServer};
 use crate::service::{Service, ServiceOptions};
+use crate::vocabulary::Vocabulary;
 
 /// Serve maps over HTTP.
 ///
@@ -54,27 +56,27 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
     Ok(served?)
 }
 
-/// Cancelled by the first SIGTERM or SIGINT.
-fn stop_on_signal() -> Result<CancellationToken, Failure> {
-    let (mut term, mut int) = (signal(SignalKind::terminate())?, signal(SignalKind::interrupt())?);
-    let stopping = CancellationToken::new();
-    let token = stopping.clone();
-    tokio::spawn(async move {
-        tokio::select! {
-            _ = term.recv() => {}
-            _ = int.recv() => {}
-        }
-        tracing::info!("stopping");
-        token.cancel();
-    });
-    Ok(stopping)
-}
-
 /// A server on a database that goes with it, for `replay`.
 pub async fn own_server() -> Result<OwnServer, Failure> {
+    temporary_server(None).await
+}
+
+/// A server with the vocabulary of the simulated hotel, on a database that goes with it, for `eval` and `demo`.
+pub async fn hotel_server() -> Result<OwnServer, Failure> {
+    let vocabulary = tokio::task::spawn_blocking(|| Patterns::new().vocabulary()).await??;
+    temporary_server(Some(vocabulary)).await
+}
+
+async fn temporary_server(vocabulary: Option<Vocabulary>) -> Result<OwnServer, Failure> {
     let directory = tempfile::tempdir()?;
-    let database = format!("sqlite://{}", directory.path().join("replay.db").display());
-    let service = Service::open(ServiceOptions::on(database)).await?;
+    let database = format!("sqlite://{}", directory.path().join("revisit.db").display());
+    let mut options = ServiceOptions::on(database);
+    if let Some(vocabulary) = vocabulary {
+        let path = directory.path().join("hotel.voc");
+        vocabulary.write_binary(BufWriter::new(File::create(&path)?))?;
+        options.vocabulary = Some(path);
+    }
+    let service = Service::open(options).await?;
     let server = RunningServer::start(service).await?;
     let url = server.url();
     // Dropped in this order: the server stops before its directory goes.

@@ -12,7 +12,7 @@ use crate::geometry::{Point3, Pose};
 use crate::wire::geometry::Similarity;
 
 /// Keyframes come this often by their stamps, in nanoseconds.
-const STEP_NS: u64 = 500_000_000;
+pub const STEP_NS: u64 = 500_000_000;
 
 /// The map of one arm.
 pub fn map(arm: Arm, description: &str) -> Value {

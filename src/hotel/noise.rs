@@ -20,9 +20,16 @@ pub enum NoiseKind {
 }
 
 impl NoiseKind {
-    /// Every kind of trouble, in the order of tables.
-    pub const TROUBLES: [Self; 6] =
-        [Self::Reader, Self::Missed, Self::Repeated, Self::Wording, Self::Fleet, Self::Mixed];
+    /// Every kind, in the order of tables.
+    pub const ALL: [Self; 7] =
+        [Self::None, Self::Reader, Self::Missed, Self::Repeated, Self::Wording, Self::Fleet, Self::Mixed];
+    /// One trouble at a time.
+    pub const TROUBLES: [Self; 5] = [Self::Reader, Self::Missed, Self::Repeated, Self::Wording, Self::Fleet];
+
+    /// The kind of a name.
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
+    }
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {

@@ -26,8 +26,6 @@ const LOOP_SIGMA_RAD: f64 = 0.006;
 const MOVED_M: f64 = 0.001;
 const MOVED_RAD: f64 = 0.0005;
 
-pub static OPT: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
-pub static POST: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
 /// Why a drive ended early.
 #[derive(Debug, thiserror::Error)]
 pub enum DriveError {
@@ -177,10 +175,7 @@ impl<'a> Robot<'a> {
     /// Optimises the pose graph, tells the server what moved, and which loop was closed.
     async fn close_loops(&mut self) -> Result<(), DriveError> {
         let mut poses: Vec<_> = self.poses.iter().map(Pose::isometry).collect();
-        let t0 = std::time::Instant::now();
         optimise(&mut poses, &self.edges)?;
-        let t1 = std::time::Instant::now();
-        OPT.fetch_add((t1 - t0).as_micros() as u64, std::sync::atomic::Ordering::Relaxed);
         self.poses = poses.into_iter().map(Pose::from).collect();
         self.last_closing = self.poses.len() - 1;
         self.closed += 1;
@@ -198,7 +193,6 @@ impl<'a> Robot<'a> {
                 self.told[number] = self.poses[number];
             }
         }
-        POST.fetch_add(t1.elapsed().as_micros() as u64, std::sync::atomic::Ordering::Relaxed);
         // One loop for each closing, the newest: the others are its neighbours.
         if let Some(closing) = self.waiting.drain(..).next_back() {
             let body = json!({

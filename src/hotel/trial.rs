@@ -65,10 +65,21 @@ pub struct Asked {
     pub keyframe: KeyframeIndex,
     /// The keyframe that was answered, if it is one of ours.
     pub best: Option<KeyframeIndex>,
+    /// The candidate that the arm ranks first, whether it passed or not.
+    pub ranked: Option<Ranked>,
     /// How it is scored.
     pub scored: Scored,
     /// What the server said.
     pub answer: LoopAnswer,
+}
+
+/// The candidate that an arm ranks first, for its curve of precision over recall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ranked {
+    /// What it ranks by: S of Eq. (2), or inliers without anchors.
+    pub score: f64,
+    /// Is it the same place?
+    pub is_right: bool,
 }
 
 /// An arm at the end of its drive.
@@ -115,7 +126,8 @@ pub async fn drive(
         let inliers = answer.leading().and_then(Candidate::inliers).unwrap_or(0);
         let is_revisit = course.is_revisit(*keyframe);
         let scored = Scored { visit, is_revisit, has_truth, outcome, inliers };
-        let this = Asked { keyframe: *keyframe, best, scored, answer };
+        let ranked = ranked(arm, &answer, answerable, |keyframe| find(&robots, keyframe));
+        let this = Asked { keyframe: *keyframe, best, ranked, scored, answer };
         told(&this);
         asked.push(this);
     }
@@ -155,12 +167,29 @@ pub fn absolute_pose_error_m(journeys: &[Journey], poses: &[Vec<Pose>]) -> f64 {
     (squared.sum::<f64>() / journeys.len() as f64).sqrt()
 }
 
-fn session(robot: usize) -> String {
+/// The session of a robot, which its keyframe ids start with.
+pub fn session(robot: usize) -> String {
     if robot == 0 { "kf".to_owned() } else { format!("kf{}", robot + 1) }
 }
 
 fn find(robots: &[Robot<'_>], keyframe: &str) -> Option<KeyframeIndex> {
     robots.iter().enumerate().find_map(|(robot, own)| Some((robot, own.number_of(keyframe)?)))
+}
+
+fn ranked(
+    arm: Arm,
+    answer: &LoopAnswer,
+    answerable: &Answerable,
+    find: impl Fn(&str) -> Option<KeyframeIndex>,
+) -> Option<Ranked> {
+    let score = |candidate: &Candidate| match arm {
+        Arm::BagOfWords => candidate.inliers().unwrap_or(0) as f64,
+        Arm::Ours | Arm::Paper => candidate.similarity().unwrap_or(0.0),
+    };
+    let first = answer.candidates.iter().max_by(|a, b| score(a).total_cmp(&score(b)))?;
+    let keyframe = find(&first.keyframe)?;
+    let is_right = answerable.truth.contains(&keyframe);
+    (is_right || !answerable.ignore.contains(&keyframe)).then(|| Ranked { score: score(first), is_right })
 }
 
 fn outcome(answer: &LoopAnswer, best: Option<KeyframeIndex>, answerable: &Answerable) -> Outcome {

@@ -90,6 +90,11 @@ impl OwnServer {
     pub fn new(url: impl Into<String>, running: impl Send + 'static) -> Self {
         Self { url: url.into(), _running: Box::new(running) }
     }
+
+    /// Where it listens.
+    pub fn url(&self) -> &str {
+        &self.url
+    }
 }
 
 /// Why a replay came to no score, or to an incomplete one.

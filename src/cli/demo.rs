@@ -1,0 +1,133 @@
+//! `revisit demo`: the paper's experiment on one sequence, told as it happens.
+
+use clap::Args;
+
+use super::serve::hotel_server;
+use super::{Failure, stop_on_signal, write_out};
+use crate::client::{Client, Verdict};
+use crate::hotel::arm::Arm;
+use crate::hotel::explain::{Narrator, keyframe_id};
+use crate::hotel::paper::SEQUENCES;
+use crate::hotel::results::{ArmResult, Confusion, SequenceResult};
+use crate::hotel::scenario::Scenario;
+use crate::hotel::tables;
+use crate::hotel::texture::Patterns;
+use crate::hotel::trial::{self, Asked, Driven, absolute_pose_error_m, drive};
+
+/// The sequence of the paper's Figure 6.
+const SEQUENCE: &str = "SE2 00";
+/// The map that stays to be looked at.
+const MAP: &str = "hotel";
+/// A line for every rejected look-alike would be hundreds: of a run of them one is told.
+const REJECTIONS_EVERY: usize = 25;
+/// And of loops, which come in runs as well.
+const LOOPS_EVERY: usize = 6;
+
+/// Watch a robot in a hotel whose rooms all look alike.
+///
+/// Starts a server on a database that is thrown away, drives the robot of the paper's sequence SE2 00 through it three times
+/// (with our method, with the paper's to the letter, and with bag of words and Sim3 alone), and prints what it was told.
+/// Then the server stays up to be asked, until Ctrl-C.
+#[derive(Args, Debug)]
+pub struct DemoArgs {
+    /// Stop at once when the drive is over
+    #[arg(long)]
+    exit: bool,
+}
+
+/// Runs it.
+pub async fn run(args: DemoArgs) -> Result<(), Failure> {
+    let server = hotel_server().await?;
+    let client = Client::new(server.url())?;
+    let printed = SEQUENCES.into_iter().find(|printed| printed.name() == SEQUENCE).unwrap_or(SEQUENCES[0]);
+    let scenario =
+        tokio::task::spawn_blocking(move || Scenario::of_paper(&printed, &Patterns::new())).await?;
+    let narrator = Narrator { world: &scenario.world, journeys: &scenario.course.journeys };
+    let rooms: Vec<&str> =
+        scenario.tours[0].iter().map(|room| scenario.world.numbers[*room].as_str()).collect();
+    write_out(&format!(
+        "A hotel of 24 rooms that are furnished alike, around a corridor of 100 m. A robot drives to rooms {}\n\
+         ({} keyframes) and asks at each: is this a loop? The viewer: {}/\n\n",
+        rooms.join(", "),
+        scenario.course.order.len(),
+        server.url()
+    ))?;
+    let mut teller = Teller::new(narrator);
+    let ours = drive(&client, MAP, Arm::Ours, &scenario.course, |asked| teller.hear(asked)).await?;
+    let mut drives = vec![ours];
+    for arm in [Arm::Paper, Arm::BagOfWords] {
+        write_out(&format!("\nThe same drive again, with {}\n", introduction(arm)))?;
+        drives.push(drive(&client, &format!("{MAP}-{}", arm.name()), arm, &scenario.course, |_| {}).await?);
+    }
+    let result = SequenceResult {
+        sequence: printed.name(),
+        keyframes: scenario.course.order.len(),
+        odometry_m: absolute_pose_error_m(&scenario.course.journeys, &trial::odometry(&scenario.course)),
+        arms: drives.iter().map(ArmResult::of).collect(),
+        confusion: Confusion::of(&drives[2]),
+        printed,
+    };
+    let results = [result];
+    write_out(&format!("\n{}\n{}\n", tables::table_2(&results), tables::table_3(&results)))?;
+    if args.exit {
+        return Ok(());
+    }
+    write_out(&next_steps(server.url(), &drives[0]))?;
+    stop_on_signal()?.cancelled().await;
+    Ok(())
+}
+
+fn introduction(arm: Arm) -> &'static str {
+    match arm {
+        Arm::Ours => "our method",
+        Arm::Paper => "the paper's method to the letter ...",
+        Arm::BagOfWords => "bag of words and Sim3 alone, as ORB-SLAM3 does it ...",
+    }
+}
+
+/// Tells enough of what happens to be followed.
+struct Teller<'a> {
+    narrator: Narrator<'a>,
+    rejections: usize,
+    loops: usize,
+}
+
+impl<'a> Teller<'a> {
+    fn new(narrator: Narrator<'a>) -> Self {
+        Self { narrator, rejections: 0, loops: 0 }
+    }
+
+    fn hear(&mut self, asked: &Asked) {
+        let contradicts = asked.answer.leading().and_then(|candidate| candidate.anchors.as_ref());
+        let contradicts = contradicts.is_some_and(|anchors| !anchors.contradictions.is_empty());
+        let is_told = match asked.answer.verdict {
+            Verdict::Loop => {
+                self.loops += 1;
+                self.loops % LOOPS_EVERY == 1
+            }
+            Verdict::NoLoop if contradicts => {
+                self.rejections += 1;
+                self.rejections % REJECTIONS_EVERY == 1
+            }
+            _ => false,
+        };
+        if is_told {
+            // A reader that went away ends nothing: the tables are still to come.
+            let _ = write_out(&format!("{}\n", self.narrator.answer(asked)));
+        }
+    }
+}
+
+fn next_steps(url: &str, ours: &Driven) -> String {
+    let found = ours.asked.iter().rev().find(|asked| asked.answer.verdict == Verdict::Loop);
+    let keyframe = found.map_or_else(|| String::from("kf-0"), |asked| keyframe_id(asked.keyframe));
+    let query = found.map_or("q", |asked| asked.answer.id.as_str());
+    format!(
+        "The server stays up. Look at {url}/ in a browser, or ask:\n\n\
+         curl -s {url}/v1/maps/{MAP}\n\
+         curl -s '{url}/v1/maps/{MAP}/anchors?class=door_number&limit=3'\n\
+         curl -s {url}/v1/maps/{MAP}/keyframes/{keyframe}/local-anchor-map\n\
+         curl -s {url}/v1/maps/{MAP}/loop-queries/{query}\n\n\
+         Ctrl-C stops it and throws its database away.\n"
+    )
+}

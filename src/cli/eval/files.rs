@@ -1,0 +1,119 @@
+//! What an experiment leaves behind: figures as SVG, trajectories in TUM format, everything as JSON.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::json;
+
+use crate::cli::Failure;
+use crate::geometry::{Point3, Pose};
+use crate::hotel::absolute_pose_error::alignment;
+use crate::hotel::arm::Arm;
+use crate::hotel::curve::curve;
+use crate::hotel::figures::{Panel, precision_recall, trajectories};
+use crate::hotel::results::{SequenceResult, WorldResult};
+use crate::hotel::scenario::Scenario;
+use crate::hotel::score::Outcome;
+use crate::hotel::trial::Driven;
+use crate::hotel::tum;
+
+/// The paper's Figure 6 shows this sequence.
+const FIGURE_6: &str = "SE2 00";
+
+/// One sequence, driven by every arm.
+pub(super) struct Driven12 {
+    /// Its figures.
+    pub result: SequenceResult,
+    /// Its world and its truth.
+    pub scenario: Scenario,
+    /// The arms at the end of their drives.
+    pub arms: Vec<Driven>,
+    /// Odometry alone.
+    pub odometry: Vec<Vec<Pose>>,
+}
+
+/// Writes everything about the paper's sequences.
+pub(super) fn write_sequences(folder: &Path, drives: &[Driven12]) -> Result<(), Failure> {
+    let tum_folder = folder.join("trajectories");
+    fs::create_dir_all(&tum_folder)?;
+    for driven in drives {
+        let name = driven.result.sequence.replace(' ', "-");
+        let truth = truth(driven);
+        fs::write(tum_folder.join(format!("{name}-truth.tum")), tum::trajectory(&truth))?;
+        fs::write(tum_folder.join(format!("{name}-odometry.tum")), tum::trajectory(&driven.odometry[0]))?;
+        for arm in &driven.arms {
+            let file = tum_folder.join(format!("{name}-{}.tum", arm.arm.name()));
+            fs::write(file, tum::trajectory(&arm.poses[0]))?;
+        }
+    }
+    if let Some(shown) = drives.iter().find(|driven| driven.result.sequence == FIGURE_6) {
+        fs::write(folder.join("figure6.svg"), trajectories(&panels(shown))?)?;
+    }
+    let of_arm = |arm: Arm| -> Vec<&Driven> {
+        drives.iter().flat_map(|driven| &driven.arms).filter(|driven| driven.arm == arm).collect()
+    };
+    let curves: Vec<_> = Arm::ALL.into_iter().filter_map(|arm| curve(&of_arm(arm))).collect();
+    fs::write(folder.join("precision-recall.svg"), precision_recall(&curves)?)?;
+    let results: Vec<&SequenceResult> = drives.iter().map(|driven| &driven.result).collect();
+    write_json(folder, &json!({"sequences": results}))
+}
+
+/// Writes everything about random worlds.
+pub(super) fn write_worlds(folder: &Path, results: &[WorldResult]) -> Result<(), Failure> {
+    fs::create_dir_all(folder)?;
+    write_json(folder, &json!({"worlds": results}))
+}
+
+fn write_json(folder: &Path, results: &serde_json::Value) -> Result<(), Failure> {
+    Ok(fs::write(folder.join("results.json"), format!("{results:#}\n"))?)
+}
+
+fn truth(driven: &Driven12) -> Vec<Pose> {
+    let steps = &driven.scenario.course.journeys[0].steps;
+    steps.iter().map(|step| step.stop.stand.map_from_camera()).collect()
+}
+
+fn panels(driven: &Driven12) -> Vec<Panel> {
+    let arm = |arm: Arm| driven.arms.iter().find(|driven| driven.arm == arm);
+    let mut panels = Vec::new();
+    if let Some(bow) = arm(Arm::BagOfWords) {
+        panels.push(panel(driven, "(a) bag of words + Sim3, no anchors", &bow.poses[0], Some(bow)));
+    }
+    panels.push(panel(driven, "(b) odometry alone", &driven.odometry[0], None));
+    if let Some(ours) = arm(Arm::Ours) {
+        panels.push(panel(driven, "(c) ours", &ours.poses[0], Some(ours)));
+    }
+    panels
+}
+
+fn panel(driven: &Driven12, title: &str, poses: &[Pose], arm: Option<&Driven>) -> Panel {
+    let centres = |poses: &[Pose]| -> Vec<Point3> { poses.iter().map(Pose::centre).collect() };
+    let (truth, estimate) = (centres(&truth(driven)), centres(poses));
+    let laid_over: Vec<Point3> = match alignment(&estimate, &truth) {
+        Some(truth_from_estimate) => {
+            estimate.iter().map(|point| truth_from_estimate.transform(point)).collect()
+        }
+        None => estimate,
+    };
+    let flat = |points: &[Point3]| points.iter().map(|point| [point.x, point.y]).collect();
+    let off_m = laid_over.iter().zip(&truth).map(|(a, b)| (a - b).norm_squared()).sum::<f64>();
+    let off_m = (off_m / truth.len() as f64).sqrt();
+    let loops: Vec<(usize, usize, bool)> = arm.map_or_else(Vec::new, |arm| {
+        let answered = arm
+            .asked
+            .iter()
+            .filter_map(|asked| Some((asked.keyframe.1, asked.best?.1, asked.scored.outcome)));
+        answered.map(|(from, to, outcome)| (from, to, outcome != Outcome::Wrong)).collect()
+    });
+    let wrong = loops.iter().filter(|(.., is_right)| !is_right).count();
+    let told =
+        if arm.is_some() { format!(", {} loops, {wrong} of them wrong", loops.len()) } else { String::new() };
+    Panel {
+        title: title.to_owned(),
+        caption: format!("{}: off by {off_m:.2} m{told}", driven.result.sequence),
+        truth: flat(&truth),
+        estimate: flat(&laid_over),
+        loops,
+        walls: driven.scenario.world.plan.walls.clone(),
+    }
+}

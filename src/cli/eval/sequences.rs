@@ -1,0 +1,68 @@
+//! The paper's twelve sequences, with every arm: Tables II and III.
+
+use futures_util::{StreamExt as _, TryStreamExt as _};
+
+use super::files::{self, Driven12};
+use super::{HotelArgs, progress_bar};
+use crate::cli::{Failure, write_out};
+use crate::client::Client;
+use crate::hotel::arm::Arm;
+use crate::hotel::paper::{PrintedSequence, SEQUENCES};
+use crate::hotel::results::{ArmResult, Confusion, SequenceResult};
+use crate::hotel::scenario::Scenario;
+use crate::hotel::tables;
+use crate::hotel::texture::Patterns;
+use crate::hotel::trial::{self, absolute_pose_error_m, drive};
+
+/// Drives them all, prints the tables and writes the files.
+pub(super) async fn run(args: &HotelArgs, client: &Client) -> Result<(), Failure> {
+    // A sequence is counted as so many steps; how many keyframes it will have is not known before it is planned.
+    let bar = progress_bar((SEQUENCES.len() * Arm::ALL.len()) as u64);
+    let drives: Vec<Driven12> = futures_util::stream::iter(SEQUENCES)
+        .map(|printed| drive_sequence(client, printed, &bar))
+        .buffered(usize::from(args.jobs))
+        .try_collect()
+        .await?;
+    bar.finish_and_clear();
+    let results: Vec<SequenceResult> = drives.iter().map(|driven| driven.result.clone()).collect();
+    files::write_sequences(&args.output, &drives)?;
+    let text = format!(
+        "{}\n{}\n{}\nwritten to {}: figure6.svg, precision-recall.svg, trajectories/*.tum, results.json\n",
+        tables::table_2(&results),
+        tables::confusion(&results),
+        tables::table_3(&results),
+        args.output.display()
+    );
+    Ok(write_out(&text)?)
+}
+
+async fn drive_sequence(
+    client: &Client,
+    printed: PrintedSequence,
+    bar: &indicatif::ProgressBar,
+) -> Result<Driven12, Failure> {
+    let scenario =
+        tokio::task::spawn_blocking(move || Scenario::of_paper(&printed, &Patterns::new())).await?;
+    let odometry = trial::odometry(&scenario.course);
+    let mut arms = Vec::new();
+    for arm in Arm::ALL {
+        bar.set_message(format!("{}, {}", printed.name(), arm.title()));
+        let map = format!("{}-{}", printed.name().replace(' ', "-"), arm.name());
+        arms.push(drive(client, &map, arm, &scenario.course, |_| {}).await?);
+        client.delete_map(&map).await?;
+        bar.inc(1);
+    }
+    let result = SequenceResult {
+        sequence: printed.name(),
+        keyframes: scenario.course.order.len(),
+        odometry_m: absolute_pose_error_m(&scenario.course.journeys, &odometry),
+        arms: arms.iter().map(ArmResult::of).collect(),
+        confusion: arms
+            .iter()
+            .find(|driven| driven.arm == Arm::BagOfWords)
+            .map(Confusion::of)
+            .unwrap_or_default(),
+        printed,
+    };
+    Ok(Driven12 { result, scenario, arms, odometry })
+}

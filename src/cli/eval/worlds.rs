@@ -1,0 +1,93 @@
+//! Random worlds under noise, one table row for each kind; or one world, with its reasons.
+
+use futures_util::{StreamExt as _, TryStreamExt as _};
+
+use super::{HotelArgs, WORLD_ARMS, files, progress_bar};
+use crate::cli::{Failure, write_out};
+use crate::client::Client;
+use crate::hotel::arm::Arm;
+use crate::hotel::explain::Narrator;
+use crate::hotel::noise::NoiseKind;
+use crate::hotel::results::{ArmResult, WorldResult};
+use crate::hotel::scenario::Scenario;
+use crate::hotel::score::Outcome;
+use crate::hotel::tables;
+use crate::hotel::texture::Patterns;
+use crate::hotel::trial::drive;
+
+/// So many worlds under each kind of noise.
+pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result<(), Failure> {
+    let kinds = &args.noise.0;
+    let worlds: Vec<(NoiseKind, u64)> =
+        kinds.iter().flat_map(|kind| (0..count).map(|seed| (*kind, seed))).collect();
+    let bar = progress_bar(worlds.len() as u64);
+    let results: Vec<WorldResult> = futures_util::stream::iter(worlds)
+        .map(|(kind, seed)| {
+            let bar = bar.clone();
+            async move {
+                bar.set_message(format!("world {seed}, {}", kind.title()));
+                let result = drive_world(client, kind, seed).await;
+                bar.inc(1);
+                result
+            }
+        })
+        .buffered(usize::from(args.jobs))
+        .try_collect()
+        .await?;
+    bar.finish_and_clear();
+    files::write_worlds(&args.output, &results)?;
+    let table = tables::noise_table(&results, &WORLD_ARMS);
+    let failures = tables::failures(&results);
+    Ok(write_out(&format!("{count} worlds for each kind of noise\n\n{table}\n{failures}"))?)
+}
+
+async fn drive_world(client: &Client, kind: NoiseKind, seed: u64) -> Result<WorldResult, Failure> {
+    let scenario = world(kind, seed).await?;
+    let mut arms = Vec::new();
+    for arm in WORLD_ARMS {
+        let map = format!("{}-{seed}-{}", kind.name(), arm.name());
+        arms.push(ArmResult::of(&drive(client, &map, arm, &scenario.course, |_| {}).await?));
+        client.delete_map(&map).await?;
+    }
+    Ok(WorldResult { noise: kind.name(), seed, keyframes: scenario.course.order.len(), arms, kind })
+}
+
+/// One world: what ours was told wherever it was wrong, or missed something.
+pub(super) async fn explain(args: &HotelArgs, client: &Client, seed: u64) -> Result<(), Failure> {
+    for kind in &args.noise.0 {
+        let scenario = world(*kind, seed).await?;
+        let narrator = Narrator { world: &scenario.world, journeys: &scenario.course.journeys };
+        let rooms: Vec<String> = scenario.tours.iter().map(|tour| tour_text(&scenario, tour)).collect();
+        write_out(&format!("world {seed} under {}: rooms {}\n", kind.title(), rooms.join("; and ")))?;
+        let map = format!("{}-{seed}", kind.name());
+        let mut lines = Vec::new();
+        let driven = drive(client, &map, Arm::Ours, &scenario.course, |asked| {
+            if matches!(asked.scored.outcome, Outcome::Wrong | Outcome::Missed) {
+                lines.push(narrator.judged(asked));
+            }
+        })
+        .await?;
+        client.delete_map(&map).await?;
+        let result = ArmResult::of(&driven);
+        let text = format!(
+            "{}\n{} of {} answers right, {} of {} true loops found\n\n",
+            lines.join("\n"),
+            result.by_query.precision.part,
+            result.by_query.precision.whole,
+            result.by_query.recall.part,
+            result.by_query.recall.whole
+        );
+        write_out(&text)?;
+    }
+    Ok(())
+}
+
+async fn world(kind: NoiseKind, seed: u64) -> Result<Scenario, Failure> {
+    let random = move || Scenario::random(seed, kind, &Patterns::new());
+    Ok(tokio::task::spawn_blocking(random).await?)
+}
+
+fn tour_text(scenario: &Scenario, tour: &[usize]) -> String {
+    let numbers: Vec<&str> = tour.iter().map(|room| scenario.world.numbers[*room].as_str()).collect();
+    numbers.join(", ")
+}

@@ -1,0 +1,81 @@
+//! Explain: one line a person can follow for what the robot was told.
+
+use super::journey::Journey;
+use super::route::Place;
+use super::score::Outcome;
+use super::trial::Asked;
+use super::world::World;
+use crate::client::{Candidate, Verdict};
+
+/// Tells what happened at keyframes of one course.
+#[derive(Clone, Copy, Debug)]
+pub struct Narrator<'a> {
+    /// The world, for the rooms' numbers.
+    pub world: &'a World,
+    /// What the robots did.
+    pub journeys: &'a [Journey],
+}
+
+impl Narrator<'_> {
+    /// Where a keyframe was taken, in truth.
+    pub fn place(&self, (robot, number): (usize, usize)) -> String {
+        match self.journeys[robot].steps[number].stop.place {
+            Place::Room(room) => format!("room {}", self.world.numbers[room]),
+            Place::Corridor => String::from("the corridor"),
+        }
+    }
+
+    /// What was answered, with the figures that decided.
+    pub fn answer(&self, asked: &Asked) -> String {
+        let keyframe = format!("{} in {}", keyframe_id(asked.keyframe), self.place(asked.keyframe));
+        let Some(candidate) = asked.answer.leading() else {
+            return format!("{keyframe}: nothing like it in the map");
+        };
+        let looks = format!("{keyframe} looks like {} ({:.2})", candidate.keyframe, candidate.bow_score());
+        match asked.answer.verdict {
+            Verdict::Loop => format!("{looks}{}: a loop", agreement(candidate)),
+            Verdict::NoLoop => format!("{looks} but {}: rejected", why(candidate)),
+            Verdict::Undecided => format!("{looks} but {}: left open", why(candidate)),
+        }
+    }
+
+    /// The same, with what is true beside it.
+    pub fn judged(&self, asked: &Asked) -> String {
+        let truth = match asked.scored.outcome {
+            Outcome::Right => "right",
+            Outcome::RightlyNone => "right, there was none",
+            Outcome::Missed => "missed: it was there before",
+            Outcome::Wrong => "WRONG",
+            Outcome::Unscored => "not scored: near by, or the same things from afar",
+        };
+        let best = asked.best.map_or_else(String::new, |best| format!(" (taken in {})", self.place(best)));
+        format!("{}{best} [{truth}]", self.answer(asked))
+    }
+}
+
+/// The id that a keyframe has on the server.
+pub fn keyframe_id((robot, number): (usize, usize)) -> String {
+    format!("{}-{number}", super::trial::session(robot))
+}
+
+fn agreement(candidate: &Candidate) -> String {
+    let matches = candidate.anchors.as_ref().map_or(0, |anchors| anchors.matches.len());
+    let anchors = match (matches, candidate.similarity()) {
+        (0, _) | (_, None) => String::new(),
+        (1, Some(similarity)) => format!(", the same sign at the same place (S = {similarity:.2})"),
+        (n, Some(similarity)) => format!(", the same {n} signs at the same places (S = {similarity:.2})"),
+    };
+    match candidate.inliers() {
+        Some(inliers) => format!("{anchors}, {inliers} points fit"),
+        None => anchors,
+    }
+}
+
+fn why(candidate: &Candidate) -> String {
+    let contradictions = candidate.anchors.as_ref().map(|anchors| anchors.contradictions.as_slice());
+    if let Some([first, ..]) = contradictions {
+        return first.reason.clone();
+    }
+    let detail = candidate.reason.as_ref().and_then(|reason| reason.detail.clone());
+    detail.unwrap_or_else(|| String::from("a check said no"))
+}

@@ -1,0 +1,173 @@
+//! Results: an experiment's figures, for tables and as JSON.
+
+use serde::Serialize;
+
+use super::arm::Arm;
+use super::noise::NoiseKind;
+use super::paper::PrintedSequence;
+use super::score::{Counts, Outcome, by_query, by_visit, confidence_interval};
+use super::trial::Driven;
+use crate::client::Candidate;
+
+/// A share with the figures behind it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Share {
+    /// So many ...
+    pub part: u64,
+    /// ... of so many.
+    pub whole: u64,
+    /// Their quotient; 1 of none.
+    pub share: f64,
+    /// Wilson's interval at 95 %.
+    pub confidence_interval: (f64, f64),
+}
+
+/// Precision and recall.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Accuracy {
+    /// Right answers of all answers.
+    pub precision: Share,
+    /// Right answers of all that had one.
+    pub recall: Share,
+}
+
+/// One arm on one sequence or world.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ArmResult {
+    /// `ours`, `paper` or `bow`.
+    pub arm: &'static str,
+    /// By query.
+    pub by_query: Accuracy,
+    /// By visit, the paper's unit.
+    pub by_visit: Accuracy,
+    /// RMSE of the positions after alignment, in metres.
+    pub absolute_pose_error_m: f64,
+    /// How often the robots optimised their pose graphs.
+    pub optimised: usize,
+    /// The keyframes whose answer was wrong.
+    pub wrong: Vec<String>,
+    /// Those that had a true loop and no answer.
+    pub missed: Vec<String>,
+    /// The counts again, to be pooled.
+    #[serde(skip)]
+    pub counts: [Counts; 2],
+}
+
+/// One sequence of the paper.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SequenceResult {
+    /// `SE1 00`.
+    pub sequence: String,
+    /// How many keyframes it has.
+    pub keyframes: usize,
+    /// Odometry alone, in metres.
+    pub odometry_m: f64,
+    /// The arms.
+    pub arms: Vec<ArmResult>,
+    /// What confuses bag of words and Sim3.
+    pub confusion: Confusion,
+    /// What the paper printed for it.
+    #[serde(skip)]
+    pub printed: PrintedSequence,
+}
+
+/// The figures behind right and wrong loops of the arm without anchors, at the median.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Confusion {
+    /// Wrong loops.
+    pub wrong: usize,
+    /// Their bag-of-words score.
+    pub score_of_wrong: f64,
+    /// Their inliers.
+    pub inliers_of_wrong: f64,
+    /// The score of right loops.
+    pub score_of_right: f64,
+    /// Their inliers.
+    pub inliers_of_right: f64,
+}
+
+/// One random world under one kind of noise.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WorldResult {
+    /// The kind's name.
+    pub noise: &'static str,
+    /// The world's number.
+    pub seed: u64,
+    /// How many keyframes its tours have.
+    pub keyframes: usize,
+    /// The arms.
+    pub arms: Vec<ArmResult>,
+    /// The kind.
+    #[serde(skip)]
+    pub kind: NoiseKind,
+}
+
+impl Accuracy {
+    /// Of some counts.
+    pub fn of(counts: &Counts) -> Self {
+        Self {
+            precision: Share::of(counts.right, counts.accepted),
+            recall: Share::of(counts.found, counts.with_truth),
+        }
+    }
+}
+
+impl Share {
+    fn of(part: u64, whole: u64) -> Self {
+        let share = if whole == 0 { 1.0 } else { part as f64 / whole as f64 };
+        Self { part, whole, share, confidence_interval: confidence_interval(part, whole) }
+    }
+}
+
+impl Confusion {
+    /// Of a drive.
+    pub fn of(driven: &Driven) -> Self {
+        let figures = |outcome: Outcome, of: fn(&Candidate) -> f64| -> Vec<f64> {
+            let answers = driven.asked.iter().filter(|asked| asked.scored.outcome == outcome);
+            answers.filter_map(|asked| asked.answer.leading().map(of)).collect()
+        };
+        let inliers: fn(&Candidate) -> f64 = |candidate| candidate.inliers().unwrap_or(0) as f64;
+        let wrong = figures(Outcome::Wrong, Candidate::bow_score);
+        Self {
+            wrong: wrong.len(),
+            score_of_wrong: median(wrong),
+            inliers_of_wrong: median(figures(Outcome::Wrong, inliers)),
+            score_of_right: median(figures(Outcome::Right, Candidate::bow_score)),
+            inliers_of_right: median(figures(Outcome::Right, inliers)),
+        }
+    }
+}
+
+fn median(mut figures: Vec<f64>) -> f64 {
+    figures.sort_by(f64::total_cmp);
+    figures.get(figures.len() / 2).copied().unwrap_or(0.0)
+}
+
+impl ArmResult {
+    /// Of a drive.
+    pub fn of(driven: &Driven) -> Self {
+        let scored = driven.scored();
+        let counts = [by_query(&scored), by_visit(&scored)];
+        let with = |outcome: Outcome| -> Vec<String> {
+            let those = driven.asked.iter().filter(|asked| asked.scored.outcome == outcome);
+            those.map(|asked| super::explain::keyframe_id(asked.keyframe)).collect()
+        };
+        Self {
+            arm: driven.arm.name(),
+            by_query: Accuracy::of(&counts[0]),
+            by_visit: Accuracy::of(&counts[1]),
+            absolute_pose_error_m: driven.absolute_pose_error_m,
+            optimised: driven.closed,
+            wrong: with(Outcome::Wrong),
+            missed: with(Outcome::Missed),
+            counts,
+        }
+    }
+}
+
+/// An arm's counts by query and by visit over several results.
+pub fn pooled<'a>(results: impl Iterator<Item = &'a [ArmResult]>, arm: Arm) -> [Counts; 2] {
+    results.flatten().filter(|result| result.arm == arm.name()).fold([Counts::default(); 2], |sum, result| {
+        [sum[0].plus(result.counts[0]), sum[1].plus(result.counts[1])]
+    })
+}

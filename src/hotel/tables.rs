@@ -1,0 +1,169 @@
+//! Tables: the paper's Tables II and III beside what was measured, and one row for each kind of noise.
+
+use std::fmt::Write as _;
+
+use super::arm::Arm;
+use super::noise::NoiseKind;
+use super::paper::ORB_SLAM3_PRECISION;
+use super::results::{Accuracy, ArmResult, Confusion, SequenceResult, Share, WorldResult, pooled};
+use super::score::Counts;
+
+/// Table II: precision and recall on each data set, by the paper's unit and by query.
+pub fn table_2(results: &[SequenceResult]) -> String {
+    let mut text = String::from(
+        "Table II: loop closure detection, by visit (the paper's unit) and by query\n\
+         \n                                 by visit            by query            printed in the paper\n\
+         \x20                            precision  recall   precision  recall   precision  recall\n",
+    );
+    for (dataset, orb_slam3) in ORB_SLAM3_PRECISION {
+        let of_dataset: Vec<&SequenceResult> =
+            results.iter().filter(|r| r.printed.dataset == dataset).collect();
+        if of_dataset.is_empty() {
+            continue;
+        }
+        for arm in Arm::ALL {
+            let counts = pooled(of_dataset.iter().map(|result| result.arms.as_slice()), arm);
+            let [query, visit] = [Accuracy::of(&counts[0]), Accuracy::of(&counts[1])];
+            let printed = match arm {
+                Arm::Ours => String::from("      -       -"),
+                Arm::Paper => String::from(" 100.0 %  100.0 %"),
+                Arm::BagOfWords => format!("{:>7}  100.0 %  (ORB-SLAM3)", percent(orb_slam3)),
+            };
+            let _ = writeln!(
+                text,
+                "{dataset}  {:22} {:>9} {:>9}  {:>9} {:>9}   {printed}",
+                arm.title(),
+                percent(visit.precision.share),
+                percent(visit.recall.share),
+                percent(query.precision.share),
+                percent(query.recall.share),
+            );
+        }
+    }
+    text
+}
+
+/// What confuses bag of words and Sim3, on average over the sequences.
+pub fn confusion(results: &[SequenceResult]) -> String {
+    let mut text = String::from(
+        "what confuses bag of words + Sim3: one place taken for another that is furnished alike\n",
+    );
+    for (dataset, _) in ORB_SLAM3_PRECISION {
+        let of_dataset: Vec<&Confusion> =
+            results.iter().filter(|r| r.printed.dataset == dataset).map(|r| &r.confusion).collect();
+        let mean = |of: fn(&Confusion) -> f64| {
+            of_dataset.iter().map(|confusion| of(confusion)).sum::<f64>() / of_dataset.len().max(1) as f64
+        };
+        let wrong: usize = of_dataset.iter().map(|confusion| confusion.wrong).sum();
+        let _ = writeln!(
+            text,
+            "{dataset}  {wrong} wrong loops: words score {:.2} with {:.0} inliers; right ones {:.2} with {:.0}",
+            mean(|confusion| confusion.score_of_wrong),
+            mean(|confusion| confusion.inliers_of_wrong),
+            mean(|confusion| confusion.score_of_right),
+            mean(|confusion| confusion.inliers_of_right),
+        );
+    }
+    text
+}
+
+/// Table III: absolute pose error of each sequence, in metres.
+pub fn table_3(results: &[SequenceResult]) -> String {
+    let mut text = String::from(
+        "Table III: absolute pose error in metres (RMSE of positions after alignment, as evo_ape -a)\n\
+         \n            measured                                    printed in the paper\n\
+         sequence    ours  paper's  BoW+Sim3  odometry      ours  ORB-SLAM3  ORB-VO\n",
+    );
+    for result in results {
+        let of = |arm: Arm| arm_of(&result.arms, arm).map_or(f64::NAN, |arm| arm.absolute_pose_error_m);
+        let printed = &result.printed;
+        let _ = writeln!(
+            text,
+            "{:8} {:7.3} {:8.3} {:9.3} {:9.3} {:9.3} {:10.3} {:7.3}",
+            result.sequence,
+            of(Arm::Ours),
+            of(Arm::Paper),
+            of(Arm::BagOfWords),
+            result.odometry_m,
+            printed.ours_m,
+            printed.orb_slam3_m,
+            printed.orb_vo_m,
+        );
+    }
+    let mean =
+        |of: &dyn Fn(&SequenceResult) -> f64| results.iter().map(of).sum::<f64>() / results.len() as f64;
+    let ours_m = mean(&|r| arm_of(&r.arms, Arm::Ours).map_or(f64::NAN, |arm| arm.absolute_pose_error_m));
+    let (odometry_m, printed) =
+        (mean(&|r| r.odometry_m), mean(&|r| r.printed.orb_vo_m) / mean(&|r| r.printed.ours_m));
+    let _ = writeln!(
+        text,
+        "\nodometry alone is {:.1} times as far off as ours on average (the paper: {printed:.1} times)",
+        odometry_m / ours_m
+    );
+    text
+}
+
+/// What each kind of noise does to ours and to the paper's method.
+pub fn noise_table(results: &[WorldResult], arms: &[Arm]) -> String {
+    let mut text = String::from(
+        "                                                        by visit (the paper's unit)      by query\n\
+         noise                                 arm             precision       recall           precision       recall\n",
+    );
+    let mut row = |name: &str, arm: Arm, [query, visit]: [Counts; 2]| {
+        let [query, visit] = [Accuracy::of(&query), Accuracy::of(&visit)];
+        let _ = writeln!(
+            text,
+            "{name:37} {:14} {:>15} {:>15}  {:>15} {:>15}",
+            arm.title(),
+            interval(&visit.precision),
+            interval(&visit.recall),
+            interval(&query.precision),
+            interval(&query.recall),
+        );
+    };
+    for kind in NoiseKind::ALL {
+        let of_kind: Vec<&WorldResult> = results.iter().filter(|result| result.kind == kind).collect();
+        for arm in arms.iter().filter(|_| !of_kind.is_empty()) {
+            row(kind.title(), *arm, pooled(of_kind.iter().map(|result| result.arms.as_slice()), *arm));
+        }
+    }
+    for arm in arms {
+        row("pooled", *arm, pooled(results.iter().map(|result| result.arms.as_slice()), *arm));
+    }
+    text.push_str("\nin brackets Wilson's interval at 95 %\n");
+    text
+}
+
+/// The worlds in which ours was wrong, and how to look into one.
+pub fn failures(results: &[WorldResult]) -> String {
+    let mut text = String::new();
+    for result in results {
+        let Some(ours) = arm_of(&result.arms, Arm::Ours) else { continue };
+        if !ours.wrong.is_empty() {
+            let _ = writeln!(
+                text,
+                "wrong in world {} under {}: {} of {} (replay: revisit eval hotel --world {} --noise {})",
+                result.seed,
+                result.noise,
+                ours.wrong.len(),
+                ours.by_query.precision.whole,
+                result.seed,
+                result.noise,
+            );
+        }
+    }
+    if text.is_empty() { String::from("ours was wrong in no world\n") } else { text }
+}
+
+fn arm_of(arms: &[ArmResult], arm: Arm) -> Option<&ArmResult> {
+    arms.iter().find(|result| result.arm == arm.name())
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", share * 100.0)
+}
+
+fn interval(share: &Share) -> String {
+    let (low, high) = share.confidence_interval;
+    format!("{:5.1} [{:4.1} {:5.1}]", share.share * 100.0, low * 100.0, high * 100.0)
+}
