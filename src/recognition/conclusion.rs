@@ -139,13 +139,12 @@ fn judge_geometry(
     // A translation of unknown length puts nothing anywhere.
     let is_metric = verification.model == Model::Sim3;
     let metric_transform = verification.candidate_from_query.filter(|_| is_metric);
-    if let Some((path, transform)) = screened.path.zip(metric_transform) {
-        let (off_m, limit_m) = path.discrepancy_m(&transform);
-        if off_m > limit_m {
-            candidate.decision = CandidateDecision::Rejected;
-            candidate.reason = Some(evidence::disagrees_with_odometry(off_m, limit_m, path.length_m));
-            return;
-        }
+    if let Some((path, transform)) = screened.path.zip(metric_transform)
+        && let Some(discrepancy) = path.discrepancy(&transform)
+    {
+        candidate.decision = CandidateDecision::Rejected;
+        candidate.reason = Some(evidence::disagrees_with_odometry(discrepancy, path.length_m));
+        return;
     }
     let Some(transform) = metric_transform.filter(|_| screened.compared.has_anchors()) else { return };
     let aligned = screened.compared.under(&transform, settings);

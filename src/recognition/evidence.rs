@@ -6,6 +6,7 @@ use super::alignment::Aligned;
 use super::candidates::Proposal;
 use super::comparison::Comparison;
 use super::contradiction::Contradiction;
+use super::tracked_path::Discrepancy;
 use super::verification::{Failure, Status, Verification};
 use crate::model::settings::Settings;
 use crate::model::verdict::{
@@ -141,12 +142,16 @@ pub(super) fn displaced(against: f64, agreeing: f64) -> Reason {
     Reason { code: ReasonCode::AnchorsDisagreeWithTransform, measured, limit, detail }
 }
 
-pub(super) fn disagrees_with_odometry(off_m: f64, limit_m: f64, length_m: f64) -> Reason {
+pub(super) fn disagrees_with_odometry(discrepancy: Discrepancy, length_m: f64) -> Reason {
+    let (off, limit, said) = match discrepancy {
+        Discrepancy::Metres { off, limit } => (off, limit, format!("{off:.2} m off")),
+        Discrepancy::Radians { off, limit } => (off, limit, format!("turned by {off:.2} rad")),
+    };
     let detail = format!(
-        "the transformation is {off_m:.2} m off from where the robot tracked itself to on a way of {length_m:.1} m"
+        "the transformation is {said} from where the robot tracked itself to on a way of {length_m:.1} m"
     );
     let code = ReasonCode::OdometryDisagreesWithTransform;
-    Reason { code, measured: Some(off_m), limit: Some(limit_m), detail }
+    Reason { code, measured: Some(off), limit: Some(limit), detail }
 }
 
 pub(super) fn not_distinctive(places: usize) -> Reason {

@@ -9,6 +9,8 @@
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
+use nalgebra::Vector3;
+
 use super::index::MapIndex;
 use crate::geometry::{Pose, Sim3};
 use crate::model::ids::KeyframeSeq;
@@ -19,6 +21,10 @@ const LONGEST_M: f64 = 50.0;
 const MAX_DRIFT_SHARE: f64 = 0.25;
 /// And this much may be off on any way: what a transformation between far views errs by, in metres.
 const MARGIN_M: f64 = 1.0;
+/// Nor does its heading drift by more than this, in radians a metre.
+const MAX_TURN_RAD_PER_M: f64 = 0.05;
+/// And this much it may be off on any way, in radians.
+const MARGIN_RAD: f64 = 0.35;
 
 /// A chain of keyframes from the candidate to the query, and where odometry has the two.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,13 +34,38 @@ pub struct TrackedPath {
     candidate_from_query: Pose,
 }
 
+/// By how much a transformation is off from odometry, beyond what drift explains.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Discrepancy {
+    /// In place, in metres.
+    Metres {
+        /// How far off.
+        off: f64,
+        /// How far drift may have brought it.
+        limit: f64,
+    },
+    /// In heading, in radians.
+    Radians {
+        /// How far off.
+        off: f64,
+        /// How far drift may have turned it.
+        limit: f64,
+    },
+}
+
 impl TrackedPath {
-    /// How far off the transformation is from odometry, in metres, and how far drift may have brought it.
-    pub fn discrepancy_m(&self, candidate_from_query: &Sim3) -> (f64, f64) {
+    /// What drift along the way does not explain; none if it explains everything.
+    pub fn discrepancy(&self, candidate_from_query: &Sim3) -> Option<Discrepancy> {
+        let odometry = self.candidate_from_query.isometry();
         let [x, y, z] = candidate_from_query.translation_m();
-        let [ox, oy, oz] = self.candidate_from_query.translation_m();
-        let off_m = ((x - ox).powi(2) + (y - oy).powi(2) + (z - oz).powi(2)).sqrt();
-        (off_m, MAX_DRIFT_SHARE.mul_add(self.length_m, MARGIN_M))
+        let off = (Vector3::new(x, y, z) - odometry.translation.vector).norm();
+        let limit = MAX_DRIFT_SHARE.mul_add(self.length_m, MARGIN_M);
+        if off > limit {
+            return Some(Discrepancy::Metres { off, limit });
+        }
+        let off = candidate_from_query.rotation().angle_to(&odometry.rotation);
+        let limit = MAX_TURN_RAD_PER_M.mul_add(self.length_m, MARGIN_RAD);
+        (off > limit).then_some(Discrepancy::Radians { off, limit })
     }
 }
 
