@@ -60,6 +60,9 @@ const BRIEF = {
   bow_below_reference: "looks differ",
   too_few_inliers: "geometry differs",
   anchors_disagree_with_transform: "signs misplaced",
+  anchors_displaced: "signs in two places",
+  odometry_disagrees_with_transform: "odometry differs",
+  not_distinctive: "signs hang everywhere",
   covisible: "same place as now",
 };
 
@@ -70,7 +73,8 @@ function brief({ reason, anchors: figures, geometry: { status, inliers }, bow })
   return figures ? `S = ${number(figures.similarity)}` : `BoW ${number(bow.score, 3)}`;
 }
 
-const ADDS_DETAIL = ["no_anchors", "contradiction", "no_features", "llm_pending", "llm_unavailable"];
+const ADDS_DETAIL = ["no_anchors", "contradiction", "no_features", "llm_pending", "llm_unavailable",
+  "odometry_disagrees_with_transform", "not_distinctive"];
 
 /** The reason for a person, with what was measured and asked. The server's own sentence follows where it adds to it. */
 export function why({ code, measured, limit, detail }) {
@@ -89,6 +93,10 @@ export function why({ code, measured, limit, detail }) {
     too_few_inliers: `Too few features fit one transformation: ${m}, and ${l} are needed.`,
     anchors_disagree_with_transform:
       `Once geometry has aligned the two, the matched anchors lie apart: S is ${m} and must exceed ${l}.`,
+    anchors_displaced:
+      `Signs that hang once would hang in two places if this were a loop. They weigh ${m}, what agrees ${l}.`,
+    odometry_disagrees_with_transform: "The robot knows from its own tracking that it is somewhere else.",
+    not_distinctive: "Whatever agrees hangs in several places: it could be any of them.",
   };
   const own = sentences[code];
   if (!own) return [`${code}: ${m} against ${l}. `, detail && sign(detail)];
@@ -113,7 +121,7 @@ function appearance({ bow: { score, common_words: words, reference_score: refere
 
 const STOPPED_BY_ANCHORS = {
   score_below_threshold: "fail", contradiction: "fail", anchors_disagree_with_transform: "fail",
-  no_anchors: "open", llm_pending: "open", llm_unavailable: "open",
+  anchors_displaced: "fail", not_distinctive: "open", no_anchors: "open", llm_pending: "open", llm_unavailable: "open",
 };
 
 function anchors({ anchors: figures, reason }, { refs, described }) {

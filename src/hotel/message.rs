@@ -28,7 +28,6 @@ pub fn keyframe(
     pose: &Pose,
     new_points: &[(u64, Point3)],
 ) -> Value {
-    let descriptors: Vec<u8> = step.features.iter().flat_map(|feature| bytes(&feature.descriptor)).collect();
     let keypoints: Vec<Value> = (step.features.iter())
         .map(|feature| {
             let keypoint = feature.keypoint;
@@ -49,13 +48,18 @@ pub fn keyframe(
         },
         "features": {
             "descriptor_bytes": DESCRIPTOR_BITS / 8,
-            "descriptors": STANDARD.encode(descriptors),
+            "descriptors": STANDARD.encode(descriptor_bytes(step)),
             "keypoints": keypoints,
             "map_points": map_points,
         },
         "map_points": points(new_points),
         "detections": detections,
     })
+}
+
+/// The descriptors of a keyframe, one after the other.
+pub fn descriptor_bytes(step: &Step) -> Vec<u8> {
+    step.features.iter().flat_map(|feature| bytes(&feature.descriptor)).collect()
 }
 
 /// Corrected poses and points, after an optimisation.

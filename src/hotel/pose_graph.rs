@@ -4,7 +4,6 @@
 //! itself, and without its `rayon` feature gives the same bytes for the same graph. It brings its own version of nalgebra,
 //! so poses are converted at this border and nowhere else.
 
-use factrs::assign_symbols;
 use factrs::core::{BetweenResidual, GaussianNoise, Graph, LevenMarquardt, PriorResidual, SE3, SO3, Values};
 use factrs::fac;
 use factrs::linalg::Vector3;
@@ -12,7 +11,12 @@ use factrs::optimizers::{LevenParams, OptError};
 use factrs::traits::Optimizer as _;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
-assign_symbols!(X: SE3);
+mod symbols {
+    use factrs::assign_symbols;
+    use factrs::core::SE3;
+    assign_symbols!(X: SE3);
+}
+use symbols::X;
 
 /// The first pose is held where it is, in metres and radians.
 const ANCHOR_SIGMA: f64 = 1e-6;

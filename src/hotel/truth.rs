@@ -51,10 +51,17 @@ pub fn answers(journeys: &[Journey], order: &[KeyframeIndex]) -> Vec<Answerable>
         .collect()
 }
 
-fn is_same_place(a: &Step, b: &Step) -> bool {
+/// Were the two taken at one place, looking the same way?
+pub fn is_same_place(a: &Step, b: &Step) -> bool {
     let (a, b) = (a.stop.stand, b.stop.stand);
     (a.at[0] - b.at[0]).hypot(a.at[1] - b.at[1]) < SAME_PLACE_M
         && heading_difference_rad(a.heading_rad, b.heading_rad) < SAME_VIEW_RAD
+}
+
+/// How many physical points two keyframes share.
+pub fn shared_points(a: &Step, b: &Step) -> usize {
+    let points = |step: &Step| sorted(step.features.iter().map(|feature| feature.point));
+    shared(&points(a), &points(b))
 }
 
 fn sorted<T: Ord>(items: impl Iterator<Item = T>) -> Vec<T> {

@@ -72,6 +72,8 @@ pub enum ReasonCode {
     TooFewInliers,
     /// Under the verified transformation too few matched anchors stand where they should.
     AnchorsDisagreeWithTransform,
+    /// Under the verified transformation signs that hang once would hang in two places.
+    AnchorsDisplaced,
     /// The verified transformation contradicts the robot's own tracking over a short way.
     OdometryDisagreesWithTransform,
 }
@@ -91,6 +93,7 @@ impl ReasonCode {
             Self::NoFeatures => "no_features",
             Self::TooFewInliers => "too_few_inliers",
             Self::AnchorsDisagreeWithTransform => "anchors_disagree_with_transform",
+            Self::AnchorsDisplaced => "anchors_displaced",
             Self::OdometryDisagreesWithTransform => "odometry_disagrees_with_transform",
         }
     }

@@ -156,10 +156,10 @@ fn judge_geometry(
     let agreed = screened.standing == Standing::AnchorsAgree;
     let reason = if contradicting > aligned.agreement {
         evidence::contradicted(&aligned.contradictions, contradicting, aligned.agreement)
-    } else if contradicting + aligned.displaced > aligned.agreement {
-        evidence::displaced(contradicting + aligned.displaced, aligned.agreement)
     } else if agreed && aligned.similarity <= min_similarity {
         evidence::reason(ReasonCode::AnchorsDisagreeWithTransform, aligned.similarity, min_similarity)
+    } else if contradicting + aligned.displaced > aligned.agreement {
+        evidence::displaced(contradicting + aligned.displaced, aligned.agreement)
     } else if let Some(places) = aligned.least_places.filter(|places| agreed && *places > 1) {
         candidate.decision = CandidateDecision::Undecided;
         candidate.reason = Some(evidence::not_distinctive(places));

@@ -139,7 +139,7 @@ pub(super) fn contradicted(pairs: &[Contradiction<'_>], contradicting: f64, agre
 pub(super) fn displaced(against: f64, agreeing: f64) -> Reason {
     let detail = String::from("under the transformation signs that hang once would hang in two places");
     let (measured, limit) = (Some(against), Some(agreeing));
-    Reason { code: ReasonCode::AnchorsDisagreeWithTransform, measured, limit, detail }
+    Reason { code: ReasonCode::AnchorsDisplaced, measured, limit, detail }
 }
 
 pub(super) fn disagrees_with_odometry(discrepancy: Discrepancy, length_m: f64) -> Reason {

@@ -1,0 +1,70 @@
+//! The simulated hotel, driven through over HTTP: small tours, so that they can be driven at every change.
+
+use std::collections::BTreeSet;
+
+use revisit::client::Client;
+use revisit::hotel::arm::Arm;
+use revisit::hotel::chance::Chance;
+use revisit::hotel::floor_plan::Layout;
+use revisit::hotel::journey::Journey;
+use revisit::hotel::noise::Noise;
+use revisit::hotel::route::tour;
+use revisit::hotel::score::{Counts, by_query, by_visit};
+use revisit::hotel::signs::SignPlan;
+use revisit::hotel::texture::Patterns;
+use revisit::hotel::trial::{Course, Driven, absolute_pose_error_m, drive, odometry};
+use revisit::hotel::world::{World, WorldPlan};
+
+use crate::support::Server;
+
+const DRIFT_M: f64 = 0.6;
+
+fn course(repeated: bool, rooms: &[usize]) -> Course {
+    let plan = WorldPlan { layout: Layout::SE1, floor: 9, signs: SignPlan { repeated }, seed: 7 };
+    let world = World::new(&plan, &Patterns::new());
+    let stops = tour(&world.plan, rooms, &mut Chance::new(7, "route"));
+    Course::new(vec![Journey::record(&world, &stops, Noise::default(), DRIFT_M, 7)])
+}
+
+async fn drive_through(course: &Course, arm: Arm) -> Driven {
+    let directory = tempfile::tempdir().unwrap();
+    let vocabulary = directory.path().join("hotel.voc");
+    Patterns::new().vocabulary().unwrap().write_binary(std::fs::File::create(&vocabulary).unwrap()).unwrap();
+    let server = Server::with_vocabulary(vocabulary).await;
+    let client = Client::new(&server.url("")).unwrap();
+    drive(&client, arm.name(), arm, course, |_| {}).await.unwrap()
+}
+
+fn counts(driven: &Driven) -> (Counts, Counts) {
+    let scored = driven.scored();
+    (by_query(&scored), by_visit(&scored))
+}
+
+#[tokio::test]
+async fn a_robot_among_twin_rooms_is_told_true_loops_only_and_ends_up_nearer_to_the_truth() {
+    let course = course(false, &[3, 5, 3]);
+    let ours = drive_through(&course, Arm::Ours).await;
+    let (by_query, by_visit) = counts(&ours);
+    assert_eq!(by_query.precision(), 1.0, "{by_query:?}");
+    assert!(by_query.recall() > 0.7, "{by_query:?}");
+    assert_eq!((by_visit.precision(), by_visit.recall()), (1.0, 1.0), "{by_visit:?}");
+    let drift_m = absolute_pose_error_m(&course.journeys, &odometry(&course));
+    assert!((drift_m - DRIFT_M).abs() < 1e-6, "odometry drifts as it was told to");
+    assert!(ours.absolute_pose_error_m < drift_m, "{} m instead of {drift_m}", ours.absolute_pose_error_m);
+}
+
+#[tokio::test]
+async fn signs_that_hang_at_every_door_say_nothing_and_doors_in_a_row_are_told_apart() {
+    let course = course(true, &[2, 6, 2]);
+    let ours = drive_through(&course, Arm::Ours).await;
+    let (by_query, _) = counts(&ours);
+    assert_eq!(by_query.precision(), 1.0, "{by_query:?}");
+    let candidates = ours.asked.iter().flat_map(|asked| &asked.answer.candidates);
+    let reasons: BTreeSet<&str> =
+        candidates.filter_map(|candidate| Some(candidate.reason.as_ref()?.code.as_str())).collect();
+    for code in ["not_distinctive", "odometry_disagrees_with_transform", "contradiction"] {
+        assert!(reasons.contains(code), "{code} is not among {reasons:?}");
+    }
+    let paper = counts(&drive_through(&course, Arm::Paper).await).0;
+    assert!(paper.precision() < 0.85, "the world is too easy: {paper:?}");
+}
