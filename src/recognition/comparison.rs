@@ -16,7 +16,7 @@ use crate::model::settings::Settings;
 use crate::semantics::{self, Source};
 
 /// A pair of anchors with x(i, j) = 1.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Matched<'a> {
     /// The anchor of the query's map.
     pub query: &'a LocalAnchor,
