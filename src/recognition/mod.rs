@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | §III, an anchor seen before triggers loop detection | [`ingest`] | [`ingest::ingest`] |
 //! | §IV-B, what an anchor is | [`index`] | [`index::Anchor`], [`index::Object`] |
+//! | §IV-A.3, what a model is asked, and what its answer changes | [`lacking`], [`learning`] | [`lacking::lacking`], [`learning::learn_reading`] |
 //! | §IV-C.1, object tracking | [`association`] | [`association::associate`] |
 //! | §IV-C.2, semantic anchor matching | [`matching`], [`index`] | [`matching::covisible_merge`], [`index::TextIndex`] |
 //! | §IV-C.2, merge on a confirmed loop | [`closing`] | [`closing::close_loop`], [`closing::revoke_loop`] |
@@ -41,6 +42,8 @@ pub mod features;
 pub mod index;
 pub mod ingest;
 pub mod inverted_file;
+pub mod lacking;
+pub mod learning;
 pub mod loop_check;
 pub mod matching;
 pub mod places;

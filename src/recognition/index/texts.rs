@@ -75,6 +75,11 @@ impl TextIndex {
         self.by_text.get(&(class.into(), text.normalised().into())).copied()
     }
 
+    /// The text of this class with this normal form, if some object carries it.
+    pub fn find_normalised(&self, class: &str, normalised: &str) -> Option<TextId> {
+        self.by_text.get(&(class.into(), normalised.into())).copied()
+    }
+
     /// A text, and the class of those that carry it.
     pub fn text(&self, id: TextId) -> (&str, &Arc<Text>) {
         let node = self.node(id);
