@@ -8,6 +8,7 @@ pub mod config;
 pub mod geometry;
 pub mod http;
 pub mod model;
+pub mod models;
 pub mod recognition;
 pub mod semantics;
 pub mod service;

@@ -59,6 +59,8 @@ pub enum Lack {
         a: Box<str>,
         /// The larger text.
         b: Box<str>,
+        /// Both as they were read, with their capital letters.
+        as_read: [Box<str>; 2],
     },
 }
 
@@ -201,7 +203,8 @@ fn of_object<'a>(index: &'a MapIndex, object: &'a Object) -> impl Iterator<Item 
         if index.verdicts().merged(class, a, b).is_some() || !mergeable(index, class, a, b) {
             return None;
         }
-        Some(Lack::Merge { class: class.into(), a: a.into(), b: b.into() })
+        let as_read = [object.votes.as_read(a)?, object.votes.as_read(b)?].map(Into::into);
+        Some(Lack::Merge { class: class.into(), a: a.into(), b: b.into(), as_read })
     });
     information.into_iter().chain(merge)
 }

@@ -104,6 +104,11 @@ impl Votes {
         self.tallies.contains_key(normalised)
     }
 
+    /// A reading in normal form as it was last read.
+    pub fn as_read(&self, normalised: &str) -> Option<&str> {
+        Some(&self.tallies.get(normalised)?.text)
+    }
+
     /// The described readings that say anything, heaviest first, in normal form, each with how often it was read.
     pub fn described(&self) -> impl Iterator<Item = (&str, usize)> {
         let mut told: Vec<(&Box<str>, &Tally)> =
