@@ -10,9 +10,9 @@ use tokio_util::sync::CancellationToken;
 
 use super::replay::OwnServer;
 use super::{Failure, write_out};
-use crate::config::{build, listen, logging};
+use crate::config::{build, listen, logging, models};
 use crate::http::{self, RunningServer};
-use crate::service::{Service, ServiceOptions};
+use crate::service::{ModelChoice, Service, ServiceOptions};
 
 /// Serve maps over HTTP.
 ///
@@ -31,6 +31,8 @@ pub struct ServeArgs {
     #[arg(long, env = "REVISIT_VOCABULARY", value_name = "FILE")]
     vocabulary: Option<PathBuf>,
     #[command(flatten)]
+    models: models::ModelArgs,
+    #[command(flatten)]
     log: logging::LogArgs,
 }
 
@@ -42,9 +44,12 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
     let listener = TcpListener::bind(args.listen)
         .await
         .map_err(|error| format!("cannot listen on {}: {error}", args.listen))?;
-    let service =
-        Service::open(ServiceOptions { database: args.database.clone(), vocabulary: args.vocabulary })
-            .await?;
+    let service = Service::open(ServiceOptions {
+        database: args.database.clone(),
+        vocabulary: args.vocabulary,
+        models: ModelChoice::Configured(Box::new(args.models)),
+    })
+    .await?;
     let addr = listener.local_addr()?;
     write_out(&format!("listening on http://{addr}\n"))?;
     tracing::info!(%addr, database = args.database, version = build::VERSION, "serving");

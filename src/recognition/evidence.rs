@@ -135,13 +135,14 @@ pub(super) fn contradicted(pairs: &[Contradiction<'_>], contradicting: f64, agre
     Reason { code: ReasonCode::Contradiction, measured: Some(contradicting), limit: Some(agreeing), detail }
 }
 
-pub(super) fn pending(comparison: &Comparison<'_>) -> Reason {
+pub(super) fn pending(comparison: &Comparison<'_>, model_away: bool) -> Reason {
     let detail = format!(
         "{} anchors are not described yet; at best S would be {:.3}",
         comparison.pending, comparison.at_best.similarity
     );
     let pending = comparison.pending as f64;
-    Reason { code: ReasonCode::LlmPending, measured: Some(pending), limit: Some(0.0), detail }
+    let code = if model_away { ReasonCode::LlmUnavailable } else { ReasonCode::LlmPending };
+    Reason { code, measured: Some(pending), limit: Some(0.0), detail }
 }
 
 pub(super) fn no_anchors(comparison: &Comparison<'_>) -> Reason {

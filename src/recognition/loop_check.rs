@@ -13,6 +13,7 @@ use super::index::MapIndex;
 use super::query::Query;
 use super::screening::{Screened, Screening, Standing};
 use super::sight::Sight;
+use super::standing_in::model_is_missed;
 use crate::model::settings::Settings;
 use crate::model::settings::WithoutAnchors;
 use crate::model::verdict::{Candidate, CandidateDecision, Reason, ReasonCode, Verify};
@@ -24,7 +25,7 @@ pub fn screen(index: &MapIndex, map_version: u64, query: &Query<'_>, verify: Ver
     let proposals = find_candidates(index, query, &mut places);
     // Check 3: the local anchor maps.
     let around_query = local_anchor_map(index, &query.centre, &mut places);
-    let candidates = (proposals.candidates.iter())
+    let candidates: Vec<Screened> = (proposals.candidates.iter())
         .filter_map(|proposal| {
             let centre = Centre::stored(index, proposal.keyframe)?;
             let around_candidate = local_anchor_map(index, &centre, &mut places);
@@ -38,6 +39,7 @@ pub fn screen(index: &MapIndex, map_version: u64, query: &Query<'_>, verify: Ver
         verify,
         empty_bow: query.bow.is_empty(),
         excluded_covisible: query.covisible().count(),
+        degraded: candidates.iter().any(|candidate| candidate.stood_in),
         query: query.keyframe,
         sight: query.sight.clone(),
         candidates,
@@ -68,8 +70,9 @@ fn check_candidate(
         return Some(Screened::stopped(proposal.keyframe, candidate, CandidateDecision::Rejected, reason));
     }
     let comparison = compare(around_query, around_candidate, index.texts(), settings);
+    let stood_in = model_is_missed(index, around_query, around_candidate);
     candidate.anchors = Some(evidence::anchors(&comparison, settings));
-    Some(match judge_anchors(&comparison, settings) {
+    let mut screened = match judge_anchors(&comparison, settings, index.model_away()) {
         Err((decision, reason)) => Screened::stopped(proposal.keyframe, candidate, decision, reason),
         Ok(standing) => Screened {
             keyframe: proposal.keyframe,
@@ -77,14 +80,18 @@ fn check_candidate(
             standing,
             compared: Compared::of(&comparison),
             sight: if verify == Verify::Anchors { None } else { Sight::stored(index, proposal.keyframe) },
+            stood_in: false,
         },
-    })
+    };
+    screened.stood_in = stood_in;
+    Some(screened)
 }
 
 /// Check 3 of §V: contradictions first, since they name what S only measures.
 fn judge_anchors(
     comparison: &Comparison<'_>,
     settings: &Settings,
+    model_away: bool,
 ) -> Result<Standing, (CandidateDecision, Reason)> {
     use CandidateDecision::{Rejected, Undecided};
     let min_similarity = settings.anchor_map_min_similarity;
@@ -97,7 +104,7 @@ fn judge_anchors(
         return Ok(Standing::AnchorsAgree);
     }
     if could_turn {
-        return Err((Undecided, evidence::pending(comparison)));
+        return Err((Undecided, evidence::pending(comparison, model_away)));
     }
     if contradicted {
         return Err((Rejected, evidence::contradicted(&comparison.contradictions, contradicting, agreeing)));

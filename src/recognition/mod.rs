@@ -21,7 +21,7 @@
 //!
 //! Beside the paper: [`query`] is the keyframe that is asked about, [`sight`] and [`features`] are what geometry
 //! needs to know of it, [`evidence`] turns figures into a
-//! verdict, [`recorder`] keeps changes, [`correction`] moves poses and points, [`describing`] takes a description by hand, [`culling`] removes.
+//! verdict, [`recorder`] keeps changes, [`correction`] moves poses and points, [`describing`] takes a description by hand, [`standing_in`] tells where a model is missed, [`culling`] removes.
 
 pub mod alignment;
 pub mod anchor_map;
@@ -51,4 +51,5 @@ pub mod query;
 pub mod recorder;
 pub mod screening;
 pub mod sight;
+pub mod standing_in;
 pub mod verification;

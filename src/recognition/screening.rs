@@ -32,6 +32,8 @@ pub struct Screened {
     pub compared: Compared,
     /// What geometry needs to know of it.
     pub sight: Option<Sight>,
+    /// Did the built-in judge stand in for a model that is away?
+    pub stood_in: bool,
 }
 
 impl Screened {
@@ -43,7 +45,14 @@ impl Screened {
     ) -> Self {
         candidate.decision = decision;
         candidate.reason = Some(reason);
-        Self { keyframe, candidate, standing: Standing::Stopped, compared: Compared::default(), sight: None }
+        Self {
+            keyframe,
+            candidate,
+            standing: Standing::Stopped,
+            compared: Compared::default(),
+            sight: None,
+            stood_in: false,
+        }
     }
 }
 
@@ -62,6 +71,8 @@ pub struct Screening {
     pub empty_bow: bool,
     /// How many keyframes were left out as covisible.
     pub excluded_covisible: usize,
+    /// Did the built-in judge stand in for a model that is away, about any candidate?
+    pub degraded: bool,
     /// The query's number, if it is stored.
     pub query: Option<KeyframeSeq>,
     /// What geometry needs to know of the query.

@@ -179,6 +179,11 @@ impl LiveMap {
         }
     }
 
+    /// The newest version on disk.
+    pub fn version_on_disk(&self) -> u64 {
+        *self.on_disk.borrow()
+    }
+
     /// Waits until the version on disk is another one.
     pub async fn next_version(&self, after: u64) {
         let _ = self.on_disk.subscribe().wait_for(|on_disk| *on_disk > after || self.is_broken()).await;

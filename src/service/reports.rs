@@ -30,6 +30,7 @@ pub(super) fn anchor(index: &MapIndex, seq: AnchorSeq) -> Option<AnchorReport> {
             .unwrap_or_default(),
         information_level: description.map_or(1, |description| description.information_level),
         readings: object.votes.report(),
+        disagreement: object.votes.disagreement(),
         keyframes: index.keyframes_of(object).into_iter().filter_map(named).collect(),
         frames: object
             .shapes

@@ -161,6 +161,12 @@ pub(super) async fn set_away(db: &mut SqliteConnection, map: MapKey, away: bool)
     run(db, sqlx::query(change).bind(map)).await
 }
 
+pub(super) async fn forget_away(db: &mut SqliteConnection) -> Result<(), StoreError> {
+    let update = "update maps set version = version + 1 where map_key in (select map_key from models_away)";
+    run(db, sqlx::query(update)).await?;
+    run(db, sqlx::query("delete from models_away")).await
+}
+
 pub(super) async fn keep_answer(
     db: &mut SqliteConnection,
     key: &[u8; 32],

@@ -102,6 +102,8 @@ pub enum Job {
         /// The answer, as received.
         answer: Arc<str>,
     },
+    /// No map waits for a model any more; those that did have another version now.
+    ForgetAway,
     /// Calls of models, and what they cost or may cost.
     Spend(Spent),
 }
@@ -128,6 +130,7 @@ pub(super) async fn execute(db: &mut SqliteConnection, job: &Job) -> Result<(), 
         Job::KeepAnswer { key, operation, model, answer } => {
             model_rows::keep_answer(db, key, operation, model, answer).await
         }
+        Job::ForgetAway => model_rows::forget_away(db).await,
         Job::Spend(spent) => model_rows::spend(db, spent).await,
         Job::KeepQuery { map, id, kept, body } => keep_query(db, *map, id, *kept, body).await,
     }

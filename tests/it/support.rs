@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use reqwest::header::{CONTENT_TYPE, HeaderMap};
 use reqwest::{Method, RequestBuilder, StatusCode};
 use revisit::http::RunningServer;
-use revisit::service::{Service, ServiceOptions};
+use revisit::service::{ModelChoice, Service, ServiceOptions};
 use serde_json::{Value, json};
 
 /// A server; it stops, and its database goes, when this value goes.
@@ -38,7 +38,9 @@ impl Server {
     async fn with(vocabulary: Option<PathBuf>) -> Self {
         let directory = tempfile::tempdir().expect("a temporary directory");
         let database = format!("sqlite://{}", directory.path().join("test.db").display());
-        let service = Service::open(ServiceOptions { database, vocabulary }).await.expect("a service");
+        let service = Service::open(ServiceOptions { database, vocabulary, models: ModelChoice::None })
+            .await
+            .expect("a service");
         let running = RunningServer::start(service).await.expect("a free port");
         let http = reqwest::Client::builder().no_proxy().build().expect("a client");
         Self { http, running, _directory: directory }
