@@ -42,6 +42,7 @@ impl Server {
             .await
             .expect("a service");
         let running = RunningServer::start(service).await.expect("a free port");
+        revisit::config::tls::install();
         let http = reqwest::Client::builder().no_proxy().build().expect("a client");
         Self { http, running, _directory: directory }
     }

@@ -58,6 +58,7 @@ impl Server {
             let log = std::fs::read_to_string(&log).unwrap_or_default();
             panic!("the server said {line:?} instead of its address\n{log}");
         };
+        revisit::config::tls::install();
         let http = reqwest::Client::builder().no_proxy().build();
         Self { api: Api { url: url.to_owned(), http: http.expect("a client") }, child, _stdout: stdout }
     }
