@@ -218,14 +218,19 @@ impl Dialogue<'_> {
     }
 }
 
-/// What of an answer goes on: nothing of one that says nothing or repeats what was said; of one that speaks to the
-/// model, its identifiers.
+/// What of an answer goes on: nothing of one that says nothing or repeats what was said, and no sentence that speaks
+/// to the model.
 fn useful(question: &str, answer: &str, rounds: &[Round]) -> Option<String> {
+    let harmless: String;
+    let answer = if semantics::addresses_a_model(answer) {
+        let sentences = answer.split_inclusive(['.', '!', '?', ';', ',']);
+        harmless = sentences.filter(|sentence| !semantics::addresses_a_model(sentence)).collect();
+        // What orders over several sentences is no description either.
+        Some(harmless.trim()).filter(|rest| !semantics::addresses_a_model(rest))?
+    } else {
+        answer
+    };
     let text = Text::parse(answer);
-    if semantics::addresses_a_model(answer) {
-        let identifiers: Vec<&str> = text.identifiers().iter().map(semantics::Identifier::as_str).collect();
-        return (!identifiers.is_empty()).then(|| identifiers.join(", "));
-    }
     let echoes = text == Text::parse(question)
         || (text.identifiers().is_empty() && rounds.iter().any(|round| Text::parse(&round.answer) == text));
     (!says_nothing(answer) && !echoes).then(|| answer.to_owned())

@@ -13,6 +13,9 @@ use crate::semantics::{self, Text};
 /// model, this keeps the number of calls in proportion to the anchors, not to their pairs.
 const NEIGHBOURS_JUDGED: usize = 6;
 
+/// A class with so few texts is small enough to ask about texts that share no word: "a smiling lady", "the Mona Lisa".
+const SMALL_CLASS: usize = 32;
+
 /// A word in more texts than this tells none of them apart.
 const WIDESPREAD: usize = 256;
 
@@ -256,14 +259,18 @@ fn similarities(
     }
 }
 
-/// The texts most like this one of which a model may say more than the built-in judge.
+/// The texts most like this one about which a model may say more than the built-in judge.
 pub fn nearest(index: &MapIndex, id: TextId) -> Vec<TextId> {
     let texts = index.texts();
-    let (_, text) = texts.text(id);
+    let (class, text) = texts.text(id);
     if !text.identifiers().is_empty() {
         return Vec::new();
     }
-    let mut near: Vec<(u32, &str, TextId)> = (texts.sharing_words(id, WIDESPREAD).into_iter())
+    let candidates = match texts.of_class(class, SMALL_CLASS) {
+        Some(all) => all.into_iter().filter(|other| *other != id).collect(),
+        None => texts.sharing_words(id, WIDESPREAD),
+    };
+    let mut near: Vec<(u32, &str, TextId)> = (candidates.into_iter())
         .filter_map(|other| {
             let theirs = texts.text(other).1;
             let open = matches!(semantics::route_similarity(text, theirs), semantics::Route::Open(_));

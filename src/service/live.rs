@@ -6,7 +6,7 @@
 //! before the version it was made from is ([`LiveMap::on_disk`]).
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard};
 
 use bytes::Bytes;
@@ -41,6 +41,8 @@ pub(super) struct LiveMap {
     pub digest: Digest,
     state: RwLock<State>,
     line: Line,
+    /// The version of `state`.
+    newest: AtomicU64,
     on_disk: watch::Sender<u64>,
     latest_event: watch::Sender<u64>,
     /// Answers of loop queries that are still on their way to the disk.
@@ -80,6 +82,7 @@ impl LiveMap {
             key: loaded.key,
             digest: loaded.digest,
             line: Arc::new(AtomicBool::new(false)),
+            newest: AtomicU64::new(loaded.version),
             on_disk: watch::Sender::new(on_disk(&loaded)),
             latest_event: watch::Sender::new(loaded.next_event - 1),
             kept: Mutex::default(),
@@ -131,6 +134,7 @@ impl LiveMap {
         };
         state.version += 1;
         let version = state.version;
+        self.newest.store(version, Ordering::Release);
         let events = number(&mut state, decided.events);
         let batch = Batch {
             map: self.key,
@@ -179,9 +183,9 @@ impl LiveMap {
         }
     }
 
-    /// The newest version on disk.
-    pub fn version_on_disk(&self) -> u64 {
-        *self.on_disk.borrow()
+    /// The newest version decided, which may not be on disk yet; read without the map's lock.
+    pub fn newest_version(&self) -> u64 {
+        self.newest.load(Ordering::Acquire)
     }
 
     /// Waits until the version on disk is another one.

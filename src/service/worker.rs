@@ -242,7 +242,7 @@ impl Round {
         }
         let next_due = board.paused.values().map(|(until, _)| *until).filter(|until| *until > now).min();
         let due = board.paused.values().any(|(until, _)| *until <= now);
-        let same = board.looked_at == Some(live.version_on_disk());
+        let same = board.looked_at == Some(live.newest_version());
         if same && !due && board.told_away == (models_away && board.waits()) {
             return next_due;
         }

@@ -7,6 +7,7 @@ mod bad_input;
 mod bounds;
 mod crash;
 mod geometry;
+mod models;
 mod openapi;
 mod paper;
 mod readme;

@@ -91,6 +91,13 @@ impl TextIndex {
         self.nodes.iter().enumerate().filter_map(|(id, node)| node.as_ref().map(|_| TextId(id)))
     }
 
+    /// The texts of a class, unless there are more than `max`.
+    pub fn of_class(&self, class: &str, max: usize) -> Option<BTreeSet<TextId>> {
+        let of_class: BTreeSet<TextId> =
+            self.iter().filter(|id| &*self.node(*id).class == class).take(max + 1).collect();
+        (of_class.len() <= max).then_some(of_class)
+    }
+
     /// The texts of a class that share a specific word with this one, itself left out; each once, unless the word is
     /// in more than `widespread` texts and so tells nothing.
     pub fn sharing_words(&self, id: TextId, widespread: usize) -> BTreeSet<TextId> {
