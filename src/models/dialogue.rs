@@ -30,6 +30,9 @@ const PICTURES: [&str; 7] = ["paint", "picture", "poster", "mural", "artwork", "
 const AGAIN: &str =
     "Read the number, name or code on it once more, character by character. What is it exactly?";
 
+/// What is said of a question that was not answered.
+const UNKNOWN: &str = "unknown";
+
 /// What is asked where no language model asks.
 const FIXED: [&str; 4] = [
     "What does it show?",
@@ -131,18 +134,17 @@ struct Dialogue<'a> {
 impl Dialogue<'_> {
     /// Asks until enough is known; the description, and whether the model was away for a part of it.
     async fn hold(&mut self) -> Result<(String, bool), Fault> {
-        let mut rounds: Vec<Round> = Vec::new();
+        // What was asked, with "unknown" where nothing was answered; and the answers that say something.
+        let (mut asked, mut rounds): (Vec<Round>, Vec<Round>) = (Vec::new(), Vec::new());
         let (mut silent, mut settled) = (0, false);
         for number in 0..self.rounds_max() {
-            let question = self.question(number, &rounds).await;
-            let answer = self.look(&question, number, &rounds).await?;
-            match useful(&question, &answer, &rounds) {
-                Some(answer) => {
-                    silent = 0;
-                    rounds.push(Round { question, answer });
-                }
-                None => silent += 1,
-            }
+            let question = self.question(number, &asked).await;
+            let answer = self.look(&question, number, &asked).await?;
+            let told = useful(&question, &answer, &rounds);
+            let answer = told.clone().unwrap_or_else(|| UNKNOWN.to_owned());
+            asked.push(Round { question, answer });
+            silent = if told.is_some() { 0 } else { silent + 1 };
+            rounds.extend(asked.last().filter(|_| told.is_some()).cloned());
             settled = read_twice_alike(&rounds);
             if settled || silent == SILENT_ANSWERS_MAX {
                 break;

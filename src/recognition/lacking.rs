@@ -203,8 +203,13 @@ fn of_object<'a>(index: &'a MapIndex, object: &'a Object) -> impl Iterator<Item 
     });
     let merge = called.and_then(|_| object.votes.to_merge()).and_then(|(first, second)| {
         let (a, b) = if first <= second { (first, second) } else { (second, first) };
-        if index.verdicts().merged(class, a, b).is_some() || !mergeable(index, class, a, b) {
+        if index.verdicts().merged(class, a, b).is_some() {
             return None;
+        }
+        match describe_one(index, class, a, b) {
+            None => return Some(Lack::Similarity { class: class.into(), a: a.into(), b: b.into() }),
+            Some(false) => return None,
+            Some(true) => {}
         }
         let as_read = [object.votes.as_read(a)?, object.votes.as_read(b)?].map(Into::into);
         Some(Lack::Merge { class: class.into(), a: a.into(), b: b.into(), as_read })
@@ -212,13 +217,18 @@ fn of_object<'a>(index: &'a MapIndex, object: &'a Object) -> impl Iterator<Item 
     information.into_iter().chain(merge)
 }
 
-/// Do both texts describe one object, and each say something that the other does not?
-fn mergeable(index: &MapIndex, class: &str, a: &str, b: &str) -> bool {
-    let (of_a, of_b) = (Text::parse(a), Text::parse(b));
-    let judged = index.verdicts().similarity(class, &of_a, &of_b).map(|(level, _)| level);
-    let level = judged.unwrap_or_else(|| semantics::similarity_level(&of_a, &of_b).0);
+/// Do both texts describe one object, and each say something that the other does not? `None` if a model is to tell.
+fn describe_one(index: &MapIndex, class: &str, a: &str, b: &str) -> Option<bool> {
     let merged = semantics::merge(a, b);
-    level >= 4 && merged != a && merged != b
+    if merged == a || merged == b {
+        return Some(false);
+    }
+    let (of_a, of_b) = (Text::parse(a), Text::parse(b));
+    let level = match semantics::route_similarity(&of_a, &of_b) {
+        semantics::Route::Decided(judgement) => judgement.level,
+        semantics::Route::Open(_) => index.verdicts().similarity(class, &of_a, &of_b)?.0,
+    };
+    Some(level >= 4)
 }
 
 fn similarities(

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::index::MapIndex;
+use super::index::{MapIndex, Object};
 use super::ingest::{merge_all, tell_description, tell_revisits};
 use super::matching;
 use super::recorder::{Decided, Recorder};
@@ -80,7 +80,17 @@ pub fn learn_away(index: &mut MapIndex, away: bool) -> Option<Decided> {
 
 fn learn_similarity(index: &mut MapIndex, verdict: ModelVerdict) -> Option<Learned> {
     let pair = [&verdict.a, &verdict.b].map(|text| index.texts().find_normalised(&verdict.class, text));
-    let [Some(a), Some(b)] = pair else { return None };
+    let [Some(a), Some(b)] = pair else {
+        // Two readings of one object: the verdict tells whether they are to be merged.
+        let says_both =
+            |(_, object): (_, &Object)| object.votes.says(&verdict.a) && object.votes.says(&verdict.b);
+        if !index.objects().iter().any(says_both) {
+            return None;
+        }
+        let mut record = Recorder::new(index);
+        record.apply(vec![Change::Judged(Box::new(verdict))]);
+        return Some(Learned { decided: record.finish(), triggers: Vec::new() });
+    };
     let matched = index.texts().level(a, b).is_some();
     let mut record = Recorder::new(index);
     record.apply(vec![Change::Judged(Box::new(verdict))]);

@@ -82,7 +82,7 @@ impl Stub {
     /// Flags that make a server ask this stub, impatiently.
     pub fn args(&self, more: &[&str]) -> ModelArgs {
         let url = self.url();
-        let mut flags = vec![
+        let usual = [
             "--model-url",
             &url,
             "--model-name",
@@ -94,7 +94,8 @@ impl Stub {
             "--model-text-timeout-ms",
             "20000",
         ];
-        flags.extend(more);
+        let usual = usual.chunks(2).filter(|flag| !more.contains(&flag[0])).flatten();
+        let flags: Vec<&str> = usual.chain(more).copied().collect();
         ModelArgs::of(&flags).unwrap()
     }
 
