@@ -9,5 +9,5 @@ mod judging;
 mod killed;
 mod scene;
 mod stub;
-mod waiting;
+mod tesseract;
 mod worker;

@@ -5,7 +5,7 @@ use std::time::Duration;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use futures_util::StreamExt as _;
-use reqwest::Method;
+use reqwest::{Method, RequestBuilder};
 use serde_json::{Value, json};
 
 use crate::support::{Server, pose};
@@ -54,9 +54,13 @@ pub async fn put(server: &Server, map: &str, id: &str, body: &Value) -> Value {
 
 /// Listens to a map from its beginning until an event is the wanted one; all events up to it.
 pub async fn hear(server: &Server, map: &str, wanted: impl Fn(&Value) -> bool) -> Vec<Value> {
+    hear_stream(server.request(Method::GET, &format!("/v1/maps/{map}/events?since=0")), wanted).await
+}
+
+/// The same, of any server.
+pub async fn hear_stream(listen: RequestBuilder, wanted: impl Fn(&Value) -> bool) -> Vec<Value> {
     let listening = async {
-        let path = format!("/v1/maps/{map}/events?since=0");
-        let response = server.request(Method::GET, &path).send().await.unwrap();
+        let response = listen.send().await.unwrap();
         let (mut stream, mut text, mut heard) = (response.bytes_stream(), String::new(), Vec::new());
         while let Some(chunk) = stream.next().await {
             text.push_str(&String::from_utf8_lossy(&chunk.unwrap()));
