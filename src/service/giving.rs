@@ -6,8 +6,7 @@ use tokio::task::spawn_blocking;
 
 use super::live::{Decision, LiveMap};
 use super::{Service, ServiceError};
-use crate::model::ids::AnchorSeq;
-use crate::model::ids::KeyframeSeq;
+use crate::model::ids::{AnchorSeq, KeyframeSeq};
 use crate::model::judged::{CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
 use crate::models::Models;
 use crate::models::dialogue::Told;
@@ -88,7 +87,7 @@ impl Service {
     }
 
     /// Checks a verdict against the map as it is now and applies it; what it triggers is asked about.
-    async fn learn(
+    pub(super) async fn learn(
         &self,
         live: &Arc<LiveMap>,
         learn: impl FnOnce(&mut MapIndex) -> Option<Learned> + Send + 'static,
