@@ -11,3 +11,4 @@ mod scene;
 mod stub;
 mod tesseract;
 mod worker;
+mod world;
