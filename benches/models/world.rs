@@ -13,7 +13,6 @@ use revisit::model::change::Change;
 use revisit::model::ids::AnchorSeq;
 use revisit::model::judged::{Finding, ModelVerdict};
 use revisit::model::keyframe::{Detection, NewKeyframe, Stamp};
-use revisit::model::map::MapProperties;
 use revisit::models::Models;
 use revisit::models::adapters::Scripted;
 use revisit::models::port::{Model, Question};
@@ -83,6 +82,9 @@ impl Outcome {
     }
 }
 
+/// The pairs asked about, and all calls.
+type Journal = (BTreeSet<(String, String)>, usize);
+
 fn object(number: usize) -> (&'static str, String) {
     match number / 2 % 3 {
         0 => ("door_number", format!("{} {}", ["Room", "door", "Zimmer"][number % 3], 100 + number)),
@@ -126,7 +128,7 @@ fn keyframe(name: String, x: f64, seen: usize, at: [f64; 3], covisible: &[String
 
 fn world() -> MapIndex {
     let mut index = MapIndex::default();
-    index.apply(&[Change::MapSet(Box::new(MapProperties::default()))]);
+    index.apply(&[Change::MapSet(Box::default())]);
     for place in 0..ANCHORS / 2 {
         let x = place as f64 * 10.0;
         let (first, second) = (format!("a-{place}"), format!("b-{place}"));
@@ -142,7 +144,7 @@ fn world() -> MapIndex {
 pub async fn play() -> Outcome {
     let mut index = world();
     let founded = index.next_anchor().0 as usize;
-    let asked: Arc<Mutex<(BTreeSet<(String, String)>, usize)>> = Arc::default();
+    let asked: Arc<Mutex<Journal>> = Arc::default();
     let journal = asked.clone();
     let generous = Scripted::new("generous", move |question| {
         let mut journal = journal.lock().expect("a journal");

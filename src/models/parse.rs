@@ -15,10 +15,9 @@ const QUESTION_CHARS_MAX: usize = 300;
 pub fn check(question: &Question, content: &str) -> Result<(), Fault> {
     match question {
         Question::Similarity { .. } | Question::Information { .. } => level(content).map(drop),
-        Question::Merge { .. } => text(content).map(drop),
+        Question::Merge { .. } | Question::Summary { .. } => text(content).map(drop),
         Question::NextQuestion { .. } => next_question(content).map(drop),
         Question::Look { .. } => look(content).map(drop),
-        Question::Summary { .. } => text(content).map(drop),
     }
 }
 

@@ -36,9 +36,8 @@ pub struct NoPicture;
 impl Picture {
     /// Decodes a PNG or JPEG file, told by its first bytes, whatever was claimed.
     pub fn decode(file: &[u8]) -> Result<Self, NoPicture> {
-        let format = match image::guess_format(file).map_err(|_| NoPicture)? {
-            format @ (ImageFormat::Png | ImageFormat::Jpeg) => format,
-            _ => return Err(NoPicture),
+        let Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) = image::guess_format(file) else {
+            return Err(NoPicture);
         };
         let mut reader = ImageReader::with_format(Cursor::new(file), format);
         let mut limits = Limits::default();

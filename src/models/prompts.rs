@@ -88,15 +88,12 @@ pub fn prompt(question: &Question) -> Prompt {
 
 /// A question about an image, with what was asked before. Its parts are quoted as JSON strings.
 fn looked_at(question: &str, history: &[Round], hint: Option<&str>) -> String {
-    let mut data = String::new();
-    for round in history {
-        data.push_str(&format!("Asked before: {} Answered: {}\n", round.question, json!(round.answer)));
-    }
-    if let Some(hint) = hint {
-        data.push_str(&format!("A reader of characters, which is often wrong, read {}.\n", json!(hint)));
-    }
-    data.push_str(question);
-    data
+    let asked = history
+        .iter()
+        .map(|round| format!("Asked before: {} Answered: {}\n", json!(round.question), json!(round.answer)));
+    let read =
+        hint.map(|hint| format!("A reader of characters, which is often wrong, read {}.\n", json!(hint)));
+    asked.chain(read).chain([question.to_owned()]).collect()
 }
 
 fn level_schema() -> (&'static str, Value) {

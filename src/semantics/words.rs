@@ -60,7 +60,7 @@ impl Overlap {
 
     /// Weighted Jaccard likeness in percent.
     pub fn percent(self) -> u32 {
-        if self.all == 0 { 0 } else { self.common * 100 / self.all }
+        (self.common * 100).checked_div(self.all).unwrap_or(0)
     }
 
     /// Both name colours, none in common: "a black cat", "a white cat" (level 2 in Table I).

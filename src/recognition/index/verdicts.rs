@@ -9,11 +9,14 @@ use crate::semantics::{self, Source, Text};
 /// A class and a text in normal form.
 type Carried = (Box<str>, Box<str>);
 
+/// A level, and who found it.
+type Found = (u8, Arc<str>);
+
 /// The model's verdicts about the texts of a map.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verdicts {
     /// By class and the smaller text, then by the larger.
-    similarity: BTreeMap<Carried, BTreeMap<Box<str>, (u8, Arc<str>)>>,
+    similarity: BTreeMap<Carried, BTreeMap<Box<str>, Found>>,
     /// The other way round: the smaller texts that a larger one was judged with.
     smaller: BTreeMap<Carried, BTreeSet<Box<str>>>,
     information: BTreeMap<Carried, u8>,

@@ -166,7 +166,7 @@ async fn wait_for(server: &Server, wanted: impl Fn(&Value) -> bool) -> Value {
             tokio::task::yield_now().await;
         }
     };
-    tokio::time::timeout(std::time::Duration::from_secs(120), waiting).await.expect("it comes to be so")
+    tokio::time::timeout(std::time::Duration::from_mins(2), waiting).await.expect("it comes to be so")
 }
 
 fn sent(colour: [u8; 3]) -> String {

@@ -12,6 +12,7 @@ async fn of_four_hundred_anchors_few_pairs_reach_the_model_and_none_is_merged_wr
         "{:.2} %: {outcome:?}",
         outcome.asked_percent()
     );
+    assert!(outcome.calls >= outcome.pairs_asked, "{outcome:?}");
     // The generous model joined paintings, and no plate.
     assert!(outcome.objects < outcome.founded, "{outcome:?}");
     assert_eq!((outcome.wrongly_merged, outcome.wrongly_matched), (0, 0), "{outcome:?}");
