@@ -160,15 +160,10 @@ impl Gateway {
         let answered = (|| self.attempt(question))
             .retry(pauses)
             .when(Fault::is_passing)
-            .adjust(|fault, pause| match fault {
-                Fault::Limited { retry_after: Some(asked) } => {
-                    pause.filter(|_| *asked <= PAUSE_MAX).map(|pause| pause.max(*asked))
-                }
-                Fault::Garbled(_) => {
-                    let seen = unusable.fetch_add(1, Ordering::Relaxed) + 1;
-                    pause.filter(|_| seen < UNUSABLE_ANSWERS_MAX)
-                }
-                _ => pause,
+            .adjust(|fault, pause| {
+                let garbled = matches!(fault, Fault::Garbled(_));
+                let seen = unusable.fetch_add(u32::from(garbled), Ordering::Relaxed) + u32::from(garbled);
+                pause_after(fault, pause, seen)
             })
             .await;
         match &answered {
@@ -208,8 +203,44 @@ impl Gateway {
     }
 }
 
+/// How long to wait before a call is made again: as long as the server asks for, if that is longer; `None` if it is not
+/// to be made again.
+fn pause_after(fault: &Fault, pause: Option<Duration>, unusable_answers: u32) -> Option<Duration> {
+    match fault {
+        Fault::Limited { retry_after: Some(asked) } => {
+            pause.filter(|_| *asked <= PAUSE_MAX).map(|pause| pause.max(*asked))
+        }
+        Fault::Garbled(_) => pause.filter(|_| unusable_answers < UNUSABLE_ANSWERS_MAX),
+        _ => pause,
+    }
+}
+
 fn tokens_sent(question: &Question) -> u64 {
     let asked = prompt(question);
     let image = if question.needs_eyes() { TOKENS_PER_IMAGE } else { 0 };
     ((asked.rules.len() + asked.data.len()) / CHARS_PER_TOKEN) as u64 + image
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_server_is_given_the_pause_it_asks_for_unless_it_asks_for_too_much() {
+        let seconds = Duration::from_secs;
+        let limited = |asked: Option<u64>| Fault::Limited { retry_after: asked.map(seconds) };
+        let half = Some(Duration::from_millis(500));
+        for (fault, unusable, expected) in [
+            (limited(Some(7)), 0, Some(seconds(7))),
+            (limited(Some(0)), 0, half),
+            (limited(None), 0, half),
+            (limited(Some(3600)), 0, None),
+            (Fault::Failing(500), 0, half),
+            (Fault::Garbled("prose"), 1, half),
+            (Fault::Garbled("prose"), 2, None),
+        ] {
+            assert_eq!(pause_after(&fault, half, unusable), expected, "{fault}");
+        }
+        assert_eq!(pause_after(&limited(Some(7)), None, 0), None, "no more tries");
+    }
 }

@@ -30,7 +30,4 @@ pub mod prompts;
 pub mod setup;
 pub mod tesseract;
 
-#[cfg(test)]
-mod tests;
-
 pub use setup::{Models, SetupError};

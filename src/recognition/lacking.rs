@@ -245,6 +245,9 @@ fn similarities(
             return;
         }
         let (class, text) = texts.text(id);
+        if !text.identifiers().is_empty() {
+            continue;
+        }
         let key = (class.into(), text.normalised().into());
         if settled.contains(&key) {
             continue;

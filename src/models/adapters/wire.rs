@@ -58,14 +58,13 @@ impl Endpoint {
             let joined = format!("{}/{path}", url.path().trim_end_matches('/'));
             url.set_path(&joined);
         }
-        crate::config::tls::install();
-        let http = reqwest::Client::builder()
+        let http = crate::config::tls::client_for(url.as_str())
             .connect_timeout(connect_timeout)
             .redirect(reqwest::redirect::Policy::none())
             .no_proxy()
             .user_agent(concat!("revisit/", env!("CARGO_PKG_VERSION")))
             .build()
-            .map_err(|error| EndpointError::Client(error.without_url().to_string()))?;
+            .map_err(|error| EndpointError::Client(cause_of(&error)))?;
         Ok(Self { http, url, key })
     }
 
@@ -93,6 +92,15 @@ impl Endpoint {
         }
         serde_json::from_slice(&bounded(response).await?).map_err(|_| Fault::Garbled("broken JSON"))
     }
+}
+
+/// What lies beneath "builder error": most often that the machine has no certificates.
+fn cause_of(error: &reqwest::Error) -> String {
+    let mut cause: &dyn std::error::Error = error;
+    while let Some(beneath) = cause.source() {
+        cause = beneath;
+    }
+    cause.to_string()
 }
 
 fn refuse_failures(response: &Response) -> Result<(), Fault> {
