@@ -6,6 +6,7 @@ use super::alignment::Aligned;
 use super::candidates::Proposal;
 use super::comparison::Comparison;
 use super::contradiction::Contradiction;
+use super::standing_in::AtWorst;
 use super::verification::{Failure, Status, Verification};
 use crate::model::settings::Settings;
 use crate::model::verdict::{
@@ -143,6 +144,15 @@ pub(super) fn pending(comparison: &Comparison<'_>, model_away: bool) -> Reason {
     let pending = comparison.pending as f64;
     let code = if model_away { ReasonCode::LlmUnavailable } else { ReasonCode::LlmPending };
     Reason { code, measured: Some(pending), limit: Some(0.0), detail }
+}
+
+pub(super) fn awaited(worst: &AtWorst, model_away: bool) -> Reason {
+    let detail = format!(
+        "{} crops are not described yet; at worst S would be {:.3}, and {:.3} would contradict",
+        worst.awaited, worst.similarity, worst.contradicting_weight
+    );
+    let code = if model_away { ReasonCode::LlmUnavailable } else { ReasonCode::LlmPending };
+    Reason { code, measured: Some(worst.awaited as f64), limit: Some(0.0), detail }
 }
 
 pub(super) fn no_anchors(comparison: &Comparison<'_>) -> Reason {

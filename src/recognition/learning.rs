@@ -27,10 +27,11 @@ pub struct Learned {
     pub triggers: Vec<KeyframeId>,
 }
 
-/// A crop was read. `None` if the detection is gone, feeds no anchor any more, or was read for good meanwhile.
+/// A crop was read. `None` if the detection is gone, feeds no anchor any more, or was read for good or just so before.
 pub fn learn_reading(index: &mut MapIndex, read: CropRead) -> Option<Learned> {
     let observation = index.anchor(read.anchor)?.observations.get(&(read.keyframe, read.detection))?;
-    let settled = observation.crop_reading.as_ref().is_some_and(|known| !known.degraded);
+    let known = observation.crop_reading.as_ref();
+    let settled = known.is_some_and(|known| !known.degraded || *known == read.reading);
     if settled || observation.crop_area_px.is_none() {
         return None;
     }

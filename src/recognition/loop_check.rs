@@ -13,7 +13,7 @@ use super::index::MapIndex;
 use super::query::Query;
 use super::screening::{Screened, Screening, Standing};
 use super::sight::Sight;
-use super::standing_in::model_is_missed;
+use super::standing_in::{AtWorst, at_worst, model_is_missed};
 use crate::model::settings::Settings;
 use crate::model::settings::WithoutAnchors;
 use crate::model::verdict::{Candidate, CandidateDecision, Reason, ReasonCode, Verify};
@@ -29,7 +29,7 @@ pub fn screen(index: &MapIndex, map_version: u64, query: &Query<'_>, verify: Ver
         .filter_map(|proposal| {
             let centre = Centre::stored(index, proposal.keyframe)?;
             let around_candidate = local_anchor_map(index, &centre, &mut places);
-            check_candidate(index, &proposals, *proposal, &around_query, &around_candidate, verify)
+            check_candidate(index, &proposals, *proposal, query, &around_query, &around_candidate, verify)
         })
         .collect();
     Screening {
@@ -50,6 +50,7 @@ fn check_candidate(
     index: &MapIndex,
     proposals: &Proposals,
     proposal: Proposal,
+    query: &Query<'_>,
     around_query: &LocalAnchorMap,
     around_candidate: &LocalAnchorMap,
     verify: Verify,
@@ -72,7 +73,10 @@ fn check_candidate(
     let comparison = compare(around_query, around_candidate, index.texts(), settings);
     let stood_in = model_is_missed(index, around_query, around_candidate);
     candidate.anchors = Some(evidence::anchors(&comparison, settings));
-    let mut screened = match judge_anchors(&comparison, settings, index.model_away()) {
+    let worst = (query.awaits_descriptions || index.model_away())
+        .then(|| at_worst(index, around_query, around_candidate, &comparison))
+        .flatten();
+    let mut screened = match judge_anchors(&comparison, settings, worst, index.model_away()) {
         Err((decision, reason)) => Screened::stopped(proposal.keyframe, candidate, decision, reason),
         Ok(standing) => Screened {
             keyframe: proposal.keyframe,
@@ -91,6 +95,7 @@ fn check_candidate(
 fn judge_anchors(
     comparison: &Comparison<'_>,
     settings: &Settings,
+    worst: Option<AtWorst>,
     model_away: bool,
 ) -> Result<Standing, (CandidateDecision, Reason)> {
     use CandidateDecision::{Rejected, Undecided};
@@ -101,7 +106,12 @@ fn judge_anchors(
         && comparison.at_best.agreeing_weight >= contradicting;
     let contradicted = contradicting > agreeing;
     if !contradicted && comparison.similarity > min_similarity {
-        return Ok(Standing::AnchorsAgree);
+        let turns =
+            |worst: &AtWorst| worst.similarity <= min_similarity || worst.contradicting_weight > agreeing;
+        return match worst.filter(turns) {
+            Some(worst) => Err((Undecided, evidence::awaited(&worst, model_away))),
+            None => Ok(Standing::AnchorsAgree),
+        };
     }
     if could_turn {
         return Err((Undecided, evidence::pending(comparison, model_away)));

@@ -317,13 +317,14 @@ impl Round {
                     self.resume();
                 }
             }
-            Err(fault) => {
+            Err(_) => {
                 let tries = board.paused.get(&lack).map_or(0, |(_, tries)| *tries);
-                let is_away = matches!(fault, Fault::Away | Fault::Spent);
+                // While the model is away it is not the question's fault.
+                let is_away = self.models.is_away();
                 let pause = self.models.pause.saturating_mul(1 << tries.min(12)).min(PAUSE_MAX);
                 let tries = if is_away { tries } else { tries + 1 };
                 board.paused.insert(lack, (Instant::now() + pause, tries));
-                if self.models.is_away() {
+                if is_away {
                     self.was_away = true;
                     self.resume_at = Some(Instant::now() + self.models.pause);
                     self.tell_all_waiting().await;

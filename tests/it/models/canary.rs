@@ -70,3 +70,35 @@ fn no_log_and_no_error_of_the_program_shows_the_key() {
         assert!(!said.is_empty(), "{arguments:?}");
     }
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_loudest_log_of_a_call_does_not_show_the_key() {
+    let (directory, secrets) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let key = secrets.path().join("key");
+    std::fs::write(&key, CANARY).unwrap();
+    let stub = Stub::start(|_| level(5)).await;
+    let (url, database) = (stub.url(), directory.path().join("revisit.db"));
+    let flags = [
+        "--model-url",
+        &url,
+        "--model-name",
+        "stub",
+        "--log",
+        "trace",
+        "--model-key-file",
+        key.to_str().unwrap(),
+    ];
+    let mut server = crate::crash::server::Server::start_with(&database, &flags);
+    let body = json!({"a": "a red boat at sea", "b": "a ship in a storm"});
+    let answer = server.api().post("/v1/semantics/similarity", &body).await;
+    assert!(answer.text().contains("model:stub"), "{}", answer.text());
+    assert!(stub.journal()[0].headers["authorization"].to_str().unwrap().contains(CANARY));
+    server.kill();
+    for entry in std::fs::read_dir(directory.path()).unwrap() {
+        let path = entry.unwrap().path();
+        let text = String::from_utf8_lossy(&std::fs::read(&path).unwrap()).into_owned();
+        assert!(!text.contains(CANARY), "{}", path.display());
+    }
+    let log = std::fs::read_to_string(database.with_extension("log")).unwrap();
+    assert!(log.contains("TRACE"), "the log is not at its loudest");
+}

@@ -138,6 +138,42 @@ async fn while_the_model_is_away_verdicts_say_so_and_wait_for_nobody() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn a_plate_that_the_model_failed_to_read_makes_no_loop_of_what_agrees_beside_it() {
+    let stub = Stub::start(|_| raw(500, &[], "")).await;
+    let flags = ["--model-retries", "0", "--model-breaker-failures", "2"];
+    let server = Server::with_models(stub.choice(&flags)).await;
+    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    // Two lobbies with one painting; the plate beside it, in the middle of the picture, would read 901 and 910.
+    for (name, sec, x, colour) in [("kf-1", 1, 0.0, [255, 0, 0]), ("kf-2", 90, 50.0, [0, 0, 255])] {
+        let painting = described("painting", [x + 1.0, 0.0, 2.0], "a portrait of Ada Lovelace");
+        let plate = crop("door_number", [x, 0.0, 1.0], colour);
+        put(&server, "m", name, &keyframe(sec, x, &[painting, plate])).await;
+    }
+    let ask = async |wait: u64| {
+        let query = json!({"keyframe": "kf-2", "max_wait_ms": wait});
+        server.post("/v1/maps/m/loop-queries", &query).await.expect(200)
+    };
+    let at_once = ask(0).await;
+    assert_eq!(at_once["verdict"], "undecided", "{at_once}");
+    let away = ask(60_000).await;
+    assert_eq!((&away["verdict"], &away["degraded"]), (&json!("undecided"), &json!(true)), "{away}");
+    assert_eq!(away["candidates"][0]["reason"]["code"], "llm_unavailable");
+    // Back, it reads both plates: they contradict each other.
+    let red = super::worker::sent([255, 0, 0]);
+    stub.script(move |asked| {
+        Reply::Say(if asked.body.to_string().contains(&red) { "901" } else { "910" }.to_owned())
+    });
+    hear(&server, "m", |event| event["detail"] == "901").await;
+    hear(&server, "m", |event| event["detail"] == "910").await;
+    let read = ask(0).await;
+    assert_eq!(
+        (&read["verdict"], &read["candidates"][0]["reason"]["code"]),
+        (&json!("no_loop"), &json!("contradiction")),
+        "{read}"
+    );
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn a_call_that_failed_in_passing_is_made_again_after_the_pause_that_was_asked_for() {
     for (name, fault) in [
         ("429", raw(429, &[("retry-after", "0")], "")),

@@ -31,6 +31,8 @@ pub enum Reply {
     Say(String),
     /// These bytes under this status.
     Raw { status: u16, headers: Vec<(&'static str, &'static str)>, body: String },
+    /// This, once it is let go.
+    After(Arc<tokio::sync::Notify>, String),
     /// Nothing, for ever.
     Hang,
     /// Half an answer, and the connection is gone.
@@ -112,6 +114,10 @@ async fn answer(State(shared): State<Arc<Shared>>, headers: HeaderMap, body: Byt
     match script(&asked) {
         Reply::Say(content) => json_answer(200, &[], completion(&content).to_string()),
         Reply::Raw { status, headers, body } => json_answer(status, &headers, body),
+        Reply::After(gate, content) => {
+            gate.notified().await;
+            json_answer(200, &[], completion(&content).to_string())
+        }
         Reply::Hang => std::future::pending().await,
         Reply::Drop => {
             let torn = async_stream::stream! {

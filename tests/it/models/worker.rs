@@ -169,7 +169,7 @@ async fn wait_for(server: &Server, wanted: impl Fn(&Value) -> bool) -> Value {
     tokio::time::timeout(std::time::Duration::from_mins(2), waiting).await.expect("it comes to be so")
 }
 
-fn sent(colour: [u8; 3]) -> String {
+pub(super) fn sent(colour: [u8; 3]) -> String {
     use base64::Engine as _;
     let picture = revisit::models::picture::Picture::decode(&super::scene::png(60, 40, colour)).unwrap();
     base64::engine::general_purpose::STANDARD.encode(picture.png)
@@ -239,4 +239,28 @@ async fn a_query_that_waits_gets_the_description_it_waits_for() {
     let (waited, ()) = tokio::join!(server.post("/v1/maps/m/loop-queries", &query), opened);
     let waited = waited.expect(200);
     assert_eq!((&waited["verdict"], &waited["best"]), (&json!("loop"), &json!("kf-1")), "{waited}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_job_under_way_when_the_server_stops_is_finished() {
+    let (gate, directory) = (Arc::new(tokio::sync::Notify::new()), tempfile::tempdir().unwrap());
+    let (held, (arrived, mut begun)) = (gate.clone(), tokio::sync::mpsc::unbounded_channel());
+    let stub = Stub::start(move |_| {
+        arrived.send(()).unwrap();
+        Reply::After(held.clone(), "room 901".to_owned())
+    })
+    .await;
+    let server = Server::on(directory.path(), None, stub.choice(&[])).await;
+    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    put(&server, "m", "kf-1", &keyframe(1, 0.0, &[crop("door_number", [0.0, 0.0, 2.0], [9, 9, 9])])).await;
+    begun.recv().await.unwrap();
+    let let_go = async {
+        // Two looks; the second is asked when the first is answered.
+        gate.notify_one();
+        begun.recv().await.unwrap();
+        gate.notify_one();
+    };
+    tokio::join!(server.stop(), let_go);
+    let server = Server::on(directory.path(), None, revisit::service::ModelChoice::None).await;
+    assert_eq!(anchor(&server, "a-0").await["description"], "room 901");
 }
