@@ -9,6 +9,7 @@ pub mod geometry;
 pub mod hotel;
 pub mod http;
 pub mod model;
+pub mod models;
 pub mod recognition;
 pub mod semantics;
 pub mod service;

@@ -63,6 +63,7 @@ fn keyframe(client: usize, number: u64) -> serde_json::Value {
 
 /// The rate and the latencies of so many clients, in commits a second and milliseconds.
 async fn measure(url: &str, map: &str, clients: usize) -> (f64, f64, f64) {
+    revisit::config::tls::install();
     let http = reqwest::Client::builder().pool_max_idle_per_host(clients).build().expect("a client");
     let made = http.put(format!("{url}/v1/maps/{map}")).json(&json!({})).send().await.expect("an answer");
     assert!(made.status().is_success());

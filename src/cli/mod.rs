@@ -29,7 +29,7 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Serve(serve::ServeArgs),
+    Serve(Box<serve::ServeArgs>),
     Replay(replay::ReplayArgs),
     Demo(demo::DemoArgs),
     Eval(eval::EvalArgs),
@@ -44,7 +44,7 @@ impl Cli {
     /// Runs the subcommand.
     pub async fn run(self) -> Result<(), Failure> {
         match self.command {
-            Command::Serve(args) => serve::run(args).await,
+            Command::Serve(args) => serve::run(*args).await,
             Command::Replay(args) => Ok(replay::run(args, serve::own_server).await?),
             Command::Demo(args) => demo::run(args).await,
             Command::Eval(args) => eval::run(args).await,

@@ -10,10 +10,10 @@ use tokio::net::TcpListener;
 
 use super::replay::OwnServer;
 use super::{Failure, stop_on_signal, write_out};
-use crate::config::{build, listen, logging};
+use crate::config::{build, listen, logging, models};
 use crate::hotel::texture::Patterns;
 use crate::http::{self, RunningServer};
-use crate::service::{Service, ServiceOptions};
+use crate::service::{ModelChoice, Service, ServiceOptions};
 use crate::vocabulary::Vocabulary;
 
 /// Serve maps over HTTP.
@@ -33,6 +33,8 @@ pub struct ServeArgs {
     #[arg(long, env = "REVISIT_VOCABULARY", value_name = "FILE")]
     vocabulary: Option<PathBuf>,
     #[command(flatten)]
+    models: models::ModelArgs,
+    #[command(flatten)]
     log: logging::LogArgs,
 }
 
@@ -44,9 +46,12 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
     let listener = TcpListener::bind(args.listen)
         .await
         .map_err(|error| format!("cannot listen on {}: {error}", args.listen))?;
-    let service =
-        Service::open(ServiceOptions { database: args.database.clone(), vocabulary: args.vocabulary })
-            .await?;
+    let service = Service::open(ServiceOptions {
+        database: args.database.clone(),
+        vocabulary: args.vocabulary,
+        models: ModelChoice::Configured(Box::new(args.models)),
+    })
+    .await?;
     let addr = listener.local_addr()?;
     write_out(&format!("listening on http://{addr}\n"))?;
     tracing::info!(%addr, database = args.database, version = build::VERSION, "serving");

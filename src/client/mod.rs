@@ -54,7 +54,7 @@ impl Client {
     /// Proxies named in the environment are not used: a robot talks to its own server.
     pub fn new(base_url: &str) -> Result<Self, ClientError> {
         let base_url = address::base_url(base_url)?;
-        let http = reqwest::Client::builder()
+        let http = crate::config::tls::client_for(&base_url)
             .connect_timeout(CONNECT_TIMEOUT)
             .timeout(ANSWER_TIMEOUT)
             .redirect(reqwest::redirect::Policy::none())

@@ -5,7 +5,11 @@
 //! | [`build`] | what this binary is |
 //! | [`listen`] | where to listen, and where not |
 //! | [`logging`] | what is logged, and how |
+//! | [`models`] | which language and vision models to ask, and what they may cost |
+//! | [`tls`] | the one TLS stack |
 
 pub mod build;
 pub mod listen;
 pub mod logging;
+pub mod models;
+pub mod tls;

@@ -47,7 +47,7 @@ struct VerdictLabels {
 
 type Gauged = (&'static str, &'static str, fn(&Stats) -> u64);
 
-const GAUGES: [Gauged; 8] = [
+const GAUGES: [Gauged; 14] = [
     ("maps", "Maps in memory", |stats| stats.maps),
     ("keyframes", "Keyframes of all maps", |stats| stats.keyframes),
     ("anchors", "Semantic anchors of all maps", |stats| stats.anchors),
@@ -58,6 +58,12 @@ const GAUGES: [Gauged; 8] = [
         stats.commit_batches
     }),
     ("queue_depth", "Writes that wait for their commit", |stats| stats.queue_depth),
+    ("model_jobs", "Questions that models are to be asked", |stats| stats.model_jobs),
+    ("model_calls", "Calls of models since the database was made", |stats| stats.model_calls),
+    ("model_cache_hits", "Questions answered without a call", |stats| stats.model_cache_hits),
+    ("model_failures", "Questions that models could not answer", |stats| stats.model_failures),
+    ("model_microusd", "What models cost, in millionths of a US dollar", |stats| stats.model_microusd),
+    ("models_away", "1 while a model is away or the budget is spent", |stats| stats.models_away),
 ];
 
 impl Default for Metrics {

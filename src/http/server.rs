@@ -9,8 +9,8 @@ use tokio::net::TcpListener;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 
-use super::App;
 use super::router::router;
+use super::{App, routes};
 use crate::service::Service;
 
 /// How long requests in flight may take to finish once the server is told to stop.
@@ -19,6 +19,7 @@ const DRAIN: Duration = Duration::from_secs(10);
 /// Serves until `stopping` is cancelled and what is in flight is finished, or has had its time.
 pub async fn serve(listener: TcpListener, service: Service, stopping: CancellationToken) -> io::Result<()> {
     let app = App::new(service, stopping.clone());
+    routes::ask_about_triggers(&app);
     // Answers are small and waited for: none is held back to be sent with the next.
     let listener = listener.tap_io(|stream| {
         if let Err(error) = stream.set_nodelay(true) {

@@ -1,6 +1,7 @@
 //! What became of a detection: an observation of a semantic anchor, or a reason why not.
 
 use super::ids::{AnchorSeq, KeyframeSeq, PointId};
+use super::judged::CropReading;
 use crate::geometry::Point3;
 
 /// One detection of one keyframe that feeds an anchor.
@@ -22,6 +23,8 @@ pub struct Observation {
     pub described: bool,
     /// The area of the crop's box in pixels, if there is a crop.
     pub crop_area_px: Option<f64>,
+    /// What a model made of the crop, if one has read it.
+    pub crop_reading: Option<CropReading>,
 }
 
 /// What ingest made of a detection (the `outcome` of `contract.md` §4).

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::anchor::{Observation, Outcome};
 use super::bow::BowVector;
 use super::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, PointId, SessionId, SessionSeq};
+use super::judged::{CropRead, ModelVerdict};
 use super::keyframe::{Camera, Stamp};
 use super::map::MapProperties;
 use crate::geometry::{Point3, Pose};
@@ -106,4 +107,10 @@ pub enum Change {
     LoopAdded(Loop),
     /// A loop was revoked, with its merges and its covisibility.
     LoopRemoved(LoopId),
+    /// A model read a detection's crop (a fact about the anchor that the detection feeds).
+    CropRead(Box<CropRead>),
+    /// A model judged texts of this map.
+    Judged(Box<ModelVerdict>),
+    /// The model that this map waits for is away, or back.
+    ModelAway(bool),
 }

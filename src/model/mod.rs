@@ -8,6 +8,7 @@
 //! | observation of an anchor, outcome of a detection | [`anchor`] |
 //! | map and its settings | [`map`], [`settings`] |
 //! | facts that decisions change | [`change`] |
+//! | what models said of anchors | [`judged`] |
 //! | the answer to "is it a loop?" | [`verdict`] |
 //! | what happened, for those who listen | [`event`] |
 //! | what a client asks for | [`request`] |
@@ -20,6 +21,7 @@ pub mod change;
 pub mod event;
 pub mod ids;
 pub mod invalid;
+pub mod judged;
 pub mod keyframe;
 pub mod map;
 pub mod report;

@@ -87,6 +87,8 @@ pub struct AnchorReport {
     pub information_level: u8,
     /// The distinct readings, heaviest first.
     pub readings: Vec<ReadingReport>,
+    /// Two readings by models or people that cannot be of one object.
+    pub disagreement: Option<String>,
     /// The keyframes that saw it, in order of arrival.
     pub keyframes: Vec<KeyframeId>,
     /// Its box in the frame of each session that saw it, oldest session first.
@@ -129,6 +131,42 @@ pub struct LoopReport {
     pub query: Option<String>,
     /// The anchors it merged.
     pub merged: Vec<MergeReport>,
+}
+
+/// What models were asked and what it cost.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct UsageReport {
+    /// By operation and model.
+    pub lines: Vec<UsageLine>,
+    /// Calls since midnight, UTC.
+    pub calls_today: u64,
+    /// What today cost, in millionths of a US dollar.
+    pub microusd_today: u64,
+    /// The most calls of a day.
+    pub daily_calls: Option<u64>,
+    /// The most that a day may cost, in millionths of a US dollar.
+    pub daily_microusd: Option<u64>,
+    /// Is a model away, or the budget spent?
+    pub away: bool,
+}
+
+/// Calls of one model for one operation.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct UsageLine {
+    /// `similarity`, `information`, `merge` or `describe`.
+    pub operation: String,
+    /// The model's name.
+    pub model: String,
+    /// Calls.
+    pub calls: u64,
+    /// Tokens sent.
+    pub input_tokens: u64,
+    /// Tokens received.
+    pub output_tokens: u64,
+    /// Cost in millionths of a US dollar.
+    pub microusd: u64,
+    /// Questions answered without a call.
+    pub cache_hits: u64,
 }
 
 /// A keyframe as it stands now.

@@ -246,6 +246,12 @@ settings! {
         "keyframes of a session that share at least this many map points are covisible (ORB-SLAM's covisibility graph)";
     description_min_information_level: u32 = Count { 4, 1, 5 },
         "§IV-B: an anchor is valid when its description's InformationLevel is no smaller";
+    description_min_crop_area_px: f64 = Number { 256.0, 0.0, 1e9 },
+        "§IV-B: a model describes a crop whose box has at least this area, in square pixels; a smaller one only once description_refresh_s have passed";
+    description_refresh_s: f64 = Number { 600.0, 0.0, 1e9 },
+        "§IV-B: an anchor not described for this long, by the clock of its keyframes, is described again, in seconds";
+    agreeing_reads: u32 = Count { 1, 1, 9 },
+        "ours: a model reads an anchor's crops until so many reads agree; fewer alike are not sure by themselves";
     matching_min_similarity_level: u32 = Count { 4, 1, 5 },
         "§IV-C.2: two anchors match when their descriptions' SimilarityLevel is no smaller";
     candidates_max: u32 = Count { 20, 1, 1000 },

@@ -60,6 +60,8 @@ pub enum ReasonCode {
     NoAnchors,
     /// Anchors not described yet could turn the answer.
     LlmPending,
+    /// The same, and the model that could describe them is away.
+    LlmUnavailable,
     /// S of Eq. (2) does not exceed its limit.
     ScoreBelowThreshold,
     /// Sure identifiers contradict each other at the same relative place.
@@ -87,6 +89,7 @@ impl ReasonCode {
             Self::BowBelowReference => "bow_below_reference",
             Self::NoAnchors => "no_anchors",
             Self::LlmPending => "llm_pending",
+            Self::LlmUnavailable => "llm_unavailable",
             Self::ScoreBelowThreshold => "score_below_threshold",
             Self::Contradiction => "contradiction",
             Self::NotDistinctive => "not_distinctive",

@@ -16,7 +16,7 @@ use crate::model::settings::Settings;
 use crate::semantics::{self, Source};
 
 /// A pair of anchors with x(i, j) = 1.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Matched<'a> {
     /// The anchor of the query's map.
     pub query: &'a LocalAnchor,
@@ -80,6 +80,11 @@ pub struct AtBest {
 }
 
 impl Comparison<'_> {
+    /// The weight of everything that agrees: the numerator of Eq. (2).
+    pub fn agreeing_weight(&self) -> f64 {
+        total(self.matches.iter().map(Matched::weight))
+    }
+
     /// The weight of everything that agrees with this place rather than with others.
     pub fn agreement(&self) -> f64 {
         total(self.matches.iter().map(Matched::agreement))

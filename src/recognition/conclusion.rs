@@ -187,7 +187,7 @@ fn answer(screening: &Screening, candidates: Vec<Candidate>) -> Verdict {
         decision,
         best: loops.first().cloned(),
         loops,
-        degraded: false,
+        degraded: screening.degraded,
         excluded_covisible: screening.excluded_covisible,
         reason: candidates.is_empty().then(|| evidence::no_candidates(screening.empty_bow)),
         candidates,

@@ -6,6 +6,7 @@ use super::alignment::Aligned;
 use super::candidates::Proposal;
 use super::comparison::Comparison;
 use super::contradiction::Contradiction;
+use super::standing_in::AtWorst;
 use super::tracked_path::Discrepancy;
 use super::verification::{Failure, Status, Verification};
 use crate::model::settings::Settings;
@@ -160,13 +161,23 @@ pub(super) fn not_distinctive(places: usize) -> Reason {
     Reason { code: ReasonCode::NotDistinctive, measured, limit, detail }
 }
 
-pub(super) fn pending(comparison: &Comparison<'_>) -> Reason {
+pub(super) fn pending(comparison: &Comparison<'_>, model_away: bool) -> Reason {
     let detail = format!(
         "{} anchors are not described yet; at best S would be {:.3}",
         comparison.pending, comparison.at_best.similarity
     );
     let pending = comparison.pending as f64;
-    Reason { code: ReasonCode::LlmPending, measured: Some(pending), limit: Some(0.0), detail }
+    let code = if model_away { ReasonCode::LlmUnavailable } else { ReasonCode::LlmPending };
+    Reason { code, measured: Some(pending), limit: Some(0.0), detail }
+}
+
+pub(super) fn awaited(worst: &AtWorst, model_away: bool) -> Reason {
+    let detail = format!(
+        "{} crops are not described yet; at worst S would be {:.3}, and {:.3} would contradict",
+        worst.awaited, worst.similarity, worst.contradicting_weight
+    );
+    let code = if model_away { ReasonCode::LlmUnavailable } else { ReasonCode::LlmPending };
+    Reason { code, measured: Some(worst.awaited as f64), limit: Some(0.0), detail }
 }
 
 pub(super) fn no_anchors(comparison: &Comparison<'_>) -> Reason {

@@ -144,6 +144,7 @@ fn observation(keyframe: KeyframeSeq, number: u16, detection: &Detection) -> Obs
         reading: detection.reading().map(Into::into),
         described: detection.description.is_some(),
         crop_area_px: detection.crop.as_ref().map(|_| (x1 - x0) * (y1 - y0)),
+        crop_reading: None,
     }
 }
 

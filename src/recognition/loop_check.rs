@@ -13,6 +13,7 @@ use super::index::MapIndex;
 use super::query::Query;
 use super::screening::{Screened, Screening, Standing};
 use super::sight::Sight;
+use super::standing_in::{AtWorst, at_worst, model_is_missed};
 use super::tracked_path::TrackedPaths;
 use crate::model::settings::Settings;
 use crate::model::settings::WithoutAnchors;
@@ -29,7 +30,7 @@ pub fn screen(index: &MapIndex, map_version: u64, query: &Query<'_>, verify: Ver
         .filter_map(|proposal| {
             let centre = Centre::stored(index, proposal.keyframe)?;
             let around_candidate = local_anchor_map(index, &centre, &mut places);
-            check_candidate(index, &proposals, *proposal, &around_query, &around_candidate, verify)
+            check_candidate(index, &proposals, *proposal, query, &around_query, &around_candidate, verify)
         })
         .collect();
     let candidates = with_tracked_paths(index, query, candidates);
@@ -40,6 +41,7 @@ pub fn screen(index: &MapIndex, map_version: u64, query: &Query<'_>, verify: Ver
         verify,
         empty_bow: query.bow.is_empty(),
         excluded_covisible: query.covisible().count(),
+        degraded: candidates.iter().any(|candidate| candidate.stood_in),
         query: query.keyframe,
         sight: query.sight.clone(),
         candidates,
@@ -65,6 +67,7 @@ fn check_candidate(
     index: &MapIndex,
     proposals: &Proposals,
     proposal: Proposal,
+    query: &Query<'_>,
     around_query: &LocalAnchorMap,
     around_candidate: &LocalAnchorMap,
     verify: Verify,
@@ -85,8 +88,12 @@ fn check_candidate(
         return Some(Screened::stopped(proposal.keyframe, candidate, CandidateDecision::Rejected, reason));
     }
     let comparison = compare(around_query, around_candidate, index.texts(), settings);
+    let stood_in = model_is_missed(index, around_query, around_candidate);
     candidate.anchors = Some(evidence::anchors(&comparison, settings));
-    Some(match judge_anchors(&comparison, settings) {
+    let worst = (query.awaits_descriptions || index.model_away())
+        .then(|| at_worst(index, around_query, around_candidate, &comparison))
+        .flatten();
+    let mut screened = match judge_anchors(&comparison, settings, worst, index.model_away()) {
         Err((decision, reason)) => Screened::stopped(proposal.keyframe, candidate, decision, reason),
         Ok(standing) => Screened {
             keyframe: proposal.keyframe,
@@ -95,14 +102,19 @@ fn check_candidate(
             compared: Compared::of(&comparison),
             path: None,
             sight: if verify == Verify::Anchors { None } else { Sight::stored(index, proposal.keyframe) },
+            stood_in: false,
         },
-    })
+    };
+    screened.stood_in = stood_in;
+    Some(screened)
 }
 
 /// Check 3 of §V: contradictions first, since they name what S only measures.
 fn judge_anchors(
     comparison: &Comparison<'_>,
     settings: &Settings,
+    worst: Option<AtWorst>,
+    model_away: bool,
 ) -> Result<Standing, (CandidateDecision, Reason)> {
     use CandidateDecision::{Rejected, Undecided};
     let min_similarity = settings.anchor_map_min_similarity;
@@ -112,13 +124,16 @@ fn judge_anchors(
         && comparison.at_best.agreeing_weight >= contradicting;
     let contradicted = contradicting > agreeing;
     if !contradicted && comparison.similarity > min_similarity {
-        return match comparison.least_places() {
-            Some(places) if places > 1 => Err((Undecided, evidence::not_distinctive(places))),
+        let turns =
+            |worst: &AtWorst| worst.similarity <= min_similarity || worst.contradicting_weight > agreeing;
+        return match (worst.filter(turns), comparison.least_places()) {
+            (Some(worst), _) => Err((Undecided, evidence::awaited(&worst, model_away))),
+            (None, Some(places)) if places > 1 => Err((Undecided, evidence::not_distinctive(places))),
             _ => Ok(Standing::AnchorsAgree),
         };
     }
     if could_turn {
-        return Err((Undecided, evidence::pending(comparison)));
+        return Err((Undecided, evidence::pending(comparison, model_away)));
     }
     if contradicted {
         return Err((Rejected, evidence::contradicted(&comparison.contradictions, contradicting, agreeing)));

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | §III, an anchor seen before triggers loop detection | [`ingest`] | [`ingest::ingest`] |
 //! | §IV-B, what an anchor is | [`index`] | [`index::Anchor`], [`index::Object`] |
+//! | §IV-A.3, what a model is asked, and what its answer changes | [`lacking`], [`learning`] | [`lacking::lacking`], [`learning::learn_reading`] |
 //! | §IV-C.1, object tracking | [`association`] | [`association::associate`] |
 //! | §IV-C.2, semantic anchor matching | [`matching`], [`index`] | [`matching::covisible_merge`], [`index::TextIndex`] |
 //! | §IV-C.2, merge on a confirmed loop | [`closing`] | [`closing::close_loop`], [`closing::revoke_loop`] |
@@ -21,7 +22,7 @@
 //!
 //! Beside the paper: [`query`] is the keyframe that is asked about, [`sight`] and [`features`] are what geometry
 //! needs to know of it, [`evidence`] turns figures into a
-//! verdict, [`recorder`] keeps changes, [`correction`] moves poses and points, [`describing`] takes a description by hand, [`culling`] removes.
+//! verdict, [`recorder`] keeps changes, [`correction`] moves poses and points, [`describing`] takes a description by hand, [`standing_in`] tells where a model is missed, [`culling`] removes.
 
 pub mod alignment;
 pub mod anchor_map;
@@ -42,6 +43,8 @@ pub mod features;
 pub mod index;
 pub mod ingest;
 pub mod inverted_file;
+pub mod lacking;
+pub mod learning;
 pub mod loop_check;
 pub mod matching;
 pub mod places;
@@ -49,5 +52,6 @@ pub mod query;
 pub mod recorder;
 pub mod screening;
 pub mod sight;
+pub mod standing_in;
 pub mod tracked_path;
 pub mod verification;

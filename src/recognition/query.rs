@@ -22,6 +22,8 @@ pub struct Query<'a> {
     pub seen: BTreeSet<AnchorSeq>,
     /// What geometry needs to know of it, if its client told the camera.
     pub sight: Option<Sight>,
+    /// Is there a model that will describe the crops that nothing has described yet?
+    pub awaits_descriptions: bool,
 }
 
 impl<'a> Query<'a> {
@@ -29,14 +31,26 @@ impl<'a> Query<'a> {
     pub fn stored(index: &MapIndex, keyframe: KeyframeSeq, bow: &'a BowVector) -> Option<Self> {
         let centre = Centre::stored(index, keyframe)?;
         let (seen, sight) = (index.objects_seen_by(keyframe), Sight::stored(index, keyframe));
-        Some(Self { keyframe: Some(keyframe), bow, centre, seen, sight })
+        Some(Self { keyframe: Some(keyframe), bow, centre, seen, sight, awaits_descriptions: false })
     }
 
     /// About a keyframe that is not stored, as if it had just arrived.
     pub fn inline(index: &MapIndex, keyframe: &'a NewKeyframe) -> Self {
         let covisible = inline_covisible(index, keyframe);
         let (centre, seen) = inline_centre(index, keyframe, covisible);
-        Self { keyframe: None, bow: &keyframe.bow, centre, seen, sight: Sight::inline(index, keyframe) }
+        Self {
+            keyframe: None,
+            bow: &keyframe.bow,
+            centre,
+            seen,
+            sight: Sight::inline(index, keyframe),
+            awaits_descriptions: false,
+        }
+    }
+
+    /// The same question where a model will describe the crops that nothing has described yet.
+    pub fn awaiting_descriptions(self, awaits_descriptions: bool) -> Self {
+        Self { awaits_descriptions, ..self }
     }
 
     /// Is this keyframe covisible with the query, or the query itself (§V, check 1)?

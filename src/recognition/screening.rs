@@ -35,6 +35,8 @@ pub struct Screened {
     pub path: Option<TrackedPath>,
     /// What geometry needs to know of it.
     pub sight: Option<Sight>,
+    /// Did the built-in judge stand in for a model that is away?
+    pub stood_in: bool,
 }
 
 impl Screened {
@@ -53,6 +55,7 @@ impl Screened {
             compared: Compared::default(),
             path: None,
             sight: None,
+            stood_in: false,
         }
     }
 }
@@ -72,6 +75,8 @@ pub struct Screening {
     pub empty_bow: bool,
     /// How many keyframes were left out as covisible.
     pub excluded_covisible: usize,
+    /// Did the built-in judge stand in for a model that is away, about any candidate?
+    pub degraded: bool,
     /// The query's number, if it is stored.
     pub query: Option<KeyframeSeq>,
     /// What geometry needs to know of the query.

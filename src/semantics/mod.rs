@@ -21,12 +21,15 @@
 //! | SimilarityLevel: the rules | `similarity.rs` | [`similarity()`], [`similarity_level`] |
 //! | the sentence that explains a level | `reason.rs` | `sentence` |
 //! | MergeText | `merge.rs` | [`merge()`] |
+//! | what a model may be asked, and what binds it | `route.rs` | [`route_similarity`], [`bound_similarity`] |
+//! | text that addresses a model | `hostile.rs` | [`addresses_a_model`] |
 //! | which texts to compare at all | `keys.rs` | [`Text::keys`] |
 
 mod agreement;
 mod around;
 mod dictionary;
 mod direction;
+mod hostile;
 mod identifier;
 mod information;
 mod keys;
@@ -36,6 +39,7 @@ mod quantity;
 mod reading;
 mod reason;
 mod role;
+mod route;
 mod similarity;
 mod text;
 mod token;
@@ -47,9 +51,15 @@ mod golden;
 mod laws;
 
 pub use agreement::{Conflict, conflict};
+pub use hostile::addresses_a_model;
 pub use identifier::Identifier;
 pub use information::information;
 pub use merge::merge;
+pub use normalise::clean;
 pub use role::Role;
+pub use route::{
+    Route, accepts_merge, bound_similarity, has_no_new_digits, information_is_open, likeness_percent,
+    route_similarity, similarity_is_open,
+};
 pub use similarity::{Judgement, Source, similarity, similarity_level};
 pub use text::Text;

@@ -1,5 +1,7 @@
 //! SimilarityLevel, §IV-A.2: do two texts describe the same object?
 
+use std::sync::Arc;
+
 use super::agreement::{Agreement, Extra, agreement};
 use super::direction::Bearing;
 use super::identifier::{Identifier, Relation};
@@ -9,7 +11,7 @@ use super::text::Text;
 use super::words::{self, Word};
 
 /// What decided a similarity level.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Source {
     /// The texts are the same but for case, width, spaces and the like.
     Identical,
@@ -17,15 +19,18 @@ pub enum Source {
     Identifiers,
     /// Words, directions, negations.
     Lexical,
+    /// A model, `model:<name>`; only where the built-in judge leaves the question open.
+    Model(Arc<str>),
 }
 
 impl Source {
     /// The name in the contract.
-    pub fn as_str(self) -> &'static str {
+    pub fn as_str(&self) -> &str {
         match self {
             Source::Identical => "identical",
             Source::Identifiers => "identifiers",
             Source::Lexical => "lexical",
+            Source::Model(name) => name,
         }
     }
 }

@@ -71,6 +71,12 @@ impl Text {
         self.information.level
     }
 
+    /// The words that tell one object from others.
+    pub fn specific_words(&self) -> impl Iterator<Item = &str> {
+        let specific = |word: &&Word| word.class == super::dictionary::Class::Specific;
+        self.words.iter().filter(specific).map(|word| word.text.as_str())
+    }
+
     /// Blocking keys, sorted, without duplicates: two informative texts of level 4 or more share one.
     pub fn keys(&self) -> &[u64] {
         &self.keys

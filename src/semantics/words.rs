@@ -58,6 +58,11 @@ impl Overlap {
         }
     }
 
+    /// Weighted Jaccard likeness in percent.
+    pub fn percent(self) -> u32 {
+        (self.common * 100).checked_div(self.all).unwrap_or(0)
+    }
+
     /// Both name colours, none in common: "a black cat", "a white cat" (level 2 in Table I).
     pub fn colours_clash(self) -> bool {
         self.colours == [false, true, true]

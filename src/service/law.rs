@@ -2,14 +2,19 @@
 
 use proptest::prelude::*;
 
+use super::live::Decision;
 use super::{Service, ServiceError, ServiceOptions};
 use crate::geometry::{Point3, Pose};
 use crate::model::bow::BowVector;
 use crate::model::ids::{AnchorSeq, KeyframeId, MapId};
+use crate::model::judged::{CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
 use crate::model::keyframe::{CLIENTS_VOCABULARY, Crop, Detection, NewKeyframe, Stamp};
 use crate::model::map::MapProperties;
 use crate::model::request::{MapPatch, NewLoop, PoseCorrection};
 use crate::model::settings::SettingValue;
+use crate::recognition::index::MapIndex;
+use crate::recognition::learning::{learn_away, learn_reading, learn_verdict};
+use crate::semantics::Text;
 
 #[derive(Clone, Debug)]
 enum Request {
@@ -37,6 +42,20 @@ enum Request {
     Describe(u32, Option<u8>),
     DeleteAnchor(u32),
     Patch(u8),
+    ReadCrop {
+        anchor: u32,
+        observation: u8,
+        text: u8,
+        described: bool,
+        degraded: bool,
+    },
+    Judge {
+        class: u8,
+        a: u8,
+        b: u8,
+        finding: u8,
+    },
+    Away(bool),
 }
 
 #[derive(Clone, Debug)]
@@ -49,10 +68,23 @@ struct Seen {
     crop: bool,
 }
 
-const TEXTS: [&str; 9] =
-    ["901", "room 901", "910", "9O1", "EXIT", "exit", "unknown", "a painting of a red boat", "HUB 10"];
+const TEXTS: [&str; 12] = [
+    "901",
+    "room 901",
+    "910",
+    "9O1",
+    "EXIT",
+    "exit",
+    "unknown",
+    "a painting of a red boat",
+    "HUB 10",
+    "a ship in a storm at dawn",
+    "the stormy ship of Turner",
+    "",
+];
 const CLASSES: [&str; 2] = ["door_number", "sign"];
-const SETTINGS: [(&str, SettingValue); 5] = [
+const SETTINGS: [(&str, SettingValue); 6] = [
+    ("agreeing_reads", SettingValue::Count(2)),
     ("covisibility_min_shared_points", SettingValue::Count(2)),
     ("covisibility_min_shared_points", SettingValue::Count(4)),
     ("matching_min_similarity_level", SettingValue::Count(3)),
@@ -63,7 +95,7 @@ const SETTINGS: [(&str, SettingValue); 5] = [
 fn any_seen() -> impl Strategy<Value = Seen> {
     let points = prop::collection::vec(0i64..12, 0..4);
     let position = prop::option::of((-3i8..3, -3i8..3));
-    (0u8..2, prop::option::of(0u8..9), 0u8..11, points, position, any::<bool>()).prop_map(
+    (0u8..2, prop::option::of(0u8..11), 0u8..11, points, position, any::<bool>()).prop_map(
         |(class, text, confidence, points, position, crop)| Seen {
             class,
             text,
@@ -105,9 +137,25 @@ fn any_request() -> impl Strategy<Value = Request> {
         2 => correct,
         3 => confirm,
         1 => (0u8..4).prop_map(Request::Revoke),
-        1 => (0u32..10, prop::option::of(0u8..9)).prop_map(|(anchor, text)| Request::Describe(anchor, text)),
+        1 => (0u32..10, prop::option::of(0u8..11)).prop_map(|(anchor, text)| Request::Describe(anchor, text)),
         1 => (0u32..10).prop_map(Request::DeleteAnchor),
-        1 => (0u8..5).prop_map(Request::Patch),
+        1 => (0u8..6).prop_map(Request::Patch),
+        3 => (0u32..10, 0u8..4, 0u8..12, any::<bool>(), any::<bool>()).prop_map(
+            |(anchor, observation, text, described, degraded)| Request::ReadCrop {
+                anchor,
+                observation,
+                text,
+                described,
+                degraded,
+            }
+        ),
+        3 => (0u8..2, 0u8..12, 0u8..12, 0u8..12).prop_map(|(class, a, b, finding)| Request::Judge {
+            class,
+            a,
+            b,
+            finding,
+        }),
+        1 => any::<bool>().prop_map(Request::Away),
     ]
 }
 
@@ -137,6 +185,7 @@ fn detection(seen: &Seen) -> Detection {
     }
 }
 
+#[expect(clippy::too_many_lines, reason = "one arm for each kind of request")]
 async fn send(service: &Service, map: &MapId, request: Request) -> Result<(), ServiceError> {
     match request {
         Request::Put { name, session, words, mut points, covisible, detections } => {
@@ -196,12 +245,62 @@ async fn send(service: &Service, map: &MapId, request: Request) -> Result<(), Se
             service.describe_anchor(map, AnchorSeq(anchor), None, text).await.map(drop)
         }
         Request::DeleteAnchor(anchor) => service.delete_anchor(map, AnchorSeq(anchor), None).await.map(drop),
+        Request::ReadCrop { anchor, observation, text, described, degraded } => {
+            let live = service.live(map).await?;
+            let learn = move |index: &mut MapIndex| {
+                let anchor = AnchorSeq(anchor);
+                let (keyframe, detection) =
+                    *index.anchor(anchor)?.observations.keys().nth(observation.into())?;
+                let reading = CropReading {
+                    text: TEXTS[usize::from(text)].into(),
+                    source: "model:law".into(),
+                    described,
+                    degraded,
+                };
+                let transcript = vec![TranscriptStep {
+                    speaker: "model:law".into(),
+                    question: "Which?".to_owned(),
+                    answer: TEXTS[usize::from(text)].to_owned(),
+                }];
+                learn_reading(index, CropRead { anchor, keyframe, detection, reading, transcript })
+            };
+            service.learn(&live, learn).await.expect("a change");
+            Ok(())
+        }
+        Request::Judge { class, a, b, finding } => {
+            let live = service.live(map).await?;
+            let verdict = verdict(class, a, b, finding);
+            service.learn(&live, move |index| learn_verdict(index, verdict)).await.expect("a change");
+            Ok(())
+        }
+        Request::Away(away) => {
+            let live = service.live(map).await?;
+            let decide = move |index: &mut MapIndex| {
+                Ok(match learn_away(index, away) {
+                    Some(decided) => Decision::Changed((), decided, None),
+                    None => Decision::Unchanged(()),
+                })
+            };
+            service.change(&live, decide).await.map(drop)
+        }
         Request::Patch(setting) => {
             let (name, value) = SETTINGS[usize::from(setting)];
             let patch = MapPatch { settings: vec![(name.to_owned(), value)], ..MapPatch::default() };
             service.patch_map(map, patch).await.map(drop)
         }
     }
+}
+
+fn verdict(class: u8, a: u8, b: u8, finding: u8) -> ModelVerdict {
+    let [a, b] = [a, b].map(|text| Text::parse(TEXTS[usize::from(text)]).normalised().to_owned());
+    let (a, b) = (a.clone().min(b.clone()), a.max(b));
+    let (finding, b) = match finding {
+        0..5 => (Finding::Similarity(finding + 1), b),
+        5..10 => (Finding::Information(finding - 4), String::new()),
+        _ => (Finding::Merge(format!("{a} and {b}").into()), b),
+    };
+    let class = CLASSES[usize::from(class)].into();
+    ModelVerdict { class, a: a.into(), b: b.into(), finding, source: "model:law".into() }
 }
 
 async fn holds_after(requests: Vec<Request>) {
@@ -241,6 +340,8 @@ fn pretty(loaded: &crate::recognition::index::MapIndex, live: &crate::recognitio
     for seq in (0..live.next_anchor().0).map(AnchorSeq) {
         assert_eq!(loaded.anchor(seq), live.anchor(seq));
     }
+    assert_eq!(loaded.verdicts(), live.verdicts());
+    assert_eq!(loaded.model_away(), live.model_away());
     assert_eq!(loaded.objects(), live.objects());
     assert_eq!(loaded.texts(), live.texts());
     assert!(loaded == live, "another part of the index differs");

@@ -6,7 +6,7 @@
 //! before the version it was made from is ([`LiveMap::on_disk`]).
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard};
 
 use bytes::Bytes;
@@ -41,6 +41,8 @@ pub(super) struct LiveMap {
     pub digest: Digest,
     state: RwLock<State>,
     line: Line,
+    /// The version of `state`.
+    newest: AtomicU64,
     on_disk: watch::Sender<u64>,
     latest_event: watch::Sender<u64>,
     /// Answers of loop queries that are still on their way to the disk.
@@ -80,6 +82,7 @@ impl LiveMap {
             key: loaded.key,
             digest: loaded.digest,
             line: Arc::new(AtomicBool::new(false)),
+            newest: AtomicU64::new(loaded.version),
             on_disk: watch::Sender::new(on_disk(&loaded)),
             latest_event: watch::Sender::new(loaded.next_event - 1),
             kept: Mutex::default(),
@@ -131,6 +134,7 @@ impl LiveMap {
         };
         state.version += 1;
         let version = state.version;
+        self.newest.store(version, Ordering::Release);
         let events = number(&mut state, decided.events);
         let batch = Batch {
             map: self.key,
@@ -177,6 +181,11 @@ impl LiveMap {
             Ok(on_disk) if *on_disk >= version => Ok(()),
             _ => Err(StoreError::Superseded.into()),
         }
+    }
+
+    /// The newest version decided, which may not be on disk yet; read without the map's lock.
+    pub fn newest_version(&self) -> u64 {
+        self.newest.load(Ordering::Acquire)
     }
 
     /// Waits until the version on disk is another one.

@@ -8,6 +8,8 @@ mod anchors;
 mod error;
 mod events;
 mod features;
+mod giving;
+mod judging;
 mod keyframes;
 #[cfg(test)]
 mod law;
@@ -19,6 +21,7 @@ mod queries;
 mod registry;
 mod reports;
 mod words;
+mod worker;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -30,13 +33,19 @@ pub use error::ServiceError;
 pub use keyframes::PendingKeyframe;
 pub use queries::{QueryAnswer, Timings};
 
+use crate::config::models::ModelArgs;
 use crate::model::ids::MapId;
+use crate::models::Models;
+use crate::models::judge::Judge;
+use crate::models::port::Model;
 use crate::recognition::index::MapIndex;
-use crate::store::Store;
+use crate::store::{Job, Store};
 use features::FeatureCache;
 use live::{Decision, LiveMap, Pending, State};
 use registry::Registry;
 use words::NamedVocabulary;
+pub use worker::Trigger;
+use worker::Worker;
 
 /// At most so many writes are decided or wait for the disk at once; more wait their turn.
 const WRITES_AT_ONCE: usize = 512;
@@ -51,12 +60,26 @@ pub struct ServiceOptions {
     pub database: String,
     /// A vocabulary to compute words with, and to guide the matching of descriptors.
     pub vocabulary: Option<PathBuf>,
+    /// The models to ask.
+    pub models: ModelChoice,
+}
+
+/// The models to ask.
+#[derive(Clone, Debug, Default)]
+pub enum ModelChoice {
+    /// None: the built-in judge answers everything.
+    #[default]
+    None,
+    /// Those that the operator names.
+    Configured(Box<ModelArgs>),
+    /// These, the second of them for images, with the operator's limits.
+    Given(Box<ModelArgs>, [Option<Arc<dyn Model>>; 2]),
 }
 
 impl ServiceOptions {
     /// A service on this database, without a vocabulary.
     pub fn on(database: impl Into<String>) -> Self {
-        Self { database: database.into(), vocabulary: None }
+        Self { database: database.into(), vocabulary: None, models: ModelChoice::None }
     }
 }
 
@@ -90,6 +113,18 @@ pub struct Stats {
     pub commit_batches: u64,
     /// Writes waiting for the disk.
     pub queue_depth: u64,
+    /// Questions that models are to be asked.
+    pub model_jobs: u64,
+    /// Questions that models could not answer since the start.
+    pub model_failures: u64,
+    /// 1 while a model is away or the day's budget is spent.
+    pub models_away: u64,
+    /// Calls of models since the database was made.
+    pub model_calls: u64,
+    /// Questions answered without a call.
+    pub model_cache_hits: u64,
+    /// What models cost, in millionths of a US dollar.
+    pub model_microusd: u64,
 }
 
 /// The service; clones share everything.
@@ -101,6 +136,8 @@ pub struct Service {
     reads: Arc<Semaphore>,
     features: FeatureCache,
     vocabulary: Option<Arc<NamedVocabulary>>,
+    models: Option<Arc<Models>>,
+    worker: Arc<Worker>,
 }
 
 impl Service {
@@ -111,19 +148,27 @@ impl Service {
             None => None,
         };
         let store = Store::open(&options.database).await?;
+        let models = open_models(options.models, &store).await?.map(Arc::new);
         let registry = Arc::new(Registry::new(store.next_map_key().await?));
-        Ok(Self {
+        let service = Self {
+            models: models.clone(),
+            worker: Worker::new(),
             store,
             registry,
             writes: Arc::new(Semaphore::new(WRITES_AT_ONCE)),
             reads: Arc::new(Semaphore::new(READS_AT_ONCE)),
             features: FeatureCache::new(vocabulary.clone()),
             vocabulary,
-        })
+        };
+        if let Some(models) = models {
+            service.worker.start(service.clone(), models);
+        }
+        Ok(service)
     }
 
     /// Writes what is queued, and closes the database.
     pub async fn close(&self) {
+        self.worker.stop().await;
         self.store.close().await;
     }
 
@@ -142,11 +187,19 @@ impl Service {
     pub fn stats(&self) -> Stats {
         let commits = self.store.committer().stats();
         let mut stats = Stats {
+            model_jobs: self.worker.open_jobs(),
+            model_failures: self.models.as_ref().map_or(0, |models| models.failures()),
+            models_away: self.models.as_ref().map_or(0, |models| u64::from(models.is_away())),
             commits: commits.jobs,
             commit_batches: commits.transactions,
             queue_depth: commits.waiting,
             ..Stats::default()
         };
+        for line in self.usage().into_iter().flat_map(|usage| usage.lines) {
+            stats.model_calls += line.calls;
+            stats.model_cache_hits += line.cache_hits;
+            stats.model_microusd += line.microusd;
+        }
         for live in self.registry.in_memory() {
             let Ok(state) = live.state() else { continue };
             stats.maps += 1;
@@ -156,6 +209,10 @@ impl Service {
             stats.index_bytes += state.index.inverted_file().heap_bytes() as u64;
         }
         stats
+    }
+
+    fn judge(&self) -> Judge {
+        self.models.as_ref().map(|models| models.judge.clone()).unwrap_or_default()
     }
 
     async fn live(&self, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
@@ -172,6 +229,8 @@ impl Service {
         let permit = self.writes.clone().acquire_owned().await.map_err(|_| closed())?;
         let (deciding, store) = (live.clone(), self.store.clone());
         let pending = spawn_blocking(move || deciding.decide(&store, decide)).await.map_err(panicked)??;
+        // Whatever was written, an anchor may lack something now.
+        self.worker.wake();
         Ok(Begun { live: live.clone(), pending, _permit: permit })
     }
 
@@ -201,6 +260,20 @@ impl Service {
         live.on_disk(version).await?;
         Ok((version, value))
     }
+}
+
+/// Opens what is configured. Without models no map waits for one, whatever an earlier process had found.
+async fn open_models(choice: ModelChoice, store: &Store) -> Result<Option<Models>, ServiceError> {
+    let opened = match choice {
+        ModelChoice::None => Ok(None),
+        ModelChoice::Configured(args) => Models::open(&args, store).await,
+        ModelChoice::Given(args, models) => Models::with(models, None, &args, store).await.map(Some),
+    };
+    let models = opened.map_err(|error| ServiceError::Internal(error.to_string()))?;
+    if models.is_none() {
+        store.committer().commit(Job::ForgetAway).await?;
+    }
+    Ok(models)
 }
 
 /// A write that is decided and on its way to the disk.

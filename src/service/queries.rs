@@ -76,8 +76,10 @@ impl Service {
         let started = Instant::now();
         let bow = self.bow_of(live, &query.subject).await?;
         let asked = query.clone();
-        let (version, screening) =
-            self.read(live, move |state| screen_subject(&state.index, state.version, &asked, &bow)).await?;
+        let awaits = self.models.as_ref().is_some_and(|models| models.describer.reads());
+        let (version, screening) = self
+            .read(live, move |state| screen_subject(&state.index, state.version, &asked, &bow, awaits))
+            .await?;
         timings.screen_ms = milliseconds_since(started.into_std());
 
         let started = Instant::now();
@@ -140,6 +142,7 @@ fn screen_subject(
     version: u64,
     query: &LoopQuery,
     bow: &BowVector,
+    awaits_descriptions: bool,
 ) -> Result<Screening, ServiceError> {
     let subject = match &query.subject {
         Subject::Stored(keyframe) => {
@@ -155,7 +158,7 @@ fn screen_subject(
             Query::inline(index, keyframe)
         }
     };
-    Ok(screen(index, version, &subject, query.verify))
+    Ok(screen(index, version, &subject.awaiting_descriptions(awaits_descriptions), query.verify))
 }
 
 fn waits_for_descriptions(verdict: &Verdict) -> bool {

@@ -28,8 +28,9 @@ pub(super) fn anchor(index: &MapIndex, seq: AnchorSeq) -> Option<AnchorReport> {
         identifiers: description
             .map(|d| d.text.identifiers().iter().map(|identifier| identifier.as_str().to_owned()).collect())
             .unwrap_or_default(),
-        information_level: description.map_or(1, |description| description.text.information_level()),
+        information_level: description.map_or(1, |description| description.information_level),
         readings: object.votes.report(),
+        disagreement: object.votes.disagreement(),
         keyframes: index.keyframes_of(object).into_iter().filter_map(named).collect(),
         frames: object
             .shapes

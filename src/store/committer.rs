@@ -85,6 +85,18 @@ impl Committer {
         }
     }
 
+    /// Commits a job that belongs to no line, and waits until it is on disk.
+    pub async fn commit(&self, job: Job) -> Result<(), StoreError> {
+        let (committed, heard) = oneshot::channel();
+        self.submit(job, &Line::default(), move |result| drop(committed.send(result)));
+        heard.await.unwrap_or(Err(StoreError::Closed))
+    }
+
+    /// Queues a job that belongs to no line; it is written behind.
+    pub fn submit_alone(&self, job: Job) {
+        self.submit(job, &Line::default(), drop);
+    }
+
     /// Figures since the start.
     pub fn stats(&self) -> CommitStats {
         CommitStats {

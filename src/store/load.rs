@@ -11,7 +11,7 @@ use sqlx::sqlite::SqliteRow;
 
 use super::blob::{unpack, unpack_array};
 use super::write::MapKey;
-use super::{Store, StoreError};
+use super::{Store, StoreError, model_rows};
 use crate::geometry::{Point3, Pose};
 use crate::model::anchor::Observation;
 use crate::model::bow::BowVector;
@@ -63,6 +63,7 @@ impl Store {
         load_points(&mut db, key, &mut index).await?;
         load_keyframes(&mut db, key, &mut index).await?;
         index.reserve(row.try_get("next_keyframe")?, row.try_get("next_anchor")?);
+        index.apply(&model_rows::verdicts(&mut db, key).await?);
         index.apply(&anchors(&mut db, key).await?);
         index.apply(&loops_and_merges(&mut db, key).await?);
         let next_kept =
@@ -219,11 +220,13 @@ async fn anchors(db: &mut Db, key: MapKey) -> Result<Vec<Change>, StoreError> {
     let select = "select keyframe, detection from crops where map_key = $1";
     let crops: Vec<(u32, u16)> = sqlx::query_as(select).bind(key).fetch_all(&mut *db).await?;
     let crops: HashSet<(u32, u16)> = crops.into_iter().collect();
+    let mut readings = model_rows::readings(&mut *db, key).await?;
     let select =
         "select * from detections where map_key = $1 and anchor is not null order by keyframe, detection";
     for row in sqlx::query(select).bind(key).fetch_all(&mut *db).await? {
         let at = (row.try_get("keyframe")?, row.try_get("detection")?);
-        let observation = observation(&row, crops.contains(&at))?;
+        let mut observation = observation(&row, crops.contains(&at))?;
+        observation.crop_reading = readings.remove(&at);
         changes.push(Change::Observed(AnchorSeq(row.try_get("anchor")?), Box::new(observation)));
     }
     Ok(changes)
@@ -243,6 +246,7 @@ fn observation(row: &SqliteRow, has_crop: bool) -> Result<Observation, StoreErro
         reading: description.or(text).map(Into::into),
         described: description.is_some(),
         crop_area_px: has_crop.then_some((x1 - x0) * (y1 - y0)),
+        crop_reading: None,
     })
 }
 

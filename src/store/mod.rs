@@ -6,6 +6,7 @@
 //! | one writer, group commit | [`committer`] |
 //! | from changes to rows | [`mod@write`], [`keyframe_rows`] |
 //! | from rows to changes, when a map is first asked for | [`load`] |
+//! | what models said, and what it cost | [`model_rows`] |
 //! | reads of one row | [`read`] |
 //! | packed lists in blobs | [`blob`] |
 
@@ -14,6 +15,7 @@ mod committer;
 mod error;
 mod keyframe_rows;
 mod load;
+mod model_rows;
 mod read;
 mod schema;
 mod write;
@@ -28,6 +30,7 @@ use sqlx::sqlite::{
 pub use committer::{CommitStats, Committer, Line};
 pub use error::StoreError;
 pub use load::Loaded;
+pub use model_rows::{Spent, UsageRow};
 pub use read::{DetectionRow, KeyframeRow};
 pub use write::{Batch, Job, MapKey, NewKeyframeRows};
 

@@ -9,8 +9,10 @@ use sqlx::sqlite::SqlitePool;
 
 use super::StoreError;
 
-const MIGRATIONS: &[(i64, &str, &str)] =
-    &[(1, "facts", include_str!("../../migrations/sqlite/0001_facts.sql"))];
+const MIGRATIONS: &[(i64, &str, &str)] = &[
+    (1, "facts", include_str!("../../migrations/sqlite/0001_facts.sql")),
+    (2, "models", include_str!("../../migrations/sqlite/0002_models.sql")),
+];
 
 /// Brings the database to this version's schema; each step is one transaction.
 pub(super) async fn migrate(pool: &SqlitePool) -> Result<(), StoreError> {

@@ -8,6 +8,7 @@ use sqlx::{Sqlite, SqliteConnection};
 use super::StoreError;
 use super::blob::pack;
 use super::keyframe_rows::{add_detections, add_keyframe, pose_blob, set_points};
+use super::model_rows::{self, Spent};
 use crate::model::anchor::Outcome;
 use crate::model::change::{Change, Loop, Merge, MergeCause};
 use crate::model::event::Event;
@@ -90,6 +91,21 @@ pub enum Job {
         /// The answer, as sent.
         body: bytes::Bytes,
     },
+    /// A model's answer is kept by the hash of all that it depends on.
+    KeepAnswer {
+        /// The hash.
+        key: [u8; 32],
+        /// What was asked for.
+        operation: &'static str,
+        /// Who answered.
+        model: Arc<str>,
+        /// The answer, as received.
+        answer: Arc<str>,
+    },
+    /// No map waits for a model any more; those that did have another version now.
+    ForgetAway,
+    /// Calls of models, and what they cost or may cost.
+    Spend(Spent),
 }
 
 /// Does a job, within the transaction of its group.
@@ -111,6 +127,11 @@ pub(super) async fn execute(db: &mut SqliteConnection, job: &Job) -> Result<(), 
             .await?;
             tell(db, *map, events).await
         }
+        Job::KeepAnswer { key, operation, model, answer } => {
+            model_rows::keep_answer(db, key, operation, model, answer).await
+        }
+        Job::ForgetAway => model_rows::forget_away(db).await,
+        Job::Spend(spent) => model_rows::spend(db, spent).await,
         Job::KeepQuery { map, id, kept, body } => keep_query(db, *map, id, *kept, body).await,
     }
 }
@@ -222,6 +243,9 @@ async fn apply(db: &mut SqliteConnection, map: MapKey, change: &Change) -> Resul
         }
         Change::Merged(merge) => add_merge(db, map, merge).await,
         Change::LoopAdded(closed) => add_loop(db, map, closed).await,
+        Change::CropRead(read) => model_rows::add_reading(db, map, read).await,
+        Change::Judged(verdict) => model_rows::add_verdict(db, map, verdict).await,
+        Change::ModelAway(away) => model_rows::set_away(db, map, *away).await,
         Change::LoopRemoved(id) => {
             let merges = "delete from anchor_merges where map_key = $1 and loop_id = $2";
             run(db, sqlx::query(merges).bind(map).bind(id.as_str())).await?;

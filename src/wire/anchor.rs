@@ -37,6 +37,9 @@ pub struct AnchorView {
     pub information_level: u8,
     /// The distinct readings with their votes, heaviest first.
     pub readings: Vec<ReadingView>,
+    /// Two readings by models or people that cannot be of one object, such as "901 is not 910"; left out if there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disagreement: Option<String>,
     /// The keyframes that saw it, in order of arrival.
     pub keyframes: Vec<String>,
     /// Its box in the frame of the oldest session that saw it; left out while its place is unknown.
@@ -217,6 +220,7 @@ impl From<AnchorReport> for AnchorView {
             identifiers: anchor.identifiers,
             information_level: anchor.information_level,
             readings: anchor.readings.into_iter().map(ReadingView::from).collect(),
+            disagreement: anchor.disagreement,
             keyframes: anchor.keyframes.iter().map(ToString::to_string).collect(),
             bounds: frames.first().map(|frame| frame.bounds.clone()),
             center: frames.first().map(|frame| frame.center),

@@ -193,6 +193,22 @@ pub fn anchor() -> Value {
     })
 }
 
+/// How an anchor was described.
+pub fn transcript() -> Value {
+    let step = |question: &str| json!({"speaker": "model:blip-2", "question": question, "answer": "901"});
+    json!({
+        "map_version": 412,
+        "anchor": "a-7",
+        "items": [{
+            "keyframe": "kf-120", "detection": 0, "text": "901", "source": "model:blip-2", "degraded": false,
+            "steps": [
+                step("Which text, number, name or code is written on this door number?"),
+                step("Read the number, name or code on it once more, character by character.")
+            ]
+        }]
+    })
+}
+
 /// Anchors.
 pub fn anchors() -> Value {
     let mut item = anchor();

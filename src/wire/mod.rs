@@ -9,7 +9,7 @@
 //! | [`limits`] | how much one request may bring |
 //! | [`digest`] | what makes two bodies the same |
 //! | [`space`], [`base64`] | vectors, poses, times; bytes inside JSON |
-//! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`anchor`], [`loops`], [`event`] | resources |
+//! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`anchor`], [`transcript`], [`loops`], [`event`] | resources |
 //! | [`loop_query`], [`verdict`], [`geometry`] | "is this keyframe a loop?" and its answer |
 //! | [`semantics`], [`usage`], [`service`] | the three functions of §IV-A.2; what models cost; how the server is |
 //! | [`list`], [`problem`] | parts of lists; refusals |
@@ -36,6 +36,7 @@ pub mod service;
 pub mod settings;
 pub mod space;
 pub mod syntax;
+pub mod transcript;
 pub mod usage;
 pub mod verdict;
 

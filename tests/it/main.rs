@@ -8,6 +8,7 @@ mod bounds;
 mod crash;
 mod geometry;
 mod hotel;
+mod models;
 mod openapi;
 mod paper;
 mod readme;

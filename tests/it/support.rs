@@ -1,18 +1,18 @@
 //! A real server in this process, on a database of its own, and the few words needed to speak to it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use reqwest::header::{CONTENT_TYPE, HeaderMap};
 use reqwest::{Method, RequestBuilder, StatusCode};
 use revisit::http::RunningServer;
-use revisit::service::{Service, ServiceOptions};
+use revisit::service::{ModelChoice, Service, ServiceOptions};
 use serde_json::{Value, json};
 
 /// A server; it stops, and its database goes, when this value goes.
 pub struct Server {
     http: reqwest::Client,
     running: RunningServer,
-    _directory: tempfile::TempDir,
+    _directory: Option<tempfile::TempDir>,
 }
 
 /// What a request was answered.
@@ -35,13 +35,33 @@ impl Server {
         Self::with(Some(file)).await
     }
 
+    /// Starts a server that asks these models.
+    pub async fn with_models(models: ModelChoice) -> Self {
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        let server = Self::on(directory.path(), None, models).await;
+        Self { _directory: Some(directory), ..server }
+    }
+
     async fn with(vocabulary: Option<PathBuf>) -> Self {
         let directory = tempfile::tempdir().expect("a temporary directory");
-        let database = format!("sqlite://{}", directory.path().join("test.db").display());
-        let service = Service::open(ServiceOptions { database, vocabulary }).await.expect("a service");
+        let server = Self::on(directory.path(), vocabulary, ModelChoice::None).await;
+        Self { _directory: Some(directory), ..server }
+    }
+
+    /// Starts a server on a directory that outlives it.
+    pub async fn on(directory: &Path, vocabulary: Option<PathBuf>, models: ModelChoice) -> Self {
+        let database = format!("sqlite://{}", directory.join("test.db").display());
+        let service =
+            Service::open(ServiceOptions { database, vocabulary, models }).await.expect("a service");
         let running = RunningServer::start(service).await.expect("a free port");
+        revisit::config::tls::install();
         let http = reqwest::Client::builder().no_proxy().build().expect("a client");
-        Self { http, running, _directory: directory }
+        Self { http, running, _directory: None }
+    }
+
+    /// Stops it, and waits until everything is on disk.
+    pub async fn stop(self) {
+        self.running.stop().await.expect("it stops");
     }
 
     /// A request to be completed by hand.

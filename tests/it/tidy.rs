@@ -12,6 +12,7 @@ const LAYERS: &[&[&str]] = &[
     &["hotel"],
     &["http", "client"],
     &["service", "wire"],
+    &["models"],
     &["store"],
     &["recognition"],
     &["vocabulary"],

@@ -16,6 +16,7 @@ use crate::wire::anchor::{AnchorPatch, AnchorPatchBody, AnchorView};
 use crate::wire::examples;
 use crate::wire::list::AnchorList;
 use crate::wire::map::MapVersion;
+use crate::wire::transcript::TranscriptList;
 
 /// Search anchors
 ///
@@ -120,6 +121,22 @@ pub async fn get_crop(
     let crop = service.crop(&map, anchor).await?;
     // A client sent it, and browsers shall not find a page in it.
     Ok(([(CONTENT_TYPE, crop.media_type), (X_CONTENT_TYPE_OPTIONS, "nosniff")], crop.bytes).into_response())
+}
+
+/// Read how an anchor was described
+///
+/// The dialogues between a language model and a vision model about its crops, the newest first; none where no model
+/// has read one.
+#[utoipa::path(
+    get, path = "/v1/maps/{map}/anchors/{anchor}/transcript", tag = "anchors", params(AnchorPath),
+    responses((status = 200, description = "The dialogues", body = TranscriptList, example = examples::transcript), OfRead)
+)]
+pub async fn get_transcript(
+    State(service): State<Service>,
+    InAnchor { map, anchor }: InAnchor,
+) -> Result<Json<TranscriptList>, Problem> {
+    let (version, transcripts) = service.transcripts(&map, anchor).await?;
+    Ok(Json(TranscriptList::of(version, anchor, transcripts)))
 }
 
 /// An image file, as bytes.

@@ -14,7 +14,7 @@ mod service;
 mod trigger;
 mod usage;
 
-pub use trigger::TRIGGERS_AT_ONCE;
+pub use trigger::{TRIGGERS_AT_ONCE, ask_about_triggers};
 
 use utoipa::openapi::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
@@ -39,6 +39,7 @@ pub fn api(frame: OpenApi) -> OpenApiRouter<App> {
         .routes(routes!(anchors::list_anchors))
         .routes(routes!(anchors::get_anchor, anchors::patch_anchor, anchors::delete_anchor))
         .routes(routes!(anchors::get_crop))
+        .routes(routes!(anchors::get_transcript))
         .routes(routes!(events::listen))
         .routes(routes!(semantics::similarity))
         .routes(routes!(semantics::information))

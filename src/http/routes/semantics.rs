@@ -1,16 +1,15 @@
 //! Semantics: the judge asked by hand, to see why two texts match or do not.
 
 use axum::Json;
+use axum::extract::State;
 
 use crate::http::body::Body;
 use crate::http::problem::Problem;
 use crate::http::refusals::OfQuestion;
-use crate::semantics::{self, Text};
+use crate::models::judge::Judged;
+use crate::service::Service;
 use crate::wire::examples;
 use crate::wire::semantics::{LevelAnswer, MergeAnswer, OneText, TextPair};
-
-/// Who judges where no model does.
-const BUILT_IN: &str = "lexical";
 
 /// SimilarityLevel of two descriptions
 ///
@@ -20,9 +19,12 @@ const BUILT_IN: &str = "lexical";
     request_body(content = TextPair, example = examples::text_pair),
     responses((status = 200, description = "The level", body = LevelAnswer, example = examples::similarity), OfQuestion)
 )]
-pub async fn similarity(Body(pair): Body<TextPair>) -> Result<Json<LevelAnswer>, Problem> {
-    let judgement = semantics::similarity(&Text::parse(&pair.a), &Text::parse(&pair.b));
-    Ok(Json(level(judgement.level, judgement.source.as_str(), judgement.reason)))
+pub async fn similarity(
+    State(service): State<Service>,
+    Body(pair): Body<TextPair>,
+) -> Result<Json<LevelAnswer>, Problem> {
+    let class = pair.class.as_deref().unwrap_or_default();
+    Ok(Json(level(service.similarity(class, &pair.a, &pair.b).await)))
 }
 
 /// InformationLevel of a description
@@ -33,9 +35,12 @@ pub async fn similarity(Body(pair): Body<TextPair>) -> Result<Json<LevelAnswer>,
     request_body(content = OneText, example = examples::one_text),
     responses((status = 200, description = "The level", body = LevelAnswer, example = examples::information), OfQuestion)
 )]
-pub async fn information(Body(one): Body<OneText>) -> Result<Json<LevelAnswer>, Problem> {
-    let (information, reason) = semantics::information(&Text::parse(&one.text));
-    Ok(Json(level(information, BUILT_IN, reason)))
+pub async fn information(
+    State(service): State<Service>,
+    Body(one): Body<OneText>,
+) -> Result<Json<LevelAnswer>, Problem> {
+    let class = one.class.as_deref().unwrap_or_default();
+    Ok(Json(level(service.information(class, &one.text).await)))
 }
 
 /// MergeText of two descriptions
@@ -46,11 +51,17 @@ pub async fn information(Body(one): Body<OneText>) -> Result<Json<LevelAnswer>, 
     request_body(content = TextPair, example = examples::text_pair),
     responses((status = 200, description = "The description", body = MergeAnswer, example = examples::merged_text), OfQuestion)
 )]
-pub async fn merge_text(Body(pair): Body<TextPair>) -> Result<Json<MergeAnswer>, Problem> {
-    let text = semantics::merge(&pair.a, &pair.b);
-    Ok(Json(MergeAnswer { text, source: BUILT_IN.to_owned(), cached: false, degraded: false }))
+pub async fn merge_text(
+    State(service): State<Service>,
+    Body(pair): Body<TextPair>,
+) -> Result<Json<MergeAnswer>, Problem> {
+    let class = pair.class.as_deref().unwrap_or_default();
+    let merged = service.merge_text(class, &pair.a, &pair.b).await;
+    let (text, source) = (merged.text, merged.source);
+    Ok(Json(MergeAnswer { text, source, cached: merged.cached, degraded: merged.degraded }))
 }
 
-fn level(level: u8, source: &str, reason: String) -> LevelAnswer {
-    LevelAnswer { level, source: source.to_owned(), reason, cached: false, degraded: false }
+fn level(judged: Judged) -> LevelAnswer {
+    let Judged { level, source, reason, cached, degraded } = judged;
+    LevelAnswer { level, source, reason, cached, degraded }
 }

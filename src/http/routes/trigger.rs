@@ -9,6 +9,23 @@ use crate::model::verdict::{Decision, Verify};
 /// At most so many triggered checks wait at once. More are passed over: who wants to know asks.
 pub const TRIGGERS_AT_ONCE: usize = 64;
 
+/// Asks about the keyframes that models have found to see something seen before, until the server stops.
+pub fn ask_about_triggers(app: &App) {
+    let Some(mut triggers) = app.service.take_triggers() else { return };
+    let app = app.clone();
+    tokio::spawn(async move {
+        loop {
+            tokio::select! {
+                () = app.stopping.cancelled() => return,
+                next = triggers.recv() => match next {
+                    Some((map, keyframe)) => trigger_loop_check(&app, &map, &keyframe),
+                    None => return,
+                },
+            }
+        }
+    });
+}
+
 /// Asks in the background, keeps the verdict, and tells those who listen if it is a loop.
 pub fn trigger_loop_check(app: &App, map: &MapId, keyframe: &KeyframeId) {
     let Ok(permit) = app.triggers.clone().try_acquire_owned() else { return };

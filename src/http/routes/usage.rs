@@ -1,18 +1,20 @@
 //! Usage: what models were asked.
 
 use axum::Json;
+use axum::extract::State;
 
 use crate::http::refusals::OfNobody;
+use crate::service::Service;
 use crate::wire::examples;
 use crate::wire::usage::Usage;
 
 /// Read the usage of models
 ///
-/// Calls, tokens and cost since the server started.
+/// Calls, tokens and cost since the database was made, and how today stands against its limits.
 #[utoipa::path(
     get, path = "/v1/usage", tag = "semantics",
     responses((status = 200, description = "The usage", body = Usage, example = examples::usage), OfNobody)
 )]
-pub async fn get_usage() -> Json<Usage> {
-    Json(Usage::without_models())
+pub async fn get_usage(State(service): State<Service>) -> Json<Usage> {
+    Json(service.usage().map_or_else(Usage::without_models, Usage::from))
 }

@@ -4,11 +4,12 @@ use std::collections::BTreeSet;
 
 use super::anchor::Anchor;
 use super::texts::TextIndex;
-use super::{Covisibility, MapIndex};
+use super::{Covisibility, MapIndex, Object};
 use crate::model::anchor::{AnchorState, Observation};
 use crate::model::bow::BowVector;
 use crate::model::change::{Change, Keyframe, Loop, Merge, MergeCause};
 use crate::model::ids::{AnchorSeq, KeyframeSeq, LoopId, SessionSeq};
+use crate::model::judged::{Finding, ModelVerdict};
 use crate::model::map::MapProperties;
 
 /// What a batch of changes has touched.
@@ -96,6 +97,16 @@ impl MapIndex {
                 self.loops.insert(closed.id.clone(), closed.clone());
             }
             Change::LoopRemoved(id) => self.remove_loop(id, touched),
+            Change::CropRead(read) => {
+                if let Some(anchor) = self.anchor_mut(read.anchor)
+                    && let Some(observation) = anchor.observations.get_mut(&(read.keyframe, read.detection))
+                {
+                    observation.crop_reading = Some(read.reading.clone());
+                    touched.stale.insert(read.anchor);
+                }
+            }
+            Change::Judged(verdict) => self.judge(verdict, touched),
+            Change::ModelAway(away) => self.model_away = *away,
         }
     }
 
@@ -117,18 +128,19 @@ impl MapIndex {
             touched.anchors.extend(every.map(|(seq, _)| AnchorSeq(seq as u32)));
         }
         let settings = &self.properties.settings;
-        let (gone, standing) = self.objects.regroup(&touched.anchors, &self.anchors, settings);
+        let (gone, standing) =
+            self.objects.regroup(&touched.anchors, &self.anchors, settings, &self.verdicts);
         for root in gone {
-            self.texts.set(root, "", None);
+            self.texts.set(root, "", None, &self.verdicts);
         }
         for root in standing {
             let Some(object) = self.objects.get(root) else { continue };
             for member in object.members.iter().skip(1) {
-                self.texts.set(*member, "", None);
+                self.texts.set(*member, "", None, &self.verdicts);
             }
             let valid = object.description.as_ref().filter(|_| object.state == AnchorState::Valid);
             let class = self.anchors[root.index()].as_ref().map_or("", |anchor| &anchor.class);
-            self.texts.set(root, class, valid.map(|description| &description.text));
+            self.texts.set(root, class, valid.map(|description| &description.text), &self.verdicts);
         }
     }
 
@@ -140,6 +152,20 @@ impl MapIndex {
         }
         self.texts = TextIndex::new(now.matching_min_similarity_level as u8);
         touched.all = true;
+    }
+
+    /// A verdict about two texts changes whether they match; one about a text, or a merged text, what objects are called.
+    fn judge(&mut self, verdict: &ModelVerdict, touched: &mut Touched) {
+        self.verdicts.add(verdict);
+        if matches!(verdict.finding, Finding::Similarity(_)) {
+            return self.texts.rejudge(&verdict.class, [&*verdict.a, &*verdict.b], &self.verdicts);
+        }
+        let concerned = |object: &Object| match &verdict.finding {
+            Finding::Merge(_) => object.votes.says(&verdict.a) && object.votes.says(&verdict.b),
+            _ => object.description.as_ref().is_some_and(|d| d.text.normalised() == &*verdict.a),
+        };
+        let objects = self.objects.iter().filter(|(_, object)| self.class_of(object) == &*verdict.class);
+        touched.anchors.extend(objects.filter(|(_, object)| concerned(object)).map(|(root, _)| root));
     }
 
     fn rebuild_covisibility(&mut self) {

@@ -10,6 +10,7 @@ mod holders;
 mod objects;
 mod points;
 mod texts;
+mod verdicts;
 mod votes;
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -19,6 +20,7 @@ pub use holders::Holders;
 pub use objects::{Description, Object, Objects};
 pub use points::Points;
 pub use texts::{TextId, TextIndex};
+pub use verdicts::Verdicts;
 pub use votes::Votes;
 
 use super::covisibility::Covisibility;
@@ -36,6 +38,8 @@ pub struct MapIndex {
     anchors: Vec<Option<Anchor>>,
     loops: BTreeMap<LoopId, Loop>,
     vocabulary: Option<Box<str>>,
+    verdicts: Verdicts,
+    model_away: bool,
 
     session_by_id: HashMap<SessionId, SessionSeq>,
     keyframe_by_id: HashMap<KeyframeId, KeyframeSeq>,
@@ -135,6 +139,16 @@ impl MapIndex {
         &self.texts
     }
 
+    /// What a model said of texts.
+    pub fn verdicts(&self) -> &Verdicts {
+        &self.verdicts
+    }
+
+    /// Does the map wait for a model that is away?
+    pub fn model_away(&self) -> bool {
+        self.model_away
+    }
+
     /// The bag-of-words index.
     pub fn inverted_file(&self) -> &InvertedFile {
         &self.inverted_file
@@ -158,7 +172,8 @@ impl MapIndex {
     /// An anchor as if it were no part of a larger object.
     pub fn anchor_alone(&self, seq: AnchorSeq) -> Option<Object> {
         self.anchor(seq)?;
-        Some(Object::of(vec![seq], &self.anchors, &self.properties.settings))
+        let settings = &self.properties.settings;
+        Some(Object::of(vec![seq], &self.anchors, settings, &self.verdicts))
     }
 
     /// An object's class.

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::anchor::{Anchor, Shape};
+use super::verdicts::Verdicts;
 use super::votes::Votes;
 use crate::geometry::Aabb;
 use crate::model::anchor::AnchorState;
@@ -26,6 +27,8 @@ pub struct Description {
     pub by_hand: bool,
     /// Is an identifier in it sure by itself: read alike at least twice, or described by a model or by hand?
     pub sure: bool,
+    /// InformationLevel, 1 to 5, by the built-in judge or by a model.
+    pub information_level: u8,
 }
 
 /// One physical object: the anchors that links join, under the name of the oldest.
@@ -50,7 +53,12 @@ impl Object {
     }
 
     /// Derives the object from its anchors; `members` oldest first, never empty.
-    pub(super) fn of(members: Vec<AnchorSeq>, anchors: &[Option<Anchor>], settings: &Settings) -> Self {
+    pub(super) fn of(
+        members: Vec<AnchorSeq>,
+        anchors: &[Option<Anchor>],
+        settings: &Settings,
+        verdicts: &Verdicts,
+    ) -> Self {
         let mut votes = Votes::default();
         let mut shapes: BTreeMap<SessionSeq, Shape> = BTreeMap::new();
         let mut by_hand = None;
@@ -61,19 +69,24 @@ impl Object {
             }
             by_hand = by_hand.or(anchor.description_by_hand.as_deref());
         }
-        let description = match (by_hand, votes.elected()) {
+        let class = members.first().and_then(|first| anchors[first.index()].as_ref());
+        let class = class.map_or("", |anchor| &anchor.class);
+        let mut description = match (by_hand, votes.elected()) {
             (Some(raw), _) => Some(Description::new(raw, true, true)),
             (None, Some(elected)) => {
-                let sure = elected.described || elected.count >= SURE_READINGS;
-                Some(Description::new(elected.text, false, sure))
+                let agree = elected.count >= settings.agreeing_reads as usize;
+                let sure = (elected.described && agree) || elected.count >= SURE_READINGS;
+                let merged = votes.to_merge().and_then(|(a, b)| verdicts.merged(class, a, b));
+                Some(Description::new(merged.unwrap_or(elected.text), false, sure))
             }
             (None, None) => None,
         };
+        if let Some(description) = &mut description {
+            description.information_level = verdicts.information_level(class, &description.text);
+        }
         let state = match &description {
             None => AnchorState::Pending,
-            Some(d)
-                if u32::from(d.text.information_level()) >= settings.description_min_information_level =>
-            {
+            Some(d) if u32::from(d.information_level) >= settings.description_min_information_level => {
                 AnchorState::Valid
             }
             Some(_) => AnchorState::Uninformative,
@@ -84,7 +97,9 @@ impl Object {
 
 impl Description {
     fn new(raw: &str, by_hand: bool, sure: bool) -> Self {
-        Self { raw: raw.into(), text: Arc::new(Text::parse(raw)), by_hand, sure }
+        let text = Arc::new(Text::parse(raw));
+        let information_level = text.information_level();
+        Self { raw: raw.into(), text, by_hand, sure, information_level }
     }
 }
 
@@ -167,6 +182,7 @@ impl Objects {
         touched: &BTreeSet<AnchorSeq>,
         anchors: &[Option<Anchor>],
         settings: &Settings,
+        verdicts: &Verdicts,
     ) -> (BTreeSet<AnchorSeq>, BTreeSet<AnchorSeq>) {
         let before: BTreeSet<AnchorSeq> = touched.iter().filter_map(|anchor| self.root(*anchor)).collect();
         let mut open: BTreeSet<AnchorSeq> = touched.clone();
@@ -187,7 +203,7 @@ impl Objects {
                 open.remove(member);
                 self.root_of.insert(*member, root);
             }
-            let object = Object::of(members.into_iter().collect(), anchors, settings);
+            let object = Object::of(members.into_iter().collect(), anchors, settings, verdicts);
             self.by_root.insert(root, object);
             after.insert(root);
         }

@@ -8,6 +8,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
+use super::verdicts::Verdicts;
 use crate::model::ids::AnchorSeq;
 use crate::semantics::{self, Source, Text};
 
@@ -39,6 +40,8 @@ pub struct TextIndex {
     free: Vec<TextId>,
     by_text: HashMap<(Box<str>, Box<str>), TextId>,
     by_key: HashMap<u64, Vec<TextId>>,
+    /// By specific word, for what a model may be asked about.
+    by_word: HashMap<Box<str>, BTreeSet<TextId>>,
     text_of: HashMap<AnchorSeq, TextId>,
     judged_pairs: u64,
 }
@@ -50,14 +53,14 @@ impl TextIndex {
     }
 
     /// The object carries this text now, or none that counts.
-    pub fn set(&mut self, object: AnchorSeq, class: &str, text: Option<&Arc<Text>>) {
+    pub fn set(&mut self, object: AnchorSeq, class: &str, text: Option<&Arc<Text>>, verdicts: &Verdicts) {
         let known = text.and_then(|text| self.find(class, text));
         if known.is_some() && self.text_of.get(&object) == known.as_ref() {
             return;
         }
         self.unset(object);
         let Some(text) = text else { return };
-        let id = known.unwrap_or_else(|| self.add(class, text));
+        let id = known.unwrap_or_else(|| self.add(class, text, verdicts));
         self.node_mut(id).objects.insert(object);
         self.text_of.insert(object, id);
     }
@@ -72,9 +75,41 @@ impl TextIndex {
         self.by_text.get(&(class.into(), text.normalised().into())).copied()
     }
 
+    /// The text of this class with this normal form, if some object carries it.
+    pub fn find_normalised(&self, class: &str, normalised: &str) -> Option<TextId> {
+        self.by_text.get(&(class.into(), normalised.into())).copied()
+    }
+
+    /// A text, and the class of those that carry it.
+    pub fn text(&self, id: TextId) -> (&str, &Arc<Text>) {
+        let node = self.node(id);
+        (&node.class, &node.text)
+    }
+
+    /// Every text, in no order that means anything.
+    pub fn iter(&self) -> impl Iterator<Item = TextId> + '_ {
+        self.nodes.iter().enumerate().filter_map(|(id, node)| node.as_ref().map(|_| TextId(id)))
+    }
+
+    /// The texts of a class, unless there are more than `max`.
+    pub fn of_class(&self, class: &str, max: usize) -> Option<BTreeSet<TextId>> {
+        let of_class: BTreeSet<TextId> =
+            self.iter().filter(|id| &*self.node(*id).class == class).take(max + 1).collect();
+        (of_class.len() <= max).then_some(of_class)
+    }
+
+    /// The texts of a class that share a specific word with this one, itself left out; each once, unless the word is
+    /// in more than `widespread` texts and so tells nothing.
+    pub fn sharing_words(&self, id: TextId, widespread: usize) -> BTreeSet<TextId> {
+        let node = self.node(id);
+        let lists = node.text.specific_words().filter_map(|word| self.by_word.get(word));
+        let shared = lists.filter(|list| list.len() <= widespread).flatten().copied();
+        shared.filter(|other| *other != id && self.node(*other).class == node.class).collect()
+    }
+
     /// Do two texts of the map match, and who says so?
     pub fn level(&self, a: TextId, b: TextId) -> Option<(u8, Source)> {
-        if a == b { Some((5, Source::Identical)) } else { self.node(a).matches.get(&b).copied() }
+        if a == b { Some((5, Source::Identical)) } else { self.node(a).matches.get(&b).cloned() }
     }
 
     /// The texts that match this one, itself among them.
@@ -89,7 +124,7 @@ impl TextIndex {
             None => self
                 .candidates(class, text)
                 .into_iter()
-                .filter(|id| self.judge(text, *id).is_some())
+                .filter(|id| self.judge(text, *id, None).is_some())
                 .collect(),
         }
     }
@@ -122,25 +157,55 @@ impl TextIndex {
         sharing.filter(|id| &*self.node(*id).class == class).collect()
     }
 
-    fn judge(&self, text: &Text, id: TextId) -> Option<(u8, Source)> {
-        let verdict = semantics::similarity_level(text, &self.node(id).text);
+    /// The judge's verdict, or the model's where the judge leaves the question open.
+    fn judge(&self, text: &Text, id: TextId, verdicts: Option<&Verdicts>) -> Option<(u8, Source)> {
+        let node = self.node(id);
+        let by_model = verdicts.and_then(|verdicts| verdicts.similarity(&node.class, text, &node.text));
+        let verdict = by_model.unwrap_or_else(|| semantics::similarity_level(text, &node.text));
         (verdict.0 >= self.min_level).then_some(verdict)
     }
 
-    fn add(&mut self, class: &str, text: &Arc<Text>) -> TextId {
-        let candidates = self.candidates(class, text);
+    /// A model has judged two texts: if both are carried, they match now, or no longer.
+    pub(super) fn rejudge(&mut self, class: &str, pair: [&str; 2], verdicts: &Verdicts) {
+        let [Some(a), Some(b)] = pair.map(|text| self.by_text.get(&(class.into(), text.into())).copied())
+        else {
+            return;
+        };
+        if a == b {
+            return;
+        }
+        let text = self.node(a).text.clone();
+        let verdict = self.judge(&text, b, Some(verdicts));
+        for (id, other) in [(a, b), (b, a)] {
+            let matches = &mut self.node_mut(id).matches;
+            match verdict.clone() {
+                Some(verdict) => drop(matches.insert(other, verdict)),
+                None => drop(matches.remove(&other)),
+            }
+        }
+    }
+
+    fn add(&mut self, class: &str, text: &Arc<Text>, verdicts: &Verdicts) -> TextId {
+        let mut candidates = self.candidates(class, text);
+        let judged = verdicts.judged_with(class, text.normalised());
+        candidates.extend(judged.filter_map(|other| self.by_text.get(&(class.into(), other.into()))));
         self.judged_pairs += candidates.len() as u64;
-        let matches: BTreeMap<_, _> =
-            candidates.into_iter().filter_map(|other| Some((other, self.judge(text, other)?))).collect();
+        let matches: BTreeMap<_, _> = candidates
+            .into_iter()
+            .filter_map(|other| Some((other, self.judge(text, other, Some(verdicts))?)))
+            .collect();
         let id = self.free.pop().unwrap_or(TextId(self.nodes.len()));
         if id.0 == self.nodes.len() {
             self.nodes.push(None);
         }
         for (other, verdict) in &matches {
-            self.node_mut(*other).matches.insert(id, *verdict);
+            self.node_mut(*other).matches.insert(id, verdict.clone());
         }
         for key in text.keys() {
             self.by_key.entry(*key).or_default().push(id);
+        }
+        for word in text.specific_words() {
+            self.by_word.entry(word.into()).or_default().insert(id);
         }
         self.by_text.insert((class.into(), text.normalised().into()), id);
         self.nodes[id.0] =
@@ -168,6 +233,14 @@ impl TextIndex {
                 }
             }
         }
+        for word in node.text.specific_words() {
+            if let Some(set) = self.by_word.get_mut(word) {
+                set.remove(&id);
+                if set.is_empty() {
+                    self.by_word.remove(word);
+                }
+            }
+        }
         self.by_text.remove(&(node.class, node.text.normalised().into()));
         self.free.push(id);
     }
@@ -179,7 +252,7 @@ impl TextIndex {
             .iter()
             .flatten()
             .map(|node| {
-                let matches = node.matches.iter().map(|(id, verdict)| (named(id), *verdict)).collect();
+                let matches = node.matches.iter().map(|(id, verdict)| (named(id), verdict.clone())).collect();
                 ((&*node.class, node.text.normalised()), (&node.objects, matches))
             })
             .collect()

@@ -51,15 +51,23 @@ pub struct Elected<'a> {
 impl Votes {
     /// Counts one observation's reading, if it has one.
     pub fn add(&mut self, observation: &Observation) {
-        let Some(reading) = &observation.reading else { return };
+        if let Some(reading) = &observation.reading {
+            self.add_reading(observation, reading, observation.described);
+        }
+        if let Some(read) = &observation.crop_reading {
+            self.add_reading(observation, &read.text, read.described && !read.degraded);
+        }
+    }
+
+    fn add_reading(&mut self, observation: &Observation, reading: &str, described: bool) {
         let text = Text::parse(reading);
         let vote = Tally {
             informative: text.information_level() > 1,
-            described: observation.described,
+            described,
             units: (observation.confidence * UNITS_PER_CONFIDENCE).round() as u64,
             count: 1,
             newest: (observation.keyframe, observation.detection),
-            text: reading.clone(),
+            text: reading.into(),
         };
         self.count(text.normalised().into(), vote);
     }
@@ -89,6 +97,45 @@ impl Votes {
     pub fn elected(&self) -> Option<Elected<'_>> {
         let best = self.tallies.values().max_by_key(|tally| tally.rank())?;
         Some(Elected { text: &best.text, count: best.count, described: best.described })
+    }
+
+    /// Is this, in normal form, one of the readings?
+    pub fn says(&self, normalised: &str) -> bool {
+        self.tallies.contains_key(normalised)
+    }
+
+    /// A reading in normal form as it was last read.
+    pub fn as_read(&self, normalised: &str) -> Option<&str> {
+        Some(&self.tallies.get(normalised)?.text)
+    }
+
+    /// The described readings that say anything, heaviest first, in normal form, each with how often it was read.
+    pub fn described(&self) -> impl Iterator<Item = (&str, usize)> {
+        let mut told: Vec<(&Box<str>, &Tally)> =
+            self.tallies.iter().filter(|(_, tally)| tally.described && tally.informative).collect();
+        told.sort_by_key(|(_, tally)| std::cmp::Reverse(tally.rank()));
+        told.into_iter().map(|(normalised, tally)| (&**normalised, tally.count))
+    }
+
+    /// The two readings that one description is to be made of: the two heaviest, if models or people said them and
+    /// the heaviest of all is one of them. Both in normal form.
+    pub fn to_merge(&self) -> Option<(&str, &str)> {
+        let best = self.tallies.values().max_by_key(|tally| tally.rank())?;
+        if self.tallies.len() < 2 || !best.described || !best.informative {
+            return None;
+        }
+        let mut told = self.described().map(|(normalised, _)| normalised);
+        Some((told.next()?, told.next()?))
+    }
+
+    /// Two described readings that cannot be of one object: "901 is not 910".
+    pub fn disagreement(&self) -> Option<String> {
+        let told: Vec<Text> = self.described().map(|(normalised, _)| Text::parse(normalised)).collect();
+        let first = told.first()?;
+        told[1..].iter().find_map(|other| {
+            let conflict = crate::semantics::conflict(first, other)?;
+            Some(format!("{} is not {}", conflict.a.as_str(), conflict.b.as_str()))
+        })
     }
 
     /// Every reading, heaviest first.

@@ -5,7 +5,7 @@
 
 mod audit;
 mod quiet;
-mod server;
+pub mod server;
 mod writer;
 
 use std::time::Duration;

@@ -11,7 +11,7 @@ use serde_json::Value;
 /// How a server says where it is, on the first line of standard output.
 const ANNOUNCEMENT: &str = "listening on ";
 
-pub(super) struct Server {
+pub struct Server {
     child: Child,
     api: Api,
     /// Held open: a server whose standard output is closed is another test.
@@ -20,14 +20,14 @@ pub(super) struct Server {
 
 /// How to ask a server, alive or not.
 #[derive(Clone)]
-pub(super) struct Api {
+pub struct Api {
     url: String,
     http: reqwest::Client,
 }
 
 /// What a request was answered.
 #[derive(Debug)]
-pub(super) struct Answer {
+pub struct Answer {
     pub status: u16,
     /// The answer says that the same was written before.
     pub replayed: bool,
@@ -37,14 +37,28 @@ pub(super) struct Answer {
 impl Server {
     /// Starts the server and waits until it says that it listens.
     pub fn start(database: &Path) -> Self {
+        Self::start_with(database, &[])
+    }
+
+    /// The same with more flags.
+    pub fn start_with(database: &Path, more: &[&str]) -> Self {
+        Self::start_on_path(database, more, None)
+    }
+
+    /// The same, finding its programs here.
+    pub fn start_on_path(database: &Path, more: &[&str], path: Option<&str>) -> Self {
         let log = log_beside(database);
         let mut command = Command::new(env!("CARGO_BIN_EXE_revisit"));
         for (name, _) in std::env::vars().filter(|(name, _)| name.starts_with("REVISIT_")) {
             command.env_remove(name);
         }
+        if let Some(path) = path {
+            command.env("PATH", path);
+        }
         let mut child = command
             .args(["serve", "--listen", "127.0.0.1:0", "--database"])
             .arg(format!("sqlite://{}", database.display()))
+            .args(more)
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(File::create(&log).expect("a log file"))
@@ -58,6 +72,7 @@ impl Server {
             let log = std::fs::read_to_string(&log).unwrap_or_default();
             panic!("the server said {line:?} instead of its address\n{log}");
         };
+        revisit::config::tls::install();
         let http = reqwest::Client::builder().no_proxy().build();
         Self { api: Api { url: url.to_owned(), http: http.expect("a client") }, child, _stdout: stdout }
     }

@@ -136,6 +136,7 @@ async fn everything(http: &reqwest::Client, server: &RunningServer) -> Vec<(Stri
 async fn a_second_server_on_the_same_database_gives_the_same_bytes() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let database = directory.path().join("restart.db");
+    revisit::config::tls::install();
     let http = reqwest::Client::builder().no_proxy().build().expect("a client");
 
     let server = open(&database).await;

@@ -1,0 +1,236 @@
+//! World: 400 anchors of three kinds, and a model that says 5 to everything.
+//!
+//! Drift has put every two objects at one place: an anchor founded on one passage stands where another was founded on
+//! an earlier one, and a third keyframe sees both neighbourhoods. Whatever matches there is merged at once.
+
+use std::collections::BTreeSet;
+use std::sync::{Arc, Mutex};
+
+use revisit::config::models::ModelArgs;
+use revisit::geometry::{Point3, Pose};
+use revisit::model::bow::BowVector;
+use revisit::model::change::Change;
+use revisit::model::ids::AnchorSeq;
+use revisit::model::judged::{Finding, ModelVerdict};
+use revisit::model::keyframe::{Detection, NewKeyframe, Stamp};
+use revisit::models::Models;
+use revisit::models::adapters::Scripted;
+use revisit::models::port::{Model, Question};
+use revisit::recognition::index::MapIndex;
+use revisit::recognition::ingest::ingest;
+use revisit::recognition::lacking::{Abilities, Lack, Settled, lacking};
+use revisit::recognition::learning::learn_verdict;
+use revisit::semantics;
+use revisit::store::Store;
+
+/// Anchors of the world.
+pub const ANCHORS: usize = 400;
+
+const LOOKS: [&str; 10] =
+    ["small", "large", "dark", "bright", "faded", "gilded", "modern", "antique", "framed", "blurry"];
+const MOTIFS: [&str; 20] = [
+    "sailing boat",
+    "lighthouse",
+    "castle",
+    "orchard",
+    "violin",
+    "falcon",
+    "glacier",
+    "harbour",
+    "meadow",
+    "dancer",
+    "horse",
+    "windmill",
+    "bridge",
+    "sunflower",
+    "fisherman",
+    "waterfall",
+    "cathedral",
+    "rabbit",
+    "market",
+    "volcano",
+];
+const AROUND: [&str; 7] =
+    ["at dawn", "in a storm", "under clouds", "by moonlight", "in autumn", "near a river", "in snow"];
+
+/// What came of the world.
+#[derive(Debug)]
+pub struct Outcome {
+    /// Anchors founded.
+    pub founded: usize,
+    /// Objects left.
+    pub objects: usize,
+    /// Distinct pairs that the model was asked about.
+    pub pairs_asked: usize,
+    /// All calls.
+    pub calls: usize,
+    /// Objects whose readings have identifiers that exclude each other.
+    pub wrongly_merged: usize,
+    /// Pairs of anchors with identifiers that exclude each other and that match all the same.
+    pub wrongly_matched: usize,
+}
+
+impl Outcome {
+    /// Pairs without any thought: each anchor with each.
+    pub fn naive_pairs(&self) -> usize {
+        self.founded * (self.founded - 1) / 2
+    }
+
+    /// How many of them reach the model, in percent.
+    pub fn asked_percent(&self) -> f64 {
+        100.0 * self.pairs_asked as f64 / self.naive_pairs() as f64
+    }
+}
+
+/// The pairs asked about, and all calls.
+type Journal = (BTreeSet<(String, String)>, usize);
+
+fn object(number: usize) -> (&'static str, String) {
+    match number / 2 % 3 {
+        0 => ("door_number", format!("{} {}", ["Room", "door", "Zimmer"][number % 3], 100 + number)),
+        1 => {
+            let (row, shelf) = ((b'A' + (number % 20) as u8) as char, number);
+            ("shelf", format!("shelf {row}-{shelf} with {} boxes", ["red", "blue", "brown"][number % 3]))
+        }
+        _ => {
+            let (look, around) = (LOOKS[number % 10], AROUND[number / 3 % 7]);
+            ("painting", format!("a {look} painting of a {} {around}", MOTIFS[number * 7 / 2 % 20]))
+        }
+    }
+}
+
+fn keyframe(name: String, x: f64, seen: usize, at: [f64; 3], covisible: &[String]) -> NewKeyframe {
+    let (class, text) = object(seen);
+    NewKeyframe {
+        id: name.parse().expect("an id"),
+        session: "default".parse().expect("an id"),
+        stamp: Stamp { sec: 0, nanosec: 0 },
+        map_from_camera: Pose::new([x, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).expect("a pose"),
+        camera: None,
+        bow: BowVector::default(),
+        vocabulary: None,
+        features: None,
+        map_points: Vec::new(),
+        observes: Vec::new(),
+        covisible: covisible.iter().map(|name| (name.parse().expect("an id"), 50)).collect(),
+        detections: vec![Detection {
+            class: class.to_owned(),
+            confidence: 0.9,
+            box_px: [0.0, 0.0, 40.0, 40.0],
+            map_points: Vec::new(),
+            position_in_session: Some(Point3::new(at[0], at[1], at[2])),
+            text: None,
+            description: Some(text),
+            crop: None,
+        }],
+    }
+}
+
+fn world() -> MapIndex {
+    let mut index = MapIndex::default();
+    index.apply(&[Change::MapSet(Box::default())]);
+    for place in 0..ANCHORS / 2 {
+        let x = place as f64 * 10.0;
+        let (first, second) = (format!("a-{place}"), format!("b-{place}"));
+        let both = [first.clone(), second.clone()];
+        ingest(&mut index, &keyframe(first, x, 2 * place, [x, 0.0, 2.0], &[]));
+        ingest(&mut index, &keyframe(second, x, 2 * place + 1, [x + 0.2, 0.0, 2.0], &[]));
+        ingest(&mut index, &keyframe(format!("c-{place}"), x, 2 * place, [x, 0.0, 2.0], &both));
+    }
+    index
+}
+
+/// Builds the world and lets the model say its word about everything that is open.
+pub async fn play() -> Outcome {
+    let mut index = world();
+    let founded = index.next_anchor().0 as usize;
+    let asked: Arc<Mutex<Journal>> = Arc::default();
+    let journal = asked.clone();
+    let generous = Scripted::new("generous", move |question| {
+        let mut journal = journal.lock().expect("a journal");
+        journal.1 += 1;
+        if let Question::Similarity { a, b, .. } = question {
+            journal.0.insert((a.min(b).clone(), a.max(b).clone()));
+        }
+        Ok(match question {
+            Question::Merge { a, b, .. } => serde_json::json!({"text": format!("{a}, {b}")}).to_string(),
+            _ => r#"{"level": 5}"#.to_owned(),
+        })
+    });
+    let directory = tempfile::tempdir().expect("a directory");
+    let store =
+        Store::open(&format!("sqlite://{}/world.db", directory.path().display())).await.expect("a store");
+    let none: [&str; 0] = [];
+    let args = ModelArgs::of(&none).expect("defaults");
+    let model: Arc<dyn Model> = Arc::new(generous);
+    let models = Models::with([Some(model), None], None, &args, &store).await.expect("models");
+    let abilities = Abilities { reads: false, judges: true };
+    let mut settled = Settled::new();
+    loop {
+        let open = lacking(&index, abilities, &mut settled, 256, |_| false);
+        if open.is_empty() {
+            break;
+        }
+        for lack in open {
+            if let Some(verdict) = judge(&models, lack).await {
+                learn_verdict(&mut index, verdict);
+            }
+        }
+    }
+    let (pairs_asked, calls) = {
+        let journal = asked.lock().expect("a journal");
+        (journal.0.len(), journal.1)
+    };
+    store.close().await;
+    let wrongly_merged =
+        index.objects().iter().filter(|(_, object)| object.votes.disagreement().is_some()).count();
+    Outcome {
+        founded,
+        objects: index.objects().len(),
+        pairs_asked,
+        calls,
+        wrongly_merged,
+        wrongly_matched: wrongly_matched(&index),
+    }
+}
+
+async fn judge(models: &Models, lack: Lack) -> Option<ModelVerdict> {
+    let verdict =
+        |class, a, b, finding, source: String| ModelVerdict { class, a, b, finding, source: source.into() };
+    Some(match lack {
+        Lack::Reading { .. } => return None,
+        Lack::Information { class, text } => {
+            let judged = models.judge.information(&class, &text, None).await;
+            verdict(class, text, "".into(), Finding::Information(judged.level), judged.source)
+        }
+        Lack::Similarity { class, a, b } => {
+            let judged = models.judge.similarity(&class, &a, &b, None).await;
+            verdict(class, a, b, Finding::Similarity(judged.level), judged.source)
+        }
+        Lack::Merge { class, a, b, as_read: [first, second] } => {
+            let merged = models.judge.merge(&class, &first, &second, None).await;
+            verdict(class, a, b, Finding::Merge(merged.text.into()), merged.source)
+        }
+    })
+}
+
+fn wrongly_matched(index: &MapIndex) -> usize {
+    let texts = index.texts();
+    let ids: Vec<_> = texts.iter().collect();
+    let mut wrong = 0;
+    for (n, a) in ids.iter().enumerate() {
+        for b in &ids[n + 1..] {
+            let excluded = semantics::conflict(texts.text(*a).1, texts.text(*b).1).is_some();
+            wrong += usize::from(excluded && texts.level(*a, *b).is_some());
+        }
+    }
+    wrong
+}
+
+/// Is there an anchor at all? Keeps the generator honest.
+pub fn kinds() -> BTreeSet<String> {
+    let index = world();
+    (0..index.next_anchor().0)
+        .filter_map(|seq| Some(index.anchor(AnchorSeq(seq))?.class.to_string()))
+        .collect()
+}

@@ -1,0 +1,83 @@
+//! What models said of a map's anchors: facts, fetched beforehand and kept.
+
+use std::sync::Arc;
+
+use super::ids::{AnchorSeq, KeyframeSeq};
+
+/// What a model, or a reader of characters, made of one detection's crop.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CropReading {
+    /// The description; empty if nothing could be made of the crop.
+    pub text: Box<str>,
+    /// `model:<name>`, or the reader's name.
+    pub source: Arc<str>,
+    /// Did a model describe it, rather than a reader of characters?
+    pub described: bool,
+    /// Did a reader stand in because the model was away? It is read again then.
+    pub degraded: bool,
+}
+
+/// One question and its answer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TranscriptStep {
+    /// Who answered: `model:<name>`, or the reader's name.
+    pub speaker: Arc<str>,
+    /// What was asked.
+    pub question: String,
+    /// What was answered.
+    pub answer: String,
+}
+
+/// A crop was read: the reading and the dialogue that led to it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CropRead {
+    /// The anchor that the detection feeds.
+    pub anchor: AnchorSeq,
+    /// The keyframe.
+    pub keyframe: KeyframeSeq,
+    /// The detection.
+    pub detection: u16,
+    /// What was made of the crop.
+    pub reading: CropReading,
+    /// How; the index does not keep it.
+    pub transcript: Vec<TranscriptStep>,
+}
+
+/// A reading with its dialogue, for a reader.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Transcript {
+    /// The keyframe's name.
+    pub keyframe: String,
+    /// Which of its detections.
+    pub detection: u16,
+    /// What came of it.
+    pub reading: CropReading,
+    /// The steps, in their order.
+    pub steps: Vec<TranscriptStep>,
+}
+
+/// What a model found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Finding {
+    /// SimilarityLevel of two texts, 1 to 5.
+    Similarity(u8),
+    /// InformationLevel of one text, 1 to 5.
+    Information(u8),
+    /// MergeText of two texts.
+    Merge(Box<str>),
+}
+
+/// A model's verdict about texts of one class, in normal form.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ModelVerdict {
+    /// The class of the objects that carry the texts.
+    pub class: Box<str>,
+    /// The only text, or the smaller of the two.
+    pub a: Box<str>,
+    /// The larger of the two; empty for one text.
+    pub b: Box<str>,
+    /// What was found.
+    pub finding: Finding,
+    /// `model:<name>`, or who stood in for good (a merge that the model could not do).
+    pub source: Arc<str>,
+}

@@ -1,0 +1,75 @@
+//! Answers that were paid for: in memory over SQLite, found again by all that they depend on, and by nothing less.
+
+use std::future::Future;
+use std::sync::Arc;
+
+use moka::future::Cache;
+use sha2::{Digest as _, Sha256};
+
+use super::port::{Fault, Model, Question};
+use super::prompts::{self, prompt};
+use crate::store::{Job, Store};
+
+/// Answers kept in memory.
+const IN_MEMORY: u64 = 10_000;
+
+/// The hash of all that an answer depends on.
+pub type Key = [u8; 32];
+
+/// Answers by key. Equal questions at one time share one call; errors are not kept.
+#[derive(Clone, Debug)]
+pub struct AnswerCache {
+    memory: Cache<Key, Arc<str>>,
+    store: Store,
+}
+
+impl AnswerCache {
+    /// A cache over this database.
+    pub fn new(store: Store) -> Self {
+        Self { memory: Cache::new(IN_MEMORY), store }
+    }
+
+    /// The answer, from memory, from disk, or by asking. What was asked for is on disk before it is returned.
+    pub async fn get_or_ask(
+        &self,
+        key: Key,
+        operation: &'static str,
+        model: Arc<str>,
+        ask: impl Future<Output = Result<String, Fault>>,
+    ) -> Result<Arc<str>, Fault> {
+        let find = async {
+            let kept = self.store.answer(&key).await.map_err(|error| Fault::Store(error.to_string()))?;
+            if let Some(answer) = kept {
+                return Ok(answer.into());
+            }
+            let answer: Arc<str> = ask.await?.into();
+            let job = Job::KeepAnswer { key, operation, model, answer: answer.clone() };
+            let kept = self.store.committer().commit(job).await;
+            kept.map_err(|error| Fault::Store(error.to_string()))?;
+            Ok(answer)
+        };
+        self.memory.try_get_with(key, find).await.map_err(|fault: Arc<Fault>| (*fault).clone())
+    }
+}
+
+/// The key of a question to a model: the operation, the model with its address and parameters, the wording of the
+/// prompts, the texts in the order they are sent in, and the image.
+pub fn key(model: &dyn Model, question: &Question) -> Key {
+    let asked = prompt(question);
+    let mut hash = Sha256::new();
+    for part in [
+        question.operation().as_str(),
+        &model.identity(),
+        &prompts::VERSION.to_string(),
+        &asked.rules,
+        &asked.data,
+        &asked.schema.map(|(_, schema)| schema.to_string()).unwrap_or_default(),
+    ] {
+        hash.update((part.len() as u64).to_le_bytes());
+        hash.update(part);
+    }
+    if let Question::Look { picture, .. } = question {
+        hash.update(picture.hash);
+    }
+    hash.finalize().into()
+}

@@ -1,0 +1,246 @@
+//! Asking a model: cache, breaker, budget, retries, in this order. A question that nobody waits for any more is
+//! finished all the same, for it is paid.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::time::Duration;
+
+use backon::{ExponentialBuilder, Retryable as _};
+use tokio::sync::Semaphore;
+
+use super::breaker::Breaker;
+use super::budget::{Budget, Prices};
+use super::cache::{AnswerCache, key};
+use super::parse;
+use super::picture::Picture;
+use super::port::{Fault, Model, Question, Reply};
+use super::prompts::prompt;
+
+/// English text has about four characters a token; three are cautious.
+const CHARS_PER_TOKEN: usize = 3;
+
+/// What an image is taken for before the model says how many tokens it was.
+const TOKENS_PER_IMAGE: u64 = 1500;
+
+/// A server that asks for a longer pause is away: nobody waits for it.
+const PAUSE_MAX: Duration = Duration::from_secs(30);
+
+/// An unusable answer is asked for once more; the third would hardly differ.
+const UNUSABLE_ANSWERS_MAX: u32 = 2;
+
+/// How a call is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Policy {
+    /// How long an answer about texts may take.
+    pub text_timeout: Duration,
+    /// How long an answer about an image may take.
+    pub vision_timeout: Duration,
+    /// How often a call that failed in passing is tried again.
+    pub retries: usize,
+    /// The first pause before that; it doubles.
+    pub retry_delay: Duration,
+    /// The most tokens of an answer, for the reservation.
+    pub max_tokens: u32,
+    /// What tokens cost.
+    pub prices: Prices,
+}
+
+/// What all models share.
+#[derive(Debug)]
+pub struct Shared {
+    /// Answers that were paid for.
+    pub cache: AnswerCache,
+    /// The books.
+    pub budget: Budget,
+    /// Calls at once.
+    pub calls: Semaphore,
+    /// Questions that no call could answer, since the start.
+    pub failures: AtomicU64,
+}
+
+/// The way to one model; clones share everything.
+#[derive(Clone, Debug)]
+pub struct Gateway {
+    model: Arc<dyn Model>,
+    name: Arc<str>,
+    breaker: Arc<Breaker>,
+    policy: Policy,
+    shared: Arc<Shared>,
+}
+
+/// An answer, and whether it was there already.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Answered {
+    /// The answer, as the model wrote it; it has passed [`parse::check`].
+    pub content: Arc<str>,
+    /// Was it answered without a call of its own?
+    pub cached: bool,
+}
+
+impl Gateway {
+    /// The way to a model.
+    pub fn new(model: Arc<dyn Model>, breaker: Breaker, policy: Policy, shared: Arc<Shared>) -> Self {
+        let name = model.name().into();
+        Self { model, name, breaker: Arc::new(breaker), policy, shared }
+    }
+
+    /// `model:<name>`.
+    pub fn source(&self) -> Arc<str> {
+        format!("model:{}", self.name).into()
+    }
+
+    /// Can this model answer such questions?
+    pub fn can(&self, question: &Question) -> bool {
+        self.model.can(question)
+    }
+
+    /// Can this model look at images?
+    pub fn sees(&self) -> bool {
+        let picture = Picture { png: Vec::new(), hash: [0; 32], width: 0, height: 0 };
+        self.model.can(&Question::Look {
+            picture: Arc::new(picture),
+            question: String::new(),
+            history: Vec::new(),
+            hint: None,
+        })
+    }
+
+    /// What is known of the model's being there.
+    pub fn breaker(&self) -> &Breaker {
+        &self.breaker
+    }
+
+    /// Answers a question. Equal questions at one time make one call.
+    pub async fn ask(&self, question: Question) -> Result<Answered, Fault> {
+        let gateway = self.clone();
+        // A task of its own: who waits may go away (and with it the cache's place for the answer), the call goes on.
+        let asked = tokio::spawn(async move { gateway.find(question).await });
+        asked.await.unwrap_or_else(|_| Err(Fault::Unreachable("the call broke off".to_owned())))
+    }
+
+    async fn find(&self, question: Question) -> Result<Answered, Fault> {
+        let called = AtomicBool::new(false);
+        let ask = async {
+            called.store(true, Ordering::Relaxed);
+            self.call(&question).await.map(|reply| reply.content)
+        };
+        let (key, operation) = (key(&*self.model, &question), question.operation());
+        let found = self.shared.cache.get_or_ask(key, operation.as_str(), self.name.clone(), ask).await;
+        let cached = !called.load(Ordering::Relaxed);
+        match found {
+            Ok(content) => {
+                if cached {
+                    self.shared.budget.hit(operation, &self.name);
+                }
+                Ok(Answered { content, cached })
+            }
+            Err(fault) => {
+                if !cached {
+                    self.shared.failures.fetch_add(1, Ordering::Relaxed);
+                    tracing::warn!(model = &*self.name, operation = operation.as_str(), %fault, "no answer");
+                }
+                Err(fault)
+            }
+        }
+    }
+
+    /// Calls the model, again if it failed in passing, and tells the breaker how it went.
+    async fn call(&self, question: &Question) -> Result<Reply, Fault> {
+        if !self.model.can(question) {
+            return Err(Fault::Unable);
+        }
+        let _slot = self.shared.calls.acquire().await.map_err(|_| Fault::Away)?;
+        let admission = self.breaker.admit()?;
+        let unusable = AtomicU32::new(0);
+        let pauses = ExponentialBuilder::default()
+            .with_jitter()
+            .with_min_delay(self.policy.retry_delay)
+            .with_max_delay(PAUSE_MAX)
+            .with_max_times(self.policy.retries);
+        let answered = (|| self.attempt(question))
+            .retry(pauses)
+            .when(Fault::is_passing)
+            .adjust(|fault, pause| {
+                let garbled = matches!(fault, Fault::Garbled(_));
+                let seen = unusable.fetch_add(u32::from(garbled), Ordering::Relaxed) + u32::from(garbled);
+                pause_after(fault, pause, seen)
+            })
+            .await;
+        match &answered {
+            Ok(_) => admission.succeeded(),
+            // The budget says nothing about the model.
+            Err(Fault::Spent | Fault::Store(_)) => drop(admission),
+            Err(_) => admission.failed(),
+        }
+        answered
+    }
+
+    /// One call: entered in the books, made, settled, checked.
+    async fn attempt(&self, question: &Question) -> Result<Reply, Fault> {
+        let budget = &self.shared.budget;
+        let (input_max, output_max) = (tokens_sent(question), u64::from(self.policy.max_tokens));
+        let most = self.policy.prices.microusd(input_max, output_max);
+        let reservation = budget.reserve(question.operation(), &self.name, most).await?;
+        let limit = if question.needs_eyes() { self.policy.vision_timeout } else { self.policy.text_timeout };
+        let answered = match tokio::time::timeout(limit, self.model.answer(question)).await {
+            Ok(answered) => answered,
+            Err(_) => Err(Fault::TimedOut(limit)),
+        };
+        match &answered {
+            Ok(reply) => {
+                let input = reply.input_tokens.unwrap_or(input_max);
+                let output =
+                    reply.output_tokens.unwrap_or((reply.content.len() / CHARS_PER_TOKEN) as u64 + 1);
+                budget.settle(reservation, input, output, self.policy.prices.microusd(input, output));
+            }
+            // It may have been answered and charged: what was reserved stays.
+            Err(Fault::TimedOut(_) | Fault::Garbled(_)) => budget.settle(reservation, 0, 0, most),
+            Err(_) => budget.settle(reservation, 0, 0, 0),
+        }
+        let reply = answered?;
+        parse::check(question, &reply.content)?;
+        Ok(reply)
+    }
+}
+
+/// How long to wait before a call is made again: as long as the server asks for, if that is longer; `None` if it is not
+/// to be made again.
+fn pause_after(fault: &Fault, pause: Option<Duration>, unusable_answers: u32) -> Option<Duration> {
+    match fault {
+        Fault::Limited { retry_after: Some(asked) } => {
+            pause.filter(|_| *asked <= PAUSE_MAX).map(|pause| pause.max(*asked))
+        }
+        Fault::Garbled(_) => pause.filter(|_| unusable_answers < UNUSABLE_ANSWERS_MAX),
+        _ => pause,
+    }
+}
+
+fn tokens_sent(question: &Question) -> u64 {
+    let asked = prompt(question);
+    let image = if question.needs_eyes() { TOKENS_PER_IMAGE } else { 0 };
+    ((asked.rules.len() + asked.data.len()) / CHARS_PER_TOKEN) as u64 + image
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_server_is_given_the_pause_it_asks_for_unless_it_asks_for_too_much() {
+        let seconds = Duration::from_secs;
+        let limited = |asked: Option<u64>| Fault::Limited { retry_after: asked.map(seconds) };
+        let half = Some(Duration::from_millis(500));
+        for (fault, unusable, expected) in [
+            (limited(Some(7)), 0, Some(seconds(7))),
+            (limited(Some(0)), 0, half),
+            (limited(None), 0, half),
+            (limited(Some(3600)), 0, None),
+            (Fault::Failing(500), 0, half),
+            (Fault::Garbled("prose"), 1, half),
+            (Fault::Garbled("prose"), 2, None),
+        ] {
+            assert_eq!(pause_after(&fault, half, unusable), expected, "{fault}");
+        }
+        assert_eq!(pause_after(&limited(Some(7)), None, 0), None, "no more tries");
+    }
+}

@@ -1,0 +1,33 @@
+//! Models: the one port to language and vision models, its adapters, and all that keeps them affordable and harmless.
+//!
+//! | concept | file |
+//! |---|---|
+//! | the port: a question, an answer, what can go wrong | [`port`] |
+//! | the adapters: OpenAI, VQA, scripted, built-in | [`adapters`] |
+//! | what is asked, word by word | [`prompts`] |
+//! | what an answer must look like | [`parse`] |
+//! | an image as it is sent | [`picture`] |
+//! | asking: cache, budget, breaker, retries, in this order | [`gateway`] |
+//! | answers that were paid for | [`cache`] |
+//! | the daily budget and the usage | [`budget`] |
+//! | a model that is away is left alone | [`breaker`] |
+//! | InformationLevel, SimilarityLevel, MergeText of §IV-A.2 | [`judge`] |
+//! | the dialogue of §IV-A.1 | [`dialogue`] |
+//! | a reader of characters on this machine | [`tesseract`] |
+//! | all of it, as the operator configured it | [`setup`] |
+
+pub mod adapters;
+pub mod breaker;
+pub mod budget;
+pub mod cache;
+pub mod dialogue;
+pub mod gateway;
+pub mod judge;
+pub mod parse;
+pub mod picture;
+pub mod port;
+pub mod prompts;
+pub mod setup;
+pub mod tesseract;
+
+pub use setup::{Models, SetupError};

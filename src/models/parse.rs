@@ -1,0 +1,131 @@
+//! What an answer must look like. Strict: an answer in another form is none, and the built-in judge stands in.
+
+use serde_json::Value;
+
+use super::port::{Fault, Question};
+use crate::semantics;
+
+/// A description longer than this is no description.
+const TEXT_CHARS_MAX: usize = 2000;
+
+/// A question longer than this is none.
+const QUESTION_CHARS_MAX: usize = 300;
+
+/// Checks that an answer can be used; whatever fails here is neither kept nor believed.
+pub fn check(question: &Question, content: &str) -> Result<(), Fault> {
+    match question {
+        Question::Similarity { .. } | Question::Information { .. } => level(content).map(drop),
+        Question::Merge { .. } | Question::Summary { .. } => text(content).map(drop),
+        Question::NextQuestion { .. } => next_question(content).map(drop),
+        Question::Look { .. } => look(content).map(drop),
+    }
+}
+
+/// A level with its reason: `{"level": 1..5}`, or the number alone. Never a digit out of a sentence.
+pub fn level(content: &str) -> Result<(u8, Option<String>), Fault> {
+    let value: Value =
+        serde_json::from_str(thought_through(content)).map_err(|_| Fault::Garbled("no JSON"))?;
+    let found = match &value {
+        Value::Object(members) => members.get("level").ok_or(Fault::Garbled("no level"))?,
+        other => other,
+    };
+    let level = match found {
+        Value::Number(number) => number.as_u64(),
+        Value::String(text) if text.len() == 1 => text.parse().ok(),
+        _ => None,
+    };
+    let level =
+        level.filter(|level| (1..=5).contains(level)).ok_or(Fault::Garbled("no level from 1 to 5"))?;
+    let reason = value.get("reason").and_then(Value::as_str).map(shown);
+    Ok((level as u8, reason.filter(|reason| !reason.is_empty())))
+}
+
+/// A text: `{"text": "..."}`, or plain words.
+pub fn text(content: &str) -> Result<String, Fault> {
+    let content = thought_through(content);
+    let text = if content.starts_with(['{', '[', '`']) {
+        let value: Value = serde_json::from_str(content).map_err(|_| Fault::Garbled("no JSON"))?;
+        let text = value.get("text").and_then(Value::as_str);
+        text.ok_or(Fault::Garbled("no text"))?.to_owned()
+    } else {
+        content.to_owned()
+    };
+    let text = semantics::clean(&text);
+    match text.chars().count() {
+        0 => Err(Fault::Garbled("an empty text")),
+        1..=TEXT_CHARS_MAX => Ok(text),
+        _ => Err(Fault::Garbled("a text that is too long")),
+    }
+}
+
+/// What was seen; nothing to be seen is an answer, too.
+pub fn look(content: &str) -> Result<String, Fault> {
+    let seen = semantics::clean(thought_through(content));
+    if seen.chars().count() > TEXT_CHARS_MAX {
+        return Err(Fault::Garbled("a text that is too long"));
+    }
+    Ok(seen)
+}
+
+/// The next question of a dialogue: one line.
+pub fn next_question(content: &str) -> Result<String, Fault> {
+    let question = text(content)?;
+    if question.chars().count() > QUESTION_CHARS_MAX {
+        return Err(Fault::Garbled("a question that is too long"));
+    }
+    Ok(question)
+}
+
+/// Without the thoughts that some models write before they answer.
+fn thought_through(content: &str) -> &str {
+    let content = content.trim();
+    match content.strip_prefix("<think>") {
+        Some(thoughts) => thoughts.split_once("</think>").map_or("", |(_, answer)| answer.trim()),
+        None => content,
+    }
+}
+
+/// A reason as it is shown: clean, and one sentence long.
+fn shown(reason: &str) -> String {
+    semantics::clean(reason).chars().take(200).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_level_is_a_number_from_1_to_5_and_nothing_else() {
+        for (content, expected) in [
+            (r#"{"level": 4, "reason": "both are boats"}"#, Some(4)),
+            (r#"{"level":"4"}"#, Some(4)),
+            (" 3 ", Some(3)),
+            ("<think>a boat, 5?</think>\n{\"level\":2}", Some(2)),
+            ("6", None),
+            ("0", None),
+            ("4.5", None),
+            ("-4", None),
+            ("I would say 4 out of 5.", None),
+            ("Level: 4", None),
+            (r#"{"level": 44}"#, None),
+            (r#"{"level": "4 or 5"}"#, None),
+            (r#"{"score": 4}"#, None),
+            (r#"{"level": 4"#, None),
+            ("```json\n{\"level\":4}\n```", None),
+            ("[4]", None),
+            ("", None),
+            ("<think>4", None),
+        ] {
+            assert_eq!(level(content).ok().map(|(level, _)| level), expected, "{content}");
+        }
+    }
+
+    #[test]
+    fn a_text_is_plain_words_or_a_member_named_text() {
+        assert_eq!(text(r#"{"text": "a red\u202e boat"}"#).as_deref(), Ok("a red boat"));
+        assert_eq!(text(" a red boat ").as_deref(), Ok("a red boat"));
+        for garbled in ["", r#"{"text": ""}"#, r#"{"text": 5}"#, r#"{"text": "a"#, &"x".repeat(3000)] {
+            assert!(text(garbled).is_err(), "{garbled}");
+        }
+    }
+}

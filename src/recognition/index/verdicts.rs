@@ -1,0 +1,85 @@
+//! What a model said of texts: facts of the map, looked up instead of asked.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use crate::model::judged::{Finding, ModelVerdict};
+use crate::semantics::{self, Source, Text};
+
+/// A class and a text in normal form.
+type Carried = (Box<str>, Box<str>);
+
+/// A level, and who found it.
+type Found = (u8, Arc<str>);
+
+/// The model's verdicts about the texts of a map.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Verdicts {
+    /// By class and the smaller text, then by the larger.
+    similarity: BTreeMap<Carried, BTreeMap<Box<str>, Found>>,
+    /// The other way round: the smaller texts that a larger one was judged with.
+    smaller: BTreeMap<Carried, BTreeSet<Box<str>>>,
+    information: BTreeMap<Carried, u8>,
+    merges: BTreeMap<Carried, BTreeMap<Box<str>, Box<str>>>,
+}
+
+impl Verdicts {
+    pub(super) fn add(&mut self, verdict: &ModelVerdict) {
+        let key = (verdict.class.clone(), verdict.a.clone());
+        match &verdict.finding {
+            Finding::Similarity(level) => {
+                let larger = (verdict.class.clone(), verdict.b.clone());
+                self.smaller.entry(larger).or_default().insert(verdict.a.clone());
+                let found = (*level, verdict.source.clone());
+                self.similarity.entry(key).or_default().insert(verdict.b.clone(), found);
+            }
+            Finding::Information(level) => drop(self.information.insert(key, *level)),
+            Finding::Merge(text) => {
+                self.merges.entry(key).or_default().insert(verdict.b.clone(), text.clone());
+            }
+        }
+    }
+
+    /// SimilarityLevel of two texts by a model, if one has judged them and the question was its own.
+    pub fn similarity(&self, class: &str, a: &Text, b: &Text) -> Option<(u8, Source)> {
+        let (low, high) = ordered(a.normalised(), b.normalised());
+        let (level, source) = self.similarity.get(&carried(class, low))?.get(high)?;
+        // What binds a model's answer binds it here as well, whoever wrote the row.
+        semantics::similarity_is_open(a, b).then(|| (*level, Source::Model(source.clone())))
+    }
+
+    /// The texts that a model has judged with this one.
+    pub fn judged_with<'a>(&'a self, class: &str, text: &str) -> impl Iterator<Item = &'a str> {
+        let key = carried(class, text);
+        let larger = self.similarity.get(&key).into_iter().flat_map(BTreeMap::keys);
+        let smaller = self.smaller.get(&key).into_iter().flatten();
+        larger.chain(smaller).map(AsRef::as_ref)
+    }
+
+    /// InformationLevel of a text: the model's if it has one and the question was its own, else the built-in judge's.
+    pub fn information_level(&self, class: &str, text: &Text) -> u8 {
+        self.information(class, text).unwrap_or_else(|| text.information_level())
+    }
+
+    /// InformationLevel of a text by a model.
+    pub fn information(&self, class: &str, text: &Text) -> Option<u8> {
+        if self.information.is_empty() || !semantics::information_is_open(text) {
+            return None;
+        }
+        self.information.get(&carried(class, text.normalised())).copied()
+    }
+
+    /// MergeText of two texts in normal form.
+    pub fn merged(&self, class: &str, a: &str, b: &str) -> Option<&str> {
+        let (low, high) = ordered(a, b);
+        self.merges.get(&carried(class, low))?.get(high).map(AsRef::as_ref)
+    }
+}
+
+fn carried(class: &str, text: &str) -> Carried {
+    (class.into(), text.into())
+}
+
+fn ordered<'t>(a: &'t str, b: &'t str) -> (&'t str, &'t str) {
+    if a <= b { (a, b) } else { (b, a) }
+}

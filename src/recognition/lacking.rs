@@ -1,0 +1,296 @@
+//! What a map's anchors lack and a model could give: the worker's jobs, found anew whenever it looks (§IV-A.3, §IV-B).
+//!
+//! There is no queue that a crash could lose: what is lacking is a question to the index.
+
+use std::collections::{BTreeMap, HashSet};
+
+use super::index::{MapIndex, Object, TextId};
+use crate::model::anchor::{AnchorState, Observation};
+use crate::model::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
+use crate::semantics::{self, Text};
+
+/// A text is judged with at most so many others: those most like it. Together with the identifiers, which need no
+/// model, this keeps the number of calls in proportion to the anchors, not to their pairs.
+const NEIGHBOURS_JUDGED: usize = 6;
+
+/// A class with so few texts is small enough to ask about texts that share no word: "a smiling lady", "the Mona Lisa".
+const SMALL_CLASS: usize = 32;
+
+/// A word in more texts than this tells none of them apart.
+const WIDESPREAD: usize = 256;
+
+/// A crop replaces the one described before when its area is so many times as large.
+const BETTER_CROP: f64 = 2.0;
+
+/// Something a model could give.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Lack {
+    /// A description of a detection's crop.
+    Reading {
+        /// The anchor that the detection feeds.
+        anchor: AnchorSeq,
+        /// The keyframe.
+        keyframe: KeyframeSeq,
+        /// The detection.
+        detection: u16,
+        /// The object's class.
+        class: Box<str>,
+        /// What the client read, if that says too little.
+        hint: Option<Box<str>>,
+    },
+    /// InformationLevel of a text in normal form.
+    Information {
+        /// The object's class.
+        class: Box<str>,
+        /// The text.
+        text: Box<str>,
+    },
+    /// SimilarityLevel of two texts in normal form, the smaller first.
+    Similarity {
+        /// The objects' class.
+        class: Box<str>,
+        /// The smaller text.
+        a: Box<str>,
+        /// The larger text.
+        b: Box<str>,
+    },
+    /// MergeText of two readings in normal form, the smaller first.
+    Merge {
+        /// The object's class.
+        class: Box<str>,
+        /// The smaller text.
+        a: Box<str>,
+        /// The larger text.
+        b: Box<str>,
+        /// Both as they were read, with their capital letters.
+        as_read: [Box<str>; 2],
+    },
+}
+
+/// What the models at hand can give.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Abilities {
+    /// Can something look at crops, or read them?
+    pub reads: bool,
+    /// Can something judge texts?
+    pub judges: bool,
+}
+
+/// The texts whose pairs were all judged: they need not be looked at again.
+pub type Settled = HashSet<(Box<str>, Box<str>)>;
+
+/// At most `max` things that are lacking, descriptions first, the oldest anchor first. `passed_over` tells what is
+/// under way or has failed lately.
+pub fn lacking(
+    index: &MapIndex,
+    abilities: Abilities,
+    settled: &mut Settled,
+    max: usize,
+    passed_over: impl Fn(&Lack) -> bool,
+) -> Vec<Lack> {
+    let mut found = Vec::new();
+    if abilities.reads {
+        let latest = latest_stamps(index);
+        let readings = index.objects().iter().filter_map(|(_, object)| reading(index, object, &latest));
+        found.extend(readings.filter(|lack| !passed_over(lack)).take(max));
+    }
+    if abilities.judges {
+        let texts = index.objects().iter().flat_map(|(_, object)| of_object(index, object));
+        let left = max - found.len();
+        let mut seen = HashSet::new();
+        found.extend(texts.filter(|lack| !passed_over(lack) && seen.insert(lack.clone())).take(left));
+        similarities(index, settled, max, &mut found, passed_over);
+    }
+    found
+}
+
+/// The clock of each session: its newest keyframe, in seconds.
+fn latest_stamps(index: &MapIndex) -> BTreeMap<SessionSeq, i64> {
+    let mut latest = BTreeMap::new();
+    for keyframe in index.keyframes() {
+        let newest = latest.entry(keyframe.session).or_insert(keyframe.stamp.sec);
+        *newest = keyframe.stamp.sec.max(*newest);
+    }
+    latest
+}
+
+/// The crop of an object to be read next, if there is one.
+fn reading(index: &MapIndex, object: &Object, latest: &BTreeMap<SessionSeq, i64>) -> Option<Lack> {
+    if object.description.as_ref().is_some_and(|description| description.by_hand) {
+        return None;
+    }
+    let settings = &index.properties().settings;
+    let with_crop: Vec<(AnchorSeq, &Observation)> = (object.members.iter())
+        .filter_map(|member| Some((*member, index.anchor(*member)?)))
+        .flat_map(|(member, anchor)| anchor.observations.values().map(move |seen| (member, seen)))
+        .filter(|(_, seen)| seen.crop_area_px.is_some())
+        .collect();
+    let area = |seen: &Observation| seen.crop_area_px.unwrap_or(0.0);
+    let is_read = |seen: &Observation| seen.crop_reading.as_ref().is_some_and(|read| !read.degraded);
+    let read: Vec<&Observation> =
+        with_crop.iter().map(|(_, seen)| *seen).filter(|seen| is_read(seen)).collect();
+    if read.is_empty() && object.state == AnchorState::Valid && !has_degraded(&with_crop) {
+        // What the client read says enough.
+        return None;
+    }
+    // A detection whose own text says enough is not read again.
+    let says_enough = |seen: &Observation| {
+        let told = seen.reading.as_deref().map(|reading| Text::parse(reading).information_level());
+        told.is_some_and(|level| u32::from(level) >= settings.description_min_information_level)
+    };
+    let open = with_crop.iter().filter(|(_, seen)| !is_read(seen) && !says_enough(seen));
+    let (anchor, best) = *open.max_by(|(_, a), (_, b)| {
+        area(a).total_cmp(&area(b)).then_with(|| (a.keyframe, a.detection).cmp(&(b.keyframe, b.detection)))
+    })?;
+    let waited_s = waited_s(index, best, latest);
+    let large = area(best) >= settings.description_min_crop_area_px;
+    let refresh = waited_s >= settings.description_refresh_s;
+    let wanted = if read.is_empty() {
+        large || refresh
+    } else {
+        let largest = read.iter().map(|seen| area(seen)).fold(0.0, f64::max);
+        let newest = read.iter().map(|seen| stamp_s(index, seen)).fold(f64::NEG_INFINITY, f64::max);
+        let stale = stamp_s(index, best) - newest >= settings.description_refresh_s;
+        (large
+            && (area(best) >= BETTER_CROP * largest || !agrees(object, read.len(), settings.agreeing_reads)))
+            || stale
+    };
+    let hint = best.reading.clone();
+    wanted.then(|| Lack::Reading {
+        anchor,
+        keyframe: best.keyframe,
+        detection: best.detection,
+        class: index.class_of(object).into(),
+        hint,
+    })
+}
+
+fn has_degraded(with_crop: &[(AnchorSeq, &Observation)]) -> bool {
+    with_crop.iter().any(|(_, seen)| seen.crop_reading.as_ref().is_some_and(|read| read.degraded))
+}
+
+/// Do enough of the readings agree, or were enough taken to leave it at that?
+fn agrees(object: &Object, reads: usize, agreeing_reads: u32) -> bool {
+    let wanted = agreeing_reads as usize;
+    let told: Vec<(Text, usize)> =
+        object.votes.described().map(|(text, count)| (Text::parse(text), count)).collect();
+    let alike = told.first().map_or(0, |(first, _)| {
+        let same = |(text, _): &&(Text, usize)| semantics::similarity_level(first, text).0 >= 4;
+        told.iter().filter(same).map(|(_, count)| count).sum()
+    });
+    alike >= wanted || reads > 2 * wanted
+}
+
+fn stamp_s(index: &MapIndex, seen: &Observation) -> f64 {
+    index.keyframe(seen.keyframe).map_or(0.0, |keyframe| keyframe.stamp.sec as f64)
+}
+
+fn waited_s(index: &MapIndex, seen: &Observation, latest: &BTreeMap<SessionSeq, i64>) -> f64 {
+    let session = index.keyframe(seen.keyframe).map(|keyframe| keyframe.session);
+    let now = session.and_then(|session| latest.get(&session)).copied().unwrap_or_default();
+    now as f64 - stamp_s(index, seen)
+}
+
+/// What is open about the text of one object.
+fn of_object<'a>(index: &'a MapIndex, object: &'a Object) -> impl Iterator<Item = Lack> + 'a {
+    let class = index.class_of(object);
+    let called = object.description.as_ref().filter(|description| !description.by_hand);
+    let information = called.and_then(|description| {
+        let text = &description.text;
+        let open =
+            semantics::information_is_open(text) && index.verdicts().information(class, text).is_none();
+        open.then(|| Lack::Information { class: class.into(), text: text.normalised().into() })
+    });
+    let merge = called.and_then(|_| object.votes.to_merge()).and_then(|(first, second)| {
+        let (a, b) = if first <= second { (first, second) } else { (second, first) };
+        if index.verdicts().merged(class, a, b).is_some() {
+            return None;
+        }
+        match describe_one(index, class, a, b) {
+            None => return Some(Lack::Similarity { class: class.into(), a: a.into(), b: b.into() }),
+            Some(false) => return None,
+            Some(true) => {}
+        }
+        let as_read = [object.votes.as_read(a)?, object.votes.as_read(b)?].map(Into::into);
+        Some(Lack::Merge { class: class.into(), a: a.into(), b: b.into(), as_read })
+    });
+    information.into_iter().chain(merge)
+}
+
+/// Do both texts describe one object, and each say something that the other does not? `None` if a model is to tell.
+fn describe_one(index: &MapIndex, class: &str, a: &str, b: &str) -> Option<bool> {
+    let merged = semantics::merge(a, b);
+    if merged == a || merged == b {
+        return Some(false);
+    }
+    let (of_a, of_b) = (Text::parse(a), Text::parse(b));
+    let level = match semantics::route_similarity(&of_a, &of_b) {
+        semantics::Route::Decided(judgement) => judgement.level,
+        semantics::Route::Open(_) => index.verdicts().similarity(class, &of_a, &of_b)?.0,
+    };
+    Some(level >= 4)
+}
+
+fn similarities(
+    index: &MapIndex,
+    settled: &mut Settled,
+    max: usize,
+    found: &mut Vec<Lack>,
+    passed_over: impl Fn(&Lack) -> bool,
+) {
+    let texts = index.texts();
+    let mut seen: HashSet<(Box<str>, Box<str>, Box<str>)> = HashSet::new();
+    for id in texts.iter() {
+        if found.len() >= max {
+            return;
+        }
+        let (class, text) = texts.text(id);
+        if !text.identifiers().is_empty() {
+            continue;
+        }
+        let key = (class.into(), text.normalised().into());
+        if settled.contains(&key) {
+            continue;
+        }
+        let mut open = false;
+        for other in nearest(index, id) {
+            let other = texts.text(other).1;
+            if index.verdicts().similarity(class, text, other).is_some() {
+                continue;
+            }
+            open = true;
+            let (a, b) = (text.normalised(), other.normalised());
+            let (a, b) = if a <= b { (a, b) } else { (b, a) };
+            let lack = Lack::Similarity { class: class.into(), a: a.into(), b: b.into() };
+            if found.len() < max && seen.insert((class.into(), a.into(), b.into())) && !passed_over(&lack) {
+                found.push(lack);
+            }
+        }
+        if !open {
+            settled.insert(key);
+        }
+    }
+}
+
+/// The texts most like this one about which a model may say more than the built-in judge.
+pub fn nearest(index: &MapIndex, id: TextId) -> Vec<TextId> {
+    let texts = index.texts();
+    let (class, text) = texts.text(id);
+    if !text.identifiers().is_empty() {
+        return Vec::new();
+    }
+    let candidates = match texts.of_class(class, SMALL_CLASS) {
+        Some(all) => all.into_iter().filter(|other| *other != id).collect(),
+        None => texts.sharing_words(id, WIDESPREAD),
+    };
+    let mut near: Vec<(u32, &str, TextId)> = (candidates.into_iter())
+        .filter_map(|other| {
+            let theirs = texts.text(other).1;
+            let open = matches!(semantics::route_similarity(text, theirs), semantics::Route::Open(_));
+            open.then(|| (semantics::likeness_percent(text, theirs), theirs.normalised(), other))
+        })
+        .collect();
+    near.sort_by(|(a, name_a, _), (b, name_b, _)| b.cmp(a).then_with(|| name_a.cmp(name_b)));
+    near.truncate(NEIGHBOURS_JUDGED);
+    near.into_iter().map(|(_, _, other)| other).collect()
+}

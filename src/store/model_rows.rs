@@ -1,0 +1,238 @@
+//! What models said of a map, every answer that was paid for, and what was spent.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use sqlx::{Row, SqliteConnection};
+
+use super::write::{MapKey, run};
+use super::{Store, StoreError};
+use crate::model::change::Change;
+use crate::model::ids::{KeyframeSeq, MapId};
+use crate::model::judged::{CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
+
+/// Answers are kept up to this number, oldest out first.
+const ANSWERS_KEPT: i64 = 1_000_000;
+
+/// Calls of one model for one operation, on one day. A negative cost gives back what was reserved and not used.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Spent {
+    /// Days since 1970, UTC.
+    pub day: i64,
+    /// What was asked for.
+    pub operation: &'static str,
+    /// Who answered.
+    pub model: Arc<str>,
+    /// Calls.
+    pub calls: i64,
+    /// Tokens sent.
+    pub input_tokens: i64,
+    /// Tokens received.
+    pub output_tokens: i64,
+    /// Millionths of a US dollar.
+    pub cost_microusd: i64,
+    /// Questions answered without a call.
+    pub cache_hits: i64,
+}
+
+/// The sums of one operation and model.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UsageRow {
+    /// What was asked for.
+    pub operation: String,
+    /// Who answered.
+    pub model: String,
+    /// Calls.
+    pub calls: i64,
+    /// Tokens sent.
+    pub input_tokens: i64,
+    /// Tokens received.
+    pub output_tokens: i64,
+    /// Millionths of a US dollar.
+    pub cost_microusd: i64,
+    /// Questions answered without a call.
+    pub cache_hits: i64,
+}
+
+impl Store {
+    /// An answer that was paid for.
+    pub async fn answer(&self, key: &[u8; 32]) -> Result<Option<String>, StoreError> {
+        let select = "select answer from model_answers where key = $1";
+        Ok(sqlx::query_scalar(select).bind(&key[..]).fetch_optional(&self.readers).await?)
+    }
+
+    /// What was spent from this day on, by operation and model.
+    pub async fn usage_since(&self, day: i64) -> Result<Vec<UsageRow>, StoreError> {
+        let select = "select operation, model, sum(calls) as calls, sum(input_tokens) as input_tokens,
+            sum(output_tokens) as output_tokens, sum(cost_microusd) as cost_microusd, sum(cache_hits) as cache_hits
+            from model_usage where day >= $1 group by operation, model order by operation, model";
+        let rows = sqlx::query(select).bind(day).fetch_all(&self.readers).await?;
+        rows.iter()
+            .map(|row| {
+                Ok(UsageRow {
+                    operation: row.try_get("operation")?,
+                    model: row.try_get("model")?,
+                    calls: row.try_get("calls")?,
+                    input_tokens: row.try_get("input_tokens")?,
+                    output_tokens: row.try_get("output_tokens")?,
+                    cost_microusd: row.try_get("cost_microusd")?,
+                    cache_hits: row.try_get("cache_hits")?,
+                })
+            })
+            .collect()
+    }
+
+    /// The maps that hold crops: after a start, a model may have to read some of them.
+    pub async fn maps_with_crops(&self) -> Result<Vec<MapId>, StoreError> {
+        let select = "select id from maps where exists (select 1 from crops where crops.map_key = maps.map_key) order by id";
+        let ids: Vec<String> = sqlx::query_scalar(select).fetch_all(&self.readers).await?;
+        ids.iter().map(|id| super::load::parse(id)).collect()
+    }
+
+    /// The dialogue that led to the reading of a detection's crop.
+    pub async fn transcript(
+        &self,
+        map: MapKey,
+        keyframe: KeyframeSeq,
+        detection: u16,
+    ) -> Result<Vec<TranscriptStep>, StoreError> {
+        let select = "select speaker, question, answer from transcripts
+            where map_key = $1 and keyframe = $2 and detection = $3 order by step";
+        let query = sqlx::query_as(select).bind(map).bind(keyframe.0).bind(detection);
+        let rows: Vec<(String, String, String)> = query.fetch_all(&self.readers).await?;
+        let step = |(speaker, question, answer): (String, _, _)| TranscriptStep {
+            speaker: speaker.into(),
+            question,
+            answer,
+        };
+        Ok(rows.into_iter().map(step).collect())
+    }
+}
+
+pub(super) async fn add_reading(
+    db: &mut SqliteConnection,
+    map: MapKey,
+    read: &CropRead,
+) -> Result<(), StoreError> {
+    let reading = &read.reading;
+    let delete = "delete from model_readings where map_key = $1 and keyframe = $2 and detection = $3";
+    run(db, sqlx::query(delete).bind(map).bind(read.keyframe.0).bind(read.detection)).await?;
+    let insert =
+        "insert into model_readings (map_key, keyframe, detection, text, source, described, degraded)
+        values ($1, $2, $3, $4, $5, $6, $7)";
+    let query = sqlx::query(insert).bind(map).bind(read.keyframe.0).bind(read.detection);
+    let query = query.bind(&*reading.text).bind(&*reading.source).bind(reading.described);
+    run(db, query.bind(reading.degraded)).await?;
+    for (number, step) in read.transcript.iter().enumerate() {
+        let insert = "insert into transcripts (map_key, keyframe, detection, step, speaker, question, answer)
+            values ($1, $2, $3, $4, $5, $6, $7)";
+        let query = sqlx::query(insert).bind(map).bind(read.keyframe.0).bind(read.detection);
+        let query = query.bind(number as i64).bind(&*step.speaker).bind(&step.question);
+        run(db, query.bind(&step.answer)).await?;
+    }
+    Ok(())
+}
+
+pub(super) async fn add_verdict(
+    db: &mut SqliteConnection,
+    map: MapKey,
+    verdict: &ModelVerdict,
+) -> Result<(), StoreError> {
+    let (operation, level, text) = match &verdict.finding {
+        Finding::Similarity(level) => ("similarity", Some(*level), None),
+        Finding::Information(level) => ("information", Some(*level), None),
+        Finding::Merge(text) => ("merge", None, Some(&**text)),
+    };
+    let insert = "insert into model_verdicts (map_key, operation, class, a, b, level, text, source)
+        values ($1, $2, $3, $4, $5, $6, $7, $8)
+        on conflict (map_key, operation, class, a, b) do update
+        set level = excluded.level, text = excluded.text, source = excluded.source";
+    let query = sqlx::query(insert).bind(map).bind(operation).bind(&*verdict.class);
+    let query = query.bind(&*verdict.a).bind(&*verdict.b).bind(level).bind(text);
+    run(db, query.bind(&*verdict.source)).await
+}
+
+pub(super) async fn set_away(db: &mut SqliteConnection, map: MapKey, away: bool) -> Result<(), StoreError> {
+    let change = if away {
+        "insert into models_away (map_key) values ($1) on conflict do nothing"
+    } else {
+        "delete from models_away where map_key = $1"
+    };
+    run(db, sqlx::query(change).bind(map)).await
+}
+
+pub(super) async fn forget_away(db: &mut SqliteConnection) -> Result<(), StoreError> {
+    let update = "update maps set version = version + 1 where map_key in (select map_key from models_away)";
+    run(db, sqlx::query(update)).await?;
+    run(db, sqlx::query("delete from models_away")).await
+}
+
+pub(super) async fn keep_answer(
+    db: &mut SqliteConnection,
+    key: &[u8; 32],
+    operation: &str,
+    model: &str,
+    answer: &str,
+) -> Result<(), StoreError> {
+    let insert = "insert into model_answers (key, operation, model, answer) values ($1, $2, $3, $4)
+        on conflict (key) do update set answer = excluded.answer";
+    run(db, sqlx::query(insert).bind(&key[..]).bind(operation).bind(model).bind(answer)).await?;
+    let sweep = "delete from model_answers where kept <= (select max(kept) from model_answers) - $1";
+    run(db, sqlx::query(sweep).bind(ANSWERS_KEPT)).await
+}
+
+pub(super) async fn spend(db: &mut SqliteConnection, spent: &Spent) -> Result<(), StoreError> {
+    let insert = "insert into model_usage
+            (day, operation, model, calls, input_tokens, output_tokens, cost_microusd, cache_hits)
+        values ($1, $2, $3, $4, $5, $6, $7, $8)
+        on conflict (day, operation, model) do update set
+            calls = calls + excluded.calls, input_tokens = input_tokens + excluded.input_tokens,
+            output_tokens = output_tokens + excluded.output_tokens,
+            cost_microusd = cost_microusd + excluded.cost_microusd, cache_hits = cache_hits + excluded.cache_hits";
+    let query = sqlx::query(insert).bind(spent.day).bind(spent.operation).bind(&*spent.model);
+    let query = query.bind(spent.calls).bind(spent.input_tokens).bind(spent.output_tokens);
+    run(db, query.bind(spent.cost_microusd).bind(spent.cache_hits)).await
+}
+
+/// The verdicts about a map's texts, and whether it waits for a model.
+pub(super) async fn verdicts(db: &mut SqliteConnection, map: MapKey) -> Result<Vec<Change>, StoreError> {
+    let mut changes = Vec::new();
+    let select = "select operation, class, a, b, level, text, source from model_verdicts where map_key = $1";
+    for row in sqlx::query(select).bind(map).fetch_all(&mut *db).await? {
+        let level = || -> Result<u8, StoreError> { Ok(row.try_get::<u8, _>("level")?) };
+        let finding = match row.try_get::<&str, _>("operation")? {
+            "similarity" => Finding::Similarity(level()?),
+            "information" => Finding::Information(level()?),
+            "merge" => Finding::Merge(row.try_get::<&str, _>("text")?.into()),
+            other => return Err(StoreError::corrupt(format!("verdict {other}"))),
+        };
+        changes.push(Change::Judged(Box::new(ModelVerdict {
+            class: row.try_get::<&str, _>("class")?.into(),
+            a: row.try_get::<&str, _>("a")?.into(),
+            b: row.try_get::<&str, _>("b")?.into(),
+            finding,
+            source: row.try_get::<&str, _>("source")?.into(),
+        })));
+    }
+    let select = "select exists (select 1 from models_away where map_key = $1)";
+    if sqlx::query_scalar(select).bind(map).fetch_one(&mut *db).await? {
+        changes.push(Change::ModelAway(true));
+    }
+    Ok(changes)
+}
+
+/// What models made of a map's crops.
+pub(super) async fn readings(
+    db: &mut SqliteConnection,
+    map: MapKey,
+) -> Result<HashMap<(u32, u16), CropReading>, StoreError> {
+    let select = "select keyframe, detection, text, source, described, degraded from model_readings
+        where map_key = $1";
+    let rows: Vec<(u32, u16, String, String, bool, bool)> =
+        sqlx::query_as(select).bind(map).fetch_all(db).await?;
+    let reading = |(keyframe, detection, text, source, described, degraded): (_, _, String, String, _, _)| {
+        let reading = CropReading { text: text.into(), source: source.into(), described, degraded };
+        ((keyframe, detection), reading)
+    };
+    Ok(rows.into_iter().map(reading).collect())
+}

@@ -1,0 +1,14 @@
+//! Models: a stub over HTTP answers as told, or fails in every way that servers do.
+
+mod canary;
+mod contract;
+mod dialogue;
+mod faults;
+mod injections;
+mod judging;
+mod killed;
+mod scene;
+mod stub;
+mod tesseract;
+mod worker;
+mod world;
