@@ -5,6 +5,7 @@
 //! index, and at the store for what is only there.
 
 mod anchors;
+mod board;
 mod error;
 mod events;
 mod features;

@@ -4,7 +4,7 @@
 //! is used, so nothing is paid twice. Maps take turns. A model that is away is left alone, and the maps that wait for it
 //! say so.
 
-use std::collections::{HashMap, HashSet, VecDeque};
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
@@ -14,12 +14,13 @@ use tokio::task::{JoinHandle, JoinSet};
 use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 
+use super::board::{Board, PAUSE_MAX};
 use super::live::{Decision, LiveMap};
 use super::{Service, ServiceError};
 use crate::model::ids::{KeyframeId, MapId};
 use crate::models::Models;
 use crate::models::port::Fault;
-use crate::recognition::lacking::{Abilities, Lack, Settled, lacking};
+use crate::recognition::lacking::{Abilities, Lack, lacking};
 use crate::recognition::learning::learn_away;
 
 /// How many things lacking are looked up at once.
@@ -27,9 +28,6 @@ const BATCH: usize = 32;
 
 /// Looking takes at most this share of the time, however fast a map grows.
 const PAUSE_PER_LOOK: u32 = 20;
-
-/// A job that keeps failing is tried again after at most so long.
-const PAUSE_MAX: Duration = Duration::from_hours(1);
 
 /// Jobs under way when the server stops may finish within this time; what they learned so far is kept anyway.
 const DRAIN: Duration = Duration::from_secs(8);
@@ -109,26 +107,6 @@ impl Worker {
 fn lock<T>(mutex: &std::sync::Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     // Each holds one value that is replaced as a whole.
     mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
-}
-
-/// What is known of one map's work. It is only memory: a new process finds the same work again.
-#[derive(Default)]
-struct Board {
-    found: VecDeque<Lack>,
-    under_way: HashSet<Lack>,
-    /// Failed jobs, each with the moment until which it is left alone, and how often it failed.
-    paused: HashMap<Lack, (Instant, u32)>,
-    settled: Settled,
-    told_away: bool,
-    looked_at: Option<u64>,
-    look_again_at: Option<Instant>,
-}
-
-impl Board {
-    /// Is there anything that a model has not given yet?
-    fn waits(&self) -> bool {
-        !(self.found.is_empty() && self.under_way.is_empty() && self.paused.is_empty())
-    }
 }
 
 struct Done {
@@ -250,11 +228,7 @@ impl Round {
             return earlier(next_due, Some(again));
         }
         let mut settled = std::mem::take(&mut board.settled);
-        let left_alone: HashSet<Lack> = (board.paused.iter())
-            .filter(|(_, (until, _))| *until > now)
-            .map(|(lack, _)| lack.clone())
-            .chain(board.under_way.iter().cloned())
-            .collect();
+        let left_alone: HashSet<Lack> = board.left_alone(now);
         let looked = self.service.read(live, move |state| {
             let passed_over = |lack: &Lack| left_alone.contains(lack);
             let found = lacking(&state.index, abilities, &mut settled, BATCH, passed_over);
@@ -309,27 +283,21 @@ impl Round {
         };
         let Some(board) = self.boards.get_mut(&map) else { return };
         board.under_way.remove(&lack);
-        match result {
-            Ok(()) => {
-                board.paused.remove(&lack);
-                if self.was_away && !self.models.is_away() {
-                    self.was_away = false;
-                    self.resume();
-                }
+        if result.is_ok() {
+            board.paused.remove(&lack);
+            if self.was_away && !self.models.is_away() {
+                self.was_away = false;
+                self.resume();
             }
-            Err(_) => {
-                let tries = board.paused.get(&lack).map_or(0, |(_, tries)| *tries);
-                // While the model is away it is not the question's fault.
-                let is_away = self.models.is_away();
-                let pause = self.models.pause.saturating_mul(1 << tries.min(12)).min(PAUSE_MAX);
-                let tries = if is_away { tries } else { tries + 1 };
-                board.paused.insert(lack, (Instant::now() + pause, tries));
-                if is_away {
-                    self.was_away = true;
-                    self.resume_at = Some(Instant::now() + self.models.pause);
-                    self.tell_all_waiting().await;
-                }
-            }
+            return;
+        }
+        // While the model is away it is not the question's fault.
+        let is_away = self.models.is_away();
+        board.pause(lack, self.models.pause, !is_away);
+        if is_away {
+            self.was_away = true;
+            self.resume_at = Some(Instant::now() + self.models.pause);
+            self.tell_all_waiting().await;
         }
     }
 
