@@ -16,6 +16,7 @@
 //! | one method through one world | [`trial`] |
 //! | how it did | [`score`], [`absolute_pose_error`], [`results`], [`curve`] |
 //! | for a person | [`tables`], [`figures`], [`explain`], [`tum`], [`paper`] |
+//! | a tour for `revisit replay` | [`recording`] |
 //! | randomness | [`chance`] |
 //! | is it realistic? | [`realism`] |
 //!
@@ -54,6 +55,7 @@ pub mod paper;
 pub mod pose_graph;
 pub mod reader;
 pub mod realism;
+pub mod recording;
 pub mod results;
 pub mod robot;
 pub mod route;

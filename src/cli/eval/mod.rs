@@ -4,9 +4,11 @@
 //! |---|---|
 //! | `sequences` | the paper's twelve sequences: Tables II and III |
 //! | `worlds` | random worlds under noise |
+//! | `record` | a tour as a recording |
 //! | `files` | figures, trajectories and JSON |
 
 mod files;
+mod record;
 mod sequences;
 mod worlds;
 
@@ -52,6 +54,10 @@ struct HotelArgs {
     /// This one random world, with what was answered at each keyframe that was wrong or missed
     #[arg(long, value_name = "SEED", conflicts_with = "worlds")]
     world: Option<u64>,
+    /// Write a tour as a recording for `revisit replay` instead of driving it: that of --world, or of SE2 00 (.ndjson, .gz
+    /// or .zst)
+    #[arg(long, value_name = "FILE", conflicts_with = "worlds")]
+    record: Option<PathBuf>,
     /// Where figures, trajectories and results.json go
     #[arg(long, value_name = "FOLDER", default_value = "hotel-results")]
     output: PathBuf,
@@ -79,6 +85,9 @@ const WORLD_ARMS: [Arm; 2] = [Arm::Ours, Arm::Paper];
 /// Runs it.
 pub async fn run(args: EvalArgs) -> Result<(), Failure> {
     let Experiment::Hotel(args) = args.experiment;
+    if let Some(file) = args.record.clone() {
+        return tokio::task::spawn_blocking(move || record::run(&args, &file)).await?;
+    }
     let server = hotel_server().await?;
     let client = Client::new(server.url())?;
     match (args.world, args.worlds) {

@@ -1,0 +1,47 @@
+//! Recording: a tour as `revisit replay` plays it, with its truth, for who wants to drive it against a server of their own.
+//!
+//! Poses are odometry's: a recording cannot close loops and correct them, because it does not hear the answers.
+
+use serde_json::{Value, json};
+
+use super::arm::Arm;
+use super::explain::keyframe_id;
+use super::message;
+use super::trial::{Course, odometry, session};
+use super::truth::KeyframeIndex;
+use crate::geometry::Point3;
+use crate::vocabulary::{DescriptorMismatch, Vocabulary};
+
+/// The lines of a course: its map, and each keyframe with its query. Words come with the keyframes, so that a server
+/// needs no vocabulary.
+pub fn recording(
+    map: &str,
+    course: &Course,
+    vocabulary: &Vocabulary,
+) -> Result<Vec<Value>, DescriptorMismatch> {
+    let poses = odometry(course);
+    let mut lines =
+        vec![json!({"op": "map", "id": map, "body": message::map(Arm::Ours, "the simulated hotel")})];
+    for (at, answerable) in course.order.iter().zip(&course.answers) {
+        let (step, pose) = (&course.journeys[at.0].steps[at.1], &poses[at.0][at.1]);
+        let new_points: Vec<(u64, Point3)> = (step.features.iter().zip(&step.map_points))
+            .filter(|(_, (_, is_new))| *is_new)
+            .map(|(feature, (id, _))| (*id, pose.transform(&feature.in_camera)))
+            .collect();
+        let mut body = message::keyframe(Arm::Ours, &session(at.0), at.1, step, pose, &new_points);
+        let words =
+            vocabulary.transform(vocabulary.descriptor_bytes(), &message::descriptor_bytes(step), 0)?.words;
+        let (words, weights): (Vec<u32>, Vec<f64>) = words.entries().iter().copied().unzip();
+        body["bow"] = json!({"words": words, "weights": weights});
+        let id = keyframe_id(*at);
+        lines.push(json!({"op": "keyframe", "id": id, "body": body}));
+        let ids = |keyframes: &std::collections::HashSet<KeyframeIndex>| -> Vec<String> {
+            let mut sorted: Vec<_> = keyframes.iter().copied().collect();
+            sorted.sort_unstable();
+            sorted.into_iter().map(keyframe_id).collect()
+        };
+        let (truth, ignore) = (ids(&answerable.truth), ids(&answerable.ignore));
+        lines.push(json!({"op": "query", "keyframe": id, "body": {}, "truth": truth, "ignore": ignore}));
+    }
+    Ok(lines)
+}
