@@ -109,8 +109,10 @@ fn from_factrs(pose: &SE3) -> Isometry3<f64> {
 mod tests {
     use super::*;
 
+    type Poses = Vec<Isometry3<f64>>;
+
     /// Around a ring, each step too long and turned too far; and the edge that knows better.
-    fn ring(poses: usize) -> (Vec<Isometry3<f64>>, Vec<Isometry3<f64>>, Vec<Edge>, Edge) {
+    fn ring(poses: usize) -> (Poses, Poses, Vec<Edge>, Edge) {
         let turn = |angle: f64| UnitQuaternion::from_euler_angles(0.0, 0.0, angle);
         let step =
             |length: f64, angle: f64| Isometry3::from_parts(Translation3::new(length, 0.0, 0.0), turn(angle));

@@ -126,10 +126,10 @@ impl<'a> Robot<'a> {
         let id = self.keyframe_id(number);
         let answer = self.client.put_keyframe(self.map, &id, &body, true).await?;
         let answer = answer.loop_answer.unwrap_or_else(|| unreachable!("it was asked for"));
-        if let Some((candidate, candidate_from_query)) = answer.best_transform() {
-            if let Some(candidate_from_query) = message::pose(candidate_from_query) {
-                self.accept(number, candidate, &answer.id, candidate_from_query);
-            }
+        if let Some((candidate, similarity)) = answer.best_transform()
+            && let Some(candidate_from_query) = message::pose(similarity)
+        {
+            self.accept(number, candidate, &answer.id, candidate_from_query);
         }
         if !self.waiting.is_empty() && number >= self.last_closing + CLOSING_EVERY_KEYFRAMES {
             self.close_loops().await?;

@@ -115,11 +115,11 @@ impl Decorator<'_> {
                 .enumerate()
                 .map(|(i, (a, b))| if i % 3 == 0 { *b } else { *a })
                 .collect();
-            let plate = self.place(&room.door, PLATE_U_M, 0.0, PLATE_Z_M, -1.0);
+            let plate = place(&room.door, PLATE_U_M, 0.0, PLATE_Z_M, -1.0);
             hung.push(self.sign(SignKind::DoorPlate, numbers[number].clone(), plate, &look, chance));
             let opposite = -2.0 * CORRIDOR_HALF_WIDTH_M;
             if self.is_free(room.door.at(0.0, opposite)) {
-                let spot = self.place(&room.door, 0.0, opposite, PAINTING_Z_M, 1.0);
+                let spot = place(&room.door, 0.0, opposite, PAINTING_Z_M, 1.0);
                 let (title, look) = if signs.repeated {
                     (titles[0].clone(), same_painting.clone())
                 } else {
@@ -128,7 +128,7 @@ impl Decorator<'_> {
                 hung.push(self.sign(SignKind::Painting, title, spot, &look, chance));
             }
             if signs.repeated {
-                let spot = self.place(&room.door, REPEATED_U_M, 0.0, PLATE_Z_M, -1.0);
+                let spot = place(&room.door, REPEATED_U_M, 0.0, PLATE_Z_M, -1.0);
                 hung.push(self.sign(
                     SignKind::FloorSign,
                     format!("Floor {floor_number}"),
@@ -136,7 +136,7 @@ impl Decorator<'_> {
                     &floor,
                     chance,
                 ));
-                let spot = self.place(&room.door, REPEATED_U_M - 0.1, 0.0, EXIT_Z_M, -1.0);
+                let spot = place(&room.door, REPEATED_U_M - 0.1, 0.0, EXIT_Z_M, -1.0);
                 hung.push(self.sign(SignKind::ExitSign, REPEATED_EXIT.to_owned(), spot, &exit, chance));
             }
         }
@@ -146,11 +146,11 @@ impl Decorator<'_> {
             let ([x, y], heading) = self.plan.centreline(corner_m - 1e-6);
             let ahead = Spot { origin: [x, y], facing: [heading.cos(), heading.sin()] };
             let aside = Spot { origin: [x, y], facing: [heading.sin(), -heading.cos()] };
-            let spot = self.place(&ahead, 0.0, CORRIDOR_HALF_WIDTH_M, EXIT_Z_M, -1.0);
+            let spot = place(&ahead, 0.0, CORRIDOR_HALF_WIDTH_M, EXIT_Z_M, -1.0);
             let text = if signs.repeated { REPEATED_EXIT } else { "EXIT" };
             hung.push(self.sign(SignKind::ExitSign, text.to_owned(), spot, &exit, chance));
             for (number, wall) in [ahead, aside].into_iter().enumerate() {
-                let spot = self.place(&wall, 0.0, CORRIDOR_HALF_WIDTH_M, PAINTING_Z_M, -1.0);
+                let spot = place(&wall, 0.0, CORRIDOR_HALF_WIDTH_M, PAINTING_Z_M, -1.0);
                 let (title, look) = if signs.repeated {
                     (titles[0].clone(), same_painting.clone())
                 } else {
@@ -160,12 +160,6 @@ impl Decorator<'_> {
             }
         }
         hung
-    }
-
-    /// A place on a wall: its middle and where it looks.
-    fn place(&self, spot: &Spot, u: f64, v: f64, z: f64, towards: f64) -> ([f64; 3], [f64; 2]) {
-        let [x, y] = spot.at(u, v);
-        ([x, y, z], spot.direction(0.0, towards))
     }
 
     /// Is there wall here, and no door near?
@@ -202,6 +196,12 @@ impl Decorator<'_> {
         }
         Sign { kind, text, centre, normal, half_size_m, points: start..self.points.len() }
     }
+}
+
+/// A place on a wall: its middle and where it looks.
+fn place(spot: &Spot, u: f64, v: f64, z: f64, towards: f64) -> ([f64; 3], [f64; 2]) {
+    let [x, y] = spot.at(u, v);
+    ([x, y, z], spot.direction(0.0, towards))
 }
 
 const SUBJECTS: [&str; 36] = [

@@ -23,15 +23,12 @@ const ZSTD_LEVEL: i32 = 3;
 /// Writes the tour that the arguments name.
 pub(super) fn run(args: &HotelArgs, file: &Path) -> Result<(), Failure> {
     let patterns = Patterns::new();
-    let (name, scenario) = match args.world {
-        Some(seed) => {
-            let kind = args.noise.0.first().copied().unwrap_or(NoiseKind::None);
-            (format!("hotel-{}-{seed}", kind.name()), Scenario::random(seed, kind, &patterns))
-        }
-        None => {
-            let printed = SEQUENCES.into_iter().find(|printed| printed.name() == SEQUENCE);
-            (String::from("hotel"), Scenario::of_paper(&printed.unwrap_or(SEQUENCES[0]), &patterns))
-        }
+    let (name, scenario) = if let Some(seed) = args.world {
+        let kind = args.noise.0.first().copied().unwrap_or(NoiseKind::None);
+        (format!("hotel-{}-{seed}", kind.name()), Scenario::random(seed, kind, &patterns))
+    } else {
+        let printed = SEQUENCES.into_iter().find(|printed| printed.name() == SEQUENCE);
+        (String::from("hotel"), Scenario::of_paper(&printed.unwrap_or(SEQUENCES[0]), &patterns))
     };
     let lines = recording(&name, &scenario.course, &patterns.vocabulary()?)?;
     let out = BufWriter::new(File::create(file)?);
