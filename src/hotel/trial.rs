@@ -65,7 +65,7 @@ pub struct Asked {
     pub keyframe: KeyframeIndex,
     /// The keyframe that was answered, if it is one of ours.
     pub best: Option<KeyframeIndex>,
-    /// The candidate that the arm ranks first, whether it passed or not.
+    /// The candidate that the arm ranks first, whether it passed its threshold or not.
     pub ranked: Option<Ranked>,
     /// How it is scored.
     pub scored: Scored,
@@ -186,7 +186,13 @@ fn ranked(
         Arm::BagOfWords => candidate.inliers().unwrap_or(0) as f64,
         Arm::Ours | Arm::Paper => candidate.similarity().unwrap_or(0.0),
     };
-    let first = answer.candidates.iter().max_by(|a, b| score(a).total_cmp(&score(b)))?;
+    // What passed is ranked as it was answered; beyond the threshold, what only that threshold stopped.
+    let threshold = if arm == Arm::BagOfWords { "too_few_inliers" } else { "score_below_threshold" };
+    let is_near = |candidate: &&Candidate| candidate.reason.as_ref().is_some_and(|r| r.code == threshold);
+    let first = match answer.verdict {
+        Verdict::Loop => answer.leading()?,
+        _ => answer.candidates.iter().filter(is_near).max_by(|a, b| score(a).total_cmp(&score(b)))?,
+    };
     let keyframe = find(&first.keyframe)?;
     let is_right = answerable.truth.contains(&keyframe);
     (is_right || !answerable.ignore.contains(&keyframe)).then(|| Ranked { score: score(first), is_right })
