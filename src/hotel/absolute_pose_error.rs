@@ -1,7 +1,8 @@
 //! Absolute pose error: how far positions are off after the trajectory was laid over the truth, as evo computes it.
 //!
 //! `evo_ape tum truth.tum estimate.tum -a` aligns with a rotation and a translation but no scale (S. Umeyama, PAMI 13, 1991)
-//! and prints, among others, the root of the mean squared distance.
+//! and prints, among others, the root of the mean squared distance. evo 1.x gives the same digits for the trajectories that
+//! `revisit eval hotel` writes.
 
 use crate::geometry::absolute_orientation::{Scale, align};
 use crate::geometry::{Point3, Sim3};

@@ -6,7 +6,7 @@ use super::chance::Chance;
 use super::noise::Noise;
 use super::odometry::drifting_motions;
 use super::reader::Reader;
-use super::route::{Place, Stop};
+use super::route::Stop;
 use super::sensor::{Feature, take_image};
 use super::signs::SignKind;
 use super::tracking::Tracker;
@@ -82,10 +82,5 @@ impl Journey {
             Step { stop: *stop, motion, features: image.features, map_points, detections }
         });
         Self { steps: steps.collect() }
-    }
-
-    /// Which room a visit is of.
-    pub fn place_of(&self, visit: usize) -> Option<Place> {
-        self.steps.iter().find(|step| step.stop.visit == visit).map(|step| step.stop.place)
     }
 }

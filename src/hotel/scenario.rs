@@ -5,7 +5,7 @@ use super::floor_plan::Layout;
 use super::journey::Journey;
 use super::noise::NoiseKind;
 use super::paper::PrintedSequence;
-use super::route::{six_rooms, tour};
+use super::route::{some_rooms, tour};
 use super::signs::SignPlan;
 use super::texture::Patterns;
 use super::trial::Course;
@@ -60,7 +60,7 @@ impl Scenario {
         let mut chance = Chance::new(seed, "route");
         let (mut journeys, mut tours) = (Vec::new(), Vec::<Vec<usize>>::new());
         for (robot, drift_m) in drifts_m.iter().enumerate() {
-            let mut tour_rooms = six_rooms(&world.plan, rooms, &mut chance);
+            let mut tour_rooms = some_rooms(&world.plan, rooms, &mut chance);
             if let Some(other) = tours.first() {
                 let shared = tour_rooms.len() / 2;
                 tour_rooms[1..=shared].copy_from_slice(&other[1..=shared]);

@@ -154,3 +154,72 @@ fn in_camera(anchor: &LocalAnchor) -> Point3 {
     let d = anchor.bearing.distance_m();
     Point3::new(x * d, y * d, z * d)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Bearing, Pose};
+    use crate::model::anchor::AnchorState;
+    use crate::model::ids::AnchorSeq;
+    use nalgebra::{UnitQuaternion, Vector3};
+
+    fn anchor(number: u32, at: [f64; 3], places: usize) -> LocalAnchor {
+        let centre = Point3::from(at);
+        LocalAnchor {
+            name: LocalName::Object(AnchorSeq(number)),
+            class: "door_number".into(),
+            state: AnchorState::Valid,
+            description: None,
+            text: None,
+            text_id: None,
+            sure: true,
+            centre_in_session: centre,
+            bearing: Bearing::of(&centre, &Pose::identity()),
+            weight: 1.0 / centre.coords.norm() / places as f64,
+            places,
+        }
+    }
+
+    fn pair(number: u32, query: [f64; 3], candidate: [f64; 3], places: usize) -> Pair {
+        let (query, candidate) = (anchor(number, query, places), anchor(number + 100, candidate, places));
+        let weight = query.weight + candidate.weight;
+        Pair { query, candidate, weight, agreement: weight / places as f64, places }
+    }
+
+    fn ahead(metres: f64) -> Sim3 {
+        Sim3::from_parts(1.0, UnitQuaternion::identity(), Vector3::new(0.0, 0.0, metres))
+    }
+
+    #[test]
+    fn a_sign_that_hangs_once_speaks_against_a_transformation_that_would_hang_it_twice() {
+        let settings = Settings::default();
+        // Room 904, three metres on in the candidate's view, and an exit sign that hangs at every door.
+        let compared = Compared {
+            matched: vec![pair(1, [0.5, 0.0, 2.0], [0.5, 0.0, 2.0], 12)],
+            elsewhere: vec![pair(2, [0.0, 0.0, 2.0], [0.0, 0.0, 5.0], 1)],
+            total_weight: 2.0,
+            ..Compared::default()
+        };
+        let one_door_off = compared.under(&ahead(0.0), &settings);
+        assert!((one_door_off.displaced - 0.7).abs() < 1e-9, "{}", one_door_off.displaced);
+        assert!(one_door_off.displaced > one_door_off.agreement);
+        assert_eq!(one_door_off.least_places, Some(12));
+        let right = compared.under(&ahead(3.0), &settings);
+        assert_eq!(right.displaced, 0.0);
+        let paper = Settings { aligned_anchors: false, ..Settings::default() };
+        assert_eq!(compared.under(&ahead(0.0), &paper).displaced, 0.0);
+    }
+
+    #[test]
+    fn a_sign_that_also_stands_where_it_should_is_not_displaced() {
+        let mut twice = pair(1, [0.0, 0.0, 2.0], [0.0, 0.0, 5.0], 1);
+        twice.candidate.name = LocalName::Object(AnchorSeq(77));
+        let compared = Compared {
+            matched: vec![pair(1, [0.0, 0.0, 2.0], [0.0, 0.0, 2.0], 1)],
+            elsewhere: vec![twice],
+            total_weight: 2.0,
+            ..Compared::default()
+        };
+        assert_eq!(compared.under(&ahead(0.0), &Settings::default()).displaced, 0.0);
+    }
+}
