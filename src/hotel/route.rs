@@ -15,6 +15,8 @@ pub const KEYFRAME_EVERY_M: f64 = 0.6;
 pub const KEYFRAME_EVERY_RAD: f64 = 18.0 / 180.0 * PI;
 /// How far behind its door a room's middle is.
 const ROOM_MIDDLE_M: f64 = 2.3;
+/// And where the robot stands that looks out of it.
+const THRESHOLD_M: f64 = 0.4;
 /// No two passes are the same: how far off the line a pass may be, in metres.
 const PASS_SCATTER_M: f64 = 0.12;
 /// And how its heading scatters from keyframe to keyframe.
@@ -64,6 +66,8 @@ pub fn tour(plan: &FloorPlan, rooms: &[usize], chance: &mut Chance) -> Vec<Stop>
         walk.enter(pair[1]);
         walk.look_around();
     }
+    // Back in the first room it sees once more what it saw first: the way out.
+    walk.face_out(rooms[rooms.len() - 1]);
     walk.stops
 }
 
@@ -111,6 +115,13 @@ impl Walk<'_> {
             self.at.at = [from[0] + share * dx, from[1] + share * dy];
             self.stop();
         }
+    }
+
+    /// Turns to the door and drives up to it, still inside.
+    fn face_out(&mut self, room: usize) {
+        let door = self.plan.rooms[room].door;
+        self.turn_to(door.heading_rad() + PI);
+        self.drive_to(door.at(0.0, THRESHOLD_M));
     }
 
     fn leave(&mut self, room: usize) {
@@ -192,7 +203,8 @@ mod tests {
                 assert!(turn < KEYFRAME_EVERY_RAD + 8.0 * HEADING_SCATTER_RAD, "{turn}");
             }
             let (first, last) = (stops[0].stand.at, stops[stops.len() - 1].stand.at);
-            assert!((first[0] - last[0]).hypot(first[1] - last[1]) < 0.5);
+            assert!((first[0] - last[0]).hypot(first[1] - last[1]) < ROOM_MIDDLE_M + 0.5);
+            assert_eq!(stops[stops.len() - 1].place, stops[0].place);
             assert_eq!(stops[stops.len() - 1].visit, 12);
         }
     }

@@ -77,6 +77,10 @@ const PLATE_U_M: f64 = 0.62;
 const PLATE_Z_M: f64 = 1.45;
 /// Where repeated signs hang, left of the middle of the door.
 const REPEATED_U_M: f64 = -0.62;
+/// Where a painting may hang, right of the middle of the door across the corridor.
+const PAINTING_U_M: [f64; 3] = [0.0, 0.5, -0.5];
+/// A door with its plate needs so much wall on either side of its middle, and half a painting more.
+const DOOR_AND_PLATE_M: f64 = 1.05;
 /// The height of a painting's middle.
 const PAINTING_Z_M: f64 = 1.5;
 /// The height of an exit sign's middle.
@@ -118,8 +122,10 @@ impl Decorator<'_> {
             let plate = place(&room.door, PLATE_U_M, 0.0, PLATE_Z_M, -1.0);
             hung.push(self.sign(SignKind::DoorPlate, numbers[number].clone(), plate, &look, chance));
             let opposite = -2.0 * CORRIDOR_HALF_WIDTH_M;
-            if self.is_free(room.door.at(0.0, opposite)) {
-                let spot = place(&room.door, 0.0, opposite, PAINTING_Z_M, 1.0);
+            // Where it is seen through the open door, if another door leaves room for it.
+            let free = PAINTING_U_M.into_iter().find(|u| self.is_free(room.door.at(*u, opposite)));
+            if let Some(u) = free {
+                let spot = place(&room.door, u, opposite, PAINTING_Z_M, 1.0);
                 let (title, look) = if signs.repeated {
                     (titles[0].clone(), same_painting.clone())
                 } else {
@@ -166,7 +172,7 @@ impl Decorator<'_> {
     fn is_free(&self, place: [f64; 2]) -> bool {
         self.plan.rooms.iter().all(|room| {
             let [x, y] = room.door.origin;
-            (place[0] - x).hypot(place[1] - y) > 1.2
+            (place[0] - x).hypot(place[1] - y) > DOOR_AND_PLATE_M
         })
     }
 
