@@ -2,6 +2,7 @@
 
 mod demo;
 mod eval;
+mod keys;
 mod openapi;
 pub mod replay;
 mod serve;
@@ -35,6 +36,7 @@ enum Command {
     Eval(eval::EvalArgs),
     Openapi(openapi::OpenapiArgs),
     Vocabulary(vocabulary::VocabularyArgs),
+    Keys(keys::KeysArgs),
 }
 
 /// Why a subcommand failed, for a person.
@@ -50,6 +52,7 @@ impl Cli {
             Command::Eval(args) => eval::run(args).await,
             Command::Openapi(args) => openapi::run(&args),
             Command::Vocabulary(args) => vocabulary::run(args).await,
+            Command::Keys(args) => keys::run(args).await,
         }
     }
 }

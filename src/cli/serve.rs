@@ -10,6 +10,7 @@ use tokio::net::TcpListener;
 
 use super::replay::OwnServer;
 use super::{Failure, stop_on_signal, write_out};
+use crate::config::quotas::Quotas;
 use crate::config::{build, listen, logging, models};
 use crate::hotel::texture::Patterns;
 use crate::http::{self, RunningServer};
@@ -22,8 +23,9 @@ use crate::vocabulary::Vocabulary;
 /// finish what is in flight and exit 0.
 #[derive(Args, Debug)]
 pub struct ServeArgs {
-    /// Where to listen; port 0 takes a free one. Only addresses of this machine, as there are no API keys yet
-    #[arg(long, env = "REVISIT_LISTEN", value_name = "ADDR", default_value = "127.0.0.1:7878", value_parser = listen::loopback)]
+    /// Where to listen; port 0 takes a free one. An address that other machines reach needs an API key in the database
+    /// first: `revisit keys create`
+    #[arg(long, env = "REVISIT_LISTEN", value_name = "ADDR", default_value = "127.0.0.1:7878", value_parser = listen::address)]
     listen: SocketAddr,
     /// Where everything is kept; the file is made if it is not there
     #[arg(long, env = "REVISIT_DATABASE", value_name = "URL", default_value = "sqlite://revisit.db")]
@@ -34,6 +36,8 @@ pub struct ServeArgs {
     vocabulary: Option<PathBuf>,
     #[command(flatten)]
     models: models::ModelArgs,
+    #[command(flatten)]
+    quotas: Quotas,
     #[command(flatten)]
     log: logging::LogArgs,
 }
@@ -50,8 +54,14 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
         database: args.database.clone(),
         vocabulary: args.vocabulary,
         models: ModelChoice::Configured(Box::new(args.models)),
+        keys_required: !args.listen.ip().is_loopback(),
+        quotas: args.quotas,
     })
     .await?;
+    if !args.listen.ip().is_loopback() && !service.keys().has_good_key() {
+        service.close().await;
+        return Err(keyless(args.listen, &args.database).into());
+    }
     let addr = listener.local_addr()?;
     write_out(&format!("listening on http://{addr}\n"))?;
     tracing::info!(%addr, database = args.database, version = build::VERSION, "serving");
@@ -59,6 +69,15 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
     service.close().await;
     tracing::info!("stopped");
     Ok(served?)
+}
+
+/// Why a server that others reach does not start without a key, and how to make one.
+fn keyless(listen: SocketAddr, database: &str) -> String {
+    format!(
+        "{listen} can be reached by other machines, and {database} has no API key to keep them out. Make one first:\n\
+         \n    revisit keys create --name admin --actions read,write,query,admin --database {database}\n\n\
+         or listen on 127.0.0.1"
+    )
 }
 
 /// A server on a database that goes with it, for `replay`.

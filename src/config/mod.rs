@@ -3,13 +3,15 @@
 //! | file | concept |
 //! |---|---|
 //! | [`build`] | what this binary is |
-//! | [`listen`] | where to listen, and where not |
+//! | [`listen`] | where to listen, and whether others reach it |
 //! | [`logging`] | what is logged, and how |
 //! | [`models`] | which language and vision models to ask, and what they may cost |
+//! | [`quotas`] | how much a map may hold |
 //! | [`tls`] | the one TLS stack |
 
 pub mod build;
 pub mod listen;
 pub mod logging;
 pub mod models;
+pub mod quotas;
 pub mod tls;

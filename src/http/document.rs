@@ -1,10 +1,12 @@
 //! Document: the API document, made of the routes themselves.
 
-use utoipa::OpenApi;
 use utoipa::openapi::path::{Operation, Parameter, PathItem};
 use utoipa::openapi::schema::{Object, OneOf, SchemaType, Type};
+use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityRequirement, SecurityScheme};
 use utoipa::openapi::{RefOr, Schema};
+use utoipa::{Modify, OpenApi};
 
+use super::access::SCHEME;
 use super::{refusals, routes};
 use crate::wire::event::EventView;
 use crate::wire::problem::ProblemView;
@@ -26,11 +28,28 @@ use crate::wire::problem::ProblemView;
         (name = "anchors", description = "Semantic anchors: what was read, where it stands, what matches it"),
         (name = "events", description = "What happens in a map, as it happens"),
         (name = "semantics", description = "The three functions of §IV-A.2, and what models cost"),
+        (name = "keys", description = "API keys"),
         (name = "service", description = "How the server is")
     ),
-    components(schemas(ProblemView, EventView))
+    components(schemas(ProblemView, EventView)),
+    modifiers(&BearerKey)
 )]
 struct Frame;
+
+/// How a key is shown.
+struct BearerKey;
+
+impl Modify for BearerKey {
+    fn modify(&self, document: &mut utoipa::openapi::OpenApi) {
+        let mut bearer = Http::new(HttpAuthScheme::Bearer);
+        bearer.description = Some(
+            "An API key, with the action that the operation names. A server on loopback whose database never had a key \
+             wants none."
+                .to_owned(),
+        );
+        document.components.get_or_insert_default().add_security_scheme(SCHEME, SecurityScheme::Http(bearer));
+    }
+}
 
 /// The document without its operations.
 pub fn frame() -> utoipa::openapi::OpenApi {
@@ -45,6 +64,9 @@ pub fn document() -> utoipa::openapi::OpenApi {
         components.schemas.values_mut().for_each(settle);
     }
     document.paths.paths.values_mut().flat_map(operations).for_each(|operation| {
+        if wants_key(operation) {
+            operation.responses.responses.extend(refusals::of_keys());
+        }
         for parameter in operation.parameters.iter_mut().flatten() {
             if let RefOr::T(Parameter { schema: Some(schema), .. }) = parameter {
                 refuse_null(schema);
@@ -52,6 +74,11 @@ pub fn document() -> utoipa::openapi::OpenApi {
         }
     });
     document
+}
+
+/// Does the operation name an action that a key must have?
+fn wants_key(operation: &Operation) -> bool {
+    operation.security.iter().flatten().any(|requirement| *requirement != SecurityRequirement::default())
 }
 
 fn operations(item: &mut PathItem) -> impl Iterator<Item = &mut Operation> {

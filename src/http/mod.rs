@@ -8,10 +8,12 @@
 //! | [`problem`], [`envelope`] | what a refusal says, and the id that every answer carries |
 //! | [`router`] | the layers around the routes |
 //! | [`server`] | the accept loop, and how it stops |
+//! | [`access`] | who asks, and may they? |
 //! | [`metrics`] | what Prometheus reads |
 //! | [`mod@document`], [`refusals`] | the API document |
 //! | [`pages`] | the viewer and the reference |
 
+pub mod access;
 pub mod answer;
 pub mod body;
 pub mod document;
@@ -38,6 +40,7 @@ pub use document::document;
 pub use server::{RunningServer, serve};
 
 use crate::service::Service;
+use access::Needs;
 use metrics::Metrics;
 
 /// What handlers work with.
@@ -49,6 +52,8 @@ pub struct App {
     pub metrics: Arc<Metrics>,
     /// The API document as JSON.
     pub document: Bytes,
+    /// What each operation asks of who calls it.
+    pub needs: Arc<Needs>,
     /// Cancelled when the server is told to stop.
     pub stopping: CancellationToken,
     /// Loop checks that anchors have triggered and that nobody waits for.
@@ -61,6 +66,7 @@ impl App {
         let document = serde_json::to_vec(&document()).unwrap_or_default();
         Self {
             service,
+            needs: Arc::new(Needs::of(&serde_json::from_slice(&document).unwrap_or_default())),
             metrics: Arc::new(Metrics::default()),
             document: document.into(),
             stopping,

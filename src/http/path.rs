@@ -37,6 +37,9 @@ pub struct InLoop {
     pub id: LoopId,
 }
 
+/// An API key.
+pub struct InKey(pub KeyframeId);
+
 /// A kept loop query of a map.
 pub struct InQuery {
     /// The map.
@@ -83,6 +86,10 @@ documented! {
         map,
         /// The loop's id, made by its client.
         r#loop,
+    }
+    KeyPath {
+        /// The key's id, such as `key-7`, made by the service.
+        id,
     }
     QueryPath {
         /// The map's id, made by its client.
@@ -156,6 +163,15 @@ impl<S: Send + Sync> FromRequestParts<S> for InLoop {
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
         let (map, id) = Named::of(parts, state).await?.ids("map", "loop")?;
         Ok(Self { map, id })
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for InKey {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let named = Named::of(parts, state).await?;
+        named.id("id").map(Self).map_err(|fault| Problem::invalid(vec![fault]))
     }
 }
 

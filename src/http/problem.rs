@@ -1,7 +1,9 @@
 //! Problem: why a request is refused or failed, before the envelope writes it (`contract.md` §1).
 
-use axum::http::StatusCode;
-use axum::http::header::RETRY_AFTER;
+use std::time::Duration;
+
+use axum::http::header::{RETRY_AFTER, WWW_AUTHENTICATE};
+use axum::http::{HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 
 use crate::model::invalid::FieldError;
@@ -34,6 +36,8 @@ macro_rules! kinds {
 kinds! {
     SYNTAX = BAD_REQUEST, "syntax", "The body is not JSON";
     BAD_REQUEST = BAD_REQUEST, "bad_request", "The request is malformed";
+    UNAUTHORIZED = UNAUTHORIZED, "unauthorized", "A key is needed";
+    FORBIDDEN = FORBIDDEN, "forbidden", "The key may not do this";
     NOT_FOUND = NOT_FOUND, "not_found", "There is no such thing";
     METHOD_NOT_ALLOWED = METHOD_NOT_ALLOWED, "method_not_allowed", "The method is not allowed here";
     TIMEOUT = REQUEST_TIMEOUT, "timeout", "The body took too long to arrive";
@@ -43,9 +47,11 @@ kinds! {
     UNSUPPORTED_MEDIA_TYPE = UNSUPPORTED_MEDIA_TYPE, "unsupported_media_type", "The body's type or encoding is not supported";
     INVALID = UNPROCESSABLE_ENTITY, "invalid", "The request cannot be meant so";
     PRECONDITION_REQUIRED = PRECONDITION_REQUIRED, "precondition_required", "Say which version you have seen";
+    TOO_MANY_REQUESTS = TOO_MANY_REQUESTS, "too_many_requests", "The key has had its share";
     INTERNAL = INTERNAL_SERVER_ERROR, "internal", "The server failed";
     UNAVAILABLE = SERVICE_UNAVAILABLE, "unavailable", "The server cannot do this now";
     DISK_FULL = INSUFFICIENT_STORAGE, "disk_full", "The disk is full";
+    MAP_FULL = INSUFFICIENT_STORAGE, "map_full", "The map is full";
 }
 
 /// One problem. As a response it is empty but for its status: the envelope knows the request's id and writes it.
@@ -92,6 +98,13 @@ impl Problem {
             several => format!("{} faults, each listed", several.len()),
         };
         Self { errors, ..Self::new(Kind::INVALID, detail) }
+    }
+
+    /// Too many requests of one key; good again after this time.
+    pub fn too_many_requests(wait: Duration) -> Self {
+        let seconds = wait.as_secs_f64().ceil().clamp(1.0, f64::from(u32::MAX)) as u32;
+        let detail = "the key's requests a second are used up";
+        Self { retry_after_s: Some(seconds), ..Self::new(Kind::TOO_MANY_REQUESTS, detail) }
     }
 
     /// A failure of ours; `cause` goes to the log and nowhere else.
@@ -145,6 +158,7 @@ impl From<ServiceError> for Problem {
             ServiceError::DiskFull => {
                 Self::new(Kind::DISK_FULL, "nothing can be written; reading and deleting still work")
             }
+            ServiceError::MapFull { detail } => Self::new(Kind::MAP_FULL, detail),
             ServiceError::Unavailable { detail, retry_after_s } => {
                 Self { retry_after_s: Some(retry_after_s), ..Self::new(Kind::UNAVAILABLE, detail) }
             }
@@ -158,6 +172,9 @@ impl IntoResponse for Problem {
         let mut response = self.status().into_response();
         if let Some(seconds) = self.retry_after_s {
             response.headers_mut().insert(RETRY_AFTER, seconds.into());
+        }
+        if self.kind == Kind::UNAUTHORIZED {
+            response.headers_mut().insert(WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
         }
         response.extensions_mut().insert(self);
         response

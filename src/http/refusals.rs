@@ -53,6 +53,13 @@ refusals! {
     OfNobody = [];
 }
 
+/// What a key can meet at any operation that wants one.
+pub fn of_keys() -> impl Iterator<Item = (String, RefOr<Response>)> {
+    [Kind::UNAUTHORIZED, Kind::FORBIDDEN, Kind::TOO_MANY_REQUESTS]
+        .into_iter()
+        .map(|kind| (kind.status.as_str().to_owned(), reference(kind.code)))
+}
+
 /// References: what a refusal looks like stands in the document once for each kind.
 fn responses(kinds: &[Kind]) -> BTreeMap<String, RefOr<Response>> {
     let named = kinds.iter().map(|kind| (kind.status.as_str().to_owned(), reference(kind.code)));

@@ -13,6 +13,7 @@ use tower_http::decompression::RequestDecompressionLayer;
 use tower_http::limit::RequestBodyLimitLayer;
 use tower_http::timeout::RequestBodyTimeoutLayer;
 
+use super::access::authorise;
 use super::envelope::{self, envelope};
 use super::{App, document, pages, routes};
 use crate::wire::limits;
@@ -33,7 +34,9 @@ pub fn router(app: App) -> Router {
         // What is compressed is bounded by the largest body there is, what is inflated by its reader.
         .layer(RequestBodyLimitLayer::new(limits::BULK_BYTES))
         .layer(RequestDecompressionLayer::new());
-    api.merge(pages::routes())
+    // The pages ask for a key themselves, in the browser, and hold nothing.
+    api.route_layer(from_fn_with_state(app.clone(), authorise))
+        .merge(pages::routes())
         .fallback(envelope::no_such_path)
         .method_not_allowed_fallback(envelope::no_such_method)
         .layer(layers)

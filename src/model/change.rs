@@ -29,6 +29,8 @@ pub struct Keyframe {
     pub observes: Box<[PointId]>,
     /// Covisible keyframes declared by the client, each with its number of shared points.
     pub declared: Box<[(KeyframeSeq, u32)]>,
+    /// What it takes on disk, in bytes ([`super::keyframe::NewKeyframe::bytes`]).
+    pub bytes: u64,
 }
 
 /// Why two anchors are one.

@@ -124,3 +124,24 @@ pub struct NewKeyframe {
     /// The objects detected in it.
     pub detections: Vec<Detection>,
 }
+
+impl NewKeyframe {
+    /// What its lists, features and crops take on disk, in bytes; a map's quota counts these.
+    pub fn bytes(&self) -> u64 {
+        const NUMBER: usize = size_of::<i64>();
+        /// u, v and angle as f64, and the octave.
+        const KEYPOINT: usize = 3 * size_of::<f64>() + 1;
+        let numbers =
+            self.observes.len() + self.map_points.len() + self.covisible.len() + self.bow.words().len();
+        let features = self.features.as_ref().map_or(0, |features| {
+            features.descriptors.len() + features.keypoints.len() * (KEYPOINT + NUMBER)
+        });
+        let crops: usize = self
+            .detections
+            .iter()
+            .filter_map(|detection| detection.crop.as_ref())
+            .map(|crop| crop.bytes.len())
+            .sum();
+        (numbers * NUMBER + features + crops) as u64
+    }
+}

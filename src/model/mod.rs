@@ -13,6 +13,7 @@
 //! | what happened, for those who listen | [`event`] |
 //! | what a client asks for | [`request`] |
 //! | views for readers | [`report`] |
+//! | API keys and what they may do | [`key`] |
 //! | what is wrong with a body | [`invalid`] |
 
 pub mod anchor;
@@ -22,6 +23,7 @@ pub mod event;
 pub mod ids;
 pub mod invalid;
 pub mod judged;
+pub mod key;
 pub mod keyframe;
 pub mod map;
 pub mod report;

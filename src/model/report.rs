@@ -25,6 +25,8 @@ pub struct MapReport {
     pub sessions: usize,
     /// How many confirmed loops it holds.
     pub loops: usize,
+    /// What its keyframes take on disk, in bytes.
+    pub bytes: u64,
 }
 
 /// What ingest made of one keyframe.

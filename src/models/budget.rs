@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use super::port::{Fault, Operation};
+use crate::model::key::KeySeq;
 use crate::store::{Job, Spent, Store, StoreError, UsageRow};
 
 const SECONDS_A_DAY: u64 = 86_400;
@@ -35,6 +36,42 @@ pub struct Limits {
     pub calls: Option<i64>,
 }
 
+/// A key that pays, within limits of its own beside the server's.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Payer {
+    /// The key.
+    pub key: KeySeq,
+    /// What a day may bring for it.
+    pub limits: Limits,
+}
+
+impl Limits {
+    /// Would this be too much for a day?
+    fn broken_by(self, day: Day) -> bool {
+        let over = |limit: Option<i64>, sum: i64| limit.is_some_and(|limit| sum > limit);
+        over(self.calls, day.calls) || over(self.microusd, day.microusd)
+    }
+
+    /// Is nothing left of a day?
+    fn used_up_by(self, day: Day) -> bool {
+        let over = |limit: Option<i64>, sum: i64| limit.is_some_and(|limit| sum >= limit);
+        over(self.calls, day.calls) || over(self.microusd, day.microusd)
+    }
+}
+
+/// What a day has brought so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Day {
+    calls: i64,
+    microusd: i64,
+}
+
+impl Day {
+    fn and(self, microusd: i64) -> Self {
+        Self { calls: self.calls + 1, microusd: self.microusd + microusd }
+    }
+}
+
 /// Sums of one operation and model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Totals {
@@ -61,8 +98,8 @@ pub struct Budget {
 #[derive(Debug, Default)]
 struct Books {
     today: i64,
-    calls_today: i64,
-    microusd_today: i64,
+    day: Day,
+    day_of_key: BTreeMap<KeySeq, Day>,
     ever: BTreeMap<(String, String), Totals>,
     /// Cache hits not written yet; they travel with the next call.
     unwritten_hits: BTreeMap<(String, String), i64>,
@@ -75,6 +112,7 @@ pub struct Reservation {
     operation: Operation,
     model: Arc<str>,
     microusd: i64,
+    key: Option<KeySeq>,
 }
 
 impl Budget {
@@ -83,8 +121,11 @@ impl Budget {
         let today = today();
         let mut books = Books { today, ..Books::default() };
         for row in store.usage_since(today).await? {
-            books.calls_today += row.calls;
-            books.microusd_today += row.cost_microusd;
+            books.day.calls += row.calls;
+            books.day.microusd += row.cost_microusd;
+        }
+        for (key, calls, microusd) in store.usage_of_keys(today).await? {
+            books.day_of_key.insert(KeySeq(key), Day { calls, microusd });
         }
         for row in store.usage_since(i64::MIN).await? {
             books.ever.insert((row.operation.clone(), row.model.clone()), totals(&row));
@@ -98,19 +139,24 @@ impl Budget {
         operation: Operation,
         model: &Arc<str>,
         microusd: i64,
+        payer: Option<&Payer>,
     ) -> Result<Reservation, Fault> {
         let day = today();
+        let payers_key = payer.map(|payer| payer.key);
         let cache_hits = {
             let mut books = self.lock();
             books.turn_to(day);
-            let over = |limit: Option<i64>, sum: i64| limit.is_some_and(|limit| sum > limit);
-            if over(self.limits.calls, books.calls_today + 1)
-                || over(self.limits.microusd, books.microusd_today + microusd)
+            let with_this = books.day.and(microusd);
+            let of_payer = payer.map(|payer| (payer, books.of(payer.key).and(microusd)));
+            if self.limits.broken_by(with_this)
+                || of_payer.is_some_and(|(payer, day)| payer.limits.broken_by(day))
             {
                 return Err(Fault::Spent);
             }
-            books.calls_today += 1;
-            books.microusd_today += microusd;
+            books.day = with_this;
+            if let Some((payer, day)) = of_payer {
+                books.day_of_key.insert(payer.key, day);
+            }
             let key = (operation.as_str().to_owned(), model.to_string());
             let totals = books.ever.entry(key.clone()).or_default();
             totals.calls += 1;
@@ -124,22 +170,26 @@ impl Budget {
             calls: 1,
             cost_microusd: microusd,
             cache_hits,
+            key: payers_key,
             ..Spent::default()
         };
         let written = self.store.committer().commit(Job::Spend(spent)).await;
         written.map_err(|error| Fault::Store(error.to_string()))?;
-        Ok(Reservation { day, operation, model: model.clone(), microusd })
+        Ok(Reservation { day, operation, model: model.clone(), microusd, key: payers_key })
     }
 
     /// Settles a call by what it took. Written behind: until then the books are too cautious.
     pub fn settle(&self, reservation: Reservation, input_tokens: u64, output_tokens: u64, microusd: i64) {
-        let Reservation { day, operation, model, microusd: reserved } = reservation;
+        let Reservation { day, operation, model, microusd: reserved, key } = reservation;
         let (input_tokens, output_tokens) = (input_tokens as i64, output_tokens as i64);
         let too_much = microusd - reserved;
         {
             let mut books = self.lock();
             if books.today == day {
-                books.microusd_today += too_much;
+                books.day.microusd += too_much;
+                if let Some(of_key) = key.and_then(|key| books.day_of_key.get_mut(&key)) {
+                    of_key.microusd += too_much;
+                }
             }
             let totals = books.ever.entry((operation.as_str().to_owned(), model.to_string())).or_default();
             totals.microusd += too_much;
@@ -153,6 +203,7 @@ impl Budget {
             input_tokens,
             output_tokens,
             cost_microusd: too_much,
+            key,
             ..Spent::default()
         };
         self.store.committer().submit_alone(Job::Spend(spent));
@@ -170,8 +221,14 @@ impl Budget {
     pub fn is_spent(&self) -> bool {
         let mut books = self.lock();
         books.turn_to(today());
-        self.limits.calls.is_some_and(|limit| books.calls_today >= limit)
-            || self.limits.microusd.is_some_and(|limit| books.microusd_today >= limit)
+        self.limits.used_up_by(books.day)
+    }
+
+    /// Is a key's own budget of today spent, as far as another call goes?
+    pub fn is_spent_for(&self, payer: &Payer) -> bool {
+        let mut books = self.lock();
+        books.turn_to(today());
+        payer.limits.used_up_by(books.of(payer.key))
     }
 
     /// The sums by operation and model, since the database was made.
@@ -184,7 +241,7 @@ impl Budget {
     pub fn today(&self) -> (i64, i64, Limits) {
         let mut books = self.lock();
         books.turn_to(today());
-        (books.calls_today, books.microusd_today, self.limits)
+        (books.day.calls, books.day.microusd, self.limits)
     }
 
     fn lock(&self) -> MutexGuard<'_, Books> {
@@ -196,8 +253,14 @@ impl Budget {
 impl Books {
     fn turn_to(&mut self, day: i64) {
         if day != self.today {
-            (self.today, self.calls_today, self.microusd_today) = (day, 0, 0);
+            self.today = day;
+            self.day = Day::default();
+            self.day_of_key.clear();
         }
+    }
+
+    fn of(&self, key: KeySeq) -> Day {
+        self.day_of_key.get(&key).copied().unwrap_or_default()
     }
 }
 

@@ -6,6 +6,7 @@
 use std::sync::Arc;
 
 use super::adapters::summary_of;
+use super::budget::Payer;
 use super::gateway::Gateway;
 use super::judge::class_name;
 use super::parse;
@@ -68,6 +69,12 @@ pub struct Told {
 }
 
 impl Describer {
+    /// The same at somebody's expense.
+    pub fn paid_by(&self, payer: Option<Payer>) -> Self {
+        let paid = |gateway: &Option<Gateway>| gateway.as_ref().map(|gateway| gateway.paid_by(payer.clone()));
+        Self { eyes: paid(&self.eyes), tongue: paid(&self.tongue), reader: self.reader.clone() }
+    }
+
     /// Can it make anything of a crop?
     pub fn reads(&self) -> bool {
         self.eyes.is_some() || self.reader.is_some()

@@ -9,7 +9,7 @@ use backon::{ExponentialBuilder, Retryable as _};
 use tokio::sync::Semaphore;
 
 use super::breaker::Breaker;
-use super::budget::{Budget, Prices};
+use super::budget::{Budget, Payer, Prices};
 use super::cache::{AnswerCache, key};
 use super::parse;
 use super::picture::Picture;
@@ -66,6 +66,7 @@ pub struct Gateway {
     breaker: Arc<Breaker>,
     policy: Policy,
     shared: Arc<Shared>,
+    payer: Option<Payer>,
 }
 
 /// An answer, and whether it was there already.
@@ -81,7 +82,12 @@ impl Gateway {
     /// The way to a model.
     pub fn new(model: Arc<dyn Model>, breaker: Breaker, policy: Policy, shared: Arc<Shared>) -> Self {
         let name = model.name().into();
-        Self { model, name, breaker: Arc::new(breaker), policy, shared }
+        Self { model, name, breaker: Arc::new(breaker), policy, shared, payer: None }
+    }
+
+    /// The same at somebody's expense.
+    pub fn paid_by(&self, payer: Option<Payer>) -> Self {
+        Self { payer, ..self.clone() }
     }
 
     /// `model:<name>`.
@@ -180,7 +186,7 @@ impl Gateway {
         let budget = &self.shared.budget;
         let (input_max, output_max) = (tokens_sent(question), u64::from(self.policy.max_tokens));
         let most = self.policy.prices.microusd(input_max, output_max);
-        let reservation = budget.reserve(question.operation(), &self.name, most).await?;
+        let reservation = budget.reserve(question.operation(), &self.name, most, self.payer.as_ref()).await?;
         let limit = if question.needs_eyes() { self.policy.vision_timeout } else { self.policy.text_timeout };
         let answered = match tokio::time::timeout(limit, self.model.answer(question)).await {
             Ok(answered) => answered,

@@ -3,6 +3,7 @@
 
 use std::time::Duration;
 
+use super::budget::Payer;
 use super::gateway::Gateway;
 use super::parse;
 use super::port::{Fault, Question};
@@ -52,6 +53,11 @@ impl Judge {
     /// Judges by this model where the built-in judge leaves a question open; without one, alone.
     pub fn new(model: Option<Gateway>) -> Self {
         Self { model }
+    }
+
+    /// The same at somebody's expense.
+    pub fn paid_by(&self, payer: Option<Payer>) -> Self {
+        Self { model: self.model.as_ref().map(|model| model.paid_by(payer)) }
     }
 
     /// Is there a model to judge by?

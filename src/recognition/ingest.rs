@@ -83,6 +83,7 @@ fn add_keyframe(record: &mut Recorder<'_>, new: &NewKeyframe) -> (KeyframeSeq, S
         camera: new.camera,
         observes: new.observes.clone().into(),
         declared: new.covisible.iter().filter_map(|(id, n)| Some((index.keyframe_seq(id)?, *n))).collect(),
+        bytes: new.bytes(),
     };
     let seq = keyframe.seq;
     changes.push(Change::KeyframeAdded(Box::new(keyframe), Arc::new(new.bow.clone())));

@@ -37,6 +37,12 @@ pub enum ServiceError {
     /// The disk is full: writes are refused, reads and deletes go on.
     #[error("the disk is full; nothing was written")]
     DiskFull,
+    /// The map's quota is used up: writes to it are refused, reads and deletes go on.
+    #[error("{detail}")]
+    MapFull {
+        /// A sentence for people.
+        detail: String,
+    },
     /// Not now.
     #[error("{detail}")]
     Unavailable {

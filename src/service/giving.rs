@@ -9,7 +9,7 @@ use super::{Service, ServiceError};
 use crate::model::ids::{AnchorSeq, KeyframeSeq};
 use crate::model::judged::{CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
 use crate::models::Models;
-use crate::models::dialogue::Told;
+use crate::models::dialogue::{Describer, Told};
 use crate::models::picture::Picture;
 use crate::models::port::Fault;
 use crate::recognition::index::MapIndex;
@@ -22,26 +22,28 @@ const DECODER: &str = "revisit";
 impl Service {
     /// Asks for what is lacking and keeps the answer; an error if it must be asked for again.
     pub(super) async fn give(&self, live: &Arc<LiveMap>, models: &Models, lack: Lack) -> Result<(), Fault> {
+        let payer = self.payer(live.owner);
+        let judge = models.judge.paid_by(payer.clone());
         match lack {
             Lack::Reading { anchor, keyframe, detection, class, hint } => {
                 let at = (anchor, keyframe, detection);
-                self.give_reading(live, models, at, &class, hint.as_deref()).await
+                self.give_reading(live, models.describer.paid_by(payer), at, &class, hint.as_deref()).await
             }
             Lack::Information { class, text } => {
-                let judged = models.judge.information(&class, &text, None).await;
+                let judged = judge.information(&class, &text, None).await;
                 let finding = Finding::Information(judged.level);
                 let b = "".into();
                 let verdict = ModelVerdict { class, a: text, b, finding, source: judged.source.into() };
                 self.give_verdict(live, verdict, judged.degraded).await
             }
             Lack::Similarity { class, a, b } => {
-                let judged = models.judge.similarity(&class, &a, &b, None).await;
+                let judged = judge.similarity(&class, &a, &b, None).await;
                 let finding = Finding::Similarity(judged.level);
                 let verdict = ModelVerdict { class, a, b, finding, source: judged.source.into() };
                 self.give_verdict(live, verdict, judged.degraded).await
             }
             Lack::Merge { class, a, b, as_read: [first, second] } => {
-                let merged = models.judge.merge(&class, &first, &second, None).await;
+                let merged = judge.merge(&class, &first, &second, None).await;
                 let finding = Finding::Merge(merged.text.into());
                 let verdict = ModelVerdict { class, a, b, finding, source: merged.source.into() };
                 self.give_verdict(live, verdict, merged.degraded).await
@@ -52,7 +54,7 @@ impl Service {
     async fn give_reading(
         &self,
         live: &Arc<LiveMap>,
-        models: &Models,
+        describer: Describer,
         (anchor, keyframe, detection): (AnchorSeq, KeyframeSeq, u16),
         class: &str,
         hint: Option<&str>,
@@ -62,7 +64,7 @@ impl Service {
         let Some(crop) = crop.map_err(|error| Fault::Store(error.to_string()))? else { return Ok(()) };
         let decoded = spawn_blocking(move || Picture::decode(&crop.bytes)).await;
         let told = match decoded.map_err(|_| Fault::Store("the decoder broke off".to_owned()))? {
-            Ok(picture) => models.describer.describe(Arc::new(picture), class, hint).await?,
+            Ok(picture) => describer.describe(Arc::new(picture), class, hint).await?,
             Err(error) => undecodable(error.to_string()),
         };
         let degraded = told.degraded;

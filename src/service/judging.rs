@@ -1,31 +1,51 @@
 //! The three functions of §IV-A.2 asked by hand, what models cost, and the dialogues that described an anchor.
 
+use super::keyring::Access;
 use super::{Service, ServiceError};
 use crate::model::ids::{AnchorSeq, KeyframeSeq, MapId};
 use crate::model::judged::{CropReading, Transcript};
+use crate::model::key::KeySeq;
 use crate::model::report::{UsageLine, UsageReport};
-use crate::models::judge::{Judged, Merged};
+use crate::models::budget::{Limits, Payer};
+use crate::models::judge::{Judge, Judged, Merged};
 
 /// An anchor shows at most so many dialogues, the newest first.
 const TRANSCRIPTS_SHOWN: usize = 32;
 
 impl Service {
+    /// The three functions, at the expense of who asks.
+    fn judge(&self, asks: &Access) -> Judge {
+        let Some(models) = &self.models else { return Judge::default() };
+        models.judge.paid_by(self.payer(asks.key()))
+    }
+
+    /// Who pays, with the limits of the key.
+    pub(super) fn payer(&self, key: Option<KeySeq>) -> Option<Payer> {
+        let key = key?;
+        let properties = self.keys.properties(key)?;
+        let limits = Limits {
+            calls: properties.model_daily_calls.map(i64::from),
+            microusd: properties.model_daily_microusd.map(|microusd| microusd as i64),
+        };
+        Some(Payer { key, limits })
+    }
+
     /// SimilarityLevel of two texts of one class.
-    pub async fn similarity(&self, class: &str, a: &str, b: &str) -> Judged {
+    pub async fn similarity(&self, asks: &Access, class: &str, a: &str, b: &str) -> Judged {
         let patience = self.models.as_ref().map(|models| models.patience);
-        self.judge().similarity(class, a, b, patience).await
+        self.judge(asks).similarity(class, a, b, patience).await
     }
 
     /// InformationLevel of a text.
-    pub async fn information(&self, class: &str, text: &str) -> Judged {
+    pub async fn information(&self, asks: &Access, class: &str, text: &str) -> Judged {
         let patience = self.models.as_ref().map(|models| models.patience);
-        self.judge().information(class, text, patience).await
+        self.judge(asks).information(class, text, patience).await
     }
 
     /// MergeText of two texts of one class.
-    pub async fn merge_text(&self, class: &str, a: &str, b: &str) -> Merged {
+    pub async fn merge_text(&self, asks: &Access, class: &str, a: &str, b: &str) -> Merged {
         let patience = self.models.as_ref().map(|models| models.patience);
-        self.judge().merge(class, a, b, patience).await
+        self.judge(asks).merge(class, a, b, patience).await
     }
 
     /// What models were asked and what it cost; `None` without any.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::live::{Decision, LiveMap};
 use super::maps::bad_cursor;
+use super::quota::check_quota;
 use super::words::check_vocabulary;
 use super::{Begun, Service, ServiceError, Stored};
 use crate::model::anchor::{AnchorState, Outcome};
@@ -69,6 +70,7 @@ impl Service {
         let live = self.live(map).await?;
         let keyframe = self.with_words(keyframe).await?;
         let id = keyframe.id.clone();
+        let quotas = self.quotas;
         let decide = move |index: &mut MapIndex| {
             if let Some(seq) = index.keyframe_seq(&keyframe.id) {
                 return Ok(Decision::Unchanged(Put::Exists(seq)));
@@ -78,6 +80,7 @@ impl Service {
                 return Err(ServiceError::Invalid(errors));
             }
             check_vocabulary(index, &keyframe)?;
+            check_quota(&quotas, index, &keyframe)?;
             let ingested = ingest(index, &keyframe);
             let mut report = report(index, &keyframe.id, ingested.keyframe, &ingested.outcomes);
             report.revisits = ingested.revisits;

@@ -310,7 +310,7 @@ async fn holds_after(requests: Vec<Request>) {
     let map: MapId = "hotel".parse().unwrap();
     let mut properties = MapProperties { metric: true, ..MapProperties::default() };
     properties.settings.covisibility_min_shared_points = 3;
-    service.put_map(map.clone(), properties).await.unwrap();
+    service.put_map(map.clone(), properties, None).await.unwrap();
     for request in requests {
         let shown = format!("{request:?}");
         match send(&service, &map, request).await {

@@ -15,6 +15,7 @@ use tokio::sync::{oneshot, watch};
 use super::error::ServiceError;
 use crate::model::event::Event;
 use crate::model::ids::MapId;
+use crate::model::key::KeySeq;
 use crate::model::request::Digest;
 use crate::recognition::index::MapIndex;
 use crate::recognition::recorder::Decided;
@@ -39,6 +40,8 @@ pub(super) struct LiveMap {
     pub key: MapKey,
     /// The digest of the body that made it.
     pub digest: Digest,
+    /// The key that made it, which pays for its models.
+    pub owner: Option<KeySeq>,
     state: RwLock<State>,
     line: Line,
     /// The version of `state`.
@@ -81,6 +84,7 @@ impl LiveMap {
             id,
             key: loaded.key,
             digest: loaded.digest,
+            owner: loaded.owner,
             line: Arc::new(AtomicBool::new(false)),
             newest: AtomicU64::new(loaded.version),
             on_disk: watch::Sender::new(on_disk(&loaded)),

@@ -7,6 +7,7 @@ use super::{Service, ServiceError, Stored};
 use crate::model::change::Change;
 use crate::model::ids::MapId;
 use crate::model::invalid::FieldError;
+use crate::model::key::KeySeq;
 use crate::model::map::MapProperties;
 use crate::model::report::{MapReport, Page};
 use crate::model::request::{Digest, MapPatch};
@@ -19,14 +20,24 @@ use crate::store::{Job, Loaded, StoreError};
 const FIRST_VERSION: u64 = 1;
 
 impl Service {
-    /// The maps by name.
+    /// The maps by name, as far as they are visible to who asks.
     pub async fn list_maps(
         &self,
         cursor: Option<&str>,
         limit: usize,
+        visible: impl Fn(&MapId) -> bool,
     ) -> Result<Page<MapReport>, ServiceError> {
-        let after = cursor.map(|cursor| cursor.parse().map_err(|_| bad_cursor(cursor))).transpose()?;
-        let mut ids = self.store.map_ids(after.as_ref(), limit + 1).await?;
+        let mut after = cursor.map(|cursor| cursor.parse().map_err(|_| bad_cursor(cursor))).transpose()?;
+        let mut ids: Vec<MapId> = Vec::new();
+        while ids.len() <= limit {
+            let found = self.store.map_ids(after.as_ref(), limit + 1).await?;
+            let last = found.len() <= limit;
+            after = found.last().cloned();
+            ids.extend(found.into_iter().filter(&visible));
+            if last {
+                break;
+            }
+        }
         let more = ids.len() > limit;
         ids.truncate(limit);
         let next_cursor = ids.last().filter(|_| more).map(ToString::to_string);
@@ -47,6 +58,7 @@ impl Service {
         &self,
         id: MapId,
         properties: MapProperties,
+        owner: Option<KeySeq>,
     ) -> Result<Stored<MapReport>, ServiceError> {
         let digest = fingerprint(&properties);
         let _birth = self.registry.births.lock().await;
@@ -65,9 +77,10 @@ impl Service {
         let mut index = MapIndex::default();
         index.apply(&[Change::MapSet(Box::new(properties.clone()))]);
         let key = self.registry.next_key();
-        let loaded = Loaded { key, version: FIRST_VERSION, next_event: 1, next_kept: 1, digest, index };
+        let loaded =
+            Loaded { key, version: FIRST_VERSION, next_event: 1, next_kept: 1, digest, owner, index };
         let live = LiveMap::unborn(id.clone(), loaded);
-        let job = Job::CreateMap { key, id: id.clone(), properties: Box::new(properties), digest };
+        let job = Job::CreateMap { key, id: id.clone(), properties: Box::new(properties), digest, owner };
         let committed = live.submit(&self.store, job, FIRST_VERSION, 0);
         committed.await.map_err(|_| StoreError::Closed)??;
         self.registry.insert(live.clone());
@@ -134,6 +147,7 @@ fn report(id: MapId, state: &State) -> MapReport {
         anchors: state.index.objects().len(),
         sessions: state.index.sessions().len(),
         loops: state.index.loops().len(),
+        bytes: state.index.bytes(),
     }
 }
 

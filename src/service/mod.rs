@@ -12,6 +12,7 @@ mod features;
 mod giving;
 mod judging;
 mod keyframes;
+pub mod keyring;
 #[cfg(test)]
 mod law;
 mod live;
@@ -19,6 +20,7 @@ mod loops;
 mod maps;
 mod poses;
 mod queries;
+mod quota;
 mod registry;
 mod reports;
 mod words;
@@ -29,19 +31,21 @@ use std::sync::Arc;
 
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::task::spawn_blocking;
+use tokio_util::sync::CancellationToken;
 
 pub use error::ServiceError;
 pub use keyframes::PendingKeyframe;
 pub use queries::{QueryAnswer, Timings};
 
 use crate::config::models::ModelArgs;
+use crate::config::quotas::Quotas;
 use crate::model::ids::MapId;
 use crate::models::Models;
-use crate::models::judge::Judge;
 use crate::models::port::Model;
 use crate::recognition::index::MapIndex;
 use crate::store::{Job, Store};
 use features::FeatureCache;
+use keyring::Keyring;
 use live::{Decision, LiveMap, Pending, State};
 use registry::Registry;
 use words::NamedVocabulary;
@@ -63,6 +67,10 @@ pub struct ServiceOptions {
     pub vocabulary: Option<PathBuf>,
     /// The models to ask.
     pub models: ModelChoice,
+    /// Is a key wanted even while the database has none? Where others than this machine reach the server.
+    pub keys_required: bool,
+    /// The most that a map may hold.
+    pub quotas: Quotas,
 }
 
 /// The models to ask.
@@ -80,7 +88,13 @@ pub enum ModelChoice {
 impl ServiceOptions {
     /// A service on this database, without a vocabulary.
     pub fn on(database: impl Into<String>) -> Self {
-        Self { database: database.into(), vocabulary: None, models: ModelChoice::None }
+        Self {
+            database: database.into(),
+            vocabulary: None,
+            models: ModelChoice::None,
+            keys_required: false,
+            quotas: Quotas::default(),
+        }
     }
 }
 
@@ -139,6 +153,10 @@ pub struct Service {
     vocabulary: Option<Arc<NamedVocabulary>>,
     models: Option<Arc<Models>>,
     worker: Arc<Worker>,
+    keys: Keyring,
+    quotas: Quotas,
+    /// Ends what goes on in the background.
+    closing: CancellationToken,
 }
 
 impl Service {
@@ -154,6 +172,9 @@ impl Service {
         let service = Self {
             models: models.clone(),
             worker: Worker::new(),
+            keys: Keyring::open(store.clone(), options.keys_required).await?,
+            quotas: options.quotas,
+            closing: CancellationToken::new(),
             store,
             registry,
             writes: Arc::new(Semaphore::new(WRITES_AT_ONCE)),
@@ -161,6 +182,7 @@ impl Service {
             features: FeatureCache::new(vocabulary.clone()),
             vocabulary,
         };
+        service.glance_at_keys();
         if let Some(models) = models {
             service.worker.start(service.clone(), models);
         }
@@ -169,8 +191,25 @@ impl Service {
 
     /// Writes what is queued, and closes the database.
     pub async fn close(&self) {
+        self.closing.cancel();
         self.worker.stop().await;
         self.store.close().await;
+    }
+
+    /// The keys of this database.
+    pub fn keys(&self) -> &Keyring {
+        &self.keys
+    }
+
+    /// Sees in the background what other processes do to the keys.
+    fn glance_at_keys(&self) {
+        let (keys, closing) = (self.keys.clone(), self.closing.clone());
+        tokio::spawn(closing.run_until_cancelled_owned(async move {
+            loop {
+                tokio::time::sleep(keyring::GLANCE).await;
+                keys.glance().await;
+            }
+        }));
     }
 
     /// Does the database answer?
@@ -210,10 +249,6 @@ impl Service {
             stats.index_bytes += state.index.inverted_file().heap_bytes() as u64;
         }
         stats
-    }
-
-    fn judge(&self) -> Judge {
-        self.models.as_ref().map(|models| models.judge.clone()).unwrap_or_default()
     }
 
     async fn live(&self, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {

@@ -212,7 +212,7 @@ impl Round {
     /// Looks what a map lacks, if it has changed; and tells the map whether it waits for a model.
     async fn look(&mut self, live: &Arc<LiveMap>) -> Option<Instant> {
         let abilities = self.abilities();
-        let models_away = self.models.is_away();
+        let models_away = self.models.is_away() || self.is_spent_for(live);
         let board = self.boards.entry(live.id.clone()).or_default();
         let now = Instant::now();
         if !board.found.is_empty() {
@@ -249,6 +249,12 @@ impl Round {
             self.tell_away(live, away).await;
         }
         next_due
+    }
+
+    /// Has the key that pays for this map spent its day's budget?
+    fn is_spent_for(&self, live: &LiveMap) -> bool {
+        let payer = self.service.payer(live.owner);
+        payer.is_some_and(|payer| self.models.budget().is_spent_for(&payer))
     }
 
     fn abilities(&self) -> Abilities {

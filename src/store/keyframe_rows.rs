@@ -35,8 +35,8 @@ pub(super) async fn add_keyframe(
     });
     let insert =
         "insert into keyframes (map_key, keyframe, id, session, stamp_sec, stamp_nanosec, pose, camera,
-            observes, sent_points, declared, bow_words, bow_weights, digest)
-        values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14)";
+            observes, sent_points, declared, bow_words, bow_weights, digest, bytes)
+        values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15)";
     let query = sqlx::query(insert)
         .bind(map)
         .bind(keyframe.seq.0)
@@ -51,7 +51,8 @@ pub(super) async fn add_keyframe(
         .bind(pack(keyframe.declared.iter().map(|(other, shared)| (other.0, *shared))))
         .bind(pack(bow.words().iter().copied()))
         .bind(pack(bow.weights().iter().copied()))
-        .bind(&rows.digest[..]);
+        .bind(&rows.digest[..])
+        .bind(keyframe.bytes as i64);
     run(db, query).await?;
     match &rows.keyframe.features {
         Some(features) => add_features(db, map, keyframe.seq, features).await,

@@ -17,6 +17,7 @@ use crate::model::anchor::Observation;
 use crate::model::bow::BowVector;
 use crate::model::change::{Change, Keyframe, Loop, Merge, MergeCause};
 use crate::model::ids::{AnchorSeq, KeyframeSeq, LoopId, MapId, SessionSeq};
+use crate::model::key::KeySeq;
 use crate::model::keyframe::{Camera, Stamp};
 use crate::model::map::MapProperties;
 use crate::model::request::Digest;
@@ -39,6 +40,8 @@ pub struct Loaded {
     pub next_kept: i64,
     /// The digest of the body that made it.
     pub digest: Digest,
+    /// The key that made it.
+    pub owner: Option<KeySeq>,
     /// Everything derived from its facts.
     pub index: MapIndex,
 }
@@ -74,6 +77,7 @@ impl Store {
             next_event: row.try_get::<i64, _>("next_event")? as u64,
             next_kept: next_kept.bind(key).fetch_one(&mut *db).await?,
             digest: digest(&row)?,
+            owner: row.try_get::<Option<i64>, _>("owner")?.map(KeySeq),
             index,
         }))
     }
@@ -176,6 +180,7 @@ pub(super) fn keyframe(row: &SqliteRow) -> Result<(Keyframe, BowVector), StoreEr
         camera: row.try_get::<Option<&[u8]>, _>("camera")?.map(camera).transpose()?,
         observes: unpack(row.try_get("observes")?)?.into(),
         declared: declared.into_iter().map(|(other, shared)| (KeyframeSeq(other), shared)).collect(),
+        bytes: row.try_get::<i64, _>("bytes")? as u64,
     };
     Ok((keyframe, bow(row)?))
 }

@@ -7,12 +7,14 @@
 //! | from changes to rows | [`mod@write`], [`keyframe_rows`] |
 //! | from rows to changes, when a map is first asked for | [`load`] |
 //! | what models said, and what it cost | [`model_rows`] |
+//! | API keys | [`key_rows`] |
 //! | reads of one row | [`read`] |
 //! | packed lists in blobs | [`blob`] |
 
 mod blob;
 mod committer;
 mod error;
+mod key_rows;
 mod keyframe_rows;
 mod load;
 mod model_rows;
@@ -29,6 +31,7 @@ use sqlx::sqlite::{
 
 pub use committer::{CommitStats, Committer, Line};
 pub use error::StoreError;
+pub use key_rows::{KeyTable, NewKeyRow};
 pub use load::Loaded;
 pub use model_rows::{Spent, UsageRow};
 pub use read::{DetectionRow, KeyframeRow};

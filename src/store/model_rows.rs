@@ -10,6 +10,7 @@ use super::{Store, StoreError};
 use crate::model::change::Change;
 use crate::model::ids::{KeyframeSeq, MapId};
 use crate::model::judged::{CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
+use crate::model::key::KeySeq;
 
 /// Answers are kept up to this number, oldest out first.
 const ANSWERS_KEPT: i64 = 1_000_000;
@@ -33,6 +34,8 @@ pub struct Spent {
     pub cost_microusd: i64,
     /// Questions answered without a call.
     pub cache_hits: i64,
+    /// The key at whose expense.
+    pub key: Option<KeySeq>,
 }
 
 /// The sums of one operation and model.
@@ -80,6 +83,12 @@ impl Store {
                 })
             })
             .collect()
+    }
+
+    /// What was spent on one day for each key: calls, and millionths of a US dollar.
+    pub async fn usage_of_keys(&self, day: i64) -> Result<Vec<(i64, i64, i64)>, StoreError> {
+        let select = "select key, calls, cost_microusd from key_usage where day = $1 order by key";
+        Ok(sqlx::query_as(select).bind(day).fetch_all(&self.readers).await?)
     }
 
     /// The maps that hold crops: after a start, a model may have to read some of them.
@@ -191,7 +200,12 @@ pub(super) async fn spend(db: &mut SqliteConnection, spent: &Spent) -> Result<()
             cost_microusd = cost_microusd + excluded.cost_microusd, cache_hits = cache_hits + excluded.cache_hits";
     let query = sqlx::query(insert).bind(spent.day).bind(spent.operation).bind(&*spent.model);
     let query = query.bind(spent.calls).bind(spent.input_tokens).bind(spent.output_tokens);
-    run(db, query.bind(spent.cost_microusd).bind(spent.cache_hits)).await
+    run(db, query.bind(spent.cost_microusd).bind(spent.cache_hits)).await?;
+    let Some(key) = spent.key else { return Ok(()) };
+    let insert = "insert into key_usage (day, key, calls, cost_microusd) values ($1, $2, $3, $4)
+        on conflict (day, key) do update set
+            calls = calls + excluded.calls, cost_microusd = cost_microusd + excluded.cost_microusd";
+    run(db, sqlx::query(insert).bind(spent.day).bind(key.0).bind(spent.calls).bind(spent.cost_microusd)).await
 }
 
 /// The verdicts about a map's texts, and whether it waits for a model.

@@ -12,6 +12,7 @@ use super::StoreError;
 const MIGRATIONS: &[(i64, &str, &str)] = &[
     (1, "facts", include_str!("../../migrations/sqlite/0001_facts.sql")),
     (2, "models", include_str!("../../migrations/sqlite/0002_models.sql")),
+    (3, "trust", include_str!("../../migrations/sqlite/0003_trust.sql")),
 ];
 
 /// Brings the database to this version's schema; each step is one transaction.

@@ -7,12 +7,14 @@ use sqlx::{Sqlite, SqliteConnection};
 
 use super::StoreError;
 use super::blob::pack;
+use super::key_rows::{self, NewKeyRow};
 use super::keyframe_rows::{add_detections, add_keyframe, pose_blob, set_points};
 use super::model_rows::{self, Spent};
 use crate::model::anchor::Outcome;
 use crate::model::change::{Change, Loop, Merge, MergeCause};
 use crate::model::event::Event;
 use crate::model::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, MapId};
+use crate::model::key::KeySeq;
 use crate::model::keyframe::NewKeyframe;
 use crate::model::map::MapProperties;
 use crate::model::request::Digest;
@@ -73,6 +75,8 @@ pub enum Job {
         properties: Box<MapProperties>,
         /// The digest of the body that made it.
         digest: Digest,
+        /// The key that made it.
+        owner: Option<KeySeq>,
     },
     /// A map goes, with everything in it.
     DeleteMap(MapKey),
@@ -106,12 +110,18 @@ pub enum Job {
     ForgetAway,
     /// Calls of models, and what they cost or may cost.
     Spend(Spent),
+    /// A new API key.
+    CreateKey(Box<NewKeyRow>),
+    /// An API key is good no longer, from this second on.
+    RevokeKey(KeySeq, i64),
 }
 
 /// Does a job, within the transaction of its group.
 pub(super) async fn execute(db: &mut SqliteConnection, job: &Job) -> Result<(), StoreError> {
     match job {
-        Job::CreateMap { key, id, properties, digest } => create_map(db, *key, id, properties, digest).await,
+        Job::CreateMap { key, id, properties, digest, owner } => {
+            create_map(db, *key, id, properties, digest, *owner).await
+        }
         Job::DeleteMap(map) => {
             run(db, sqlx::query("delete from detections where map_key = $1").bind(map)).await?;
             run(db, sqlx::query("delete from maps where map_key = $1").bind(map)).await
@@ -132,6 +142,8 @@ pub(super) async fn execute(db: &mut SqliteConnection, job: &Job) -> Result<(), 
         }
         Job::ForgetAway => model_rows::forget_away(db).await,
         Job::Spend(spent) => model_rows::spend(db, spent).await,
+        Job::CreateKey(key) => key_rows::create(db, key).await,
+        Job::RevokeKey(key, at) => key_rows::revoke(db, *key, *at).await,
         Job::KeepQuery { map, id, kept, body } => keep_query(db, *map, id, *kept, body).await,
     }
 }
@@ -149,10 +161,12 @@ async fn create_map(
     id: &MapId,
     properties: &MapProperties,
     digest: &Digest,
+    owner: Option<KeySeq>,
 ) -> Result<(), StoreError> {
-    let insert = "insert into maps (map_key, id, description, metric, version, next_keyframe, next_anchor, next_event, digest)
-        values ($1, $2, '', 0, 1, 0, 0, 1, $3)";
-    run(db, sqlx::query(insert).bind(key).bind(id.as_str()).bind(&digest[..])).await?;
+    let insert = "insert into maps (map_key, id, description, metric, version, next_keyframe, next_anchor, next_event, digest, owner)
+        values ($1, $2, '', 0, 1, 0, 0, 1, $3, $4)";
+    let query = sqlx::query(insert).bind(key).bind(id.as_str()).bind(&digest[..]);
+    run(db, query.bind(owner.map(|owner| owner.0))).await?;
     set_properties(db, key, properties).await
 }
 

@@ -34,7 +34,8 @@ pub fn map() -> Value {
         "keyframes": 120,
         "anchors": 24,
         "sessions": 2,
-        "loops": 1
+        "loops": 1,
+        "bytes": 5_242_880
     })
 }
 

@@ -84,6 +84,16 @@ pub const CORRECTIONS: usize = 100_000;
 pub const MAX_WAIT_MS: RangeInclusive<i64> = 0..=60_000;
 /// The seed of a query; 63 bits, because JSON readers in Java and C++ have signed numbers.
 pub const SEED: RangeInclusive<i64> = 0..=i64::MAX;
+/// Characters of a key's name.
+pub const KEY_NAME_CHARS: usize = 128;
+/// Patterns of maps of one key.
+pub const KEY_PATTERNS: usize = 100;
+/// Requests a second of one key.
+pub const KEY_RATE_PER_S: RangeInclusive<i64> = 1..=1_000_000;
+/// Calls of models a day of one key.
+pub const KEY_DAILY_CALLS: RangeInclusive<i64> = 0..=1_000_000_000;
+/// What they may cost, in US dollars.
+pub const KEY_DAILY_USD: RangeInclusive<f64> = 0.0..=1e6;
 /// Items of one part of a list.
 pub const PAGE: RangeInclusive<i64> = 1..=1000;
 /// Characters of a list's cursor.

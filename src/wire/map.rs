@@ -83,6 +83,8 @@ pub struct MapView {
     pub sessions: usize,
     /// How many confirmed loops it holds.
     pub loops: usize,
+    /// What its keyframes take on disk, in bytes: words, points, features and crops.
+    pub bytes: u64,
 }
 
 /// The map's version after a write that has nothing else to tell.
@@ -148,6 +150,7 @@ impl From<MapReport> for MapView {
             anchors: map.anchors,
             sessions: map.sessions,
             loops: map.loops,
+            bytes: map.bytes,
         }
     }
 }

@@ -12,6 +12,7 @@
 //! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`anchor`], [`transcript`], [`loops`], [`event`] | resources |
 //! | [`loop_query`], [`verdict`], [`geometry`] | "is this keyframe a loop?" and its answer |
 //! | [`semantics`], [`usage`], [`service`] | the three functions of §IV-A.2; what models cost; how the server is |
+//! | [`key`] | API keys |
 //! | [`list`], [`problem`] | parts of lists; refusals |
 //! | [`examples`] | one example of each, for the API document |
 
@@ -22,6 +23,7 @@ pub mod digest;
 pub mod event;
 pub mod examples;
 pub mod geometry;
+pub mod key;
 pub mod keyframe;
 pub mod limits;
 pub mod list;

@@ -15,4 +15,5 @@ mod readme;
 mod recordings;
 mod support;
 mod tidy;
+mod trust;
 mod vocabulary;

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use reqwest::header::{CONTENT_TYPE, HeaderMap};
 use reqwest::{Method, RequestBuilder, StatusCode};
+use revisit::config::quotas::Quotas;
 use revisit::http::RunningServer;
 use revisit::service::{ModelChoice, Service, ServiceOptions};
 use serde_json::{Value, json};
@@ -27,32 +28,40 @@ pub struct Answer {
 impl Server {
     /// Starts a server on an empty database.
     pub async fn start() -> Self {
-        Self::with(None).await
+        Self::with(|_| {}).await
     }
 
     /// Starts a server with a vocabulary.
     pub async fn with_vocabulary(file: PathBuf) -> Self {
-        Self::with(Some(file)).await
+        Self::with(|options| options.vocabulary = Some(file)).await
     }
 
     /// Starts a server that asks these models.
     pub async fn with_models(models: ModelChoice) -> Self {
-        let directory = tempfile::tempdir().expect("a temporary directory");
-        let server = Self::on(directory.path(), None, models).await;
-        Self { _directory: Some(directory), ..server }
+        Self::with(|options| options.models = models).await
     }
 
-    async fn with(vocabulary: Option<PathBuf>) -> Self {
+    /// Starts a server whose maps may hold so much.
+    pub async fn with_quotas(quotas: Quotas) -> Self {
+        Self::with(|options| options.quotas = quotas).await
+    }
+
+    async fn with(choose: impl FnOnce(&mut ServiceOptions)) -> Self {
         let directory = tempfile::tempdir().expect("a temporary directory");
-        let server = Self::on(directory.path(), vocabulary, ModelChoice::None).await;
+        let server = Self::on_with(directory.path(), choose).await;
         Self { _directory: Some(directory), ..server }
     }
 
     /// Starts a server on a directory that outlives it.
     pub async fn on(directory: &Path, vocabulary: Option<PathBuf>, models: ModelChoice) -> Self {
+        Self::on_with(directory, |options| (options.vocabulary, options.models) = (vocabulary, models)).await
+    }
+
+    async fn on_with(directory: &Path, choose: impl FnOnce(&mut ServiceOptions)) -> Self {
         let database = format!("sqlite://{}", directory.join("test.db").display());
-        let service =
-            Service::open(ServiceOptions { database, vocabulary, models }).await.expect("a service");
+        let mut options = ServiceOptions::on(database);
+        choose(&mut options);
+        let service = Service::open(options).await.expect("a service");
         let running = RunningServer::start(service).await.expect("a free port");
         revisit::config::tls::install();
         let http = reqwest::Client::builder().no_proxy().build().expect("a client");

@@ -22,7 +22,7 @@ use crate::wire::transcript::TranscriptList;
 ///
 /// Oldest first, one part at a time. Anchors that go by another one's name are left out unless asked for.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/anchors", tag = "anchors", params(MapPath, AnchorSearch, Paging),
+    get, path = "/v1/maps/{map}/anchors", tag = "anchors", params(MapPath, AnchorSearch, Paging), security(("key" = ["read"])),
     responses((status = 200, description = "One part of the list", body = AnchorList, example = examples::anchors), OfRead)
 )]
 pub async fn list_anchors(
@@ -38,7 +38,7 @@ pub async fn list_anchors(
 ///
 /// With its readings, its place in each session's frame and the anchors that match it.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors", params(AnchorPath),
+    get, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors", params(AnchorPath), security(("key" = ["read"])),
     responses(
         (status = 200, description = "The anchor", body = AnchorView, 
             headers(("etag" = String, description = "The anchor's version, for `if-match`")), example = examples::anchor),
@@ -57,7 +57,7 @@ pub async fn get_anchor(
 ///
 /// The description stands whatever is read later; null takes it back. `if-match` says which version was seen.
 #[utoipa::path(
-    patch, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors",
+    patch, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors", security(("key" = ["write"])),
     params(AnchorPath, ("if-match" = String, Header, description = "The anchor's `etag`, or `*`", example = "\"4\"")),
     request_body(content = AnchorPatchBody, example = examples::anchor_patch),
     responses(
@@ -81,7 +81,7 @@ pub async fn patch_anchor(
 ///
 /// Its detections stay with their keyframes and feed nothing any more.
 #[utoipa::path(
-    delete, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors",
+    delete, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors", security(("key" = ["write"])),
     params(
         AnchorPath,
         ("if-match" = Option<String>, Header, description = "The anchor's `etag`; without it any version goes",
@@ -105,7 +105,7 @@ pub async fn delete_anchor(
 ///
 /// The largest image of it that a detection brought, as it was sent.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/anchors/{anchor}/crop", tag = "anchors", params(AnchorPath),
+    get, path = "/v1/maps/{map}/anchors/{anchor}/crop", tag = "anchors", params(AnchorPath), security(("key" = ["read"])),
     responses(
         (status = 200, description = "The image", content(
             (ImageFile = "image/png", example = "(the bytes of a PNG file)"),
@@ -128,7 +128,7 @@ pub async fn get_crop(
 /// The dialogues between a language model and a vision model about its crops, the newest first; none where no model
 /// has read one.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/anchors/{anchor}/transcript", tag = "anchors", params(AnchorPath),
+    get, path = "/v1/maps/{map}/anchors/{anchor}/transcript", tag = "anchors", params(AnchorPath), security(("key" = ["read"])),
     responses((status = 200, description = "The dialogues", body = TranscriptList, example = examples::transcript), OfRead)
 )]
 pub async fn get_transcript(

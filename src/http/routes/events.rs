@@ -30,7 +30,7 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
 /// Server-sent events: `id` is a sequence number, `event` the kind, `data` an Event as JSON. A client that reconnects
 /// with `last-event-id`, as browsers do, misses nothing. The stream has no end but the server's.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/events", tag = "events",
+    get, path = "/v1/maps/{map}/events", tag = "events", security(("key" = ["read"])),
     params(
         MapPath, Since,
         ("last-event-id" = Option<u64>, Header, description = "The number of the last event seen; wins over `since`",

@@ -7,6 +7,7 @@ use axum::response::Response;
 use super::loop_queries::{ask, kept};
 use super::trigger::trigger_loop_check;
 use crate::http::App;
+use crate::http::access::Caller;
 use crate::http::answer::written;
 use crate::http::body::KeyframeInPath;
 use crate::http::path::{InKeyframe, InMap, KeyframePath, MapPath};
@@ -14,6 +15,7 @@ use crate::http::problem::Problem;
 use crate::http::query::{Ask, Paging, Query};
 use crate::http::refusals::{OfDelete, OfRead, OfWrite};
 use crate::model::ids::{KeyframeId, MapId};
+use crate::model::key::Action;
 use crate::model::report::Page;
 use crate::model::request::{LoopQuery, Subject};
 use crate::model::verdict::{Decision, Verify};
@@ -30,7 +32,7 @@ use crate::wire::verdict::LoopAnswer;
 /// Its detections are associated with anchors; with `?query=loop` the loop query is answered in the same round trip.
 /// The same body again changes nothing and answers 200; another body under the same id is a conflict.
 #[utoipa::path(
-    put, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePath, Ask),
+    put, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePath, Ask), security(("key" = ["write"])),
     request_body(content = KeyframeBody, example = examples::keyframe_body),
     responses(
         (status = 201, description = "The keyframe is stored", body = KeyframeAnswer, example = examples::keyframe_answer),
@@ -41,11 +43,15 @@ use crate::wire::verdict::LoopAnswer;
 )]
 pub async fn put_keyframe(
     State(app): State<App>,
+    caller: Caller,
     Query(also): Query<Ask>,
     KeyframeInPath { place: InKeyframe { map, keyframe }, sent }: KeyframeInPath,
 ) -> Result<Response, Problem> {
-    let stored = app.service.put_keyframe(&map, sent.keyframe, sent.digest).await?;
     let asked = also.query.is_some();
+    if asked {
+        caller.needs(Action::Query)?;
+    }
+    let stored = app.service.put_keyframe(&map, sent.keyframe, sent.digest).await?;
     if !asked && stored.created && stored.value.revisits {
         trigger_loop_check(&app, &map, &keyframe);
     }
@@ -68,7 +74,7 @@ async fn ask_about(app: &App, map: &MapId, keyframe: KeyframeId, new: bool) -> R
 ///
 /// In order of arrival, one part at a time.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/keyframes", tag = "keyframes", params(MapPath, Paging),
+    get, path = "/v1/maps/{map}/keyframes", tag = "keyframes", params(MapPath, Paging), security(("key" = ["read"])),
     responses(
         (status = 200, description = "One part of the list", body = KeyframeList, example = examples::keyframes),
         OfRead
@@ -87,7 +93,7 @@ pub async fn list_keyframes(
 ///
 /// As it was sent, with its pose and its points as last corrected, and what became of its detections.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePath),
+    get, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePath), security(("key" = ["read"])),
     responses((status = 200, description = "The keyframe", body = KeyframeView, example = examples::keyframe), OfRead)
 )]
 pub async fn get_keyframe(
@@ -102,7 +108,7 @@ pub async fn get_keyframe(
 ///
 /// Its observations go with it; an anchor that loses its last one goes too.
 #[utoipa::path(
-    delete, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePath),
+    delete, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePath), security(("key" = ["write"])),
     responses(
         (status = 200, description = "The keyframe is gone", body = MapVersion, example = examples::map_version),
         OfDelete
@@ -120,7 +126,7 @@ pub async fn delete_keyframe(
 ///
 /// Those that share enough map points with it, and those declared covisible, by a client or by a confirmed loop.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/keyframes/{keyframe}/covisible", tag = "keyframes", params(KeyframePath),
+    get, path = "/v1/maps/{map}/keyframes/{keyframe}/covisible", tag = "keyframes", params(KeyframePath), security(("key" = ["read"])),
     responses(
         (status = 200, description = "All of them", body = CovisibleList, example = examples::covisible),
         OfRead
@@ -138,7 +144,7 @@ pub async fn list_covisible(
 ///
 /// M_k of §V-A: the anchors seen by a keyframe and those covisible with it, as bearings and distances from its camera.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/keyframes/{keyframe}/local-anchor-map", tag = "keyframes", params(KeyframePath),
+    get, path = "/v1/maps/{map}/keyframes/{keyframe}/local-anchor-map", tag = "keyframes", params(KeyframePath), security(("key" = ["read"])),
     responses(
         (status = 200, description = "The local anchor map", body = LocalAnchorMap, example = examples::local_anchor_map),
         OfRead

@@ -26,7 +26,7 @@ const SERVER_TIMING: HeaderName = HeaderName::from_static("server-timing");
 /// About a stored keyframe or one sent along. It changes nothing and calls no model; the same map version, keyframe,
 /// settings and seed give the same bytes.
 #[utoipa::path(
-    post, path = "/v1/maps/{map}/loop-queries", tag = "loops", params(MapPath),
+    post, path = "/v1/maps/{map}/loop-queries", tag = "loops", params(MapPath), security(("key" = ["query"])),
     request_body(content = LoopQueryBody, example = examples::loop_query),
     responses(
         (status = 200, description = "The verdict", body = LoopAnswer, example = examples::loop_answer),
@@ -47,7 +47,7 @@ pub async fn query_loop(
 ///
 /// The very bytes that were answered. Records are bounded for each map, the oldest go first.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/loop-queries/{query}", tag = "loops", params(QueryPath),
+    get, path = "/v1/maps/{map}/loop-queries/{query}", tag = "loops", params(QueryPath), security(("key" = ["read"])),
     responses((status = 200, description = "The verdict", body = LoopAnswer, example = examples::loop_answer), OfRead)
 )]
 pub async fn get_loop_query(

@@ -20,7 +20,7 @@ use crate::wire::loops::{LoopBody, LoopClosed, LoopRevoked};
 ///
 /// The client has closed it: anchors matched between the two local maps become one, and the two keyframes covisible.
 #[utoipa::path(
-    post, path = "/v1/maps/{map}/loops", tag = "loops", params(MapPath),
+    post, path = "/v1/maps/{map}/loops", tag = "loops", params(MapPath), security(("key" = ["write"])),
     request_body(content = LoopBody, example = examples::loop_body),
     responses(
         (status = 201, description = "The loop is confirmed", body = LoopClosed, example = examples::loop_closed),
@@ -43,7 +43,7 @@ pub async fn confirm_loop(
 ///
 /// Oldest first, one part at a time.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/loops", tag = "loops", params(MapPath, Paging),
+    get, path = "/v1/maps/{map}/loops", tag = "loops", params(MapPath, Paging), security(("key" = ["read"])),
     responses((status = 200, description = "One part of the list", body = LoopList, example = examples::loops), OfRead)
 )]
 pub async fn list_loops(
@@ -59,7 +59,7 @@ pub async fn list_loops(
 ///
 /// It was none after all: what it merged is split again, and the two keyframes are no longer covisible through it.
 #[utoipa::path(
-    delete, path = "/v1/maps/{map}/loops/{loop}", tag = "loops", params(LoopPath),
+    delete, path = "/v1/maps/{map}/loops/{loop}", tag = "loops", params(LoopPath), security(("key" = ["write"])),
     responses(
         (status = 200, description = "The loop is revoked", body = LoopRevoked, example = examples::loop_revoked),
         OfDelete

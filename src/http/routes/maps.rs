@@ -5,6 +5,7 @@ use axum::extract::State;
 use axum::http::StatusCode;
 use axum::response::Response;
 
+use crate::http::access::Caller;
 use crate::http::answer::written;
 use crate::http::body::Body;
 use crate::http::path::{InMap, MapPath};
@@ -20,16 +21,17 @@ use crate::wire::map::{MapBody, MapPatchBody, MapView};
 
 /// List maps
 ///
-/// By id, one part at a time.
+/// By id, one part at a time; those that exist for the key.
 #[utoipa::path(
-    get, path = "/v1/maps", tag = "maps", params(Paging),
+    get, path = "/v1/maps", tag = "maps", params(Paging), security(("key" = ["read"])),
     responses((status = 200, description = "One part of the list", body = MapList, example = examples::maps), OfList)
 )]
 pub async fn list_maps(
     State(service): State<Service>,
+    caller: Caller,
     Query(page): Query<Paging>,
 ) -> Result<Json<MapList>, Problem> {
-    let maps = service.list_maps(page.cursor.as_deref(), page.limit).await?;
+    let maps = service.list_maps(page.cursor.as_deref(), page.limit, |map| caller.reaches(map)).await?;
     Ok(Json(maps.into()))
 }
 
@@ -37,7 +39,7 @@ pub async fn list_maps(
 ///
 /// The same body again changes nothing and answers 200; another body under the same id is a conflict.
 #[utoipa::path(
-    put, path = "/v1/maps/{map}", tag = "maps", params(MapPath),
+    put, path = "/v1/maps/{map}", tag = "maps", params(MapPath), security(("key" = ["write"])),
     request_body(content = MapBody, example = examples::map_body),
     responses(
         (status = 201, description = "The map is made", body = MapView, example = examples::map),
@@ -48,10 +50,11 @@ pub async fn list_maps(
 )]
 pub async fn put_map(
     State(service): State<Service>,
+    caller: Caller,
     InMap(map): InMap,
     Body(properties): Body<MapProperties>,
 ) -> Result<Response, Problem> {
-    let stored = service.put_map(map, properties).await?;
+    let stored = service.put_map(map, properties, caller.0.key()).await?;
     Ok(written(stored.created, MapView::from(stored.value)))
 }
 
@@ -59,7 +62,7 @@ pub async fn put_map(
 ///
 /// With every setting in force.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}", tag = "maps", params(MapPath),
+    get, path = "/v1/maps/{map}", tag = "maps", params(MapPath), security(("key" = ["read"])),
     responses((status = 200, description = "The map", body = MapView, example = examples::map), OfRead)
 )]
 pub async fn get_map(State(service): State<Service>, InMap(map): InMap) -> Result<Json<MapView>, Problem> {
@@ -70,7 +73,7 @@ pub async fn get_map(State(service): State<Service>, InMap(map): InMap) -> Resul
 ///
 /// What is left out stays as it is; `settings` changes the settings it names.
 #[utoipa::path(
-    patch, path = "/v1/maps/{map}", tag = "maps", params(MapPath),
+    patch, path = "/v1/maps/{map}", tag = "maps", params(MapPath), security(("key" = ["write"])),
     request_body(content = MapPatchBody, example = examples::map_patch),
     responses((status = 200, description = "The map as it is now", body = MapView, example = examples::map), OfWrite)
 )]
@@ -86,7 +89,7 @@ pub async fn patch_map(
 ///
 /// With everything in it.
 #[utoipa::path(
-    delete, path = "/v1/maps/{map}", tag = "maps", params(MapPath),
+    delete, path = "/v1/maps/{map}", tag = "maps", params(MapPath), security(("key" = ["write"])),
     responses((status = 204, description = "The map is gone"), OfDelete)
 )]
 pub async fn delete_map(State(service): State<Service>, InMap(map): InMap) -> Result<StatusCode, Problem> {

@@ -4,6 +4,7 @@ mod anchors;
 mod bulk;
 mod events;
 mod keyframes;
+mod keys;
 mod lines;
 mod loop_queries;
 mod loops;
@@ -45,6 +46,8 @@ pub fn api(frame: OpenApi) -> OpenApiRouter<App> {
         .routes(routes!(semantics::information))
         .routes(routes!(semantics::merge_text))
         .routes(routes!(usage::get_usage))
+        .routes(routes!(keys::list_keys, keys::create_key))
+        .routes(routes!(keys::revoke_key))
         .routes(routes!(service::healthz))
         .routes(routes!(service::readyz))
         .routes(routes!(service::get_version))

@@ -17,7 +17,7 @@ use crate::wire::poses::{PosesAnswer, PosesBody};
 /// After a loop was closed and the client has optimised: all of it in one transaction, or nothing. Boxes of anchors
 /// follow their points.
 #[utoipa::path(
-    post, path = "/v1/maps/{map}/poses", tag = "loops", params(MapPath),
+    post, path = "/v1/maps/{map}/poses", tag = "loops", params(MapPath), security(("key" = ["write"])),
     request_body(content = PosesBody, example = examples::poses_body),
     responses(
         (status = 200, description = "They are corrected", body = PosesAnswer, example = examples::poses_answer),

@@ -3,6 +3,7 @@
 use axum::Json;
 use axum::extract::State;
 
+use crate::http::access::Caller;
 use crate::http::body::Body;
 use crate::http::problem::Problem;
 use crate::http::refusals::OfQuestion;
@@ -15,48 +16,51 @@ use crate::wire::semantics::{LevelAnswer, MergeAnswer, OneText, TextPair};
 ///
 /// 1 different objects, 5 the same.
 #[utoipa::path(
-    post, path = "/v1/semantics/similarity", tag = "semantics",
+    post, path = "/v1/semantics/similarity", tag = "semantics", security(("key" = ["query"])),
     request_body(content = TextPair, example = examples::text_pair),
     responses((status = 200, description = "The level", body = LevelAnswer, example = examples::similarity), OfQuestion)
 )]
 pub async fn similarity(
     State(service): State<Service>,
+    caller: Caller,
     Body(pair): Body<TextPair>,
 ) -> Result<Json<LevelAnswer>, Problem> {
     let class = pair.class.as_deref().unwrap_or_default();
-    Ok(Json(level(service.similarity(class, &pair.a, &pair.b).await)))
+    Ok(Json(level(service.similarity(&caller.0, class, &pair.a, &pair.b).await)))
 }
 
 /// InformationLevel of a description
 ///
 /// 1 says nothing, 5 an identifier in context.
 #[utoipa::path(
-    post, path = "/v1/semantics/information", tag = "semantics",
+    post, path = "/v1/semantics/information", tag = "semantics", security(("key" = ["query"])),
     request_body(content = OneText, example = examples::one_text),
     responses((status = 200, description = "The level", body = LevelAnswer, example = examples::information), OfQuestion)
 )]
 pub async fn information(
     State(service): State<Service>,
+    caller: Caller,
     Body(one): Body<OneText>,
 ) -> Result<Json<LevelAnswer>, Problem> {
     let class = one.class.as_deref().unwrap_or_default();
-    Ok(Json(level(service.information(class, &one.text).await)))
+    Ok(Json(level(service.information(&caller.0, class, &one.text).await)))
 }
 
 /// MergeText of two descriptions
 ///
 /// One description of what both describe.
 #[utoipa::path(
-    post, path = "/v1/semantics/merge", tag = "semantics",
+    post, path = "/v1/semantics/merge", tag = "semantics", security(("key" = ["query"])),
     request_body(content = TextPair, example = examples::text_pair),
     responses((status = 200, description = "The description", body = MergeAnswer, example = examples::merged_text), OfQuestion)
 )]
 pub async fn merge_text(
     State(service): State<Service>,
+    caller: Caller,
     Body(pair): Body<TextPair>,
 ) -> Result<Json<MergeAnswer>, Problem> {
     let class = pair.class.as_deref().unwrap_or_default();
-    let merged = service.merge_text(class, &pair.a, &pair.b).await;
+    let merged = service.merge_text(&caller.0, class, &pair.a, &pair.b).await;
     let (text, source) = (merged.text, merged.source);
     Ok(Json(MergeAnswer { text, source, cached: merged.cached, degraded: merged.degraded }))
 }

@@ -19,7 +19,7 @@ use crate::wire::service::{Health, Version};
 ///
 /// It answers, so it is.
 #[utoipa::path(
-    get, path = "/healthz", tag = "service",
+    get, path = "/healthz", tag = "service", security(()),
     responses((status = 200, description = "It is", body = Health, example = examples::health), OfNobody)
 )]
 pub async fn healthz() -> Json<Health> {
@@ -30,7 +30,7 @@ pub async fn healthz() -> Json<Health> {
 ///
 /// Not before its maps are in memory, and no longer once it is told to stop.
 #[utoipa::path(
-    get, path = "/readyz", tag = "service",
+    get, path = "/readyz", tag = "service", security(()),
     responses((status = 200, description = "It is", body = Health, example = examples::ready), OfReadiness)
 )]
 pub async fn readyz(State(app): State<App>) -> Result<Json<Health>, Problem> {
@@ -45,7 +45,7 @@ pub async fn readyz(State(app): State<App>) -> Result<Json<Health>, Problem> {
 ///
 /// With that of the SQLite inside it.
 #[utoipa::path(
-    get, path = "/version", tag = "service",
+    get, path = "/version", tag = "service", security(()),
     responses((status = 200, description = "The version", body = Version, example = examples::version), OfReadiness)
 )]
 pub async fn get_version(State(service): State<Service>) -> Result<Json<Version>, Problem> {
@@ -62,7 +62,7 @@ pub async fn get_version(State(service): State<Service>) -> Result<Json<Version>
 ///
 /// In the form of OpenMetrics, for Prometheus.
 #[utoipa::path(
-    get, path = "/metrics", tag = "service",
+    get, path = "/metrics", tag = "service", security(()),
     responses(
         (status = 200, description = "The metrics", body = String, content_type = "application/openmetrics-text",
             example = "# EOF\n"),
@@ -77,7 +77,7 @@ pub async fn get_metrics(State(app): State<App>) -> impl IntoResponse {
 ///
 /// As JSON; `revisit openapi` prints it too.
 #[utoipa::path(
-    get, path = "/openapi.json", tag = "service",
+    get, path = "/openapi.json", tag = "service", security(()),
     responses(
         (status = 200, description = "The document", body = serde_json::Value, content_type = "application/json",
             example = examples::document),

@@ -12,7 +12,7 @@ use crate::wire::usage::Usage;
 ///
 /// Calls, tokens and cost since the database was made, and how today stands against its limits.
 #[utoipa::path(
-    get, path = "/v1/usage", tag = "semantics",
+    get, path = "/v1/usage", tag = "semantics", security(("key" = ["read"])),
     responses((status = 200, description = "The usage", body = Usage, example = examples::usage), OfNobody)
 )]
 pub async fn get_usage(State(service): State<Service>) -> Json<Usage> {

@@ -195,6 +195,7 @@ impl MapIndex {
         self.connect(keyframe);
         self.keyframe_by_id.insert(keyframe.id.clone(), keyframe.seq);
         self.inverted_file.insert(keyframe.seq.0, bow);
+        self.bytes += keyframe.bytes;
         self.keyframes[keyframe.seq.index()] = Some(keyframe.clone());
     }
 
@@ -216,6 +217,7 @@ impl MapIndex {
         self.keyframe_by_id.remove(&keyframe.id);
         self.points.forget(keyframe.session, &keyframe.observes, seq);
         self.inverted_file.remove(seq.0, bow);
+        self.bytes -= keyframe.bytes;
         // What others declared about it is no fact of the map any more.
         for neighbour in self.covisibility.neighbours(seq) {
             if let Some(Some(other)) = self.keyframes.get_mut(neighbour.index()) {

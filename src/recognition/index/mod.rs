@@ -43,6 +43,8 @@ pub struct MapIndex {
 
     session_by_id: HashMap<SessionId, SessionSeq>,
     keyframe_by_id: HashMap<KeyframeId, KeyframeSeq>,
+    /// Of all keyframes, on disk.
+    bytes: u64,
     points: Points,
     holders: Holders,
     covisibility: Covisibility,
@@ -92,6 +94,11 @@ impl MapIndex {
     /// How many keyframes there are.
     pub fn keyframe_count(&self) -> usize {
         self.keyframe_by_id.len()
+    }
+
+    /// What the keyframes take on disk, in bytes.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
     }
 
     /// The number the next keyframe gets.

@@ -1,0 +1,164 @@
+//! `revisit keys`: make, list and revoke API keys in a database, beside a running server or without one.
+
+use std::path::Path;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use clap::{Args, Subcommand};
+
+use super::{Failure, write_out};
+use crate::model::key::{Action, Key, KeyProperties, MapPattern};
+use crate::model::keyframe::Stamp;
+use crate::service::keyring::Keyring;
+use crate::store::Store;
+
+/// Make, list and revoke API keys.
+///
+/// They live in the database; a server that runs on it sees what is done here within a second. Once a database has had a
+/// key, nothing is answered without one.
+#[derive(Args, Debug)]
+pub struct KeysArgs {
+    #[command(subcommand)]
+    command: Command,
+    /// The database; `create` makes it if it is not there
+    #[arg(
+        long,
+        env = "REVISIT_DATABASE",
+        value_name = "URL",
+        default_value = "sqlite://revisit.db",
+        global = true
+    )]
+    database: String,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Make a key: its secret is the only line on standard output, and is shown this once
+    Create(CreateArgs),
+    /// List the keys, revoked ones among them
+    List,
+    /// Revoke a key
+    Revoke {
+        /// Its id, such as key-7
+        id: String,
+    },
+}
+
+#[derive(Args, Debug)]
+struct CreateArgs {
+    /// Whose it is, for people
+    #[arg(long, default_value = "")]
+    name: String,
+    /// What it may do: read, write, query (loop queries, similarity of texts), admin (keys, backups); separated by commas
+    #[arg(long, value_delimiter = ',', default_value = "read,write,query", value_parser = action)]
+    actions: Vec<Action>,
+    /// The maps that exist for it, separated by commas; * stands for any characters
+    #[arg(long, value_delimiter = ',', default_value = "*")]
+    maps: Vec<MapPattern>,
+    /// It expires after so many days
+    #[arg(long, value_name = "DAYS", value_parser = clap::value_parser!(u32).range(1..=36_500))]
+    expires_in_days: Option<u32>,
+    /// Requests a second
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    rate_per_s: Option<u32>,
+    /// Calls of models a day at its expense
+    #[arg(long, value_name = "N")]
+    model_daily_calls: Option<u32>,
+    /// What they may cost a day, in US dollars
+    #[arg(long, value_name = "USD", value_parser = dollars)]
+    model_daily_usd: Option<f64>,
+}
+
+fn action(name: &str) -> Result<Action, String> {
+    Action::from_name(name).ok_or_else(|| format!("expected one of {}", Action::NAMES.join(", ")))
+}
+
+fn dollars(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(usd) if (0.0..=1e6).contains(&usd) => Ok(usd),
+        _ => Err("expected a number from 0 to 1000000".to_owned()),
+    }
+}
+
+/// Runs it.
+pub async fn run(args: KeysArgs) -> Result<(), Failure> {
+    let creates = matches!(args.command, Command::Create(_));
+    if !creates
+        && let Some(path) = args.database.strip_prefix("sqlite://")
+        && !Path::new(path).exists()
+    {
+        return Err(format!("there is no database {path}").into());
+    }
+    let store = Store::open(&args.database).await?;
+    let keys = Keyring::open(store.clone(), false).await?;
+    let done = perform(args.command, &keys).await;
+    store.close().await;
+    done
+}
+
+async fn perform(command: Command, keys: &Keyring) -> Result<(), Failure> {
+    match command {
+        Command::Create(args) => {
+            let made = keys.create(args.properties()?).await?;
+            eprintln!("{}", line(&made.key));
+            eprintln!("Its secret follows, this once; send it as `authorization: Bearer SECRET`.");
+            write_out(&format!("{}\n", made.secret))?;
+        }
+        Command::List => {
+            for key in keys.list() {
+                write_out(&format!("{}\n", line(&key)))?;
+            }
+        }
+        Command::Revoke { id } => eprintln!("{}", line(&keys.revoke(&id).await?)),
+    }
+    Ok(())
+}
+
+impl CreateArgs {
+    fn properties(self) -> Result<KeyProperties, Failure> {
+        let expires = match self.expires_in_days {
+            Some(days) => {
+                let after = SystemTime::now() + Duration::from_hours(24) * days;
+                Some(Stamp { sec: after.duration_since(UNIX_EPOCH)?.as_secs() as i64, nanosec: 0 })
+            }
+            None => None,
+        };
+        if self.name.chars().count() > 128 || self.name.chars().any(char::is_control) {
+            return Err("--name: at most 128 printable characters".into());
+        }
+        Ok(KeyProperties {
+            name: self.name,
+            actions: self.actions.into_iter().collect(),
+            maps: self.maps,
+            expires,
+            rate_per_s: self.rate_per_s,
+            model_daily_calls: self.model_daily_calls,
+            model_daily_microusd: self.model_daily_usd.map(|usd| (usd * 1e6).round() as u64),
+        })
+    }
+}
+
+/// A key on one line.
+fn line(key: &Key) -> String {
+    let KeyProperties { name, actions, maps, expires, rate_per_s, model_daily_calls, model_daily_microusd } =
+        &key.properties;
+    let maps: Vec<String> = maps.iter().map(ToString::to_string).collect();
+    let mut line = format!("{}  {name:?}  may {actions}  maps {}", key.seq.public(), maps.join(" "));
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_secs() as i64;
+    let mut say = |text: String| line.extend(["  ", &text]);
+    match (key.revoked_sec, expires) {
+        (Some(_), _) => say("REVOKED".to_owned()),
+        (None, Some(expires)) if expires.sec <= now => say("EXPIRED".to_owned()),
+        (None, Some(expires)) => say(format!("good for {} days", (expires.sec - now) / 86_400)),
+        (None, None) => {}
+    }
+    if let Some(rate) = rate_per_s {
+        say(format!("{rate} requests a second"));
+    }
+    if let Some(calls) = model_daily_calls {
+        say(format!("{calls} model calls a day"));
+    }
+    if let Some(microusd) = model_daily_microusd {
+        say(format!("{} USD of models a day", *microusd as f64 / 1e6));
+    }
+    line
+}

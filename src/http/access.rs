@@ -1,0 +1,181 @@
+//! Access: who asks, and may they? The layer around the routes of the API, which works on the route that was matched and
+//! on its decoded parameters, never on the raw path.
+//!
+//! What an operation needs stands in the API document (`security`), and this layer reads it there: what is documented is
+//! what is enforced, and an operation that says nothing is refused to everybody.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use axum::extract::{FromRequestParts, MatchedPath, RawPathParams, Request, State};
+use axum::http::Method;
+use axum::http::header::AUTHORIZATION;
+use axum::http::request::Parts;
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+use serde_json::Value;
+
+use super::App;
+use super::problem::{Kind, Problem};
+use crate::model::ids::MapId;
+use crate::model::key::Action;
+use crate::service::keyring::Access;
+
+/// The name of the security scheme in the API document.
+pub const SCHEME: &str = "key";
+
+/// What an operation asks of who calls it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Need {
+    /// Nothing: anybody may.
+    Nothing,
+    /// A key with this action.
+    Action(Action),
+    /// What nobody can show: the document does not say.
+    Unsaid,
+}
+
+/// What each operation needs, by its method and the pattern of its route.
+#[derive(Debug, Default)]
+pub struct Needs(HashMap<(Method, String), Need>);
+
+impl Needs {
+    /// Reads them from the API document.
+    pub fn of(document: &Value) -> Self {
+        let paths = document["paths"].as_object().into_iter().flatten();
+        let operations = paths.flat_map(|(path, item)| {
+            item.as_object().into_iter().flatten().filter_map(move |(method, operation)| {
+                let method = Method::from_bytes(method.to_uppercase().as_bytes()).ok()?;
+                Some(((method, path.clone()), need(operation)))
+            })
+        });
+        Self(operations.collect())
+    }
+
+    /// What this request needs; `None` if there is no such operation, so that nothing will be done.
+    fn find(&self, method: &Method, route: &str) -> Option<Need> {
+        // The router answers HEAD by what GET answers.
+        let method = if method == Method::HEAD { Method::GET } else { method.clone() };
+        self.0.get(&(method, route.to_owned())).copied()
+    }
+}
+
+fn need(operation: &Value) -> Need {
+    let Some(requirement) = operation["security"].get(0).and_then(Value::as_object) else {
+        return Need::Unsaid;
+    };
+    if requirement.is_empty() {
+        return Need::Nothing;
+    }
+    let action = requirement.get(SCHEME).and_then(|actions| Action::from_name(actions.get(0)?.as_str()?));
+    action.map_or(Need::Unsaid, Need::Action)
+}
+
+/// Who called, for handlers whose needs depend on more than the route.
+#[derive(Clone, Debug)]
+pub struct Caller(pub Access);
+
+impl Caller {
+    /// May the caller do this, too?
+    pub fn needs(&self, action: Action) -> Result<(), Problem> {
+        if self.0.may(action) { Ok(()) } else { Err(lacks(&self.0, action)) }
+    }
+
+    /// Does this map exist for the caller?
+    pub fn reaches(&self, map: &MapId) -> bool {
+        match &self.0 {
+            Access::Open => true,
+            Access::Key(held) => held.key.properties.reaches(map),
+        }
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for Caller {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
+        let caller = parts.extensions.get::<Self>().cloned();
+        caller.ok_or_else(|| Problem::internal("a route outside the layer of access"))
+    }
+}
+
+/// The layer.
+pub async fn authorise(State(app): State<App>, request: Request, next: Next) -> Response {
+    let (mut parts, body) = request.into_parts();
+    match admitted(&app, &mut parts).await {
+        Ok(caller) => {
+            if let Some(caller) = caller {
+                parts.extensions.insert(caller);
+            }
+            next.run(Request::from_parts(parts, body)).await
+        }
+        Err(problem) => problem.into_response(),
+    }
+}
+
+/// Who calls, if the operation wants to know.
+async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Problem> {
+    let route = parts.extensions.get::<MatchedPath>().map_or("", MatchedPath::as_str);
+    let need = app.needs.find(&parts.method, route);
+    let action = match need {
+        // A method that the path does not have: 405 follows, whoever asks.
+        None | Some(Need::Nothing) => return Ok(None),
+        Some(Need::Unsaid) => return Err(Problem::new(Kind::FORBIDDEN, "nobody may do this")),
+        Some(Need::Action(action)) => action,
+    };
+    let secret = secret(parts)?;
+    let access =
+        app.service.keys().admit(secret.as_deref()).await.ok_or_else(|| unauthorized(secret.is_some()))?;
+    if let Access::Key(held) = &access {
+        held.count().map_err(Problem::too_many_requests)?;
+    }
+    let caller = Caller(access);
+    if let Some(map) = map_of(parts).await
+        && !caller.reaches(&map)
+    {
+        // Just what a key that reaches every map hears of a map that is not there.
+        return Err(Problem::new(Kind::NOT_FOUND, format!("there is no map {map}")));
+    }
+    caller.needs(action)?;
+    Ok(Some(caller))
+}
+
+/// The secret in `authorization: Bearer <secret>`.
+fn secret(parts: &Parts) -> Result<Option<Arc<str>>, Problem> {
+    let mut headers = parts.headers.get_all(AUTHORIZATION).iter();
+    let Some(header) = headers.next() else { return Ok(None) };
+    let secret = header.to_str().ok().and_then(|text| {
+        let (scheme, secret) = text.split_once(' ')?;
+        scheme.eq_ignore_ascii_case("bearer").then(|| secret.trim().into())
+    });
+    match (secret, headers.next()) {
+        (Some(secret), None) => Ok(Some(secret)),
+        _ => Err(unauthorized(true)),
+    }
+}
+
+/// The map that the route names, decoded as its handler will decode it. One that is no id names no map; the handler says so.
+async fn map_of(parts: &mut Parts) -> Option<MapId> {
+    let params = RawPathParams::from_request_parts(parts, &()).await.ok()?;
+    params.iter().find(|(name, _)| *name == "map")?.1.parse().ok()
+}
+
+fn unauthorized(given: bool) -> Problem {
+    let detail = if given {
+        "this key is not known, has expired, or was revoked; it is sent as `authorization: Bearer <secret>`"
+    } else {
+        "this server wants an API key: `authorization: Bearer <secret>`; `revisit keys create` makes one"
+    };
+    Problem::new(Kind::UNAUTHORIZED, detail)
+}
+
+fn lacks(access: &Access, action: Action) -> Problem {
+    let may = match access {
+        Access::Open => String::new(),
+        Access::Key(held) => held.key.properties.actions.to_string(),
+    };
+    Problem::new(
+        Kind::FORBIDDEN,
+        format!("this takes a key that may {}; this one may {may}", action.as_str()),
+    )
+}

@@ -1,0 +1,280 @@
+//! Who is asking? Every key in memory, so that a request is admitted or refused without the disk.
+//!
+//! Another process may make or revoke keys in the same database (`revisit keys`): a glance at one row each second
+//! tells, and a secret that nobody knows is looked up again at most every [`GLANCE_AGAIN`].
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use base64::Engine as _;
+use base64::prelude::BASE64_URL_SAFE_NO_PAD;
+use governor::clock::{Clock as _, DefaultClock};
+use governor::{DefaultDirectRateLimiter, Quota, RateLimiter};
+use rand::TryRng as _;
+use rand::rngs::SysRng;
+
+use super::ServiceError;
+use super::maps::bad_cursor;
+use crate::model::invalid::FieldError;
+use crate::model::key::{Action, Key, KeyProperties, KeySeq, MadeKey, SecretHash, secret_hash};
+use crate::model::keyframe::Stamp;
+use crate::model::report::Page;
+use crate::store::{Job, KeyTable, NewKeyRow, Store, StoreError};
+
+/// What another process did is seen after this time at the latest.
+pub(super) const GLANCE: Duration = Duration::from_secs(1);
+
+/// A flood of wrong secrets does not become a flood of looks at the disk.
+const GLANCE_AGAIN: Duration = Duration::from_millis(100);
+
+/// The most keys of one database, revoked ones among them.
+const KEYS_MAX: usize = 10_000;
+
+/// What secrets begin with, so that scanners for leaked secrets can tell them.
+const SECRET_PREFIX: &str = "revisit_";
+
+/// A key as the server holds it.
+#[derive(Debug)]
+pub struct HeldKey {
+    /// The key.
+    pub key: Key,
+    rate: Option<DefaultDirectRateLimiter>,
+}
+
+impl HeldKey {
+    fn new(key: Key) -> Self {
+        let per_second = key.properties.rate_per_s.and_then(std::num::NonZeroU32::new);
+        Self { rate: per_second.map(|rate| RateLimiter::direct(Quota::per_second(rate))), key }
+    }
+
+    /// Counts one request; if the key has had its share, when to come back.
+    pub fn count(&self) -> Result<(), Duration> {
+        let Some(rate) = &self.rate else { return Ok(()) };
+        rate.check().map_err(|wait| wait.wait_time_from(DefaultClock::default().now()))
+    }
+
+    /// Counts one request, and waits until the key may make it.
+    pub async fn wait(&self) {
+        if let Some(rate) = &self.rate {
+            rate.until_ready().await;
+        }
+    }
+}
+
+/// Who is asking.
+#[derive(Clone, Debug)]
+pub enum Access {
+    /// Anybody: this database never had a key, and only this machine reaches the server.
+    Open,
+    /// The holder of a key.
+    Key(Arc<HeldKey>),
+}
+
+impl Access {
+    /// May this be done?
+    pub fn may(&self, action: Action) -> bool {
+        match self {
+            Self::Open => true,
+            Self::Key(held) => held.key.properties.actions.has(action),
+        }
+    }
+
+    /// The key's number, if there is one.
+    pub fn key(&self) -> Option<KeySeq> {
+        match self {
+            Self::Open => None,
+            Self::Key(held) => Some(held.key.seq),
+        }
+    }
+}
+
+#[derive(Debug, Default)]
+struct Table {
+    change: i64,
+    by_hash: HashMap<SecretHash, Arc<HeldKey>>,
+    by_seq: BTreeMap<KeySeq, Arc<HeldKey>>,
+}
+
+/// The keys of a database; clones share everything.
+#[derive(Clone, Debug)]
+pub struct Keyring {
+    store: Store,
+    table: Arc<RwLock<Arc<Table>>>,
+    looked: Arc<Mutex<Instant>>,
+    making: Arc<tokio::sync::Mutex<()>>,
+    /// Is a key wanted even while there is none?
+    required: bool,
+}
+
+impl Keyring {
+    /// The keys of a database. Where `required`, nobody is admitted without one; else only once there has been one.
+    pub async fn open(store: Store, required: bool) -> Result<Self, ServiceError> {
+        let keyring = Self {
+            table: Arc::default(),
+            looked: Arc::new(Mutex::new(Instant::now())),
+            making: Arc::default(),
+            store,
+            required,
+        };
+        keyring.take(keyring.store.keys().await?);
+        Ok(keyring)
+    }
+
+    /// Is anybody there who could be admitted?
+    pub fn has_good_key(&self) -> bool {
+        let now = now();
+        self.table().by_hash.values().any(|held| held.key.is_good(now))
+    }
+
+    /// Who sends this secret? `None` if nobody may be admitted with it.
+    pub async fn admit(&self, secret: Option<&str>) -> Option<Access> {
+        let Some(secret) = secret else {
+            let open = !self.required && self.table().by_hash.is_empty();
+            return open.then_some(Access::Open);
+        };
+        let hash = secret_hash(secret);
+        let mut held = self.table().by_hash.get(&hash).cloned();
+        if held.is_none() && self.may_look() {
+            // It may have been made a moment ago.
+            self.glance().await;
+            held = self.table().by_hash.get(&hash).cloned();
+        }
+        held.filter(|held| held.key.is_good(now())).map(Access::Key)
+    }
+
+    /// What a key was made with, good or not.
+    pub fn properties(&self, key: KeySeq) -> Option<KeyProperties> {
+        self.table().by_seq.get(&key).map(|held| held.key.properties.clone())
+    }
+
+    /// Every key, in order of creation.
+    pub fn list(&self) -> Vec<Key> {
+        self.table().by_seq.values().map(|held| held.key.clone()).collect()
+    }
+
+    /// One part of the list, from a cursor on.
+    pub fn page(&self, cursor: Option<&str>, limit: usize) -> Result<Page<Key>, ServiceError> {
+        let from = match cursor {
+            Some(cursor) => KeySeq::from_public(cursor).ok_or_else(|| bad_cursor(cursor))?,
+            None => KeySeq(0),
+        };
+        let mut rest = self.list().into_iter().filter(|key| key.seq >= from);
+        let items = rest.by_ref().take(limit).collect();
+        Ok(Page { items, next_cursor: rest.next().map(|key| key.seq.public()) })
+    }
+
+    /// Makes a key.
+    pub async fn create(&self, properties: KeyProperties) -> Result<MadeKey, ServiceError> {
+        check(&properties)?;
+        let _making = self.making.lock().await;
+        self.reload().await?;
+        let keys = self.list();
+        if keys.len() >= KEYS_MAX {
+            let detail = format!("a database has at most {KEYS_MAX} keys, revoked ones among them");
+            return Err(ServiceError::Conflict { code: "too_many_keys", detail });
+        }
+        let seq = KeySeq(keys.last().map_or(0, |last| last.seq.0) + 1);
+        let secret = new_secret()?;
+        let key = Key { seq, properties, created_sec: now().sec, revoked_sec: None };
+        let row = NewKeyRow { key: key.clone(), hash: secret_hash(&secret) };
+        self.store.committer().commit(Job::CreateKey(Box::new(row))).await?;
+        self.reload().await?;
+        Ok(MadeKey { key, secret })
+    }
+
+    /// Revokes a key; revoking it again changes nothing.
+    pub async fn revoke(&self, id: &str) -> Result<Key, ServiceError> {
+        let none = || ServiceError::NotFound(format!("there is no key {id}"));
+        let seq = KeySeq::from_public(id).ok_or_else(none)?;
+        let find = || self.list().into_iter().find(|key| key.seq == seq);
+        self.reload().await?;
+        let found = find().ok_or_else(none)?;
+        if found.revoked_sec.is_some() {
+            return Ok(found);
+        }
+        self.store.committer().commit(Job::RevokeKey(seq, now().sec)).await?;
+        self.reload().await?;
+        find().ok_or_else(none)
+    }
+
+    /// Looks whether another process has made or revoked a key.
+    pub(super) async fn glance(&self) {
+        if let Err(error) = self.look().await {
+            // What is in memory stays in force: keys do not stop working because a disk does.
+            tracing::warn!(%error, "the keys could not be looked at");
+        }
+    }
+
+    async fn look(&self) -> Result<(), StoreError> {
+        if self.store.key_change().await? != self.table().change {
+            self.take(self.store.keys().await?);
+        }
+        Ok(())
+    }
+
+    async fn reload(&self) -> Result<(), ServiceError> {
+        Ok(self.look().await?)
+    }
+
+    fn may_look(&self) -> bool {
+        let mut looked = self.looked.lock().unwrap_or_else(PoisonError::into_inner);
+        let due = looked.elapsed() >= GLANCE_AGAIN;
+        if due {
+            *looked = Instant::now();
+        }
+        due
+    }
+
+    fn table(&self) -> Arc<Table> {
+        self.table.read().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Holds these keys from now on; one that is as it was keeps its count of requests.
+    fn take(&self, rows: KeyTable) {
+        let mut table = self.table.write().unwrap_or_else(PoisonError::into_inner);
+        if rows.change < table.change {
+            return;
+        }
+        let hold = |(hash, key): (SecretHash, Key)| {
+            let held = table.by_hash.get(&hash).filter(|held| held.key == key).cloned();
+            (hash, held.unwrap_or_else(|| Arc::new(HeldKey::new(key))))
+        };
+        let by_hash: HashMap<_, _> = rows.by_hash.into_iter().map(hold).collect();
+        let by_seq = by_hash.values().map(|held| (held.key.seq, held.clone())).collect();
+        *table = Arc::new(Table { change: rows.change, by_hash, by_seq });
+    }
+}
+
+/// A key of administrators reaches every map: it could make itself one that does.
+fn check(properties: &KeyProperties) -> Result<(), ServiceError> {
+    let mut errors = Vec::new();
+    if properties.actions.iter().next().is_none() {
+        errors.push(FieldError::new("/actions", "a key must be good for something"));
+    }
+    if properties.maps.is_empty() {
+        errors.push(FieldError::new("/maps", "no map would exist for this key; leave it out for every map"));
+    }
+    let every = properties.maps.iter().any(|pattern| pattern.to_string() == "*");
+    if properties.actions.has(Action::Admin) && !every {
+        let detail = "an admin key makes keys for any map, so it cannot be kept from some";
+        errors.push(FieldError::new("/maps", detail).limit("[\"*\"]"));
+    }
+    if properties.expires.is_some_and(|expires| expires <= now()) {
+        errors.push(FieldError::new("/expires", "the key would have expired already"));
+    }
+    if errors.is_empty() { Ok(()) } else { Err(ServiceError::Invalid(errors)) }
+}
+
+fn new_secret() -> Result<String, ServiceError> {
+    let mut bytes = [0; 32];
+    let drawn = SysRng.try_fill_bytes(&mut bytes);
+    drawn.map_err(|error| ServiceError::Internal(format!("no random numbers: {error}")))?;
+    Ok(format!("{SECRET_PREFIX}{}", BASE64_URL_SAFE_NO_PAD.encode(bytes)))
+}
+
+/// The server's clock.
+pub(super) fn now() -> Stamp {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    Stamp { sec: since.as_secs() as i64, nanosec: since.subsec_nanos() }
+}

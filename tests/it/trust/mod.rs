@@ -1,0 +1,8 @@
+//! Trust: who may do what, how often, how much, and at whose expense.
+
+mod budget;
+mod keys;
+mod listening;
+mod matrix;
+mod quotas;
+mod rate;
