@@ -1,11 +1,11 @@
 //! Who is asking? Every key in memory, so that a request is admitted or refused without the disk.
 //!
 //! Another process may make or revoke keys in the same database (`revisit keys`): a glance at one row each second
-//! tells, and a secret that nobody knows is looked up again at most every [`GLANCE_AGAIN`].
+//! tells, and a secret that nobody knows waits for another look, of which there is one every [`GLANCE_AGAIN`] at most.
 
 use std::collections::{BTreeMap, HashMap};
-use std::sync::{Arc, Mutex, PoisonError, RwLock};
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::sync::{Arc, PoisonError, RwLock};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use base64::Engine as _;
 use base64::prelude::BASE64_URL_SAFE_NO_PAD;
@@ -13,6 +13,8 @@ use governor::clock::{Clock as _, DefaultClock};
 use governor::{DefaultDirectRateLimiter, Quota, RateLimiter};
 use rand::TryRng as _;
 use rand::rngs::SysRng;
+use tokio::sync::Mutex;
+use tokio::time::{Instant, sleep_until};
 
 use super::ServiceError;
 use super::maps::bad_cursor;
@@ -101,8 +103,9 @@ struct Table {
 pub struct Keyring {
     store: Store,
     table: Arc<RwLock<Arc<Table>>>,
+    /// When the disk was last looked at.
     looked: Arc<Mutex<Instant>>,
-    making: Arc<tokio::sync::Mutex<()>>,
+    making: Arc<Mutex<()>>,
     /// Is a key wanted even while there is none?
     required: bool,
 }
@@ -135,9 +138,9 @@ impl Keyring {
         };
         let hash = secret_hash(secret);
         let mut held = self.table().by_hash.get(&hash).cloned();
-        if held.is_none() && self.may_look() {
+        if held.is_none() {
             // It may have been made a moment ago.
-            self.glance().await;
+            self.glance_after(Instant::now()).await;
             held = self.table().by_hash.get(&hash).cloned();
         }
         held.filter(|held| held.key.is_good(now())).map(Access::Key)
@@ -217,13 +220,15 @@ impl Keyring {
         Ok(self.look().await?)
     }
 
-    fn may_look(&self) -> bool {
-        let mut looked = self.looked.lock().unwrap_or_else(PoisonError::into_inner);
-        let due = looked.elapsed() >= GLANCE_AGAIN;
-        if due {
-            *looked = Instant::now();
+    /// Waits for a look at the disk that began after a moment; all who wait share it.
+    async fn glance_after(&self, moment: Instant) {
+        let mut looked = self.looked.lock().await;
+        if *looked >= moment {
+            return;
         }
-        due
+        sleep_until(*looked + GLANCE_AGAIN).await;
+        *looked = Instant::now();
+        self.glance().await;
     }
 
     fn table(&self) -> Arc<Table> {

@@ -39,7 +39,7 @@ async fn a_bulk_upload_is_slowed_down_rather_than_refused() {
     let secret = made["secret"].as_str().expect("a secret");
     let put = server.request(Method::PUT, "/v1/maps/m").bearer_auth(secret).json(&json!({}));
     Answer::of(put).await.expect(201);
-    let lines: String = (0..120)
+    let lines: Vec<String> = (0..120)
         .map(|number| {
             let mut line = keyframe();
             line["id"] = json!(format!("kf-{number}"));
@@ -47,7 +47,7 @@ async fn a_bulk_upload_is_slowed_down_rather_than_refused() {
         })
         .collect();
     let bulk = server.request(Method::POST, "/v1/maps/m/keyframes").bearer_auth(secret);
-    let bulk = bulk.header("content-type", "application/x-ndjson").body(lines);
+    let bulk = bulk.header("content-type", "application/x-ndjson").body(lines.concat());
     let started = std::time::Instant::now();
     Answer::of(bulk).await.expect(200);
     // 120 lines at 50 a second, of which 50 may come at once: not sooner than the key may ask.
