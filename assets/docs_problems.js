@@ -25,6 +25,7 @@ const EXPLAINED = {
   too_many_requests: "Wait for as long as `retry-after` says, then send it again.",
   internal: "A fault of the server. Its log tells more under the `request_id`.",
   unavailable: "Not now: the server starts, stops or is busy. Wait for as long as `retry-after` says, then send it again.",
+  map_full: "The map holds as much as the operator allows. Reading and deleting go on; delete some of it, or ask for more.",
   disk_full: "Nothing was written. Reading and deleting go on; free some space and send it again.",
   other: "Any refusal that an operation does not list: of a proxy, of a header that is too long, or a failure of the server.",
 };

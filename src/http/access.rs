@@ -5,12 +5,14 @@
 //! what is enforced, and an operation that says nothing is refused to everybody.
 
 use std::collections::HashMap;
+use std::net::IpAddr;
 use std::sync::Arc;
 
 use axum::extract::{FromRequestParts, MatchedPath, RawPathParams, Request, State};
 use axum::http::Method;
-use axum::http::header::AUTHORIZATION;
+use axum::http::header::{AUTHORIZATION, HOST};
 use axum::http::request::Parts;
+use axum::http::uri::Authority;
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use serde_json::Value;
@@ -126,8 +128,9 @@ async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Proble
     let secret = secret(parts)?;
     let access =
         app.service.keys().admit(secret.as_deref()).await.ok_or_else(|| unauthorized(secret.is_some()))?;
-    if let Access::Key(held) = &access {
-        held.count().map_err(Problem::too_many_requests)?;
+    match &access {
+        Access::Open => from_this_machine(parts)?,
+        Access::Key(held) => held.count().map_err(Problem::too_many_requests)?,
     }
     let caller = Caller(access);
     if let Some(map) = map_of(parts).await
@@ -138,6 +141,23 @@ async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Proble
     }
     caller.needs(action)?;
     Ok(Some(caller))
+}
+
+/// Where nobody shows a key, only programs of this machine may ask. A web page from elsewhere can make its own name lead
+/// here (DNS rebinding), but then the browser still tells that name; addresses and `localhost` cannot be made to lie.
+fn from_this_machine(parts: &Parts) -> Result<(), Problem> {
+    let header = || parts.headers.get(HOST).and_then(|host| host.to_str().ok()?.parse::<Authority>().ok());
+    let Some(asked) = parts.uri.authority().cloned().or_else(header) else { return Ok(()) };
+    let name = asked.host().trim_matches(['[', ']']).to_ascii_lowercase();
+    let is_address = name.parse::<IpAddr>().is_ok();
+    if is_address || name == "localhost" || name.ends_with(".localhost") {
+        return Ok(());
+    }
+    let detail = format!(
+        "a server without keys answers to addresses and to localhost, not to {name}: a web page could have made that name \
+         lead here; `revisit keys create` makes a key"
+    );
+    Err(Problem::new(Kind::FORBIDDEN, detail))
 }
 
 /// The secret in `authorization: Bearer <secret>`.

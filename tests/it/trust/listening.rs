@@ -2,6 +2,11 @@
 
 use std::process::{Command, Stdio};
 
+use reqwest::Method;
+use serde_json::json;
+
+use crate::support::{Answer, Server};
+
 #[test]
 fn on_an_address_that_others_reach_the_first_start_refuses_and_says_how_to_make_a_key() {
     let directory = tempfile::tempdir().expect("a directory");
@@ -32,4 +37,29 @@ fn on_an_address_that_others_reach_the_first_start_refuses_and_says_how_to_make_
     let _ = child.kill();
     let _ = child.wait();
     assert!(line.starts_with("listening on http://0.0.0.0:"), "{line:?}");
+}
+
+#[tokio::test]
+async fn without_keys_no_name_that_a_web_page_could_have_made_leads_here() {
+    let server = Server::start().await;
+    let ask = async |host: &str, secret: Option<&str>| {
+        let request = server.request(Method::GET, "/v1/maps").header("host", host);
+        let request = secret.into_iter().fold(request, |request, secret| request.bearer_auth(secret));
+        Answer::of(request).await.status.as_u16()
+    };
+    for (host, status) in [
+        ("127.0.0.1:7878", 200),
+        ("[::1]:7878", 200),
+        ("localhost", 200),
+        ("robots.localhost:7878", 200),
+        ("10.0.0.7", 200),
+        ("evil.example", 403),
+        ("evil.example:7878", 403),
+        ("localhost.evil.example", 403),
+        ("127.0.0.1.evil.example", 403),
+    ] {
+        assert_eq!(ask(host, None).await, status, "{host}");
+    }
+    let key = server.post("/v1/keys", &json!({"actions": ["read"]})).await.expect(201);
+    assert_eq!(ask("maps.example", key["secret"].as_str()).await, 200, "a key is what counts");
 }
