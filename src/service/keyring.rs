@@ -13,8 +13,8 @@ use governor::clock::{Clock as _, DefaultClock};
 use governor::{DefaultDirectRateLimiter, Quota, RateLimiter};
 use rand::TryRng as _;
 use rand::rngs::SysRng;
-use tokio::sync::Mutex;
-use tokio::time::{Instant, sleep_until};
+use tokio::sync::{Mutex, watch};
+use tokio::time::{Instant, sleep, sleep_until};
 
 use super::ServiceError;
 use super::maps::bad_cursor;
@@ -29,6 +29,9 @@ pub(super) const GLANCE: Duration = Duration::from_secs(1);
 
 /// A flood of wrong secrets does not become a flood of looks at the disk.
 const GLANCE_AGAIN: Duration = Duration::from_millis(100);
+
+/// An expiry is waited for in steps of this.
+const CLOCKS_ARE_SET: Duration = Duration::from_mins(1);
 
 /// The most keys of one database, revoked ones among them.
 const KEYS_MAX: usize = 10_000;
@@ -106,6 +109,8 @@ pub struct Keyring {
     /// When the disk was last looked at.
     looked: Arc<Mutex<Instant>>,
     making: Arc<Mutex<()>>,
+    /// Counts the times that the table was taken anew.
+    taken: watch::Sender<u64>,
     /// Is a key wanted even while there is none?
     required: bool,
 }
@@ -117,6 +122,7 @@ impl Keyring {
             table: Arc::default(),
             looked: Arc::new(Mutex::new(Instant::now())),
             making: Arc::default(),
+            taken: watch::Sender::new(0),
             store,
             required,
         };
@@ -132,10 +138,7 @@ impl Keyring {
 
     /// Who sends this secret? `None` if nobody may be admitted with it.
     pub async fn admit(&self, secret: Option<&str>) -> Option<Access> {
-        let Some(secret) = secret else {
-            let open = !self.required && self.table().by_hash.is_empty();
-            return open.then_some(Access::Open);
-        };
+        let Some(secret) = secret else { return self.is_open().then_some(Access::Open) };
         let hash = secret_hash(secret);
         let mut held = self.table().by_hash.get(&hash).cloned();
         if held.is_none() {
@@ -144,6 +147,35 @@ impl Keyring {
             held = self.table().by_hash.get(&hash).cloned();
         }
         held.filter(|held| held.key.is_good(now())).map(Access::Key)
+    }
+
+    fn is_open(&self) -> bool {
+        !self.required && self.table().by_hash.is_empty()
+    }
+
+    /// Waits until an access is good no longer: its key is revoked or has expired, or there is a key now where there was
+    /// none. For answers that go on and on.
+    pub async fn ended(&self, access: &Access) {
+        let mut taken = self.taken.subscribe();
+        loop {
+            taken.borrow_and_update();
+            let now = now();
+            let expires = match access {
+                Access::Open if self.is_open() => None,
+                Access::Open => return,
+                Access::Key(held) => match self.table().by_seq.get(&held.key.seq) {
+                    Some(held) if held.key.is_good(now) => held.key.properties.expires,
+                    _ => return,
+                },
+            };
+            let left_s = expires.map_or(i64::MAX, |expires| expires.sec - now.sec + 1);
+            // Looked at again once in a while: clocks are set.
+            let wait = Duration::from_secs(left_s.max(0) as u64).min(CLOCKS_ARE_SET);
+            tokio::select! {
+                changed = taken.changed() => if changed.is_err() { return },
+                () = sleep(wait) => {}
+            }
+        }
     }
 
     /// What a key was made with, good or not.
@@ -248,6 +280,7 @@ impl Keyring {
         let by_hash: HashMap<_, _> = rows.by_hash.into_iter().map(hold).collect();
         let by_seq = by_hash.values().map(|held| (held.key.seq, held.clone())).collect();
         *table = Arc::new(Table { change: rows.change, by_hash, by_seq });
+        self.taken.send_modify(|times| *times += 1);
     }
 }
 

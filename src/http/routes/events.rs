@@ -10,6 +10,7 @@ use futures_util::Stream;
 use tokio::sync::watch;
 
 use crate::http::App;
+use crate::http::access::Caller;
 use crate::http::path::{InMap, MapPath};
 use crate::http::problem::{Kind, Problem};
 use crate::http::query::{Query, Since};
@@ -17,6 +18,7 @@ use crate::http::refusals::OfRead;
 use crate::model::event::Event;
 use crate::model::ids::MapId;
 use crate::model::invalid::FieldError;
+use crate::service::keyring::Access;
 use crate::wire::event::EventView;
 use crate::wire::examples;
 
@@ -28,7 +30,7 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
 /// Listen to a map
 ///
 /// Server-sent events: `id` is a sequence number, `event` the kind, `data` an Event as JSON. A client that reconnects
-/// with `last-event-id`, as browsers do, misses nothing. The stream has no end but the server's.
+/// with `last-event-id`, as browsers do, misses nothing. The stream ends with the server, and with the key.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/events", tag = "events", security(("key" = ["read"])),
     params(
@@ -44,17 +46,19 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
 )]
 pub async fn listen(
     State(app): State<App>,
+    caller: Caller,
     InMap(map): InMap,
     Query(Since { since }): Query<Since>,
     LastEventId(last): LastEventId,
 ) -> Result<Sse<impl Stream<Item = Result<Sent, Infallible>>>, Problem> {
     let latest = app.service.latest_event(&map).await?;
-    let stream = stream(app, map, last.or(since).unwrap_or(0), latest);
+    let stream = stream(app, caller.0, map, last.or(since).unwrap_or(0), latest);
     Ok(Sse::new(stream).keep_alive(KeepAlive::new().interval(KEEP_ALIVE)))
 }
 
 fn stream(
     app: App,
+    access: Access,
     map: MapId,
     mut since: u64,
     mut latest: watch::Receiver<u64>,
@@ -76,6 +80,7 @@ fn stream(
             tokio::select! {
                 changed = latest.changed() => if changed.is_err() { return },
                 () = app.stopping.cancelled() => return,
+                () = app.service.keys().ended(&access) => return,
             }
         }
     }

@@ -181,3 +181,36 @@ async fn a_malformed_authorization_is_no_key() {
     let scheme = server.request(Method::GET, "/v1/maps").header("authorization", format!("bearer  {secret}"));
     Answer::of(scheme).await.expect(200);
 }
+
+#[tokio::test]
+async fn a_stream_of_events_ends_with_its_key() {
+    let server = Server::start().await;
+    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let open = server.request(Method::GET, "/v1/maps/m/events").send().await.expect("an answer");
+    assert_eq!(open.status(), 200);
+    let body = json!({"actions": ["read", "admin"]});
+    let root = server.post("/v1/keys", &body).await.expect(201);
+    // There is a key now: who came without one has seen enough.
+    open.text().await.expect("the stream ends");
+    let root = root["secret"].as_str().expect("a secret");
+    let listen = async |secret: &str| {
+        let request = server.request(Method::GET, "/v1/maps/m/events").bearer_auth(secret);
+        request.send().await.expect("an answer")
+    };
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).expect("a time").as_secs();
+    for (id, body) in [
+        ("key-2", json!({"actions": ["read"]})),
+        ("key-3", json!({"actions": ["read"], "expires": {"sec": now + 2, "nanosec": 0}})),
+    ] {
+        let made = Answer::of(server.request(Method::POST, "/v1/keys").bearer_auth(root).json(&body))
+            .await
+            .expect(201);
+        let stream = listen(made["secret"].as_str().expect("a secret")).await;
+        assert_eq!(stream.status(), 200);
+        if id == "key-2" {
+            let revoke = server.request(Method::DELETE, "/v1/keys/key-2").bearer_auth(root);
+            Answer::of(revoke).await.expect(204);
+        }
+        stream.text().await.expect("the stream ends");
+    }
+}
