@@ -1,5 +1,7 @@
 //! Command line: one thin file for each subcommand.
 
+mod backup;
+mod check;
 mod demo;
 mod eval;
 mod openapi;
@@ -35,6 +37,9 @@ enum Command {
     Eval(eval::EvalArgs),
     Openapi(openapi::OpenapiArgs),
     Vocabulary(vocabulary::VocabularyArgs),
+    Backup(backup::BackupArgs),
+    Restore(backup::RestoreArgs),
+    Check(check::CheckArgs),
 }
 
 /// Why a subcommand failed, for a person.
@@ -50,6 +55,9 @@ impl Cli {
             Command::Eval(args) => eval::run(args).await,
             Command::Openapi(args) => openapi::run(&args),
             Command::Vocabulary(args) => vocabulary::run(args).await,
+            Command::Backup(args) => backup::run(args).await,
+            Command::Restore(args) => backup::run_restore(args).await,
+            Command::Check(args) => check::run(args).await,
         }
     }
 }

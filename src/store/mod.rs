@@ -9,18 +9,27 @@
 //! | what models said, and what it cost | [`model_rows`] |
 //! | reads of one row | [`read`] |
 //! | packed lists in blobs | [`blob`] |
+//! | where it lies, and who may write to it | [`files`], [`lock`] |
+//! | copies of it, and back | [`backup`], [`restore`] |
+//! | is it whole? | [`check`] |
 
+pub mod backup;
 mod blob;
+pub mod check;
 mod committer;
 mod error;
+pub mod files;
 mod keyframe_rows;
 mod load;
+mod lock;
 mod model_rows;
 mod read;
+pub mod restore;
 mod schema;
 mod write;
 
 use std::str::FromStr;
+use std::sync::Arc;
 use std::time::Duration;
 
 use sqlx::sqlite::{
@@ -29,7 +38,9 @@ use sqlx::sqlite::{
 
 pub use committer::{CommitStats, Committer, Line};
 pub use error::StoreError;
+use files::DatabaseFiles;
 pub use load::Loaded;
+use lock::{DatabaseLock, Purpose};
 pub use model_rows::{Spent, UsageRow};
 pub use read::{DetectionRow, KeyframeRow};
 pub use write::{Batch, Job, MapKey, NewKeyframeRows};
@@ -51,11 +62,16 @@ const READERS: u32 = 8;
 pub struct Store {
     readers: SqlitePool,
     committer: Committer,
+    files: DatabaseFiles,
+    lock: Arc<DatabaseLock>,
 }
 
 impl Store {
     /// Opens the database at `sqlite://PATH`, makes it if it is not there, and migrates it.
+    /// Only one process may have it open so; another is refused.
     pub async fn open(url: &str) -> Result<Self, StoreError> {
+        let files = DatabaseFiles::of_url(url)?;
+        let lock = Arc::new(DatabaseLock::take(&files, Purpose::Serve)?);
         let options = SqliteConnectOptions::from_str(url)?
             .create_if_missing(true)
             .journal_mode(SqliteJournalMode::Wal)
@@ -80,7 +96,12 @@ impl Store {
             .max_lifetime(None)
             .connect_with(options.read_only(true))
             .await?;
-        Ok(Self { readers, committer: Committer::start(writer) })
+        Ok(Self { readers, committer: Committer::start(writer, lock.clone()), files, lock })
+    }
+
+    /// Where it lies.
+    pub fn files(&self) -> &DatabaseFiles {
+        &self.files
     }
 
     /// The one writer.
@@ -90,8 +111,10 @@ impl Store {
 
     /// Finishes what is queued, and closes the database.
     pub async fn close(&self) {
-        self.committer.close().await;
+        // The writer last: the last connection brings the log into the database, which readers cannot.
         self.readers.close().await;
+        self.committer.close().await;
+        self.lock.release();
     }
 
     /// The version of SQLite.
