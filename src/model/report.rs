@@ -133,6 +133,27 @@ pub struct LoopReport {
     pub merged: Vec<MergeReport>,
 }
 
+/// A backup that is verified and on disk.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BackupReport {
+    /// Its name.
+    pub id: BackupId,
+    /// When it was asked for: everything acknowledged before is in it.
+    pub created: Stamp,
+    /// Its size.
+    pub bytes: u64,
+    /// Its SHA-256, in hexadecimal.
+    pub sha256: String,
+    /// The version of its schema.
+    pub schema: i64,
+    /// Maps in it.
+    pub maps: u64,
+    /// Keyframes in it.
+    pub keyframes: u64,
+    /// Anchors in it, merged ones too.
+    pub anchors: u64,
+}
+
 /// What models were asked and what it cost.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct UsageReport {

@@ -36,6 +36,13 @@ pub struct NewLoop {
     pub query: Option<String>,
 }
 
+/// A backup that is to be taken.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct NewBackup {
+    /// Its name; without one the server finds one.
+    pub id: Option<BackupId>,
+}
+
 /// Corrected poses and map points of one session.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PoseCorrection {

@@ -9,7 +9,7 @@ use sqlx::{ConnectOptions as _, Connection as _, SqliteConnection};
 use tempfile::NamedTempFile;
 
 use super::StoreError;
-use super::check::{dangling_rows, structural_faults};
+use super::check::{dangling_rows, structural_faults, wrong_length};
 use super::files::DatabaseFiles;
 use super::schema;
 
@@ -110,6 +110,7 @@ async fn verified(path: &Path) -> Result<Holdings, StoreError> {
     let mut db = DatabaseFiles::of_path(path).read_only().immutable(true).connect().await?;
     let mut faults = structural_faults(&mut db).await?;
     faults.extend(dangling_rows(&mut db).await?);
+    faults.extend(wrong_length(&mut db, path).await?);
     if let Some(fault) = faults.first() {
         return Err(StoreError::corrupt(format!("the copy is not sound, {} faults: {fault}", faults.len())));
     }

@@ -11,6 +11,8 @@
 mod map;
 mod rows;
 
+use std::path::Path;
+
 use sqlx::{ConnectOptions as _, Connection as _, SqliteConnection};
 
 pub use map::MapCheck;
@@ -68,7 +70,10 @@ pub async fn check(files: &DatabaseFiles) -> Result<Checked, StoreError> {
         Err(error) => return Ok(Checked { faults: vec![error.to_string()], ..Checked::default() }),
     };
     let mut transaction = db.begin().await?;
-    let checked = check_all(&mut transaction).await;
+    let mut checked = check_all(&mut transaction).await;
+    if let (true, Ok(checked)) = (is_closed, &mut checked) {
+        note(&mut checked.faults, wrong_length(&mut transaction, files.database()).await);
+    }
     transaction.rollback().await?;
     db.close().await?;
     checked
@@ -128,6 +133,15 @@ fn note(faults: &mut Vec<String>, found: Result<Vec<String>, StoreError>) {
 pub(super) async fn structural_faults(db: &mut SqliteConnection) -> Result<Vec<String>, StoreError> {
     let found: Vec<String> = sqlx::query_scalar("pragma integrity_check").fetch_all(db).await?;
     Ok(found.into_iter().filter(|line| line != "ok").take(STRUCTURAL_FAULTS_MAX).collect())
+}
+
+/// A file without a log is as long as its pages are; of a shorter one SQLite reads zeros.
+pub(super) async fn wrong_length(db: &mut SqliteConnection, file: &Path) -> Result<Vec<String>, StoreError> {
+    let select = "select page_count * page_size from pragma_page_count, pragma_page_size";
+    let expected: i64 = sqlx::query_scalar(select).fetch_one(db).await?;
+    let length = std::fs::metadata(file).map_err(|error| StoreError::file(file, &error))?.len();
+    let fault = format!("the file has {length} bytes, and its pages {expected}");
+    Ok(if length == expected as u64 { Vec::new() } else { vec![fault] })
 }
 
 /// Rows that refer to rows which are not there, by table.
