@@ -88,7 +88,7 @@ pub async fn run(args: KeysArgs) -> Result<(), Failure> {
     {
         return Err(format!("there is no database {path}").into());
     }
-    let store = Store::open(&args.database).await?;
+    let store = Store::open_beside(&args.database).await?;
     let keys = Keyring::open(store.clone(), false).await?;
     let done = perform(args.command, &keys).await;
     store.close().await;

@@ -1,5 +1,7 @@
 //! Command line: one thin file for each subcommand.
 
+mod backup;
+mod check;
 mod demo;
 mod eval;
 mod keys;
@@ -37,6 +39,9 @@ enum Command {
     Openapi(openapi::OpenapiArgs),
     Vocabulary(vocabulary::VocabularyArgs),
     Keys(keys::KeysArgs),
+    Backup(backup::BackupArgs),
+    Restore(backup::RestoreArgs),
+    Check(check::CheckArgs),
 }
 
 /// Why a subcommand failed, for a person.
@@ -53,6 +58,9 @@ impl Cli {
             Command::Openapi(args) => openapi::run(&args),
             Command::Vocabulary(args) => vocabulary::run(args).await,
             Command::Keys(args) => keys::run(args).await,
+            Command::Backup(args) => backup::run(args).await,
+            Command::Restore(args) => backup::run_restore(args).await,
+            Command::Check(args) => check::run(args).await,
         }
     }
 }

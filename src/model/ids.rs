@@ -87,6 +87,10 @@ text_id!(
     /// A loop that a client closed.
     LoopId
 );
+text_id!(
+    /// A backup, named by whoever asked for it.
+    BackupId
+);
 
 macro_rules! dense_id {
     ($(#[$doc:meta])* $name:ident) => {

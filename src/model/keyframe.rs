@@ -68,6 +68,18 @@ pub struct Crop {
     pub bytes: Vec<u8>,
 }
 
+impl Crop {
+    /// The type of an image that begins so, if it is one of the two.
+    pub fn media_type_of(head: &[u8]) -> Option<&'static str> {
+        const SIGNATURES: [(&[u8], &str); 2] =
+            [(b"\x89PNG\r\n\x1a\n", "image/png"), (b"\xff\xd8\xff", "image/jpeg")];
+        SIGNATURES
+            .iter()
+            .find(|(signature, _)| head.starts_with(signature))
+            .map(|(_, media_type)| *media_type)
+    }
+}
+
 /// An object detected in a keyframe (§III: box, class, confidence and the map points it covers).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Detection {

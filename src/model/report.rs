@@ -1,7 +1,7 @@
 //! What a reader is shown of a map: derived views, never facts.
 
 use super::anchor::{AnchorState, Outcome};
-use super::ids::{AnchorSeq, KeyframeId, LoopId, MapId, SessionId};
+use super::ids::{AnchorSeq, BackupId, KeyframeId, LoopId, MapId, SessionId};
 use super::keyframe::{NewKeyframe, Stamp};
 use super::map::MapProperties;
 use crate::geometry::{Aabb, Pose};
@@ -133,6 +133,27 @@ pub struct LoopReport {
     pub query: Option<String>,
     /// The anchors it merged.
     pub merged: Vec<MergeReport>,
+}
+
+/// A backup that is verified and on disk.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BackupReport {
+    /// Its name.
+    pub id: BackupId,
+    /// When it was asked for: everything acknowledged before is in it.
+    pub created: Stamp,
+    /// Its size.
+    pub bytes: u64,
+    /// Its SHA-256, in hexadecimal.
+    pub sha256: String,
+    /// The version of its schema.
+    pub schema: i64,
+    /// Maps in it.
+    pub maps: u64,
+    /// Keyframes in it.
+    pub keyframes: u64,
+    /// Anchors in it, merged ones too.
+    pub anchors: u64,
 }
 
 /// What models were asked and what it cost.

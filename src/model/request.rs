@@ -1,7 +1,7 @@
 //! What a client asks for, checked: the requests that are more than an id.
 
 use super::anchor::AnchorState;
-use super::ids::{KeyframeId, LoopId, PointId, SessionId};
+use super::ids::{BackupId, KeyframeId, LoopId, PointId, SessionId};
 use super::keyframe::NewKeyframe;
 use super::settings::SettingValue;
 use super::verdict::Verify;
@@ -34,6 +34,13 @@ pub struct NewLoop {
     pub candidate: KeyframeId,
     /// The query that found it.
     pub query: Option<String>,
+}
+
+/// A backup that is to be taken.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct NewBackup {
+    /// Its name; without one the server finds one.
+    pub id: Option<BackupId>,
 }
 
 /// Corrected poses and map points of one session.

@@ -77,9 +77,13 @@ impl From<StoreError> for ServiceError {
             StoreError::Superseded | StoreError::Closed => {
                 Self::Unavailable { detail: error.to_string(), retry_after_s: 1 }
             }
-            StoreError::Database(_) | StoreError::Corrupt(_) | StoreError::SqliteTooOld { .. } => {
-                Self::Internal(error.to_string())
-            }
+            StoreError::Database(_)
+            | StoreError::Corrupt(_)
+            | StoreError::SqliteTooOld { .. }
+            | StoreError::Newer { .. }
+            | StoreError::InUse(_)
+            | StoreError::Exists(_)
+            | StoreError::File { .. } => Self::Internal(error.to_string()),
         }
     }
 }

@@ -321,10 +321,13 @@ async fn holds_after(requests: Vec<Request>) {
     }
     let live = service.live(&map).await.unwrap();
     let loaded = service.store.load(&map).await.unwrap().unwrap();
+    let backwards = service.store.load_backwards(&map).await.unwrap().unwrap();
     {
         let state = live.state().unwrap();
         assert_eq!(loaded.version, state.version);
         pretty(&loaded.index, &state.index);
+        // What `revisit check` builds to find out whether a database holds the law.
+        pretty(&backwards.index, &state.index);
     }
     service.close().await;
 }

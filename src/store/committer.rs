@@ -12,6 +12,7 @@ use tokio::sync::{mpsc, oneshot};
 use tracing::{error, warn};
 
 use super::StoreError;
+use super::lock::DatabaseLock;
 use super::write::{self, Job};
 
 /// At most so many jobs share one transaction.
@@ -62,12 +63,17 @@ pub struct Committer {
 
 impl Committer {
     /// Starts the writer on its own connection.
-    pub(super) fn start(pool: SqlitePool) -> Self {
+    pub(super) fn start(pool: SqlitePool, lock: Option<Arc<DatabaseLock>>) -> Self {
         // Unbounded, because whoever plans holds the map's lock and must not wait here; the service
         // bounds how many requests plan at once.
         let (queue, jobs) = mpsc::unbounded_channel();
         let counters = Arc::new(Counters::default());
-        tokio::spawn(run(pool, jobs, counters.clone()));
+        let running = run(pool, jobs, counters.clone());
+        tokio::spawn(async move {
+            running.await;
+            // Nobody else may write before the last job has.
+            drop(lock);
+        });
         Self { queue, counters }
     }
 
@@ -133,10 +139,23 @@ async fn run(pool: SqlitePool, mut queue: mpsc::UnboundedReceiver<Message>, coun
         commit_group(&pool, group, &counters).await;
         if let Some(closed) = closing {
             queue.close();
+            checkpoint(&pool).await;
             pool.close().await;
             let _ = closed.send(());
             return;
         }
+    }
+}
+
+/// Brings the log into the database, unless somebody still reads (a backup): then the next start does.
+async fn checkpoint(pool: &SqlitePool) {
+    let Ok(mut db) = pool.acquire().await else { return };
+    let settled = async {
+        sqlx::query("pragma busy_timeout = 0").execute(&mut *db).await?;
+        sqlx::query("pragma wal_checkpoint(truncate)").execute(&mut *db).await
+    };
+    if let Err(error) = settled.await {
+        warn!(%error, "the write-ahead log stays beside the database until the next start");
     }
 }
 

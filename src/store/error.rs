@@ -1,5 +1,8 @@
 //! What can go wrong with the database.
 
+use std::io;
+use std::path::Path;
+
 use thiserror::Error;
 
 /// Why the database did not do what it was asked.
@@ -22,6 +25,31 @@ pub enum StoreError {
         /// The oldest version that is safe.
         needed: &'static str,
     },
+    /// A newer version of this program has written the database.
+    #[error(
+        "the database has schema {found}, and this version of revisit knows {known} at most: it was opened by a newer \
+         version; run that one, or restore a backup from before the upgrade"
+    )]
+    Newer {
+        /// The schema's version in the database.
+        found: i64,
+        /// The newest version known here.
+        known: i64,
+    },
+    /// Another process has the database open, and only one may.
+    #[error("{0}")]
+    InUse(String),
+    /// A file that is to be written is there already.
+    #[error("{0} exists; --force replaces it")]
+    Exists(String),
+    /// A file cannot be read or written.
+    #[error("{path}: {error}")]
+    File {
+        /// The file.
+        path: String,
+        /// What the system says.
+        error: String,
+    },
     /// An earlier write to the same map failed; what was planned upon it is void.
     #[error("an earlier write to this map failed; try again")]
     Superseded,
@@ -31,6 +59,14 @@ pub enum StoreError {
 }
 
 impl StoreError {
+    /// What the system says about a file.
+    pub(super) fn file(path: &Path, error: &io::Error) -> Self {
+        match error.kind() {
+            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => Self::DiskFull,
+            _ => Self::File { path: path.display().to_string(), error: error.to_string() },
+        }
+    }
+
     pub(super) fn corrupt(what: impl Into<String>) -> Self {
         Self::Corrupt(what.into())
     }

@@ -46,41 +46,88 @@ pub struct Loaded {
     pub index: MapIndex,
 }
 
+/// In which order facts are told to an index. It must not matter: `revisit check` holds the two against each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Order {
+    /// As they came.
+    Forwards,
+    /// The last first, and what moves things after the things.
+    Backwards,
+}
+
 impl Store {
     /// Loads a map and builds its index; `None` if there is no such map.
     pub async fn load(&self, id: &MapId) -> Result<Option<Loaded>, StoreError> {
         // One read transaction, so that what is built is one version of the map.
         let mut db = self.readers.begin().await?;
-        let found = sqlx::query("select * from maps where id = $1")
-            .bind(id.as_str())
-            .fetch_optional(&mut *db)
-            .await?;
-        let Some(row) = found else { return Ok(None) };
-        let key: MapKey = row.try_get("map_key")?;
-        let mut index = MapIndex::default();
-        index.apply(&[Change::MapSet(Box::new(properties(&mut db, key, &row).await?))]);
-        if let Some(vocabulary) = row.try_get::<Option<String>, _>("vocabulary")? {
-            index.apply(&[Change::VocabularySet(vocabulary.into())]);
-        }
-        index.apply(&sessions(&mut db, key).await?);
-        load_points(&mut db, key, &mut index).await?;
-        load_keyframes(&mut db, key, &mut index).await?;
-        index.reserve(row.try_get("next_keyframe")?, row.try_get("next_anchor")?);
-        index.apply(&model_rows::verdicts(&mut db, key).await?);
-        index.apply(&anchors(&mut db, key).await?);
-        index.apply(&loops_and_merges(&mut db, key).await?);
-        let next_kept =
-            sqlx::query_scalar("select coalesce(max(kept), 0) + 1 from loop_queries where map_key = $1");
-        Ok(Some(Loaded {
-            key,
-            version: row.try_get::<i64, _>("version")? as u64,
-            next_event: row.try_get::<i64, _>("next_event")? as u64,
-            next_kept: next_kept.bind(key).fetch_one(&mut *db).await?,
-            digest: digest(&row)?,
-            owner: row.try_get::<Option<i64>, _>("owner")?.map(KeySeq),
-            index,
-        }))
+        load(&mut db, id, Order::Forwards).await
     }
+
+    /// The same index, built from the facts told backwards.
+    #[cfg(test)]
+    pub async fn load_backwards(&self, id: &MapId) -> Result<Option<Loaded>, StoreError> {
+        let mut db = self.readers.begin().await?;
+        load(&mut db, id, Order::Backwards).await
+    }
+}
+
+/// Loads a map within a read transaction.
+pub(super) async fn load(db: &mut Db, id: &MapId, order: Order) -> Result<Option<Loaded>, StoreError> {
+    let found =
+        sqlx::query("select * from maps where id = $1").bind(id.as_str()).fetch_optional(&mut *db).await?;
+    let Some(row) = found else { return Ok(None) };
+    let key: MapKey = row.try_get("map_key")?;
+    let mut index = MapIndex::default();
+    index.apply(&[Change::MapSet(Box::new(properties(db, key, &row).await?))]);
+    if let Some(vocabulary) = row.try_get::<Option<String>, _>("vocabulary")? {
+        index.apply(&[Change::VocabularySet(vocabulary.into())]);
+    }
+    let sessions = sessions(db, key).await?;
+    let next = (row.try_get("next_keyframe")?, row.try_get("next_anchor")?);
+    match order {
+        Order::Forwards => {
+            index.apply(&sessions);
+            load_points(db, key, &mut index).await?;
+            load_keyframes(db, key, &mut index).await?;
+            index.reserve(next.0, next.1);
+            index.apply(&model_rows::verdicts(db, key).await?);
+            let (anchors, observed) = anchors(db, key).await?;
+            index.apply(&[anchors, observed].concat());
+            let (loops, merges) = loops_and_merges(db, key).await?;
+            index.apply(&[loops, merges].concat());
+        }
+        Order::Backwards => {
+            index.reserve(next.0, next.1);
+            index.apply(&reversed(sessions));
+            load_keyframes_backwards(db, key, &mut index).await?;
+            let (anchors, observed) = anchors(db, key).await?;
+            index.apply(&anchors);
+            let (loops, merges) = loops_and_merges(db, key).await?;
+            index.apply(&reversed(merges));
+            index.apply(&reversed(loops));
+            for change in reversed(observed) {
+                index.apply(&[change]);
+            }
+            load_points(db, key, &mut index).await?;
+            index.apply(&reversed(model_rows::verdicts(db, key).await?));
+        }
+    }
+    let next_kept =
+        sqlx::query_scalar("select coalesce(max(kept), 0) + 1 from loop_queries where map_key = $1");
+    Ok(Some(Loaded {
+        key,
+        version: row.try_get::<i64, _>("version")? as u64,
+        next_event: row.try_get::<i64, _>("next_event")? as u64,
+        next_kept: next_kept.bind(key).fetch_one(&mut *db).await?,
+        digest: digest(&row)?,
+        owner: row.try_get::<Option<i64>, _>("owner")?.map(KeySeq),
+        index,
+    }))
+}
+
+fn reversed(mut changes: Vec<Change>) -> Vec<Change> {
+    changes.reverse();
+    changes
 }
 
 type Db = sqlx::SqliteConnection;
@@ -169,6 +216,26 @@ async fn load_keyframes(db: &mut Db, key: MapKey, index: &mut MapIndex) -> Resul
     }
 }
 
+async fn load_keyframes_backwards(db: &mut Db, key: MapKey, index: &mut MapIndex) -> Result<(), StoreError> {
+    let select = "select keyframe from keyframes where map_key = $1";
+    let standing: Vec<u32> = sqlx::query_scalar(select).bind(key).fetch_all(&mut *db).await?;
+    let standing: HashSet<KeyframeSeq> = standing.into_iter().map(KeyframeSeq).collect();
+    let select =
+        "select * from keyframes where map_key = $1 and keyframe < $2 order by keyframe desc limit $3";
+    let mut last = i64::MAX;
+    loop {
+        let rows = sqlx::query(select).bind(key).bind(last).bind(CHUNK).fetch_all(&mut *db).await?;
+        let Some(row) = rows.last() else { return Ok(()) };
+        last = row.try_get("keyframe")?;
+        for row in &rows {
+            let (mut keyframe, bow) = keyframe(row)?;
+            keyframe.declared =
+                keyframe.declared.iter().copied().filter(|(other, _)| standing.contains(other)).collect();
+            index.apply(&[Change::KeyframeAdded(Box::new(keyframe), Arc::new(bow))]);
+        }
+    }
+}
+
 pub(super) fn keyframe(row: &SqliteRow) -> Result<(Keyframe, BowVector), StoreError> {
     let declared: Vec<(u32, u32)> = unpack(row.try_get("declared")?)?;
     let keyframe = Keyframe {
@@ -208,8 +275,9 @@ pub(super) fn point(bytes: &[u8]) -> Result<Point3, StoreError> {
     Ok(Point3::from(unpack_array::<f64, 3>(bytes)?))
 }
 
-async fn anchors(db: &mut Db, key: MapKey) -> Result<Vec<Change>, StoreError> {
-    let mut changes = Vec::new();
+/// The anchors, and what was observed of them.
+async fn anchors(db: &mut Db, key: MapKey) -> Result<(Vec<Change>, Vec<Change>), StoreError> {
+    let (mut changes, mut observed) = (Vec::new(), Vec::new());
     let select =
         "select anchor, class, description_by_hand, version from anchors where map_key = $1 order by anchor";
     let rows: Vec<(u32, String, Option<String>, i64)> =
@@ -232,9 +300,9 @@ async fn anchors(db: &mut Db, key: MapKey) -> Result<Vec<Change>, StoreError> {
         let at = (row.try_get("keyframe")?, row.try_get("detection")?);
         let mut observation = observation(&row, crops.contains(&at))?;
         observation.crop_reading = readings.remove(&at);
-        changes.push(Change::Observed(AnchorSeq(row.try_get("anchor")?), Box::new(observation)));
+        observed.push(Change::Observed(AnchorSeq(row.try_get("anchor")?), Box::new(observation)));
     }
-    Ok(changes)
+    Ok((changes, observed))
 }
 
 fn observation(row: &SqliteRow, has_crop: bool) -> Result<Observation, StoreError> {
@@ -255,14 +323,14 @@ fn observation(row: &SqliteRow, has_crop: bool) -> Result<Observation, StoreErro
     })
 }
 
-async fn loops_and_merges(db: &mut Db, key: MapKey) -> Result<Vec<Change>, StoreError> {
-    let mut changes = Vec::new();
+async fn loops_and_merges(db: &mut Db, key: MapKey) -> Result<(Vec<Change>, Vec<Change>), StoreError> {
+    let (mut loops, mut merges) = (Vec::new(), Vec::new());
     for row in sqlx::query("select * from loops where map_key = $1 order by id")
         .bind(key)
         .fetch_all(&mut *db)
         .await?
     {
-        changes.push(Change::LoopAdded(Loop {
+        loops.push(Change::LoopAdded(Loop {
             id: parse::<LoopId>(row.try_get("id")?)?,
             keyframe: KeyframeSeq(row.try_get("keyframe")?),
             candidate: KeyframeSeq(row.try_get("candidate")?),
@@ -275,9 +343,9 @@ async fn loops_and_merges(db: &mut Db, key: MapKey) -> Result<Vec<Change>, Store
     let rows: Vec<(u32, u32, String)> = sqlx::query_as(select).bind(key).fetch_all(&mut *db).await?;
     for (into, from, by) in rows {
         let cause = if by.is_empty() { MergeCause::Covisible } else { MergeCause::Loop(parse(&by)?) };
-        changes.push(Change::Merged(Merge { into: AnchorSeq(into), from: AnchorSeq(from), cause }));
+        merges.push(Change::Merged(Merge { into: AnchorSeq(into), from: AnchorSeq(from), cause }));
     }
-    Ok(changes)
+    Ok((loops, merges))
 }
 
 pub(super) fn parse<T: std::str::FromStr>(text: &str) -> Result<T, StoreError>

@@ -10,19 +10,28 @@
 //! | API keys | [`key_rows`] |
 //! | reads of one row | [`read`] |
 //! | packed lists in blobs | [`blob`] |
+//! | where it lies, and who may write to it | [`files`], [`lock`] |
+//! | copies of it, and back | [`backup`], [`restore`] |
+//! | is it whole? | [`check`] |
 
+pub mod backup;
 mod blob;
+pub mod check;
 mod committer;
 mod error;
+pub mod files;
 mod key_rows;
 mod keyframe_rows;
 mod load;
+mod lock;
 mod model_rows;
 mod read;
+pub mod restore;
 mod schema;
 mod write;
 
 use std::str::FromStr;
+use std::sync::Arc;
 use std::time::Duration;
 
 use sqlx::sqlite::{
@@ -31,8 +40,10 @@ use sqlx::sqlite::{
 
 pub use committer::{CommitStats, Committer, Line};
 pub use error::StoreError;
+use files::DatabaseFiles;
 pub use key_rows::{KeyTable, NewKeyRow};
 pub use load::Loaded;
+use lock::{DatabaseLock, Purpose};
 pub use model_rows::{Spent, UsageRow};
 pub use read::{DetectionRow, KeyframeRow};
 pub use write::{Batch, Job, MapKey, NewKeyframeRows};
@@ -54,11 +65,36 @@ const READERS: u32 = 8;
 pub struct Store {
     readers: SqlitePool,
     committer: Committer,
+    files: DatabaseFiles,
+    /// None where another process is the one that serves.
+    lock: Option<Arc<DatabaseLock>>,
 }
 
 impl Store {
     /// Opens the database at `sqlite://PATH`, makes it if it is not there, and migrates it.
+    /// Only one process may have it open so; another is refused.
     pub async fn open(url: &str) -> Result<Self, StoreError> {
+        let files = DatabaseFiles::of_url(url)?;
+        let lock = DatabaseLock::take(&files, Purpose::Serve)?;
+        Self::open_as(url, files, Some(lock)).await
+    }
+
+    /// The same, or beside the process that has it open: for short writes to tables that maps do not need, such as keys.
+    pub async fn open_beside(url: &str) -> Result<Self, StoreError> {
+        let files = DatabaseFiles::of_url(url)?;
+        match DatabaseLock::take(&files, Purpose::Serve) {
+            Ok(lock) => Self::open_as(url, files, Some(lock)).await,
+            Err(StoreError::InUse(_)) => Self::open_as(url, files, None).await,
+            Err(error) => Err(error),
+        }
+    }
+
+    async fn open_as(
+        url: &str,
+        files: DatabaseFiles,
+        lock: Option<DatabaseLock>,
+    ) -> Result<Self, StoreError> {
+        let lock = lock.map(Arc::new);
         let options = SqliteConnectOptions::from_str(url)?
             .create_if_missing(true)
             .journal_mode(SqliteJournalMode::Wal)
@@ -76,14 +112,24 @@ impl Store {
             .connect_with(options.clone())
             .await?;
         check_sqlite(&writer).await?;
-        schema::migrate(&writer).await?;
+        if lock.is_some() {
+            schema::migrate(&writer).await?;
+        } else {
+            // Another process works with the schema as it is.
+            schema::expect_newest(&writer).await?;
+        }
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS)
             .idle_timeout(None)
             .max_lifetime(None)
             .connect_with(options.read_only(true))
             .await?;
-        Ok(Self { readers, committer: Committer::start(writer) })
+        Ok(Self { readers, committer: Committer::start(writer, lock.clone()), files, lock })
+    }
+
+    /// Where it lies.
+    pub fn files(&self) -> &DatabaseFiles {
+        &self.files
     }
 
     /// The one writer.
@@ -93,8 +139,12 @@ impl Store {
 
     /// Finishes what is queued, and closes the database.
     pub async fn close(&self) {
-        self.committer.close().await;
+        // The writer last: the last connection brings the log into the database, which readers cannot.
         self.readers.close().await;
+        self.committer.close().await;
+        if let Some(lock) = &self.lock {
+            lock.release();
+        }
     }
 
     /// The version of SQLite.

@@ -85,7 +85,7 @@ impl Store {
         Ok(Some(KeyframeRow {
             bow: load::bow(&row)?,
             features: features_row.as_ref().map(features).transpose()?,
-            sent_points: unpack(row.try_get("sent_points")?)?,
+            sent_points: sent_points(&row)?,
             detections: detections.iter().map(detection).collect::<Result<_, _>>()?,
             digest: load::digest(&row)?,
         }))
@@ -124,7 +124,11 @@ impl Store {
     }
 }
 
-fn features(row: &SqliteRow) -> Result<Features, StoreError> {
+pub(super) fn sent_points(row: &SqliteRow) -> Result<Vec<PointId>, StoreError> {
+    unpack(row.try_get("sent_points")?)
+}
+
+pub(super) fn features(row: &SqliteRow) -> Result<Features, StoreError> {
     let keypoints: Vec<((f64, f64), (f64, u8))> = unpack(row.try_get("keypoints")?)?;
     let map_points: Vec<i64> = unpack(row.try_get("map_points")?)?;
     Ok(Features {
@@ -143,7 +147,7 @@ fn features(row: &SqliteRow) -> Result<Features, StoreError> {
     })
 }
 
-fn detection(row: &SqliteRow) -> Result<DetectionRow, StoreError> {
+pub(super) fn detection(row: &SqliteRow) -> Result<DetectionRow, StoreError> {
     let outcome: &str = row.try_get("outcome")?;
     let anchor = row.try_get::<Option<u32>, _>("anchor")?.map(AnchorSeq);
     let outcome = match (outcome, anchor) {
@@ -167,7 +171,7 @@ fn detection(row: &SqliteRow) -> Result<DetectionRow, StoreError> {
     Ok(DetectionRow { detection, outcome })
 }
 
-fn event(row: &SqliteRow) -> Result<Event, StoreError> {
+pub(super) fn event(row: &SqliteRow) -> Result<Event, StoreError> {
     let kind: &str = row.try_get("kind")?;
     let id = |column: &str| -> Result<Option<&str>, StoreError> { Ok(row.try_get(column)?) };
     Ok(Event {

@@ -10,6 +10,7 @@ mod geometry;
 mod hotel;
 mod models;
 mod openapi;
+mod operations;
 mod paper;
 mod readme;
 mod recordings;

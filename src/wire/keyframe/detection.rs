@@ -10,9 +10,6 @@ use crate::wire::read::{Decode, Node};
 const FIELDS: [&str; 8] =
     ["class", "confidence", "box", "map_points", "position", "text", "description", "crop"];
 
-/// Files that start so are images of this type.
-const SIGNATURES: [(&[u8], &str); 2] = [(b"\x89PNG\r\n\x1a\n", "image/png"), (b"\xff\xd8\xff", "image/jpeg")];
-
 /// Reads one of `detections`.
 pub fn decode(node: &Node<'_>) -> Option<Detection> {
     let body = node.object(&FIELDS)?;
@@ -57,8 +54,8 @@ fn crop(node: &Node<'_>) -> Option<Crop> {
         return node
             .refuse(format!("the crop is {} bytes", bytes.len()), format!("{} bytes", limits::CROP_BYTES));
     }
-    match SIGNATURES.iter().find(|(signature, _)| bytes.starts_with(signature)) {
-        Some(&(_, media_type)) => Some(Crop { media_type, bytes }),
+    match Crop::media_type_of(&bytes) {
+        Some(media_type) => Some(Crop { media_type, bytes }),
         None => node.refuse("the crop is neither a PNG nor a JPEG file", "PNG or JPEG"),
     }
 }

@@ -81,6 +81,13 @@ impl Server {
         &self.api
     }
 
+    /// SIGTERM, and how it ended.
+    pub fn terminate(&mut self) -> std::process::ExitStatus {
+        let sent = Command::new("kill").args(["-TERM", &self.child.id().to_string()]).status();
+        assert!(sent.expect("kill runs").success());
+        self.child.wait().expect("a child of ours")
+    }
+
     /// SIGKILL, and the corpse is collected; a server that is dead already died of itself.
     pub fn kill(&mut self) {
         let ended = self.child.try_wait().expect("a child of ours");

@@ -1,0 +1,91 @@
+//! `revisit check`: is a database, or a backup, whole?
+
+use clap::Args;
+use serde_json::json;
+
+use super::{Failure, write_out};
+use crate::store::check::{Checked, MapCheck, check};
+use crate::store::files::DatabaseFiles;
+
+/// At most so many faults are listed for a person; `--json` has them all.
+const LISTED: usize = 20;
+
+/// Look whether a database is whole, and every map in it holds the law.
+///
+/// Works beside a running server and on backups, and writes nothing. Ends with 1 if anything is wrong. It finds torn
+/// pages, rows that refer to nothing, values that do not decode, numbers that are missing or would be given twice, and
+/// maps whose index depends on the order of its facts. It cannot find a value replaced by another that could be.
+#[derive(Args, Debug)]
+pub struct CheckArgs {
+    /// The database, or a backup as sqlite://FILE
+    #[arg(long, env = "REVISIT_DATABASE", value_name = "URL", default_value = "sqlite://revisit.db")]
+    database: String,
+    /// Tell it as one JSON object
+    #[arg(long, env = "REVISIT_JSON")]
+    json: bool,
+}
+
+/// Runs it.
+pub async fn run(args: CheckArgs) -> Result<(), Failure> {
+    let files = DatabaseFiles::of_url(&args.database)?;
+    let checked = check(&files).await?;
+    let faults: Vec<String> = checked.all_faults().collect();
+    if args.json {
+        write_out(&format!("{}\n", as_json(&checked, &faults)))?;
+    } else {
+        write_out(&as_text(&checked, &faults))?;
+    }
+    match faults.len() {
+        0 => Ok(()),
+        count => Err(format!("{}: {count} faults", files.database().display()).into()),
+    }
+}
+
+fn as_text(checked: &Checked, faults: &[String]) -> String {
+    let mut lines: Vec<String> = checked.maps.iter().map(map_line).collect();
+    if let Some(holds) = checked.holds {
+        let (maps, keyframes, anchors) = (holds.maps, holds.keyframes, holds.anchors);
+        lines.push(format!("{maps} maps, {keyframes} keyframes, {anchors} anchors, schema {}", holds.schema));
+    }
+    if checked.is_older {
+        lines.push(
+            "the schema is older than this program's: maps are looked into once `serve` has migrated it"
+                .into(),
+        );
+    }
+    lines.extend(faults.iter().take(LISTED).map(|fault| format!("fault: {fault}")));
+    if faults.len() > LISTED {
+        lines.push(format!("and {} more faults; --json lists them", faults.len() - LISTED));
+    }
+    if faults.is_empty() {
+        lines.push("sound".to_owned());
+    }
+    lines.into_iter().map(|line| line + "\n").collect()
+}
+
+fn map_line(map: &MapCheck) -> String {
+    let verdict =
+        if map.faults.is_empty() { "sound".to_owned() } else { format!("{} faults", map.faults.len()) };
+    format!(
+        "map {}: {verdict}; version {}, {} keyframes, {} anchors, {} loops, {} events",
+        map.id, map.version, map.keyframes, map.anchors, map.loops, map.events
+    )
+}
+
+fn as_json(checked: &Checked, faults: &[String]) -> serde_json::Value {
+    let maps: Vec<_> = checked.maps.iter().map(map_json).collect();
+    json!({
+        "sound": faults.is_empty(),
+        "schema": checked.holds.map(|holds| holds.schema),
+        "older_schema": checked.is_older,
+        "maps": maps,
+        "faults": faults,
+    })
+}
+
+fn map_json(map: &MapCheck) -> serde_json::Value {
+    json!({
+        "id": map.id, "map_version": map.version, "keyframes": map.keyframes, "anchors": map.anchors,
+        "loops": map.loops, "events": map.events, "faults": map.faults,
+    })
+}

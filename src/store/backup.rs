@@ -1,0 +1,157 @@
+//! Backup: a whole copy of the database as it is at one moment, beside a running server, verified before it has its name.
+
+use std::fs::File;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest as _, Sha256};
+use sqlx::{ConnectOptions as _, Connection as _, SqliteConnection};
+use tempfile::NamedTempFile;
+
+use super::StoreError;
+use super::check::{dangling_rows, structural_faults, wrong_length};
+use super::files::DatabaseFiles;
+use super::schema;
+
+/// How a copy is called until it is whole; one that a crash has left behind is known by it.
+pub const PARTIAL: &str = ".revisit-partial";
+
+/// Read at a time for the digest.
+const CHUNK_BYTES: usize = 1 << 20;
+
+/// How much a database holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Holdings {
+    /// The schema's version.
+    pub schema: i64,
+    /// Maps.
+    pub maps: u64,
+    /// Keyframes of all maps.
+    pub keyframes: u64,
+    /// Anchors of all maps, merged ones too.
+    pub anchors: u64,
+}
+
+/// A copy that is verified and on disk.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Copied {
+    /// Its size.
+    pub bytes: u64,
+    /// Its SHA-256, in hexadecimal.
+    pub sha256: String,
+    /// What it holds.
+    pub holds: Holdings,
+}
+
+/// A copy under a name of its own, which goes with this value unless it is given its place.
+#[derive(Debug)]
+pub struct Copy {
+    file: NamedTempFile,
+    copied: Copied,
+}
+
+impl Copy {
+    /// Copies a database into a folder. A running server goes on: the copy is what one read transaction sees, and
+    /// takes a connection of its own. What is written meanwhile stays in the write-ahead log until it ends.
+    pub async fn of(source: &DatabaseFiles, folder: &Path) -> Result<Self, StoreError> {
+        let file = tempfile::Builder::new()
+            .prefix("")
+            .suffix(PARTIAL)
+            .tempfile_in(folder)
+            .map_err(|error| StoreError::file(folder, &error))?;
+        let mut db = source.read_only().connect().await?;
+        let schema = schema::version(&mut db).await?;
+        let into = absolute(file.path())?;
+        sqlx::query("vacuum into $1").bind(into).execute(&mut db).await?;
+        db.close().await?;
+        let holds = verified(file.path()).await?;
+        if holds.schema != schema {
+            return Err(StoreError::corrupt(format!("the copy has schema {}, not {schema}", holds.schema)));
+        }
+        let write = move || {
+            let path = file.path().to_owned();
+            let failed = |error: std::io::Error| StoreError::file(&path, &error);
+            file.as_file().sync_all().map_err(failed)?;
+            let (bytes, sha256) = digest(&path).map_err(failed)?;
+            Ok(Self { file, copied: Copied { bytes, sha256, holds } })
+        };
+        tokio::task::spawn_blocking(write).await.map_err(|error| StoreError::Database(error.to_string()))?
+    }
+
+    /// What was copied.
+    pub fn copied(&self) -> &Copied {
+        &self.copied
+    }
+
+    /// Gives the copy its name, which is on disk when this returns. A file that has the name is replaced, or kept.
+    pub fn place(self, path: &Path, replace: bool) -> Result<Copied, StoreError> {
+        let placed = if replace { self.file.persist(path) } else { self.file.persist_noclobber(path) };
+        placed.map_err(|refused| match refused.error.kind() {
+            std::io::ErrorKind::AlreadyExists => StoreError::Exists(path.display().to_string()),
+            _ => StoreError::file(path, &refused.error),
+        })?;
+        sync_folder(folder_of(path))?;
+        Ok(self.copied)
+    }
+}
+
+/// The folder that a file lies in.
+pub fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Makes what was named, renamed or removed in a folder last.
+pub fn sync_folder(folder: &Path) -> Result<(), StoreError> {
+    File::open(folder).and_then(|opened| opened.sync_all()).map_err(|error| StoreError::file(folder, &error))
+}
+
+/// Opens a copy that nobody else has, and looks whether it is sound.
+async fn verified(path: &Path) -> Result<Holdings, StoreError> {
+    let mut db = DatabaseFiles::of_path(path).read_only().immutable(true).connect().await?;
+    let mut faults = structural_faults(&mut db).await?;
+    faults.extend(dangling_rows(&mut db).await?);
+    faults.extend(wrong_length(&mut db, path).await?);
+    if let Some(fault) = faults.first() {
+        return Err(StoreError::corrupt(format!("the copy is not sound, {} faults: {fault}", faults.len())));
+    }
+    let holds = holdings(&mut db).await?;
+    db.close().await?;
+    Ok(holds)
+}
+
+/// How much a database holds.
+pub(super) async fn holdings(db: &mut SqliteConnection) -> Result<Holdings, StoreError> {
+    let schema = schema::version(&mut *db).await?;
+    let count = "select (select count(*) from maps), (select count(*) from keyframes), (select count(*) from anchors)";
+    let (maps, keyframes, anchors): (i64, i64, i64) = sqlx::query_as(count).fetch_one(&mut *db).await?;
+    Ok(Holdings { schema, maps: maps as u64, keyframes: keyframes as u64, anchors: anchors as u64 })
+}
+
+/// SQLite takes what begins with `file:` for an address.
+fn absolute(path: &Path) -> Result<String, StoreError> {
+    let absolute: PathBuf = std::path::absolute(path).map_err(|error| StoreError::file(path, &error))?;
+    absolute.into_os_string().into_string().map_err(|path| StoreError::File {
+        path: path.display().to_string(),
+        error: "the name is not UTF-8".to_owned(),
+    })
+}
+
+fn digest(path: &Path) -> std::io::Result<(u64, String)> {
+    use std::fmt::Write as _;
+
+    let mut file = File::open(path)?;
+    let (mut hash, mut chunk, mut bytes) = (Sha256::new(), vec![0; CHUNK_BYTES], 0);
+    loop {
+        let read = file.read(&mut chunk)?;
+        if read == 0 {
+            break;
+        }
+        bytes += read as u64;
+        hash.update(&chunk[..read]);
+    }
+    let hex = hash.finalize().iter().fold(String::new(), |mut hex, byte| {
+        let _ = write!(hex, "{byte:02x}");
+        hex
+    });
+    Ok((bytes, hex))
+}

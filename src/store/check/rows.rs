@@ -1,0 +1,179 @@
+//! Rows of one map: what only the store keeps decodes, and numbers are dense.
+
+use futures_util::TryStreamExt as _;
+use sqlx::{Row, SqliteConnection};
+
+use super::map::MapCheck;
+use crate::model::keyframe::Crop;
+use crate::recognition::features::MatchableFeatures;
+use crate::store::load::Loaded;
+use crate::store::write::MapKey;
+use crate::store::{StoreError, load, read};
+
+/// Checks the rows of a map that was loaded.
+pub(super) async fn check(
+    db: &mut SqliteConnection,
+    loaded: &Loaded,
+    found: &mut MapCheck,
+) -> Result<(), StoreError> {
+    let key = loaded.key;
+    numbers(&mut *db, key, found).await?;
+    events(&mut *db, loaded, found).await?;
+    keyframes(&mut *db, key, &mut found.faults).await?;
+    detections(&mut *db, key, &mut found.faults).await?;
+    crops(&mut *db, key, &mut found.faults).await?;
+    merges(&mut *db, key, &mut found.faults).await?;
+    queries(&mut *db, key, &mut found.faults).await
+}
+
+/// No number is at or above the one that is given next: it would be given twice.
+async fn numbers(db: &mut SqliteConnection, key: MapKey, found: &mut MapCheck) -> Result<(), StoreError> {
+    let select = "select
+            (select coalesce(max(keyframe) + 1, 0) from keyframes where map_key = $1),
+            (select coalesce(max(max(keyframe, candidate)) + 1, 0) from loops where map_key = $1),
+            (select coalesce(max(anchor) + 1, 0) from anchors where map_key = $1),
+            (select coalesce(max(session) + 1, 0) from sessions where map_key = $1),
+            (select count(*) from sessions where map_key = $1),
+            next_keyframe, next_anchor
+        from maps where map_key = $1";
+    let row: (i64, i64, i64, i64, i64, i64, i64) = sqlx::query_as(select).bind(key).fetch_one(db).await?;
+    let (keyframe, of_loops, anchor, session, sessions, next_keyframe, next_anchor) = row;
+    let mut above = |what: &str, used: i64, next: i64| {
+        if used > next {
+            found.faults.push(format!("{what} {} is there, and {next} is given next", used - 1));
+        }
+    };
+    above("keyframe", keyframe, next_keyframe);
+    above("a loop of keyframe", of_loops, next_keyframe);
+    above("anchor", anchor, next_anchor);
+    if session != sessions {
+        found.faults.push(format!("{sessions} sessions are numbered up to {}", session - 1));
+    }
+    Ok(())
+}
+
+/// Events follow each other without a gap up to the one that is given next, and none is of a version to come.
+async fn events(db: &mut SqliteConnection, loaded: &Loaded, found: &mut MapCheck) -> Result<(), StoreError> {
+    let mut expected: Option<u64> = None;
+    let mut version = 0;
+    let mut rows =
+        sqlx::query("select * from events where map_key = $1 order by seq").bind(loaded.key).fetch(db);
+    while let Some(row) = rows.try_next().await? {
+        let event = match read::event(&row) {
+            Ok(event) => event,
+            Err(error) => {
+                found.faults.push(error.to_string());
+                continue;
+            }
+        };
+        found.events += 1;
+        if expected.is_some_and(|expected| expected != event.seq) {
+            found.faults.push(format!("event {} follows upon {}", event.seq, expected.unwrap_or(0) - 1));
+        }
+        if event.map_version < version || event.map_version > loaded.version {
+            found.faults.push(format!("event {} is of version {}", event.seq, event.map_version));
+        }
+        (expected, version) = (Some(event.seq + 1), event.map_version);
+    }
+    // Only the oldest are ever taken out.
+    let next = expected.unwrap_or(1);
+    if next != loaded.next_event {
+        found.faults.push(format!("the last event is {}, and {} is given next", next - 1, loaded.next_event));
+    }
+    Ok(())
+}
+
+/// Everything of a keyframe that its map's index does not hold.
+async fn keyframes(
+    db: &mut SqliteConnection,
+    key: MapKey,
+    faults: &mut Vec<String>,
+) -> Result<(), StoreError> {
+    let select = "select id, sent_points, digest, keyframe_features.* from keyframes
+        left join keyframe_features using (map_key, keyframe) where map_key = $1";
+    let mut rows = sqlx::query(select).bind(key).fetch(db);
+    while let Some(row) = rows.try_next().await? {
+        let id: String = row.try_get("id")?;
+        let mut note = |result: Result<bool, StoreError>, what: &str| match result {
+            Ok(true) => {}
+            Ok(false) => faults.push(format!("{what} of keyframe {id} do not fit together")),
+            Err(error) => faults.push(format!("{what} of keyframe {id}: {error}")),
+        };
+        note(load::digest(&row).map(|_| true), "the digest");
+        note(read::sent_points(&row).map(|points| points.is_sorted()), "the sent points");
+        if row.try_get::<Option<&[u8]>, _>("descriptors")?.is_some() {
+            let fit = |features| MatchableFeatures::of(features).is_some();
+            note(read::features(&row).map(fit), "the features");
+        }
+    }
+    Ok(())
+}
+
+/// A keyframe's detections are numbered from 0, and each is of its anchor's class.
+async fn detections(
+    db: &mut SqliteConnection,
+    key: MapKey,
+    faults: &mut Vec<String>,
+) -> Result<(), StoreError> {
+    let select = "select detections.*, anchors.class as anchor_class from detections
+        left join anchors using (map_key, anchor) where map_key = $1 order by keyframe, detection";
+    let mut rows = sqlx::query(select).bind(key).fetch(db);
+    let mut last: Option<(i64, i64)> = None;
+    while let Some(row) = rows.try_next().await? {
+        let at: (i64, i64) = (row.try_get("keyframe")?, row.try_get("detection")?);
+        let expected = last.filter(|last| last.0 == at.0).map_or(0, |last| last.1 + 1);
+        if at.1 != expected {
+            faults.push(format!("detection {expected} of keyframe number {} is not there", at.0));
+        }
+        last = Some(at);
+        if let Err(error) = read::detection(&row) {
+            faults.push(format!("detection {} of keyframe number {}: {error}", at.1, at.0));
+        }
+        let of_anchor: Option<&str> = row.try_get("anchor_class")?;
+        if of_anchor.is_some_and(|class| row.try_get("class").is_ok_and(|own: &str| own != class)) {
+            faults.push(format!(
+                "detection {} of keyframe number {} is of another class than its anchor",
+                at.1, at.0
+            ));
+        }
+    }
+    Ok(())
+}
+
+async fn crops(db: &mut SqliteConnection, key: MapKey, faults: &mut Vec<String>) -> Result<(), StoreError> {
+    let select =
+        "select keyframe, detection, media_type, substr(bytes, 1, 8) as head from crops where map_key = $1";
+    let mut rows = sqlx::query(select).bind(key).fetch(db);
+    while let Some(row) = rows.try_next().await? {
+        let (keyframe, detection): (i64, i64) = (row.try_get("keyframe")?, row.try_get("detection")?);
+        if Crop::media_type_of(row.try_get("head")?) != row.try_get("media_type").ok() {
+            faults.push(format!(
+                "the crop of detection {detection} of keyframe number {keyframe} is no such image"
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// What a loop has merged goes with it.
+async fn merges(db: &mut SqliteConnection, key: MapKey, faults: &mut Vec<String>) -> Result<(), StoreError> {
+    let select = "select distinct loop_id from anchor_merges where map_key = $1 and loop_id <> ''
+        and not exists (select 1 from loops where loops.map_key = $1 and loops.id = anchor_merges.loop_id)";
+    let orphans: Vec<String> = sqlx::query_scalar(select).bind(key).fetch_all(db).await?;
+    faults.extend(orphans.iter().map(|id| format!("anchors are merged by loop {id}, which is not there")));
+    Ok(())
+}
+
+/// The kept answers are JSON that names itself.
+async fn queries(db: &mut SqliteConnection, key: MapKey, faults: &mut Vec<String>) -> Result<(), StoreError> {
+    let select = "select id, body from loop_queries where map_key = $1";
+    let mut rows = sqlx::query(select).bind(key).fetch(db);
+    while let Some(row) = rows.try_next().await? {
+        let id: String = row.try_get("id")?;
+        let body: Option<serde_json::Value> = serde_json::from_slice(row.try_get("body")?).ok();
+        if body.is_none_or(|body| body["id"] != *id) {
+            faults.push(format!("the answer of loop query {id} is damaged"));
+        }
+    }
+    Ok(())
+}

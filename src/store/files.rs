@@ -1,0 +1,114 @@
+//! Files: the database, and what lies beside it.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use sqlx::sqlite::SqliteConnectOptions;
+
+use super::{BUSY_TIMEOUT, StoreError};
+
+/// Where a database lies.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DatabaseFiles {
+    database: PathBuf,
+}
+
+/// How large a database is, in bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FileSizes {
+    /// The database itself.
+    pub database: u64,
+    /// The write-ahead log, which checkpoints bring into the database.
+    pub wal: u64,
+}
+
+impl DatabaseFiles {
+    /// The files of `sqlite://PATH`.
+    pub fn of_url(url: &str) -> Result<Self, StoreError> {
+        let options = SqliteConnectOptions::from_str(url)?;
+        if options.get_filename().to_string_lossy().starts_with("file:sqlx-in-memory") {
+            let detail = format!("{url} is kept in memory only; name a file, such as sqlite://revisit.db");
+            return Err(StoreError::Database(detail));
+        }
+        Ok(Self::of_path(options.get_filename()))
+    }
+
+    /// The files of the database at this path.
+    pub fn of_path(path: &Path) -> Self {
+        // One database has one name, whatever links lead to it: its lock hangs on the name.
+        let resolved = path.canonicalize().or_else(|_| {
+            let absolute = std::path::absolute(path)?;
+            let (Some(folder), Some(name)) = (absolute.parent(), absolute.file_name()) else {
+                return Ok(absolute);
+            };
+            folder.canonicalize().map(|folder| folder.join(name))
+        });
+        Self { database: resolved.unwrap_or_else(|_: std::io::Error| path.to_owned()) }
+    }
+
+    /// The database.
+    pub fn database(&self) -> &Path {
+        &self.database
+    }
+
+    /// The folder it lies in.
+    pub fn folder(&self) -> &Path {
+        self.database.parent().unwrap_or(Path::new("."))
+    }
+
+    /// Its write-ahead log.
+    pub fn wal(&self) -> PathBuf {
+        self.beside("-wal")
+    }
+
+    /// The log's index, shared by the processes that have the database open.
+    pub fn shm(&self) -> PathBuf {
+        self.beside("-shm")
+    }
+
+    /// The file whose lock says who may write.
+    pub fn lock(&self) -> PathBuf {
+        self.beside(".lock")
+    }
+
+    /// A file named like the database, and more.
+    pub fn beside(&self, suffix: &str) -> PathBuf {
+        let mut name = OsString::from(&self.database);
+        name.push(suffix);
+        name.into()
+    }
+
+    /// How large they are now; what is not there is nothing.
+    pub fn sizes(&self) -> FileSizes {
+        let size = |path: &Path| std::fs::metadata(path).map_or(0, |metadata| metadata.len());
+        FileSizes { database: size(&self.database), wal: size(&self.wal()) }
+    }
+
+    /// How to open it beside a running server, without writing to it.
+    pub(super) fn read_only(&self) -> SqliteConnectOptions {
+        SqliteConnectOptions::new()
+            .filename(&self.database)
+            .read_only(true)
+            .create_if_missing(false)
+            .busy_timeout(BUSY_TIMEOUT)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_database_has_one_lock_whatever_it_is_called() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a.db");
+        let direct = DatabaseFiles::of_path(&file);
+        let around = DatabaseFiles::of_path(&folder.path().join(".").join("a.db"));
+        assert_eq!(direct, around);
+        std::fs::write(&file, "").unwrap();
+        std::os::unix::fs::symlink(&file, folder.path().join("b.db")).unwrap();
+        assert_eq!(DatabaseFiles::of_path(&folder.path().join("b.db")).lock(), direct.lock());
+        assert!(DatabaseFiles::of_url("sqlite::memory:").is_err());
+    }
+}

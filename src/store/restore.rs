@@ -1,0 +1,82 @@
+//! Restore: a backup becomes the database.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use super::StoreError;
+use super::backup::{Copied, Copy, sync_folder};
+use super::check::check;
+use super::files::DatabaseFiles;
+use super::lock::{DatabaseLock, Purpose};
+
+/// What a restore has done.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Restored {
+    /// The database as it is now.
+    pub copied: Copied,
+    /// Where the one before is kept.
+    pub kept: Option<PathBuf>,
+}
+
+/// Verifies a backup and puts a copy of it where the database is, while nobody has that open. What was there is
+/// refused to be touched, or kept under another name if `replace`.
+///
+/// If the process dies on the way, no server starts on what it has left behind until a restore has come to its end.
+pub async fn restore(
+    backup: &DatabaseFiles,
+    target: &DatabaseFiles,
+    replace: bool,
+) -> Result<Restored, StoreError> {
+    if backup.database() == target.database() {
+        return Err(StoreError::InUse("the backup is the database itself".to_owned()));
+    }
+    let checked = check(backup).await?;
+    if let Some(fault) = checked.all_faults().next() {
+        let backup = backup.database().display();
+        let count = checked.all_faults().count();
+        return Err(StoreError::Corrupt(format!(
+            "{backup} cannot be restored, it has {count} faults: {fault}"
+        )));
+    }
+    // Before the lock, which stays behind: whoever is refused shall find nothing new.
+    if target.database().exists() && !replace {
+        return Err(StoreError::Exists(target.database().display().to_string()));
+    }
+    let lock = DatabaseLock::take(target, Purpose::Restore)?;
+    let copy = Copy::of(backup, target.folder()).await?;
+    let kept = if target.database().exists() { Some(put_aside(target)?) } else { None };
+    // Of no use without its database, and deadly to another.
+    for stale in [target.wal(), target.shm()] {
+        match fs::remove_file(&stale) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                return Err(StoreError::file(&stale, &error));
+            }
+            _ => {}
+        }
+    }
+    sync_folder(target.folder())?;
+    let copied = copy.place(target.database(), false)?;
+    lock.finished()?;
+    Ok(Restored { copied, kept })
+}
+
+/// Gives the database another name, with its log: in the log may be all that was written last.
+fn put_aside(target: &DatabaseFiles) -> Result<PathBuf, StoreError> {
+    let second = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+    let name = |number: u64| target.beside(&format!(".before-{number}"));
+    let kept = (second..).map(name).find(|name| !name.exists()).unwrap_or_else(|| name(second));
+    let kept = DatabaseFiles::of_path(&kept);
+    let failed = |path: &Path| {
+        let path = path.to_owned();
+        move |error: std::io::Error| StoreError::file(&path, &error)
+    };
+    // The log's second name first: the kept database is whole from the moment it has its name.
+    if target.wal().exists() {
+        let linked = fs::hard_link(target.wal(), kept.wal());
+        linked.or_else(|_| fs::copy(target.wal(), kept.wal()).map(drop)).map_err(failed(&kept.wal()))?;
+    }
+    fs::rename(target.database(), kept.database()).map_err(failed(target.database()))?;
+    sync_folder(target.folder())?;
+    Ok(kept.database().to_owned())
+}

@@ -1,0 +1,141 @@
+//! Backups: taken beside a running server, verified, and restored without a loss.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use serde_json::json;
+
+use super::{checked, keyframe, names, revisit, url};
+use crate::crash::server::Server;
+
+async fn put(server: &Server, number: u64) {
+    let path = format!("/v1/maps/tower/keyframes/kf-{number}");
+    let answer = server.api().put(&path, &keyframe("a", number)).await;
+    assert_eq!(answer.status, 201, "{}", answer.text());
+}
+
+async fn server_with_a_map(database: &Path) -> Server {
+    let server = Server::start(database);
+    assert_eq!(server.api().put("/v1/maps/tower", &json!({})).await.status, 201);
+    put(&server, 0).await;
+    server
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_backup_beside_a_writing_server_has_all_that_was_acknowledged() {
+    let folder = tempfile::tempdir().unwrap();
+    let (database, backup) = (folder.path().join("revisit.db"), folder.path().join("backup.db"));
+    let server = server_with_a_map(&database).await;
+    let acknowledged = Arc::new(AtomicU64::new(1));
+    let (api, counted) = (server.api().clone(), acknowledged.clone());
+    let writing = tokio::spawn(async move {
+        for number in 1.. {
+            let path = format!("/v1/maps/tower/keyframes/kf-{number}");
+            assert_eq!(api.put(&path, &keyframe("a", number)).await.status, 201);
+            counted.store(number + 1, Ordering::SeqCst);
+        }
+    });
+    for round in 0..3 {
+        let before = acknowledged.load(Ordering::SeqCst);
+        let (from, to) = (url(&database), backup.display().to_string());
+        let take = move || revisit(&["backup", "--force", "--database", &from, &to]).well();
+        let told = tokio::task::spawn_blocking(take).await.unwrap();
+        let found = checked(&backup).await;
+        assert_eq!(found.all_faults().collect::<Vec<_>>(), Vec::<String>::new(), "round {round}");
+        let held = found.holds.unwrap();
+        assert!(held.keyframes >= before, "round {round}: {} of {before}", held.keyframes);
+        assert!(told.contains(&format!("1 maps, {} keyframes", held.keyframes)), "{told}");
+    }
+    writing.abort();
+    assert!(!names(folder.path()).iter().any(|name| name.contains("partial")), "{:?}", names(folder.path()));
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_backup_replaces_nothing_unless_told_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let (database, backup) = (folder.path().join("revisit.db"), folder.path().join("backup.db"));
+    let (from, to) = (url(&database), backup.display().to_string());
+    revisit(&["backup", "--database", &from, &to]).refused("there is no database");
+    let mut server = server_with_a_map(&database).await;
+    revisit(&["backup", "--database", &from, &database.display().to_string(), "--force"])
+        .refused("the database itself");
+    std::fs::write(&backup, "precious").unwrap();
+    revisit(&["backup", "--database", &from, &to]).refused("exists; --force replaces it");
+    assert_eq!(std::fs::read(&backup).unwrap(), b"precious");
+    revisit(&["backup", "--database", &from, "--force", &to]).well();
+    assert_eq!(checked(&backup).await.holds.unwrap().keyframes, 1);
+    let missing = folder.path().join("no/such/folder/backup.db").display().to_string();
+    revisit(&["backup", "--database", &from, &missing]).refused("No such file or directory");
+    server.kill();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn one_server_has_a_database_and_nobody_restores_under_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let (database, backup) = (folder.path().join("revisit.db"), folder.path().join("backup.db"));
+    let (from, to) = (url(&database), backup.display().to_string());
+    let mut server = server_with_a_map(&database).await;
+    revisit(&["backup", "--database", &from, &to]).well();
+    revisit(&["serve", "--listen", "127.0.0.1:0", "--database", &from])
+        .refused("is in use (by `serve, process");
+    revisit(&["restore", "--database", &from, "--force", &to]).refused("is in use");
+    assert!(server.terminate().success());
+    revisit(&["restore", "--database", &from, &to]).refused("exists; --force replaces it");
+    // The lock goes with its process, however that ended.
+    let mut server = Server::start(&database);
+    server.kill();
+    let mut server = Server::start(&database);
+    assert!(server.terminate().success());
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn what_is_restored_is_served_and_what_was_there_is_kept_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let (database, backup) = (folder.path().join("revisit.db"), folder.path().join("backup.db"));
+    let (from, to) = (url(&database), backup.display().to_string());
+    let mut server = server_with_a_map(&database).await;
+    let before = server.api().get("/v1/maps/tower/keyframes/kf-0").await.body;
+    revisit(&["backup", "--database", &from, &to]).well();
+    for number in 1..6 {
+        put(&server, number).await;
+    }
+    // Killed: what was written last is in the log only.
+    server.kill();
+    assert!(names(folder.path()).contains("revisit.db-wal"));
+    let told = revisit(&["restore", "--database", &from, "--force", &to]).well();
+    assert!(told.contains("1 maps, 1 keyframes"), "{told}");
+    let kept = told.lines().find_map(|line| line.strip_prefix("the database before it: ")).unwrap();
+    let kept = checked(Path::new(kept)).await;
+    assert_eq!(kept.all_faults().collect::<Vec<_>>(), Vec::<String>::new());
+    assert_eq!(kept.holds.unwrap().keyframes, 6, "the log came along");
+
+    let mut server = Server::start(&database);
+    assert_eq!(server.api().get("/v1/maps/tower/keyframes/kf-0").await.body, before);
+    assert_eq!(server.api().get("/v1/maps/tower/keyframes/kf-1").await.status, 404);
+    put(&server, 1).await;
+    assert!(server.terminate().success());
+    assert_eq!(checked(&database).await.all_faults().collect::<Vec<_>>(), Vec::<String>::new());
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_damaged_backup_is_not_restored() {
+    let folder = tempfile::tempdir().unwrap();
+    let (database, backup) = (folder.path().join("revisit.db"), folder.path().join("backup.db"));
+    let (from, to) = (url(&database), backup.display().to_string());
+    let mut server = server_with_a_map(&database).await;
+    revisit(&["backup", "--database", &from, &to]).well();
+    assert!(server.terminate().success());
+    let mut bytes = std::fs::read(&backup).unwrap();
+    let middle = bytes.len() / 2 / 16384 * 16384;
+    bytes[middle..middle + 64].fill(0xff);
+    std::fs::write(&backup, &bytes).unwrap();
+    let untouched = (names(folder.path()), std::fs::read(&database).unwrap());
+    revisit(&["restore", "--database", &from, "--force", &to]).refused("cannot be restored");
+    assert!(untouched == (names(folder.path()), std::fs::read(&database).unwrap()));
+    // Into a place where nothing is, a sound one goes without being forced.
+    let (elsewhere, sound) = (folder.path().join("elsewhere.db"), folder.path().join("sound.db"));
+    revisit(&["backup", "--database", &from, &sound.display().to_string()]).well();
+    revisit(&["restore", "--database", &url(&elsewhere), &sound.display().to_string()]).well();
+    assert_eq!(checked(&elsewhere).await.holds.unwrap().keyframes, 1);
+}

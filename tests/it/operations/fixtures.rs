@@ -1,0 +1,76 @@
+//! Fixtures: a database as each released version left it opens, is migrated, and holds what it held.
+
+use std::collections::BTreeMap;
+use std::io::Read as _;
+use std::path::Path;
+
+use flate2::read::GzDecoder;
+use revisit::service::ModelChoice;
+use serde_json::Value;
+
+use super::{checked, keyframe};
+use crate::support::Server;
+
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/databases");
+
+/// The fixtures by name: the database, unpacked.
+pub(super) fn databases() -> BTreeMap<String, Vec<u8>> {
+    let entries = std::fs::read_dir(FOLDER).unwrap().map(|entry| entry.unwrap().path());
+    let packed = entries.filter_map(|path| {
+        let name = path.file_name()?.to_str()?.strip_suffix(".db.gz")?.to_owned();
+        assert!(path.metadata().unwrap().len() < 100_000, "{name} is too large to be kept");
+        let mut bytes = Vec::new();
+        GzDecoder::new(std::fs::File::open(&path).unwrap()).read_to_end(&mut bytes).unwrap();
+        Some((name, bytes))
+    });
+    packed.collect()
+}
+
+/// What was answered then is a part of what is answered now; lists are as long as they were.
+fn still_says(then: &Value, now: &Value, at: &str) {
+    match (then, now) {
+        (Value::Object(then), Value::Object(now)) => {
+            for (name, value) in then {
+                still_says(value, now.get(name).unwrap_or(&Value::Null), &format!("{at}/{name}"));
+            }
+        }
+        (Value::Array(then), Value::Array(now)) => {
+            assert_eq!(then.len(), now.len(), "{at}");
+            then.iter().zip(now).enumerate().for_each(|(n, (t, v))| still_says(t, v, &format!("{at}/{n}")));
+        }
+        _ => assert_eq!(then, now, "{at}"),
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_database_of_each_released_version_opens_and_says_what_it_said() {
+    let databases = databases();
+    assert!(
+        ["0001_facts", "0002_models"].iter().all(|name| databases.contains_key(*name)),
+        "{:?}",
+        databases.keys()
+    );
+    for (name, bytes) in databases {
+        let folder = tempfile::tempdir().unwrap();
+        let database = folder.path().join("test.db");
+        std::fs::write(&database, bytes).unwrap();
+        let before = checked(&database).await;
+        assert_eq!(before.all_faults().collect::<Vec<_>>(), Vec::<String>::new(), "{name}");
+        let schema = before.holds.unwrap().schema;
+        assert!(name.starts_with(&format!("{schema:04}_")), "{name} has schema {schema}");
+
+        let server = Server::on(folder.path(), None, ModelChoice::None).await;
+        let answers = std::fs::read(Path::new(FOLDER).join(format!("{name}.json"))).unwrap();
+        let answers: BTreeMap<String, Value> = serde_json::from_slice(&answers).unwrap();
+        assert!(answers.len() >= 5);
+        for (path, then) in answers {
+            still_says(&then, &server.get(&path).await.expect(200), &format!("{name}: {path}"));
+        }
+        // And it is not only to be looked at.
+        server.put("/v1/maps/tower/keyframes/new?query=loop", &keyframe("day-3", 2)).await.expect(201);
+        server.stop().await;
+        let after = checked(&database).await;
+        assert_eq!(after.all_faults().collect::<Vec<_>>(), Vec::<String>::new(), "{name}");
+        assert!(!after.is_older && after.maps.len() == 2, "{name}");
+    }
+}
