@@ -47,12 +47,15 @@ impl Store {
     /// Loads a map and builds its index; `None` if there is no such map.
     pub async fn load(&self, id: &MapId) -> Result<Option<Loaded>, StoreError> {
         // One read transaction, so that what is built is one version of the map.
-        let mut db = self.readers.begin().await?;
+        let mut db = self.snapshot().await?;
         let found = sqlx::query("select * from maps where id = $1")
             .bind(id.as_str())
             .fetch_optional(&mut *db)
             .await?;
-        let Some(row) = found else { return Ok(None) };
+        let Some(row) = found else {
+            db.commit().await?;
+            return Ok(None);
+        };
         let key: MapKey = row.try_get("map_key")?;
         let mut index = MapIndex::default();
         index.apply(&[Change::MapSet(Box::new(properties(&mut db, key, &row).await?))]);
@@ -68,11 +71,13 @@ impl Store {
         index.apply(&loops_and_merges(&mut db, key).await?);
         let next_kept =
             sqlx::query_scalar("select coalesce(max(kept), 0) + 1 from loop_queries where map_key = $1");
+        let next_kept = next_kept.bind(key).fetch_one(&mut *db).await?;
+        db.commit().await?;
         Ok(Some(Loaded {
             key,
             version: row.try_get::<i64, _>("version")? as u64,
             next_event: row.try_get::<i64, _>("next_event")? as u64,
-            next_kept: next_kept.bind(key).fetch_one(&mut *db).await?,
+            next_kept,
             digest: digest(&row)?,
             index,
         }))

@@ -8,16 +8,21 @@
 //! | from rows to changes, when a map is first asked for | [`load`] |
 //! | what models said, and what it cost | [`model_rows`] |
 //! | reads of one row | [`read`] |
+//! | a disk that is full or fails | [`health`], [`reserve`], [`transaction`], [`renewal`] |
 //! | packed lists in blobs | [`blob`] |
 
 mod blob;
 mod committer;
 mod error;
+mod health;
 mod keyframe_rows;
 mod load;
 mod model_rows;
 mod read;
+mod renewal;
+mod reserve;
 mod schema;
+mod transaction;
 mod write;
 
 use std::str::FromStr;
@@ -32,6 +37,8 @@ pub use error::StoreError;
 pub use load::Loaded;
 pub use model_rows::{Spent, UsageRow};
 pub use read::{DetectionRow, KeyframeRow};
+use reserve::Reserve;
+use transaction::Transaction;
 pub use write::{Batch, Job, MapKey, NewKeyframeRows};
 
 /// SQLite before this release can lose committed writes in WAL mode (the WAL-reset bug).
@@ -73,6 +80,8 @@ impl Store {
             .connect_with(options.clone())
             .await?;
         check_sqlite(&writer).await?;
+        let database = options.get_filename().to_owned();
+        renewal::renew(&writer, &database).await?;
         schema::migrate(&writer).await?;
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS)
@@ -80,7 +89,7 @@ impl Store {
             .max_lifetime(None)
             .connect_with(options.read_only(true))
             .await?;
-        Ok(Self { readers, committer: Committer::start(writer) })
+        Ok(Self { readers, committer: Committer::start(writer, Reserve::beside(&database)) })
     }
 
     /// The one writer.
@@ -92,6 +101,11 @@ impl Store {
     pub async fn close(&self) {
         self.committer.close().await;
         self.readers.close().await;
+    }
+
+    /// One version of the database to read.
+    async fn snapshot(&self) -> Result<Transaction, StoreError> {
+        Transaction::read(&self.readers).await
     }
 
     /// The version of SQLite.
