@@ -80,7 +80,7 @@ impl Service {
             check_version(index, anchor, expected)?;
             Ok(Decision::Changed((), delete_object(index, anchor), None))
         };
-        Ok(self.change(&live, decide).await?.1)
+        Ok(self.free(&live, decide).await?.1)
     }
 
     /// The best image crop of an anchor.

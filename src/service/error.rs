@@ -74,7 +74,7 @@ impl From<StoreError> for ServiceError {
     fn from(error: StoreError) -> Self {
         match error {
             StoreError::DiskFull => Self::DiskFull,
-            StoreError::Superseded | StoreError::Closed => {
+            StoreError::Superseded | StoreError::Closed | StoreError::Disk(_) => {
                 Self::Unavailable { detail: error.to_string(), retry_after_s: 1 }
             }
             StoreError::Database(_)

@@ -171,7 +171,7 @@ impl Service {
             }
             Ok(Decision::Changed((), cull_keyframe(index, seq, Arc::new(bow)), None))
         };
-        Ok(self.change(&live, decide).await?.1)
+        Ok(self.free(&live, decide).await?.1)
     }
 
     /// The keyframes covisible with one, each with its number of shared points, most first.

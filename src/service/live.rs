@@ -215,6 +215,9 @@ impl LiveMap {
 
     /// Keeps the answer of a loop query, written behind.
     pub fn keep_query(self: &Arc<Self>, store: &Store, id: &str, body: Bytes) {
+        if store.committer().refuses(false).is_some() {
+            return;
+        }
         let kept = self.next_kept.fetch_add(1, Ordering::Relaxed);
         self.lock_kept().insert(id.to_owned(), body.clone());
         let job = Job::KeepQuery { map: self.key, id: id.to_owned(), kept, body };

@@ -64,7 +64,7 @@ impl Service {
             known.merged = parted;
             Ok(Decision::Changed(known, decided, None))
         };
-        let (report, version) = self.change(&live, decide).await?;
+        let (report, version) = self.free(&live, decide).await?;
         Ok((version, report))
     }
 }

@@ -74,6 +74,7 @@ impl Service {
             Err(ServiceError::NotFound(_)) => {}
             Err(error) => return Err(error),
         }
+        self.disk_takes(false)?;
         let mut index = MapIndex::default();
         index.apply(&[Change::MapSet(Box::new(properties.clone()))]);
         let key = self.registry.next_key();
@@ -111,6 +112,7 @@ impl Service {
     pub async fn delete_map(&self, id: &MapId) -> Result<(), ServiceError> {
         let _birth = self.registry.births.lock().await;
         let live = self.live(id).await?;
+        self.disk_takes(true)?;
         let deleted = live.delete(&self.store)?.await.map_err(|_| StoreError::Closed)?;
         // Whether it worked or not, the disk is what counts from here on.
         self.registry.remove(id);

@@ -262,6 +262,22 @@ impl Service {
         live: &Arc<LiveMap>,
         decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
     ) -> Result<Begun<T>, ServiceError> {
+        self.disk_takes(false)?;
+        self.begin_freeing(live, decide).await
+    }
+
+    /// Refuses a write that the disk would not take, before the index is ahead of the disk.
+    fn disk_takes(&self, freeing: bool) -> Result<(), ServiceError> {
+        self.store.committer().refuses(freeing).map_or(Ok(()), |error| Err(error.into()))
+    }
+
+    /// [`Self::begin`] for a write that frees space.
+    async fn begin_freeing<T: Send + 'static>(
+        &self,
+        live: &Arc<LiveMap>,
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
+    ) -> Result<Begun<T>, ServiceError> {
+        self.disk_takes(true)?;
         let permit = self.writes.clone().acquire_owned().await.map_err(|_| closed())?;
         let (deciding, store) = (live.clone(), self.store.clone());
         let pending = spawn_blocking(move || deciding.decide(&store, decide)).await.map_err(panicked)??;
@@ -277,6 +293,15 @@ impl Service {
         decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
     ) -> Result<(T, u64), ServiceError> {
         self.begin(live, decide).await?.committed().await
+    }
+
+    /// [`Self::change`] for a write that frees space: it goes on when the disk is full.
+    async fn free<T: Send + 'static>(
+        &self,
+        live: &Arc<LiveMap>,
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
+    ) -> Result<(T, u64), ServiceError> {
+        self.begin_freeing(live, decide).await?.committed().await
     }
 
     /// Reads the index off the async threads, and waits until what was read is on disk.

@@ -11,6 +11,9 @@ use super::live::LiveMap;
 use crate::model::ids::MapId;
 use crate::store::{MapKey, Store};
 
+/// How often a request loads a map whose writes keep failing.
+const LOADS_MAX: usize = 3;
+
 type Cell = Arc<OnceCell<Arc<LiveMap>>>;
 
 /// The maps in memory.
@@ -36,29 +39,31 @@ impl Registry {
         self.next_key.fetch_add(1, Ordering::Relaxed)
     }
 
-    /// The map, loaded if need be. Concurrent first requests share one load.
+    /// The map, loaded if need be, and anew if a write to it failed. Concurrent first requests share one load.
     pub async fn get(&self, store: &Store, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
-        let cell = self.lock().entry(id.clone()).or_default().clone();
-        let loaded = cell.get_or_try_init(|| async {
-            match store.load(id).await? {
-                Some(loaded) => Ok(LiveMap::new(id.clone(), loaded)),
-                None => Err(ServiceError::no_map(id)),
-            }
-        });
-        match loaded.await {
-            Ok(live) if live.is_broken() => {
-                self.forget(id, &cell);
-                Err(ServiceError::Unavailable {
-                    detail: "a write to this map failed; it is being loaded anew".to_owned(),
-                    retry_after_s: 1,
-                })
-            }
-            Ok(live) => Ok(live.clone()),
-            Err(error) => {
-                self.forget(id, &cell);
-                Err(error)
+        for _ in 0..LOADS_MAX {
+            let cell = self.lock().entry(id.clone()).or_default().clone();
+            let loaded = cell.get_or_try_init(|| async {
+                // What a map that is forgotten had queued is settled first: a write under way would be missed.
+                store.committer().settled().await;
+                match store.load(id).await? {
+                    Some(loaded) => Ok(LiveMap::new(id.clone(), loaded)),
+                    None => Err(ServiceError::no_map(id)),
+                }
+            });
+            match loaded.await {
+                Ok(live) if live.is_broken() => self.forget(id, &cell),
+                Ok(live) => return Ok(live.clone()),
+                Err(error) => {
+                    self.forget(id, &cell);
+                    return Err(error);
+                }
             }
         }
+        Err(ServiceError::Unavailable {
+            detail: "writes to this map keep failing".to_owned(),
+            retry_after_s: 1,
+        })
     }
 
     /// A new map is in memory from now on.

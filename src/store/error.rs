@@ -11,6 +11,9 @@ pub enum StoreError {
     /// The disk is full; nothing was written, and reads go on.
     #[error("the disk is full")]
     DiskFull,
+    /// The disk does not do what it is told; whether what was being written is on it is not known before the next commit.
+    #[error("the disk failed: {0}")]
+    Disk(String),
     /// The database answers with an error.
     #[error("database: {0}")]
     Database(String),
@@ -76,12 +79,15 @@ impl From<sqlx::Error> for StoreError {
     fn from(error: sqlx::Error) -> Self {
         /// SQLITE_FULL; extended codes carry the primary one in their low byte.
         const FULL: i32 = 13;
+        /// SQLITE_IOERR and SQLITE_CANTOPEN.
+        const FAILED: [i32; 2] = [10, 14];
         let code = error
             .as_database_error()
             .and_then(sqlx::error::DatabaseError::code)
             .and_then(|code| code.parse::<i32>().ok());
         match code {
             Some(code) if code & 0xff == FULL => Self::DiskFull,
+            Some(code) if FAILED.contains(&(code & 0xff)) => Self::Disk(error.to_string()),
             _ => Self::Database(error.to_string()),
         }
     }

@@ -37,7 +37,7 @@ impl Store {
 
     /// Every key.
     pub async fn keys(&self) -> Result<KeyTable, StoreError> {
-        let mut db = self.readers.begin().await?;
+        let mut db = self.snapshot().await?;
         let change = sqlx::query_scalar("select change from key_changes").fetch_one(&mut *db).await?;
         let mut patterns: HashMap<i64, Vec<MapPattern>> = HashMap::new();
         let select = "select key, pattern from key_maps order by key, place";
@@ -52,6 +52,7 @@ impl Store {
             let hash = hash.try_into().map_err(|_| StoreError::corrupt("a hash of another length"))?;
             by_hash.insert(hash, key(&row, seq, patterns.remove(&seq).unwrap_or_default())?);
         }
+        db.commit().await?;
         Ok(KeyTable { change, by_hash })
     }
 }

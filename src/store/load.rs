@@ -59,15 +59,19 @@ impl Store {
     /// Loads a map and builds its index; `None` if there is no such map.
     pub async fn load(&self, id: &MapId) -> Result<Option<Loaded>, StoreError> {
         // One read transaction, so that what is built is one version of the map.
-        let mut db = self.readers.begin().await?;
-        load(&mut db, id, Order::Forwards).await
+        let mut db = self.snapshot().await?;
+        let loaded = load(&mut db, id, Order::Forwards).await?;
+        db.commit().await?;
+        Ok(loaded)
     }
 
     /// The same index, built from the facts told backwards.
     #[cfg(test)]
     pub async fn load_backwards(&self, id: &MapId) -> Result<Option<Loaded>, StoreError> {
-        let mut db = self.readers.begin().await?;
-        load(&mut db, id, Order::Backwards).await
+        let mut db = self.snapshot().await?;
+        let loaded = load(&mut db, id, Order::Backwards).await?;
+        db.commit().await?;
+        Ok(loaded)
     }
 }
 

@@ -9,6 +9,7 @@
 //! | what models said, and what it cost | [`model_rows`] |
 //! | API keys | [`key_rows`] |
 //! | reads of one row | [`read`] |
+//! | a disk that is full or fails | [`health`], [`reserve`], [`transaction`], [`renewal`] |
 //! | packed lists in blobs | [`blob`] |
 //! | where it lies, and who may write to it | [`files`], [`lock`] |
 //! | copies of it, and back | [`backup`], [`restore`] |
@@ -20,14 +21,18 @@ pub mod check;
 mod committer;
 mod error;
 pub mod files;
+mod health;
 mod key_rows;
 mod keyframe_rows;
 mod load;
 mod lock;
 mod model_rows;
 mod read;
+mod renewal;
+mod reserve;
 pub mod restore;
 mod schema;
+mod transaction;
 mod write;
 
 use std::str::FromStr;
@@ -46,6 +51,8 @@ pub use load::Loaded;
 use lock::{DatabaseLock, Purpose};
 pub use model_rows::{Spent, UsageRow};
 pub use read::{DetectionRow, KeyframeRow};
+use reserve::Reserve;
+use transaction::Transaction;
 pub use write::{Batch, Job, MapKey, NewKeyframeRows};
 
 /// SQLite before this release can lose committed writes in WAL mode (the WAL-reset bug).
@@ -113,9 +120,10 @@ impl Store {
             .await?;
         check_sqlite(&writer).await?;
         if lock.is_some() {
+            renewal::renew(&writer, files.database()).await?;
             schema::migrate(&writer).await?;
         } else {
-            // Another process works with the schema as it is.
+            // Another process works with the log and the schema as they are.
             schema::expect_newest(&writer).await?;
         }
         let readers = SqlitePoolOptions::new()
@@ -124,7 +132,12 @@ impl Store {
             .max_lifetime(None)
             .connect_with(options.read_only(true))
             .await?;
-        Ok(Self { readers, committer: Committer::start(writer, lock.clone()), files, lock })
+        Ok(Self {
+            readers,
+            committer: Committer::start(writer, Reserve::beside(files.database()), lock.clone()),
+            files,
+            lock,
+        })
     }
 
     /// Where it lies.
@@ -145,6 +158,11 @@ impl Store {
         if let Some(lock) = &self.lock {
             lock.release();
         }
+    }
+
+    /// One version of the database to read.
+    async fn snapshot(&self) -> Result<Transaction, StoreError> {
+        Transaction::read(&self.readers).await
     }
 
     /// The version of SQLite.

@@ -74,14 +74,18 @@ impl Store {
         map: MapKey,
         keyframe: KeyframeSeq,
     ) -> Result<Option<KeyframeRow>, StoreError> {
-        let mut db = self.readers.begin().await?;
+        let mut db = self.snapshot().await?;
         let select = "select bow_words, bow_weights, sent_points, digest from keyframes where map_key = $1 and keyframe = $2";
         let found = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&mut *db).await?;
-        let Some(row) = found else { return Ok(None) };
+        let Some(row) = found else {
+            db.commit().await?;
+            return Ok(None);
+        };
         let select = "select * from keyframe_features where map_key = $1 and keyframe = $2";
         let features_row = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&mut *db).await?;
         let select = "select * from detections where map_key = $1 and keyframe = $2 order by detection";
         let detections = sqlx::query(select).bind(map).bind(keyframe.0).fetch_all(&mut *db).await?;
+        db.commit().await?;
         Ok(Some(KeyframeRow {
             bow: load::bow(&row)?,
             features: features_row.as_ref().map(features).transpose()?,

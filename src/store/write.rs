@@ -116,6 +116,31 @@ pub enum Job {
     RevokeKey(KeySeq, i64),
 }
 
+impl Job {
+    /// Does it leave more room than it found? It is tried on a full disk, too.
+    pub(super) fn frees_space(&self) -> bool {
+        match self {
+            // A key must be revocable whatever the disk holds, and takes no space.
+            Self::DeleteMap(_) | Self::RevokeKey(..) => true,
+            Self::Change(batch) => batch.new_keyframe.is_none() && frees_space(&batch.changes),
+            _ => false,
+        }
+    }
+
+    /// Do later jobs of its map rest on it? A verdict that is not kept, or an event not told, is missed by none of them.
+    pub(super) fn is_planned_upon(&self) -> bool {
+        !matches!(self, Self::KeepQuery { .. } | Self::Tell(..))
+    }
+}
+
+/// Do these changes take something away?
+fn frees_space(changes: &[Change]) -> bool {
+    let takes_away = |change: &Change| {
+        matches!(change, Change::KeyframeRemoved(..) | Change::AnchorRemoved(_) | Change::LoopRemoved(_))
+    };
+    changes.iter().any(takes_away)
+}
+
 /// Does a job, within the transaction of its group.
 pub(super) async fn execute(db: &mut SqliteConnection, job: &Job) -> Result<(), StoreError> {
     match job {
