@@ -44,7 +44,7 @@ async fn without_keys_no_name_that_a_web_page_could_have_made_leads_here() {
     let server = Server::start().await;
     let ask = async |host: &str, secret: Option<&str>| {
         let request = server.request(Method::GET, "/v1/maps").header("host", host);
-        let request = secret.into_iter().fold(request, |request, secret| request.bearer_auth(secret));
+        let request = secret.into_iter().fold(request, reqwest::RequestBuilder::bearer_auth);
         Answer::of(request).await.status.as_u16()
     };
     for (host, status) in [
