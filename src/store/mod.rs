@@ -50,6 +50,9 @@ const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 /// The WAL is cut back to this size after a checkpoint.
 const WAL_LIMIT_BYTES: &str = "67108864";
 
+/// Features and crops are large: larger pages than SQLite's own.
+const PAGE_BYTES: u32 = 16384;
+
 /// Readers beside the one writer.
 const READERS: u32 = 8;
 
@@ -63,14 +66,18 @@ pub struct Store {
 impl Store {
     /// Opens the database at `sqlite://PATH`, makes it if it is not there, and migrates it.
     pub async fn open(url: &str) -> Result<Self, StoreError> {
-        let options = SqliteConnectOptions::from_str(url)?
+        let options = SqliteConnectOptions::from_str(url)?;
+        let database = options.get_filename().to_owned();
+        let reserve = Reserve::beside(&database);
+        let options = options
             .create_if_missing(true)
             .journal_mode(SqliteJournalMode::Wal)
             // An acknowledged write is in the WAL *and* synced: NORMAL would sync only at checkpoints.
             .synchronous(SqliteSynchronous::Full)
             .foreign_keys(true)
             .busy_timeout(BUSY_TIMEOUT)
-            .page_size(16384)
+            .page_size(PAGE_BYTES)
+            .pragma("wal_autocheckpoint", reserve.log_pages(PAGE_BYTES).to_string())
             .pragma("journal_size_limit", WAL_LIMIT_BYTES)
             .statement_cache_capacity(256);
         let writer = SqlitePoolOptions::new()
@@ -80,7 +87,6 @@ impl Store {
             .connect_with(options.clone())
             .await?;
         check_sqlite(&writer).await?;
-        let database = options.get_filename().to_owned();
         renewal::renew(&writer, &database).await?;
         schema::migrate(&writer).await?;
         let readers = SqlitePoolOptions::new()
@@ -89,7 +95,7 @@ impl Store {
             .max_lifetime(None)
             .connect_with(options.read_only(true))
             .await?;
-        Ok(Self { readers, committer: Committer::start(writer, Reserve::beside(&database)) })
+        Ok(Self { readers, committer: Committer::start(writer, reserve) })
     }
 
     /// The one writer.
