@@ -5,6 +5,7 @@ with the moment it was sent and the moment it was acknowledged. At any later mom
 acknowledged write, or of one sent after that and not acknowledged: nothing else. A write of several keys is whole or absent.
 """
 
+import base64
 import json
 import random
 import threading
@@ -44,8 +45,11 @@ def keyframe(robot, number, ballast=0):
     if number % 3 == 0:
         body["detections"] = [{"class": "door_number", "confidence": 0.875, "box": [100.0, 120.0, 180.0, 160.5],
                                "position": [x + 1.0, 0.5, 2.0], "text": f"{robot}-{900 + number}"}]
-        if ballast:
-            body["detections"][0]["description"] = ("x" * 63 + " ") * (ballast // 64)
+    if ballast:
+        count = max(1, ballast // 512)
+        descriptors = random.Random(f"{robot} {number}").randbytes(count * 512)
+        body["features"] = {"descriptor_bytes": 512, "descriptors": base64.b64encode(descriptors).decode(),
+                            "keypoints": [[i % 640, i % 480, 0] for i in range(count)], "map_points": [-1] * count}
     return body
 
 

@@ -1,5 +1,6 @@
 """The real server as a process, and the few words needed to speak to it."""
 
+import atexit
 import http.client
 import json
 import os
@@ -93,6 +94,8 @@ class Server:
         with open(self.log, "ab") as log_file:
             self.process = subprocess.Popen(
                 command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=log_file, env=environment, text=True)
+        # Whatever becomes of the script, it leaves no server behind.
+        atexit.register(self.abandon)
         self.address = None
         if wait:
             line = self.process.stdout.readline()
@@ -122,6 +125,7 @@ class Server:
             raise AssertionError(f"the server ended of itself: {self.process.returncode}: {self.last_words()}")
         self.process.kill()
         self.process.wait()
+        atexit.unregister(self.abandon)
 
     def stop(self):
         """SIGTERM; it must end well."""
@@ -129,6 +133,7 @@ class Server:
         code = self.process.wait(timeout=60)
         if code != 0:
             raise AssertionError(f"the server ended with {code}: {self.last_words()}")
+        atexit.unregister(self.abandon)
 
     def abandon(self):
         if self.alive():

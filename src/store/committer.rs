@@ -294,10 +294,7 @@ impl Writer {
     async fn try_disk(&self) {
         if self.health.disk() == Disk::Full {
             // Gives back to the disk what deletes left in the log.
-            let given_back = sqlx::query("pragma wal_checkpoint(truncate)").execute(&self.pool).await;
-            if let Err(error) = given_back {
-                tracing::debug!(%error, "the write-ahead log stays as it is");
-            }
+            self.empty_log().await;
             if !self.keep_reserve().await {
                 return;
             }
@@ -328,6 +325,14 @@ impl Writer {
     async fn release_reserve(&self) {
         let reserve = self.reserve.clone();
         let _ = tokio::task::spawn_blocking(move || reserve.release()).await;
+        self.empty_log().await;
+    }
+
+    /// Brings the write-ahead log into the database's file, and frees its space.
+    async fn empty_log(&self) {
+        if let Err(error) = sqlx::query("pragma wal_checkpoint(truncate)").execute(&self.pool).await {
+            tracing::debug!(%error, "the write-ahead log stays as it is");
+        }
     }
 }
 

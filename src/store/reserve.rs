@@ -1,7 +1,8 @@
 //! Reserve: disk space kept beside the database, so that deletes still work when there is no other.
 //!
-//! A delete makes room only after it has written what it did to the write-ahead log. On a full disk it gets this
-//! file's space for that; the file is made again before other writes go on.
+//! A delete makes room only after it has written what it did to the write-ahead log. On a full disk the log is brought
+//! into the database's file with this reserve's space, and is then there to be written from its beginning. The reserve is
+//! made again before other writes go on.
 
 use std::fs::{File, OpenOptions};
 use std::path::{Path, PathBuf};
@@ -9,19 +10,26 @@ use std::path::{Path, PathBuf};
 use rustix::fs::{FallocateFlags, fallocate, statvfs};
 use rustix::io::Errno;
 
-/// Above what a checkpoint adds to the database's file, which grows by the log's pages before the log can be used again.
+/// The reserve, ...
 const RESERVE_BYTES: u64 = 32 << 20;
 
-/// On a small disk the reserve is this part of it, ...
-const PART_OF_DISK: u64 = 16;
+/// ... which on a small disk is this part of it.
+const PART_OF_DISK: u64 = 8;
 
-/// ... and so is what must be free beside the reserve before writes go on.
-const ROOM_BYTES: u64 = 8 << 20;
+/// What must be free beside the reserve before writes go on, as a part of it.
+const ROOM_PART: u64 = 4;
+
+/// The log is brought home when it has so many pages (what SQLite does by itself), ...
+const LOG_PAGES: u64 = 1000;
+
+/// ... or this part of the reserve: the database's file grows by no more than the log, and a group may be on top.
+const LOG_PART: u64 = 2;
 
 /// The space kept.
 #[derive(Clone, Debug)]
 pub(super) struct Reserve {
     path: PathBuf,
+    bytes: u64,
 }
 
 impl Reserve {
@@ -29,7 +37,15 @@ impl Reserve {
     pub(super) fn beside(database: &Path) -> Self {
         let mut path = database.as_os_str().to_owned();
         path.push("-reserve");
-        Self { path: path.into() }
+        let path = PathBuf::from(path);
+        let disk = statvfs(folder(&path));
+        let part = |disk: rustix::fs::StatVfs| disk.f_blocks.saturating_mul(disk.f_frsize) / PART_OF_DISK;
+        Self { bytes: disk.map_or(RESERVE_BYTES, |disk| RESERVE_BYTES.min(part(disk))), path }
+    }
+
+    /// How long the write-ahead log may get, in pages of so many bytes, for the reserve to take it.
+    pub(super) fn log_pages(&self, page_bytes: u32) -> u64 {
+        (self.bytes / LOG_PART / u64::from(page_bytes)).clamp(1, LOG_PAGES)
     }
 
     /// Makes sure that the space is kept. False if the disk has not got it.
@@ -51,8 +67,7 @@ impl Reserve {
             Ok(file) => file,
             Err(error) => return Some(errno(&error)),
         };
-        let wanted = self.part_of_disk(RESERVE_BYTES);
-        let failed = fallocate(&file, FallocateFlags::empty(), 0, wanted).err();
+        let failed = fallocate(&file, FallocateFlags::empty(), 0, self.bytes).err();
         if failed.is_some() {
             // Half a reserve would be what keeps the disk full.
             let _ = file.set_len(0);
@@ -70,16 +85,11 @@ impl Reserve {
 
     /// Is there room beside the reserve?
     pub(super) fn is_room(&self) -> bool {
-        let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty());
-        match statvfs(folder.unwrap_or(Path::new("."))) {
-            Ok(disk) => disk.f_bavail.saturating_mul(disk.f_frsize) >= self.part_of_disk(ROOM_BYTES),
-            Err(_) => true,
-        }
+        let disk = statvfs(folder(&self.path));
+        disk.map_or(true, |disk| disk.f_bavail.saturating_mul(disk.f_frsize) >= self.bytes / ROOM_PART)
     }
+}
 
-    fn part_of_disk(&self, bytes: u64) -> u64 {
-        let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty());
-        let disk = statvfs(folder.unwrap_or(Path::new(".")));
-        disk.map_or(bytes, |disk| bytes.min(disk.f_blocks.saturating_mul(disk.f_frsize) / PART_OF_DISK))
-    }
+fn folder(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
