@@ -4,6 +4,7 @@ mod backup;
 mod check;
 mod demo;
 mod eval;
+mod health;
 mod openapi;
 pub mod replay;
 mod serve;
@@ -40,6 +41,7 @@ enum Command {
     Backup(backup::BackupArgs),
     Restore(backup::RestoreArgs),
     Check(check::CheckArgs),
+    Health(health::HealthArgs),
 }
 
 /// Why a subcommand failed, for a person.
@@ -58,6 +60,7 @@ impl Cli {
             Command::Backup(args) => backup::run(args).await,
             Command::Restore(args) => backup::run_restore(args).await,
             Command::Check(args) => check::run(args).await,
+            Command::Health(args) => health::run(args).await,
         }
     }
 }

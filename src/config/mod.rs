@@ -7,9 +7,11 @@
 //! | [`logging`] | what is logged, and how |
 //! | [`models`] | which language and vision models to ask, and what they may cost |
 //! | [`tls`] | the one TLS stack |
+//! | [`traces`] | where traces go |
 
 pub mod build;
 pub mod listen;
 pub mod logging;
 pub mod models;
 pub mod tls;
+pub mod traces;

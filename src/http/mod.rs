@@ -8,7 +8,7 @@
 //! | [`problem`], [`envelope`] | what a refusal says, and the id that every answer carries |
 //! | [`router`] | the layers around the routes |
 //! | [`server`] | the accept loop, and how it stops |
-//! | [`metrics`] | what Prometheus reads |
+//! | [`metrics`], [`gauges`], [`process`] | what Prometheus reads |
 //! | [`mod@document`], [`refusals`] | the API document |
 //! | [`pages`] | the viewer and the reference |
 
@@ -16,11 +16,13 @@ pub mod answer;
 pub mod body;
 pub mod document;
 pub mod envelope;
+pub mod gauges;
 pub mod if_match;
 pub mod metrics;
 pub mod pages;
 pub mod path;
 pub mod problem;
+pub mod process;
 pub mod query;
 pub mod refusals;
 pub mod router;

@@ -1,7 +1,7 @@
 //! What a reader is shown of a map: derived views, never facts.
 
 use super::anchor::{AnchorState, Outcome};
-use super::ids::{AnchorSeq, KeyframeId, LoopId, MapId, SessionId};
+use super::ids::{AnchorSeq, BackupId, KeyframeId, LoopId, MapId, SessionId};
 use super::keyframe::{NewKeyframe, Stamp};
 use super::map::MapProperties;
 use crate::geometry::{Aabb, Pose};

@@ -1,7 +1,7 @@
 //! What a client asks for, checked: the requests that are more than an id.
 
 use super::anchor::AnchorState;
-use super::ids::{KeyframeId, LoopId, PointId, SessionId};
+use super::ids::{BackupId, KeyframeId, LoopId, PointId, SessionId};
 use super::keyframe::NewKeyframe;
 use super::settings::SettingValue;
 use super::verdict::Verify;
