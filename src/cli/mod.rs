@@ -4,6 +4,7 @@ mod backup;
 mod check;
 mod demo;
 mod eval;
+mod health;
 mod keys;
 mod openapi;
 pub mod replay;
@@ -42,6 +43,7 @@ enum Command {
     Backup(backup::BackupArgs),
     Restore(backup::RestoreArgs),
     Check(check::CheckArgs),
+    Health(health::HealthArgs),
 }
 
 /// Why a subcommand failed, for a person.
@@ -61,6 +63,7 @@ impl Cli {
             Command::Backup(args) => backup::run(args).await,
             Command::Restore(args) => backup::run_restore(args).await,
             Command::Check(args) => check::run(args).await,
+            Command::Health(args) => health::run(args).await,
         }
     }
 }

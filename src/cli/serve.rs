@@ -11,7 +11,8 @@ use tokio::net::TcpListener;
 use super::replay::OwnServer;
 use super::{Failure, stop_on_signal, write_out};
 use crate::config::quotas::Quotas;
-use crate::config::{build, listen, logging, models};
+use crate::config::traces::Traces;
+use crate::config::{build, listen, logging, models, traces};
 use crate::hotel::texture::Patterns;
 use crate::http::{self, RunningServer};
 use crate::service::{ModelChoice, Service, ServiceOptions};
@@ -34,23 +35,33 @@ pub struct ServeArgs {
     /// text form or our binary one (`revisit vocabulary convert`), plain, gzip or zstd
     #[arg(long, env = "REVISIT_VOCABULARY", value_name = "FILE")]
     vocabulary: Option<PathBuf>,
+    /// A folder for the backups that clients ask for (POST /v1/backups); without it they are refused
+    #[arg(long, env = "REVISIT_BACKUPS", value_name = "DIR")]
+    backups: Option<PathBuf>,
+    /// So many of them are kept; the oldest make room
+    #[arg(long, env = "REVISIT_BACKUPS_KEPT", value_name = "N", default_value_t = 7,
+        value_parser = clap::value_parser!(u16).range(1..=1000))]
+    backups_kept: u16,
     #[command(flatten)]
     models: models::ModelArgs,
     #[command(flatten)]
     quotas: Quotas,
     #[command(flatten)]
     log: logging::LogArgs,
+    #[command(flatten)]
+    traces: traces::TraceArgs,
 }
 
 /// Runs it.
 pub async fn run(args: ServeArgs) -> Result<(), Failure> {
-    logging::start(&args.log)?;
+    let traces = Traces::start(&args.traces)?;
+    logging::start(&args.log, &traces)?;
     let stopping = stop_on_signal()?;
     // The port first: a second server on one machine shall say so before it opens the database.
     let listener = TcpListener::bind(args.listen)
         .await
         .map_err(|error| format!("cannot listen on {}: {error}", args.listen))?;
-    let service = Service::open(ServiceOptions {
+    let mut service = Service::open(ServiceOptions {
         database: args.database.clone(),
         vocabulary: args.vocabulary,
         models: ModelChoice::Configured(Box::new(args.models)),
@@ -62,11 +73,15 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
         service.close().await;
         return Err(keyless(args.listen, &args.database).into());
     }
+    if let Some(folder) = args.backups {
+        service = service.with_backups(folder, args.backups_kept.into())?;
+    }
     let addr = listener.local_addr()?;
     write_out(&format!("listening on http://{addr}\n"))?;
-    tracing::info!(%addr, database = args.database, version = build::VERSION, "serving");
+    tracing::info!(%addr, database = args.database, version = build::VERSION, traces = traces.are_sent(), "serving");
     let served = http::serve(listener, service.clone(), stopping).await;
     service.close().await;
+    traces.flush().await;
     tracing::info!("stopped");
     Ok(served?)
 }

@@ -4,9 +4,11 @@ use std::io::IsTerminal as _;
 
 use clap::{Args, ValueEnum};
 use tracing_subscriber::Layer as _;
-use tracing_subscriber::filter::Targets;
+use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt as _;
 use tracing_subscriber::util::{SubscriberInitExt as _, TryInitError};
+
+use super::traces::{self, Traces};
 
 /// What is logged, and how.
 #[derive(Args, Clone, Debug)]
@@ -28,12 +30,19 @@ pub enum LogFormat {
     Json,
 }
 
-/// Starts logging; once in a process.
-pub fn start(args: &LogArgs) -> Result<(), TryInitError> {
+/// Starts logging, and traces where there is a collector; once in a process.
+pub fn start(args: &LogArgs, traces: &Traces) -> Result<(), TryInitError> {
     let to_stderr = tracing_subscriber::fmt::layer().with_writer(std::io::stderr);
     let layer = match args.format {
         LogFormat::Text => to_stderr.with_ansi(std::io::stderr().is_terminal()).boxed(),
         LogFormat::Json => to_stderr.json().flatten_event(true).boxed(),
     };
-    tracing_subscriber::registry().with(layer.with_filter(args.filter.clone())).try_init()
+    let shown = args.filter.clone().with_target(traces::TARGET, LevelFilter::OFF);
+    tracing_subscriber::registry().with(layer.with_filter(shown)).with(traces.layer()).try_init()
+}
+
+/// Takes the span that is entered now along to another thread, so that what is logged there tells its request, too.
+pub fn in_span<T>(work: impl FnOnce() -> T) -> impl FnOnce() -> T {
+    let span = tracing::Span::current();
+    move || span.in_scope(work)
 }

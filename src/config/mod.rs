@@ -8,6 +8,7 @@
 //! | [`models`] | which language and vision models to ask, and what they may cost |
 //! | [`quotas`] | how much a map may hold |
 //! | [`tls`] | the one TLS stack |
+//! | [`traces`] | where traces go |
 
 pub mod build;
 pub mod listen;
@@ -15,3 +16,4 @@ pub mod logging;
 pub mod models;
 pub mod quotas;
 pub mod tls;
+pub mod traces;

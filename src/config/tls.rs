@@ -5,14 +5,24 @@
 pub fn client_for(address: &str) -> reqwest::ClientBuilder {
     install();
     let builder = reqwest::Client::builder();
-    let is_plain = address.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("http:"));
-    if !is_plain {
-        return builder;
-    }
-    let trusting_nobody = rustls::ClientConfig::builder()
+    if is_plain(address) { builder.tls_backend_preconfigured(trusting_nobody()) } else { builder }
+}
+
+/// The same for a thread of its own.
+pub fn blocking_client_for(address: &str) -> reqwest::blocking::ClientBuilder {
+    install();
+    let builder = reqwest::blocking::Client::builder();
+    if is_plain(address) { builder.tls_backend_preconfigured(trusting_nobody()) } else { builder }
+}
+
+fn is_plain(address: &str) -> bool {
+    address.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("http:"))
+}
+
+fn trusting_nobody() -> rustls::ClientConfig {
+    rustls::ClientConfig::builder()
         .with_root_certificates(rustls::RootCertStore::empty())
-        .with_no_client_auth();
-    builder.tls_backend_preconfigured(trusting_nobody)
+        .with_no_client_auth()
 }
 
 /// Installs *ring* for this process, unless something is installed already. Without it every HTTP client panics

@@ -14,6 +14,7 @@ use tower_http::timeout::TimeoutError;
 
 use super::path::InKeyframe;
 use super::problem::{Kind, Problem};
+use crate::config::logging::in_span;
 use crate::wire::keyframe::{self, SentKeyframe};
 use crate::wire::limits;
 use crate::wire::read::{self, Decode};
@@ -68,7 +69,7 @@ pub async fn decoded<T: Send + 'static>(
     if !large {
         return decode();
     }
-    tokio::task::spawn_blocking(decode)
+    tokio::task::spawn_blocking(in_span(decode))
         .await
         .unwrap_or_else(|error| Err(Problem::internal(error.to_string())))
 }

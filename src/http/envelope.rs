@@ -5,21 +5,28 @@ use std::fmt;
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, LazyLock};
+use std::time::Instant;
 
 use axum::body::Body;
-use axum::extract::Request;
-use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE};
+use axum::extract::{MatchedPath, Request};
+use axum::http::header::{AUTHORIZATION, CONTENT_LENGTH, CONTENT_TYPE};
 use axum::http::{HeaderName, HeaderValue, Method, Uri};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
+use tracing::Instrument as _;
+
 use super::problem::{Kind, Problem};
+use crate::config::traces;
 use crate::model::ids::KeyframeId;
 
 /// The header that names a request.
 pub const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
 /// The media type of refusals.
 pub const PROBLEM_JSON: HeaderValue = HeaderValue::from_static("application/problem+json");
+
+/// The target of the line that tells of every request.
+const ACCESS: &str = "revisit::access";
 
 /// A request's id, in the request's extensions.
 #[derive(Clone, Debug)]
@@ -31,15 +38,34 @@ impl fmt::Display for RequestId {
     }
 }
 
-/// The layer around everything else.
+/// The pattern of a request's route, never its path: of ids there are as many as there are keyframes.
+pub fn route_of(request: &Request) -> &str {
+    request.extensions().get::<MatchedPath>().map_or("unmatched", MatchedPath::as_str)
+}
+
+/// The layer around everything else. What is logged inside stands in the request's span, and so tells its id.
 pub async fn envelope(mut request: Request, next: Next) -> Response {
+    let started = Instant::now();
     let id = RequestId::of(&request);
     request.extensions_mut().insert(id.clone());
-    let (method, uri) = (request.method().clone(), request.uri().clone());
-    let mut response = next.run(request).await;
-    if response.status().is_client_error() || response.status().is_server_error() {
-        response = refusal(response, &id, &method, &uri);
+    // Whoever prints the headers prints no key.
+    if let Some(key) = request.headers_mut().get_mut(AUTHORIZATION) {
+        key.set_sensitive(true);
     }
+    let (method, uri) = (request.method().clone(), request.uri().clone());
+    // At the level of errors, for these must tell their request even if nothing else is logged.
+    let span = tracing::error_span!("request", request_id = %id, %method, route = route_of(&request));
+    let header = |name: &str| Some(request.headers().get(name)?.to_str().ok()?.to_owned());
+    let trace = traces::request_span(&id.0, method.as_str(), route_of(&request), header);
+    let mut response = next.run(request).instrument(span.clone()).instrument(trace.clone()).await;
+    let _entered = span.enter();
+    if response.status().is_client_error() || response.status().is_server_error() {
+        response = refusal(response, &id, &uri);
+    }
+    let status = response.status().as_u16();
+    traces::answered(&trace, status);
+    let duration_ms = started.elapsed().as_secs_f64() * 1e3;
+    tracing::debug!(target: ACCESS, status, duration_ms, "answered");
     if let Ok(value) = HeaderValue::from_str(&id.0) {
         response.headers_mut().insert(REQUEST_ID, value);
     }
@@ -66,14 +92,14 @@ impl RequestId {
 }
 
 /// Writes the problem; a refusal by axum or a layer of tower-http becomes one here and keeps its headers (`allow`).
-fn refusal(response: Response, id: &RequestId, method: &Method, uri: &Uri) -> Response {
+fn refusal(response: Response, id: &RequestId, uri: &Uri) -> Response {
     let (mut parts, _) = response.into_parts();
     let problem = parts.extensions.remove::<Problem>().unwrap_or_else(|| Problem::of_status(parts.status));
     // The one place where failures are logged: what is refused is the client's affair, what fails is ours.
     if let Some(cause) = problem.cause() {
-        tracing::error!(request_id = %id, %method, path = uri.path(), cause, "request failed");
+        tracing::error!(path = uri.path(), status = parts.status.as_u16(), cause, "request failed");
     } else if parts.status.is_server_error() {
-        tracing::warn!(request_id = %id, %method, path = uri.path(), status = parts.status.as_u16(), "request refused");
+        tracing::warn!(path = uri.path(), status = parts.status.as_u16(), "request refused");
     }
     parts.headers.insert(CONTENT_TYPE, PROBLEM_JSON);
     parts.headers.remove(CONTENT_LENGTH);

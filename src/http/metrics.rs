@@ -1,17 +1,19 @@
 //! Metrics: what `/metrics` tells Prometheus.
 
-use std::sync::atomic::AtomicU64;
-use std::time::Duration;
+use std::sync::atomic::{AtomicI64, AtomicU64};
+use std::time::{Duration, Instant};
 
 use prometheus_client::encoding::{EncodeLabelSet, text};
 use prometheus_client::metrics::counter::Counter;
 use prometheus_client::metrics::family::Family;
 use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::metrics::histogram::Histogram;
+use prometheus_client::metrics::info::Info;
 use prometheus_client::registry::{Registry, Unit};
 
+use super::gauges::{Figures, GAUGES};
+use crate::config::build;
 use crate::model::verdict::Decision;
-use crate::service::Stats;
 
 /// Upper bounds of the latency histogram, in seconds: a read takes well below a millisecond, a large bulk minutes.
 const LATENCY_BOUNDS_S: [f64; 14] =
@@ -21,10 +23,23 @@ const LATENCY_BOUNDS_S: [f64; 14] =
 pub struct Metrics {
     registry: Registry,
     requests: Family<RequestLabels, Counter>,
+    refusals: Family<RefusalLabels, Counter>,
     latency: Family<RouteLabels, Histogram>,
     verdicts: Family<VerdictLabels, Counter>,
+    /// Requests that are being answered.
+    in_flight: Gauge<i64, AtomicI64>,
+    started: Instant,
     /// Parallel to [`GAUGES`].
     gauges: Vec<Gauge<u64, AtomicU64>>,
+}
+
+/// A request that is being answered, until this value goes.
+pub struct InFlight(Gauge<i64, AtomicI64>);
+
+impl Drop for InFlight {
+    fn drop(&mut self) {
+        self.0.dec();
+    }
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
@@ -32,6 +47,11 @@ struct RequestLabels {
     method: &'static str,
     route: String,
     status: &'static str,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct RefusalLabels {
+    status: u16,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
@@ -45,27 +65,6 @@ struct VerdictLabels {
     verdict: &'static str,
 }
 
-type Gauged = (&'static str, &'static str, fn(&Stats) -> u64);
-
-const GAUGES: [Gauged; 14] = [
-    ("maps", "Maps in memory", |stats| stats.maps),
-    ("keyframes", "Keyframes of all maps", |stats| stats.keyframes),
-    ("anchors", "Semantic anchors of all maps", |stats| stats.anchors),
-    ("postings", "Postings of the inverted files", |stats| stats.postings),
-    ("index_bytes", "Bytes that the inverted files take in memory", |stats| stats.index_bytes),
-    ("commits", "Writes committed since the server started", |stats| stats.commits),
-    ("commit_batches", "Transactions that carried them; fewer than commits under load", |stats| {
-        stats.commit_batches
-    }),
-    ("queue_depth", "Writes that wait for their commit", |stats| stats.queue_depth),
-    ("model_jobs", "Questions that models are to be asked", |stats| stats.model_jobs),
-    ("model_calls", "Calls of models since the database was made", |stats| stats.model_calls),
-    ("model_cache_hits", "Questions answered without a call", |stats| stats.model_cache_hits),
-    ("model_failures", "Questions that models could not answer", |stats| stats.model_failures),
-    ("model_microusd", "What models cost, in millionths of a US dollar", |stats| stats.model_microusd),
-    ("models_away", "1 while a model is away or the budget is spent", |stats| stats.models_away),
-];
-
 impl Default for Metrics {
     fn default() -> Self {
         let mut registry = Registry::with_prefix("revisit");
@@ -76,11 +75,21 @@ impl Default for Metrics {
         registry.register_with_unit("http_request", "Time to answer", Unit::Seconds, latency.clone());
         let verdicts = Family::default();
         registry.register("loop_verdicts", "Loop queries by verdict", verdicts.clone());
+        let refusals = Family::default();
+        registry.register(
+            "http_refusals",
+            "Requests that were refused or failed, by status",
+            refusals.clone(),
+        );
+        let in_flight = Gauge::default();
+        registry.register("http_requests_in_flight", "Requests that are being answered", in_flight.clone());
+        let built = vec![("version", build::VERSION)];
+        registry.register("build", "What runs", Info::new(built));
         let gauges: Vec<Gauge<u64, AtomicU64>> = GAUGES.iter().map(|_| Gauge::default()).collect();
-        for ((name, help, _), gauge) in GAUGES.into_iter().zip(&gauges) {
-            registry.register(name, help, gauge.clone());
+        for ((name, help, _), gauge) in GAUGES.iter().zip(&gauges) {
+            registry.register(*name, *help, gauge.clone());
         }
-        Self { registry, requests, latency, verdicts, gauges }
+        Self { registry, requests, refusals, latency, verdicts, in_flight, started: Instant::now(), gauges }
     }
 }
 
@@ -88,9 +97,23 @@ impl Metrics {
     /// The media type of [`Metrics::text`].
     pub const MEDIA_TYPE: &'static str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
 
+    /// A request has come.
+    pub fn begun(&self) -> InFlight {
+        self.in_flight.inc();
+        InFlight(self.in_flight.clone())
+    }
+
+    /// How long the server runs.
+    pub fn uptime(&self) -> Duration {
+        self.started.elapsed()
+    }
+
     /// A request was answered. The route is the pattern, never the path: a label for each id would fill the memory.
     pub fn answered(&self, method: &str, route: &str, status: u16, took: Duration) {
         let method = known(method);
+        if status >= 400 {
+            self.refusals.get_or_create(&RefusalLabels { status }).inc();
+        }
         let status = ["1xx", "2xx", "3xx", "4xx", "5xx"][usize::from(status / 100).clamp(1, 5) - 1];
         let route = route.to_owned();
         self.latency.get_or_create(&RouteLabels { method, route: route.clone() }).observe(took.as_secs_f64());
@@ -102,10 +125,10 @@ impl Metrics {
         self.verdicts.get_or_create(&VerdictLabels { verdict: decision.as_str() }).inc();
     }
 
-    /// Everything, with the service's own numbers as they are now.
-    pub fn text(&self, stats: &Stats) -> String {
-        for ((_, _, read), gauge) in GAUGES.into_iter().zip(&self.gauges) {
-            gauge.set(read(stats));
+    /// Everything, with the figures as they are now.
+    pub fn text(&self, figures: &Figures) -> String {
+        for ((_, _, read), gauge) in GAUGES.iter().zip(&self.gauges) {
+            gauge.set(read(figures));
         }
         let mut out = String::new();
         // Writing into a string does not fail.
@@ -122,6 +145,7 @@ fn known(method: &str) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::service::Stats;
 
     #[test]
     fn requests_verdicts_and_stats_are_told() {
@@ -129,13 +153,19 @@ mod tests {
         metrics.answered("GET", "/v1/maps/{map}", 404, Duration::from_millis(2));
         metrics.answered("BREW", "unmatched", 405, Duration::ZERO);
         metrics.judged(Decision::Loop);
-        let text = metrics.text(&Stats { keyframes: 7, ..Stats::default() });
+        let under_way = metrics.begun();
+        let stats = Stats { keyframes: 7, ..Stats::default() };
+        let text = metrics.text(&Figures { stats, ..Figures::default() });
+        drop(under_way);
         for line in [
             r#"revisit_http_requests_total{method="GET",route="/v1/maps/{map}",status="4xx"} 1"#,
             r#"revisit_http_requests_total{method="other",route="unmatched",status="4xx"} 1"#,
             r#"revisit_http_request_seconds_bucket{le="0.0025",method="GET",route="/v1/maps/{map}"} 1"#,
             r#"revisit_loop_verdicts_total{verdict="loop"} 1"#,
             "revisit_keyframes 7",
+            r#"revisit_http_refusals_total{status="404"} 1"#,
+            "revisit_http_requests_in_flight 1",
+            r#"revisit_build_info{version=""#,
         ] {
             assert!(text.contains(line), "{line}\n{text}");
         }

@@ -9,7 +9,7 @@
 //! | [`router`] | the layers around the routes |
 //! | [`server`] | the accept loop, and how it stops |
 //! | [`access`] | who asks, and may they? |
-//! | [`metrics`] | what Prometheus reads |
+//! | [`metrics`], [`gauges`], [`process`] | what Prometheus reads |
 //! | [`mod@document`], [`refusals`] | the API document |
 //! | [`pages`] | the viewer and the reference |
 
@@ -18,11 +18,13 @@ pub mod answer;
 pub mod body;
 pub mod document;
 pub mod envelope;
+pub mod gauges;
 pub mod if_match;
 pub mod metrics;
 pub mod pages;
 pub mod path;
 pub mod problem;
+pub mod process;
 pub mod query;
 pub mod refusals;
 pub mod router;

@@ -38,6 +38,8 @@ refusals! {
     OfWrite = [
         SYNTAX, NOT_FOUND, TIMEOUT, CONFLICT, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, INVALID, UNAVAILABLE, DISK_FULL
     ];
+    /// Of the operation that takes a backup.
+    OfBackup = [SYNTAX, TIMEOUT, CONFLICT, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, INVALID, UNAVAILABLE, DISK_FULL];
     /// Of operations that write a body on top of a version.
     OfPatch = [
         SYNTAX, NOT_FOUND, TIMEOUT, PRECONDITION_FAILED, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, INVALID,

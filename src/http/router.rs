@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use axum::Router;
-use axum::extract::{MatchedPath, Request, State};
+use axum::extract::{Request, State};
 use axum::middleware::{Next, from_fn, from_fn_with_state};
 use axum::response::Response;
 use tower::ServiceBuilder;
@@ -45,12 +45,10 @@ pub fn router(app: App) -> Router {
 
 /// Counts and times a request under the pattern of its route.
 async fn observe(State(app): State<App>, request: Request, next: Next) -> Response {
-    let started = Instant::now();
+    let (started, _in_flight) = (Instant::now(), app.metrics.begun());
     let method = request.method().clone();
-    let route = request.extensions().get::<MatchedPath>().map_or("unmatched", MatchedPath::as_str).to_owned();
+    let route = envelope::route_of(&request).to_owned();
     let response = next.run(request).await;
-    let took = started.elapsed();
-    app.metrics.answered(method.as_str(), &route, response.status().as_u16(), took);
-    tracing::debug!(%method, route, status = response.status().as_u16(), ?took, "answered");
+    app.metrics.answered(method.as_str(), &route, response.status().as_u16(), started.elapsed());
     response
 }

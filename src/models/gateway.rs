@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use backon::{ExponentialBuilder, Retryable as _};
 use tokio::sync::Semaphore;
+use tracing::Instrument as _;
 
 use super::breaker::Breaker;
 use super::budget::{Budget, Payer, Prices};
@@ -120,7 +121,7 @@ impl Gateway {
     pub async fn ask(&self, question: Question) -> Result<Answered, Fault> {
         let gateway = self.clone();
         // A task of its own: who waits may go away (and with it the cache's place for the answer), the call goes on.
-        let asked = tokio::spawn(async move { gateway.find(question).await });
+        let asked = tokio::spawn(async move { gateway.find(question).await }.in_current_span());
         asked.await.unwrap_or_else(|_| Err(Fault::Unreachable("the call broke off".to_owned())))
     }
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use futures_util::{StreamExt as _, TryStreamExt as _, stream};
 use moka::future::Cache;
@@ -9,6 +10,7 @@ use tokio::task::spawn_blocking;
 
 use super::words::NamedVocabulary;
 use super::{ServiceError, panicked};
+use crate::config::logging::in_span;
 use crate::model::ids::KeyframeSeq;
 use crate::model::keyframe::Features;
 use crate::recognition::conclusion::FeatureSet;
@@ -29,6 +31,16 @@ pub(super) struct FeatureCache {
     cache: Cache<(MapKey, KeyframeSeq), Arc<MatchableFeatures>>,
     /// Groups features by node, so that only those of one node are compared.
     vocabulary: Option<Arc<NamedVocabulary>>,
+    hits: Arc<AtomicU64>,
+    misses: Arc<AtomicU64>,
+}
+
+/// How well the cache does.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct FeatureFigures {
+    pub hits: u64,
+    pub misses: u64,
+    pub bytes: u64,
 }
 
 impl FeatureCache {
@@ -36,7 +48,14 @@ impl FeatureCache {
         let weigh = |_: &(MapKey, KeyframeSeq), features: &Arc<MatchableFeatures>| {
             u32::try_from(features.heap_bytes()).unwrap_or(u32::MAX)
         };
-        Self { cache: Cache::builder().max_capacity(CACHE_BYTES).weigher(weigh).build(), vocabulary }
+        let cache = Cache::builder().max_capacity(CACHE_BYTES).weigher(weigh).build();
+        Self { cache, vocabulary, hits: Arc::default(), misses: Arc::default() }
+    }
+
+    /// How well the cache does since the start.
+    pub fn figures(&self) -> FeatureFigures {
+        let [hits, misses] = [&self.hits, &self.misses].map(|count| count.load(Ordering::Relaxed));
+        FeatureFigures { hits, misses, bytes: self.cache.weighted_size() }
     }
 
     /// The features of these keyframes; those without any are left out.
@@ -58,8 +77,9 @@ impl FeatureCache {
     /// The features of a keyframe that is not stored, ready to be matched; `None` if their lists do not fit together.
     pub async fn prepare(&self, features: Features) -> Result<Option<Arc<MatchableFeatures>>, ServiceError> {
         let vocabulary = self.vocabulary.clone();
-        let prepared =
-            spawn_blocking(move || prepare(features, vocabulary.as_deref())).await.map_err(panicked)?;
+        let prepared = spawn_blocking(in_span(move || prepare(features, vocabulary.as_deref())))
+            .await
+            .map_err(panicked)?;
         Ok(prepared.map(Arc::new))
     }
 
@@ -70,8 +90,10 @@ impl FeatureCache {
         seq: KeyframeSeq,
     ) -> Result<Option<Arc<MatchableFeatures>>, ServiceError> {
         if let Some(known) = self.cache.get(&(map, seq)).await {
+            self.hits.fetch_add(1, Ordering::Relaxed);
             return Ok(Some(known));
         }
+        self.misses.fetch_add(1, Ordering::Relaxed);
         let Some(features) = store.features(map, seq).await? else { return Ok(None) };
         let prepared = self.prepare(features).await?;
         let features = prepared.ok_or_else(|| {

@@ -51,6 +51,17 @@ pub(super) struct LiveMap {
     /// Answers of loop queries that are still on their way to the disk.
     kept: Mutex<HashMap<String, Bytes>>,
     next_kept: AtomicI64,
+    /// As they were when somebody looked last.
+    figures: Mutex<Figures>,
+}
+
+/// How large a map is in memory.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Figures {
+    pub keyframes: u64,
+    pub anchors: u64,
+    pub postings: u64,
+    pub index_bytes: u64,
 }
 
 /// What a request decided.
@@ -91,6 +102,7 @@ impl LiveMap {
             latest_event: watch::Sender::new(loaded.next_event - 1),
             kept: Mutex::default(),
             next_kept: AtomicI64::new(loaded.next_kept),
+            figures: Mutex::default(),
             state: RwLock::new(State {
                 index: loaded.index,
                 version: loaded.version,
@@ -152,6 +164,20 @@ impl LiveMap {
         };
         let committed = self.submit(store, Job::Change(Box::new(batch)), version, state.next_event - 1);
         Ok(Pending { value, version, committed: Some(committed) })
+    }
+
+    /// How large it is; as it was before, while a request holds the lock.
+    pub fn figures(&self) -> Figures {
+        let mut figures = self.figures.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Ok(state) = self.state.try_read() {
+            *figures = Figures {
+                keyframes: state.index.keyframe_count() as u64,
+                anchors: state.index.objects().len() as u64,
+                postings: state.index.inverted_file().posting_count() as u64,
+                index_bytes: state.index.inverted_file().heap_bytes() as u64,
+            };
+        }
+        *figures
     }
 
     /// Queues a job; when it is on disk, so is this version, with its events.

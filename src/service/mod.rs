@@ -5,6 +5,7 @@
 //! index, and at the store for what is only there.
 
 mod anchors;
+mod backups;
 mod board;
 mod error;
 mod events;
@@ -23,6 +24,7 @@ mod queries;
 mod quota;
 mod registry;
 mod reports;
+mod stats;
 mod words;
 mod worker;
 
@@ -33,10 +35,15 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::task::spawn_blocking;
 use tokio_util::sync::CancellationToken;
 
+pub use backups::BackupMade;
+use backups::Backups;
 pub use error::ServiceError;
 pub use keyframes::PendingKeyframe;
 pub use queries::{QueryAnswer, Timings};
+pub use stats::Stats;
+use stats::Waiting;
 
+use crate::config::logging::in_span;
 use crate::config::models::ModelArgs;
 use crate::config::quotas::Quotas;
 use crate::model::ids::MapId;
@@ -109,39 +116,6 @@ pub struct Stored<T> {
     pub value: T,
 }
 
-/// Figures for the metrics page.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Stats {
-    /// Maps in memory.
-    pub maps: u64,
-    /// Keyframes of these maps.
-    pub keyframes: u64,
-    /// Anchors of these maps, merged ones counted once.
-    pub anchors: u64,
-    /// Postings of their inverted files.
-    pub postings: u64,
-    /// Bytes of their inverted files.
-    pub index_bytes: u64,
-    /// Writes committed since the start.
-    pub commits: u64,
-    /// Transactions they took.
-    pub commit_batches: u64,
-    /// Writes waiting for the disk.
-    pub queue_depth: u64,
-    /// Questions that models are to be asked.
-    pub model_jobs: u64,
-    /// Questions that models could not answer since the start.
-    pub model_failures: u64,
-    /// 1 while a model is away or the day's budget is spent.
-    pub models_away: u64,
-    /// Calls of models since the database was made.
-    pub model_calls: u64,
-    /// Questions answered without a call.
-    pub model_cache_hits: u64,
-    /// What models cost, in millionths of a US dollar.
-    pub model_microusd: u64,
-}
-
 /// The service; clones share everything.
 #[derive(Clone, Debug)]
 pub struct Service {
@@ -149,6 +123,7 @@ pub struct Service {
     registry: Arc<Registry>,
     writes: Arc<Semaphore>,
     reads: Arc<Semaphore>,
+    waiting: Arc<Waiting>,
     features: FeatureCache,
     vocabulary: Option<Arc<NamedVocabulary>>,
     models: Option<Arc<Models>>,
@@ -157,6 +132,7 @@ pub struct Service {
     quotas: Quotas,
     /// Ends what goes on in the background.
     closing: CancellationToken,
+    backups: Option<Arc<Backups>>,
 }
 
 impl Service {
@@ -179,8 +155,10 @@ impl Service {
             registry,
             writes: Arc::new(Semaphore::new(WRITES_AT_ONCE)),
             reads: Arc::new(Semaphore::new(READS_AT_ONCE)),
+            waiting: Arc::default(),
             features: FeatureCache::new(vocabulary.clone()),
             vocabulary,
+            backups: None,
         };
         service.glance_at_keys();
         if let Some(models) = models {
@@ -223,34 +201,6 @@ impl Service {
         Ok(self.store.sqlite_version().await?)
     }
 
-    /// Figures for the metrics page, of the maps in memory.
-    pub fn stats(&self) -> Stats {
-        let commits = self.store.committer().stats();
-        let mut stats = Stats {
-            model_jobs: self.worker.open_jobs(),
-            model_failures: self.models.as_ref().map_or(0, |models| models.failures()),
-            models_away: self.models.as_ref().map_or(0, |models| u64::from(models.is_away())),
-            commits: commits.jobs,
-            commit_batches: commits.transactions,
-            queue_depth: commits.waiting,
-            ..Stats::default()
-        };
-        for line in self.usage().into_iter().flat_map(|usage| usage.lines) {
-            stats.model_calls += line.calls;
-            stats.model_cache_hits += line.cache_hits;
-            stats.model_microusd += line.microusd;
-        }
-        for live in self.registry.in_memory() {
-            let Ok(state) = live.state() else { continue };
-            stats.maps += 1;
-            stats.keyframes += state.index.keyframe_count() as u64;
-            stats.anchors += state.index.objects().len() as u64;
-            stats.postings += state.index.inverted_file().posting_count() as u64;
-            stats.index_bytes += state.index.inverted_file().heap_bytes() as u64;
-        }
-        stats
-    }
-
     async fn live(&self, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
         self.registry.get(&self.store, id).await
     }
@@ -278,9 +228,12 @@ impl Service {
         decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
     ) -> Result<Begun<T>, ServiceError> {
         self.disk_takes(true)?;
+        let waits = self.waiting.for_write();
         let permit = self.writes.clone().acquire_owned().await.map_err(|_| closed())?;
+        drop(waits);
         let (deciding, store) = (live.clone(), self.store.clone());
-        let pending = spawn_blocking(move || deciding.decide(&store, decide)).await.map_err(panicked)??;
+        let pending =
+            spawn_blocking(in_span(move || deciding.decide(&store, decide))).await.map_err(panicked)??;
         // Whatever was written, an anchor may lack something now.
         self.worker.wake();
         Ok(Begun { live: live.clone(), pending, _permit: permit })
@@ -310,12 +263,14 @@ impl Service {
         live: &Arc<LiveMap>,
         read: impl FnOnce(&State) -> Result<T, ServiceError> + Send + 'static,
     ) -> Result<(u64, T), ServiceError> {
+        let waits = self.waiting.for_read();
         let _permit = self.reads.acquire().await.map_err(|_| closed())?;
+        drop(waits);
         let reading = live.clone();
-        let (version, value) = spawn_blocking(move || {
+        let (version, value) = spawn_blocking(in_span(move || {
             let state = reading.state()?;
             Ok::<_, ServiceError>((state.version, read(&state)?))
-        })
+        }))
         .await
         .map_err(panicked)??;
         live.on_disk(version).await?;

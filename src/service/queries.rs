@@ -13,6 +13,7 @@ use super::keyframes::find;
 use super::live::LiveMap;
 use super::words::check_vocabulary;
 use super::{Service, ServiceError, closed, milliseconds_since, panicked};
+use crate::config::logging::in_span;
 use crate::model::bow::BowVector;
 use crate::model::ids::{KeyframeId, MapId};
 use crate::model::request::{LoopQuery, Subject};
@@ -97,9 +98,11 @@ impl Service {
             conclude(screening, &features, query.seed)
         } else {
             // Verification keeps a core busy; it waits its turn, off the async threads and without the map's lock.
+            let waits = self.waiting.for_read();
             let _permit = self.reads.acquire().await.map_err(|_| closed())?;
+            drop(waits);
             let seed = query.seed;
-            spawn_blocking(move || conclude(screening, &features, seed)).await.map_err(panicked)?
+            spawn_blocking(in_span(move || conclude(screening, &features, seed))).await.map_err(panicked)?
         };
         timings.geometry_ms = milliseconds_since(started.into_std());
         let keyframe = match &query.subject {

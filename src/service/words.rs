@@ -6,6 +6,7 @@ use std::sync::Arc;
 use tokio::task::spawn_blocking;
 
 use super::{Service, ServiceError, panicked};
+use crate::config::logging::in_span;
 use crate::model::invalid::FieldError;
 use crate::model::keyframe::NewKeyframe;
 use crate::recognition::index::MapIndex;
@@ -36,7 +37,7 @@ impl Service {
         if keyframe.vocabulary.is_some() || keyframe.features.is_none() {
             return Ok(keyframe);
         }
-        spawn_blocking(move || compute(&vocabulary, keyframe)).await.map_err(panicked)?
+        spawn_blocking(in_span(move || compute(&vocabulary, keyframe))).await.map_err(panicked)?
     }
 
     /// The server's vocabulary: its fingerprint, and how many words it has.

@@ -89,6 +89,11 @@ impl Worker {
         self.open_jobs.load(Ordering::Relaxed)
     }
 
+    /// Keyframes to be asked about that nobody has taken yet.
+    pub fn triggers_waiting(&self) -> u64 {
+        (TRIGGERS_WAITING - self.trigger.capacity().min(TRIGGERS_WAITING)) as u64
+    }
+
     /// The keyframes to be asked about; whoever comes first gets them.
     pub fn take_triggers(&self) -> Option<mpsc::Receiver<Trigger>> {
         lock(&self.triggers).take()

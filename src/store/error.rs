@@ -63,7 +63,7 @@ pub enum StoreError {
 
 impl StoreError {
     /// What the system says about a file.
-    pub(super) fn file(path: &Path, error: &io::Error) -> Self {
+    pub fn file(path: &Path, error: &io::Error) -> Self {
         match error.kind() {
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => Self::DiskFull,
             _ => Self::File { path: path.display().to_string(), error: error.to_string() },

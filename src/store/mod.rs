@@ -64,6 +64,9 @@ const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 /// The WAL is cut back to this size after a checkpoint.
 const WAL_LIMIT_BYTES: &str = "67108864";
 
+/// Bytes of a page, in new databases.
+const PAGE_BYTES: u32 = 16384;
+
 /// Readers beside the one writer.
 const READERS: u32 = 8;
 
@@ -102,6 +105,7 @@ impl Store {
         lock: Option<DatabaseLock>,
     ) -> Result<Self, StoreError> {
         let lock = lock.map(Arc::new);
+        let reserve = Reserve::beside(files.database());
         let options = SqliteConnectOptions::from_str(url)?
             .create_if_missing(true)
             .journal_mode(SqliteJournalMode::Wal)
@@ -109,7 +113,8 @@ impl Store {
             .synchronous(SqliteSynchronous::Full)
             .foreign_keys(true)
             .busy_timeout(BUSY_TIMEOUT)
-            .page_size(16384)
+            .page_size(PAGE_BYTES)
+            .pragma("wal_autocheckpoint", reserve.log_pages(PAGE_BYTES).to_string())
             .pragma("journal_size_limit", WAL_LIMIT_BYTES)
             .statement_cache_capacity(256);
         let writer = SqlitePoolOptions::new()
@@ -132,12 +137,7 @@ impl Store {
             .max_lifetime(None)
             .connect_with(options.read_only(true))
             .await?;
-        Ok(Self {
-            readers,
-            committer: Committer::start(writer, Reserve::beside(files.database()), lock.clone()),
-            files,
-            lock,
-        })
+        Ok(Self { readers, committer: Committer::start(writer, reserve, lock.clone()), files, lock })
     }
 
     /// Where it lies.

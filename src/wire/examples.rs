@@ -348,6 +348,36 @@ pub fn usage() -> Value {
     json!(super::usage::Usage::without_models())
 }
 
+/// A backup to be taken.
+pub fn backup_body() -> Value {
+    json!({"id": "before-the-upgrade"})
+}
+
+fn backup() -> Value {
+    json!({
+        "id": "before-the-upgrade",
+        "created": {"sec": 1_793_000_000, "nanosec": 0},
+        "bytes": 73_400_320,
+        "sha256": "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08",
+        "schema": 2,
+        "maps": 3,
+        "keyframes": 12_041,
+        "anchors": 310
+    })
+}
+
+/// A backup was taken.
+pub fn backup_taken() -> Value {
+    let mut taken = backup();
+    taken["removed"] = json!(["b-1792000000"]);
+    taken
+}
+
+/// Backups.
+pub fn backups() -> Value {
+    json!({"items": [backup()], "next_cursor": null})
+}
+
 /// The map's version.
 pub fn map_version() -> Value {
     json!({"map_version": 413})

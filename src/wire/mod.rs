@@ -11,12 +11,13 @@
 //! | [`space`], [`base64`] | vectors, poses, times; bytes inside JSON |
 //! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`anchor`], [`transcript`], [`loops`], [`event`] | resources |
 //! | [`loop_query`], [`verdict`], [`geometry`] | "is this keyframe a loop?" and its answer |
-//! | [`semantics`], [`usage`], [`service`] | the three functions of §IV-A.2; what models cost; how the server is |
+//! | [`semantics`], [`usage`], [`service`], [`backup`] | the three functions of §IV-A.2; what models cost; how the server is; copies of it |
 //! | [`key`] | API keys |
 //! | [`list`], [`problem`] | parts of lists; refusals |
 //! | [`examples`] | one example of each, for the API document |
 
 pub mod anchor;
+pub mod backup;
 pub mod base64;
 pub mod bulk;
 pub mod digest;

@@ -1,6 +1,7 @@
 //! Routes: one file for each kind of resource, handlers that extract, ask the service once, and answer.
 
 mod anchors;
+mod backups;
 mod bulk;
 mod events;
 mod keyframes;
@@ -48,6 +49,7 @@ pub fn api(frame: OpenApi) -> OpenApiRouter<App> {
         .routes(routes!(usage::get_usage))
         .routes(routes!(keys::list_keys, keys::create_key))
         .routes(routes!(keys::revoke_key))
+        .routes(routes!(backups::list_backups, backups::take_backup))
         .routes(routes!(service::healthz))
         .routes(routes!(service::readyz))
         .routes(routes!(service::get_version))

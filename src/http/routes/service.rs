@@ -8,9 +8,12 @@ use axum::response::{IntoResponse, Response};
 use crate::config::build;
 use crate::http::App;
 use crate::http::answer::json_bytes;
+use crate::http::gauges::Figures;
 use crate::http::metrics::Metrics;
 use crate::http::problem::{Kind, Problem};
+use crate::http::process::Process;
 use crate::http::refusals::{OfNobody, OfReadiness};
+use crate::http::routes::TRIGGERS_AT_ONCE;
 use crate::service::Service;
 use crate::wire::examples;
 use crate::wire::service::{Health, Version};
@@ -70,7 +73,15 @@ pub async fn get_version(State(service): State<Service>) -> Result<Json<Version>
     )
 )]
 pub async fn get_metrics(State(app): State<App>) -> impl IntoResponse {
-    ([(CONTENT_TYPE, Metrics::MEDIA_TYPE)], app.metrics.text(&app.service.stats()))
+    // Nothing here waits for the database, or for a request: an operator looks most when the server is busiest.
+    let figures = Figures {
+        stats: app.service.stats(),
+        process: Process::now(),
+        triggers_under_way: (TRIGGERS_AT_ONCE - app.triggers.available_permits().min(TRIGGERS_AT_ONCE))
+            as u64,
+        uptime_s: app.metrics.uptime().as_secs(),
+    };
+    ([(CONTENT_TYPE, Metrics::MEDIA_TYPE)], app.metrics.text(&figures))
 }
 
 /// Read this document

@@ -1,0 +1,136 @@
+//! Stats: figures for the metrics page. They are read while everything else is stuck, so nothing here waits for a lock
+//! that a request holds while it works, and nothing asks the database.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::{READS_AT_ONCE, Service, WRITES_AT_ONCE};
+
+/// Figures for the metrics page.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stats {
+    /// Maps in memory.
+    pub maps: u64,
+    /// Keyframes of these maps.
+    pub keyframes: u64,
+    /// Anchors of these maps, merged ones counted once.
+    pub anchors: u64,
+    /// Postings of their inverted files.
+    pub postings: u64,
+    /// Bytes of their inverted files.
+    pub index_bytes: u64,
+    /// Writes committed since the start.
+    pub commits: u64,
+    /// Transactions they took.
+    pub commit_batches: u64,
+    /// Writes waiting for the disk.
+    pub queue_depth: u64,
+    /// Writes that are being decided, or wait for the disk.
+    pub writes_under_way: u64,
+    /// Writes that wait for their turn to be decided.
+    pub writes_waiting: u64,
+    /// Heavy reads that compute.
+    pub reads_under_way: u64,
+    /// Heavy reads that wait for their turn.
+    pub reads_waiting: u64,
+    /// Keyframes to be asked about because of what models have found.
+    pub triggers_waiting: u64,
+    /// Features that geometry found in the cache.
+    pub feature_cache_hits: u64,
+    /// Features that it had to read from disk.
+    pub feature_cache_misses: u64,
+    /// Bytes of the features in the cache.
+    pub feature_cache_bytes: u64,
+    /// Bytes of the database.
+    pub database_bytes: u64,
+    /// Bytes of its write-ahead log.
+    pub wal_bytes: u64,
+    /// When the newest backup of POST /v1/backups was asked for, in seconds since 1970; 0 without any.
+    pub newest_backup_s: u64,
+    /// Questions that models are to be asked.
+    pub model_jobs: u64,
+    /// Questions that models could not answer since the start.
+    pub model_failures: u64,
+    /// 1 while a model is away or the day's budget is spent.
+    pub models_away: u64,
+    /// Calls of models since the database was made.
+    pub model_calls: u64,
+    /// Questions answered without a call.
+    pub model_cache_hits: u64,
+    /// What models cost, in millionths of a US dollar.
+    pub model_microusd: u64,
+}
+
+/// How many requests wait for their turn.
+#[derive(Debug, Default)]
+pub(super) struct Waiting {
+    writes: AtomicU64,
+    reads: AtomicU64,
+}
+
+/// One that waits, until it goes.
+pub(super) struct Waits<'w>(&'w AtomicU64);
+
+impl Waiting {
+    pub fn for_write(&self) -> Waits<'_> {
+        Waits::on(&self.writes)
+    }
+
+    pub fn for_read(&self) -> Waits<'_> {
+        Waits::on(&self.reads)
+    }
+}
+
+impl<'w> Waits<'w> {
+    fn on(count: &'w AtomicU64) -> Self {
+        count.fetch_add(1, Ordering::Relaxed);
+        Self(count)
+    }
+}
+
+impl Drop for Waits<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+impl Service {
+    /// Figures for the metrics page, of the maps in memory.
+    pub fn stats(&self) -> Stats {
+        let commits = self.store.committer().stats();
+        let (files, features) = (self.store.files().sizes(), self.features.figures());
+        let mut stats = Stats {
+            model_jobs: self.worker.open_jobs(),
+            model_failures: self.models.as_ref().map_or(0, |models| models.failures()),
+            models_away: self.models.as_ref().map_or(0, |models| u64::from(models.is_away())),
+            commits: commits.jobs,
+            commit_batches: commits.transactions,
+            queue_depth: commits.waiting,
+            writes_under_way: (WRITES_AT_ONCE - self.writes.available_permits().min(WRITES_AT_ONCE)) as u64,
+            writes_waiting: self.waiting.writes.load(Ordering::Relaxed),
+            reads_under_way: (READS_AT_ONCE - self.reads.available_permits().min(READS_AT_ONCE)) as u64,
+            reads_waiting: self.waiting.reads.load(Ordering::Relaxed),
+            triggers_waiting: self.worker.triggers_waiting(),
+            feature_cache_hits: features.hits,
+            feature_cache_misses: features.misses,
+            feature_cache_bytes: features.bytes,
+            database_bytes: files.database,
+            wal_bytes: files.wal,
+            newest_backup_s: self.backups.as_ref().map_or(0, |backups| backups.newest_s()),
+            ..Stats::default()
+        };
+        for line in self.usage().into_iter().flat_map(|usage| usage.lines) {
+            stats.model_calls += line.calls;
+            stats.model_cache_hits += line.cache_hits;
+            stats.model_microusd += line.microusd;
+        }
+        for live in self.registry.in_memory() {
+            let figures = live.figures();
+            stats.maps += 1;
+            stats.keyframes += figures.keyframes;
+            stats.anchors += figures.anchors;
+            stats.postings += figures.postings;
+            stats.index_bytes += figures.index_bytes;
+        }
+        stats
+    }
+}
