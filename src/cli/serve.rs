@@ -10,7 +10,7 @@ use tokio::net::TcpListener;
 
 use super::replay::OwnServer;
 use super::{Failure, stop_on_signal, write_out};
-use crate::config::{build, listen, logging, models};
+use crate::config::{build, limits, listen, logging, models};
 use crate::hotel::texture::Patterns;
 use crate::http::{self, RunningServer};
 use crate::service::{ModelChoice, Service, ServiceOptions};
@@ -32,6 +32,8 @@ pub struct ServeArgs {
     /// text form or our binary one (`revisit vocabulary convert`), plain, gzip or zstd
     #[arg(long, env = "REVISIT_VOCABULARY", value_name = "FILE")]
     vocabulary: Option<PathBuf>,
+    #[command(flatten)]
+    limits: limits::LimitArgs,
     #[command(flatten)]
     models: models::ModelArgs,
     #[command(flatten)]
@@ -55,7 +57,7 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
     let addr = listener.local_addr()?;
     write_out(&format!("listening on http://{addr}\n"))?;
     tracing::info!(%addr, database = args.database, version = build::VERSION, "serving");
-    let served = http::serve(listener, service.clone(), stopping).await;
+    let served = http::serve(listener, service.clone(), args.limits, stopping).await;
     service.close().await;
     tracing::info!("stopped");
     Ok(served?)

@@ -10,6 +10,7 @@ use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::metrics::histogram::Histogram;
 use prometheus_client::registry::{Registry, Unit};
 
+use super::traffic::Traffic;
 use crate::model::verdict::Decision;
 use crate::service::Stats;
 
@@ -23,6 +24,8 @@ pub struct Metrics {
     requests: Family<RequestLabels, Counter>,
     latency: Family<RouteLabels, Histogram>,
     verdicts: Family<VerdictLabels, Counter>,
+    /// What was refused because of too much.
+    pub traffic: Traffic,
     /// Parallel to [`GAUGES`].
     gauges: Vec<Gauge<u64, AtomicU64>>,
 }
@@ -76,11 +79,13 @@ impl Default for Metrics {
         registry.register_with_unit("http_request", "Time to answer", Unit::Seconds, latency.clone());
         let verdicts = Family::default();
         registry.register("loop_verdicts", "Loop queries by verdict", verdicts.clone());
+        let traffic = Traffic::default();
+        traffic.register(&mut registry);
         let gauges: Vec<Gauge<u64, AtomicU64>> = GAUGES.iter().map(|_| Gauge::default()).collect();
         for ((name, help, _), gauge) in GAUGES.into_iter().zip(&gauges) {
             registry.register(name, help, gauge.clone());
         }
-        Self { registry, requests, latency, verdicts, gauges }
+        Self { registry, requests, latency, verdicts, traffic, gauges }
     }
 }
 

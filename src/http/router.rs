@@ -1,6 +1,6 @@
 //! Router: the routes, and the layers that every request passes.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use axum::Router;
 use axum::extract::{MatchedPath, Request, State};
@@ -9,16 +9,12 @@ use axum::response::Response;
 use tower::ServiceBuilder;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
-use tower_http::decompression::RequestDecompressionLayer;
 use tower_http::limit::RequestBodyLimitLayer;
-use tower_http::timeout::RequestBodyTimeoutLayer;
 
+use super::admission::admit;
 use super::envelope::{self, envelope};
 use super::{App, document, pages, routes};
 use crate::wire::limits;
-
-/// A body of which nothing arrives for so long is given up.
-const BODY_IDLE: Duration = Duration::from_secs(30);
 
 /// Every route, in its layers.
 pub fn router(app: App) -> Router {
@@ -27,12 +23,11 @@ pub fn router(app: App) -> Router {
     let layers = ServiceBuilder::new()
         .layer(from_fn(envelope))
         .layer(from_fn_with_state(app.clone(), observe))
+        .layer(from_fn_with_state(app.clone(), admit))
         .layer(CompressionLayer::new())
         .layer(CatchPanicLayer::custom(envelope::panicked))
-        .layer(RequestBodyTimeoutLayer::new(BODY_IDLE))
         // What is compressed is bounded by the largest body there is, what is inflated by its reader.
-        .layer(RequestBodyLimitLayer::new(limits::BULK_BYTES))
-        .layer(RequestDecompressionLayer::new());
+        .layer(RequestBodyLimitLayer::new(limits::BULK_BYTES));
     api.merge(pages::routes())
         .fallback(envelope::no_such_path)
         .method_not_allowed_fallback(envelope::no_such_method)

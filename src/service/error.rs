@@ -45,6 +45,12 @@ pub enum ServiceError {
         /// When to try again, in seconds.
         retry_after_s: u32,
     },
+    /// There is more to do than can be done; nothing was begun.
+    #[error("{detail}")]
+    Overloaded {
+        /// A sentence for people.
+        detail: String,
+    },
     /// Something here is broken; the text is for the log.
     #[error("{0}")]
     Internal(String),
@@ -68,7 +74,7 @@ impl From<StoreError> for ServiceError {
     fn from(error: StoreError) -> Self {
         match error {
             StoreError::DiskFull => Self::DiskFull,
-            StoreError::Superseded | StoreError::Closed => {
+            StoreError::Superseded | StoreError::Closed | StoreError::Busy => {
                 Self::Unavailable { detail: error.to_string(), retry_after_s: 1 }
             }
             StoreError::Database(_) | StoreError::Corrupt(_) | StoreError::SqliteTooOld { .. } => {

@@ -40,6 +40,10 @@ pub(super) struct LiveMap {
     /// The digest of the body that made it.
     pub digest: Digest,
     state: RwLock<State>,
+    /// Held by the one who waits for the lock of `state` to decide a write.
+    pub lane: tokio::sync::Mutex<()>,
+    /// What `state` held when it was last looked at.
+    size: Mutex<Size>,
     line: Line,
     /// The version of `state`.
     newest: AtomicU64,
@@ -48,6 +52,15 @@ pub(super) struct LiveMap {
     /// Answers of loop queries that are still on their way to the disk.
     kept: Mutex<HashMap<String, Bytes>>,
     next_kept: AtomicI64,
+}
+
+/// How large a map is.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Size {
+    pub keyframes: u64,
+    pub anchors: u64,
+    pub postings: u64,
+    pub index_bytes: u64,
 }
 
 /// What a request decided.
@@ -81,6 +94,8 @@ impl LiveMap {
             id,
             key: loaded.key,
             digest: loaded.digest,
+            lane: tokio::sync::Mutex::default(),
+            size: Mutex::default(),
             line: Arc::new(AtomicBool::new(false)),
             newest: AtomicU64::new(loaded.version),
             on_disk: watch::Sender::new(on_disk(&loaded)),
@@ -111,6 +126,20 @@ impl LiveMap {
     fn broke(&self) -> ServiceError {
         self.line.store(true, Ordering::Release);
         StoreError::Superseded.into()
+    }
+
+    /// How large the map is, or was a moment ago: a write in progress is not waited for.
+    pub fn size(&self) -> Size {
+        let mut size = self.size.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Ok(state) = self.state.try_read() {
+            *size = Size {
+                keyframes: state.index.keyframe_count() as u64,
+                anchors: state.index.objects().len() as u64,
+                postings: state.index.inverted_file().posting_count() as u64,
+                index_bytes: state.index.inverted_file().heap_bytes() as u64,
+            };
+        }
+        *size
     }
 
     /// Decides under the lock, and queues what was decided. Blocks: not for async threads.

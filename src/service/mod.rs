@@ -9,6 +9,7 @@ mod board;
 mod error;
 mod events;
 mod features;
+mod gate;
 mod giving;
 mod judging;
 mod keyframes;
@@ -18,6 +19,7 @@ mod live;
 mod loops;
 mod maps;
 mod poses;
+pub mod pressure;
 mod queries;
 mod registry;
 mod reports;
@@ -27,7 +29,7 @@ mod worker;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::sync::OwnedSemaphorePermit;
 use tokio::task::spawn_blocking;
 
 pub use error::ServiceError;
@@ -42,7 +44,9 @@ use crate::models::port::Model;
 use crate::recognition::index::MapIndex;
 use crate::store::{Job, Store};
 use features::FeatureCache;
+use gate::Gate;
 use live::{Decision, LiveMap, Pending, State};
+use pressure::Pressure;
 use registry::Registry;
 use words::NamedVocabulary;
 pub use worker::Trigger;
@@ -51,8 +55,12 @@ use worker::Worker;
 /// At most so many writes are decided or wait for the disk at once; more wait their turn.
 const WRITES_AT_ONCE: usize = 512;
 
-/// At most so many heavy reads (loop queries, lists) compute at once.
-const READS_AT_ONCE: usize = 16;
+/// At most so many reads (loop queries, lists) compute at once, for each core. More would only take turns on it, and
+/// keep those waiting who need it for a moment.
+const READS_PER_CORE: usize = 2;
+
+/// At most so many wait for either; the pressure of requests bounds them first, unless the operator allows many.
+const WAITING_MAX: usize = 1024;
 
 /// How to open the service.
 #[derive(Clone, Debug)]
@@ -133,8 +141,9 @@ pub struct Stats {
 pub struct Service {
     store: Store,
     registry: Arc<Registry>,
-    writes: Arc<Semaphore>,
-    reads: Arc<Semaphore>,
+    writes: Arc<Gate>,
+    reads: Arc<Gate>,
+    pressure: Arc<Pressure>,
     features: FeatureCache,
     vocabulary: Option<Arc<NamedVocabulary>>,
     models: Option<Arc<Models>>,
@@ -156,8 +165,9 @@ impl Service {
             worker: Worker::new(),
             store,
             registry,
-            writes: Arc::new(Semaphore::new(WRITES_AT_ONCE)),
-            reads: Arc::new(Semaphore::new(READS_AT_ONCE)),
+            writes: Gate::new(WRITES_AT_ONCE, WAITING_MAX),
+            reads: Gate::new(READS_PER_CORE * cores(), WAITING_MAX),
+            pressure: Arc::default(),
             features: FeatureCache::new(vocabulary.clone()),
             vocabulary,
         };
@@ -173,10 +183,14 @@ impl Service {
         self.store.close().await;
     }
 
-    /// Does the database answer?
-    pub async fn ready(&self) -> Result<(), ServiceError> {
-        self.store.sqlite_version().await?;
-        Ok(())
+    /// Is the service open? Asks memory only: whoever wants to know must hear it under any load.
+    pub fn ready(&self) -> Result<(), ServiceError> {
+        if self.store.is_closed() { Err(closed()) } else { Ok(()) }
+    }
+
+    /// How much is being worked on.
+    pub fn pressure(&self) -> &Arc<Pressure> {
+        &self.pressure
     }
 
     /// The version of SQLite.
@@ -202,12 +216,12 @@ impl Service {
             stats.model_microusd += line.microusd;
         }
         for live in self.registry.in_memory() {
-            let Ok(state) = live.state() else { continue };
+            let size = live.size();
             stats.maps += 1;
-            stats.keyframes += state.index.keyframe_count() as u64;
-            stats.anchors += state.index.objects().len() as u64;
-            stats.postings += state.index.inverted_file().posting_count() as u64;
-            stats.index_bytes += state.index.inverted_file().heap_bytes() as u64;
+            stats.keyframes += size.keyframes;
+            stats.anchors += size.anchors;
+            stats.postings += size.postings;
+            stats.index_bytes += size.index_bytes;
         }
         stats
     }
@@ -227,7 +241,28 @@ impl Service {
         live: &Arc<LiveMap>,
         decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
     ) -> Result<Begun<T>, ServiceError> {
-        let permit = self.writes.clone().acquire_owned().await.map_err(|_| closed())?;
+        let permit = self.writes.enter().await?;
+        self.begin_within(permit, live, decide).await
+    }
+
+    /// The same, however long it takes to get a turn.
+    async fn begin_patiently<T: Send + 'static>(
+        &self,
+        live: &Arc<LiveMap>,
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
+    ) -> Result<Begun<T>, ServiceError> {
+        let permit = self.writes.enter_patiently().await?;
+        self.begin_within(permit, live, decide).await
+    }
+
+    async fn begin_within<T: Send + 'static>(
+        &self,
+        permit: OwnedSemaphorePermit,
+        live: &Arc<LiveMap>,
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
+    ) -> Result<Begun<T>, ServiceError> {
+        // One at a time takes a thread to wait for the map's lock; the others wait here, where waiting costs nothing.
+        let _lane = live.lane.lock().await;
         let (deciding, store) = (live.clone(), self.store.clone());
         let pending = spawn_blocking(move || deciding.decide(&store, decide)).await.map_err(panicked)??;
         // Whatever was written, an anchor may lack something now.
@@ -250,7 +285,7 @@ impl Service {
         live: &Arc<LiveMap>,
         read: impl FnOnce(&State) -> Result<T, ServiceError> + Send + 'static,
     ) -> Result<(u64, T), ServiceError> {
-        let _permit = self.reads.acquire().await.map_err(|_| closed())?;
+        let permit = self.reads.enter().await?;
         let reading = live.clone();
         let (version, value) = spawn_blocking(move || {
             let state = reading.state()?;
@@ -258,6 +293,8 @@ impl Service {
         })
         .await
         .map_err(panicked)??;
+        // Waiting for the disk takes no core.
+        drop(permit);
         live.on_disk(version).await?;
         Ok((version, value))
     }
@@ -295,6 +332,10 @@ impl<T> Begun<T> {
 /// Milliseconds since a moment, for a client's `server-timing`.
 fn milliseconds_since(start: std::time::Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1e3
+}
+
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(2, usize::from)
 }
 
 fn closed() -> ServiceError {

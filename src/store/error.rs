@@ -25,6 +25,9 @@ pub enum StoreError {
     /// An earlier write to the same map failed; what was planned upon it is void.
     #[error("an earlier write to this map failed; try again")]
     Superseded,
+    /// Every connection to the database was busy for too long.
+    #[error("the database is busy")]
+    Busy,
     /// The store is closed.
     #[error("the store is closed")]
     Closed,
@@ -46,6 +49,7 @@ impl From<sqlx::Error> for StoreError {
             .and_then(|code| code.parse::<i32>().ok());
         match code {
             Some(code) if code & 0xff == FULL => Self::DiskFull,
+            _ if matches!(error, sqlx::Error::PoolTimedOut) => Self::Busy,
             _ => Self::Database(error.to_string()),
         }
     }

@@ -37,7 +37,7 @@ pub async fn readyz(State(app): State<App>) -> Result<Json<Health>, Problem> {
     if app.stopping.is_cancelled() {
         return Err(Problem::new(Kind::UNAVAILABLE, "the server is stopping"));
     }
-    app.service.ready().await?;
+    app.service.ready()?;
     Ok(Json(Health::of("ready")))
 }
 
@@ -70,6 +70,7 @@ pub async fn get_version(State(service): State<Service>) -> Result<Json<Version>
     )
 )]
 pub async fn get_metrics(State(app): State<App>) -> impl IntoResponse {
+    app.metrics.traffic.now(app.seats.open(), app.service.pressure().working());
     ([(CONTENT_TYPE, Metrics::MEDIA_TYPE)], app.metrics.text(&app.service.stats()))
 }
 
