@@ -82,7 +82,7 @@ pub async fn get_metrics(State(app): State<App>) -> impl IntoResponse {
     responses(
         (status = 200, description = "The document", body = serde_json::Value, content_type = "application/json",
             example = examples::document),
-        OfNobody
+        OfReadiness
     )
 )]
 pub async fn get_document(State(app): State<App>) -> Response {
