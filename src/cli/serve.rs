@@ -12,7 +12,7 @@ use super::replay::OwnServer;
 use super::{Failure, stop_on_signal, write_out};
 use crate::config::quotas::Quotas;
 use crate::config::traces::Traces;
-use crate::config::{build, listen, logging, models, traces};
+use crate::config::{build, limits, listen, logging, models, traces};
 use crate::hotel::texture::Patterns;
 use crate::http::{self, RunningServer};
 use crate::service::{ModelChoice, Service, ServiceOptions};
@@ -42,6 +42,8 @@ pub struct ServeArgs {
     #[arg(long, env = "REVISIT_BACKUPS_KEPT", value_name = "N", default_value_t = 7,
         value_parser = clap::value_parser!(u16).range(1..=1000))]
     backups_kept: u16,
+    #[command(flatten)]
+    limits: limits::LimitArgs,
     #[command(flatten)]
     models: models::ModelArgs,
     #[command(flatten)]
@@ -79,7 +81,7 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
     let addr = listener.local_addr()?;
     write_out(&format!("listening on http://{addr}\n"))?;
     tracing::info!(%addr, database = args.database, version = build::VERSION, traces = traces.are_sent(), "serving");
-    let served = http::serve(listener, service.clone(), stopping).await;
+    let served = http::serve(listener, service.clone(), args.limits, stopping).await;
     service.close().await;
     traces.flush().await;
     tracing::info!("stopped");

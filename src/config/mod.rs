@@ -3,6 +3,7 @@
 //! | file | concept |
 //! |---|---|
 //! | [`build`] | what this binary is |
+//! | [`limits`] | how much at once, and how patient |
 //! | [`listen`] | where to listen, and whether others reach it |
 //! | [`logging`] | what is logged, and how |
 //! | [`models`] | which language and vision models to ask, and what they may cost |
@@ -11,6 +12,7 @@
 //! | [`traces`] | where traces go |
 
 pub mod build;
+pub mod limits;
 pub mod listen;
 pub mod logging;
 pub mod models;

@@ -18,6 +18,7 @@ use axum::response::{IntoResponse, Response};
 use serde_json::Value;
 
 use super::App;
+use super::admission::throw_away;
 use super::problem::{Kind, Problem};
 use crate::model::ids::MapId;
 use crate::model::key::Action;
@@ -111,7 +112,10 @@ pub async fn authorise(State(app): State<App>, request: Request, next: Next) -> 
             }
             next.run(Request::from_parts(parts, body)).await
         }
-        Err(problem) => problem.into_response(),
+        Err(problem) => {
+            throw_away(Request::from_parts(parts, body));
+            problem.into_response()
+        }
     }
 }
 

@@ -1,27 +1,33 @@
 //! Body: a request's bytes become what they mean, within bounds and off the async threads where they are many.
 
 use std::error::Error;
+use std::io;
 
 use axum::RequestExt as _;
-use axum::body::HttpBody as _;
-use axum::extract::{FromRequest, Request};
+use axum::extract::{FromRef, FromRequest, Request};
 use axum::http::HeaderMap;
 use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE, EXPECT};
 use bytes::{Bytes, BytesMut};
 use http_body_util::{BodyExt as _, LengthLimitError};
 use serde_json::Value;
-use tower_http::timeout::TimeoutError;
 
+use super::App;
+use super::inflate::Encoding;
+use super::memory::{Held, Memory, becomes_at_most, tree_bytes};
+use super::paced::TooSlow;
 use super::path::InKeyframe;
 use super::problem::{Kind, Problem};
 use crate::config::logging::in_span;
 use crate::wire::keyframe::{self, SentKeyframe};
 use crate::wire::limits;
 use crate::wire::read::{self, Decode};
+use crate::wire::survey::{TooMany, survey};
 use crate::wire::syntax::{self, Unreadable};
 
 /// Bodies up to this are decoded where they are: that takes less than a millisecond.
 const SMALL_BODY_BYTES: usize = 64 << 10;
+/// Bodies up to this take memory without asking; keyframes mostly do.
+const UNCOUNTED_BYTES: usize = 256 << 10;
 /// How much more than allowed is read and thrown away, so that the client gets to see the answer: a connection closed
 /// on unread bytes is reset, and the answer with it.
 const DISCARDED_BYTES: usize = 4 * limits::BODY_BYTES;
@@ -29,12 +35,16 @@ const DISCARDED_BYTES: usize = 4 * limits::BODY_BYTES;
 /// A JSON body, read into the model.
 pub struct Body<T>(pub T);
 
-impl<T: Decode + Send + 'static, S: Send + Sync> FromRequest<S> for Body<T> {
+impl<T: Decode + Send + 'static, S: Send + Sync> FromRequest<S> for Body<T>
+where
+    App: FromRef<S>,
+{
     type Rejection = Problem;
 
-    async fn from_request(request: Request, _: &S) -> Result<Self, Problem> {
-        let bytes = json_bytes(request).await?;
-        decoded(bytes, |value| read::decode(&value).map_err(Problem::invalid)).await.map(Self)
+    async fn from_request(request: Request, state: &S) -> Result<Self, Problem> {
+        let app = App::from_ref(state);
+        let text = json_text(request, &app).await?;
+        decoded(text, &app, |value| read::decode(&value).map_err(Problem::invalid)).await.map(Self)
     }
 }
 
@@ -46,40 +56,101 @@ pub struct KeyframeInPath {
     pub sent: SentKeyframe,
 }
 
-impl<S: Send + Sync> FromRequest<S> for KeyframeInPath {
+impl<S: Send + Sync> FromRequest<S> for KeyframeInPath
+where
+    App: FromRef<S>,
+{
     type Rejection = Problem;
 
-    async fn from_request(mut request: Request, _: &S) -> Result<Self, Problem> {
+    async fn from_request(mut request: Request, state: &S) -> Result<Self, Problem> {
         let place: InKeyframe = request.extract_parts().await?;
-        let bytes = json_bytes(request).await?;
+        let app = App::from_ref(state);
+        let text = json_text(request, &app).await?;
         let id = place.keyframe.clone();
         let sent =
-            decoded(bytes, move |value| keyframe::named(&value, &id).map_err(Problem::invalid)).await?;
+            decoded(text, &app, move |value| keyframe::named(&value, &id).map_err(Problem::invalid)).await?;
         Ok(Self { place, sent })
     }
 }
 
-/// Parses bytes and reads the value, on a thread where it may take its time if they are many.
-pub async fn decoded<T: Send + 'static>(
+/// A JSON text as it came, not read yet.
+#[derive(Debug)]
+pub struct Text {
     bytes: Bytes,
+    encoding: Encoding,
+    /// What it may become in memory, if it came compressed.
+    becomes_at_most: Option<usize>,
+    held: Held,
+}
+
+impl Text {
+    /// A line of a body; if that was compressed, with the most that the line may become.
+    pub fn line(bytes: Bytes, becomes_at_most: Option<usize>) -> Self {
+        Self { bytes, encoding: Encoding::Identity, becomes_at_most, held: Held::default() }
+    }
+
+    fn is_small(&self) -> bool {
+        self.encoding == Encoding::Identity && self.bytes.len() <= SMALL_BODY_BYTES
+    }
+
+    /// Inflates and parses it, unless that would take too much memory.
+    fn value(&mut self, memory: &Memory) -> Result<Value, Problem> {
+        if self.encoding != Encoding::Identity {
+            self.inflate(memory)?;
+        }
+        let survey = survey(&self.bytes).map_err(too_many)?;
+        let becomes = tree_bytes(survey);
+        if self.becomes_at_most.is_some_and(|most| self.bytes.len() + becomes > most) {
+            return Err(too_dense());
+        }
+        memory.take(&mut self.held, becomes)?;
+        parsed(&self.bytes)
+    }
+
+    fn inflate(&mut self, memory: &Memory) -> Result<(), Problem> {
+        let most = becomes_at_most(self.bytes.len());
+        let broken = |_: io::Error| broken();
+        let length = self.encoding.length(&self.bytes, most.min(limits::BODY_BYTES)).map_err(broken)?;
+        let length =
+            length.ok_or_else(|| if most < limits::BODY_BYTES { too_dense() } else { too_large() })?;
+        memory.take(&mut self.held, length)?;
+        self.bytes = self.encoding.text(&self.bytes, length).map_err(broken)?.into();
+        self.becomes_at_most = Some(most);
+        Ok(())
+    }
+}
+
+/// Parses a text and reads its value, on a thread where it may take its time if it is long.
+pub async fn decoded<T: Send + 'static>(
+    mut text: Text,
+    app: &App,
     read: impl FnOnce(Value) -> Result<T, Problem> + Send + 'static,
 ) -> Result<T, Problem> {
-    let large = bytes.len() > SMALL_BODY_BYTES;
-    let decode = move || parsed(&bytes).and_then(read);
-    if !large {
-        return decode();
+    if text.is_small() {
+        return parsed(&text.bytes).and_then(read);
     }
-    tokio::task::spawn_blocking(in_span(decode))
-        .await
-        .unwrap_or_else(|error| Err(Problem::internal(error.to_string())))
+    let memory = app.memory.clone();
+    let turn = memory.turn().await;
+    let decode = move || {
+        let _turn = turn;
+        text.value(&memory).and_then(read)
+    };
+    let decoded = tokio::task::spawn_blocking(in_span(decode)).await;
+    let decoded = decoded.unwrap_or_else(|error| Err(Problem::internal(error.to_string())));
+    decoded.inspect_err(|problem| count(app, problem))
+}
+
+/// A body is shed where there is no memory for it.
+fn count(app: &App, problem: &Problem) {
+    if problem.is_overload() {
+        app.metrics.traffic.shed("body");
+    }
 }
 
 fn parsed(bytes: &[u8]) -> Result<Value, Problem> {
     syntax::parse(bytes).map_err(|error| match error {
         Unreadable::Syntax(fault) => Problem::new(Kind::SYNTAX, fault.detail.clone()).with(vec![fault]),
-        Unreadable::TooManyValues => {
-            Problem::new(Kind::TOO_LARGE, format!("the body holds more than {} values", limits::BODY_VALUES))
-        }
+        Unreadable::TooManyValues => too_many(TooMany::Values),
     })
 }
 
@@ -107,29 +178,82 @@ pub fn expect_type(
     ))
 }
 
-async fn json_bytes(request: Request) -> Result<Bytes, Problem> {
+async fn json_text(request: Request, app: &App) -> Result<Text, Problem> {
     let is_json = |essence: &str| essence == "application/json" || essence.ends_with("+json");
     expect_type(request.headers(), is_json, "application/json")?;
+    let encoding = Encoding::of(request.headers())?;
+    let announced = announced(request.headers());
     // Who asks before sending gets the answer before sending.
-    if request.headers().contains_key(EXPECT) && announced(request.headers()) > limits::BODY_BYTES {
+    if request.headers().contains_key(EXPECT) && announced > limits::BODY_BYTES {
         return Err(too_large());
     }
     let mut body = request.into_body();
-    let mut bytes = BytesMut::with_capacity(body.size_hint().lower().min(limits::BODY_BYTES as u64) as usize);
-    let mut discarded = 0;
+    let mut arriving = Arriving::new(announced);
     while let Some(frame) = body.frame().await {
         let Ok(data) = frame.map_err(|error| unreadable(&error))?.into_data() else { continue };
-        if discarded == 0 && bytes.len() + data.len() <= limits::BODY_BYTES {
-            bytes.extend_from_slice(&data);
-            continue;
-        }
-        bytes = BytesMut::new();
-        discarded += data.len();
-        if discarded > DISCARDED_BYTES {
+        if !arriving.take(&data, &app.memory) {
             break;
         }
     }
-    if discarded > 0 { Err(too_large()) } else { Ok(bytes.freeze()) }
+    let (bytes, held) = arriving.whole().inspect_err(|problem| count(app, problem))?;
+    Ok(Text { bytes, encoding, becomes_at_most: None, held })
+}
+
+/// A body on its way in.
+struct Arriving {
+    bytes: BytesMut,
+    announced: usize,
+    held: Held,
+    counted: usize,
+    refused: Option<Problem>,
+    discarded: usize,
+}
+
+impl Arriving {
+    fn new(announced: usize) -> Self {
+        let refused = (announced > limits::BODY_BYTES).then(too_large);
+        Self { bytes: BytesMut::new(), announced, held: Held::default(), counted: 0, refused, discarded: 0 }
+    }
+
+    /// Keeps a piece; or throws it away, once it is clear that the body is refused. `false` if it is no use to go on.
+    fn take(&mut self, piece: &[u8], memory: &Memory) -> bool {
+        if self.refused.is_none() {
+            self.refused = self.make_room(piece.len(), memory).err();
+        }
+        if self.refused.is_none() {
+            self.bytes.extend_from_slice(piece);
+            return true;
+        }
+        self.bytes = BytesMut::new();
+        self.held = Held::default();
+        self.discarded += piece.len();
+        self.discarded <= DISCARDED_BYTES
+    }
+
+    fn make_room(&mut self, more: usize, memory: &Memory) -> Result<(), Problem> {
+        let needed = self.bytes.len() + more;
+        if needed > limits::BODY_BYTES {
+            return Err(too_large());
+        }
+        if needed <= self.bytes.capacity() {
+            return Ok(());
+        }
+        // What is announced is not believed before some of it is there.
+        let room = (2 * needed).max(self.announced.min(16 * needed)).min(limits::BODY_BYTES);
+        if room > UNCOUNTED_BYTES {
+            memory.take(&mut self.held, room - self.counted)?;
+            self.counted = room;
+        }
+        self.bytes.reserve(room - self.bytes.len());
+        Ok(())
+    }
+
+    fn whole(self) -> Result<(Bytes, Held), Problem> {
+        match self.refused {
+            Some(problem) => Err(problem),
+            None => Ok((self.bytes.freeze(), self.held)),
+        }
+    }
 }
 
 fn announced(headers: &HeaderMap) -> usize {
@@ -143,6 +267,28 @@ fn too_large() -> Problem {
     )
 }
 
+fn too_dense() -> Problem {
+    let (free, fold) = (limits::INFLATED_FREE_BYTES, limits::INFLATED_FOLD);
+    let detail = format!(
+        "a compressed body may become {free} bytes and {fold} times its own, as text and values; this one becomes more: \
+         send it uncompressed, or in parts"
+    );
+    Problem::new(Kind::TOO_LARGE, detail)
+}
+
+fn too_many(what: TooMany) -> Problem {
+    let detail = match what {
+        TooMany::Values => format!("the body holds more than {} values", limits::BODY_VALUES),
+        TooMany::Items => format!("a list of the body has more than {} items", limits::LIST_ITEMS),
+    };
+    Problem::new(Kind::TOO_LARGE, detail)
+}
+
+fn broken() -> Problem {
+    let detail = "the body broke off, or is not compressed as its content-encoding says";
+    Problem::new(Kind::BAD_REQUEST, detail)
+}
+
 /// Why a body broke off: the layers below hide it in a chain of errors.
 pub fn unreadable(error: &axum::Error) -> Problem {
     let mut cause: Option<&(dyn Error + 'static)> = Some(error);
@@ -150,11 +296,15 @@ pub fn unreadable(error: &axum::Error) -> Problem {
         if error.is::<LengthLimitError>() {
             return too_large();
         }
-        if error.is::<TimeoutError>() {
-            return Problem::new(Kind::TIMEOUT, "no more of the body arrived for a while");
+        if error.is::<TooSlow>() {
+            return Problem::new(Kind::TIMEOUT, "the body arrived too slowly");
         }
-        cause = error.source();
+        // An error inside one of IO is not its source: its source's source is.
+        let inside = error.downcast_ref::<io::Error>().and_then(io::Error::get_ref);
+        cause = match inside {
+            Some(inside) => Some(inside),
+            None => error.source(),
+        };
     }
-    let detail = "the body broke off, or is not compressed as its content-encoding says";
-    Problem::new(Kind::BAD_REQUEST, detail)
+    broken()
 }

@@ -98,7 +98,7 @@ fn refusal(response: Response, id: &RequestId, uri: &Uri) -> Response {
     // The one place where failures are logged: what is refused is the client's affair, what fails is ours.
     if let Some(cause) = problem.cause() {
         tracing::error!(path = uri.path(), status = parts.status.as_u16(), cause, "request failed");
-    } else if parts.status.is_server_error() {
+    } else if parts.status.is_server_error() && !problem.is_overload() {
         tracing::warn!(path = uri.path(), status = parts.status.as_u16(), "request refused");
     }
     parts.headers.insert(CONTENT_TYPE, PROBLEM_JSON);

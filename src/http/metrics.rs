@@ -1,6 +1,6 @@
 //! Metrics: what `/metrics` tells Prometheus.
 
-use std::sync::atomic::{AtomicI64, AtomicU64};
+use std::sync::atomic::AtomicU64;
 use std::time::{Duration, Instant};
 
 use prometheus_client::encoding::{EncodeLabelSet, text};
@@ -12,6 +12,7 @@ use prometheus_client::metrics::info::Info;
 use prometheus_client::registry::{Registry, Unit};
 
 use super::gauges::{Figures, GAUGES};
+use super::traffic::Traffic;
 use crate::config::build;
 use crate::model::verdict::Decision;
 
@@ -26,20 +27,11 @@ pub struct Metrics {
     refusals: Family<RefusalLabels, Counter>,
     latency: Family<RouteLabels, Histogram>,
     verdicts: Family<VerdictLabels, Counter>,
-    /// Requests that are being answered.
-    in_flight: Gauge<i64, AtomicI64>,
     started: Instant,
+    /// What was refused because of too much.
+    pub traffic: Traffic,
     /// Parallel to [`GAUGES`].
     gauges: Vec<Gauge<u64, AtomicU64>>,
-}
-
-/// A request that is being answered, until this value goes.
-pub struct InFlight(Gauge<i64, AtomicI64>);
-
-impl Drop for InFlight {
-    fn drop(&mut self) {
-        self.0.dec();
-    }
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
@@ -81,27 +73,21 @@ impl Default for Metrics {
             "Requests that were refused or failed, by status",
             refusals.clone(),
         );
-        let in_flight = Gauge::default();
-        registry.register("http_requests_in_flight", "Requests that are being answered", in_flight.clone());
         let built = vec![("version", build::VERSION)];
         registry.register("build", "What runs", Info::new(built));
+        let traffic = Traffic::default();
+        traffic.register(&mut registry);
         let gauges: Vec<Gauge<u64, AtomicU64>> = GAUGES.iter().map(|_| Gauge::default()).collect();
         for ((name, help, _), gauge) in GAUGES.iter().zip(&gauges) {
             registry.register(*name, *help, gauge.clone());
         }
-        Self { registry, requests, refusals, latency, verdicts, in_flight, started: Instant::now(), gauges }
+        Self { registry, requests, refusals, latency, verdicts, traffic, started: Instant::now(), gauges }
     }
 }
 
 impl Metrics {
     /// The media type of [`Metrics::text`].
     pub const MEDIA_TYPE: &'static str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
-
-    /// A request has come.
-    pub fn begun(&self) -> InFlight {
-        self.in_flight.inc();
-        InFlight(self.in_flight.clone())
-    }
 
     /// How long the server runs.
     pub fn uptime(&self) -> Duration {
@@ -153,10 +139,8 @@ mod tests {
         metrics.answered("GET", "/v1/maps/{map}", 404, Duration::from_millis(2));
         metrics.answered("BREW", "unmatched", 405, Duration::ZERO);
         metrics.judged(Decision::Loop);
-        let under_way = metrics.begun();
         let stats = Stats { keyframes: 7, ..Stats::default() };
         let text = metrics.text(&Figures { stats, ..Figures::default() });
-        drop(under_way);
         for line in [
             r#"revisit_http_requests_total{method="GET",route="/v1/maps/{map}",status="4xx"} 1"#,
             r#"revisit_http_requests_total{method="other",route="unmatched",status="4xx"} 1"#,
@@ -164,7 +148,6 @@ mod tests {
             r#"revisit_loop_verdicts_total{verdict="loop"} 1"#,
             "revisit_keyframes 7",
             r#"revisit_http_refusals_total{status="404"} 1"#,
-            "revisit_http_requests_in_flight 1",
             r#"revisit_build_info{version=""#,
         ] {
             assert!(text.contains(line), "{line}\n{text}");

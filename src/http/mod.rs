@@ -9,27 +9,40 @@
 //! | [`router`] | the layers around the routes |
 //! | [`server`] | the accept loop, and how it stops |
 //! | [`access`] | who asks, and may they? |
-//! | [`metrics`], [`gauges`], [`process`] | what Prometheus reads |
+//! | [`seats`], [`refused`] | how many connections there are, who gives way, and what the others hear |
+//! | [`patient`], [`watched`], [`paced`] | how long a client is waited for: its head, its taking the answer, its body |
+//! | [`admission`] | which requests are worked on, and which are refused at once |
+//! | [`inflate`], [`memory`] | what a body becomes, and how much of the memory it may have |
+//! | [`metrics`], [`gauges`], [`process`], [`traffic`] | what Prometheus reads |
 //! | [`mod@document`], [`refusals`] | the API document |
 //! | [`pages`] | the viewer and the reference |
 
 pub mod access;
+pub mod admission;
 pub mod answer;
 pub mod body;
 pub mod document;
 pub mod envelope;
 pub mod gauges;
 pub mod if_match;
+pub mod inflate;
+pub mod memory;
 pub mod metrics;
+pub mod paced;
 pub mod pages;
 pub mod path;
+pub mod patient;
 pub mod problem;
 pub mod process;
 pub mod query;
 pub mod refusals;
+pub mod refused;
 pub mod router;
 pub mod routes;
+pub mod seats;
 pub mod server;
+pub mod traffic;
+pub mod watched;
 
 use std::sync::Arc;
 
@@ -41,9 +54,13 @@ use tokio_util::sync::CancellationToken;
 pub use document::document;
 pub use server::{RunningServer, serve};
 
+use crate::config::limits::LimitArgs;
 use crate::service::Service;
 use access::Needs;
+use memory::Memory;
 use metrics::Metrics;
+use paced::Pace;
+use seats::Seats;
 
 /// What handlers work with.
 #[derive(Clone)]
@@ -60,11 +77,20 @@ pub struct App {
     pub stopping: CancellationToken,
     /// Loop checks that anchors have triggered and that nobody waits for.
     pub triggers: Arc<Semaphore>,
+    /// How much at once, and how patient.
+    pub limits: Arc<LimitArgs>,
+    /// How slow a body may be.
+    pub pace: Pace,
+    /// The connections.
+    pub seats: Arc<Seats>,
+    /// What large bodies may take.
+    pub memory: Memory,
 }
 
 impl App {
-    /// An app around a service, until `stopping` is cancelled.
-    pub fn new(service: Service, stopping: CancellationToken) -> Self {
+    /// An app around a service within limits, until `stopping` is cancelled.
+    pub fn new(service: Service, limits: LimitArgs, stopping: CancellationToken) -> Self {
+        service.pressure().allow(limits.max_requests);
         let document = serde_json::to_vec(&document()).unwrap_or_default();
         Self {
             service,
@@ -73,6 +99,10 @@ impl App {
             document: document.into(),
             stopping,
             triggers: Arc::new(Semaphore::new(routes::TRIGGERS_AT_ONCE)),
+            pace: Pace::of(&limits),
+            seats: Seats::new(limits.max_connections),
+            memory: Memory::new(limits.max_body_memory),
+            limits: Arc::new(limits),
         }
     }
 }

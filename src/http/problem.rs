@@ -54,6 +54,9 @@ kinds! {
     MAP_FULL = INSUFFICIENT_STORAGE, "map_full", "The map is full";
 }
 
+/// The code of what is refused because there is too much.
+const OVERLOADED: &str = "overloaded";
+
 /// One problem. As a response it is empty but for its status: the envelope knows the request's id and writes it.
 #[derive(Clone, Debug)]
 pub struct Problem {
@@ -113,6 +116,16 @@ impl Problem {
         Self { cause: Some(cause.into().into()), ..Self::new(Kind::INTERNAL, detail) }
     }
 
+    /// There is more to do than can be done: come back.
+    pub fn overloaded(detail: impl Into<String>) -> Self {
+        Self { code: OVERLOADED, ..Self::new(Kind::UNAVAILABLE, detail) }
+    }
+
+    /// Was it refused only because there is too much? Such refusals are counted, not logged: they come by thousands.
+    pub fn is_overload(&self) -> bool {
+        self.code == OVERLOADED
+    }
+
     /// The same problem with the faults that make it.
     pub fn with(self, errors: Vec<FieldError>) -> Self {
         Self { errors, ..self }
@@ -162,6 +175,7 @@ impl From<ServiceError> for Problem {
             ServiceError::Unavailable { detail, retry_after_s } => {
                 Self { retry_after_s: Some(retry_after_s), ..Self::new(Kind::UNAVAILABLE, detail) }
             }
+            ServiceError::Overloaded { detail } => Self::overloaded(detail),
             ServiceError::Internal(cause) => Self::internal(cause),
         }
     }

@@ -31,7 +31,7 @@ refusals! {
     /// Of operations that only read, and name no resource.
     OfList = [BAD_REQUEST, INVALID, UNAVAILABLE];
     /// Of operations that ask something with a body, and name no resource.
-    OfQuestion = [SYNTAX, TIMEOUT, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, INVALID];
+    OfQuestion = [SYNTAX, TIMEOUT, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, INVALID, UNAVAILABLE];
     /// Of operations that ask something about a map, with a body.
     OfMapQuestion = [SYNTAX, NOT_FOUND, TIMEOUT, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, INVALID, UNAVAILABLE];
     /// Of operations that write a body.

@@ -1,6 +1,6 @@
 //! Router: the routes, and the layers that every request passes.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use axum::Router;
 use axum::extract::{Request, State};
@@ -9,17 +9,13 @@ use axum::response::Response;
 use tower::ServiceBuilder;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
-use tower_http::decompression::RequestDecompressionLayer;
 use tower_http::limit::RequestBodyLimitLayer;
-use tower_http::timeout::RequestBodyTimeoutLayer;
 
 use super::access::authorise;
+use super::admission::admit;
 use super::envelope::{self, envelope};
 use super::{App, document, pages, routes};
 use crate::wire::limits;
-
-/// A body of which nothing arrives for so long is given up.
-const BODY_IDLE: Duration = Duration::from_secs(30);
 
 /// Every route, in its layers.
 pub fn router(app: App) -> Router {
@@ -28,12 +24,11 @@ pub fn router(app: App) -> Router {
     let layers = ServiceBuilder::new()
         .layer(from_fn(envelope))
         .layer(from_fn_with_state(app.clone(), observe))
+        .layer(from_fn_with_state(app.clone(), admit))
         .layer(CompressionLayer::new())
         .layer(CatchPanicLayer::custom(envelope::panicked))
-        .layer(RequestBodyTimeoutLayer::new(BODY_IDLE))
         // What is compressed is bounded by the largest body there is, what is inflated by its reader.
-        .layer(RequestBodyLimitLayer::new(limits::BULK_BYTES))
-        .layer(RequestDecompressionLayer::new());
+        .layer(RequestBodyLimitLayer::new(limits::BULK_BYTES));
     // The pages ask for a key themselves, in the browser, and hold nothing.
     api.route_layer(from_fn_with_state(app.clone(), authorise))
         .merge(pages::routes())
@@ -45,7 +40,7 @@ pub fn router(app: App) -> Router {
 
 /// Counts and times a request under the pattern of its route.
 async fn observe(State(app): State<App>, request: Request, next: Next) -> Response {
-    let (started, _in_flight) = (Instant::now(), app.metrics.begun());
+    let started = Instant::now();
     let method = request.method().clone();
     let route = envelope::route_of(&request).to_owned();
     let response = next.run(request).await;

@@ -1,44 +1,159 @@
 //! Server: accepts connections until it is told to stop, then finishes what is in flight.
+//!
+//! `axum::serve` waits for ever: for half a head, for a body, for an answer to be taken. Here each of these has its time
+//! ([`super::patient`], [`super::paced`]), and connections have their number ([`super::seats`]).
 
+use std::convert::Infallible;
 use std::io;
 use std::net::SocketAddr;
+use std::sync::Arc;
 use std::time::Duration;
 
-use axum::serve::ListenerExt as _;
-use tokio::net::TcpListener;
+use axum::Router;
+use axum::body::Body;
+use axum::extract::Request;
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::server::graceful::{GracefulShutdown, Watcher};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::Semaphore;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
+use tower::ServiceExt as _;
 
+use super::patient::Patient;
+use super::refused;
 use super::router::router;
+use super::seats::{Claim, Seat};
+use super::watched::Watched;
 use super::{App, routes};
+use crate::config::limits::LimitArgs;
 use crate::service::Service;
 
 /// How long requests in flight may take to finish once the server is told to stop.
 const DRAIN: Duration = Duration::from_secs(10);
+/// The most bytes of a request's head, and of what is read ahead of a body.
+const HEAD_BYTES: usize = 64 << 10;
+/// After a failed accept (no file descriptors are left, mostly) the next try waits so long, and twice as long each time.
+const ACCEPT_AGAIN: [Duration; 2] = [Duration::from_millis(20), Duration::from_secs(1)];
+/// At most so many connections are being told at once that there is no seat; more are closed without a word.
+const REFUSALS_AT_ONCE: usize = 64;
 
 /// Serves until `stopping` is cancelled and what is in flight is finished, or has had its time.
-pub async fn serve(listener: TcpListener, service: Service, stopping: CancellationToken) -> io::Result<()> {
-    let app = App::new(service, stopping.clone());
+pub async fn serve(
+    listener: TcpListener,
+    service: Service,
+    limits: LimitArgs,
+    stopping: CancellationToken,
+) -> io::Result<()> {
+    let app = App::new(service, limits, stopping.clone());
     routes::ask_about_triggers(&app);
-    // Answers are small and waited for: none is held back to be sent with the next.
-    let listener = listener.tap_io(|stream| {
+    let server = Arc::new(Connections {
+        router: router(app.clone()),
+        app,
+        refusals: Arc::new(Semaphore::new(REFUSALS_AT_ONCE)),
+        http: http(),
+    });
+    let graceful = GracefulShutdown::new();
+    tokio::select! {
+        () = server.accept(&listener, &graceful) => {}
+        () = stopping.cancelled() => {}
+    }
+    // From here on nobody gets in; who is in finishes what it has begun.
+    drop(listener);
+    if tokio::time::timeout(DRAIN, graceful.shutdown()).await.is_err() {
+        tracing::warn!(seconds = DRAIN.as_secs(), "some requests did not finish in time");
+    }
+    Ok(())
+}
+
+fn http() -> http1::Builder {
+    let mut http = http1::Builder::new();
+    // Heads and idle connections are timed by `Patient`, which knows the one from the other.
+    http.timer(TokioTimer::new()).header_read_timeout(None).max_buf_size(HEAD_BYTES);
+    http
+}
+
+struct Connections {
+    app: App,
+    router: Router,
+    refusals: Arc<Semaphore>,
+    http: http1::Builder,
+}
+
+impl Connections {
+    async fn accept(self: &Arc<Self>, listener: &TcpListener, graceful: &GracefulShutdown) {
+        let [mut again, again_max] = ACCEPT_AGAIN;
+        loop {
+            match listener.accept().await {
+                Ok((stream, _)) => {
+                    [again, _] = ACCEPT_AGAIN;
+                    self.admit(stream, graceful.watcher());
+                }
+                // The client was gone before we came to it.
+                Err(error) if is_the_clients(&error) => {}
+                Err(error) => {
+                    tracing::warn!(%error, "no connection can be accepted");
+                    tokio::time::sleep(again).await;
+                    again = (again * 2).min(again_max);
+                }
+            }
+        }
+    }
+
+    /// Gives the connection a seat, or tells it that there is none. Never waits: others are at the door.
+    fn admit(self: &Arc<Self>, stream: TcpStream, watcher: Watcher) {
+        let claimed = match self.app.seats.claim() {
+            Claim::Free(permit) => Some(permit),
+            Claim::Instead => {
+                self.app.metrics.traffic.connection("evicted");
+                None
+            }
+            Claim::Full => {
+                self.app.metrics.traffic.connection("refused");
+                if let Ok(permit) = self.refusals.clone().try_acquire_owned() {
+                    tokio::spawn(refused::tell(stream, permit));
+                }
+                return;
+            }
+        };
+        self.app.metrics.traffic.connection("accepted");
+        let server = self.clone();
+        tokio::spawn(async move {
+            let Some(seat) = server.app.seats.sit(claimed).await else { return };
+            server.converse(stream, seat, watcher).await;
+        });
+    }
+
+    async fn converse(&self, stream: TcpStream, seat: Arc<Seat>, watcher: Watcher) {
+        // Answers are small and waited for: none is held back to be sent with the next.
         if let Err(error) = stream.set_nodelay(true) {
             tracing::debug!(%error, "no TCP_NODELAY");
         }
-    });
-    let served =
-        axum::serve(listener, router(app)).with_graceful_shutdown(stopping.clone().cancelled_owned());
-    let drained = async {
-        stopping.cancelled().await;
-        tokio::time::sleep(DRAIN).await;
-    };
-    tokio::select! {
-        result = served => result,
-        () = drained => {
-            tracing::warn!(seconds = DRAIN.as_secs(), "some requests did not finish in time");
-            Ok(())
+        let stream = TokioIo::new(Patient::new(stream, seat.clone(), &self.app.limits));
+        let (router, at_work) = (self.router.clone(), seat.clone());
+        let answer = hyper::service::service_fn(move |request: hyper::Request<hyper::body::Incoming>| {
+            at_work.works();
+            let answered = router.clone().oneshot(Request::from(request.map(Body::new)));
+            let at_work = at_work.clone();
+            async move {
+                let response = answered.await.unwrap_or_else(|never: Infallible| match never {});
+                Ok::<_, Infallible>(response.map(|body| Watched::new(body, at_work)))
+            }
+        });
+        let conversation = watcher.watch(self.http.serve_connection(stream, answer));
+        tokio::select! {
+            ended = conversation => if let Err(error) = ended {
+                tracing::debug!(%error, "a connection broke off");
+            },
+            () = seat.told_to_go() => tracing::debug!("a connection gave way to another"),
         }
     }
+}
+
+fn is_the_clients(error: &io::Error) -> bool {
+    use io::ErrorKind::{ConnectionAborted, ConnectionRefused, ConnectionReset};
+    matches!(error.kind(), ConnectionAborted | ConnectionRefused | ConnectionReset)
 }
 
 /// A server in this process, for those who need one of their own: replay, demo and tests.
@@ -52,10 +167,15 @@ pub struct RunningServer {
 impl RunningServer {
     /// Starts serving on a free port of this machine.
     pub async fn start(service: Service) -> io::Result<Self> {
+        Self::start_within(service, LimitArgs::of::<&str>(&[]).map_err(io::Error::other)?).await
+    }
+
+    /// The same within limits of one's own.
+    pub async fn start_within(service: Service, limits: LimitArgs) -> io::Result<Self> {
         let listener = TcpListener::bind((std::net::Ipv4Addr::LOCALHOST, 0)).await?;
         let addr = listener.local_addr()?;
         let stopping = CancellationToken::new();
-        let served = tokio::spawn(serve(listener, service.clone(), stopping.clone()));
+        let served = tokio::spawn(serve(listener, service.clone(), limits, stopping.clone()));
         Ok(Self { addr, stopping, served: Some(served), service })
     }
 

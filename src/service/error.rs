@@ -51,6 +51,12 @@ pub enum ServiceError {
         /// When to try again, in seconds.
         retry_after_s: u32,
     },
+    /// There is more to do than can be done; nothing was begun.
+    #[error("{detail}")]
+    Overloaded {
+        /// A sentence for people.
+        detail: String,
+    },
     /// Something here is broken; the text is for the log.
     #[error("{0}")]
     Internal(String),
@@ -74,7 +80,7 @@ impl From<StoreError> for ServiceError {
     fn from(error: StoreError) -> Self {
         match error {
             StoreError::DiskFull => Self::DiskFull,
-            StoreError::Superseded | StoreError::Closed | StoreError::Disk(_) => {
+            StoreError::Superseded | StoreError::Closed | StoreError::Busy | StoreError::Disk(_) => {
                 Self::Unavailable { detail: error.to_string(), retry_after_s: 1 }
             }
             StoreError::Database(_)

@@ -56,16 +56,27 @@ impl Service {
         keyframe: NewKeyframe,
         digest: Digest,
     ) -> Result<Stored<KeyframeReport>, ServiceError> {
-        self.begin_keyframe(map, keyframe, digest).await?.committed().await
+        self.keyframe_begun(map, keyframe, digest, false).await?.committed().await
     }
 
     /// The first half of [`Self::put_keyframe`]: decided and queued, in the order of calls. Who has many keyframes
-    /// begins the next one before the disk has this one.
+    /// begins the next one before the disk has this one, and waits for its turn however long that takes: its client
+    /// cannot send more meanwhile.
     pub async fn begin_keyframe(
         &self,
         map: &MapId,
         keyframe: NewKeyframe,
         digest: Digest,
+    ) -> Result<PendingKeyframe, ServiceError> {
+        self.keyframe_begun(map, keyframe, digest, true).await
+    }
+
+    async fn keyframe_begun(
+        &self,
+        map: &MapId,
+        keyframe: NewKeyframe,
+        digest: Digest,
+        patiently: bool,
     ) -> Result<PendingKeyframe, ServiceError> {
         let live = self.live(map).await?;
         let keyframe = self.with_words(keyframe).await?;
@@ -87,7 +98,11 @@ impl Service {
             let rows = NewKeyframeRows { keyframe: Arc::new(keyframe), digest };
             Ok(Decision::Changed(Put::Created(report), ingested.decided, Some(rows)))
         };
-        let begun = self.begin(&live, decide).await?;
+        let begun = if patiently {
+            self.begin_patiently(&live, decide).await?
+        } else {
+            self.begin(&live, decide).await?
+        };
         Ok(PendingKeyframe { service: self.clone(), live, id, digest, begun })
     }
 

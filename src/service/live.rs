@@ -43,6 +43,8 @@ pub(super) struct LiveMap {
     /// The key that made it, which pays for its models.
     pub owner: Option<KeySeq>,
     state: RwLock<State>,
+    /// Held by the one who waits for the lock of `state` to decide a write.
+    pub lane: tokio::sync::Mutex<()>,
     line: Line,
     /// The version of `state`.
     newest: AtomicU64,
@@ -96,6 +98,7 @@ impl LiveMap {
             key: loaded.key,
             digest: loaded.digest,
             owner: loaded.owner,
+            lane: tokio::sync::Mutex::default(),
             line: Arc::new(AtomicBool::new(false)),
             newest: AtomicU64::new(loaded.version),
             on_disk: watch::Sender::new(on_disk(&loaded)),

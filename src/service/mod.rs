@@ -10,6 +10,7 @@ mod board;
 mod error;
 mod events;
 mod features;
+mod gate;
 mod giving;
 mod judging;
 mod keyframes;
@@ -20,6 +21,7 @@ mod live;
 mod loops;
 mod maps;
 mod poses;
+pub mod pressure;
 mod queries;
 mod quota;
 mod registry;
@@ -31,7 +33,7 @@ mod worker;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::sync::OwnedSemaphorePermit;
 use tokio::task::spawn_blocking;
 use tokio_util::sync::CancellationToken;
 
@@ -41,7 +43,6 @@ pub use error::ServiceError;
 pub use keyframes::PendingKeyframe;
 pub use queries::{QueryAnswer, Timings};
 pub use stats::Stats;
-use stats::Waiting;
 
 use crate::config::logging::in_span;
 use crate::config::models::ModelArgs;
@@ -52,8 +53,10 @@ use crate::models::port::Model;
 use crate::recognition::index::MapIndex;
 use crate::store::{Job, Store};
 use features::FeatureCache;
+use gate::Gate;
 use keyring::Keyring;
 use live::{Decision, LiveMap, Pending, State};
+use pressure::Pressure;
 use registry::Registry;
 use words::NamedVocabulary;
 pub use worker::Trigger;
@@ -62,8 +65,12 @@ use worker::Worker;
 /// At most so many writes are decided or wait for the disk at once; more wait their turn.
 const WRITES_AT_ONCE: usize = 512;
 
-/// At most so many heavy reads (loop queries, lists) compute at once.
-const READS_AT_ONCE: usize = 16;
+/// At most so many reads (loop queries, lists) compute at once, for each core. More would only take turns on it, and
+/// keep those waiting who need it for a moment.
+const READS_PER_CORE: usize = 2;
+
+/// At most so many wait for either; the pressure of requests bounds them first, unless the operator allows many.
+const WAITING_MAX: usize = 1024;
 
 /// How to open the service.
 #[derive(Clone, Debug)]
@@ -121,9 +128,9 @@ pub struct Stored<T> {
 pub struct Service {
     store: Store,
     registry: Arc<Registry>,
-    writes: Arc<Semaphore>,
-    reads: Arc<Semaphore>,
-    waiting: Arc<Waiting>,
+    writes: Arc<Gate>,
+    reads: Arc<Gate>,
+    pressure: Arc<Pressure>,
     features: FeatureCache,
     vocabulary: Option<Arc<NamedVocabulary>>,
     models: Option<Arc<Models>>,
@@ -153,9 +160,9 @@ impl Service {
             closing: CancellationToken::new(),
             store,
             registry,
-            writes: Arc::new(Semaphore::new(WRITES_AT_ONCE)),
-            reads: Arc::new(Semaphore::new(READS_AT_ONCE)),
-            waiting: Arc::default(),
+            writes: Gate::new(WRITES_AT_ONCE, WAITING_MAX),
+            reads: Gate::new(READS_PER_CORE * cores(), WAITING_MAX),
+            pressure: Arc::default(),
             features: FeatureCache::new(vocabulary.clone()),
             vocabulary,
             backups: None,
@@ -190,10 +197,14 @@ impl Service {
         }));
     }
 
-    /// Does the database answer?
-    pub async fn ready(&self) -> Result<(), ServiceError> {
-        self.store.sqlite_version().await?;
-        Ok(())
+    /// Is the service open? Asks memory only: whoever wants to know must hear it under any load.
+    pub fn ready(&self) -> Result<(), ServiceError> {
+        if self.store.is_closed() { Err(closed()) } else { Ok(()) }
+    }
+
+    /// How much is being worked on.
+    pub fn pressure(&self) -> &Arc<Pressure> {
+        &self.pressure
     }
 
     /// The version of SQLite.
@@ -213,12 +224,19 @@ impl Service {
         decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
     ) -> Result<Begun<T>, ServiceError> {
         self.disk_takes(false)?;
-        self.begin_freeing(live, decide).await
+        let permit = self.writes.enter().await?;
+        self.begin_within(permit, live, decide).await
     }
 
-    /// Refuses a write that the disk would not take, before the index is ahead of the disk.
-    fn disk_takes(&self, freeing: bool) -> Result<(), ServiceError> {
-        self.store.committer().refuses(freeing).map_or(Ok(()), |error| Err(error.into()))
+    /// The same, however long it takes to get a turn.
+    async fn begin_patiently<T: Send + 'static>(
+        &self,
+        live: &Arc<LiveMap>,
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
+    ) -> Result<Begun<T>, ServiceError> {
+        self.disk_takes(false)?;
+        let permit = self.writes.enter_patiently().await?;
+        self.begin_within(permit, live, decide).await
     }
 
     /// [`Self::begin`] for a write that frees space.
@@ -228,9 +246,24 @@ impl Service {
         decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
     ) -> Result<Begun<T>, ServiceError> {
         self.disk_takes(true)?;
-        let waits = self.waiting.for_write();
-        let permit = self.writes.clone().acquire_owned().await.map_err(|_| closed())?;
-        drop(waits);
+        let permit = self.writes.enter().await?;
+        self.begin_within(permit, live, decide).await
+    }
+
+    /// Refuses a write that the disk would not take, before the index is ahead of the disk.
+    fn disk_takes(&self, freeing: bool) -> Result<(), ServiceError> {
+        self.store.committer().refuses(freeing).map_or(Ok(()), |error| Err(error.into()))
+    }
+
+    async fn begin_within<T: Send + 'static>(
+        &self,
+        permit: OwnedSemaphorePermit,
+
+        live: &Arc<LiveMap>,
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
+    ) -> Result<Begun<T>, ServiceError> {
+        // One at a time takes a thread to wait for the map's lock; the others wait here, where waiting costs nothing.
+        let _lane = live.lane.lock().await;
         let (deciding, store) = (live.clone(), self.store.clone());
         let pending =
             spawn_blocking(in_span(move || deciding.decide(&store, decide))).await.map_err(panicked)??;
@@ -263,9 +296,7 @@ impl Service {
         live: &Arc<LiveMap>,
         read: impl FnOnce(&State) -> Result<T, ServiceError> + Send + 'static,
     ) -> Result<(u64, T), ServiceError> {
-        let waits = self.waiting.for_read();
-        let _permit = self.reads.acquire().await.map_err(|_| closed())?;
-        drop(waits);
+        let permit = self.reads.enter().await?;
         let reading = live.clone();
         let (version, value) = spawn_blocking(in_span(move || {
             let state = reading.state()?;
@@ -273,6 +304,8 @@ impl Service {
         }))
         .await
         .map_err(panicked)??;
+        // Waiting for the disk takes no core.
+        drop(permit);
         live.on_disk(version).await?;
         Ok((version, value))
     }
@@ -310,6 +343,10 @@ impl<T> Begun<T> {
 /// Milliseconds since a moment, for a client's `server-timing`.
 fn milliseconds_since(start: std::time::Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1e3
+}
+
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(2, usize::from)
 }
 
 fn closed() -> ServiceError {

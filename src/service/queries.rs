@@ -12,7 +12,7 @@ use tokio::time::{Instant, timeout_at};
 use super::keyframes::find;
 use super::live::LiveMap;
 use super::words::check_vocabulary;
-use super::{Service, ServiceError, closed, milliseconds_since, panicked};
+use super::{Service, ServiceError, milliseconds_since, panicked};
 use crate::config::logging::in_span;
 use crate::model::bow::BowVector;
 use crate::model::ids::{KeyframeId, MapId};
@@ -63,7 +63,8 @@ impl Service {
             let answer = self.check(&live, &query).await?;
             // Only a write can bring what is missing; each is worth another look.
             let version = answer.verdict.map_version;
-            if !waits_for_descriptions(&answer.verdict) || Instant::now() >= deadline {
+            let waits = waits_for_descriptions(&answer.verdict) && !self.pressure.is_high();
+            if !waits || Instant::now() >= deadline {
                 return Ok(answer);
             }
             if timeout_at(deadline, live.next_version(version)).await.is_err() {
@@ -98,9 +99,7 @@ impl Service {
             conclude(screening, &features, query.seed)
         } else {
             // Verification keeps a core busy; it waits its turn, off the async threads and without the map's lock.
-            let waits = self.waiting.for_read();
-            let _permit = self.reads.acquire().await.map_err(|_| closed())?;
-            drop(waits);
+            let _permit = self.reads.enter().await?;
             let seed = query.seed;
             spawn_blocking(in_span(move || conclude(screening, &features, seed))).await.map_err(panicked)?
         };

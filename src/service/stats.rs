@@ -1,9 +1,7 @@
 //! Stats: figures for the metrics page. They are read while everything else is stuck, so nothing here waits for a lock
 //! that a request holds while it works, and nothing asks the database.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-
-use super::{READS_AT_ONCE, Service, WRITES_AT_ONCE};
+use super::Service;
 
 /// Figures for the metrics page.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -60,39 +58,6 @@ pub struct Stats {
     pub model_microusd: u64,
 }
 
-/// How many requests wait for their turn.
-#[derive(Debug, Default)]
-pub(super) struct Waiting {
-    writes: AtomicU64,
-    reads: AtomicU64,
-}
-
-/// One that waits, until it goes.
-pub(super) struct Waits<'w>(&'w AtomicU64);
-
-impl Waiting {
-    pub fn for_write(&self) -> Waits<'_> {
-        Waits::on(&self.writes)
-    }
-
-    pub fn for_read(&self) -> Waits<'_> {
-        Waits::on(&self.reads)
-    }
-}
-
-impl<'w> Waits<'w> {
-    fn on(count: &'w AtomicU64) -> Self {
-        count.fetch_add(1, Ordering::Relaxed);
-        Self(count)
-    }
-}
-
-impl Drop for Waits<'_> {
-    fn drop(&mut self) {
-        self.0.fetch_sub(1, Ordering::Relaxed);
-    }
-}
-
 impl Service {
     /// Figures for the metrics page, of the maps in memory.
     pub fn stats(&self) -> Stats {
@@ -105,10 +70,10 @@ impl Service {
             commits: commits.jobs,
             commit_batches: commits.transactions,
             queue_depth: commits.waiting,
-            writes_under_way: (WRITES_AT_ONCE - self.writes.available_permits().min(WRITES_AT_ONCE)) as u64,
-            writes_waiting: self.waiting.writes.load(Ordering::Relaxed),
-            reads_under_way: (READS_AT_ONCE - self.reads.available_permits().min(READS_AT_ONCE)) as u64,
-            reads_waiting: self.waiting.reads.load(Ordering::Relaxed),
+            writes_under_way: self.writes.inside() as u64,
+            writes_waiting: self.writes.waiting() as u64,
+            reads_under_way: self.reads.inside() as u64,
+            reads_waiting: self.reads.waiting() as u64,
             triggers_waiting: self.worker.triggers_waiting(),
             feature_cache_hits: features.hits,
             feature_cache_misses: features.misses,

@@ -32,6 +32,9 @@ const PAUSE_PER_LOOK: u32 = 20;
 /// Jobs under way when the server stops may finish within this time; what they learned so far is kept anyway.
 const DRAIN: Duration = Duration::from_secs(8);
 
+/// How long it takes no new jobs when it finds the server under pressure.
+const REST: Duration = Duration::from_millis(250);
+
 /// Triggered loop checks that wait to be taken; more are passed over.
 const TRIGGERS_WAITING: usize = 256;
 
@@ -182,6 +185,9 @@ impl Round {
             next_look = earlier(next_look, look_at);
         }
         let now = Instant::now();
+        if self.service.pressure.is_high() {
+            return earlier(next_look, Some(now + REST));
+        }
         if let Some(resume_at) = self.resume_at {
             if now < resume_at {
                 return earlier(next_look, Some(resume_at));

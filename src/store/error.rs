@@ -56,6 +56,9 @@ pub enum StoreError {
     /// An earlier write to the same map failed; what was planned upon it is void.
     #[error("an earlier write to this map failed; try again")]
     Superseded,
+    /// Every connection to the database was busy for too long.
+    #[error("the database is busy")]
+    Busy,
     /// The store is closed.
     #[error("the store is closed")]
     Closed,
@@ -88,6 +91,7 @@ impl From<sqlx::Error> for StoreError {
         match code {
             Some(code) if code & 0xff == FULL => Self::DiskFull,
             Some(code) if FAILED.contains(&(code & 0xff)) => Self::Disk(error.to_string()),
+            _ if matches!(error, sqlx::Error::PoolTimedOut) => Self::Busy,
             _ => Self::Database(error.to_string()),
         }
     }

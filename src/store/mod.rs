@@ -165,6 +165,11 @@ impl Store {
         Transaction::read(&self.readers).await
     }
 
+    /// Has it been closed?
+    pub fn is_closed(&self) -> bool {
+        self.readers.is_closed()
+    }
+
     /// The version of SQLite.
     pub async fn sqlite_version(&self) -> Result<String, StoreError> {
         Ok(sqlx::query_scalar("select sqlite_version()").fetch_one(&self.readers).await?)

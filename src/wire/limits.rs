@@ -16,7 +16,15 @@ pub const BULK_BYTES: usize = 1 << 30;
 /// The most lines of a bulk request.
 pub const BULK_ITEMS: usize = 100_000;
 /// The most values of a JSON body, counted over all its levels: a body of `0,0,0,...` takes many times its size in memory.
-pub const BODY_VALUES: usize = 4_000_000;
+/// The largest correction of poses has 1.6 million.
+pub const BODY_VALUES: usize = 2_000_000;
+/// The most items of any list; what a list of a kind may hold is less, and told with its name.
+pub const LIST_ITEMS: usize = 200_000;
+/// What a compressed body may become in memory, however small it came: as text, and as the values in it.
+pub const INFLATED_FREE_BYTES: usize = 4 << 20;
+/// And so many bytes more for each byte that came. Robots' keyframes are a tenth of their size when compressed; a bomb is
+/// a thousandth.
+pub const INFLATED_FOLD: usize = 64;
 /// The most faults of one body that are listed.
 pub const LISTED_FAULTS: usize = 100;
 

@@ -6,7 +6,7 @@
 //! | file | concept |
 //! |---|---|
 //! | [`syntax`], [`read`] | bytes become a value, a value becomes the model, each fault with its place |
-//! | [`limits`] | how much one request may bring |
+//! | [`limits`], [`survey`] | how much one request may bring, and how much it brings |
 //! | [`digest`] | what makes two bodies the same |
 //! | [`space`], [`base64`] | vectors, poses, times; bytes inside JSON |
 //! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`anchor`], [`transcript`], [`loops`], [`event`] | resources |
@@ -38,6 +38,7 @@ pub mod semantics;
 pub mod service;
 pub mod settings;
 pub mod space;
+pub mod survey;
 pub mod syntax;
 pub mod transcript;
 pub mod usage;

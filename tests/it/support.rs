@@ -1,9 +1,11 @@
 //! A real server in this process, on a database of its own, and the few words needed to speak to it.
 
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 use reqwest::header::{CONTENT_TYPE, HeaderMap};
 use reqwest::{Method, RequestBuilder, StatusCode};
+use revisit::config::limits::LimitArgs;
 use revisit::config::quotas::Quotas;
 use revisit::http::RunningServer;
 use revisit::service::{ModelChoice, Service, ServiceOptions};
@@ -46,6 +48,21 @@ impl Server {
         Self::with(|options| options.quotas = quotas).await
     }
 
+    /// Starts a server within limits, and gives its service, too.
+    pub async fn within(limits: &[&str]) -> (Self, Service) {
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        let database = format!("sqlite://{}", directory.path().join("test.db").display());
+        let service = Service::open(ServiceOptions::on(database)).await.expect("a service");
+        let limits = LimitArgs::of(limits).expect("limits");
+        let running = RunningServer::start_within(service.clone(), limits).await.expect("a free port");
+        (Self { http: client(), running, _directory: Some(directory) }, service)
+    }
+
+    /// Where it listens.
+    pub fn addr(&self) -> SocketAddr {
+        self.running.addr()
+    }
+
     async fn with(choose: impl FnOnce(&mut ServiceOptions)) -> Self {
         let directory = tempfile::tempdir().expect("a temporary directory");
         let server = Self::on_with(directory.path(), choose).await;
@@ -63,9 +80,7 @@ impl Server {
         choose(&mut options);
         let service = Service::open(options).await.expect("a service");
         let running = RunningServer::start(service).await.expect("a free port");
-        revisit::config::tls::install();
-        let http = reqwest::Client::builder().no_proxy().build().expect("a client");
-        Self { http, running, _directory: None }
+        Self { http: client(), running, _directory: None }
     }
 
     /// Stops it, and waits until everything is on disk.
@@ -89,6 +104,11 @@ impl Server {
 
     pub async fn put(&self, path: &str, body: &Value) -> Answer {
         Answer::of(self.request(Method::PUT, path).json(body)).await
+    }
+
+    /// Stores the smallest keyframe.
+    pub async fn put_keyframe(&self, path: &str) -> Answer {
+        self.put(path, &keyframe()).await
     }
 
     pub async fn post(&self, path: &str, body: &Value) -> Answer {
@@ -124,6 +144,11 @@ impl Answer {
         Self { status, headers, body: serde_json::from_slice(&bytes).unwrap_or_default() }
     }
 
+    /// The answer's body as text, whatever the status.
+    pub async fn text(request: RequestBuilder) -> String {
+        request.send().await.expect("an answer").text().await.expect("a whole answer")
+    }
+
     /// The answer's body, if the status is the expected one.
     #[track_caller]
     pub fn expect(self, status: u16) -> Value {
@@ -141,6 +166,11 @@ impl Answer {
         let errors = self.body["errors"].as_array().map(Vec::as_slice).unwrap_or_default();
         errors.iter().filter_map(|error| error["pointer"].as_str()).collect()
     }
+}
+
+fn client() -> reqwest::Client {
+    revisit::config::tls::install();
+    reqwest::Client::builder().no_proxy().build().expect("a client")
 }
 
 /// The smallest keyframe: at the origin, looking along z.

@@ -2,26 +2,25 @@
 
 use std::collections::VecDeque;
 
-use axum::body::Body;
 use axum::extract::{Extension, Request, State};
 use axum::http::StatusCode;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
-use bytes::Bytes;
 use serde_json::Value;
 
 use super::lines::{Line, Lines};
 use super::trigger::trigger_loop_check;
 use crate::http::App;
 use crate::http::access::Caller;
-use crate::http::body::{decoded, expect_type};
+use crate::http::body::{Text, decoded, expect_type};
 use crate::http::envelope::RequestId;
+use crate::http::inflate::Encoding;
 use crate::http::path::{InMap, MapPath};
 use crate::http::problem::{Kind, Problem};
 use crate::http::refusals::OfWrite;
 use crate::model::ids::MapId;
+use crate::service::PendingKeyframe;
 use crate::service::keyring::Access;
-use crate::service::{PendingKeyframe, Service};
 use crate::wire::bulk::{self, BulkItem, BulkLine};
 use crate::wire::examples;
 use crate::wire::limits;
@@ -53,14 +52,20 @@ pub async fn put_keyframes(
     let accepted =
         ["application/x-ndjson", "application/ndjson", "application/jsonl", "application/x-jsonlines"];
     expect_type(request.headers(), |essence| accepted.contains(&essence), NDJSON)?;
+    let encoding = Encoding::of(request.headers())?;
     app.service.get_map(&map).await?;
+    let lines = Lines::of(request.into_body(), encoding, app.memory.clone())?;
     let mut answer = Answer::of(app, map, caller.0, &request_id);
-    answer.take(request.into_body()).await;
+    answer.take(lines).await;
     Ok(answer.into_response())
 }
 
 /// So many lines of one request may wait for the disk at once: enough to share its syncs, and few beside those of others.
 const UNDER_WAY_MAX: usize = 128;
+
+/// What refusals may take of the answer, in bytes: a robot's bulk has few, and a small body can hold very many lines of
+/// nonsense. From half of it on, only the first fault of a line is listed.
+const REFUSALS_BYTES: usize = 4 << 20;
 
 /// A line that is decided and on its way to the disk.
 struct UnderWay {
@@ -78,6 +83,7 @@ struct Answer {
     lines: Vec<u8>,
     items: usize,
     failed: bool,
+    refusals_bytes: usize,
     under_way: VecDeque<UnderWay>,
 }
 
@@ -91,12 +97,12 @@ impl Answer {
             lines: Vec::new(),
             items: 0,
             failed: false,
+            refusals_bytes: 0,
             under_way: VecDeque::new(),
         }
     }
 
-    async fn take(&mut self, body: Body) {
-        let mut lines = Lines::of(body);
+    async fn take(&mut self, mut lines: Lines) {
         for number in 1.. {
             let line = match lines.next().await {
                 Ok(Some(line)) => line,
@@ -108,11 +114,18 @@ impl Answer {
                 Line::Text(text) if text.trim_ascii().is_empty() => continue,
                 Line::Text(text) => text,
                 Line::TooLong => {
-                    let detail = format!("a line has at most {} bytes", limits::LINE_BYTES);
+                    let detail = format!(
+                        "a line has at most {} bytes, and fewer if it came as a few compressed ones",
+                        limits::LINE_BYTES
+                    );
                     self.refused(number, None, Problem::new(Kind::TOO_LARGE, detail)).await;
                     continue;
                 }
             };
+            if self.refusals_bytes > REFUSALS_BYTES {
+                let detail = "too many lines were refused; the rest is not stored";
+                return self.refused(number, None, Problem::new(Kind::TOO_LARGE, detail)).await;
+            }
             if self.items == limits::BULK_ITEMS {
                 let detail = format!(
                     "a bulk request has at most {} items; the rest is not stored",
@@ -125,7 +138,8 @@ impl Answer {
                 // The first was counted with the request; a bulk is slowed down where single requests are refused.
                 held.wait().await;
             }
-            match begin(&self.app.service, &self.map, text).await {
+            let text = Text::line(text, lines.becomes_at_most());
+            match begin(&self.app, &self.map, text).await {
                 Ok((id, keyframe)) => self.under_way.push_back(UnderWay { line: number, id, keyframe }),
                 Err((id, problem)) => self.refused(number, id, problem).await,
             }
@@ -167,7 +181,13 @@ impl Answer {
         if let Some(cause) = problem.cause() {
             tracing::error!(request_id = self.request_id, line, cause, "bulk item failed");
         }
-        self.push(&BulkLine::refused(line, id, problem.view(&self.request_id)), false);
+        let mut view = problem.view(&self.request_id);
+        if self.refusals_bytes > REFUSALS_BYTES / 2 {
+            view.errors.truncate(1);
+        }
+        let before = self.lines.len();
+        self.push(&BulkLine::refused(line, id, view), false);
+        self.refusals_bytes += self.lines.len() - before;
     }
 
     fn push(&mut self, line: &BulkLine, stored: bool) {
@@ -187,14 +207,14 @@ impl IntoResponse for Answer {
 
 /// Decides one line and queues it; a refusal comes with the id, if the line has one.
 async fn begin(
-    service: &Service,
+    app: &App,
     map: &MapId,
-    text: Bytes,
+    text: Text,
 ) -> Result<(Option<String>, PendingKeyframe), (Option<String>, Problem)> {
     let read = |line: Value| Ok((bulk::line_id(&line), bulk::decode(line)));
-    let (id, sent) = decoded(text, read).await.map_err(|problem| (None, problem))?;
+    let (id, sent) = decoded(text, app, read).await.map_err(|problem| (None, problem))?;
     let sent = sent.map_err(|faults| (id.clone(), Problem::invalid(faults)))?;
-    match service.begin_keyframe(map, sent.keyframe, sent.digest).await {
+    match app.service.begin_keyframe(map, sent.keyframe, sent.digest).await {
         Ok(keyframe) => Ok((id, keyframe)),
         Err(error) => Err((id, error.into())),
     }

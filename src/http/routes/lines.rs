@@ -1,20 +1,28 @@
 //! Lines: a streamed body cut at its newlines, no line longer than memory should hold.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use axum::body::Body;
 use axum::body::HttpBody as _;
 use bytes::{Buf as _, Bytes, BytesMut};
 use http_body_util::BodyExt as _;
 
 use crate::http::body::unreadable;
+use crate::http::inflate::Encoding;
+use crate::http::memory::{Held, Memory, becomes_at_most};
 use crate::http::problem::{Kind, Problem};
 use crate::wire::limits::{BULK_BYTES, LINE_BYTES};
+
+/// Lines up to this take memory without asking.
+const UNCOUNTED_BYTES: usize = 256 << 10;
 
 /// One line of the body.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Line {
     /// Its bytes, without the newline.
     Text(Bytes),
-    /// It had more than [`LINE_BYTES`] and was passed over.
+    /// It had more than [`LINE_BYTES`], or became more than the few bytes may that it came as, and was passed over.
     TooLong,
 }
 
@@ -26,17 +34,56 @@ pub struct Lines {
     searched: usize,
     /// Is the line at hand too long already?
     skipping: bool,
+    /// Has there been a long line?
+    is_long: bool,
     taken: usize,
+    memory: Memory,
+    held: Held,
+    compressed: Option<Compressed>,
+}
+
+/// How much of a compressed body has arrived.
+struct Compressed {
+    arrived: Arc<AtomicUsize>,
+    /// And had, when the line at hand began.
+    before: usize,
 }
 
 impl Lines {
-    /// The lines of this body.
-    pub fn of(body: Body) -> Self {
-        Self { body, buffer: BytesMut::new(), searched: 0, skipping: false, taken: 0 }
+    /// The lines of this body. They share the memory of large bodies.
+    pub fn of(body: Body, encoding: Encoding, memory: Memory) -> Result<Self, Problem> {
+        let mut held = Held::default();
+        let (body, compressed) = if encoding == Encoding::Identity {
+            (body, None)
+        } else {
+            memory.take(&mut held, encoding.stream_bytes())?;
+            let (body, arrived) = encoding.stream(body);
+            (body, Some(Compressed { arrived, before: 0 }))
+        };
+        Ok(Self {
+            body,
+            buffer: BytesMut::new(),
+            searched: 0,
+            skipping: false,
+            is_long: false,
+            taken: 0,
+            memory,
+            held,
+            compressed,
+        })
+    }
+
+    /// What the line last read may become in memory, if it came compressed.
+    pub fn becomes_at_most(&self) -> Option<usize> {
+        let Compressed { arrived, before } = self.compressed.as_ref()?;
+        Some(becomes_at_most(arrived.load(Ordering::Relaxed).saturating_sub(*before)))
     }
 
     /// The next line; an error ends the body.
     pub async fn next(&mut self) -> Result<Option<Line>, Problem> {
+        if let Some(Compressed { arrived, before }) = &mut self.compressed {
+            *before = arrived.load(Ordering::Relaxed);
+        }
         loop {
             if let Some(line) = self.complete() {
                 return Ok(Some(line));
@@ -52,7 +99,7 @@ impl Lines {
         let newline = self.buffer[self.searched..].iter().position(|&byte| byte == b'\n');
         let Some(at) = newline.map(|at| at + self.searched) else {
             self.searched = self.buffer.len();
-            if self.searched > LINE_BYTES {
+            if self.searched > self.becomes_at_most().unwrap_or(LINE_BYTES).min(LINE_BYTES) {
                 self.skipping = true;
                 self.buffer.clear();
                 self.searched = 0;
@@ -94,9 +141,24 @@ impl Lines {
                     format!("a bulk request has at most {BULK_BYTES} bytes"),
                 ));
             }
+            self.make_room(data.len())?;
             self.buffer.extend_from_slice(&data);
         }
         Ok(true)
+    }
+
+    /// A long line gets all the room that a line may have, once and for the rest of the body.
+    fn make_room(&mut self, more: usize) -> Result<(), Problem> {
+        let needed = self.buffer.len() + more;
+        if needed > self.buffer.capacity() && needed > UNCOUNTED_BYTES {
+            // What is split off for lines comes out of the same room and is given back with them.
+            if !self.is_long {
+                self.memory.take(&mut self.held, LINE_BYTES)?;
+                self.is_long = true;
+            }
+            self.buffer.reserve((LINE_BYTES + UNCOUNTED_BYTES).saturating_sub(self.buffer.len()).max(more));
+        }
+        Ok(())
     }
 }
 
@@ -107,7 +169,8 @@ mod tests {
     async fn lines(chunks: &'static [&'static str]) -> Vec<Line> {
         let stream =
             futures_util::stream::iter(chunks.iter().map(|chunk| Ok::<_, std::io::Error>(chunk.as_bytes())));
-        let mut lines = Lines::of(Body::from_stream(stream));
+        let body = Body::from_stream(stream);
+        let mut lines = Lines::of(body, Encoding::Identity, Memory::new(64)).expect("memory");
         let mut all = Vec::new();
         while let Some(line) = lines.next().await.expect("a whole body") {
             all.push(line);

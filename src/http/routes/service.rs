@@ -40,7 +40,7 @@ pub async fn readyz(State(app): State<App>) -> Result<Json<Health>, Problem> {
     if app.stopping.is_cancelled() {
         return Err(Problem::new(Kind::UNAVAILABLE, "the server is stopping"));
     }
-    app.service.ready().await?;
+    app.service.ready()?;
     Ok(Json(Health::of("ready")))
 }
 
@@ -73,6 +73,7 @@ pub async fn get_version(State(service): State<Service>) -> Result<Json<Version>
     )
 )]
 pub async fn get_metrics(State(app): State<App>) -> impl IntoResponse {
+    app.metrics.traffic.now(app.seats.open(), app.service.pressure().working());
     // Nothing here waits for the database, or for a request: an operator looks most when the server is busiest.
     let figures = Figures {
         stats: app.service.stats(),
@@ -92,7 +93,7 @@ pub async fn get_metrics(State(app): State<App>) -> impl IntoResponse {
     responses(
         (status = 200, description = "The document", body = serde_json::Value, content_type = "application/json",
             example = examples::document),
-        OfNobody
+        OfReadiness
     )
 )]
 pub async fn get_document(State(app): State<App>) -> Response {

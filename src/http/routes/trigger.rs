@@ -28,6 +28,10 @@ pub fn ask_about_triggers(app: &App) {
 
 /// Asks in the background, keeps the verdict, and tells those who listen if it is a loop.
 pub fn trigger_loop_check(app: &App, map: &MapId, keyframe: &KeyframeId) {
+    // The first that is left out when there is much to do.
+    if app.service.pressure().is_high() {
+        return;
+    }
     let Ok(permit) = app.triggers.clone().try_acquire_owned() else { return };
     let (app, map, keyframe) = (app.clone(), map.clone(), keyframe.clone());
     tokio::spawn(async move {

@@ -3,7 +3,7 @@
 use axum::Json;
 use axum::extract::State;
 
-use crate::http::refusals::OfNobody;
+use crate::http::refusals::OfReadiness;
 use crate::service::Service;
 use crate::wire::examples;
 use crate::wire::usage::Usage;
@@ -13,7 +13,7 @@ use crate::wire::usage::Usage;
 /// Calls, tokens and cost since the database was made, and how today stands against its limits.
 #[utoipa::path(
     get, path = "/v1/usage", tag = "semantics", security(("key" = ["read"])),
-    responses((status = 200, description = "The usage", body = Usage, example = examples::usage), OfNobody)
+    responses((status = 200, description = "The usage", body = Usage, example = examples::usage), OfReadiness)
 )]
 pub async fn get_usage(State(service): State<Service>) -> Json<Usage> {
     Json(service.usage().map_or_else(Usage::without_models, Usage::from))

@@ -1,0 +1,100 @@
+//! Mix: what a fleet asks. Of ten requests five bring a keyframe with words and features, three ask whether one is a
+//! loop, two read.
+
+use serde_json::json;
+
+/// Words of a keyframe.
+const WORDS: u64 = 300;
+/// Features of a keyframe.
+const FEATURES: u64 = 400;
+/// Keyframes that a map has from the start.
+pub const KNOWN: u64 = 60;
+/// Maps that the fleet writes to.
+pub const MAPS: u64 = 8;
+/// Bodies made beforehand; a robot sees other places, not the same one always.
+const PLACES: u64 = 40;
+
+/// The requests of one phase: its maps are its own, so that every phase begins with the same maps.
+pub struct Mix {
+    phase: String,
+    bodies: Vec<String>,
+}
+
+impl Mix {
+    pub fn new(phase: &str) -> Self {
+        Self { phase: phase.to_owned(), bodies: (0..PLACES).map(keyframe).collect() }
+    }
+
+    /// The requests that make the maps and what they have from the start.
+    pub fn first(&self) -> Vec<Vec<u8>> {
+        let maps = (0..MAPS).map(|map| request("PUT", &self.map(map), "{}"));
+        let known = (0..MAPS).flat_map(|map| (0..KNOWN).map(move |number| (map, number)));
+        maps.chain(known.map(|(map, number)| self.put(map, &format!("known-{number}"), number))).collect()
+    }
+
+    /// The n-th request.
+    pub fn nth(&self, number: u64) -> Vec<u8> {
+        let (map, known) = (number / 10 % MAPS, number * 7 % KNOWN);
+        let path = self.map(map);
+        match number % 10 {
+            0 | 2 | 4 | 6 | 8 => self.put(map, &format!("kf-{number}"), number / 10 * 5 + number % 10 / 2),
+            1 | 5 | 9 => request(
+                "POST",
+                &format!("{path}/loop-queries"),
+                &format!("{{\"keyframe\":\"known-{known}\"}}"),
+            ),
+            3 => request("GET", &format!("{path}/keyframes?limit=20"), ""),
+            _ => request("GET", &format!("{path}/keyframes/known-{known}"), ""),
+        }
+    }
+
+    fn put(&self, map: u64, id: &str, place: u64) -> Vec<u8> {
+        request("PUT", &format!("{}/keyframes/{id}", self.map(map)), &self.bodies[(place % PLACES) as usize])
+    }
+
+    fn map(&self, map: u64) -> String {
+        format!("/v1/maps/{}-{map}", self.phase)
+    }
+}
+
+pub fn request(method: &str, path: &str, body: &str) -> Vec<u8> {
+    let length = body.len();
+    let mut request = format!("{method} {path} HTTP/1.1\r\nhost: x\r\n");
+    if !body.is_empty() {
+        request += &format!("content-type: application/json\r\ncontent-length: {length}\r\n");
+    }
+    format!("{request}\r\n{body}").into_bytes()
+}
+
+fn keyframe(place: u64) -> String {
+    // Neighbours share words; the numbers are arbitrary and always the same.
+    let words: Vec<u64> = (0..WORDS).map(|word| place * 25 + word * 3).collect();
+    let keypoints: Vec<_> = (0..FEATURES).map(|n| json!([n * 37 % 640, n * 53 % 480, n % 8])).collect();
+    let descriptors: String = "QUJDREVGR0hJSktMTU5PUFFSU1RVVldYWVphYmNkZWZnaGlqa2xtbm9wcXJzdHV2"
+        .chars()
+        .cycle()
+        .take(FEATURES as usize * 32 * 4 / 3 / 4 * 4)
+        .collect();
+    let text = json!({
+        "session": format!("robot-{}", place % 4),
+        "stamp": {"sec": place, "nanosec": 0},
+        "pose": {"translation": {"x": place as f64 * 0.5, "y": 0.0, "z": 0.0},
+                 "rotation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}},
+        "camera": {"fx": 525, "fy": 525, "cx": 320, "cy": 240, "width": 640, "height": 480},
+        "bow": {"words": words, "weights": vec![1.0; WORDS as usize]},
+        "features": {"descriptor_bytes": 32, "descriptors": padded(&descriptors), "keypoints": keypoints,
+                     "map_points": vec![-1; FEATURES as usize]},
+        "detections": [{"class": "door_number", "confidence": 0.9, "box": [10, 10, 60, 40],
+                        "position": [place as f64 * 0.5, 1.0, 2.0], "text": format!("{}", 100 + place)}],
+    });
+    text.to_string()
+}
+
+/// Base64 says how much of its last group is text.
+fn padded(digits: &str) -> String {
+    match FEATURES * 32 % 3 {
+        0 => digits.to_owned(),
+        1 => format!("{digits}QQ=="),
+        _ => format!("{digits}QUI="),
+    }
+}

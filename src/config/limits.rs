@@ -1,0 +1,81 @@
+//! Limits: how much the server takes on at once, and how long it waits for a client.
+
+use std::time::Duration;
+
+use clap::{Args, Parser};
+
+/// How much at once, and how patient.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Limits")]
+pub struct LimitArgs {
+    /// Connections open at once. One more takes the place of the one that has waited longest for its client's next
+    /// request; if all are at work it is answered 503 and closed
+    #[arg(long, env = "REVISIT_MAX_CONNECTIONS", value_name = "N", default_value_t = 1024, value_parser = positive)]
+    pub max_connections: usize,
+    /// Requests worked on at once; one whose body is still arriving does not count. One more is answered 503 at once.
+    /// From half of them on background work rests, and reads may take three quarters of them
+    #[arg(long, env = "REVISIT_MAX_REQUESTS", value_name = "N", default_value_t = 256, value_parser = positive)]
+    pub max_requests: usize,
+    /// Memory for large bodies that are being received and read, in MiB; one that does not fit is answered 503
+    #[arg(long, env = "REVISIT_MAX_BODY_MEMORY", value_name = "MIB", default_value_t = 512, value_parser = positive)]
+    pub max_body_memory: usize,
+    /// How long a client may take to send a request's head, and to begin with its body, in seconds
+    #[arg(long, env = "REVISIT_HEADER_TIMEOUT", value_name = "S", default_value = "5", value_parser = seconds)]
+    pub header_timeout: Duration,
+    /// How long a connection may stay open without a request, in seconds
+    #[arg(long, env = "REVISIT_KEEP_ALIVE", value_name = "S", default_value = "75", value_parser = seconds)]
+    pub keep_alive: Duration,
+    /// How long a client may send nothing of a body, or take nothing of an answer, in seconds
+    #[arg(long, env = "REVISIT_STALL_TIMEOUT", value_name = "S", default_value = "30", value_parser = seconds)]
+    pub stall_timeout: Duration,
+    /// The least average rate of a body, in bytes a second; time in which the server is not ready for more is not counted
+    #[arg(long, env = "REVISIT_MIN_BODY_RATE", value_name = "BYTES", default_value_t = 1024, value_parser = positive)]
+    pub min_body_rate: usize,
+}
+
+#[derive(Parser)]
+struct OnlyLimits {
+    #[command(flatten)]
+    limits: LimitArgs,
+}
+
+impl LimitArgs {
+    /// These flags, as a command line would give them; for tests and benchmarks.
+    pub fn of<T: AsRef<str>>(flags: &[T]) -> Result<Self, clap::Error> {
+        let line = std::iter::once("revisit").chain(flags.iter().map(AsRef::as_ref));
+        OnlyLimits::try_parse_from(line).map(|parsed| parsed.limits)
+    }
+}
+
+fn positive(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(number) if (1..=1 << 30).contains(&number) => Ok(number),
+        _ => Err("expected a whole number from 1 to 1073741824".to_owned()),
+    }
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if (0.001..=86_400.0).contains(&seconds) => Ok(Duration::from_secs_f64(seconds)),
+        _ => Err("expected seconds, from 0.001 to 86400".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_would_serve_nobody_is_refused() {
+        assert!(LimitArgs::of::<&str>(&[]).is_ok());
+        for flags in [
+            ["--max-connections", "0"],
+            ["--max-requests", "-1"],
+            ["--header-timeout", "0"],
+            ["--keep-alive", "NaN"],
+            ["--min-body-rate", "fast"],
+        ] {
+            assert!(LimitArgs::of(&flags).is_err(), "{flags:?}");
+        }
+    }
+}

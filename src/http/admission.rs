@@ -1,0 +1,86 @@
+//! Admission: who is worked for, and who is told at once to come back.
+//!
+//! What is left out first is told in [`crate::service::pressure`]. A request that is refused has its answer before its
+//! body is there; what arrives of the body meanwhile is thrown away, so that the answer gets through.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::body::Body;
+use axum::extract::{MatchedPath, Request, State};
+use axum::http::Method;
+use axum::http::header::EXPECT;
+use axum::middleware::Next;
+use axum::response::{IntoResponse as _, Response};
+use http_body_util::BodyExt as _;
+use hyper::body::Body as _;
+
+use super::App;
+use super::paced::Paced;
+use super::problem::Problem;
+use crate::service::pressure::Kind;
+
+/// Asked when it matters most how the server is: never refused, and answered out of memory.
+const ALWAYS: [&str; 3] = ["/healthz", "/readyz", "/metrics"];
+/// Questions that come by POST.
+const QUESTIONS: [&str; 4] = [
+    "/v1/maps/{map}/loop-queries",
+    "/v1/semantics/similarity",
+    "/v1/semantics/information",
+    "/v1/semantics/merge",
+];
+/// What is read of the body of a refused request. With more to come the connection is closed.
+const DISCARDED_BYTES: usize = 1 << 20;
+/// And for how long.
+const DISCARDED_FOR: Duration = Duration::from_secs(1);
+
+/// Lets a request in and times its body, or refuses it.
+pub async fn admit(State(app): State<App>, request: Request, next: Next) -> Response {
+    let route = request.extensions().get::<MatchedPath>().map_or("", MatchedPath::as_str);
+    let (kind, what) = kind(request.method(), route);
+    let turn = match app.service.pressure().admit(kind) {
+        Some(turn) => Some(Arc::new(turn)),
+        None if ALWAYS.contains(&route) => None,
+        None => {
+            app.metrics.traffic.shed(what);
+            return shed(request);
+        }
+    };
+    let pace = app.pace;
+    // The turn ends here: an answer on its way out, and a stream of events above all, needs no work.
+    next.run(request.map(|body| Body::new(Paced::new(body, pace, turn)))).await
+}
+
+fn kind(method: &Method, route: &str) -> (Kind, &'static str) {
+    let asks = method == Method::POST && QUESTIONS.contains(&route);
+    if asks || matches!(*method, Method::GET | Method::HEAD | Method::OPTIONS) {
+        (Kind::Read, "read")
+    } else {
+        (Kind::Write, "write")
+    }
+}
+
+fn shed(request: Request) -> Response {
+    throw_away(request);
+    Problem::overloaded("the server has all the work it can do at once").into_response()
+}
+
+/// Reads and forgets some of the body of a request that is answered without it, so that the answer gets through.
+pub fn throw_away(request: Request) {
+    // Who asks before sending does not send.
+    let asks_first = request.headers().contains_key(EXPECT);
+    let body = request.into_body();
+    if !asks_first && !body.is_end_stream() {
+        tokio::spawn(tokio::time::timeout(DISCARDED_FOR, discard(body)));
+    }
+}
+
+async fn discard(mut body: Body) {
+    let mut discarded = 0;
+    while let Some(Ok(frame)) = body.frame().await {
+        discarded += frame.data_ref().map_or(0, bytes::Bytes::len);
+        if discarded > DISCARDED_BYTES {
+            return;
+        }
+    }
+}
