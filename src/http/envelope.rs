@@ -54,7 +54,7 @@ pub async fn envelope(mut request: Request, next: Next) -> Response {
     }
     let (method, uri) = (request.method().clone(), request.uri().clone());
     // At the level of errors, for these must tell their request even if nothing else is logged.
-    let span = tracing::error_span!("request", request_id = %id, %method, route = route_of(&request));
+    let span = tracing::error_span!("request", request_id = %id, %method, route = %route_of(&request));
     let header = |name: &str| Some(request.headers().get(name)?.to_str().ok()?.to_owned());
     let trace = traces::request_span(&id.0, method.as_str(), route_of(&request), header);
     let mut response = next.run(request).instrument(span.clone()).instrument(trace.clone()).await;
