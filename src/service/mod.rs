@@ -31,6 +31,7 @@ use std::sync::Arc;
 
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::task::spawn_blocking;
+use tracing::Instrument as _;
 
 pub use backups::BackupMade;
 use backups::Backups;
@@ -40,8 +41,9 @@ pub use queries::{QueryAnswer, Timings};
 pub use stats::Stats;
 use stats::Waiting;
 
-use crate::config::logging::in_span;
+use crate::config::logging::in_part;
 use crate::config::models::ModelArgs;
+use crate::config::traces;
 use crate::model::ids::MapId;
 use crate::models::Models;
 use crate::models::judge::Judge;
@@ -181,8 +183,9 @@ impl Service {
         let permit = self.writes.clone().acquire_owned().await.map_err(|_| closed())?;
         drop(waits);
         let (deciding, store) = (live.clone(), self.store.clone());
-        let pending =
-            spawn_blocking(in_span(move || deciding.decide(&store, decide))).await.map_err(panicked)??;
+        let pending = spawn_blocking(in_part("decide", move || deciding.decide(&store, decide)))
+            .await
+            .map_err(panicked)??;
         // Whatever was written, an anchor may lack something now.
         self.worker.wake();
         Ok(Begun { live: live.clone(), pending, _permit: permit })
@@ -207,7 +210,7 @@ impl Service {
         let _permit = self.reads.acquire().await.map_err(|_| closed())?;
         drop(waits);
         let reading = live.clone();
-        let (version, value) = spawn_blocking(in_span(move || {
+        let (version, value) = spawn_blocking(in_part("read", move || {
             let state = reading.state()?;
             Ok::<_, ServiceError>((state.version, read(&state)?))
         }))
@@ -243,7 +246,7 @@ struct Begun<T> {
 impl<T> Begun<T> {
     /// Waits until it is on disk.
     async fn committed(self) -> Result<(T, u64), ServiceError> {
-        self.pending.committed(&self.live).await
+        self.pending.committed(&self.live).instrument(traces::part("commit")).await
     }
 }
 
