@@ -92,7 +92,12 @@ async fn a_client_names_no_path_and_waits_for_its_turn() {
         match answer.status {
             201 => taken += 1,
             other => {
-                assert_eq!((other, &answer.json()["code"]), (503, &json!("unavailable")), "{}", answer.text())
+                assert_eq!(
+                    (other, &answer.json()["code"]),
+                    (503, &json!("unavailable")),
+                    "{}",
+                    answer.text()
+                );
             }
         }
     }

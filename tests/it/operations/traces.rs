@@ -68,7 +68,7 @@ fn fields(mut bytes: &[u8]) -> Vec<(u64, Field<'_>)> {
 }
 
 /// The messages in a field.
-fn inner<'a>(message: &'a [u8], number: u64) -> Vec<&'a [u8]> {
+fn inner(message: &[u8], number: u64) -> Vec<&[u8]> {
     let wanted = fields(message).into_iter().filter(|(found, _)| *found == number);
     wanted
         .filter_map(|(_, field)| match field {
@@ -89,7 +89,11 @@ fn text(span: &[u8], number: u64) -> String {
 }
 
 fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    bytes
+        .iter()
+        .flat_map(|byte| [byte >> 4, byte & 0xf])
+        .filter_map(|half| char::from_digit(half.into(), 16))
+        .collect()
 }
 
 #[tokio::test(flavor = "multi_thread")]
