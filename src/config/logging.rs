@@ -46,3 +46,9 @@ pub fn in_span<T>(work: impl FnOnce() -> T) -> impl FnOnce() -> T {
     let span = tracing::Span::current();
     move || span.in_scope(work)
 }
+
+/// The same, as a part of the request's trace.
+pub fn in_part<T>(name: &'static str, work: impl FnOnce() -> T) -> impl FnOnce() -> T {
+    let part = traces::part(name);
+    in_span(move || part.in_scope(work))
+}

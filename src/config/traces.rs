@@ -125,6 +125,11 @@ pub fn request_span(id: &str, method: &str, route: &str, header: impl Fn(&str) -
     span
 }
 
+/// A part of what a request takes its time for, under the span that is entered.
+pub fn part(name: &'static str) -> Span {
+    tracing::info_span!(target: TARGET, "part", otel.name = name)
+}
+
 /// How the request of a span ended.
 pub fn answered(span: &Span, status: u16) {
     span.record("http.response.status_code", status);

@@ -53,10 +53,11 @@ pub async fn envelope(mut request: Request, next: Next) -> Response {
         key.set_sensitive(true);
     }
     let (method, uri) = (request.method().clone(), request.uri().clone());
-    // At the level of errors, for these must tell their request even if nothing else is logged.
-    let span = tracing::error_span!("request", request_id = %id, %method, route = route_of(&request));
     let header = |name: &str| Some(request.headers().get(name)?.to_str().ok()?.to_owned());
     let trace = traces::request_span(&id.0, method.as_str(), route_of(&request), header);
+    // At the level of errors, for these must tell their request even if nothing else is logged.
+    let log = || tracing::error_span!("request", request_id = %id, %method, route = %route_of(&request));
+    let span = trace.in_scope(log);
     let mut response = next.run(request).instrument(span.clone()).instrument(trace.clone()).await;
     let _entered = span.enter();
     if response.status().is_client_error() || response.status().is_server_error() {

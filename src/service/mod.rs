@@ -36,6 +36,7 @@ use std::sync::Arc;
 use tokio::sync::OwnedSemaphorePermit;
 use tokio::task::spawn_blocking;
 use tokio_util::sync::CancellationToken;
+use tracing::Instrument as _;
 
 pub use backups::BackupMade;
 use backups::Backups;
@@ -44,9 +45,10 @@ pub use keyframes::PendingKeyframe;
 pub use queries::{QueryAnswer, Timings};
 pub use stats::Stats;
 
-use crate::config::logging::in_span;
+use crate::config::logging::in_part;
 use crate::config::models::ModelArgs;
 use crate::config::quotas::Quotas;
+use crate::config::traces;
 use crate::model::ids::MapId;
 use crate::models::Models;
 use crate::models::port::Model;
@@ -258,15 +260,15 @@ impl Service {
     async fn begin_within<T: Send + 'static>(
         &self,
         permit: OwnedSemaphorePermit,
-
         live: &Arc<LiveMap>,
         decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
     ) -> Result<Begun<T>, ServiceError> {
         // One at a time takes a thread to wait for the map's lock; the others wait here, where waiting costs nothing.
         let _lane = live.lane.lock().await;
         let (deciding, store) = (live.clone(), self.store.clone());
-        let pending =
-            spawn_blocking(in_span(move || deciding.decide(&store, decide))).await.map_err(panicked)??;
+        let pending = spawn_blocking(in_part("decide", move || deciding.decide(&store, decide)))
+            .await
+            .map_err(panicked)??;
         // Whatever was written, an anchor may lack something now.
         self.worker.wake();
         Ok(Begun { live: live.clone(), pending, _permit: permit })
@@ -298,7 +300,7 @@ impl Service {
     ) -> Result<(u64, T), ServiceError> {
         let permit = self.reads.enter().await?;
         let reading = live.clone();
-        let (version, value) = spawn_blocking(in_span(move || {
+        let (version, value) = spawn_blocking(in_part("read", move || {
             let state = reading.state()?;
             Ok::<_, ServiceError>((state.version, read(&state)?))
         }))
@@ -336,7 +338,7 @@ struct Begun<T> {
 impl<T> Begun<T> {
     /// Waits until it is on disk.
     async fn committed(self) -> Result<(T, u64), ServiceError> {
-        self.pending.committed(&self.live).await
+        self.pending.committed(&self.live).instrument(traces::part("commit")).await
     }
 }
 

@@ -13,7 +13,7 @@ use super::keyframes::find;
 use super::live::LiveMap;
 use super::words::check_vocabulary;
 use super::{Service, ServiceError, milliseconds_since, panicked};
-use crate::config::logging::in_span;
+use crate::config::logging::in_part;
 use crate::model::bow::BowVector;
 use crate::model::ids::{KeyframeId, MapId};
 use crate::model::request::{LoopQuery, Subject};
@@ -101,7 +101,9 @@ impl Service {
             // Verification keeps a core busy; it waits its turn, off the async threads and without the map's lock.
             let _permit = self.reads.enter().await?;
             let seed = query.seed;
-            spawn_blocking(in_span(move || conclude(screening, &features, seed))).await.map_err(panicked)?
+            spawn_blocking(in_part("verify", move || conclude(screening, &features, seed)))
+                .await
+                .map_err(panicked)?
         };
         timings.geometry_ms = milliseconds_since(started.into_std());
         let keyframe = match &query.subject {

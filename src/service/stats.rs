@@ -99,3 +99,26 @@ impl Service {
         stats
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::model::map::MapProperties;
+    use crate::service::live::Decision;
+    use crate::service::{Service, ServiceOptions};
+
+    #[tokio::test(flavor = "multi_thread")]
+    async fn figures_are_told_while_a_request_holds_a_map() {
+        let folder = tempfile::tempdir().unwrap();
+        let database = format!("sqlite://{}/stats.db", folder.path().display());
+        let service = Service::open(ServiceOptions::on(database)).await.unwrap();
+        let id = "hotel".parse().unwrap();
+        service.put_map(id, MapProperties::default()).await.unwrap();
+        let live = service.live(&"hotel".parse().unwrap()).await.unwrap();
+        // Under the map's lock: if the figures waited for it, this would never end.
+        let within = service.clone();
+        let told = service.change(&live, move |_| Ok(Decision::Unchanged(within.stats()))).await.unwrap().0;
+        assert_eq!((told.maps, told.writes_under_way), (1, 1));
+        assert!(told.wal_bytes > 0);
+        service.close().await;
+    }
+}

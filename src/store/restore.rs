@@ -65,7 +65,7 @@ pub async fn restore(
 fn put_aside(target: &DatabaseFiles) -> Result<PathBuf, StoreError> {
     let second = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
     let name = |number: u64| target.beside(&format!(".before-{number}"));
-    let kept = (second..).map(name).find(|name| !name.exists()).unwrap_or_else(|| name(second));
+    let kept = (second..second + 1_000).map(name).find(|name| !name.exists()).unwrap_or_else(|| name(second));
     let kept = DatabaseFiles::of_path(&kept);
     let failed = |path: &Path| {
         let path = path.to_owned();

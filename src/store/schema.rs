@@ -103,6 +103,6 @@ mod tests {
         drop(db);
         // And the right one can still be applied.
         migrate(&pool).await.unwrap();
-        assert_eq!(version(&mut *pool.acquire().await.unwrap()).await.unwrap(), newest());
+        assert_eq!(version(&mut pool.acquire().await.unwrap()).await.unwrap(), newest());
     }
 }

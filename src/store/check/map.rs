@@ -45,7 +45,7 @@ pub(super) async fn check(db: &mut SqliteConnection, id: &MapId) -> MapCheck {
             }
         }
         Ok(None) => {
-            found.faults.push("it is in the list of maps, but cannot be found by its name".to_owned())
+            found.faults.push("it is in the list of maps, but cannot be found by its name".to_owned());
         }
         Err(error) => found.faults.push(error.to_string()),
     }

@@ -71,7 +71,7 @@ pub async fn check(files: &DatabaseFiles) -> Result<Checked, StoreError> {
     };
     let mut transaction = db.begin().await?;
     let mut checked = check_all(&mut transaction).await;
-    if let (true, Ok(checked)) = (is_closed, &mut checked) {
+    if let (true, Ok(checked @ Checked { holds: Some(_), .. })) = (is_closed, &mut checked) {
         note(&mut checked.faults, wrong_length(&mut transaction, files.database()).await);
     }
     transaction.rollback().await?;

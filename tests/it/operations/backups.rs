@@ -115,6 +115,10 @@ async fn what_is_restored_is_served_and_what_was_there_is_kept_whole() {
     assert_eq!(server.api().get("/v1/maps/tower/keyframes/kf-1").await.status, 404);
     put(&server, 1).await;
     assert!(server.terminate().success());
+    assert!(
+        !names(folder.path()).contains("revisit.db-wal"),
+        "a clean stop brings the log into the database"
+    );
     assert_eq!(checked(&database).await.all_faults().collect::<Vec<_>>(), Vec::<String>::new());
 }
 

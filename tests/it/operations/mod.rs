@@ -3,7 +3,11 @@
 mod backups;
 mod checks;
 mod fixtures;
+mod logs;
+mod metrics;
 mod migrations;
+mod served_backups;
+mod traces;
 
 use std::collections::BTreeSet;
 use std::path::Path;
