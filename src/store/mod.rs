@@ -32,6 +32,7 @@ use sqlx::sqlite::{
     SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
 };
 
+pub use blob::unpacks;
 pub use committer::{CommitStats, Committer, Line};
 pub use error::StoreError;
 pub use load::Loaded;
