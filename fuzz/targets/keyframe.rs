@@ -13,7 +13,12 @@ fuzz_target!(|bytes: &[u8]| {
             assert!(at.into_iter().all(f64::is_finite), "{at:?}");
             assert_eq!(weights.len(), sent.keyframe.bow.words().len());
             assert!(sent.keyframe.detections.iter().all(|d| d.box_px.iter().all(|x| x.is_finite())));
-            assert!(sent.keyframe.map_points.iter().all(|(_, p)| p.x.is_finite() && p.y.is_finite() && p.z.is_finite()));
+            assert!(
+                sent.keyframe
+                    .map_points
+                    .iter()
+                    .all(|(_, p)| p.x.is_finite() && p.y.is_finite() && p.z.is_finite())
+            );
             let again = syntax::parse(body.to_string().as_bytes()).expect("JSON of ours");
             assert_eq!(keyframe::named(&again, &id).map(|sent| sent.digest), Ok(sent.digest));
         }

@@ -9,7 +9,9 @@ fuzz_target!(|content: &str| {
         assert!((1..=5).contains(&level));
         assert!(reason.is_none_or(|reason| reason.chars().count() <= 200));
     }
-    for text in [parse::text(content), parse::look(content), parse::next_question(content)].into_iter().flatten() {
+    for text in
+        [parse::text(content), parse::look(content), parse::next_question(content)].into_iter().flatten()
+    {
         assert!(text.chars().count() <= 2000);
         assert_eq!(revisit::semantics::clean(&text), text);
     }

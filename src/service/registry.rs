@@ -60,7 +60,10 @@ impl Registry {
                 }
             }
         }
-        Err(ServiceError::Unavailable { detail: "writes to this map keep failing".to_owned(), retry_after_s: 1 })
+        Err(ServiceError::Unavailable {
+            detail: "writes to this map keep failing".to_owned(),
+            retry_after_s: 1,
+        })
     }
 
     /// A new map is in memory from now on.

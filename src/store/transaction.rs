@@ -52,7 +52,9 @@ impl Transaction {
     /// Takes back what was done, or notices that SQLite has done so.
     pub(super) async fn roll_back(mut self) {
         let nothing_to_do = |error: &sqlx::Error| {
-            error.as_database_error().is_some_and(|error| error.message().contains("no transaction is active"))
+            error
+                .as_database_error()
+                .is_some_and(|error| error.message().contains("no transaction is active"))
         };
         match sqlx::query("rollback").execute(&mut *self).await {
             Ok(_) => self.connection = None,
