@@ -151,7 +151,7 @@ impl Service {
         let (_, seq) = self.read(&live, move |state| find(&state.index, &name)).await?;
         let row = self.keyframe_row(&live, id, seq).await?;
         let name = id.clone();
-        self.read(&live, move |state| record(&state.index, &name, seq, row)).await
+        self.read(&live, move |state| record(&state.index, &name, seq, row.clone())).await
     }
 
     /// Culls a keyframe; anchors and covisibility follow.

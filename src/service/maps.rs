@@ -108,7 +108,7 @@ impl Service {
 
     async fn report_map(&self, live: &std::sync::Arc<LiveMap>) -> Result<MapReport, ServiceError> {
         let id = live.id.clone();
-        let (_, report) = self.read(live, move |state| Ok(report(id, state))).await?;
+        let (_, report) = self.read(live, move |state| Ok(report(id.clone(), state))).await?;
         Ok(report)
     }
 }
