@@ -168,7 +168,9 @@ impl Service {
             }
             Ok(Decision::Changed((), cull_keyframe(index, seq, Arc::new(bow)), None))
         };
-        Ok(self.free(&live, decide).await?.1)
+        let ((), version) = self.free(&live, decide).await?;
+        self.features.forget(live.key, seq).await;
+        Ok(version)
     }
 
     /// The keyframes covisible with one, each with its number of shared points, most first.

@@ -103,6 +103,7 @@ impl Service {
         let deleted = live.delete(&self.store)?.await.map_err(|_| StoreError::Closed)?;
         // Whether it worked or not, the disk is what counts from here on.
         self.registry.remove(id);
+        self.features.forget_map(live.key).await;
         Ok(deleted?)
     }
 
