@@ -3,7 +3,7 @@
 //! | concept | file |
 //! |---|---|
 //! | opening, pragmas, migrations | this file, [`schema`] |
-//! | one writer, group commit | [`committer`] |
+//! | one writer, group commit | [`committer`], [`writer`] |
 //! | from changes to rows | [`mod@write`], [`keyframe_rows`] |
 //! | from rows to changes, when a map is first asked for | [`load`] |
 //! | what models said, and what it cost | [`model_rows`] |
@@ -24,6 +24,7 @@ mod reserve;
 mod schema;
 mod transaction;
 mod write;
+mod writer;
 
 use std::str::FromStr;
 use std::time::Duration;
