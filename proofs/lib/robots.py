@@ -297,8 +297,8 @@ class Audit:
                 return ids
             cursor = f"&cursor={page['next_cursor']}"
 
-    def check(self, robot, moment=None):
-        """Every key has a state that it may have at a moment (None: now)."""
+    def check(self, robot, moment=None, settle=True):
+        """Every key has a state that it may have at a moment (None: now). `settle`: what is found is there to stay."""
         may, actual = {}, {}
         for write in robot.history:
             if moment is not None and write.sent > moment:
@@ -319,14 +319,14 @@ class Audit:
             if moment is not None and write.sent > moment:
                 continue
             if write.states and not (write.acknowledged and (moment is None or write.acknowledged <= moment)):
-                self.doubt(robot, write, may, actual)
+                self.doubt(robot, write, may, actual, settle)
         for name, version in robot.versions.items() if moment is None else ():
             answer = self.client.ask("GET", f"/v1/maps/{name}")
             if answer.status == 200 and answer.json()["map_version"] < version:
                 self.wrong.append(f"{name}: version {answer.json()['map_version']} after {version}")
         return actual
 
-    def doubt(self, robot, write, may, actual):
+    def doubt(self, robot, write, may, actual, settle):
         last = {key: states[-1][0] is write for key, states in may.items() if key in write.states}
         if not all(last.values()):
             return  # Something came after it.
@@ -335,8 +335,8 @@ class Audit:
             self.wrong.append(f"{robot.robot}: {write.what} {list(write.states)} is there in part")
         elif there == {True}:
             self.found += 1
-            # A kill settles what was in doubt.
-            write.acknowledged = write.acknowledged or robot.clock()
+            if settle:
+                write.acknowledged = write.acknowledged or robot.clock()
         else:
             self.absent += 1
 

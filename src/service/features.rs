@@ -83,6 +83,19 @@ impl FeatureCache {
         Ok(prepared.map(Arc::new))
     }
 
+    /// Nobody asks for a keyframe that is gone: its room is for others.
+    pub async fn forget(&self, map: MapKey, keyframe: KeyframeSeq) {
+        self.cache.invalidate(&(map, keyframe)).await;
+    }
+
+    /// The same for a whole map.
+    pub async fn forget_map(&self, map: MapKey) {
+        let of_map: Vec<_> = self.cache.iter().map(|(key, _)| *key).filter(|(of, _)| *of == map).collect();
+        for key in of_map {
+            self.cache.invalidate(&key).await;
+        }
+    }
+
     async fn read_one(
         &self,
         store: &Store,

@@ -169,7 +169,7 @@ impl Service {
         let (_, seq) = self.read(&live, move |state| find(&state.index, &name)).await?;
         let row = self.keyframe_row(&live, id, seq).await?;
         let name = id.clone();
-        self.read(&live, move |state| record(&state.index, &name, seq, row)).await
+        self.read(&live, move |state| record(&state.index, &name, seq, row.clone())).await
     }
 
     /// Culls a keyframe; anchors and covisibility follow.
@@ -186,7 +186,9 @@ impl Service {
             }
             Ok(Decision::Changed((), cull_keyframe(index, seq, Arc::new(bow)), None))
         };
-        Ok(self.free(&live, decide).await?.1)
+        let ((), version) = self.free(&live, decide).await?;
+        self.features.forget(live.key, seq).await;
+        Ok(version)
     }
 
     /// The keyframes covisible with one, each with its number of shared points, most first.

@@ -116,12 +116,13 @@ impl Service {
         let deleted = live.delete(&self.store)?.await.map_err(|_| StoreError::Closed)?;
         // Whether it worked or not, the disk is what counts from here on.
         self.registry.remove(id);
+        self.features.forget_map(live.key).await;
         Ok(deleted?)
     }
 
     async fn report_map(&self, live: &std::sync::Arc<LiveMap>) -> Result<MapReport, ServiceError> {
         let id = live.id.clone();
-        let (_, report) = self.read(live, move |state| Ok(report(id, state))).await?;
+        let (_, report) = self.read(live, move |state| Ok(report(id.clone(), state))).await?;
         Ok(report)
     }
 }

@@ -74,6 +74,9 @@ const READS_PER_CORE: usize = 2;
 /// At most so many wait for either; the pressure of requests bounds them first, unless the operator allows many.
 const WAITING_MAX: usize = 1024;
 
+/// How often a read looks again because a write that it had seen failed.
+const READ_AGAIN_MAX: usize = 3;
+
 /// How to open the service.
 #[derive(Clone, Debug)]
 pub struct ServiceOptions {
@@ -292,17 +295,42 @@ impl Service {
         self.begin_freeing(live, decide).await?.committed().await
     }
 
-    /// Reads the index off the async threads, and waits until what was read is on disk.
+    /// Reads the index off the async threads, and waits until what was read is on disk. If it never will be, because the
+    /// write failed, the map as it is on disk is read instead: reads go on when writes do not.
     async fn read<T: Send + 'static>(
         &self,
         live: &Arc<LiveMap>,
-        read: impl FnOnce(&State) -> Result<T, ServiceError> + Send + 'static,
+        read: impl Fn(&State) -> Result<T, ServiceError> + Send + Sync + 'static,
+    ) -> Result<(u64, T), ServiceError> {
+        let (read, mut live) = (Arc::new(read), live.clone());
+        let mut again = READ_AGAIN_MAX;
+        loop {
+            let looking = read.clone();
+            let on_disk = self.look(&live, move |state| looking(state)).await;
+            if on_disk.is_ok() || !live.is_broken() || again == 0 {
+                return on_disk;
+            }
+            again -= 1;
+            let anew = self.live(&live.id).await?;
+            if anew.key != live.key {
+                // Another map of this name: the question was about the one that is gone.
+                return on_disk;
+            }
+            live = anew;
+        }
+    }
+
+    /// [`Self::read`] for those who look again by themselves.
+    async fn look<T: Send + 'static>(
+        &self,
+        live: &Arc<LiveMap>,
+        look: impl FnOnce(&State) -> Result<T, ServiceError> + Send + 'static,
     ) -> Result<(u64, T), ServiceError> {
         let permit = self.reads.enter().await?;
-        let reading = live.clone();
+        let looking = live.clone();
         let (version, value) = spawn_blocking(in_part("read", move || {
-            let state = reading.state()?;
-            Ok::<_, ServiceError>((state.version, read(&state)?))
+            let state = looking.state()?;
+            Ok::<_, ServiceError>((state.version, look(&state)?))
         }))
         .await
         .map_err(panicked)??;

@@ -240,7 +240,7 @@ impl Round {
         }
         let mut settled = std::mem::take(&mut board.settled);
         let left_alone: HashSet<Lack> = board.left_alone(now);
-        let looked = self.service.read(live, move |state| {
+        let looked = self.service.look(live, move |state| {
             let passed_over = |lack: &Lack| left_alone.contains(lack);
             let found = lacking(&state.index, abilities, &mut settled, BATCH, passed_over);
             Ok((state.version, found, settled, state.index.model_away()))

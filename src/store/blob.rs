@@ -61,3 +61,21 @@ pub(super) fn unpack<T: Packed>(bytes: &[u8]) -> Result<Vec<T>, StoreError> {
 pub(super) fn unpack_array<T: Packed, const N: usize>(bytes: &[u8]) -> Result<[T; N], StoreError> {
     unpack(bytes)?.try_into().map_err(|_| StoreError::corrupt("a packed list has another length"))
 }
+
+/// Unpacks a blob as every kind of list that rows have, for fuzzing: what fits reads back, and nothing panics.
+///
+/// # Panics
+/// If a list that was unpacked is packed into other bytes.
+pub fn unpacks(bytes: &[u8]) {
+    fn check<T: Packed>(bytes: &[u8]) {
+        if let Ok(list) = unpack::<T>(bytes) {
+            assert_eq!(pack(list), bytes);
+        }
+    }
+    check::<u32>(bytes);
+    check::<i64>(bytes);
+    check::<f64>(bytes);
+    check::<(u32, u32)>(bytes);
+    check::<((f64, f64), (f64, u8))>(bytes);
+    let _ = unpack_array::<f64, 7>(bytes);
+}

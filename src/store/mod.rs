@@ -3,7 +3,7 @@
 //! | concept | file |
 //! |---|---|
 //! | opening, pragmas, migrations | this file, [`schema`] |
-//! | one writer, group commit | [`committer`] |
+//! | one writer, group commit | [`committer`], [`writer`] |
 //! | from changes to rows | [`mod@write`], [`keyframe_rows`] |
 //! | from rows to changes, when a map is first asked for | [`load`] |
 //! | what models said, and what it cost | [`model_rows`] |
@@ -34,6 +34,7 @@ pub mod restore;
 mod schema;
 mod transaction;
 mod write;
+mod writer;
 
 use std::str::FromStr;
 use std::sync::Arc;
@@ -43,6 +44,7 @@ use sqlx::sqlite::{
     SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
 };
 
+pub use blob::unpacks;
 pub use committer::{CommitStats, Committer, Line};
 pub use error::StoreError;
 use files::DatabaseFiles;

@@ -15,7 +15,7 @@ use crate::model::keyframe::{Crop, Detection, Features, Keypoint};
 use crate::model::request::Digest;
 
 /// What only the store keeps of a keyframe.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct KeyframeRow {
     /// Its bag of words.
     pub bow: BowVector,
@@ -30,7 +30,7 @@ pub struct KeyframeRow {
 }
 
 /// A detection and what became of it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct DetectionRow {
     /// As sent; its position as last corrected, without the crop.
     pub detection: Detection,

@@ -16,14 +16,9 @@ const RESERVE_BYTES: u64 = 32 << 20;
 /// ... which on a small disk is this part of it.
 const PART_OF_DISK: u64 = 8;
 
-/// What must be free beside the reserve before writes go on, as a part of it.
-const ROOM_PART: u64 = 4;
-
-/// The log is brought home when it has so many pages (what SQLite does by itself), ...
-const LOG_PAGES: u64 = 1000;
-
-/// ... or this part of the reserve: the database's file grows by no more than the log, and a group may be on top.
-const LOG_PART: u64 = 2;
+/// The log is brought home when it is this part of the reserve: the database's file grows by no more than the log, and a
+/// large group may be on top. So much must be free beside the reserve before writes go on.
+const LOG_PART: u64 = 4;
 
 /// The space kept.
 #[derive(Clone, Debug)]
@@ -45,7 +40,7 @@ impl Reserve {
 
     /// How long the write-ahead log may get, in pages of so many bytes, for the reserve to take it.
     pub(super) fn log_pages(&self, page_bytes: u32) -> u64 {
-        (self.bytes / LOG_PART / u64::from(page_bytes)).clamp(1, LOG_PAGES)
+        (self.bytes / LOG_PART / u64::from(page_bytes)).max(1)
     }
 
     /// Makes sure that the space is kept. False if the disk has not got it.
@@ -86,7 +81,7 @@ impl Reserve {
     /// Is there room beside the reserve?
     pub(super) fn is_room(&self) -> bool {
         let disk = statvfs(folder(&self.path));
-        disk.map_or(true, |disk| disk.f_bavail.saturating_mul(disk.f_frsize) >= self.bytes / ROOM_PART)
+        disk.map_or(true, |disk| disk.f_bavail.saturating_mul(disk.f_frsize) >= self.bytes / LOG_PART)
     }
 }
 

@@ -85,3 +85,58 @@ impl Drop for Transaction {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
+
+    use super::*;
+
+    async fn one_connection(folder: &tempfile::TempDir) -> SqlitePool {
+        let options =
+            SqliteConnectOptions::new().filename(folder.path().join("test.db")).create_if_missing(true);
+        let options = options.journal_mode(sqlx::sqlite::SqliteJournalMode::Wal);
+        SqlitePoolOptions::new().max_connections(1).connect_with(options).await.expect("a pool")
+    }
+
+    async fn count(pool: &SqlitePool) -> i64 {
+        let mut reading = Transaction::read(pool).await.expect("a transaction");
+        let count = sqlx::query_scalar("select count(*) from t").fetch_one(&mut *reading).await;
+        reading.commit().await.expect("its end");
+        count.expect("a count")
+    }
+
+    async fn add(pool: &SqlitePool) {
+        let mut writing = Transaction::write(pool).await.expect("a transaction");
+        sqlx::query("insert into t values (1)").execute(&mut *writing).await.expect("a row");
+        writing.commit().await.expect("its end");
+    }
+
+    #[tokio::test]
+    async fn a_connection_that_sqlite_rolled_back_by_itself_goes_on() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let pool = one_connection(&folder).await;
+        sqlx::query("create table t (a)").execute(&pool).await.expect("a table");
+        for round in 0..3 {
+            let mut failed = Transaction::write(&pool).await.expect("a transaction");
+            sqlx::query("insert into t values (0)").execute(&mut *failed).await.expect("a row");
+            // What SQLite does after an error of the disk.
+            sqlx::query("rollback").execute(&mut *failed).await.expect("a rollback");
+            assert!(failed.commit().await.is_err());
+            add(&pool).await;
+            assert_eq!(count(&pool).await, round + 1, "nothing of the failed one, and no old snapshot");
+        }
+    }
+
+    #[tokio::test]
+    async fn a_transaction_nobody_ended_leaves_nothing() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let pool = one_connection(&folder).await;
+        sqlx::query("create table t (a)").execute(&pool).await.expect("a table");
+        let mut dropped = Transaction::write(&pool).await.expect("a transaction");
+        sqlx::query("insert into t values (0)").execute(&mut *dropped).await.expect("a row");
+        drop(dropped);
+        add(&pool).await;
+        assert_eq!(count(&pool).await, 1);
+    }
+}

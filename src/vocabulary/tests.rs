@@ -151,6 +151,10 @@ fn bad_text_is_refused_with_its_line() {
     check("10 6  0 1", "line 1 of the vocabulary: weighting 1 (TF) is not supported, only 0 (TF-IDF)");
     check("0 6  0 0", "line 1 of the vocabulary: k = 0 and L = 6; k must lie in 1..=65536, L in 1..=64");
     check("10 65  0 0", "line 1 of the vocabulary: k = 10 and L = 65; k must lie in 1..=65536, L in 1..=64");
+    check(
+        &format!("{} 6 0 0", "1".repeat(40)),
+        "line 1 of the vocabulary: expected the header `k L  scoring weighting`, four whole numbers",
+    );
     check(header, "the vocabulary is no tree of words: it has no words");
     let node = |lines: &str, expected: &str| check(&format!("{header}\n{lines}"), expected);
     let expects = "expected `parent isLeaf d0 ... dN  weight`;";

@@ -40,7 +40,7 @@ use recording::Recording;
 use report::Report;
 
 pub use overrides::{Overrides, Setting};
-pub use recording::LineError;
+pub use recording::{LineError, count_operations};
 
 /// Play a recording and score the loops found.
 ///

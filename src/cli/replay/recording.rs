@@ -184,5 +184,16 @@ fn malformed(error: &serde_json::Error) -> Fault {
     })
 }
 
+/// How many operations these bytes hold, each of them read: the whole of what a recording can contain, for tools that check
+/// one, and for fuzzing.
+pub fn count_operations(bytes: impl Read + Send + 'static) -> io::Result<usize> {
+    let mut count = 0;
+    for line in Recording::new(bytes, MAX_LINE_BYTES)? {
+        line.map_err(io::Error::other)?;
+        count += 1;
+    }
+    Ok(count)
+}
+
 #[cfg(test)]
 mod tests;

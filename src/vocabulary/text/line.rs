@@ -72,8 +72,9 @@ fn whole(rest: &mut &[u8]) -> Option<u64> {
     let mut value: u64 = 0;
     let mut digits = 0;
     while let [digit @ b'0'..=b'9', after @ ..] = bytes {
-        value = value * 10 + u64::from(digit - b'0');
-        digits += 1;
+        // Digits too many are refused below, whatever they would make.
+        value = value.wrapping_mul(10).wrapping_add(u64::from(digit - b'0'));
+        digits += 1_u64;
         bytes = after;
     }
     let ends = bytes.first().is_none_or(u8::is_ascii_whitespace);

@@ -1,0 +1,25 @@
+//! The other bodies: maps and their settings, poses, loops, queries, anchors, texts.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use revisit::model::map::MapProperties;
+use revisit::model::request::{LoopQuery, MapPatch, NewLoop, PoseCorrection};
+use revisit::wire::anchor::AnchorPatch;
+use revisit::wire::semantics::{OneText, TextPair};
+use revisit::wire::{read, syntax};
+
+fuzz_target!(|bytes: &[u8]| {
+    let Some((kind, bytes)) = bytes.split_first() else { return };
+    let Ok(body) = syntax::parse(bytes) else { return };
+    let faults = match kind % 8 {
+        0 => read::decode::<MapProperties>(&body).err(),
+        1 => read::decode::<MapPatch>(&body).err(),
+        2 => read::decode::<PoseCorrection>(&body).err(),
+        3 => read::decode::<NewLoop>(&body).err(),
+        4 => read::decode::<LoopQuery>(&body).err(),
+        5 => read::decode::<AnchorPatch>(&body).err(),
+        6 => read::decode::<TextPair>(&body).err(),
+        _ => read::decode::<OneText>(&body).err(),
+    };
+    assert!(faults.is_none_or(|faults| !faults.is_empty()));
+});

@@ -1,0 +1,16 @@
+//! Lines of a bulk request, as the body arrives cut in any pieces: each is a keyframe or a list of faults.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use revisit::wire::{bulk, syntax};
+
+fuzz_target!(|bytes: &[u8]| {
+    for line in bytes.split(|byte| *byte == b'\n') {
+        let Ok(line) = syntax::parse(line) else { continue };
+        let id = bulk::line_id(&line);
+        match bulk::decode(line) {
+            Ok(sent) => assert_eq!(id, Some(sent.keyframe.id.to_string())),
+            Err(faults) => assert!(!faults.is_empty()),
+        }
+    }
+});

@@ -1,0 +1,27 @@
+//! Any JSON is a keyframe, with every number finite, or a list of faults; the same body has the same digest.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use revisit::wire::{keyframe, syntax};
+
+fuzz_target!(|bytes: &[u8]| {
+    let Ok(body) = syntax::parse(bytes) else { return };
+    let id = "kf-1".parse().expect("an id");
+    match keyframe::named(&body, &id) {
+        Ok(sent) => {
+            let (weights, at) = (sent.keyframe.bow.weights(), sent.keyframe.map_from_camera.translation_m());
+            assert!(at.into_iter().all(f64::is_finite), "{at:?}");
+            assert_eq!(weights.len(), sent.keyframe.bow.words().len());
+            assert!(sent.keyframe.detections.iter().all(|d| d.box_px.iter().all(|x| x.is_finite())));
+            assert!(
+                sent.keyframe
+                    .map_points
+                    .iter()
+                    .all(|(_, p)| p.x.is_finite() && p.y.is_finite() && p.z.is_finite())
+            );
+            let again = syntax::parse(body.to_string().as_bytes()).expect("JSON of ours");
+            assert_eq!(keyframe::named(&again, &id).map(|sent| sent.digest), Ok(sent.digest));
+        }
+        Err(faults) => assert!(!faults.is_empty()),
+    }
+});

@@ -1,0 +1,15 @@
+//! Packed lists in rows, and base64 in bodies.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use revisit::store::unpacks;
+use revisit::wire::{base64, read};
+
+fuzz_target!(|bytes: &[u8]| {
+    unpacks(bytes);
+    if let Ok(text) = str::from_utf8(bytes) {
+        let _ = read::decode_with(&text.into(), base64::decode);
+    }
+    let decoded = read::decode_with(&base64::encode(bytes).into(), base64::decode);
+    assert_eq!(decoded.as_deref(), Ok(bytes));
+});
