@@ -109,9 +109,8 @@ impl Answer {
                 Err(problem) => return self.refused(number, None, problem).await,
             };
             if number > LINES_MAX {
-                let detail =
-                    format!("a bulk request has at most {LINES_MAX} lines; the rest is not stored");
-                return self.refused(number, None, Problem::new(Kind::TOO_LARGE, detail)).await;
+                let detail = format!("a bulk request has at most {LINES_MAX} lines; the rest is not stored");
+                return self.broken_off(number, detail, lines).await;
             }
             let text = match line {
                 Line::Text(text) if text.trim_ascii().is_empty() => continue,
@@ -127,14 +126,14 @@ impl Answer {
             };
             if self.refusals_bytes > REFUSALS_BYTES {
                 let detail = "too many lines were refused; the rest is not stored";
-                return self.refused(number, None, Problem::new(Kind::TOO_LARGE, detail)).await;
+                return self.broken_off(number, detail, lines).await;
             }
             if self.items == limits::BULK_ITEMS {
                 let detail = format!(
                     "a bulk request has at most {} items; the rest is not stored",
                     limits::BULK_ITEMS
                 );
-                return self.refused(number, None, Problem::new(Kind::TOO_LARGE, detail)).await;
+                return self.broken_off(number, detail, lines).await;
             }
             self.items += 1;
             let text = Text::line(text, lines.becomes_at_most());
@@ -146,6 +145,12 @@ impl Answer {
                 self.oldest_committed().await;
             }
         }
+    }
+
+    /// Refuses what is left of the request.
+    async fn broken_off(&mut self, number: usize, detail: impl Into<String>, mut lines: Lines) {
+        self.refused(number, None, Problem::new(Kind::TOO_LARGE, detail)).await;
+        lines.discard().await;
     }
 
     /// Answers the oldest line that is under way, once it is on disk.

@@ -16,6 +16,8 @@ use crate::wire::limits::{BULK_BYTES, LINE_BYTES};
 
 /// What is compressed well is inflated without ever waiting; after so many bytes others get their turn.
 const YIELD_BYTES: usize = 256 << 10;
+/// What is read of the rest once a body is given up.
+const DISCARDED_BYTES: usize = 16 << 20;
 /// Lines up to this take memory without asking.
 const UNCOUNTED_BYTES: usize = 256 << 10;
 
@@ -95,6 +97,15 @@ impl Lines {
             if !self.fill().await? {
                 return Ok(self.rest());
             }
+        }
+    }
+
+    /// Throws away some of what follows, so that a client that is still sending gets to see the answer.
+    pub async fn discard(&mut self) {
+        let mut left = DISCARDED_BYTES;
+        while left > 0 {
+            let Some(Ok(frame)) = self.body.frame().await else { return };
+            left = left.saturating_sub(frame.data_ref().map_or(0, Bytes::len));
         }
     }
 
