@@ -25,7 +25,7 @@ use mix::Mix;
 use wire::Connection;
 
 /// Clients tried in search of the peak.
-const CLIENTS: [usize; 5] = [4, 12, 32, 64, 128];
+const CLIENTS: [usize; 5] = [4, 16, 48, 96, 180];
 /// Connections of the overload; more than the server works on at once.
 const CONNECTIONS: usize = 900;
 const TIMES: f64 = 4.0;
