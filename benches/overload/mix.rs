@@ -1,7 +1,7 @@
 //! Mix: what a fleet asks. Of ten requests five bring a keyframe with words and features, three ask whether one is a
 //! loop, two read.
 
-use serde_json::json;
+use std::fmt::Write as _;
 
 /// Words of a keyframe.
 const WORDS: u64 = 300;
@@ -68,33 +68,31 @@ pub fn request(method: &str, path: &str, body: &str) -> Vec<u8> {
 
 fn keyframe(place: u64) -> String {
     // Neighbours share words; the numbers are arbitrary and always the same.
-    let words: Vec<u64> = (0..WORDS).map(|word| place * 25 + word * 3).collect();
-    let keypoints: Vec<_> = (0..FEATURES).map(|n| json!([n * 37 % 640, n * 53 % 480, n % 8])).collect();
-    let descriptors: String = "QUJDREVGR0hJSktMTU5PUFFSU1RVVldYWVphYmNkZWZnaGlqa2xtbm9wcXJzdHV2"
-        .chars()
-        .cycle()
-        .take(FEATURES as usize * 32 * 4 / 3 / 4 * 4)
-        .collect();
-    let text = json!({
-        "session": format!("robot-{}", place % 4),
-        "stamp": {"sec": place, "nanosec": 0},
-        "pose": {"translation": {"x": place as f64 * 0.5, "y": 0.0, "z": 0.0},
-                 "rotation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}},
-        "camera": {"fx": 525, "fy": 525, "cx": 320, "cy": 240, "width": 640, "height": 480},
-        "bow": {"words": words, "weights": vec![1.0; WORDS as usize]},
-        "features": {"descriptor_bytes": 32, "descriptors": padded(&descriptors), "keypoints": keypoints,
-                     "map_points": vec![-1; FEATURES as usize]},
-        "detections": [{"class": "door_number", "confidence": 0.9, "box": [10, 10, 60, 40],
-                        "position": [place as f64 * 0.5, 1.0, 2.0], "text": format!("{}", 100 + place)}],
-    });
-    text.to_string()
+    let words = list(WORDS, |word| (place * 25 + word * 3).to_string());
+    let weights = list(WORDS, |_| "1".to_owned());
+    let keypoints = list(FEATURES, |n| format!("[{},{},{}]", n * 37 % 640, n * 53 % 480, n % 8));
+    let points = list(FEATURES, |_| "-1".to_owned());
+    let descriptors = "QUJDREVGR0hJSktMTU5PUFFSU1RVVldYWVphYmNkZWZn".chars().cycle();
+    // Three bytes are four digits; what is left over is said by the last ones.
+    let digits: String = descriptors.take((FEATURES * 32 / 3 * 4) as usize).collect();
+    let rest = ["", "QQ==", "QUI="][(FEATURES * 32 % 3) as usize];
+    let (x, session, number) = (place as f64 * 0.5, place % 4, 100 + place);
+    format!(
+        r#"{{"session":"robot-{session}","stamp":{{"sec":{place},"nanosec":0}},
+"pose":{{"translation":{{"x":{x},"y":0,"z":0}},"rotation":{{"x":0,"y":0,"z":0,"w":1}}}},
+"camera":{{"fx":525,"fy":525,"cx":320,"cy":240,"width":640,"height":480}},
+"bow":{{"words":{words},"weights":{weights}}},
+"features":{{"descriptor_bytes":32,"descriptors":"{digits}{rest}","keypoints":{keypoints},"map_points":{points}}},
+"detections":[{{"class":"door_number","confidence":0.9,"box":[10,10,60,40],"position":[{x},1,2],"text":"{number}"}}]}}"#
+    )
 }
 
-/// Base64 says how much of its last group is text.
-fn padded(digits: &str) -> String {
-    match FEATURES * 32 % 3 {
-        0 => digits.to_owned(),
-        1 => format!("{digits}QQ=="),
-        _ => format!("{digits}QUI="),
+fn list(count: u64, item: impl Fn(u64) -> String) -> String {
+    let mut list = String::from("[");
+    for n in 0..count {
+        let comma = if n == 0 { "" } else { "," };
+        // Writing into a string does not fail.
+        let _ = write!(list, "{comma}{}", item(n));
     }
+    list + "]"
 }

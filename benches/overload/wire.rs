@@ -1,13 +1,10 @@
 //! Wire: one connection that says HTTP/1.1 with as little work as possible; server and generator share the cores.
 
-use std::io;
-use std::net::SocketAddr;
+use std::io::{self, Read as _, Write as _};
+use std::net::{SocketAddr, TcpStream};
 
-use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
-use tokio::net::TcpStream;
-
-/// Answers of this size are read at once.
-const BUFFER_BYTES: usize = 32 << 10;
+/// Answers are read in pieces of this size.
+const PIECE_BYTES: usize = 16 << 10;
 
 /// A connection; it is opened anew when the server has closed it.
 pub struct Connection {
@@ -18,43 +15,44 @@ pub struct Connection {
 
 impl Connection {
     pub fn to(addr: SocketAddr) -> Self {
-        Self { addr, stream: None, buffer: Vec::with_capacity(BUFFER_BYTES) }
+        Self { addr, stream: None, buffer: vec![0; PIECE_BYTES] }
     }
 
     /// Sends a request as it is, and tells its answer's status.
-    pub async fn ask(&mut self, request: &[u8]) -> io::Result<u16> {
+    pub fn ask(&mut self, request: &[u8]) -> io::Result<u16> {
         let mut stream = match self.stream.take() {
             Some(stream) => stream,
             None => {
-                let stream = TcpStream::connect(self.addr).await?;
+                let stream = TcpStream::connect(self.addr)?;
                 stream.set_nodelay(true)?;
                 stream
             }
         };
-        stream.write_all(request).await?;
-        self.buffer.clear();
-        let head = loop {
-            if stream.read_buf(&mut self.buffer).await? == 0 {
-                return Err(io::ErrorKind::UnexpectedEof.into());
-            }
-            if let Some(end) = self.buffer.windows(4).position(|four| four == b"\r\n\r\n") {
-                break end + 4;
-            }
-        };
-        let text = String::from_utf8_lossy(&self.buffer[..head]).to_ascii_lowercase();
+        stream.write_all(request)?;
+        let (mut got, mut head) = (0, None);
+        while head.is_none() {
+            got += more(&mut stream, &mut self.buffer[got..])?;
+            head = self.buffer[..got].windows(4).position(|four| four == b"\r\n\r\n").map(|end| end + 4);
+        }
+        let head = head.unwrap_or(got);
+        let text = std::str::from_utf8(&self.buffer[..head]).map_err(io::Error::other)?;
         let status =
             text.get(9..12).and_then(|digits| digits.parse().ok()).ok_or(io::ErrorKind::InvalidData)?;
         let length =
             text.split_once("content-length: ").and_then(|(_, rest)| rest.split("\r\n").next()?.parse().ok());
-        let whole = head + length.unwrap_or(0);
-        while self.buffer.len() < whole {
-            if stream.read_buf(&mut self.buffer).await? == 0 {
-                return Err(io::ErrorKind::UnexpectedEof.into());
-            }
+        let closes = text.contains("connection: close");
+        let mut left = length.unwrap_or(0_usize).saturating_sub(got - head);
+        while left > 0 {
+            left = left.saturating_sub(more(&mut stream, &mut self.buffer)?);
         }
-        if !text.contains("connection: close") {
-            self.stream = Some(stream);
-        }
+        self.stream = (!closes).then_some(stream);
         Ok(status)
+    }
+}
+
+fn more(stream: &mut TcpStream, buffer: &mut [u8]) -> io::Result<usize> {
+    match stream.read(buffer)? {
+        0 => Err(io::ErrorKind::UnexpectedEof.into()),
+        more => Ok(more),
     }
 }

@@ -18,6 +18,9 @@ use crate::http::{self, RunningServer};
 use crate::service::{ModelChoice, Service, ServiceOptions};
 use crate::vocabulary::Vocabulary;
 
+/// Files that the database, the runtime and the log keep open.
+const FILES_BESIDE: u64 = 64;
+
 /// Serve maps over HTTP.
 ///
 /// The first line on standard output is `listening on http://ADDR`; logs go to standard error. SIGTERM and SIGINT
@@ -77,6 +80,14 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
     }
     if let Some(folder) = args.backups {
         service = service.with_backups(folder, args.backups_kept.into())?;
+    }
+    let files = limits::raise_open_files();
+    if files.is_some_and(|files| files < args.limits.max_connections as u64 + FILES_BESIDE) {
+        tracing::warn!(
+            files,
+            connections = args.limits.max_connections,
+            "fewer files may be open than connections"
+        );
     }
     let addr = listener.local_addr()?;
     write_out(&format!("listening on http://{addr}\n"))?;

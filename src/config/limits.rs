@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use clap::{Args, Parser};
+use rustix::process::{Resource, getrlimit, setrlimit};
 
 /// How much at once, and how patient.
 #[derive(Args, Clone, Debug)]
@@ -31,6 +32,18 @@ pub struct LimitArgs {
     /// The least average rate of a body, in bytes a second; time in which the server is not ready for more is not counted
     #[arg(long, env = "REVISIT_MIN_BODY_RATE", value_name = "BYTES", default_value_t = 1024, value_parser = positive)]
     pub min_body_rate: usize,
+}
+
+/// Lets this process open as many files as it may: many systems give 1024 unless asked, and each connection is one.
+/// How many that are; fewer than connections are wanted is for the caller to tell.
+pub fn raise_open_files() -> Option<u64> {
+    let mut limit = getrlimit(Resource::Nofile);
+    if limit.current != limit.maximum {
+        limit.current = limit.maximum;
+        // Where that is forbidden, what there is has to do.
+        let _ = setrlimit(Resource::Nofile, limit);
+    }
+    getrlimit(Resource::Nofile).current
 }
 
 #[derive(Parser)]

@@ -47,8 +47,11 @@ pub async fn admit(State(app): State<App>, request: Request, next: Next) -> Resp
         }
     };
     let pace = app.pace;
+    let timed = turn.clone();
+    let response = next.run(request.map(|body| Body::new(Paced::new(body, pace, timed)))).await;
     // The turn ends here: an answer on its way out, and a stream of events above all, needs no work.
-    next.run(request.map(|body| Body::new(Paced::new(body, pace, turn)))).await
+    drop(turn);
+    response
 }
 
 fn kind(method: &Method, route: &str) -> (Kind, &'static str) {

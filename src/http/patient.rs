@@ -1,7 +1,7 @@
-//! Patient: a connection's stream that waits for its client, but not for ever.
+//! Patient: how long a connection waits for its client.
 //!
-//! hyper's own timer for heads also runs while a connection is idle, and it has none for answers that nobody takes; so
-//! the stream itself knows what its connection is about (the seat tells) and gives up when that takes too long.
+//! hyper's own timer for heads also runs while a connection is idle, and it has none for answers that nobody takes. So
+//! the stream tells the seat what it hears and says, and is timed itself where it writes.
 
 use std::io;
 use std::pin::Pin;
@@ -15,49 +15,45 @@ use tokio::time::{Instant, Sleep, sleep_until};
 use super::seats::{Phase, Seat};
 use crate::config::limits::LimitArgs;
 
+/// Resolves when the client should have sent a request long since.
+pub async fn overdue(seat: &Seat, limits: &LimitArgs) {
+    // Looked at again and again: what a connection is about changes more often than this, and costs nothing so.
+    let again = limits.header_timeout / 4;
+    loop {
+        let now = Instant::now();
+        let due = match seat.phase() {
+            Phase::Waits { idle: true, since, .. } => since + limits.keep_alive,
+            Phase::Waits { idle: false, since, .. } => since + limits.header_timeout,
+            // While a request is worked on, its body has a timer of its own.
+            Phase::Works => now + again,
+        };
+        if due <= now {
+            return;
+        }
+        sleep_until(due.min(now + again)).await;
+    }
+}
+
 /// A stream with the patience of its server.
 pub struct Patient<S> {
     stream: S,
     seat: Arc<Seat>,
-    head: Duration,
-    idle: Duration,
     stall: Duration,
-    reading: Pin<Box<Sleep>>,
     writing: Option<Pin<Box<Sleep>>>,
 }
 
 impl<S> Patient<S> {
     /// The stream of the connection on this seat.
     pub fn new(stream: S, seat: Arc<Seat>, limits: &LimitArgs) -> Self {
-        Self {
-            stream,
-            seat,
-            head: limits.header_timeout,
-            idle: limits.keep_alive,
-            stall: limits.stall_timeout,
-            reading: Box::pin(sleep_until(Instant::now())),
-            writing: None,
-        }
+        Self { stream, seat, stall: limits.stall_timeout, writing: None }
     }
 
-    /// Nothing is there to be read. Is that all right?
-    fn waits_for_client(&mut self, cx: &mut Context<'_>) -> Poll<io::Error> {
-        // While a request is worked on, its body has a timer of its own.
-        let Phase::Waits { idle, since, .. } = self.seat.phase() else { return Poll::Pending };
-        let deadline = since + if idle { self.idle } else { self.head };
-        if self.reading.deadline() != deadline {
-            self.reading.as_mut().reset(deadline);
-        }
-        ready!(self.reading.as_mut().poll(cx));
-        Poll::Ready(io::Error::new(io::ErrorKind::TimedOut, "the client sent no request in time"))
-    }
-
-    /// Nothing could be written, or something could.
-    fn watch_writing<T>(
+    /// Something could be written, or nothing.
+    fn watch_writing(
         &mut self,
         cx: &mut Context<'_>,
-        written: Poll<io::Result<T>>,
-    ) -> Poll<io::Result<T>> {
+        written: Poll<io::Result<usize>>,
+    ) -> Poll<io::Result<usize>> {
         if written.is_ready() {
             self.writing = None;
             self.seat.speaks();
@@ -77,15 +73,11 @@ impl<S: AsyncRead + Unpin> AsyncRead for Patient<S> {
         buffer: &mut ReadBuf<'_>,
     ) -> Poll<io::Result<()>> {
         let before = buffer.filled().len();
-        match Pin::new(&mut self.stream).poll_read(cx, buffer) {
-            Poll::Pending => self.waits_for_client(cx).map(Err),
-            Poll::Ready(result) => {
-                if buffer.filled().len() > before {
-                    self.seat.hears();
-                }
-                Poll::Ready(result)
-            }
+        let read = Pin::new(&mut self.stream).poll_read(cx, buffer);
+        if buffer.filled().len() > before {
+            self.seat.hears();
         }
+        read
     }
 }
 

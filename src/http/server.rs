@@ -21,7 +21,7 @@ use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 use tower::ServiceExt as _;
 
-use super::patient::Patient;
+use super::patient::{Patient, overdue};
 use super::refused;
 use super::router::router;
 use super::seats::{Claim, Seat};
@@ -146,6 +146,7 @@ impl Connections {
             ended = conversation => if let Err(error) = ended {
                 tracing::debug!(%error, "a connection broke off");
             },
+            () = overdue(&seat, &self.app.limits) => tracing::debug!("a client sent no request in time"),
             () = seat.told_to_go() => tracing::debug!("a connection gave way to another"),
         }
     }

@@ -112,7 +112,7 @@ mod tests {
         let database = format!("sqlite://{}/stats.db", folder.path().display());
         let service = Service::open(ServiceOptions::on(database)).await.unwrap();
         let id = "hotel".parse().unwrap();
-        service.put_map(id, MapProperties::default()).await.unwrap();
+        service.put_map(id, MapProperties::default(), None).await.unwrap();
         let live = service.live(&"hotel".parse().unwrap()).await.unwrap();
         // Under the map's lock: if the figures waited for it, this would never end.
         let within = service.clone();

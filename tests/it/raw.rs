@@ -26,12 +26,6 @@ impl Connection {
         String::from_utf8_lossy(&all).into_owned()
     }
 
-    /// Says that nothing more is to come, and reads everything until the server closes.
-    pub async fn finish(mut self) -> String {
-        let _ = self.0.shutdown().await;
-        self.rest().await
-    }
-
     /// One answer's head, and as much of its body as came along.
     pub async fn head(&mut self) -> String {
         let mut head = Vec::new();

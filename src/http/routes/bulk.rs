@@ -63,9 +63,12 @@ pub async fn put_keyframes(
 /// So many lines of one request may wait for the disk at once: enough to share its syncs, and few beside those of others.
 const UNDER_WAY_MAX: usize = 128;
 
+/// Lines of one request, blank ones counted: a few bytes can hold a billion of them.
+const LINES_MAX: usize = 10 * limits::BULK_ITEMS;
+
 /// What refusals may take of the answer, in bytes: a robot's bulk has few, and a small body can hold very many lines of
 /// nonsense. From half of it on, only the first fault of a line is listed.
-const REFUSALS_BYTES: usize = 4 << 20;
+const REFUSALS_BYTES: usize = 2 << 20;
 
 /// A line that is decided and on its way to the disk.
 struct UnderWay {
@@ -110,6 +113,10 @@ impl Answer {
                 // What came before is stored: the answer says so, and in its last line what broke off.
                 Err(problem) => return self.refused(number, None, problem).await,
             };
+            if number > LINES_MAX {
+                let detail = format!("a bulk request has at most {LINES_MAX} lines; the rest is not stored");
+                return self.broken_off(number, detail, lines).await;
+            }
             let text = match line {
                 Line::Text(text) if text.trim_ascii().is_empty() => continue,
                 Line::Text(text) => text,
@@ -124,14 +131,14 @@ impl Answer {
             };
             if self.refusals_bytes > REFUSALS_BYTES {
                 let detail = "too many lines were refused; the rest is not stored";
-                return self.refused(number, None, Problem::new(Kind::TOO_LARGE, detail)).await;
+                return self.broken_off(number, detail, lines).await;
             }
             if self.items == limits::BULK_ITEMS {
                 let detail = format!(
                     "a bulk request has at most {} items; the rest is not stored",
                     limits::BULK_ITEMS
                 );
-                return self.refused(number, None, Problem::new(Kind::TOO_LARGE, detail)).await;
+                return self.broken_off(number, detail, lines).await;
             }
             self.items += 1;
             if let (Access::Key(held), true) = (&self.access, self.items > 1) {
@@ -147,6 +154,12 @@ impl Answer {
                 self.oldest_committed().await;
             }
         }
+    }
+
+    /// Refuses what is left of the request.
+    async fn broken_off(&mut self, number: usize, detail: impl Into<String>, mut lines: Lines) {
+        self.refused(number, None, Problem::new(Kind::TOO_LARGE, detail)).await;
+        lines.discard().await;
     }
 
     /// Answers the oldest line that is under way, once it is on disk.

@@ -14,6 +14,10 @@ use crate::http::memory::{Held, Memory, becomes_at_most};
 use crate::http::problem::{Kind, Problem};
 use crate::wire::limits::{BULK_BYTES, LINE_BYTES};
 
+/// What is compressed well is inflated without ever waiting; after so many bytes others get their turn.
+const YIELD_BYTES: usize = 256 << 10;
+/// What is read of the rest once a body is given up.
+const DISCARDED_BYTES: usize = 16 << 20;
 /// Lines up to this take memory without asking.
 const UNCOUNTED_BYTES: usize = 256 << 10;
 
@@ -37,6 +41,7 @@ pub struct Lines {
     /// Has there been a long line?
     is_long: bool,
     taken: usize,
+    unyielded: usize,
     memory: Memory,
     held: Held,
     compressed: Option<Compressed>,
@@ -67,6 +72,7 @@ impl Lines {
             skipping: false,
             is_long: false,
             taken: 0,
+            unyielded: 0,
             memory,
             held,
             compressed,
@@ -91,6 +97,15 @@ impl Lines {
             if !self.fill().await? {
                 return Ok(self.rest());
             }
+        }
+    }
+
+    /// Throws away some of what follows, so that a client that is still sending gets to see the answer.
+    pub async fn discard(&mut self) {
+        let mut left = DISCARDED_BYTES;
+        while left > 0 {
+            let Some(Ok(frame)) = self.body.frame().await else { return };
+            left = left.saturating_sub(frame.data_ref().map_or(0, Bytes::len));
         }
     }
 
@@ -132,9 +147,14 @@ impl Lines {
         if self.body.is_end_stream() {
             return Ok(false);
         }
+        if self.unyielded > YIELD_BYTES {
+            self.unyielded = 0;
+            tokio::task::yield_now().await;
+        }
         let Some(frame) = self.body.frame().await else { return Ok(false) };
         if let Ok(data) = frame.map_err(|error| unreadable(&error))?.into_data() {
             self.taken += data.len();
+            self.unyielded += data.len();
             if self.taken > BULK_BYTES {
                 return Err(Problem::new(
                     Kind::TOO_LARGE,
