@@ -185,7 +185,7 @@ impl Writer {
     async fn free_within(&self) -> u64 {
         let select = "select freelist_count * page_size from pragma_freelist_count, pragma_page_size";
         let free: Result<i64, _> = sqlx::query_scalar(select).fetch_one(&self.pool).await;
-        free.map_or(0, |bytes| bytes.unsigned_abs())
+        free.map_or(0, i64::unsigned_abs)
     }
 
     /// False if the disk has not got the space, or nothing beside it.
