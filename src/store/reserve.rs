@@ -43,31 +43,46 @@ impl Reserve {
         (self.bytes / LOG_PART / u64::from(page_bytes)).max(1)
     }
 
-    /// Makes sure that the space is kept. False if the disk has not got it.
-    pub(super) fn keep(&self) -> bool {
-        let kept = self.allocate();
-        if kept == Some(Errno::NOSPC) || kept == Some(Errno::DQUOT) {
-            return false;
-        }
-        if let Some(error) = kept {
-            // A file system that cannot promise space, or a directory of somebody else's: then without.
-            tracing::debug!(%error, path = %self.path.display(), "no space is kept for deletes");
-        }
-        true
+    /// How much is kept where there is enough.
+    pub(super) fn bytes(&self) -> u64 {
+        self.bytes
     }
 
-    fn allocate(&self) -> Option<Errno> {
-        let errno = |error: &std::io::Error| Errno::from_io_error(error).unwrap_or(Errno::IO);
-        let file = match OpenOptions::new().create(true).truncate(false).write(true).open(&self.path) {
-            Ok(file) => file,
-            Err(error) => return Some(errno(&error)),
-        };
-        let failed = fallocate(&file, FallocateFlags::empty(), 0, self.bytes).err();
-        if failed.is_some() {
-            // Half a reserve would be what keeps the disk full.
-            let _ = file.set_len(0);
+    /// Makes sure that the space is kept, or a part of it that is `enough`, with room beside it. False if the disk has
+    /// not got it; what there is is kept all the same.
+    pub(super) fn keep(&self, enough: u64) -> bool {
+        let parts = [self.bytes, self.bytes / 2, self.bytes / 4, 0];
+        let kept =
+            parts.iter().filter(|part| **part >= enough).any(|part| self.allocate(*part) && self.is_room());
+        if !kept {
+            // Not left to others, who would make it impossible to delete.
+            let _ = parts.iter().any(|part| self.allocate(*part));
         }
-        failed
+        kept
+    }
+
+    /// False if the disk has not got so much.
+    fn allocate(&self, bytes: u64) -> bool {
+        let allocate = || {
+            let file = OpenOptions::new().create(true).truncate(false).write(true).open(&self.path)?;
+            if bytes < file.metadata()?.len() {
+                file.set_len(bytes)?;
+            }
+            if bytes > 0 {
+                fallocate(&file, FallocateFlags::empty(), 0, bytes)?;
+            }
+            Ok(())
+        };
+        match allocate() {
+            Ok(()) => true,
+            Err(error) if matches!(Errno::from_io_error(&error), Some(Errno::NOSPC | Errno::DQUOT)) => false,
+            Err(error) => {
+                // A file system that cannot promise space, or a directory of somebody else's: then without.
+                let error: std::io::Error = error;
+                tracing::debug!(%error, path = %self.path.display(), "no space is kept for deletes");
+                true
+            }
+        }
     }
 
     /// Gives the space to whoever needs it now.
@@ -79,7 +94,7 @@ impl Reserve {
     }
 
     /// Is there room beside the reserve?
-    pub(super) fn is_room(&self) -> bool {
+    fn is_room(&self) -> bool {
         let disk = statvfs(folder(&self.path));
         disk.map_or(true, |disk| disk.f_bavail.saturating_mul(disk.f_frsize) >= self.bytes / LOG_PART)
     }

@@ -37,7 +37,7 @@ pub(super) struct Writer {
 impl Writer {
     /// Commits until the queue is closed.
     pub(super) async fn run(self, mut queue: mpsc::UnboundedReceiver<Message>) {
-        self.keep_reserve().await;
+        self.keep_reserve(self.reserve.bytes()).await;
         let mut tried = Instant::now();
         loop {
             let first = if self.health.disk() == Disk::Well {
@@ -172,7 +172,9 @@ impl Writer {
         if self.health.disk() == Disk::Full {
             // Gives back to the disk what deletes left in the log.
             self.empty_log().await;
-            if !self.keep_reserve().await {
+            // A database that has as much free within needs no more for itself: only its log must fit beside it.
+            let enough = self.reserve.bytes().saturating_sub(self.free_within().await);
+            if !self.keep_reserve(enough).await {
                 return;
             }
         }
@@ -192,11 +194,17 @@ impl Writer {
         transaction.commit().await
     }
 
+    /// What deletes have freed within the database's file, in bytes.
+    async fn free_within(&self) -> u64 {
+        let select = "select freelist_count * page_size from pragma_freelist_count, pragma_page_size";
+        let free: Result<i64, _> = sqlx::query_scalar(select).fetch_one(&self.pool).await;
+        free.map_or(0, i64::unsigned_abs)
+    }
+
     /// False if the disk has not got the space, or nothing beside it.
-    async fn keep_reserve(&self) -> bool {
+    async fn keep_reserve(&self, enough: u64) -> bool {
         let reserve = self.reserve.clone();
-        let kept = tokio::task::spawn_blocking(move || reserve.keep() && reserve.is_room());
-        kept.await.unwrap_or(true)
+        tokio::task::spawn_blocking(move || reserve.keep(enough)).await.unwrap_or(true)
     }
 
     async fn release_reserve(&self) {
