@@ -59,11 +59,11 @@ impl Mix {
 
 pub fn request(method: &str, path: &str, body: &str) -> Vec<u8> {
     let length = body.len();
-    let mut request = format!("{method} {path} HTTP/1.1\r\nhost: x\r\n");
-    if !body.is_empty() {
-        request += &format!("content-type: application/json\r\ncontent-length: {length}\r\n");
-    }
-    format!("{request}\r\n{body}").into_bytes()
+    let says = match length {
+        0 => String::new(),
+        _ => format!("content-type: application/json\r\ncontent-length: {length}\r\n"),
+    };
+    format!("{method} {path} HTTP/1.1\r\nhost: x\r\n{says}\r\n{body}").into_bytes()
 }
 
 fn keyframe(place: u64) -> String {

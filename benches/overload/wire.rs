@@ -20,13 +20,12 @@ impl Connection {
 
     /// Sends a request as it is, and tells its answer's status.
     pub fn ask(&mut self, request: &[u8]) -> io::Result<u16> {
-        let mut stream = match self.stream.take() {
-            Some(stream) => stream,
-            None => {
-                let stream = TcpStream::connect(self.addr)?;
-                stream.set_nodelay(true)?;
-                stream
-            }
+        let mut stream = if let Some(stream) = self.stream.take() {
+            stream
+        } else {
+            let stream = TcpStream::connect(self.addr)?;
+            stream.set_nodelay(true)?;
+            stream
         };
         stream.write_all(request)?;
         let (mut got, mut head) = (0, None);

@@ -73,17 +73,14 @@ impl Paced {
     }
 
     fn wait(&mut self, cx: &mut Context<'_>) -> Poll<()> {
-        let (_, timer) = match &mut self.waiting {
-            Some(waiting) => waiting,
-            None => {
-                if let Some(turn) = &self.turn {
-                    turn.pause();
-                }
-                let now = Instant::now();
-                let deadline = now + self.pace.patience(self.waited, self.received);
-                self.waiting.insert((now, Box::pin(sleep_until(deadline))))
+        let (turn, pace, waited, received) = (&self.turn, self.pace, self.waited, self.received);
+        let (_, timer) = self.waiting.get_or_insert_with(|| {
+            if let Some(turn) = turn {
+                turn.pause();
             }
-        };
+            let now = Instant::now();
+            (now, Box::pin(sleep_until(now + pace.patience(waited, received))))
+        });
         timer.as_mut().poll(cx)
     }
 

@@ -70,7 +70,10 @@ pub async fn serve(
 fn http() -> http1::Builder {
     let mut http = http1::Builder::new();
     // Heads and idle connections are timed by `Patient`, which knows the one from the other.
-    http.timer(TokioTimer::new()).header_read_timeout(None).max_buf_size(HEAD_BYTES);
+    http.timer(TokioTimer::new())
+        .header_read_timeout(None)
+        .max_buf_size(HEAD_BYTES)
+        .max_header_size(HEAD_BYTES);
     http
 }
 

@@ -21,7 +21,7 @@ pub const BODY_VALUES: usize = 2_000_000;
 /// The most items of any list; what a list of a kind may hold is less, and told with its name.
 pub const LIST_ITEMS: usize = 200_000;
 /// What a compressed body may become in memory, however small it came: as text, and as the values in it.
-pub const INFLATED_FREE_BYTES: usize = 4 << 20;
+pub const INFLATED_FREE_BYTES: usize = 2 << 20;
 /// And so many bytes more for each byte that came. Robots' keyframes are a tenth of their size when compressed; a bomb is
 /// a thousandth.
 pub const INFLATED_FOLD: usize = 64;
