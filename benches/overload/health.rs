@@ -79,7 +79,7 @@ fn connect(addr: SocketAddr) -> TcpStream {
 }
 
 fn ask(stream: &mut TcpStream) -> Option<()> {
-    stream.write_all(b"GET /healthz HTTP/1.1\r\nhost: x\r\n\r\n").ok()?;
+    stream.write_all(b"GET /healthz HTTP/1.1\r\nhost: localhost\r\n\r\n").ok()?;
     let (mut buffer, mut got) = ([0; 4096], 0);
     loop {
         match stream.read(&mut buffer[got..]).ok()? {

@@ -63,7 +63,7 @@ pub fn request(method: &str, path: &str, body: &str) -> Vec<u8> {
         0 => String::new(),
         _ => format!("content-type: application/json\r\ncontent-length: {length}\r\n"),
     };
-    format!("{method} {path} HTTP/1.1\r\nhost: x\r\n{says}\r\n{body}").into_bytes()
+    format!("{method} {path} HTTP/1.1\r\nhost: localhost\r\n{says}\r\n{body}").into_bytes()
 }
 
 fn keyframe(place: u64) -> String {

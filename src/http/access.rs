@@ -150,13 +150,13 @@ async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Proble
 /// Where nobody shows a key, only programs of this machine may ask. A web page from elsewhere can make its own name lead
 /// here (DNS rebinding), but then the browser still tells that name; addresses and `localhost` cannot be made to lie.
 fn from_this_machine(parts: &Parts) -> Result<(), Problem> {
-    let header = || parts.headers.get(HOST).and_then(|host| host.to_str().ok()?.parse::<Authority>().ok());
-    let Some(asked) = parts.uri.authority().cloned().or_else(header) else { return Ok(()) };
-    let name = asked.host().trim_matches(['[', ']']).to_ascii_lowercase();
-    let is_address = name.parse::<IpAddr>().is_ok();
-    if is_address || name == "localhost" || name.ends_with(".localhost") {
-        return Ok(());
-    }
+    let headers =
+        parts.headers.get_all(HOST).iter().filter_map(|host| host.to_str().ok()?.parse::<Authority>().ok());
+    let asked = parts.uri.authority().cloned().into_iter().chain(headers);
+    let name = |asked: Authority| asked.host().trim_matches(['[', ']']).to_ascii_lowercase();
+    let is_ours =
+        |name: &String| name.parse::<IpAddr>().is_ok() || name == "localhost" || name.ends_with(".localhost");
+    let Some(name) = asked.map(name).find(|name| !is_ours(name)) else { return Ok(()) };
     let detail = format!(
         "a server without keys answers to addresses and to localhost, not to {name}: a web page could have made that name \
          lead here; `revisit keys create` makes a key"

@@ -10,7 +10,7 @@ use crate::raw::{Connection, statuses};
 use crate::support::{Answer, Server, keyframe};
 
 const MAP: &str = "/v1/maps/m";
-const HEALTH: &str = "GET /healthz HTTP/1.1\r\nhost: x\r\n\r\n";
+const HEALTH: &str = "GET /healthz HTTP/1.1\r\nhost: localhost\r\n\r\n";
 
 async fn with_map(limits: &[&str]) -> (Server, revisit::service::Service) {
     let (server, service) = Server::within(limits).await;
@@ -21,7 +21,7 @@ async fn with_map(limits: &[&str]) -> (Server, revisit::service::Service) {
 #[tokio::test]
 async fn a_head_that_does_not_arrive_is_not_waited_for() {
     let (server, _) = Server::within(&["--header-timeout", "0.2"]).await;
-    for sent in ["", "GET", "GET /healthz HTTP/1.1\r\nhost: x\r\n"] {
+    for sent in ["", "GET", "GET /healthz HTTP/1.1\r\nhost: localhost\r\n"] {
         let mut connection = Connection::open(server.addr()).await;
         connection.send(sent).await;
         assert_eq!(connection.rest().await, "", "{sent:?}");
@@ -52,7 +52,7 @@ async fn a_body_that_trickles_is_given_up_and_told_so() {
     let (server, _) = with_map(&["--header-timeout", "0.2"]).await;
     for path in [format!("PUT {MAP}/keyframes/kf-1"), format!("POST {MAP}/loop-queries")] {
         let mut connection = Connection::open(server.addr()).await;
-        let head = format!("{path} HTTP/1.1\r\nhost: x\r\ncontent-length: 100000\r\n\r\n{{");
+        let head = format!("{path} HTTP/1.1\r\nhost: localhost\r\ncontent-length: 100000\r\n\r\n{{");
         connection.send(head).await;
         let answer = connection.rest().await;
         assert_eq!(statuses(&answer), [408], "{answer}");
@@ -60,7 +60,8 @@ async fn a_body_that_trickles_is_given_up_and_told_so() {
     }
     // A bulk tells it in its last line.
     let mut connection = Connection::open(server.addr()).await;
-    let head = format!("POST {MAP}/keyframes HTTP/1.1\r\nhost: x\r\ncontent-length: 100000\r\n\r\n{{");
+    let head =
+        format!("POST {MAP}/keyframes HTTP/1.1\r\nhost: localhost\r\ncontent-length: 100000\r\n\r\n{{");
     connection.send(head).await;
     let answer = connection.rest().await;
     assert_eq!(statuses(&answer), [207], "{answer}");
@@ -90,10 +91,10 @@ async fn when_all_seats_are_at_work_a_newcomer_is_told_to_come_back() {
     let mut stream = Connection::open(server.addr()).await;
     let body = "{}";
     stream
-        .send(format!("PUT {MAP} HTTP/1.1\r\nhost: x\r\ncontent-type: application/json\r\ncontent-length: 2\r\n\r\n{body}"))
+        .send(format!("PUT {MAP} HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\ncontent-length: 2\r\n\r\n{body}"))
         .await;
     assert!(stream.head().await.contains("201 Created"));
-    stream.send(format!("GET {MAP}/events HTTP/1.1\r\nhost: x\r\n\r\n")).await;
+    stream.send(format!("GET {MAP}/events HTTP/1.1\r\nhost: localhost\r\n\r\n")).await;
     assert!(stream.head().await.contains("text/event-stream"));
     let mut newcomer = Connection::open(server.addr()).await;
     newcomer.send(HEALTH).await;
@@ -157,7 +158,7 @@ async fn a_body_on_its_way_counts_for_nothing() {
     let mut slow = Connection::open(server.addr()).await;
     let body = keyframe().to_string();
     let length = body.len();
-    slow.send(format!("PUT {MAP}/keyframes/kf-1 HTTP/1.1\r\nhost: x\r\ncontent-length: {length}\r\nexpect: 100-continue\r\n\r\n"))
+    slow.send(format!("PUT {MAP}/keyframes/kf-1 HTTP/1.1\r\nhost: localhost\r\ncontent-length: {length}\r\nexpect: 100-continue\r\n\r\n"))
         .await;
     // That it is asked for its body means that the server waits for it.
     assert!(slow.head().await.contains("100 Continue"));
