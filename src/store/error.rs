@@ -82,8 +82,9 @@ impl From<sqlx::Error> for StoreError {
     fn from(error: sqlx::Error) -> Self {
         /// SQLITE_FULL; extended codes carry the primary one in their low byte.
         const FULL: i32 = 13;
-        /// SQLITE_IOERR and SQLITE_CANTOPEN.
-        const FAILED: [i32; 2] = [10, 14];
+        /// SQLITE_IOERR, SQLITE_CANTOPEN, and SQLITE_CORRUPT: a read that fails with EIO arrives as the last, and what SQLite
+        /// calls malformed must take no more writes, either.
+        const FAILED: [i32; 3] = [10, 11, 14];
         let code = error
             .as_database_error()
             .and_then(sqlx::error::DatabaseError::code)
