@@ -196,7 +196,7 @@ impl MapIndex {
         self.keyframe_by_id.insert(keyframe.id.clone(), keyframe.seq);
         self.inverted_file.insert(keyframe.seq.0, bow);
         self.bytes += keyframe.bytes;
-        self.keyframes[keyframe.seq.index()] = Some(keyframe.clone());
+        self.keyframes[keyframe.seq.index()] = Some(Box::new(keyframe.clone()));
     }
 
     /// The keyframe's covisibility: enough shared map points, and what its client declared.

@@ -34,7 +34,8 @@ use crate::model::map::MapProperties;
 pub struct MapIndex {
     properties: MapProperties,
     sessions: Vec<SessionId>,
-    keyframes: Vec<Option<Keyframe>>,
+    /// Boxed: numbers are never given twice, so a map whose keyframes come and go for years keeps a slot for each.
+    keyframes: Vec<Option<Box<Keyframe>>>,
     anchors: Vec<Option<Anchor>>,
     loops: BTreeMap<LoopId, Loop>,
     vocabulary: Option<Box<str>>,
@@ -83,12 +84,12 @@ impl MapIndex {
 
     /// A keyframe, unless it was culled.
     pub fn keyframe(&self, seq: KeyframeSeq) -> Option<&Keyframe> {
-        self.keyframes.get(seq.index())?.as_ref()
+        self.keyframes.get(seq.index())?.as_deref()
     }
 
     /// Every keyframe, in order of arrival.
     pub fn keyframes(&self) -> impl Iterator<Item = &Keyframe> {
-        self.keyframes.iter().flatten()
+        self.keyframes.iter().flatten().map(AsRef::as_ref)
     }
 
     /// How many keyframes there are.
