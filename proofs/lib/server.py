@@ -1,6 +1,7 @@
 """The real server as a process, and the few words needed to speak to it."""
 
 import atexit
+import contextlib
 import http.client
 import json
 import os
@@ -9,6 +10,7 @@ import subprocess
 import sqlite3
 import shutil
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -139,6 +141,18 @@ class Server:
         if self.alive():
             self.process.kill()
         self.process.wait()
+
+
+@contextlib.contextmanager
+def passing(program, *more):
+    """A server on a database that goes with it."""
+    with tempfile.TemporaryDirectory() as folder:
+        server = Server(program, Path(folder) / "revisit.db", "--log", "error", *more)
+        try:
+            yield server
+            server.stop()
+        finally:
+            server.abandon()
 
 
 def integrity(database):

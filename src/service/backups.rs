@@ -15,7 +15,7 @@ use tokio::sync::Semaphore;
 use tokio::task::spawn_blocking;
 use tracing::Instrument as _;
 
-use super::{Service, ServiceError, panicked};
+use super::{Service, ServiceError};
 use crate::config::logging::in_span;
 use crate::model::ids::BackupId;
 use crate::model::keyframe::Stamp;
@@ -99,7 +99,7 @@ impl Service {
             drop(permit);
             made
         };
-        tokio::spawn(made.in_current_span()).await.map_err(panicked)?
+        tokio::spawn(made.in_current_span()).await.map_err(ServiceError::panicked)?
     }
 
     /// The backups, the newest first.
@@ -111,7 +111,7 @@ impl Service {
         let Some(backups) = self.backups.clone() else {
             return Ok(Page { items: Vec::new(), next_cursor: None });
         };
-        let mut items = spawn_blocking(move || backups.list()).await.map_err(panicked)??;
+        let mut items = spawn_blocking(move || backups.list()).await.map_err(ServiceError::panicked)??;
         if let Some(cursor) = cursor {
             let at = items.iter().position(|report| report.id.as_str() == cursor);
             let at = at.ok_or_else(|| super::maps::bad_cursor(cursor))?;
@@ -160,7 +160,7 @@ impl Backups {
             tracing::info!(backup = %report.id, bytes = report.bytes, "a backup was taken");
             Ok(BackupMade { created: true, report, removed })
         };
-        spawn_blocking(in_span(place)).await.map_err(panicked)?
+        spawn_blocking(in_span(place)).await.map_err(ServiceError::panicked)?
     }
 
     fn database(&self, id: &BackupId) -> PathBuf {

@@ -63,6 +63,10 @@ pub enum ServiceError {
 }
 
 impl ServiceError {
+    pub(super) fn panicked(error: tokio::task::JoinError) -> Self {
+        Self::Internal(format!("a decision did not finish: {error}"))
+    }
+
     pub(super) fn no_map(id: impl std::fmt::Display) -> Self {
         Self::NotFound(format!("there is no map {id}"))
     }

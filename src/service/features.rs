@@ -8,8 +8,8 @@ use futures_util::{StreamExt as _, TryStreamExt as _, stream};
 use moka::future::Cache;
 use tokio::task::spawn_blocking;
 
+use super::ServiceError;
 use super::words::NamedVocabulary;
-use super::{ServiceError, panicked};
 use crate::config::logging::in_span;
 use crate::model::ids::KeyframeSeq;
 use crate::model::keyframe::Features;
@@ -79,7 +79,7 @@ impl FeatureCache {
         let vocabulary = self.vocabulary.clone();
         let prepared = spawn_blocking(in_span(move || prepare(features, vocabulary.as_deref())))
             .await
-            .map_err(panicked)?;
+            .map_err(ServiceError::panicked)?;
         Ok(prepared.map(Arc::new))
     }
 

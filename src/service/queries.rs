@@ -12,7 +12,7 @@ use tokio::time::{Instant, timeout_at};
 use super::keyframes::find;
 use super::live::LiveMap;
 use super::words::check_vocabulary;
-use super::{Service, ServiceError, milliseconds_since, panicked};
+use super::{Service, ServiceError, milliseconds_since};
 use crate::config::logging::in_part;
 use crate::model::bow::BowVector;
 use crate::model::ids::{KeyframeId, MapId};
@@ -103,7 +103,7 @@ impl Service {
             let seed = query.seed;
             spawn_blocking(in_part("verify", move || conclude(screening, &features, seed)))
                 .await
-                .map_err(panicked)?
+                .map_err(ServiceError::panicked)?
         };
         timings.geometry_ms = milliseconds_since(started.into_std());
         let keyframe = match &query.subject {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use tokio::task::spawn_blocking;
 
-use super::{Service, ServiceError, panicked};
+use super::{Service, ServiceError};
 use crate::config::logging::in_span;
 use crate::model::invalid::FieldError;
 use crate::model::keyframe::NewKeyframe;
@@ -26,7 +26,7 @@ pub(super) async fn load(path: PathBuf) -> Result<NamedVocabulary, ServiceError>
         let vocabulary = Vocabulary::load(&path).map_err(|error| format!("{}: {error}", path.display()))?;
         Ok(NamedVocabulary { name: vocabulary.fingerprint().to_string().into(), vocabulary })
     });
-    loaded.await.map_err(panicked)?.map_err(ServiceError::Internal)
+    loaded.await.map_err(ServiceError::panicked)?.map_err(ServiceError::Internal)
 }
 
 impl Service {
@@ -37,7 +37,9 @@ impl Service {
         if keyframe.vocabulary.is_some() || keyframe.features.is_none() {
             return Ok(keyframe);
         }
-        spawn_blocking(in_span(move || compute(&vocabulary, keyframe))).await.map_err(panicked)?
+        spawn_blocking(in_span(move || compute(&vocabulary, keyframe)))
+            .await
+            .map_err(ServiceError::panicked)?
     }
 
     /// The server's vocabulary: its fingerprint, and how many words it has.

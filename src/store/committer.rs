@@ -13,9 +13,9 @@ use tokio::sync::{mpsc, oneshot};
 
 use super::StoreError;
 use super::health::Health;
+use super::job::Job;
 use super::lock::DatabaseLock;
 use super::reserve::Reserve;
-use super::write::Job;
 use super::writer::Writer;
 
 /// A line of jobs of one map: they were planned one upon the other.

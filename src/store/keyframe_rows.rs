@@ -6,7 +6,8 @@ use sqlx::{Sqlite, SqliteConnection};
 
 use super::StoreError;
 use super::blob::pack;
-use super::write::{MapKey, NewKeyframeRows, run};
+use super::job::{MapKey, NewKeyframeRows};
+use super::write::run;
 use crate::geometry::{Point3, Pose};
 use crate::model::anchor::Outcome;
 use crate::model::bow::BowVector;

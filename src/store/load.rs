@@ -10,8 +10,8 @@ use sqlx::Row;
 use sqlx::sqlite::SqliteRow;
 
 use super::blob::{unpack, unpack_array};
-use super::write::MapKey;
-use super::{Store, StoreError, model_rows};
+use super::job::MapKey;
+use super::{Store, StoreError, map_rows, model_rows};
 use crate::geometry::{Point3, Pose};
 use crate::model::anchor::Observation;
 use crate::model::bow::BowVector;
@@ -19,9 +19,7 @@ use crate::model::change::{Change, Keyframe, Loop, Merge, MergeCause};
 use crate::model::ids::{AnchorSeq, KeyframeSeq, LoopId, MapId, SessionSeq};
 use crate::model::key::KeySeq;
 use crate::model::keyframe::{Camera, Stamp};
-use crate::model::map::MapProperties;
 use crate::model::request::Digest;
-use crate::model::settings::{SettingKind, SettingValue, Settings, WithoutAnchors};
 use crate::recognition::index::MapIndex;
 
 /// Rows read at a time: a map may be larger than its index.
@@ -82,7 +80,7 @@ pub(super) async fn load(db: &mut Db, id: &MapId, order: Order) -> Result<Option
     let Some(row) = found else { return Ok(None) };
     let key: MapKey = row.try_get("map_key")?;
     let mut index = MapIndex::default();
-    index.apply(&[Change::MapSet(Box::new(properties(db, key, &row).await?))]);
+    index.apply(&[Change::MapSet(Box::new(map_rows::properties(db, key, &row).await?))]);
     if let Some(vocabulary) = row.try_get::<Option<String>, _>("vocabulary")? {
         index.apply(&[Change::VocabularySet(vocabulary.into())]);
     }
@@ -139,39 +137,6 @@ type Db = sqlx::SqliteConnection;
 pub(super) fn digest(row: &SqliteRow) -> Result<Digest, StoreError> {
     let bytes: &[u8] = row.try_get("digest")?;
     bytes.try_into().map_err(|_| StoreError::corrupt("a digest of another length"))
-}
-
-async fn properties(db: &mut Db, key: MapKey, row: &SqliteRow) -> Result<MapProperties, StoreError> {
-    let classes = "select class from map_anchor_classes where map_key = $1 order by class";
-    let mut settings = Settings::default();
-    let stored: Vec<(String, String)> =
-        sqlx::query_as("select name, value from map_settings where map_key = $1")
-            .bind(key)
-            .fetch_all(&mut *db)
-            .await?;
-    for (name, text) in stored {
-        let value =
-            setting(&name, &text).ok_or_else(|| StoreError::corrupt(format!("setting {name} = {text}")))?;
-        settings
-            .set(&name, value)
-            .map_err(|error| StoreError::corrupt(format!("setting {name}: {error}")))?;
-    }
-    Ok(MapProperties {
-        description: row.try_get("description")?,
-        metric: row.try_get("metric")?,
-        anchor_classes: sqlx::query_scalar(classes).bind(key).fetch_all(&mut *db).await?,
-        settings,
-    })
-}
-
-fn setting(name: &str, text: &str) -> Option<SettingValue> {
-    let row = Settings::TABLE.iter().find(|row| row.name == name)?;
-    Some(match row.kind {
-        SettingKind::Number { .. } => SettingValue::Number(text.parse().ok()?),
-        SettingKind::Count { .. } => SettingValue::Count(text.parse().ok()?),
-        SettingKind::Switch { .. } => SettingValue::Switch(text.parse().ok()?),
-        SettingKind::Policy { .. } => SettingValue::Policy(WithoutAnchors::from_name(text)?),
-    })
 }
 
 async fn sessions(db: &mut Db, key: MapKey) -> Result<Vec<Change>, StoreError> {

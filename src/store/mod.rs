@@ -4,7 +4,8 @@
 //! |---|---|
 //! | opening, pragmas, migrations | this file, [`schema`] |
 //! | one writer, group commit | [`committer`], [`writer`] |
-//! | from changes to rows | [`mod@write`], [`keyframe_rows`] |
+//! | what it is asked to do | [`job`] |
+//! | from changes to rows | [`mod@write`], [`map_rows`], [`keyframe_rows`] |
 //! | from rows to changes, when a map is first asked for | [`load`] |
 //! | what models said, and what it cost | [`model_rows`] |
 //! | API keys | [`key_rows`] |
@@ -22,10 +23,12 @@ mod committer;
 mod error;
 pub mod files;
 mod health;
+mod job;
 mod key_rows;
 mod keyframe_rows;
 mod load;
 mod lock;
+mod map_rows;
 mod model_rows;
 mod read;
 mod renewal;
@@ -48,6 +51,7 @@ pub use blob::unpacks;
 pub use committer::{CommitStats, Committer, Line};
 pub use error::StoreError;
 use files::DatabaseFiles;
+pub use job::{Batch, Job, MapKey, NewKeyframeRows};
 pub use key_rows::{KeyTable, NewKeyRow};
 pub use load::Loaded;
 use lock::{DatabaseLock, Purpose};
@@ -55,7 +59,6 @@ pub use model_rows::{Spent, UsageRow};
 pub use read::{DetectionRow, KeyframeRow};
 use reserve::Reserve;
 use transaction::Transaction;
-pub use write::{Batch, Job, MapKey, NewKeyframeRows};
 
 /// SQLite before this release can lose committed writes in WAL mode (the WAL-reset bug).
 const OLDEST_SAFE_SQLITE: &str = "3.51.3";

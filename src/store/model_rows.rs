@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use sqlx::{Row, SqliteConnection};
 
-use super::write::{MapKey, run};
+use super::job::MapKey;
+use super::write::run;
 use super::{Store, StoreError};
 use crate::model::change::Change;
 use crate::model::ids::{KeyframeSeq, MapId};

@@ -4,8 +4,8 @@ use sqlx::Row;
 use sqlx::sqlite::SqliteRow;
 
 use super::blob::{unpack, unpack_array};
+use super::job::MapKey;
 use super::load::{self, parse, point};
-use super::write::MapKey;
 use super::{Store, StoreError};
 use crate::model::anchor::{IgnoredReason, Outcome};
 use crate::model::bow::BowVector;

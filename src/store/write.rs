@@ -1,27 +1,17 @@
 //! From changes to rows.
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
 use sqlx::{Sqlite, SqliteConnection};
 
-use super::StoreError;
 use super::blob::pack;
-use super::key_rows::{self, NewKeyRow};
+use super::job::{Batch, Job, MapKey};
 use super::keyframe_rows::{add_detections, add_keyframe, pose_blob, set_points};
-use super::model_rows::{self, Spent};
+use super::{StoreError, key_rows, map_rows, model_rows};
 use crate::model::anchor::Outcome;
 use crate::model::change::{Change, Loop, Merge, MergeCause};
 use crate::model::event::Event;
-use crate::model::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, MapId};
-use crate::model::key::KeySeq;
-use crate::model::keyframe::NewKeyframe;
-use crate::model::map::MapProperties;
-use crate::model::request::Digest;
-use crate::model::settings::{SettingValue, Settings};
-
-/// A map's key in the database.
-pub type MapKey = i64;
+use crate::model::ids::{KeyframeId, KeyframeSeq, LoopId};
 
 /// Events of a map are kept up to this number, oldest out first.
 const EVENTS_KEPT: u64 = 100_000;
@@ -32,120 +22,11 @@ const EVENTS_SWEPT_EVERY: u64 = 256;
 /// Loop queries of a map are kept up to this number, oldest out first.
 const QUERIES_KEPT: i64 = 1_000;
 
-/// What one request changes in one map: committed as a whole.
-#[derive(Debug)]
-pub struct Batch {
-    /// The map.
-    pub map: MapKey,
-    /// The map's version after it.
-    pub version: u64,
-    /// The dense numbers given next after it.
-    pub next_keyframe: KeyframeSeq,
-    /// The dense numbers given next after it.
-    pub next_anchor: AnchorSeq,
-    /// The number of the next event after it.
-    pub next_event: u64,
-    /// The changes, in their order.
-    pub changes: Vec<Change>,
-    /// The heavy parts of the keyframe that arrived, if one did.
-    pub new_keyframe: Option<NewKeyframeRows>,
-    /// What happened, numbered.
-    pub events: Vec<Event>,
-}
-
-/// The parts of a new keyframe that the index does not keep.
-#[derive(Debug)]
-pub struct NewKeyframeRows {
-    /// The keyframe as sent.
-    pub keyframe: Arc<NewKeyframe>,
-    /// The digest of the body it was sent in.
-    pub digest: Digest,
-}
-
-/// What the writer is asked to do in one piece.
-#[derive(Debug)]
-pub enum Job {
-    /// A new map.
-    CreateMap {
-        /// Its key.
-        key: MapKey,
-        /// Its name.
-        id: MapId,
-        /// Its properties.
-        properties: Box<MapProperties>,
-        /// The digest of the body that made it.
-        digest: Digest,
-        /// The key that made it.
-        owner: Option<KeySeq>,
-    },
-    /// A map goes, with everything in it.
-    DeleteMap(MapKey),
-    /// A request's changes.
-    Change(Box<Batch>),
-    /// Events that belong to no change.
-    Tell(MapKey, u64, Vec<Event>),
-    /// A loop query's verdict is kept for reading back.
-    KeepQuery {
-        /// The map.
-        map: MapKey,
-        /// The query's id.
-        id: String,
-        /// Its number in the map, by age.
-        kept: i64,
-        /// The answer, as sent.
-        body: bytes::Bytes,
-    },
-    /// A model's answer is kept by the hash of all that it depends on.
-    KeepAnswer {
-        /// The hash.
-        key: [u8; 32],
-        /// What was asked for.
-        operation: &'static str,
-        /// Who answered.
-        model: Arc<str>,
-        /// The answer, as received.
-        answer: Arc<str>,
-    },
-    /// No map waits for a model any more; those that did have another version now.
-    ForgetAway,
-    /// Calls of models, and what they cost or may cost.
-    Spend(Spent),
-    /// A new API key.
-    CreateKey(Box<NewKeyRow>),
-    /// An API key is good no longer, from this second on.
-    RevokeKey(KeySeq, i64),
-}
-
-impl Job {
-    /// Does it leave more room than it found? It is tried on a full disk, too.
-    pub(super) fn frees_space(&self) -> bool {
-        match self {
-            // A key must be revocable whatever the disk holds, and takes no space.
-            Self::DeleteMap(_) | Self::RevokeKey(..) => true,
-            Self::Change(batch) => batch.new_keyframe.is_none() && frees_space(&batch.changes),
-            _ => false,
-        }
-    }
-
-    /// Do later jobs of its map rest on it? A verdict that is not kept, or an event not told, is missed by none of them.
-    pub(super) fn is_planned_upon(&self) -> bool {
-        !matches!(self, Self::KeepQuery { .. } | Self::Tell(..))
-    }
-}
-
-/// Do these changes take something away?
-fn frees_space(changes: &[Change]) -> bool {
-    let takes_away = |change: &Change| {
-        matches!(change, Change::KeyframeRemoved(..) | Change::AnchorRemoved(_) | Change::LoopRemoved(_))
-    };
-    changes.iter().any(takes_away)
-}
-
 /// Does a job, within the transaction of its group.
 pub(super) async fn execute(db: &mut SqliteConnection, job: &Job) -> Result<(), StoreError> {
     match job {
         Job::CreateMap { key, id, properties, digest, owner } => {
-            create_map(db, *key, id, properties, digest, *owner).await
+            map_rows::create(db, *key, id, properties, digest, *owner).await
         }
         Job::DeleteMap(map) => {
             run(db, sqlx::query("delete from detections where map_key = $1").bind(map)).await?;
@@ -178,21 +59,6 @@ pub(super) type Query<'q> = sqlx::query::Query<'q, Sqlite, sqlx::sqlite::SqliteA
 pub(super) async fn run(db: &mut SqliteConnection, query: Query<'_>) -> Result<(), StoreError> {
     query.execute(db).await?;
     Ok(())
-}
-
-async fn create_map(
-    db: &mut SqliteConnection,
-    key: MapKey,
-    id: &MapId,
-    properties: &MapProperties,
-    digest: &Digest,
-    owner: Option<KeySeq>,
-) -> Result<(), StoreError> {
-    let insert = "insert into maps (map_key, id, description, metric, version, next_keyframe, next_anchor, next_event, digest, owner)
-        values ($1, $2, '', 0, 1, 0, 0, 1, $3, $4)";
-    let query = sqlx::query(insert).bind(key).bind(id.as_str()).bind(&digest[..]);
-    run(db, query.bind(owner.map(|owner| owner.0))).await?;
-    set_properties(db, key, properties).await
 }
 
 async fn change_map(db: &mut SqliteConnection, batch: &Batch) -> Result<(), StoreError> {
@@ -239,7 +105,7 @@ async fn change_map(db: &mut SqliteConnection, batch: &Batch) -> Result<(), Stor
 
 async fn apply(db: &mut SqliteConnection, map: MapKey, change: &Change) -> Result<(), StoreError> {
     match change {
-        Change::MapSet(properties) => set_properties(db, map, properties).await,
+        Change::MapSet(properties) => map_rows::set_properties(db, map, properties).await,
         Change::VocabularySet(name) => {
             let update = "update maps set vocabulary = $2 where map_key = $1";
             run(db, sqlx::query(update).bind(map).bind(&**name)).await
@@ -295,40 +161,6 @@ async fn apply(db: &mut SqliteConnection, map: MapKey, change: &Change) -> Resul
         Change::KeyframeAdded(..) | Change::PointSet(..) | Change::Observed(..) | Change::OutcomeSet(..) => {
             Ok(())
         }
-    }
-}
-
-async fn set_properties(
-    db: &mut SqliteConnection,
-    map: MapKey,
-    properties: &MapProperties,
-) -> Result<(), StoreError> {
-    let update = "update maps set description = $2, metric = $3 where map_key = $1";
-    run(db, sqlx::query(update).bind(map).bind(&properties.description).bind(properties.metric)).await?;
-    run(db, sqlx::query("delete from map_anchor_classes where map_key = $1").bind(map)).await?;
-    for class in &properties.anchor_classes {
-        let insert = "insert into map_anchor_classes (map_key, class) values ($1, $2)";
-        run(db, sqlx::query(insert).bind(map).bind(class)).await?;
-    }
-    run(db, sqlx::query("delete from map_settings where map_key = $1").bind(map)).await?;
-    let defaults = Settings::default();
-    for row in Settings::TABLE {
-        let (value, default) = (properties.settings.get(row.name), defaults.get(row.name));
-        if let Some(value) = value.filter(|_| value != default) {
-            let insert = "insert into map_settings (map_key, name, value) values ($1, $2, $3)";
-            run(db, sqlx::query(insert).bind(map).bind(row.name).bind(setting_text(value))).await?;
-        }
-    }
-    Ok(())
-}
-
-/// A setting as text; numbers in the shortest form that reads back to the same bits.
-fn setting_text(value: SettingValue) -> String {
-    match value {
-        SettingValue::Number(number) => format!("{number:?}"),
-        SettingValue::Count(count) => count.to_string(),
-        SettingValue::Switch(switch) => switch.to_string(),
-        SettingValue::Policy(policy) => policy.as_str().to_owned(),
     }
 }
 

@@ -16,9 +16,10 @@ use tracing::{error, warn};
 use super::StoreError;
 use super::committer::{Counters, Message, Queued};
 use super::health::{Disk, Health};
+use super::job::Job;
 use super::reserve::Reserve;
 use super::transaction::Transaction;
-use super::write::{self, Job};
+use super::write;
 
 /// At most so many jobs share one transaction.
 const MAX_GROUP: usize = 256;

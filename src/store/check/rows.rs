@@ -6,8 +6,8 @@ use sqlx::{Row, SqliteConnection};
 use super::map::MapCheck;
 use crate::model::keyframe::Crop;
 use crate::recognition::features::MatchableFeatures;
+use crate::store::job::MapKey;
 use crate::store::load::Loaded;
-use crate::store::write::MapKey;
 use crate::store::{StoreError, load, read};
 
 /// Checks the rows of a map that was loaded.

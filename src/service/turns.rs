@@ -1,0 +1,152 @@
+//! How a request gets its turn on a map: to decide a write, or to read.
+
+use std::sync::Arc;
+
+use tokio::sync::OwnedSemaphorePermit;
+use tokio::task::spawn_blocking;
+use tracing::Instrument as _;
+
+use super::live::{Decision, LiveMap, Pending, State};
+use super::{Service, ServiceError};
+use crate::config::logging::in_part;
+use crate::config::traces;
+use crate::recognition::index::MapIndex;
+
+/// How often a read looks again because a write that it had seen failed.
+const READ_AGAIN_MAX: usize = 3;
+
+impl Service {
+    /// Decides a write off the async threads and queues it. If the client goes away, the decision is
+    /// committed all the same.
+    pub(super) async fn begin<T: Send + 'static>(
+        &self,
+        live: &Arc<LiveMap>,
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
+    ) -> Result<Begun<T>, ServiceError> {
+        self.disk_takes(false)?;
+        let permit = self.writes.enter().await?;
+        self.begin_within(permit, live, decide).await
+    }
+
+    /// The same, however long it takes to get a turn.
+    pub(super) async fn begin_patiently<T: Send + 'static>(
+        &self,
+        live: &Arc<LiveMap>,
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
+    ) -> Result<Begun<T>, ServiceError> {
+        self.disk_takes(false)?;
+        let permit = self.writes.enter_patiently().await?;
+        self.begin_within(permit, live, decide).await
+    }
+
+    /// [`Self::begin`] for a write that frees space.
+    pub(super) async fn begin_freeing<T: Send + 'static>(
+        &self,
+        live: &Arc<LiveMap>,
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
+    ) -> Result<Begun<T>, ServiceError> {
+        self.disk_takes(true)?;
+        let permit = self.writes.enter().await?;
+        self.begin_within(permit, live, decide).await
+    }
+
+    /// Refuses a write that the disk would not take, before the index is ahead of the disk.
+    pub(super) fn disk_takes(&self, freeing: bool) -> Result<(), ServiceError> {
+        self.store.committer().refuses(freeing).map_or(Ok(()), |error| Err(error.into()))
+    }
+
+    async fn begin_within<T: Send + 'static>(
+        &self,
+        permit: OwnedSemaphorePermit,
+        live: &Arc<LiveMap>,
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
+    ) -> Result<Begun<T>, ServiceError> {
+        // One at a time takes a thread to wait for the map's lock; the others wait here, where waiting costs nothing.
+        let _lane = live.lane.lock().await;
+        let (deciding, store) = (live.clone(), self.store.clone());
+        let pending = spawn_blocking(in_part("decide", move || deciding.decide(&store, decide)))
+            .await
+            .map_err(ServiceError::panicked)??;
+        // Whatever was written, an anchor may lack something now.
+        self.worker.wake();
+        Ok(Begun { live: live.clone(), pending, _permit: permit })
+    }
+
+    /// Decides a write and waits until it is on disk.
+    pub(super) async fn change<T: Send + 'static>(
+        &self,
+        live: &Arc<LiveMap>,
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
+    ) -> Result<(T, u64), ServiceError> {
+        self.begin(live, decide).await?.committed().await
+    }
+
+    /// [`Self::change`] for a write that frees space: it goes on when the disk is full.
+    pub(super) async fn free<T: Send + 'static>(
+        &self,
+        live: &Arc<LiveMap>,
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
+    ) -> Result<(T, u64), ServiceError> {
+        self.begin_freeing(live, decide).await?.committed().await
+    }
+
+    /// Reads the index off the async threads, and waits until what was read is on disk. If it never will be, because the
+    /// write failed, the map as it is on disk is read instead: reads go on when writes do not.
+    pub(super) async fn read<T: Send + 'static>(
+        &self,
+        live: &Arc<LiveMap>,
+        read: impl Fn(&State) -> Result<T, ServiceError> + Send + Sync + 'static,
+    ) -> Result<(u64, T), ServiceError> {
+        let (read, mut live) = (Arc::new(read), live.clone());
+        let mut again = READ_AGAIN_MAX;
+        loop {
+            let looking = read.clone();
+            let on_disk = self.look(&live, move |state| looking(state)).await;
+            if on_disk.is_ok() || !live.is_broken() || again == 0 {
+                return on_disk;
+            }
+            again -= 1;
+            let anew = self.live(&live.id).await?;
+            if anew.key != live.key {
+                // Another map of this name: the question was about the one that is gone.
+                return on_disk;
+            }
+            live = anew;
+        }
+    }
+
+    /// [`Self::read`] for those who look again by themselves.
+    pub(super) async fn look<T: Send + 'static>(
+        &self,
+        live: &Arc<LiveMap>,
+        look: impl FnOnce(&State) -> Result<T, ServiceError> + Send + 'static,
+    ) -> Result<(u64, T), ServiceError> {
+        let permit = self.reads.enter().await?;
+        let looking = live.clone();
+        let (version, value) = spawn_blocking(in_part("read", move || {
+            let state = looking.state()?;
+            Ok::<_, ServiceError>((state.version, look(&state)?))
+        }))
+        .await
+        .map_err(ServiceError::panicked)??;
+        // Waiting for the disk takes no core.
+        drop(permit);
+        live.on_disk(version).await?;
+        Ok((version, value))
+    }
+}
+
+/// A write that is decided and on its way to the disk.
+pub(super) struct Begun<T> {
+    live: Arc<LiveMap>,
+    pending: Pending<T>,
+    /// Counts among the writes under way until the disk has it.
+    _permit: OwnedSemaphorePermit,
+}
+
+impl<T> Begun<T> {
+    /// Waits until it is on disk.
+    pub async fn committed(self) -> Result<(T, u64), ServiceError> {
+        self.pending.committed(&self.live).instrument(traces::part("commit")).await
+    }
+}

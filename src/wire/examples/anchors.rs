@@ -1,0 +1,86 @@
+//! Of anchors, and of what is asked about their texts.
+
+use serde_json::{Value, json};
+
+/// An anchor.
+pub fn anchor() -> Value {
+    let bounds = json!({"min": [0.5, 0.0, 2.0], "max": [0.75, 0.25, 2.0]});
+    json!({
+        "id": "a-7",
+        "map_version": 412,
+        "class": "door_number",
+        "state": "valid",
+        "description": "901",
+        "description_source": "readings",
+        "identifiers": ["901"],
+        "information_level": 4,
+        "readings": [{"text": "901", "weight": 2.79, "count": 3}, {"text": "907", "weight": 0.4, "count": 1}],
+        "keyframes": ["kf-119", "kf-120"],
+        "box": bounds,
+        "center": [0.625, 0.125, 2.0],
+        "frames": [{"session": "robot-7", "box": bounds, "center": [0.625, 0.125, 2.0]}],
+        "map_points": 2,
+        "matches": [{
+            "anchor": "a-2", "level": 5, "source": "identical", "kind": "revisit",
+            "reason": "both read 901"
+        }],
+        "matches_total": 1,
+        "merged_from": [],
+        "has_crop": true,
+        "version": 4
+    })
+}
+
+/// How an anchor was described.
+pub fn transcript() -> Value {
+    let step = |question: &str| json!({"speaker": "model:blip-2", "question": question, "answer": "901"});
+    json!({
+        "map_version": 412,
+        "anchor": "a-7",
+        "items": [{
+            "keyframe": "kf-120", "detection": 0, "text": "901", "source": "model:blip-2", "degraded": false,
+            "steps": [
+                step("Which text, number, name or code is written on this door number?"),
+                step("Read the number, name or code on it once more, character by character.")
+            ]
+        }]
+    })
+}
+
+/// Anchors.
+pub fn anchors() -> Value {
+    let mut item = anchor();
+    item.as_object_mut().map(|members| members.remove("map_version"));
+    json!({"map_version": 412, "items": [item], "next_cursor": null})
+}
+
+/// A description by hand.
+pub fn anchor_patch() -> Value {
+    json!({"description": "room 901"})
+}
+
+/// Two texts.
+pub fn text_pair() -> Value {
+    json!({"a": "room 901", "b": "door number 901 in black letters", "class": "door_number"})
+}
+
+/// One text.
+pub fn one_text() -> Value {
+    json!({"text": "room 901", "class": "door_number"})
+}
+
+/// SimilarityLevel.
+pub fn similarity() -> Value {
+    json!({"level": 5, "source": "identifiers", "reason": "both name room 901", "cached": false, "degraded": false})
+}
+
+/// InformationLevel.
+pub fn information() -> Value {
+    json!({"level": 5, "source": "lexical", "reason": "an identifier with its role", "cached": false,
+        "degraded": false})
+}
+
+/// MergeText.
+pub fn merged_text() -> Value {
+    json!({"text": "door number 901 in black letters", "source": "lexical", "cached": false, "degraded": false})
+}

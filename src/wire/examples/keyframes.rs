@@ -1,0 +1,124 @@
+//! Of keyframes, one by one and in bulk, and what follows from them.
+
+use serde_json::{Value, json};
+
+/// A keyframe to be stored.
+pub fn keyframe_body() -> Value {
+    json!({
+        "session": "robot-7",
+        "stamp": {"sec": 1, "nanosec": 0},
+        "pose": transform(),
+        "camera": {"fx": 525.0, "fy": 525.0, "cx": 320.0, "cy": 240.0, "width": 640, "height": 480},
+        "bow": {"words": [3, 17], "weights": [0.4, 0.6]},
+        "features": {
+            "descriptor_bytes": 8,
+            "descriptors": "AAECAwQFBgcICQoLDA0ODw==",
+            "keypoints": [[100.5, 80.25], [310.0, 200.0, 2.0, 45.0]],
+            "map_points": [12, -1]
+        },
+        "map_points": {"ids": [12, 13], "positions": [[0.5, 0.0, 2.0], [0.75, 0.25, 2.0]]},
+        "observes": [12, 13],
+        "covisible": [{"keyframe": "kf-119", "shared": 87}],
+        "detections": [{
+            "class": "door_number",
+            "confidence": 0.93,
+            "box": [300.0, 180.0, 340.0, 220.0],
+            "map_points": [12, 13],
+            "position": [0.625, 0.125, 2.0],
+            "text": "901",
+            "description": "door number 901 in black letters",
+            "crop": "iVBORw0KGgo="
+        }]
+    })
+}
+
+fn transform() -> Value {
+    json!({"translation": {"x": 1.5, "y": 0.0, "z": 0.25}, "rotation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}})
+}
+
+/// A keyframe is stored.
+pub fn keyframe_answer() -> Value {
+    json!({
+        "keyframe": "kf-120",
+        "map_version": 412,
+        "covisible": 12,
+        "detections": [{"anchor": "a-7", "outcome": "observed", "state": "valid"}]
+    })
+}
+
+/// A keyframe as it stands.
+pub fn keyframe() -> Value {
+    json!({
+        "id": "kf-120",
+        "map_version": 412,
+        "session": "robot-7",
+        "stamp": {"sec": 1, "nanosec": 0},
+        "pose": transform(),
+        "bow": {"words": [3, 17], "weights": [0.4, 0.6]},
+        "map_points": {"ids": [12], "positions": [[0.5, 0.0, 2.0]]},
+        "observes": [12, 13],
+        "covisible": [{"keyframe": "kf-119", "shared": 87}],
+        "covisible_total": 12,
+        "detections": [{
+            "class": "door_number",
+            "confidence": 0.93,
+            "box": [300.0, 180.0, 340.0, 220.0],
+            "map_points": [12, 13],
+            "text": "901",
+            "has_crop": false,
+            "anchor": "a-7",
+            "outcome": "observed",
+            "state": "valid"
+        }]
+    })
+}
+
+/// Keyframes.
+pub fn keyframes() -> Value {
+    let line = json!({
+        "id": "kf-120", "session": "robot-7", "stamp": {"sec": 1, "nanosec": 0}, "pose": transform(),
+        "covisible": 12, "anchors": ["a-7"]
+    });
+    json!({"map_version": 412, "items": [line], "next_cursor": "kf-120"})
+}
+
+/// One line of a bulk request.
+pub fn bulk_body() -> Value {
+    json!({"id": "kf-120", "stamp": {"sec": 1, "nanosec": 0}, "pose": transform()})
+}
+
+/// One line of a bulk answer.
+pub fn bulk_line() -> Value {
+    json!({"id": "kf-120", "line": 1, "status": 201, "map_version": 412, "covisible": 12, "detections": []})
+}
+
+/// Covisible keyframes.
+pub fn covisible() -> Value {
+    json!({"map_version": 412, "items": [{"keyframe": "kf-119", "shared": 87}], "next_cursor": null})
+}
+
+/// A local anchor map.
+pub fn local_anchor_map() -> Value {
+    json!({
+        "keyframe": "kf-120",
+        "map_version": 412,
+        "anchors": [{
+            "anchor": "a-7", "class": "door_number", "state": "valid", "description": "901",
+            "bearing": [0.0, 0.0, 1.0], "distance_m": 2.0, "weight": 0.5
+        }]
+    })
+}
+
+/// Corrected poses.
+pub fn poses_body() -> Value {
+    json!({
+        "session": "robot-7",
+        "keyframes": {"ids": ["kf-120"], "poses": [transform()]},
+        "map_points": {"ids": [12], "positions": [[0.5, 0.0, 2.0]]}
+    })
+}
+
+/// Poses are corrected.
+pub fn poses_answer() -> Value {
+    json!({"map_version": 413, "keyframes": 1, "map_points": 1})
+}

@@ -1,0 +1,98 @@
+//! Of loop queries, confirmed loops and events.
+
+use serde_json::{Value, json};
+
+/// A loop query.
+pub fn loop_query() -> Value {
+    json!({"keyframe": "kf-120", "verify": "auto", "max_wait_ms": 0, "seed": 0})
+}
+
+/// The answer to a loop query.
+pub fn loop_answer() -> Value {
+    json!({
+        "id": "q-2f6f6d0a4c1b",
+        "map_version": 412,
+        "verdict": "loop",
+        "best": "kf-3",
+        "loops": ["kf-3"],
+        "degraded": false,
+        "excluded_covisible": 12,
+        "candidates": [
+            {
+                "keyframe": "kf-3",
+                "verdict": "loop",
+                "bow": {"score": 0.31, "common_words": 412, "reference_score": 0.22},
+                "anchors": {
+                    "similarity": 0.71, "threshold": 0.3, "in_query": 4, "in_candidate": 3, "pending": 0,
+                    "matches": [{
+                        "query_anchor": "a-7", "candidate_anchor": "a-2", "level": 5, "source": "identical",
+                        "angle_difference_rad": 0.1, "distance_difference_m": 0.3, "weight": 1.2
+                    }],
+                    "contradictions": []
+                },
+                "geometry": {
+                    "status": "verified", "model": "sim3", "matches": 190, "hypotheses": 34, "inliers": 143,
+                    "mean_reprojection_error_px": 1.2,
+                    "candidate_from_query": {
+                        "scale": 1.0,
+                        "translation": {"x": 0.2, "y": 0.0, "z": -0.1},
+                        "rotation": {"x": 0.0, "y": 0.087, "z": 0.0, "w": 0.9962}
+                    }
+                }
+            },
+            {
+                "keyframe": "kf-44",
+                "verdict": "rejected",
+                "bow": {"score": 0.28, "common_words": 390, "reference_score": 0.22},
+                "anchors": {
+                    "similarity": 0.0, "threshold": 0.3, "in_query": 4, "in_candidate": 2, "pending": 0,
+                    "matches": [],
+                    "contradictions": [{
+                        "query_anchor": "a-7", "candidate_anchor": "a-11",
+                        "reason": "reads 910 where 901 hung", "weight": 1.0
+                    }]
+                },
+                "geometry": {"status": "skipped", "reason": "an earlier check decided"},
+                "reason": {
+                    "code": "contradiction", "measured": 1.0, "limit": 0.0,
+                    "detail": "1 pair of sure identifiers contradicts"
+                }
+            }
+        ]
+    })
+}
+
+/// A loop that the client closed.
+pub fn loop_body() -> Value {
+    json!({"id": "loop-1", "keyframe": "kf-120", "candidate": "kf-3", "query": "q-2f6f6d0a4c1b"})
+}
+
+/// A loop is closed.
+pub fn loop_closed() -> Value {
+    json!({"id": "loop-1", "map_version": 413, "merged": [{"into": "a-2", "from": "a-7"}]})
+}
+
+/// A loop is revoked.
+pub fn loop_revoked() -> Value {
+    json!({"id": "loop-1", "map_version": 414, "split": [{"into": "a-2", "from": "a-7"}]})
+}
+
+/// Confirmed loops.
+pub fn loops() -> Value {
+    let item = json!({
+        "id": "loop-1", "keyframe": "kf-120", "candidate": "kf-3", "query": "q-2f6f6d0a4c1b",
+        "merged": [{"into": "a-2", "from": "a-7"}]
+    });
+    json!({"map_version": 413, "items": [item], "next_cursor": null})
+}
+
+/// The data of one event.
+pub fn event() -> Value {
+    json!({"seq": 31, "event": "loop_found", "map_version": 412, "keyframe": "kf-120", "candidate": "kf-3",
+        "query": "q-2f6f6d0a4c1b"})
+}
+
+/// Events as the stream carries them.
+pub fn event_stream() -> String {
+    format!("id: 31\nevent: loop_found\ndata: {}\n\n", event())
+}

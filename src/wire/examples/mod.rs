@@ -1,0 +1,15 @@
+//! Examples: one of each body and answer, as the API document shows them.
+//!
+//! They tell one story: a corridor, a door with the number 901, and a robot that comes back to it.
+
+mod anchors;
+mod keyframes;
+mod loops;
+mod maps;
+mod operations;
+
+pub use anchors::*;
+pub use keyframes::*;
+pub use loops::*;
+pub use maps::*;
+pub use operations::*;
