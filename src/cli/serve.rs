@@ -61,6 +61,7 @@ pub struct ServeArgs {
 pub async fn run(args: ServeArgs) -> Result<(), Failure> {
     let traces = Traces::start(&args.traces)?;
     logging::start(&args.log, &traces)?;
+    keep_to_small_pages();
     let stopping = stop_on_signal()?;
     // The port first: a second server on one machine shall say so before it opens the database.
     let listener = TcpListener::bind(args.listen)
@@ -133,4 +134,13 @@ async fn temporary_server(vocabulary: Option<Vocabulary>) -> Result<OwnServer, F
     let url = server.url();
     // Dropped in this order: the server stops before its directory goes.
     Ok(OwnServer::new(url, (server, directory)))
+}
+
+/// Has the kernel make no huge pages for this process. It makes them of regions of 2 MB with a single page in use, whenever it
+/// finds the time: a server that holds 90 MB grew to 130 within minutes, and what is free within it is never given back.
+fn keep_to_small_pages() {
+    #[cfg(target_os = "linux")]
+    if let Err(error) = rustix::thread::disable_transparent_huge_pages(true) {
+        tracing::debug!(%error, "the kernel may use huge pages");
+    }
 }

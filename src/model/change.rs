@@ -89,6 +89,8 @@ pub enum Change {
     PoseSet(KeyframeSeq, Pose),
     /// A map point has this position now, in its session's frame.
     PointSet(SessionSeq, PointId, Point3),
+    /// The last keyframe that observed these map points is gone, and they with it.
+    PointsForgotten(SessionSeq, Box<[PointId]>),
     /// An anchor was founded.
     AnchorAdded(AnchorSeq, Box<str>),
     /// An anchor is gone: it lost its last observation, or an operator deleted it.

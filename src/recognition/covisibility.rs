@@ -5,6 +5,7 @@
 //! (`contract.md` §8.12). The relation is symmetric. By itself no keyframe is its own
 //! neighbour; where the paper's K_k^cov must contain k (§8.1), [`Covisibility::with_itself`] adds it.
 
+use super::numbered::Numbered;
 use crate::model::ids::KeyframeSeq;
 
 /// Why two keyframes are covisible.
@@ -31,17 +32,11 @@ impl Edge {
 /// The graph of one map, by dense keyframe number.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Covisibility {
-    edges: Vec<Vec<(KeyframeSeq, Edge)>>,
+    /// Ascending; a keyframe without edges has no list.
+    edges: Numbered<Vec<(KeyframeSeq, Edge)>>,
 }
 
 impl Covisibility {
-    /// Makes room for keyframes numbered below `keyframes`.
-    pub fn grow(&mut self, keyframes: usize) {
-        if self.edges.len() < keyframes {
-            self.edges.resize_with(keyframes, Vec::new);
-        }
-    }
-
     /// The keyframes covisible with one, ascending, without itself.
     pub fn neighbours(&self, keyframe: KeyframeSeq) -> impl Iterator<Item = KeyframeSeq> + '_ {
         self.edges.get(keyframe.index()).into_iter().flatten().map(|(other, _)| *other)
@@ -104,9 +99,8 @@ impl Covisibility {
 
     /// A keyframe is gone, with its edges.
     pub fn remove(&mut self, keyframe: KeyframeSeq) {
-        let Some(list) = self.edges.get_mut(keyframe.index()) else { return };
-        for (other, _) in std::mem::take(list) {
-            self.edges[other.index()].retain(|(back, _)| *back != keyframe);
+        for (other, _) in self.edges.remove(keyframe.index()).unwrap_or_default() {
+            self.change_list(other, |list| list.retain(|(back, _)| *back != keyframe));
         }
     }
 
@@ -115,10 +109,8 @@ impl Covisibility {
         if a == b {
             return;
         }
-        self.grow(a.index().max(b.index()) + 1);
         for (from, to) in [(a, b), (b, a)] {
-            let list = &mut self.edges[from.index()];
-            match list.binary_search_by_key(&to, |(other, _)| *other) {
+            self.change_list(from, |list| match list.binary_search_by_key(&to, |(other, _)| *other) {
                 Ok(at) => {
                     change(&mut list[at].1);
                     if !list[at].1.holds() {
@@ -132,7 +124,15 @@ impl Covisibility {
                         list.insert(at, (to, edge));
                     }
                 }
-            }
+            });
+        }
+    }
+
+    fn change_list(&mut self, of: KeyframeSeq, change: impl FnOnce(&mut Vec<(KeyframeSeq, Edge)>)) {
+        let list = self.edges.get_or_default(of.index());
+        change(list);
+        if list.is_empty() {
+            self.edges.remove(of.index());
         }
     }
 }

@@ -1,17 +1,19 @@
 //! Keyframes and anchors go: what followed from them goes with them.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::index::MapIndex;
 use super::recorder::{Decided, Recorder};
 use crate::model::bow::BowVector;
 use crate::model::change::{Change, Merge, MergeCause};
-use crate::model::ids::{AnchorSeq, KeyframeSeq};
+use crate::model::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
 
-/// Culls a keyframe: its covisibility and its observations go, and with the last observation the
-/// anchor. Its bag of words says which postings go.
+/// Culls a keyframe: its covisibility and its observations go, with the last observation the anchor, and
+/// with the last observer the map point. Its bag of words says which postings go.
 pub fn cull_keyframe(index: &mut MapIndex, keyframe: KeyframeSeq, bow: Arc<BowVector>) -> Decided {
     let mut record = Recorder::new(index);
+    let points = points_of(record.index(), keyframe);
     let seen: Vec<AnchorSeq> = record.index().anchors_seen_by(keyframe).collect();
     for anchor in &seen {
         record.touch(*anchor);
@@ -22,7 +24,33 @@ pub fn cull_keyframe(index: &mut MapIndex, keyframe: KeyframeSeq, bow: Arc<BowVe
             remove_anchor(&mut record, anchor);
         }
     }
+    if let Some((session, points)) = points {
+        let index = record.index();
+        let forgotten = points.into_iter().filter(|id| is_orphan(index, session, *id)).collect::<Box<[_]>>();
+        if !forgotten.is_empty() {
+            record.apply(vec![Change::PointsForgotten(session, forgotten)]);
+        }
+    }
     record.finish()
+}
+
+/// The session of a keyframe, and the map points that it or its detections name.
+fn points_of(index: &MapIndex, keyframe: KeyframeSeq) -> Option<(SessionSeq, BTreeSet<PointId>)> {
+    let culled = index.keyframe(keyframe)?;
+    let mut points: BTreeSet<PointId> = culled.observes.iter().copied().collect();
+    for anchor in index.anchors_seen_by(keyframe).filter_map(|anchor| index.anchor(anchor)) {
+        let observed = anchor.observations.range((keyframe, 0)..=(keyframe, u16::MAX));
+        points.extend(observed.flat_map(|(_, observation)| observation.map_points.iter()));
+    }
+    Some((culled.session, points))
+}
+
+/// Has the map point a position, and nobody who would miss it? As in SLAM, where a point that nobody observes is culled;
+/// one that was sent before anybody observed it waits for its first observer.
+fn is_orphan(index: &MapIndex, session: SessionSeq, id: PointId) -> bool {
+    index.points().position(session, id).is_some()
+        && index.points().observers(session, id).is_empty()
+        && index.holders().of(session, id).next().is_none()
 }
 
 /// Deletes an object with all its anchors; its detections stay with their keyframes and feed nothing.

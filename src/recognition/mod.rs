@@ -22,7 +22,8 @@
 //!
 //! Beside the paper: [`query`] is the keyframe that is asked about, [`sight`] and [`features`] are what geometry
 //! needs to know of it, [`evidence`] turns figures into a
-//! verdict, [`recorder`] keeps changes, [`correction`] moves poses and points, [`describing`] takes a description by hand, [`standing_in`] tells where a model is missed, [`culling`] removes.
+//! verdict, [`recorder`] keeps changes, [`correction`] moves poses and points, [`describing`] takes a description by hand, [`standing_in`] tells where a model is missed, [`culling`] removes,
+//! [`numbered`] keeps what has a dense number.
 
 pub mod alignment;
 pub mod anchor_map;
@@ -47,6 +48,7 @@ pub mod lacking;
 pub mod learning;
 pub mod loop_check;
 pub mod matching;
+pub mod numbered;
 pub mod places;
 pub mod query;
 pub mod recorder;

@@ -29,8 +29,8 @@ impl Service {
         self.read(&live, move |state| {
             let index = &state.index;
             let text = filter.text.as_deref().map(|text| Text::parse(text).normalised().to_owned());
-            let every = (from.0..index.next_anchor().0).map(AnchorSeq);
-            let mut wanted = every.filter(|seq| passes(index, *seq, &filter, text.as_deref()));
+            let mut wanted =
+                index.anchors_from(from).filter(|seq| passes(index, *seq, &filter, text.as_deref()));
             let items = wanted.by_ref().take(limit).filter_map(|seq| reports::anchor(index, seq)).collect();
             Ok(Page { items, next_cursor: wanted.next().map(AnchorSeq::public) })
         })

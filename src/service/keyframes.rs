@@ -150,9 +150,10 @@ impl Service {
     ) -> Result<(u64, Page<KeyframeSummary>), ServiceError> {
         let live = self.live(map).await?;
         let from: u32 = cursor.map_or(Ok(0), |cursor| cursor.parse().map_err(|_| bad_cursor(cursor)))?;
+        let from = KeyframeSeq(from);
         self.read(&live, move |state| {
             let index = &state.index;
-            let mut rest = index.keyframes().skip_while(|keyframe| keyframe.seq.0 < from);
+            let mut rest = index.keyframes_from(from);
             let items = rest.by_ref().take(limit).map(|keyframe| summary(index, keyframe)).collect();
             Ok(Page { items, next_cursor: rest.next().map(|keyframe| keyframe.seq.0.to_string()) })
         })

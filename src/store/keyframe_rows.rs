@@ -140,3 +140,21 @@ pub(super) async fn set_points(
     }
     Ok(())
 }
+
+pub(super) async fn forget_points(
+    db: &mut SqliteConnection,
+    map: MapKey,
+    session: SessionSeq,
+    ids: &[PointId],
+) -> Result<(), StoreError> {
+    for chunk in ids.chunks(POINTS_PER_STATEMENT) {
+        let mut delete = sqlx::QueryBuilder::<Sqlite>::new("delete from map_points where map_key = ");
+        delete.push_bind(map).push(" and session = ").push_bind(session.0).push(" and point in (");
+        let mut named = delete.separated(", ");
+        for id in chunk {
+            named.push_bind(*id);
+        }
+        delete.push(")").build().execute(&mut *db).await?;
+    }
+    Ok(())
+}

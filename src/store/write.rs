@@ -6,7 +6,7 @@ use sqlx::{Sqlite, SqliteConnection};
 
 use super::blob::pack;
 use super::job::{Batch, Job, MapKey};
-use super::keyframe_rows::{add_detections, add_keyframe, pose_blob, set_points};
+use super::keyframe_rows::{add_detections, add_keyframe, forget_points, pose_blob, set_points};
 use super::{StoreError, key_rows, map_rows, model_rows};
 use crate::model::anchor::Outcome;
 use crate::model::change::{Change, Loop, Merge, MergeCause};
@@ -122,6 +122,7 @@ async fn apply(db: &mut SqliteConnection, map: MapKey, change: &Change) -> Resul
             let update = "update keyframes set pose = $3 where map_key = $1 and keyframe = $2";
             run(db, sqlx::query(update).bind(map).bind(seq.0).bind(pose_blob(pose))).await
         }
+        Change::PointsForgotten(session, ids) => forget_points(db, map, *session, ids).await,
         Change::AnchorAdded(seq, class) => {
             let insert = "insert into anchors (map_key, anchor, class, version) values ($1, $2, $3, 1)";
             run(db, sqlx::query(insert).bind(map).bind(seq.0).bind(&**class)).await

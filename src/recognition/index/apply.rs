@@ -35,10 +35,8 @@ impl MapIndex {
 
     /// Makes the dense numbers start here: those below were given to facts that are gone.
     pub fn reserve(&mut self, keyframes: u32, anchors: u32) {
-        self.keyframes.resize_with(self.keyframes.len().max(keyframes as usize), || None);
-        self.anchors.resize_with(self.anchors.len().max(anchors as usize), || None);
-        self.seen_by.resize_with(self.keyframes.len(), BTreeSet::new);
-        self.covisibility.grow(self.keyframes.len());
+        self.next_keyframe = self.next_keyframe.max(keyframes);
+        self.next_anchor = self.next_anchor.max(anchors);
     }
 
     fn apply_fact(&mut self, change: &Change, touched: &mut Touched) {
@@ -53,7 +51,7 @@ impl MapIndex {
             Change::KeyframeAdded(keyframe, bow) => self.add_keyframe(keyframe, bow),
             Change::KeyframeRemoved(seq, bow) => self.remove_keyframe(*seq, bow, touched),
             Change::PoseSet(seq, pose) => {
-                if let Some(Some(keyframe)) = self.keyframes.get_mut(seq.index()) {
+                if let Some(keyframe) = self.keyframes.get_mut(seq.index()) {
                     keyframe.map_from_camera = *pose;
                 }
             }
@@ -61,9 +59,15 @@ impl MapIndex {
                 self.points.set_position(*session, *id, *position);
                 touched.stale.extend(self.holders.of(*session, *id));
             }
+            Change::PointsForgotten(session, ids) => {
+                for id in ids {
+                    self.points.clear_position(*session, *id);
+                    touched.stale.extend(self.holders.of(*session, *id));
+                }
+            }
             Change::AnchorAdded(seq, class) => {
                 self.reserve(0, seq.0 + 1);
-                self.anchors[seq.index()] = Some(Anchor::new(class.clone()));
+                self.anchors.insert(seq.index(), Anchor::new(class.clone()));
                 touched.anchors.insert(*seq);
             }
             Change::AnchorRemoved(seq) => self.remove_anchor(*seq, touched),
@@ -112,11 +116,10 @@ impl MapIndex {
 
     fn derive(&mut self, mut touched: Touched) {
         let (keyframes, points) = (&self.keyframes, &self.points);
-        let session_of = |seq: KeyframeSeq| {
-            keyframes[seq.index()].as_ref().map_or(SessionSeq(0), |keyframe| keyframe.session)
-        };
+        let session_of =
+            |seq: KeyframeSeq| keyframes.get(seq.index()).map_or(SessionSeq(0), |keyframe| keyframe.session);
         for seq in &touched.stale {
-            if let Some(Some(anchor)) = self.anchors.get_mut(seq.index()) {
+            if let Some(anchor) = self.anchors.get_mut(seq.index()) {
                 self.holders.release(&anchor.shapes, *seq);
                 anchor.refresh(session_of, points);
                 self.holders.hold_all(&anchor.shapes, *seq);
@@ -124,8 +127,7 @@ impl MapIndex {
         }
         touched.anchors.append(&mut touched.stale);
         if touched.all {
-            let every = self.anchors.iter().enumerate().filter(|(_, anchor)| anchor.is_some());
-            touched.anchors.extend(every.map(|(seq, _)| AnchorSeq(seq as u32)));
+            touched.anchors.extend(self.anchors.iter().map(|(seq, _)| AnchorSeq(seq as u32)));
         }
         let settings = &self.properties.settings;
         let (gone, standing) =
@@ -139,7 +141,7 @@ impl MapIndex {
                 self.texts.set(*member, "", None, &self.verdicts);
             }
             let valid = object.description.as_ref().filter(|_| object.state == AnchorState::Valid);
-            let class = self.anchors[root.index()].as_ref().map_or("", |anchor| &anchor.class);
+            let class = self.anchors.get(root.index()).map_or("", |anchor| &anchor.class);
             self.texts.set(root, class, valid.map(|description| &description.text), &self.verdicts);
         }
     }
@@ -170,9 +172,8 @@ impl MapIndex {
 
     fn rebuild_covisibility(&mut self) {
         self.covisibility = Covisibility::default();
-        self.covisibility.grow(self.keyframes.len());
         let keyframes = std::mem::take(&mut self.keyframes);
-        for keyframe in keyframes.iter().flatten() {
+        for keyframe in keyframes.values() {
             self.connect(keyframe);
         }
         self.keyframes = keyframes;
@@ -195,8 +196,9 @@ impl MapIndex {
         self.connect(keyframe);
         self.keyframe_by_id.insert(keyframe.id.clone(), keyframe.seq);
         self.inverted_file.insert(keyframe.seq.0, bow);
+        self.seen_by.insert(keyframe.seq.index(), BTreeSet::new());
         self.bytes += keyframe.bytes;
-        self.keyframes[keyframe.seq.index()] = Some(Box::new(keyframe.clone()));
+        self.keyframes.insert(keyframe.seq.index(), keyframe.clone());
     }
 
     /// The keyframe's covisibility: enough shared map points, and what its client declared.
@@ -213,20 +215,20 @@ impl MapIndex {
     }
 
     fn remove_keyframe(&mut self, seq: KeyframeSeq, bow: &BowVector, touched: &mut Touched) {
-        let Some(keyframe) = self.keyframes.get_mut(seq.index()).and_then(Option::take) else { return };
+        let Some(keyframe) = self.keyframes.remove(seq.index()) else { return };
         self.keyframe_by_id.remove(&keyframe.id);
         self.points.forget(keyframe.session, &keyframe.observes, seq);
         self.inverted_file.remove(seq.0, bow);
         self.bytes -= keyframe.bytes;
         // What others declared about it is no fact of the map any more.
         for neighbour in self.covisibility.neighbours(seq) {
-            if let Some(Some(other)) = self.keyframes.get_mut(neighbour.index()) {
+            if let Some(other) = self.keyframes.get_mut(neighbour.index()) {
                 other.declared = other.declared.iter().copied().filter(|(d, _)| *d != seq).collect();
             }
         }
         self.covisibility.remove(seq);
-        for anchor in std::mem::take(&mut self.seen_by[seq.index()]) {
-            if let Some(Some(anchor)) = self.anchors.get_mut(anchor.index()) {
+        for anchor in self.seen_by.remove(seq.index()).unwrap_or_default() {
+            if let Some(anchor) = self.anchors.get_mut(anchor.index()) {
                 anchor.observations.retain(|(keyframe, _), _| *keyframe != seq);
             }
             touched.stale.insert(anchor);
@@ -237,18 +239,20 @@ impl MapIndex {
         let Some(session) = self.keyframe(observation.keyframe).map(|keyframe| keyframe.session) else {
             return;
         };
-        let Some(Some(anchor)) = self.anchors.get_mut(seq.index()) else { return };
+        let Some(anchor) = self.anchors.get_mut(seq.index()) else { return };
         self.holders.hold(session, &observation.map_points, seq);
         anchor.observe(observation.clone(), session, &self.points);
-        self.seen_by[observation.keyframe.index()].insert(seq);
+        self.seen_by.get_or_default(observation.keyframe.index()).insert(seq);
         touched.anchors.insert(seq);
     }
 
     fn remove_anchor(&mut self, seq: AnchorSeq, touched: &mut Touched) {
-        let Some(anchor) = self.anchors.get_mut(seq.index()).and_then(Option::take) else { return };
+        let Some(anchor) = self.anchors.remove(seq.index()) else { return };
         self.holders.release(&anchor.shapes, seq);
         for keyframe in anchor.keyframes() {
-            self.seen_by[keyframe.index()].remove(&seq);
+            if let Some(seen) = self.seen_by.get_mut(keyframe.index()) {
+                seen.remove(&seq);
+            }
         }
         let links: Vec<Merge> = self.objects.links(seq).cloned().collect();
         self.unlink(&links, touched);
@@ -271,6 +275,6 @@ impl MapIndex {
     }
 
     fn anchor_mut(&mut self, seq: AnchorSeq) -> Option<&mut Anchor> {
-        self.anchors.get_mut(seq.index())?.as_mut()
+        self.anchors.get_mut(seq.index())
     }
 }

@@ -25,6 +25,7 @@ pub use votes::Votes;
 
 use super::covisibility::Covisibility;
 use super::inverted_file::InvertedFile;
+use super::numbered::Numbered;
 use crate::model::change::{Keyframe, Loop};
 use crate::model::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, SessionId, SessionSeq};
 use crate::model::map::MapProperties;
@@ -34,9 +35,11 @@ use crate::model::map::MapProperties;
 pub struct MapIndex {
     properties: MapProperties,
     sessions: Vec<SessionId>,
-    /// Boxed: numbers are never given twice, so a map whose keyframes come and go for years keeps a slot for each.
-    keyframes: Vec<Option<Box<Keyframe>>>,
-    anchors: Vec<Option<Anchor>>,
+    /// The number the next keyframe gets, and the next anchor: no number is given twice.
+    next_keyframe: u32,
+    next_anchor: u32,
+    keyframes: Numbered<Keyframe>,
+    anchors: Numbered<Anchor>,
     loops: BTreeMap<LoopId, Loop>,
     vocabulary: Option<Box<str>>,
     verdicts: Verdicts,
@@ -50,7 +53,7 @@ pub struct MapIndex {
     holders: Holders,
     covisibility: Covisibility,
     /// The anchors each keyframe sees, ascending; anchors, not objects.
-    seen_by: Vec<BTreeSet<AnchorSeq>>,
+    seen_by: Numbered<BTreeSet<AnchorSeq>>,
     objects: Objects,
     texts: TextIndex,
     inverted_file: InvertedFile,
@@ -84,12 +87,17 @@ impl MapIndex {
 
     /// A keyframe, unless it was culled.
     pub fn keyframe(&self, seq: KeyframeSeq) -> Option<&Keyframe> {
-        self.keyframes.get(seq.index())?.as_deref()
+        self.keyframes.get(seq.index())
     }
 
     /// Every keyframe, in order of arrival.
     pub fn keyframes(&self) -> impl Iterator<Item = &Keyframe> {
-        self.keyframes.iter().flatten().map(AsRef::as_ref)
+        self.keyframes.values()
+    }
+
+    /// The keyframes from this number on, in order of arrival.
+    pub fn keyframes_from(&self, first: KeyframeSeq) -> impl Iterator<Item = &Keyframe> {
+        self.keyframes.iter_from(first.index()).map(|(_, keyframe)| keyframe)
     }
 
     /// How many keyframes there are.
@@ -104,17 +112,22 @@ impl MapIndex {
 
     /// The number the next keyframe gets.
     pub fn next_keyframe(&self) -> KeyframeSeq {
-        KeyframeSeq(self.keyframes.len() as u32)
+        KeyframeSeq(self.next_keyframe)
     }
 
     /// An anchor with its own facts, unless it was removed.
     pub fn anchor(&self, seq: AnchorSeq) -> Option<&Anchor> {
-        self.anchors.get(seq.index())?.as_ref()
+        self.anchors.get(seq.index())
+    }
+
+    /// The numbers of the anchors from this one on, merged ones among them, oldest first.
+    pub fn anchors_from(&self, first: AnchorSeq) -> impl Iterator<Item = AnchorSeq> + '_ {
+        self.anchors.iter_from(first.index()).map(|(seq, _)| AnchorSeq(seq as u32))
     }
 
     /// The number the next anchor gets.
     pub fn next_anchor(&self) -> AnchorSeq {
-        AnchorSeq(self.anchors.len() as u32)
+        AnchorSeq(self.next_anchor)
     }
 
     /// The confirmed loops.

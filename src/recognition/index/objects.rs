@@ -11,6 +11,7 @@ use crate::model::anchor::AnchorState;
 use crate::model::change::{Merge, MergeCause};
 use crate::model::ids::{AnchorSeq, LoopId, SessionSeq};
 use crate::model::settings::Settings;
+use crate::recognition::numbered::Numbered;
 use crate::semantics::Text;
 
 /// A reading counts as sure when it was read alike this often (`contract.md` §8.7).
@@ -55,21 +56,21 @@ impl Object {
     /// Derives the object from its anchors; `members` oldest first, never empty.
     pub(super) fn of(
         members: Vec<AnchorSeq>,
-        anchors: &[Option<Anchor>],
+        anchors: &Numbered<Anchor>,
         settings: &Settings,
         verdicts: &Verdicts,
     ) -> Self {
         let mut votes = Votes::default();
         let mut shapes: BTreeMap<SessionSeq, Shape> = BTreeMap::new();
         let mut by_hand = None;
-        for anchor in members.iter().filter_map(|member| anchors[member.index()].as_ref()) {
+        for anchor in members.iter().filter_map(|member| anchors.get(member.index())) {
             votes.add_all(&anchor.votes);
             for (session, shape) in &anchor.shapes {
                 shapes.entry(*session).or_default().join(shape);
             }
             by_hand = by_hand.or(anchor.description_by_hand.as_deref());
         }
-        let class = members.first().and_then(|first| anchors[first.index()].as_ref());
+        let class = members.first().and_then(|first| anchors.get(first.index()));
         let class = class.map_or("", |anchor| &anchor.class);
         let mut description = match (by_hand, votes.elected()) {
             (Some(raw), _) => Some(Description::new(raw, true, true)),
@@ -180,7 +181,7 @@ impl Objects {
     pub(super) fn regroup(
         &mut self,
         touched: &BTreeSet<AnchorSeq>,
-        anchors: &[Option<Anchor>],
+        anchors: &Numbered<Anchor>,
         settings: &Settings,
         verdicts: &Verdicts,
     ) -> (BTreeSet<AnchorSeq>, BTreeSet<AnchorSeq>) {
@@ -193,7 +194,7 @@ impl Objects {
         }
         let mut after = BTreeSet::new();
         while let Some(anchor) = open.pop_first() {
-            if anchors.get(anchor.index()).is_none_or(Option::is_none) {
+            if anchors.get(anchor.index()).is_none() {
                 self.root_of.remove(&anchor);
                 continue;
             }

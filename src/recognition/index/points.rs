@@ -45,6 +45,16 @@ impl Points {
         self.by_session.entry((session, id)).or_default().position_in_session = Some(position_in_session);
     }
 
+    /// The point has no position any more.
+    pub fn clear_position(&mut self, session: SessionSeq, id: PointId) {
+        if let Some(point) = self.by_session.get_mut(&(session, id)) {
+            point.position_in_session = None;
+            if point.observers.is_empty() {
+                self.by_session.remove(&(session, id));
+            }
+        }
+    }
+
     /// A keyframe observes these points.
     pub fn observe(&mut self, session: SessionSeq, ids: &[PointId], keyframe: KeyframeSeq) {
         for id in ids {

@@ -56,6 +56,11 @@ impl Block {
         }
     }
 
+    /// Whether no keyframe is in a segment.
+    pub(super) fn is_empty(&self) -> bool {
+        self.segments.is_empty()
+    }
+
     /// Removes a keyframe, if it is here.
     pub(super) fn remove(&mut self, keyframe: u32) -> bool {
         let found = self.segments.iter_mut().any(|segment| segment.remove(local(keyframe)));

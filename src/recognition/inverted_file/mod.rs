@@ -10,7 +10,8 @@
 //!   segments of like size are merged, as in a log-structured merge tree. The longest pause is the last merge of one
 //!   block, some ten milliseconds however large the map is; one base for the whole map would make that pause grow
 //!   with the map, and one vector per word would be half empty or reallocated at nearly every insert.
-//! - A removed keyframe is only marked, its score erased after its segment was read; the next merge drops it.
+//! - A removed keyframe is only marked, its score erased after its segment was read; the next merge drops it. A block that
+//!   lost all of its keyframes costs neither time nor accumulators.
 
 mod block;
 mod row;
@@ -81,9 +82,11 @@ impl InvertedFile {
     /// Scores `query` against every keyframe: DBoW2's L1 score, the sum over common words of min(v_i, w_i).
     pub fn score_all<'s>(&self, query: &BowVector, scratch: &'s mut Scratch) -> Scores<'s> {
         let known = query.iter().filter_map(|(word, weight)| Some((*self.slots.get(&word)?, weight)));
-        let (terms, mut accumulators) = scratch.begin(known, self.blocks.len());
-        for (block, accumulators) in self.blocks.iter().zip(accumulators.blocks()) {
-            block.score(terms, accumulators);
+        let waits = |number: usize| self.rows.iter().any(|row| block::of(row.keyframe) == number);
+        let held = self.blocks.iter().enumerate().map(|(number, block)| !block.is_empty() || waits(number));
+        let (terms, mut accumulators) = scratch.begin(known, held);
+        for (number, accumulators) in accumulators.blocks() {
+            self.blocks[number].score(terms, accumulators);
         }
         if !self.rows.is_empty() {
             accumulators.score_rows(&self.rows, terms, self.slots.len());

@@ -1,6 +1,6 @@
 //! The scores of one query against every keyframe, and the memory they are added up in.
 
-use super::block::BLOCK_KEYFRAMES;
+use super::block::{self, BLOCK_KEYFRAMES};
 use super::row::Row;
 use crate::model::bow::Score;
 
@@ -8,11 +8,16 @@ use crate::model::bow::Score;
 #[derive(Debug, Default)]
 pub struct Scratch {
     terms: Vec<Term>,
+    /// By block, where its accumulators begin; [`NOWHERE`] for one that holds nothing.
+    places: Vec<usize>,
     /// One a keyframe id, whole blocks of them: score units above, common words below.
     accumulators: Vec<u64>,
     /// The query's weight by slot; all zero between queries.
     weight_by_slot: Vec<u32>,
 }
+
+/// The place of a block without keyframes. A map whose keyframes come and go leaves more and more of them behind.
+const NOWHERE: usize = usize::MAX;
 
 /// A word of the query that the map knows.
 #[derive(Clone, Copy, Debug)]
@@ -29,19 +34,35 @@ impl Scratch {
         Self::default()
     }
 
-    /// Readies the scratch for a query of these `(slot, weight)` terms over so many blocks.
+    /// Bytes on the heap.
+    #[cfg(test)]
+    pub(super) fn heap_bytes(&self) -> usize {
+        self.terms.capacity() * size_of::<Term>()
+            + self.places.capacity() * size_of::<usize>()
+            + self.accumulators.capacity() * size_of::<u64>()
+            + self.weight_by_slot.capacity() * size_of::<u32>()
+    }
+
+    /// Readies the scratch for a query of these `(slot, weight)` terms; of each block, whether it holds anything.
     pub(super) fn begin(
         &mut self,
         terms: impl Iterator<Item = (u32, u32)>,
-        blocks: usize,
+        held: impl Iterator<Item = bool>,
     ) -> (&[Term], Accumulators<'_>) {
         self.terms.clear();
         self.terms.extend(terms.map(|(slot, weight)| Term { slot, weight }));
-        let keyframes = blocks * BLOCK_KEYFRAMES;
+        let mut keyframes = 0;
+        self.places.clear();
+        self.places.extend(held.map(|held| {
+            let place = if held { keyframes } else { NOWHERE };
+            keyframes += if held { BLOCK_KEYFRAMES } else { 0 };
+            place
+        }));
         if self.accumulators.len() < keyframes {
             self.accumulators.resize(keyframes, 0);
         }
         let accumulators = Accumulators {
+            places: &self.places,
             packed: &mut self.accumulators[..keyframes],
             weight_by_slot: &mut self.weight_by_slot,
         };
@@ -51,14 +72,16 @@ impl Scratch {
 
 /// The accumulators of a query that is being scored.
 pub(super) struct Accumulators<'s> {
+    places: &'s [usize],
     packed: &'s mut [u64],
     weight_by_slot: &'s mut Vec<u32>,
 }
 
 impl<'s> Accumulators<'s> {
-    /// The accumulators of each block, still as the last query left them.
-    pub(super) fn blocks(&mut self) -> impl Iterator<Item = &mut [u64; BLOCK_KEYFRAMES]> {
-        self.packed.as_chunks_mut().0.iter_mut()
+    /// The accumulators of each block that holds anything, still as the last query left them.
+    pub(super) fn blocks(&mut self) -> impl Iterator<Item = (usize, &mut [u64; BLOCK_KEYFRAMES])> {
+        let held = self.places.iter().enumerate().filter(|(_, place)| **place != NOWHERE);
+        held.map(|(number, _)| number).zip(self.packed.as_chunks_mut().0)
     }
 
     /// Scores keyframes that are in no segment yet, each word of theirs looked up in the query.
@@ -70,7 +93,8 @@ impl<'s> Accumulators<'s> {
             self.weight_by_slot[term.slot as usize] = term.weight;
         }
         for row in rows {
-            self.packed[row.keyframe as usize] = row.score(self.weight_by_slot);
+            let place = self.places[block::of(row.keyframe)] + usize::from(block::local(row.keyframe));
+            self.packed[place] = row.score(self.weight_by_slot);
         }
         for term in terms {
             self.weight_by_slot[term.slot as usize] = 0;
@@ -79,26 +103,37 @@ impl<'s> Accumulators<'s> {
 
     /// The scores, to read.
     pub(super) fn finish(self) -> Scores<'s> {
-        Scores { packed: self.packed }
+        Scores { places: self.places, packed: self.packed }
     }
 }
 
 /// A query's score against every keyframe.
 #[derive(Clone, Copy, Debug)]
 pub struct Scores<'s> {
+    places: &'s [usize],
     packed: &'s [u64],
 }
 
 impl<'s> Scores<'s> {
     /// The score of one keyframe; zero for one that is not in the file.
     pub fn get(&self, keyframe: u32) -> Score {
-        self.packed.get(keyframe as usize).map_or(Score::default(), |&packed| unpack(packed))
+        let place = self.places.get(block::of(keyframe)).filter(|place| **place != NOWHERE);
+        place.map_or(Score::default(), |place| {
+            unpack(self.packed[place + usize::from(block::local(keyframe))])
+        })
     }
 
     /// The keyframes that share a word with the query, by ascending id.
     pub fn iter(&self) -> impl Iterator<Item = (u32, Score)> + use<'s> {
-        let touched = self.packed.iter().enumerate().filter(|&(_, &packed)| packed != 0);
-        touched.map(|(keyframe, &packed)| (keyframe as u32, unpack(packed)))
+        let (places, packed) = (self.places, self.packed);
+        let held = places.iter().enumerate().filter(|(_, place)| **place != NOWHERE);
+        held.flat_map(move |(number, &place)| {
+            let first = (number * BLOCK_KEYFRAMES) as u32;
+            let block = packed[place..place + BLOCK_KEYFRAMES].iter().enumerate();
+            block
+                .filter(|&(_, &packed)| packed != 0)
+                .map(move |(at, &packed)| (first + at as u32, unpack(packed)))
+        })
     }
 }
 

@@ -9,6 +9,9 @@ use rand_chacha::ChaCha8Rng;
 use super::*;
 use crate::model::bow::Score;
 
+/// The accumulators of a block.
+const BLOCK_BYTES: usize = 8 * block::BLOCK_KEYFRAMES;
+
 type Vectors = BTreeMap<u32, BowVector>;
 
 fn random_bow(rng: &mut ChaCha8Rng) -> BowVector {
@@ -143,4 +146,22 @@ fn an_empty_vector_is_no_candidate_and_has_none() {
     let mut scratch = Scratch::new();
     assert_eq!(file.score_all(&BowVector::default(), &mut scratch).iter().count(), 0);
     assert_scores(&file, &vectors, &vectors[&1], &mut scratch);
+}
+
+#[test]
+fn a_patrol_of_years_costs_what_its_last_keyframes_do() {
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    let (mut file, mut vectors, mut scratch) = (InvertedFile::new(), Vectors::new(), Scratch::new());
+    for keyframe in 0..50_000 {
+        let bow = random_bow(&mut rng);
+        file.insert(keyframe, &bow);
+        vectors.insert(keyframe, bow);
+        if vectors.len() > 200 {
+            let (oldest, bow) = vectors.pop_first().unwrap();
+            file.remove(oldest, &bow);
+        }
+    }
+    assert_scores(&file, &vectors, &random_bow(&mut rng), &mut scratch);
+    assert!(file.blocks.iter().filter(|block| !block.is_empty()).count() <= 2);
+    assert!(scratch.heap_bytes() <= 3 * BLOCK_BYTES, "{}", scratch.heap_bytes());
 }

@@ -159,3 +159,21 @@ async fn a_culled_keyframe_is_no_candidate_and_counts_for_nothing() {
     assert_eq!(answer["verdict"], "undecided");
     assert_eq!(scene.ask("kf-2").await["excluded_covisible"], 0);
 }
+
+#[tokio::test]
+async fn a_map_point_goes_with_the_last_keyframe_that_observed_it() {
+    let scene = Scene::new().await;
+    let at = [0.0, 0.0, 2.0];
+    let sent =
+        keyframe().points(&[(1, at), (2, at), (3, at), (4, at)]).sees([thing("door_number", "901").on([1])]);
+    scene.put("kf-1", sent.observes([1, 2, 3])).await;
+    scene.put("kf-2", keyframe().observes([2])).await;
+    scene.delete("/keyframes/kf-1").await;
+    // Whoever sees them later has no place for them, but for the one that stayed observed and the one nobody has observed yet.
+    for (point, placed) in [(1, false), (2, true), (3, false), (4, true)] {
+        let id = format!("kf-later-{point}");
+        scene.put(&id, keyframe().sees([thing("sign", &format!("sign {point}")).on([point])])).await;
+        let anchor = scene.anchors().await.pop().expect("an anchor");
+        assert_eq!(anchor["center"].is_array(), placed, "point {point}: {anchor}");
+    }
+}
