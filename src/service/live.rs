@@ -10,9 +10,11 @@ use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard};
 
 use bytes::Bytes;
-use tokio::sync::{oneshot, watch};
+use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 
 use super::error::ServiceError;
+use super::gate::Gate;
+use super::{WAITING_MAX, cores};
 use crate::model::event::Event;
 use crate::model::ids::MapId;
 use crate::model::key::KeySeq;
@@ -20,6 +22,13 @@ use crate::model::request::Digest;
 use crate::recognition::index::MapIndex;
 use crate::recognition::recorder::Decided;
 use crate::store::{Batch, Job, Line, Loaded, MapKey, NewKeyframeRows, Store, StoreError};
+
+/// At most so many reads of one map compute at once, for each core: half of what all maps together may, so that readers who
+/// wait for one map's lock leave room for those of another.
+const READS_OF_A_MAP_PER_CORE: usize = 1;
+
+/// At most so many answers of a map's loop queries wait for the disk; what is answered meanwhile is not kept.
+const KEPT_UNDER_WAY_MAX: usize = 256;
 
 /// What is known of a map at one version.
 #[derive(Debug)]
@@ -29,8 +38,6 @@ pub(super) struct State {
     /// Grows by one with each write.
     pub version: u64,
     next_event: u64,
-    /// Is the map deleted?
-    gone: bool,
 }
 
 /// A map that is in memory.
@@ -46,6 +53,10 @@ pub(super) struct LiveMap {
     /// Held by the one who waits for the lock of `state` to decide a write.
     pub lane: tokio::sync::Mutex<()>,
     line: Line,
+    /// Is the map deleted? Set under the lock of `state`.
+    gone: AtomicBool,
+    /// Lets so many read at once: a map of which a write takes long keeps no more readers from the others.
+    pub reads: Arc<Gate>,
     /// The version of `state`.
     newest: AtomicU64,
     on_disk: watch::Sender<u64>,
@@ -84,15 +95,6 @@ pub(super) struct Pending<T> {
 impl LiveMap {
     /// A map that was loaded.
     pub fn new(id: MapId, loaded: Loaded) -> Arc<Self> {
-        Self::at(id, loaded, |loaded| loaded.version)
-    }
-
-    /// A map that is being made: nothing of it is on disk.
-    pub fn unborn(id: MapId, loaded: Loaded) -> Arc<Self> {
-        Self::at(id, loaded, |_| 0)
-    }
-
-    fn at(id: MapId, loaded: Loaded, on_disk: impl Fn(&Loaded) -> u64) -> Arc<Self> {
         Arc::new(Self {
             id,
             key: loaded.key,
@@ -100,8 +102,10 @@ impl LiveMap {
             owner: loaded.owner,
             lane: tokio::sync::Mutex::default(),
             line: Arc::new(AtomicBool::new(false)),
+            gone: AtomicBool::new(false),
+            reads: Gate::new(READS_OF_A_MAP_PER_CORE * cores(), WAITING_MAX),
             newest: AtomicU64::new(loaded.version),
-            on_disk: watch::Sender::new(on_disk(&loaded)),
+            on_disk: watch::Sender::new(loaded.version),
             latest_event: watch::Sender::new(loaded.next_event - 1),
             kept: Mutex::default(),
             next_kept: AtomicI64::new(loaded.next_kept),
@@ -110,7 +114,6 @@ impl LiveMap {
                 index: loaded.index,
                 version: loaded.version,
                 next_event: loaded.next_event,
-                gone: false,
             }),
         })
     }
@@ -120,11 +123,21 @@ impl LiveMap {
         self.line.load(Ordering::Acquire)
     }
 
+    /// Does it decide nothing any more, because a write failed or it was deleted?
+    pub fn is_over(&self) -> bool {
+        self.is_broken() || self.gone.load(Ordering::Acquire)
+    }
+
     /// The map as it stands; its version may not be on disk yet. A panic under the lock (a bug) leaves
     /// an index nobody can vouch for: the map is then loaded anew from its facts.
     pub fn state(&self) -> Result<RwLockReadGuard<'_, State>, ServiceError> {
         let state = self.state.read().map_err(|_| self.broke())?;
-        if state.gone { Err(ServiceError::no_map(&self.id)) } else { Ok(state) }
+        self.exists()?;
+        Ok(state)
+    }
+
+    fn exists(&self) -> Result<(), ServiceError> {
+        if self.gone.load(Ordering::Acquire) { Err(ServiceError::no_map(&self.id)) } else { Ok(()) }
     }
 
     fn broke(&self) -> ServiceError {
@@ -132,16 +145,16 @@ impl LiveMap {
         StoreError::Superseded.into()
     }
 
-    /// Decides under the lock, and queues what was decided. Blocks: not for async threads.
+    /// Decides under the lock, and queues what was decided, with the permit to write: it counts among the writes under
+    /// way until the disk has it, also when nobody waits for that. Blocks: not for async threads.
     pub fn decide<T>(
         self: &Arc<Self>,
         store: &Store,
+        permit: OwnedSemaphorePermit,
         decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError>,
     ) -> Result<Pending<T>, ServiceError> {
         let mut state = self.state.write().map_err(|_| self.broke())?;
-        if state.gone {
-            return Err(ServiceError::no_map(&self.id));
-        }
+        self.exists()?;
         if self.is_broken() {
             return Err(StoreError::Superseded.into());
         }
@@ -165,7 +178,8 @@ impl LiveMap {
             new_keyframe,
             events,
         };
-        let committed = self.submit(store, Job::Change(Box::new(batch)), version, state.next_event - 1);
+        let job = Job::Change(Box::new(batch));
+        let committed = self.submit(store, job, version, state.next_event - 1, Some(permit));
         Ok(Pending { value, version, committed: Some(committed) })
     }
 
@@ -190,6 +204,7 @@ impl LiveMap {
         job: Job,
         version: u64,
         event: u64,
+        permit: Option<OwnedSemaphorePermit>,
     ) -> oneshot::Receiver<Result<(), StoreError>> {
         let (committed, heard) = oneshot::channel();
         let live = self.clone();
@@ -201,6 +216,7 @@ impl LiveMap {
                 // Wakes those who wait for a version that will never be.
                 live.on_disk.send_modify(|_| {});
             }
+            drop(permit);
             let _ = committed.send(result);
         });
         heard
@@ -234,12 +250,12 @@ impl LiveMap {
     /// Tells events that belong to no change, written behind.
     pub fn tell(self: &Arc<Self>, store: &Store, events: Vec<Event>) {
         let Ok(mut state) = self.state.write() else { return };
-        if state.gone || self.is_broken() {
+        if self.is_over() {
             return;
         }
         let events = number(&mut state, events);
         let (version, next_event) = (state.version, state.next_event);
-        drop(self.submit(store, Job::Tell(self.key, next_event, events), version, next_event - 1));
+        drop(self.submit(store, Job::Tell(self.key, next_event, events), version, next_event - 1, None));
     }
 
     /// Keeps the answer of a loop query, written behind.
@@ -247,8 +263,15 @@ impl LiveMap {
         if store.committer().refuses(false).is_some() {
             return;
         }
+        {
+            let mut under_way = self.lock_kept();
+            // An id stands for its answer, to the byte: one on its way to the disk need not go twice.
+            if under_way.len() >= KEPT_UNDER_WAY_MAX || under_way.contains_key(id) {
+                return;
+            }
+            under_way.insert(id.to_owned(), body.clone());
+        }
         let kept = self.next_kept.fetch_add(1, Ordering::Relaxed);
-        self.lock_kept().insert(id.to_owned(), body.clone());
         let job = Job::KeepQuery { map: self.key, id: id.to_owned(), kept, body };
         let (live, id) = (self.clone(), id.to_owned());
         store.committer().submit(job, &self.line, move |_| drop(live.lock_kept().remove(&id)));
@@ -270,12 +293,10 @@ impl LiveMap {
         store: &Store,
     ) -> Result<oneshot::Receiver<Result<(), StoreError>>, ServiceError> {
         let mut state = self.state.write().map_err(|_| self.broke())?;
-        if state.gone {
-            return Err(ServiceError::no_map(&self.id));
-        }
-        state.gone = true;
+        self.exists()?;
+        self.gone.store(true, Ordering::Release);
         state.index = MapIndex::default();
-        Ok(self.submit(store, Job::DeleteMap(self.key), state.version, state.next_event))
+        Ok(self.submit(store, Job::DeleteMap(self.key), state.version, state.next_event, None))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Maps: make, read, change, delete.
 
 use sha2::{Digest as _, Sha256};
+use tokio::task::spawn_blocking;
 
 use super::live::{Decision, LiveMap, State};
 use super::{Service, ServiceError, Stored};
@@ -12,9 +13,8 @@ use crate::model::map::MapProperties;
 use crate::model::report::{MapReport, Page};
 use crate::model::request::{Digest, MapPatch};
 use crate::model::settings::Settings;
-use crate::recognition::index::MapIndex;
 use crate::recognition::recorder::Recorder;
-use crate::store::{Job, Loaded, StoreError};
+use crate::store::{Job, StoreError};
 
 /// The version of a map that was just made.
 const FIRST_VERSION: u64 = 1;
@@ -75,16 +75,11 @@ impl Service {
             Err(error) => return Err(error),
         }
         self.disk_takes(false)?;
-        let mut index = MapIndex::default();
-        index.apply(&[Change::MapSet(Box::new(properties.clone()))]);
         let key = self.registry.next_key();
-        let loaded =
-            Loaded { key, version: FIRST_VERSION, next_event: 1, next_kept: 1, digest, owner, index };
-        let live = LiveMap::unborn(id.clone(), loaded);
         let job = Job::CreateMap { key, id: id.clone(), properties: Box::new(properties), digest, owner };
-        let committed = live.submit(&self.store, job, FIRST_VERSION, 0);
-        committed.await.map_err(|_| StoreError::Closed)??;
-        self.registry.insert(live.clone());
+        self.store.committer().commit(job).await?;
+        // Loaded like any other: somebody may have asked for it while it was made.
+        let live = self.live(&id).await?;
         Ok(Stored { created: true, map_version: FIRST_VERSION, value: self.report_map(&live).await? })
     }
 
@@ -108,16 +103,24 @@ impl Service {
         self.report_map(&live).await
     }
 
-    /// Deletes a map with everything in it.
+    /// Deletes a map with everything in it; whoever asks for it meanwhile waits for what the disk says.
     pub async fn delete_map(&self, id: &MapId) -> Result<(), ServiceError> {
-        let _birth = self.registry.births.lock().await;
+        let birth = self.registry.births.clone().lock_owned().await;
         let live = self.live(id).await?;
         self.disk_takes(true)?;
-        let deleted = live.delete(&self.store)?.await.map_err(|_| StoreError::Closed)?;
-        // Whether it worked or not, the disk is what counts from here on.
-        self.registry.remove(id);
-        self.features.forget_map(live.key).await;
-        Ok(deleted?)
+        let service = self.clone();
+        // To its end, also when the client has gone.
+        let deleting = tokio::spawn(async move {
+            let deleting = live.clone();
+            let store = service.store.clone();
+            let queued =
+                spawn_blocking(move || deleting.delete(&store)).await.map_err(ServiceError::panicked)??;
+            let deleted = queued.await.map_err(|_| StoreError::Closed)?;
+            service.features.forget_map(live.key).await;
+            drop(birth);
+            Ok(deleted?)
+        });
+        deleting.await.map_err(ServiceError::panicked)?
     }
 
     async fn report_map(&self, live: &std::sync::Arc<LiveMap>) -> Result<MapReport, ServiceError> {

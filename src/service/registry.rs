@@ -1,4 +1,8 @@
 //! The maps in memory: loaded once, when first asked for, and anew after a write failed.
+//!
+//! No map may be in memory twice: each would decide upon what it knows, and the later commit would undo the earlier one. So
+//! a map comes to memory by one way only, a load into the cell that the table holds for it; a cell leaves the table
+//! only when nothing is in it, or a map that decides nothing any more; and what was loaded into a cell that has left is thrown away.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicI64, Ordering};
@@ -11,8 +15,8 @@ use super::live::LiveMap;
 use crate::model::ids::MapId;
 use crate::store::{MapKey, Store};
 
-/// How often a request loads a map whose writes keep failing.
-const LOADS_MAX: usize = 3;
+/// How often a request loads a map whose writes keep failing, or that comes and goes.
+const LOADS_MAX: usize = 5;
 
 type Cell = Arc<OnceCell<Arc<LiveMap>>>;
 
@@ -22,16 +26,12 @@ pub(super) struct Registry {
     cells: Mutex<HashMap<MapId, Cell>>,
     next_key: AtomicI64,
     /// Held while a map is made or deleted, so that a name means one map at a time.
-    pub births: tokio::sync::Mutex<()>,
+    pub births: Arc<tokio::sync::Mutex<()>>,
 }
 
 impl Registry {
     pub fn new(next_key: MapKey) -> Self {
-        Self {
-            cells: Mutex::default(),
-            next_key: AtomicI64::new(next_key),
-            births: tokio::sync::Mutex::default(),
-        }
+        Self { cells: Mutex::default(), next_key: AtomicI64::new(next_key), births: Arc::default() }
     }
 
     /// A key never given before.
@@ -52,8 +52,9 @@ impl Registry {
                 }
             });
             match loaded.await {
-                Ok(live) if live.is_broken() => self.forget(id, &cell),
-                Ok(live) => return Ok(live.clone()),
+                Ok(live) if live.is_over() => self.forget(id, &cell),
+                Ok(live) if self.holds(id, &cell) => return Ok(live.clone()),
+                Ok(_) => {}
                 Err(error) => {
                     self.forget(id, &cell);
                     return Err(error);
@@ -61,19 +62,10 @@ impl Registry {
             }
         }
         Err(ServiceError::Unavailable {
-            detail: "writes to this map keep failing".to_owned(),
+            detail: "this map is loaded again and again, because writes to it fail or it comes and goes"
+                .to_owned(),
             retry_after_s: 1,
         })
-    }
-
-    /// A new map is in memory from now on.
-    pub fn insert(&self, live: Arc<LiveMap>) {
-        self.lock().insert(live.id.clone(), Arc::new(OnceCell::new_with(Some(live))));
-    }
-
-    /// The map is no longer in memory.
-    pub fn remove(&self, id: &MapId) {
-        self.lock().remove(id);
     }
 
     /// The map, if it is in memory.
@@ -86,11 +78,17 @@ impl Registry {
         self.lock().values().filter_map(|cell| cell.get().cloned()).collect()
     }
 
+    /// Takes a cell from the table, unless a map has come to life in it meanwhile.
     fn forget(&self, id: &MapId, cell: &Cell) {
         let mut cells = self.lock();
-        if cells.get(id).is_some_and(|current| Arc::ptr_eq(current, cell)) {
+        let current = cells.get(id).is_some_and(|current| Arc::ptr_eq(current, cell));
+        if current && cell.get().is_none_or(|live| live.is_over()) {
             cells.remove(id);
         }
+    }
+
+    fn holds(&self, id: &MapId, cell: &Cell) -> bool {
+        self.lock().get(id).is_some_and(|current| Arc::ptr_eq(current, cell))
     }
 
     fn lock(&self) -> MutexGuard<'_, HashMap<MapId, Cell>> {

@@ -64,12 +64,12 @@ impl Service {
         // One at a time takes a thread to wait for the map's lock; the others wait here, where waiting costs nothing.
         let _lane = live.lane.lock().await;
         let (deciding, store) = (live.clone(), self.store.clone());
-        let pending = spawn_blocking(in_part("decide", move || deciding.decide(&store, decide)))
+        let pending = spawn_blocking(in_part("decide", move || deciding.decide(&store, permit, decide)))
             .await
             .map_err(ServiceError::panicked)??;
         // Whatever was written, an anchor may lack something now.
         self.worker.wake();
-        Ok(Begun { live: live.clone(), pending, _permit: permit })
+        Ok(Begun { live: live.clone(), pending })
     }
 
     /// Decides a write and waits until it is on disk.
@@ -121,6 +121,7 @@ impl Service {
         live: &Arc<LiveMap>,
         look: impl FnOnce(&State) -> Result<T, ServiceError> + Send + 'static,
     ) -> Result<(u64, T), ServiceError> {
+        let of_map = live.reads.enter().await?;
         let permit = self.reads.enter().await?;
         let looking = live.clone();
         let (version, value) = spawn_blocking(in_part("read", move || {
@@ -130,7 +131,7 @@ impl Service {
         .await
         .map_err(ServiceError::panicked)??;
         // Waiting for the disk takes no core.
-        drop(permit);
+        drop((permit, of_map));
         live.on_disk(version).await?;
         Ok((version, value))
     }
@@ -140,8 +141,6 @@ impl Service {
 pub(super) struct Begun<T> {
     live: Arc<LiveMap>,
     pending: Pending<T>,
-    /// Counts among the writes under way until the disk has it.
-    _permit: OwnedSemaphorePermit,
 }
 
 impl<T> Begun<T> {

@@ -22,6 +22,7 @@ use crate::models::Models;
 use crate::models::port::Fault;
 use crate::recognition::lacking::{Abilities, Lack, lacking};
 use crate::recognition::learning::learn_away;
+use crate::store::MapKey;
 
 /// How many things lacking are looked up at once.
 const BATCH: usize = 32;
@@ -118,7 +119,7 @@ fn lock<T>(mutex: &std::sync::Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 }
 
 struct Done {
-    map: MapId,
+    map: MapKey,
     lack: Lack,
     result: Result<(), Fault>,
 }
@@ -129,7 +130,8 @@ struct Round {
     wake: Arc<Notify>,
     stop: CancellationToken,
     open_jobs: Arc<AtomicU64>,
-    boards: HashMap<MapId, Board>,
+    /// By the map's key: another map of the same name has nothing of it.
+    boards: HashMap<MapKey, Board>,
     jobs: JoinSet<Done>,
     /// While a model is away: when to try again.
     resume_at: Option<Instant>,
@@ -178,7 +180,7 @@ impl Round {
     /// Gives jobs to the free hands, each map in its turn; when there may be more, if nobody wakes us.
     async fn hand_out(&mut self) -> Option<Instant> {
         let maps = self.service.registry.in_memory();
-        self.boards.retain(|id, _| maps.iter().any(|live| live.id == *id));
+        self.boards.retain(|key, _| maps.iter().any(|live| live.key == *key));
         let mut next_look = None;
         for live in &maps {
             let look_at = self.look(live).await;
@@ -204,7 +206,7 @@ impl Round {
         while self.jobs.len() < hands && idle < maps.len() {
             let live = &maps[self.turn % maps.len()];
             self.turn = self.turn.wrapping_add(1);
-            let Some(board) = self.boards.get_mut(&live.id) else {
+            let Some(board) = self.boards.get_mut(&live.key) else {
                 idle += 1;
                 continue;
             };
@@ -224,7 +226,7 @@ impl Round {
     async fn look(&mut self, live: &Arc<LiveMap>) -> Option<Instant> {
         let abilities = self.abilities();
         let models_away = self.models.is_away() || self.is_spent_for(live);
-        let board = self.boards.entry(live.id.clone()).or_default();
+        let board = self.boards.entry(live.key).or_default();
         let now = Instant::now();
         if !board.found.is_empty() {
             return None;
@@ -246,7 +248,7 @@ impl Round {
             Ok((state.version, found, settled, state.index.model_away()))
         });
         let Ok((_, (version, found, settled, told_away))) = looked.await else { return next_due };
-        let board = self.boards.entry(live.id.clone()).or_default();
+        let board = self.boards.entry(live.key).or_default();
         board.settled = settled;
         // A full batch means that there is more at this version.
         board.looked_at = (found.len() < BATCH).then_some(version);
@@ -286,7 +288,7 @@ impl Round {
 
     fn begin(&mut self, live: Arc<LiveMap>, lack: Lack) {
         let (service, models) = (self.service.clone(), self.models.clone());
-        let map = live.id.clone();
+        let map = live.key;
         self.jobs.spawn(async move {
             let result = service.give(&live, &models, lack.clone()).await;
             Done { map, lack, result }
@@ -329,7 +331,7 @@ impl Round {
     /// A model has gone: every map that waits for it says so at once, not when it is next looked at.
     async fn tell_all_waiting(&mut self) {
         for live in self.service.registry.in_memory() {
-            let Some(board) = self.boards.get_mut(&live.id) else { continue };
+            let Some(board) = self.boards.get_mut(&live.key) else { continue };
             if board.waits() && !board.told_away {
                 board.told_away = true;
                 self.tell_away(&live, true).await;

@@ -10,6 +10,9 @@ use super::check::check;
 use super::files::DatabaseFiles;
 use super::lock::{DatabaseLock, Purpose};
 
+/// Names tried for the database that was there, one for each second from now on.
+const NAMES_TRIED: u64 = 1_000;
+
 /// What a restore has done.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Restored {
@@ -65,7 +68,10 @@ pub async fn restore(
 fn put_aside(target: &DatabaseFiles) -> Result<PathBuf, StoreError> {
     let second = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
     let name = |number: u64| target.beside(&format!(".before-{number}"));
-    let kept = (second..second + 1_000).map(name).find(|name| !name.exists()).unwrap_or_else(|| name(second));
+    let free = |name: &PathBuf| !name.exists() && !DatabaseFiles::of_path(name).wal().exists();
+    // What an interrupted restore has left is somebody's log, perhaps this very one under its second name.
+    let kept = (second..second + NAMES_TRIED).map(name).find(free);
+    let kept = kept.ok_or_else(|| StoreError::Exists(name(second).display().to_string()))?;
     let kept = DatabaseFiles::of_path(&kept);
     let failed = |path: &Path| {
         let path = path.to_owned();
@@ -74,9 +80,16 @@ fn put_aside(target: &DatabaseFiles) -> Result<PathBuf, StoreError> {
     // The log's second name first: the kept database is whole from the moment it has its name.
     if target.wal().exists() {
         let linked = fs::hard_link(target.wal(), kept.wal());
-        linked.or_else(|_| fs::copy(target.wal(), kept.wal()).map(drop)).map_err(failed(&kept.wal()))?;
+        linked.or_else(|_| copied(&target.wal(), &kept.wal())).map_err(failed(&kept.wal()))?;
     }
     fs::rename(target.database(), kept.database()).map_err(failed(target.database()))?;
     sync_folder(target.folder())?;
     Ok(kept.database().to_owned())
+}
+
+/// For file systems without second names. Never onto a file that is there: it may be the same one.
+fn copied(from: &Path, to: &Path) -> std::io::Result<()> {
+    let mut copy = fs::OpenOptions::new().write(true).create_new(true).open(to)?;
+    std::io::copy(&mut fs::File::open(from)?, &mut copy)?;
+    copy.sync_all()
 }

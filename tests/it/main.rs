@@ -9,6 +9,7 @@ mod crash;
 mod geometry;
 mod hotel;
 mod limits;
+mod lives;
 mod models;
 mod openapi;
 mod operations;

@@ -152,8 +152,13 @@ impl MapIndex {
         if before.covisibility_min_shared_points != now.covisibility_min_shared_points {
             self.rebuild_covisibility();
         }
-        self.texts = TextIndex::new(now.matching_min_similarity_level as u8);
-        touched.all = true;
+        // Only what a setting decides is derived anew: a description is changed in no time, whatever the map holds.
+        let min_level = now.matching_min_similarity_level as u8;
+        if self.texts.min_level() != min_level {
+            self.texts = TextIndex::new(min_level);
+            touched.all = true;
+        }
+        touched.all |= before != now;
     }
 
     /// A verdict about two texts changes whether they match; one about a text, or a merged text, what objects are called.

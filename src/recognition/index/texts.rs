@@ -52,6 +52,11 @@ impl TextIndex {
         Self { min_level, ..Self::default() }
     }
 
+    /// Texts match from this SimilarityLevel on.
+    pub fn min_level(&self) -> u8 {
+        self.min_level
+    }
+
     /// The object carries this text now, or none that counts.
     pub fn set(&mut self, object: AnchorSeq, class: &str, text: Option<&Arc<Text>>, verdicts: &Verdicts) {
         let known = text.and_then(|text| self.find(class, text));

@@ -114,6 +114,21 @@ async fn what_a_model_said_stands_after_a_restart_without_a_model() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn another_map_of_the_same_name_is_worked_on_anew() {
+    let stub = Stub::start(reads_901).await;
+    let server = Server::with_models(stub.choice(&[])).await;
+    for round in 0..2 {
+        server.put("/v1/maps/m", &json!({})).await.expect(201);
+        put(&server, "m", "kf-1", &keyframe(1, 0.0, &[described("painting", [0.0, 0.0, 2.0], LADY)])).await;
+        put(&server, "m", "kf-2", &keyframe(90, 50.0, &[described("painting", [50.0, 0.0, 2.0], LISA)]))
+            .await;
+        let events = hear(&server, "m", |event| event["event"] == "anchors_matched").await;
+        assert!(!events.is_empty(), "round {round}");
+        server.delete("/v1/maps/m").await.expect(204);
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn two_readings_of_one_painting_become_one_text() {
     let stub = Stub::start(reads_901).await;
     let server = Server::with_models(stub.choice(&[])).await;

@@ -123,6 +123,26 @@ async fn what_is_restored_is_served_and_what_was_there_is_kept_whole() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn a_restore_that_broke_off_costs_the_database_before_it_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let (database, backup) = (folder.path().join("revisit.db"), folder.path().join("backup.db"));
+    let (from, to) = (url(&database), backup.display().to_string());
+    let mut server = server_with_a_map(&database).await;
+    revisit(&["backup", "--database", &from, &to]).well();
+    put(&server, 1).await;
+    server.kill();
+    // Killed after it gave the log a second name, and before it gave the database one: at any of these seconds.
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_secs();
+    for second in now..now + 60 {
+        let name = folder.path().join(format!("revisit.db.before-{second}-wal"));
+        std::fs::hard_link(folder.path().join("revisit.db-wal"), name).unwrap();
+    }
+    let told = revisit(&["restore", "--database", &from, "--force", &to]).well();
+    let kept = told.lines().find_map(|line| line.strip_prefix("the database before it: ")).unwrap();
+    assert_eq!(checked(Path::new(kept)).await.holds.unwrap().keyframes, 2, "with what was in its log only");
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn a_damaged_backup_is_not_restored() {
     let folder = tempfile::tempdir().unwrap();
     let (database, backup) = (folder.path().join("revisit.db"), folder.path().join("backup.db"));
