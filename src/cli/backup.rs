@@ -48,23 +48,30 @@ pub async fn run(args: BackupArgs) -> Result<(), Failure> {
         return Err(format!("{} exists; --force replaces it", args.file.display()).into());
     }
     let database = DatabaseFiles::of_url(&args.database)?;
-    if !database.database().is_file() {
+    if !database.exist() {
         return Err(format!("there is no database {}", database.database().display()).into());
     }
-    if DatabaseFiles::of_path(&args.file) == database {
-        return Err("the file is the database itself".into());
+    if database.hold(&args.file) {
+        return Err("the file is the database itself, or a part of it".into());
     }
     let copied = Copy::of(&database, folder_of(&args.file)).await?.place(&args.file, args.force)?;
-    Ok(write_out(&format!("{}: {}\n", args.file.display(), told(&copied)))?)
+    let (file, holds) = (args.file.display(), told(&copied));
+    Ok(write_out(&format!("{file}: {holds}; {} bytes, verified, sha256 {}\n", copied.bytes, copied.sha256))?)
 }
 
 /// Runs `restore`.
 pub async fn run_restore(args: RestoreArgs) -> Result<(), Failure> {
     let target = DatabaseFiles::of_url(&args.database)?;
     let restored = restore(&DatabaseFiles::of_path(&args.file), &target, args.force).await?;
-    write_out(&format!("{}: {}\n", target.database().display(), told(&restored.copied)))?;
+    let holds = told(&restored.copied);
+    // Its sum is not told: SQLite has written it anew, and it differs from the backup's.
+    write_out(&format!("{}: {holds}, verified\n", target.database().display()))?;
     if let Some(kept) = restored.kept {
         write_out(&format!("the database before it: {}\n", kept.display()))?;
+    }
+    for (key, name) in &restored.keys {
+        let key = key.public();
+        write_out(&format!("{key} {name:?} is not revoked in it: do so again if you had done so since\n"))?;
     }
     Ok(())
 }
@@ -72,7 +79,7 @@ pub async fn run_restore(args: RestoreArgs) -> Result<(), Failure> {
 fn told(copied: &Copied) -> String {
     let holds = copied.holds;
     format!(
-        "{} maps, {} keyframes, {} anchors, schema {}; {} bytes, verified, sha256 {}",
-        holds.maps, holds.keyframes, holds.anchors, holds.schema, copied.bytes, copied.sha256
+        "{} maps, {} keyframes, {} anchors, schema {}",
+        holds.maps, holds.keyframes, holds.anchors, holds.schema
     )
 }

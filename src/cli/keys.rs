@@ -1,6 +1,5 @@
 //! `revisit keys`: make, list and revoke API keys in a database, beside a running server or without one.
 
-use std::path::Path;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use clap::{Args, Subcommand};
@@ -10,6 +9,7 @@ use crate::model::key::{Action, Key, KeyProperties, MapPattern};
 use crate::model::keyframe::Stamp;
 use crate::service::keyring::Keyring;
 use crate::store::Store;
+use crate::store::files::DatabaseFiles;
 
 /// Make, list and revoke API keys.
 ///
@@ -82,11 +82,9 @@ fn dollars(text: &str) -> Result<f64, String> {
 /// Runs it.
 pub async fn run(args: KeysArgs) -> Result<(), Failure> {
     let creates = matches!(args.command, Command::Create(_));
-    if !creates
-        && let Some(path) = args.database.strip_prefix("sqlite://")
-        && !Path::new(path).exists()
-    {
-        return Err(format!("there is no database {path}").into());
+    let files = DatabaseFiles::of_url(&args.database)?;
+    if !creates && !files.exist() {
+        return Err(format!("there is no database {}", files.database().display()).into());
     }
     let store = Store::open_beside(&args.database).await?;
     let keys = Keyring::open(store.clone(), false).await?;
@@ -104,8 +102,12 @@ async fn perform(command: Command, keys: &Keyring) -> Result<(), Failure> {
             write_out(&format!("{}\n", made.secret))?;
         }
         Command::List => {
-            for key in keys.list() {
-                write_out(&format!("{}\n", line(&key)))?;
+            let keys = keys.list();
+            if keys.is_empty() {
+                eprintln!("no keys");
+            }
+            for key in &keys {
+                write_out(&format!("{}\n", line(key)))?;
             }
         }
         Command::Revoke { id } => eprintln!("{}", line(&keys.revoke(&id).await?)),
@@ -148,7 +150,7 @@ fn line(key: &Key) -> String {
     match (key.revoked_sec, expires) {
         (Some(_), _) => say("REVOKED".to_owned()),
         (None, Some(expires)) if expires.sec <= now => say("EXPIRED".to_owned()),
-        (None, Some(expires)) => say(format!("good for {} days", (expires.sec - now) / 86_400)),
+        (None, Some(expires)) => say(format!("good for {}", days(expires.sec - now))),
         (None, None) => {}
     }
     if let Some(rate) = rate_per_s {
@@ -161,4 +163,8 @@ fn line(key: &Key) -> String {
         say(format!("{} USD of models a day", *microusd as f64 / 1e6));
     }
     line
+}
+
+fn days(seconds: i64) -> String {
+    format!("{} days and {} hours", seconds / 86_400, seconds % 86_400 / 3_600)
 }

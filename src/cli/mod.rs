@@ -23,7 +23,7 @@ use tokio_util::sync::CancellationToken;
 /// A SLAM client sends keyframes over HTTP, with the texts it has read on doors and signs, and asks whether it has
 /// been there before. Start with `revisit serve` and open its address in a browser.
 ///
-/// Every flag is also an environment variable, REVISIT_ and the flag's name.
+/// Most flags are also environment variables, as --help tells of each.
 #[derive(Debug, Parser)]
 #[command(name = "revisit", version)]
 pub struct Cli {

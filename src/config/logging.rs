@@ -10,11 +10,14 @@ use tracing_subscriber::util::{SubscriberInitExt as _, TryInitError};
 
 use super::traces::{self, Traces};
 
+/// What is logged if nobody says.
+const DEFAULT: &str = "info,sqlx=warn";
+
 /// What is logged, and how.
 #[derive(Args, Clone, Debug)]
 pub struct LogArgs {
     /// What to log: a level (error, warn, info, debug, trace), or levels by target, such as `info,sqlx=warn`
-    #[arg(long = "log", env = "REVISIT_LOG", value_name = "LEVEL", default_value = "info,sqlx=warn")]
+    #[arg(long = "log", env = "REVISIT_LOG", value_name = "LEVEL", default_value = DEFAULT, value_parser = filter)]
     pub filter: Targets,
     /// How to log
     #[arg(long = "log-format", env = "REVISIT_LOG_FORMAT", value_enum, default_value_t = LogFormat::Text)]
@@ -28,6 +31,19 @@ pub enum LogFormat {
     Text,
     /// One JSON object a line, for programs
     Json,
+}
+
+/// A filter. `Targets` takes a word that is no level for the name of a target, and would then log nothing else.
+fn filter(text: &str) -> Result<Targets, String> {
+    let text = if text.trim().is_empty() { DEFAULT } else { text };
+    let is_level = |level: &str| level.parse::<LevelFilter>().is_ok();
+    for part in text.split(',') {
+        let level = part.rsplit_once('=').map_or(part, |(_, level)| level).trim();
+        if !is_level(level) {
+            return Err(format!("{part:?} says no level: off, error, warn, info, debug or trace"));
+        }
+    }
+    text.parse().map_err(|error: tracing_subscriber::filter::ParseError| error.to_string())
 }
 
 /// Starts logging, and traces where there is a collector; once in a process.

@@ -126,12 +126,11 @@ mod tests {
         ) {
             let (mut table, mut model) = (Numbered::default(), BTreeMap::new());
             for (number, value) in steps {
-                match value {
-                    Some(value) => {
-                        table.insert(number, value);
-                        model.insert(number, value);
-                    }
-                    None => prop_assert_eq!(table.remove(number), model.remove(&number)),
+                if let Some(value) = value {
+                    table.insert(number, value);
+                    model.insert(number, value);
+                } else {
+                    prop_assert_eq!(table.remove(number), model.remove(&number));
                 }
                 prop_assert_eq!(table.get(number), model.get(&number));
             }

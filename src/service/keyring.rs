@@ -215,6 +215,7 @@ impl Keyring {
         let row = NewKeyRow { key: key.clone(), hash: secret_hash(&secret) };
         self.store.committer().commit(Job::CreateKey(Box::new(row))).await?;
         self.reload().await?;
+        tracing::info!(key = %key.seq.public(), name = ?key.properties.name, may = %key.properties.actions, "a key was made");
         Ok(MadeKey { key, secret })
     }
 
@@ -230,6 +231,7 @@ impl Keyring {
         }
         self.store.committer().commit(Job::RevokeKey(seq, now().sec)).await?;
         self.reload().await?;
+        tracing::info!(key = %seq.public(), "a key was revoked");
         find().ok_or_else(none)
     }
 

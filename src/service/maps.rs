@@ -2,6 +2,7 @@
 
 use sha2::{Digest as _, Sha256};
 use tokio::task::spawn_blocking;
+use tracing::Instrument as _;
 
 use super::live::{Decision, LiveMap, State};
 use super::{Service, ServiceError, Stored};
@@ -110,7 +111,7 @@ impl Service {
         self.disk_takes(true)?;
         let service = self.clone();
         // To its end, also when the client has gone.
-        let deleting = tokio::spawn(async move {
+        let deletion = async move {
             let deleting = live.clone();
             let store = service.store.clone();
             let queued =
@@ -118,9 +119,11 @@ impl Service {
             let deleted = queued.await.map_err(|_| StoreError::Closed)?;
             service.features.forget_map(live.key).await;
             drop(birth);
-            Ok(deleted?)
-        });
-        deleting.await.map_err(ServiceError::panicked)?
+            deleted?;
+            tracing::info!(map = %live.id, "a map was deleted");
+            Ok(())
+        };
+        tokio::spawn(deletion.in_current_span()).await.map_err(ServiceError::panicked)?
     }
 
     async fn report_map(&self, live: &std::sync::Arc<LiveMap>) -> Result<MapReport, ServiceError> {

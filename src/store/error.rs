@@ -11,8 +11,9 @@ pub enum StoreError {
     /// The disk is full; nothing was written, and reads go on.
     #[error("the disk is full")]
     DiskFull,
-    /// The disk does not do what it is told; whether what was being written is on it is not known before the next commit.
-    #[error("the disk failed: {0}")]
+    /// The disk does not do what it is told, or gives back what was not written; whether what was being written is on it
+    /// is not known before the next commit.
+    #[error("the disk failed, or the file is damaged or not readable: {0}")]
     Disk(String),
     /// The database answers with an error.
     #[error("database: {0}")]

@@ -1,6 +1,8 @@
 //! Files: the database, and what lies beside it.
 
 use std::ffi::OsString;
+use std::fs::OpenOptions;
+use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -24,8 +26,13 @@ pub struct FileSizes {
 }
 
 impl DatabaseFiles {
-    /// The files of `sqlite://PATH`.
+    /// The files of `sqlite://PATH`; the scheme may be left out.
     pub fn of_url(url: &str) -> Result<Self, StoreError> {
+        let path = url.strip_prefix("sqlite:").map_or(url, |rest| rest.strip_prefix("//").unwrap_or(rest));
+        if path.is_empty() || path.contains("://") {
+            let detail = format!("{url:?} names no database; name a file, such as sqlite://revisit.db");
+            return Err(StoreError::Database(detail));
+        }
         let options = SqliteConnectOptions::from_str(url)?;
         if options.get_filename().to_string_lossy().starts_with("file:sqlx-in-memory") {
             let detail = format!("{url} is kept in memory only; name a file, such as sqlite://revisit.db");
@@ -72,6 +79,31 @@ impl DatabaseFiles {
         self.beside(".lock")
     }
 
+    /// Is there a file?
+    pub fn exist(&self) -> bool {
+        self.database.is_file()
+    }
+
+    /// Is this path the database, or one of the files without which it is not whole?
+    pub fn hold(&self, path: &Path) -> bool {
+        let asked = Self::of_path(path).database;
+        asked == self.database
+            || ["-wal", "-shm", "-journal", "-reserve", ".lock"]
+                .iter()
+                .any(|suffix| asked == self.beside(suffix))
+    }
+
+    /// Makes the database's file if it is not there, for its owner only: it holds hashes of keys, and every crop. SQLite
+    /// gives its log the same mode.
+    pub(super) fn make(&self) -> Result<(), StoreError> {
+        match private().create_new(true).open(&self.database) {
+            Err(error) if error.kind() != std::io::ErrorKind::AlreadyExists => {
+                Err(StoreError::file(&self.database, &error))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// A file named like the database, and more.
     pub fn beside(&self, suffix: &str) -> PathBuf {
         let mut name = OsString::from(&self.database);
@@ -95,6 +127,13 @@ impl DatabaseFiles {
     }
 }
 
+/// To write a file that is its owner's only, if it is made now.
+pub(super) fn private() -> OpenOptions {
+    let mut options = OpenOptions::new();
+    options.write(true).mode(0o600);
+    options
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -109,6 +148,8 @@ mod tests {
         std::fs::write(&file, "").unwrap();
         std::os::unix::fs::symlink(&file, folder.path().join("b.db")).unwrap();
         assert_eq!(DatabaseFiles::of_path(&folder.path().join("b.db")).lock(), direct.lock());
-        assert!(DatabaseFiles::of_url("sqlite::memory:").is_err());
+        for none in ["sqlite::memory:", "", "sqlite:", "sqlite://", "postgres://host/base"] {
+            assert!(DatabaseFiles::of_url(none).is_err(), "{none}");
+        }
     }
 }

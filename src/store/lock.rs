@@ -4,11 +4,11 @@
 //! so that the system releases it whatever becomes of the process. The file stays, for deleting it would let two processes
 //! lock two files of one name. Its content tells the next who had it last.
 
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{File, TryLockError};
 use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
 
 use super::StoreError;
-use super::files::DatabaseFiles;
+use super::files::{DatabaseFiles, private};
 
 /// What the database is held for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,7 +39,7 @@ impl DatabaseLock {
     pub fn take(files: &DatabaseFiles, purpose: Purpose) -> Result<Self, StoreError> {
         let path = files.lock();
         let failed = |error: std::io::Error| StoreError::file(&path, &error);
-        let open = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
+        let open = private().read(true).create(true).truncate(false).open(&path);
         let file = open.map_err(failed)?;
         let taken = file.try_lock();
         let mut last = String::new();

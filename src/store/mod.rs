@@ -111,6 +111,7 @@ impl Store {
     ) -> Result<Self, StoreError> {
         let lock = lock.map(Arc::new);
         let reserve = Reserve::beside(files.database());
+        files.make()?;
         let options = SqliteConnectOptions::from_str(url)?
             .create_if_missing(true)
             .journal_mode(SqliteJournalMode::Wal)

@@ -4,11 +4,13 @@
 //! into the database's file with this reserve's space, and is then there to be written from its beginning. The reserve is
 //! made again before other writes go on.
 
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use rustix::fs::{FallocateFlags, fallocate, statvfs};
 use rustix::io::Errno;
+
+use super::files::private;
 
 /// The reserve, ...
 const RESERVE_BYTES: u64 = 32 << 20;
@@ -64,7 +66,7 @@ impl Reserve {
     /// False if the disk has not got so much.
     fn allocate(&self, bytes: u64) -> bool {
         let allocate = || {
-            let file = OpenOptions::new().create(true).truncate(false).write(true).open(&self.path)?;
+            let file = private().create(true).truncate(false).open(&self.path)?;
             if bytes < file.metadata()?.len() {
                 file.set_len(bytes)?;
             }

@@ -4,11 +4,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use sqlx::{ConnectOptions as _, Connection as _};
+
 use super::StoreError;
 use super::backup::{Copied, Copy, sync_folder};
 use super::check::check;
 use super::files::DatabaseFiles;
 use super::lock::{DatabaseLock, Purpose};
+use crate::model::key::KeySeq;
 
 /// Names tried for the database that was there, one for each second from now on.
 const NAMES_TRIED: u64 = 1_000;
@@ -20,6 +23,8 @@ pub struct Restored {
     pub copied: Copied,
     /// Where the one before is kept.
     pub kept: Option<PathBuf>,
+    /// The API keys that are not revoked in it, by number and name: what was revoked after the backup is good again.
+    pub keys: Vec<(KeySeq, String)>,
 }
 
 /// Verifies a backup and puts a copy of it where the database is, while nobody has that open. What was there is
@@ -59,9 +64,23 @@ pub async fn restore(
         }
     }
     sync_folder(target.folder())?;
+    let keys = standing_keys(backup).await?;
     let copied = copy.place(target.database(), false)?;
     lock.finished()?;
-    Ok(Restored { copied, kept })
+    Ok(Restored { copied, kept, keys })
+}
+
+async fn standing_keys(backup: &DatabaseFiles) -> Result<Vec<(KeySeq, String)>, StoreError> {
+    let mut db = backup.read_only().connect().await?;
+    let table = "select count(*) from sqlite_master where type = 'table' and name = 'keys'";
+    let mut keys = Vec::new();
+    // A backup of an earlier version has none.
+    if sqlx::query_scalar::<_, i64>(table).fetch_one(&mut db).await? > 0 {
+        let select = "select key, name from keys where revoked_sec is null order by key";
+        keys = sqlx::query_as::<_, (i64, String)>(select).fetch_all(&mut db).await?;
+    }
+    db.close().await?;
+    Ok(keys.into_iter().map(|(key, name)| (KeySeq(key), name)).collect())
 }
 
 /// Gives the database another name, with its log: in the log may be all that was written last.

@@ -4,6 +4,7 @@ use std::str::FromStr as _;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use revisit::model::map::MapProperties;
 use revisit::service::{Service, ServiceError, ServiceOptions};
 use serde_json::json;
 use sqlx::sqlite::SqliteConnectOptions;
@@ -53,7 +54,7 @@ async fn a_deletion_goes_to_its_end_when_its_client_has_gone() {
     let id = revisit::model::ids::MapId::from_str("m").unwrap();
     let mut finished = 0;
     for polls in 0..12 {
-        let stored = service.put_map(id.clone(), Default::default(), None).await.unwrap();
+        let stored = service.put_map(id.clone(), MapProperties::default(), None).await.unwrap();
         assert!(stored.created, "after a deletion given up at poll {polls}");
         {
             let mut deleting = Box::pin(service.delete_map(&id));

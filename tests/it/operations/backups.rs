@@ -60,6 +60,10 @@ async fn a_backup_replaces_nothing_unless_told_to() {
     let mut server = server_with_a_map(&database).await;
     revisit(&["backup", "--database", &from, &database.display().to_string(), "--force"])
         .refused("the database itself");
+    for part in ["revisit.db-wal", "revisit.db-reserve", "revisit.db.lock"] {
+        let part = folder.path().join(part).display().to_string();
+        revisit(&["backup", "--database", &from, &part, "--force"]).refused("a part of it");
+    }
     std::fs::write(&backup, "precious").unwrap();
     revisit(&["backup", "--database", &from, &to]).refused("exists; --force replaces it");
     assert_eq!(std::fs::read(&backup).unwrap(), b"precious");

@@ -6,6 +6,7 @@ mod fixtures;
 mod logs;
 mod metrics;
 mod migrations;
+mod mistakes;
 mod served_backups;
 mod traces;
 

@@ -1,0 +1,50 @@
+//! What operators mistype or forget, and what they are told.
+
+use std::os::unix::fs::PermissionsExt as _;
+
+use serde_json::json;
+
+use super::{names, revisit, url};
+use crate::crash::server::Server;
+
+#[test]
+fn a_mistyped_database_or_filter_is_refused_and_makes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = folder.path().join("nope.db").display().to_string();
+    for database in [missing.clone(), format!("sqlite:{missing}"), format!("sqlite://{missing}")] {
+        revisit(&["keys", "list", "--database", &database]).refused("there is no database");
+        revisit(&["keys", "revoke", "key-1", "--database", &database]).refused("there is no database");
+    }
+    for database in ["", "sqlite://", "postgres://host/base"] {
+        revisit(&["serve", "--listen", "127.0.0.1:0", "--database", database]).refused("names no database");
+    }
+    for filter in ["warning", "verbose", "info;debug", "warn,revisit=loud"] {
+        revisit(&["serve", "--listen", "127.0.0.1:0", "--log", filter, "--database", &missing])
+            .refused("says no level");
+    }
+    assert!(names(folder.path()).is_empty(), "{:?}", names(folder.path()));
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_database_is_its_owners_only_and_a_restore_tells_which_keys_are_good_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let (database, backup) = (folder.path().join("revisit.db"), folder.path().join("backup.db"));
+    let (from, to) = (url(&database), backup.display().to_string());
+    for name in ["robots", "guests"] {
+        revisit(&["keys", "create", "--name", name, "--actions", "read", "--database", &from]).well();
+    }
+    revisit(&["keys", "revoke", "key-2", "--database", &from]).well();
+    revisit(&["backup", "--database", &from, &to]).well();
+    revisit(&["keys", "revoke", "key-1", "--database", &from]).well();
+    let told = revisit(&["restore", "--database", &from, "--force", &to]).well();
+    assert!(told.contains("key-1 \"robots\" is not revoked in it") && !told.contains("guests"), "{told}");
+
+    let fresh = folder.path().join("fresh.db");
+    let mut server = Server::start(&fresh);
+    assert_eq!(server.api().put("/v1/maps/m", &json!({})).await.status, 201);
+    for name in names(folder.path()).iter().filter(|name| name.contains(".db")) {
+        let mode = std::fs::metadata(folder.path().join(name)).unwrap().permissions().mode() & 0o777;
+        assert_eq!(mode, 0o600, "{name}");
+    }
+    assert!(server.terminate().success());
+}
