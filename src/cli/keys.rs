@@ -7,6 +7,7 @@ use clap::{Args, Subcommand};
 use super::{Failure, write_out};
 use crate::model::key::{Action, Key, KeyProperties, MapPattern};
 use crate::model::keyframe::Stamp;
+use crate::service::ServiceError;
 use crate::service::keyring::Keyring;
 use crate::store::Store;
 use crate::store::files::DatabaseFiles;
@@ -96,7 +97,7 @@ pub async fn run(args: KeysArgs) -> Result<(), Failure> {
 async fn perform(command: Command, keys: &Keyring) -> Result<(), Failure> {
     match command {
         Command::Create(args) => {
-            let made = keys.create(args.properties()?).await?;
+            let made = keys.create(args.properties()?).await.map_err(in_words)?;
             eprintln!("{}", line(&made.key));
             eprintln!("Its secret follows, this once; send it as `authorization: Bearer SECRET`.");
             write_out(&format!("{}\n", made.secret))?;
@@ -167,4 +168,15 @@ fn line(key: &Key) -> String {
 
 fn days(seconds: i64) -> String {
     format!("{} days and {} hours", seconds / 86_400, seconds % 86_400 / 3_600)
+}
+
+/// What is wrong, where a client of the API would read it from the fields of the problem.
+fn in_words(error: ServiceError) -> Failure {
+    match error {
+        ServiceError::Invalid(errors) => {
+            let told: Vec<String> = errors.into_iter().map(|error| error.detail).collect();
+            told.join("; ").into()
+        }
+        other => other.into(),
+    }
 }

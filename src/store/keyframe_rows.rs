@@ -18,6 +18,9 @@ use crate::model::keyframe::{Features, NewKeyframe};
 /// SQLite takes at most 32,766 parameters; six for each point.
 const POINTS_PER_STATEMENT: usize = 512;
 
+/// One statement for each number of points there may be: kept, they would fill every connection's cache with large statements.
+const NOT_KEPT: bool = false;
+
 pub(super) fn pose_blob(pose: &Pose) -> Vec<u8> {
     pack(pose.translation_m().into_iter().chain(pose.rotation_xyzw()))
 }
@@ -136,7 +139,7 @@ pub(super) async fn set_points(
             row.push_bind(at.x).push_bind(at.y).push_bind(at.z);
         });
         insert.push(" on conflict (map_key, session, point) do update set x = excluded.x, y = excluded.y, z = excluded.z");
-        insert.build().execute(&mut *db).await?;
+        insert.build().persistent(NOT_KEPT).execute(&mut *db).await?;
     }
     Ok(())
 }
@@ -154,7 +157,7 @@ pub(super) async fn forget_points(
         for id in chunk {
             named.push_bind(*id);
         }
-        delete.push(")").build().execute(&mut *db).await?;
+        delete.push(")").build().persistent(NOT_KEPT).execute(&mut *db).await?;
     }
     Ok(())
 }
