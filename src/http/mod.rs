@@ -12,6 +12,7 @@
 //! | [`seats`], [`refused`] | how many connections there are, who gives way, and what the others hear |
 //! | [`streams`] | how many of them one key may listen on |
 //! | [`patient`], [`watched`], [`paced`] | how long a client is waited for: its head, its taking the answer, its body |
+//! | [`unheard`] | what is told of a request that is no HTTP |
 //! | [`admission`] | which requests are worked on, and which are refused at once |
 //! | [`inflate`], [`memory`] | what a body becomes, and how much of the memory it may have |
 //! | [`metrics`], [`gauges`], [`process`], [`traffic`] | what Prometheus reads |
@@ -45,6 +46,7 @@ pub mod server;
 pub mod streams;
 pub mod this_machine;
 pub mod traffic;
+pub mod unheard;
 pub mod watched;
 
 use std::sync::Arc;
