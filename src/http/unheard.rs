@@ -75,14 +75,12 @@ fn told(hypers: Vec<u8>) -> Vec<u8> {
     let id = RequestId::next().to_string();
     tracing::debug!(request_id = id, status = status.as_u16(), "a request could not be read");
     let body = serde_json::to_vec(&problem.view(&id)).unwrap_or_default();
+    let (length, id_of) = (format!("content-length: {}", body.len()), format!("{REQUEST_ID}: {id}"));
     let hypers = String::from_utf8_lossy(&hypers);
     let kept = hypers.lines().filter(|line| !line.is_empty() && !line.starts_with("content-length:"));
-    let mut answer: String = kept.map(|line| format!("{line}\r\n")).collect();
-    let length = body.len();
-    answer += &format!(
-        "content-type: application/problem+json\r\ncontent-length: {length}\r\n{REQUEST_ID}: {id}\r\n\r\n"
-    );
-    [answer.into_bytes(), body].concat()
+    let ours = ["content-type: application/problem+json", &length, &id_of, "\r\n"];
+    let head = kept.chain(ours).collect::<Vec<_>>().join("\r\n");
+    [head.into_bytes(), body].concat()
 }
 
 impl<S: AsyncRead + Unpin> AsyncRead for Unheard<S> {

@@ -51,7 +51,7 @@ async fn ask(
     body: Option<Value>,
 ) -> Answer {
     let request = secret.into_iter().fold(server.request(method, path), reqwest::RequestBuilder::bearer_auth);
-    Answer::of(body.iter().fold(request, |request, body| request.json(body))).await
+    Answer::of(body.iter().fold(request, reqwest::RequestBuilder::json)).await
 }
 
 async fn make_key(server: &Server, root: Option<&str>, body: Value) -> String {
