@@ -294,6 +294,7 @@ async fn one_key_cannot_take_every_seat_with_streams() {
         };
         let open = [listen(None).await, listen(None).await];
         assert!(open.iter().all(|stream| stream.status() == 200));
+        assert_eq!(listen(None).await.status(), 503, "{flags:?}");
         refused(&server.get(&events).await);
         let [gone, _kept] = open;
         drop(gone);
@@ -314,6 +315,7 @@ async fn one_key_cannot_take_every_seat_with_streams() {
         let other = made["secret"].as_str().expect("a secret");
         let open = [listen(Some(root)).await, listen(Some(root)).await];
         assert!(open.iter().all(|stream| stream.status() == 200));
+        assert_eq!(listen(Some(root)).await.status(), 429, "{flags:?}");
         let third = Answer::of(server.request(Method::GET, &events).bearer_auth(root)).await;
         assert_eq!((third.header("retry-after"), &third.body["code"]), ("1", &json!("too_many_requests")));
         third.expect(429);
