@@ -13,6 +13,10 @@ pub struct LimitArgs {
     /// request; if all are at work it is answered 503 and closed
     #[arg(long, env = "REVISIT_MAX_CONNECTIONS", value_name = "N", default_value_t = 1024, value_parser = positive)]
     pub max_connections: usize,
+    /// Streams of events that one key may listen to at once, or everybody together while there is no key; one more is
+    /// answered 429 (503 without keys) [default: a quarter of --max-connections]
+    #[arg(long, env = "REVISIT_MAX_STREAMS", value_name = "N", value_parser = positive)]
+    pub max_streams: Option<usize>,
     /// Requests worked on at once; one whose body is still arriving does not count. One more is answered 503 at once.
     /// From half of them on background work rests, and reads may take three quarters of them
     #[arg(long, env = "REVISIT_MAX_REQUESTS", value_name = "N", default_value_t = 256, value_parser = positive)]
@@ -53,6 +57,11 @@ struct OnlyLimits {
 }
 
 impl LimitArgs {
+    /// Streams that one key may listen to: each keeps a connection for as long as its client likes.
+    pub fn streams(&self) -> usize {
+        self.max_streams.unwrap_or((self.max_connections / 4).max(1))
+    }
+
     /// These flags, as a command line would give them; for tests and benchmarks.
     pub fn of<T: AsRef<str>>(flags: &[T]) -> Result<Self, clap::Error> {
         let line = std::iter::once("revisit").chain(flags.iter().map(AsRef::as_ref));
@@ -84,6 +93,7 @@ mod tests {
         for flags in [
             ["--max-connections", "0"],
             ["--max-requests", "-1"],
+            ["--max-streams", "0"],
             ["--header-timeout", "0"],
             ["--keep-alive", "NaN"],
             ["--min-body-rate", "fast"],

@@ -5,24 +5,23 @@
 //! what is enforced, and an operation that says nothing is refused to everybody.
 
 use std::collections::HashMap;
-use std::net::IpAddr;
 use std::sync::Arc;
 
 use axum::extract::{FromRequestParts, MatchedPath, RawPathParams, Request, State};
 use axum::http::Method;
-use axum::http::header::{AUTHORIZATION, HOST};
+use axum::http::header::AUTHORIZATION;
 use axum::http::request::Parts;
-use axum::http::uri::Authority;
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use serde_json::Value;
 
 use super::App;
-use super::admission::throw_away;
+use super::admission::{Working, throw_away};
 use super::problem::{Kind, Problem};
+use super::this_machine;
 use crate::model::ids::MapId;
 use crate::model::key::Action;
-use crate::service::keyring::Access;
+use crate::service::keyring::{Access, Found};
 
 /// The name of the security scheme in the API document.
 pub const SCHEME: &str = "key";
@@ -130,10 +129,11 @@ async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Proble
         Some(Need::Action(action)) => action,
     };
     let secret = secret(parts)?;
+    let working = parts.extensions.get::<Working>().cloned().unwrap_or_default();
     let access =
-        app.service.keys().admit(secret.as_deref()).await.ok_or_else(|| unauthorized(secret.is_some()))?;
+        access(app, secret.as_deref(), &working).await.ok_or_else(|| unauthorized(secret.is_some()))?;
     match &access {
-        Access::Open => from_this_machine(parts)?,
+        Access::Open => this_machine::asks(parts)?,
         Access::Key(held) => held.count().map_err(Problem::too_many_requests)?,
     }
     let caller = Caller(access);
@@ -147,21 +147,13 @@ async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Proble
     Ok(Some(caller))
 }
 
-/// Where nobody shows a key, only programs of this machine may ask. A web page from elsewhere can make its own name lead
-/// here (DNS rebinding), but then the browser still tells that name; addresses and `localhost` cannot be made to lie.
-fn from_this_machine(parts: &Parts) -> Result<(), Problem> {
-    let headers =
-        parts.headers.get_all(HOST).iter().filter_map(|host| host.to_str().ok()?.parse::<Authority>().ok());
-    let asked = parts.uri.authority().cloned().into_iter().chain(headers);
-    let name = |asked: Authority| asked.host().trim_matches(['[', ']']).to_ascii_lowercase();
-    let is_ours =
-        |name: &String| name.parse::<IpAddr>().is_ok() || name == "localhost" || name.ends_with(".localhost");
-    let Some(name) = asked.map(name).find(|name| !is_ours(name)) else { return Ok(()) };
-    let detail = format!(
-        "a server without keys answers to addresses and to localhost, not to {name}: a web page could have made that name \
-         lead here; `revisit keys create` makes a key"
-    );
-    Err(Problem::new(Kind::FORBIDDEN, detail))
+/// Who sends this secret? Strangers wait for a look at the disk without taking the place of those who are known.
+async fn access(app: &App, secret: Option<&str>, working: &Working) -> Option<Access> {
+    match app.service.keys().find(secret) {
+        Found::Admitted(access) => Some(access),
+        Found::Nobody => None,
+        Found::Unknown => working.aside(app.service.keys().look_for(secret?)).await,
+    }
 }
 
 /// The secret in `authorization: Bearer <secret>`.

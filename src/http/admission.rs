@@ -18,7 +18,7 @@ use hyper::body::Body as _;
 use super::App;
 use super::paced::Paced;
 use super::problem::Problem;
-use crate::service::pressure::Kind;
+use crate::service::pressure::{Kind, Turn};
 
 /// Asked when it matters most how the server is: never refused, and answered out of memory.
 const ALWAYS: [&str; 3] = ["/healthz", "/readyz", "/metrics"];
@@ -34,8 +34,22 @@ const DISCARDED_BYTES: usize = 1 << 20;
 /// And for how long.
 const DISCARDED_FOR: Duration = Duration::from_secs(1);
 
+/// A request's turn, for those inside who have to wait for something that is no work.
+#[derive(Clone, Debug, Default)]
+pub struct Working(Option<Arc<Turn>>);
+
+impl Working {
+    /// The request does not count as worked on while this goes on.
+    pub async fn aside<T>(&self, waiting: impl Future<Output = T>) -> T {
+        match &self.0 {
+            Some(turn) => turn.aside(waiting).await,
+            None => waiting.await,
+        }
+    }
+}
+
 /// Lets a request in and times its body, or refuses it.
-pub async fn admit(State(app): State<App>, request: Request, next: Next) -> Response {
+pub async fn admit(State(app): State<App>, mut request: Request, next: Next) -> Response {
     let route = request.extensions().get::<MatchedPath>().map_or("", MatchedPath::as_str);
     let (kind, what) = kind(request.method(), route);
     let turn = match app.service.pressure().admit(kind) {
@@ -46,6 +60,7 @@ pub async fn admit(State(app): State<App>, request: Request, next: Next) -> Resp
             return shed(request);
         }
     };
+    request.extensions_mut().insert(Working(turn.clone()));
     let pace = app.pace;
     let timed = turn.clone();
     let response = next.run(request.map(|body| Body::new(Paced::new(body, pace, timed)))).await;

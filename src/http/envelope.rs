@@ -84,7 +84,7 @@ impl RequestId {
     }
 
     /// A number drawn once by this process, and a count.
-    fn next() -> Self {
+    pub(super) fn next() -> Self {
         static PROCESS: LazyLock<u64> = LazyLock::new(|| RandomState::new().build_hasher().finish());
         static COUNT: AtomicU64 = AtomicU64::new(1);
         let count = COUNT.fetch_add(1, Ordering::Relaxed);

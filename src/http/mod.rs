@@ -8,9 +8,11 @@
 //! | [`problem`], [`envelope`] | what a refusal says, and the id that every answer carries |
 //! | [`router`] | the layers around the routes |
 //! | [`server`] | the accept loop, and how it stops |
-//! | [`access`] | who asks, and may they? |
+//! | [`access`], [`this_machine`] | who asks, and may they? |
 //! | [`seats`], [`refused`] | how many connections there are, who gives way, and what the others hear |
+//! | [`streams`] | how many of them one key may listen on |
 //! | [`patient`], [`watched`], [`paced`] | how long a client is waited for: its head, its taking the answer, its body |
+//! | [`unheard`] | what is told of a request that is no HTTP |
 //! | [`admission`] | which requests are worked on, and which are refused at once |
 //! | [`inflate`], [`memory`] | what a body becomes, and how much of the memory it may have |
 //! | [`metrics`], [`gauges`], [`process`], [`traffic`] | what Prometheus reads |
@@ -41,7 +43,10 @@ pub mod router;
 pub mod routes;
 pub mod seats;
 pub mod server;
+pub mod streams;
+pub mod this_machine;
 pub mod traffic;
+pub mod unheard;
 pub mod watched;
 
 use std::sync::Arc;
@@ -61,6 +66,7 @@ use memory::Memory;
 use metrics::Metrics;
 use paced::Pace;
 use seats::Seats;
+use streams::Streams;
 
 /// What handlers work with.
 #[derive(Clone)]
@@ -83,6 +89,8 @@ pub struct App {
     pub pace: Pace,
     /// The connections.
     pub seats: Arc<Seats>,
+    /// The answers without an end.
+    pub streams: Arc<Streams>,
     /// What large bodies may take.
     pub memory: Memory,
 }
@@ -101,6 +109,7 @@ impl App {
             triggers: Arc::new(Semaphore::new(routes::TRIGGERS_AT_ONCE)),
             pace: Pace::of(&limits),
             seats: Seats::new(limits.max_connections),
+            streams: Streams::new(limits.streams()),
             memory: Memory::new(limits.max_body_memory),
             limits: Arc::new(limits),
         }

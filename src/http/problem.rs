@@ -106,8 +106,15 @@ impl Problem {
     /// Too many requests of one key; good again after this time.
     pub fn too_many_requests(wait: Duration) -> Self {
         let seconds = wait.as_secs_f64().ceil().clamp(1.0, f64::from(u32::MAX)) as u32;
-        let detail = "the key's requests a second are used up";
-        Self { retry_after_s: Some(seconds), ..Self::new(Kind::TOO_MANY_REQUESTS, detail) }
+        Self {
+            retry_after_s: Some(seconds),
+            ..Self::had_its_share("the key's requests a second are used up")
+        }
+    }
+
+    /// A key has as much as it may have at once; good again when it gives some of it back.
+    pub fn had_its_share(detail: impl Into<String>) -> Self {
+        Self { retry_after_s: Some(1), ..Self::new(Kind::TOO_MANY_REQUESTS, detail) }
     }
 
     /// A failure of ours; `cause` goes to the log and nowhere else.

@@ -37,6 +37,7 @@ pub struct Seat {
     seats: Arc<Seats>,
     phase: Mutex<Phase>,
     told: Arc<Notify>,
+    requests: AtomicU64,
     _permit: OwnedSemaphorePermit,
 }
 
@@ -90,7 +91,13 @@ impl Seats {
         self.open.fetch_add(1, Ordering::Relaxed);
         let told = Arc::new(Notify::new());
         let phase = self.waits(&told, false);
-        Some(Arc::new(Seat { seats: self.clone(), phase: Mutex::new(phase), told, _permit: permit }))
+        Some(Arc::new(Seat {
+            seats: self.clone(),
+            phase: Mutex::new(phase),
+            told,
+            requests: AtomicU64::new(0),
+            _permit: permit,
+        }))
     }
 
     /// Connections that have a seat.
@@ -131,8 +138,14 @@ impl Seat {
         }
     }
 
+    /// Requests that have arrived.
+    pub fn requests(&self) -> u64 {
+        self.requests.load(Ordering::Relaxed)
+    }
+
     /// A request has arrived.
     pub fn works(&self) {
+        self.requests.fetch_add(1, Ordering::Relaxed);
         let was = std::mem::replace(&mut *self.lock(), Phase::Works);
         if let Phase::Waits { number, .. } = was {
             self.seats.lock().remove(&number);

@@ -25,6 +25,7 @@ use super::patient::{Patient, overdue};
 use super::refused;
 use super::router::router;
 use super::seats::{Claim, Seat};
+use super::unheard::Unheard;
 use super::watched::Watched;
 use super::{App, routes};
 use crate::config::limits::LimitArgs;
@@ -133,7 +134,8 @@ impl Connections {
         if let Err(error) = stream.set_nodelay(true) {
             tracing::debug!(%error, "no TCP_NODELAY");
         }
-        let stream = TokioIo::new(Patient::new(stream, seat.clone(), &self.app.limits));
+        let stream = Patient::new(stream, seat.clone(), &self.app.limits);
+        let stream = TokioIo::new(Unheard::new(stream, seat.clone()));
         let (router, at_work) = (self.router.clone(), seat.clone());
         let answer = hyper::service::service_fn(move |request: hyper::Request<hyper::body::Incoming>| {
             at_work.works();

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::live::{Decision, LiveMap};
 use super::maps::bad_cursor;
+use super::pinned::PinnedMap;
 use super::quota::check_quota;
 use super::turns::Begun;
 use super::words::check_vocabulary;
@@ -57,7 +58,8 @@ impl Service {
         keyframe: NewKeyframe,
         digest: Digest,
     ) -> Result<Stored<KeyframeReport>, ServiceError> {
-        self.keyframe_begun(map, keyframe, digest, false).await?.committed().await
+        let live = self.live(map).await?;
+        self.keyframe_begun(live, keyframe, digest, false).await?.committed().await
     }
 
     /// The first half of [`Self::put_keyframe`]: decided and queued, in the order of calls. Who has many keyframes
@@ -65,21 +67,21 @@ impl Service {
     /// cannot send more meanwhile.
     pub async fn begin_keyframe(
         &self,
-        map: &MapId,
+        map: &PinnedMap,
         keyframe: NewKeyframe,
         digest: Digest,
     ) -> Result<PendingKeyframe, ServiceError> {
-        self.keyframe_begun(map, keyframe, digest, true).await
+        let live = self.live_pinned(map).await?;
+        self.keyframe_begun(live, keyframe, digest, true).await
     }
 
     async fn keyframe_begun(
         &self,
-        map: &MapId,
+        live: Arc<LiveMap>,
         keyframe: NewKeyframe,
         digest: Digest,
         patiently: bool,
     ) -> Result<PendingKeyframe, ServiceError> {
-        let live = self.live(map).await?;
         let keyframe = self.with_words(keyframe).await?;
         let id = keyframe.id.clone();
         let quotas = self.quotas;

@@ -1,7 +1,8 @@
 //! Who is asking? Every key in memory, so that a request is admitted or refused without the disk.
 //!
 //! Another process may make or revoke keys in the same database (`revisit keys`): a glance at one row each second
-//! tells, and a secret that nobody knows waits for another look, of which there is one every [`GLANCE_AGAIN`] at most.
+//! tells, and a secret that nobody knows waits for another look, of which there is one every [`GLANCE_AGAIN`] at most,
+//! for [`STRANGERS_AT_ONCE`] at once.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, PoisonError, RwLock};
@@ -13,7 +14,7 @@ use governor::clock::{Clock as _, DefaultClock};
 use governor::{DefaultDirectRateLimiter, Quota, RateLimiter};
 use rand::TryRng as _;
 use rand::rngs::SysRng;
-use tokio::sync::{Mutex, watch};
+use tokio::sync::{Mutex, Semaphore, watch};
 use tokio::time::{Instant, sleep, sleep_until};
 
 use super::ServiceError;
@@ -29,6 +30,9 @@ pub(super) const GLANCE: Duration = Duration::from_secs(1);
 
 /// A flood of wrong secrets does not become a flood of looks at the disk.
 const GLANCE_AGAIN: Duration = Duration::from_millis(100);
+
+/// So many unknown secrets wait for a look at once. One more is refused: whoever floods gains nothing by waiting.
+const STRANGERS_AT_ONCE: usize = 32;
 
 /// An expiry is waited for in steps of this.
 const CLOCKS_ARE_SET: Duration = Duration::from_mins(1);
@@ -94,6 +98,17 @@ impl Access {
     }
 }
 
+/// What memory tells of a secret.
+#[derive(Clone, Debug)]
+pub enum Found {
+    /// It is good, or none is wanted.
+    Admitted(Access),
+    /// It is not good any more, or there is none and one is wanted.
+    Nobody,
+    /// It may be good: the disk has to be asked, by [`Keyring::look_for`].
+    Unknown,
+}
+
 #[derive(Debug, Default)]
 struct Table {
     change: i64,
@@ -108,6 +123,8 @@ pub struct Keyring {
     table: Arc<RwLock<Arc<Table>>>,
     /// When the disk was last looked at.
     looked: Arc<Mutex<Instant>>,
+    /// Those who wait for a look at the disk.
+    strangers: Arc<Semaphore>,
     making: Arc<Mutex<()>>,
     /// Counts the times that the table was taken anew.
     taken: watch::Sender<u64>,
@@ -121,6 +138,7 @@ impl Keyring {
         let keyring = Self {
             table: Arc::default(),
             looked: Arc::new(Mutex::new(Instant::now())),
+            strangers: Arc::new(Semaphore::new(STRANGERS_AT_ONCE)),
             making: Arc::default(),
             taken: watch::Sender::new(0),
             store,
@@ -136,17 +154,37 @@ impl Keyring {
         self.table().by_hash.values().any(|held| held.key.is_good(now))
     }
 
-    /// Who sends this secret? `None` if nobody may be admitted with it.
-    pub async fn admit(&self, secret: Option<&str>) -> Option<Access> {
-        let Some(secret) = secret else { return self.is_open().then_some(Access::Open) };
-        let hash = secret_hash(secret);
-        let mut held = self.table().by_hash.get(&hash).cloned();
-        if held.is_none() {
-            // It may have been made a moment ago.
-            self.glance_after(Instant::now()).await;
-            held = self.table().by_hash.get(&hash).cloned();
+    /// Who sends this secret, as far as memory tells?
+    pub fn find(&self, secret: Option<&str>) -> Found {
+        let Some(secret) = secret else {
+            return if self.is_open() { Found::Admitted(Access::Open) } else { Found::Nobody };
+        };
+        match self.table().by_hash.get(&secret_hash(secret)) {
+            Some(held) if held.key.is_good(now()) => Found::Admitted(Access::Key(held.clone())),
+            Some(_) => Found::Nobody,
+            None => Found::Unknown,
         }
-        held.filter(|held| held.key.is_good(now())).map(Access::Key)
+    }
+
+    /// Who sends this secret, that memory does not know? It may have been made a moment ago: the disk is looked at, for so
+    /// many at once; for others the look that is taken each second has to do. `None` if nobody may be admitted with it.
+    pub async fn look_for(&self, secret: &str) -> Option<Access> {
+        let _stranger = self.strangers.try_acquire().ok()?;
+        self.glance_after(Instant::now()).await;
+        match self.find(Some(secret)) {
+            Found::Admitted(access) => Some(access),
+            Found::Nobody | Found::Unknown => None,
+        }
+    }
+
+    /// Is an access good still? Without the disk: for those who go on and on.
+    pub fn is_good(&self, access: &Access) -> bool {
+        match access {
+            Access::Open => self.is_open(),
+            Access::Key(held) => {
+                self.table().by_seq.get(&held.key.seq).is_some_and(|held| held.key.is_good(now()))
+            }
+        }
     }
 
     fn is_open(&self) -> bool {

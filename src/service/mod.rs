@@ -21,6 +21,7 @@ mod live;
 mod loops;
 mod maps;
 mod options;
+mod pinned;
 mod poses;
 pub mod pressure;
 mod queries;
@@ -41,6 +42,7 @@ use backups::Backups;
 pub use error::ServiceError;
 pub use keyframes::PendingKeyframe;
 pub use options::{ModelChoice, ServiceOptions};
+pub use pinned::PinnedMap;
 pub use queries::{QueryAnswer, Timings};
 pub use stats::Stats;
 

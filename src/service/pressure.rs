@@ -81,6 +81,14 @@ impl Turn {
         }
     }
 
+    /// Does not count while this goes on, which waits and does no work.
+    pub async fn aside<T>(&self, waiting: impl Future<Output = T>) -> T {
+        self.pause();
+        let result = waiting.await;
+        self.resume();
+        result
+    }
+
     /// It is worked on again. It was admitted: there may be more than the limit for a moment.
     pub fn resume(&self) {
         if !self.counts.swap(true, Ordering::Relaxed) {

@@ -3,6 +3,7 @@
 use reqwest::Method;
 use serde_json::{Value, json};
 
+use crate::raw::{Connection, statuses};
 use crate::support::{Answer, Server, keyframe};
 
 const MAP: &str = "/v1/maps/tower";
@@ -250,4 +251,55 @@ async fn a_map_and_a_query_are_checked_like_a_keyframe() {
     let inline = json!({"inline": {"stamp": {"sec": 1, "nanosec": -1}}, "verify": "always", "seed": 0.5});
     let places = ["/inline/stamp/nanosec", "/inline/pose", "/verify", "/seed"];
     check("a bad inline keyframe", &server.post(&queries, &inline).await, 422, &places);
+}
+
+#[tokio::test]
+async fn what_is_no_http_is_a_problem_too() {
+    let server = Server::start().await;
+    let many = "x: a\r\n".repeat(200);
+    let long = "a".repeat(70_000);
+    for (what, head, status) in [
+        ("a name with a space", "GET / HTTP/1.1\r\nx y: a\r\n\r\n".to_owned(), 400),
+        ("no HTTP", "hello there, server\r\n\r\n".to_owned(), 400),
+        ("another version", "GET / HTTP/3.0\r\n\r\n".to_owned(), 400),
+        ("TLS", "\u{16}\u{3}\u{1}\u{2}\u{0}\u{1}\u{0}\u{1}".to_owned(), 400),
+        ("many headers", format!("GET / HTTP/1.1\r\n{many}\r\n"), 431),
+        ("a long header", format!("GET / HTTP/1.1\r\nx: {long}\r\n\r\n"), 431),
+        ("a long path", format!("GET /{long} HTTP/1.1\r\n\r\n"), 431),
+    ] {
+        // Alone, and after requests that were answered, one by one and in one go.
+        let sane = "GET /version HTTP/1.1\r\nhost: localhost\r\n\r\n";
+        for before in [&[][..], &[sane], &[sane, sane]] {
+            for in_one_go in [false, true] {
+                let mut connection = Connection::open(server.addr()).await;
+                let mut sent = String::new();
+                for request in before {
+                    if in_one_go {
+                        sent += request;
+                    } else {
+                        connection.send(request).await;
+                        assert!(connection.head().await.contains("200 OK"), "{what}");
+                    }
+                }
+                connection.send(sent + &head).await;
+                let answers = connection.rest().await;
+                let mut expected = vec![200; if in_one_go { before.len() } else { 0 }];
+                expected.push(status);
+                assert_eq!(statuses(&answers), expected, "{what} after {before:?}: {answers}");
+                let (_, answer) = answers.rsplit_once("HTTP/1.1 ").expect("an answer");
+                let (head, body) = answer.split_once("\r\n\r\n").expect("a body");
+                let problem: Value = serde_json::from_str(body).expect("a problem");
+                assert_eq!(problem["status"], status, "{what}: {answer}");
+                let id = problem["request_id"].as_str().expect("an id");
+                for header in [
+                    "content-type: application/problem+json".to_owned(),
+                    "connection: close".to_owned(),
+                    format!("content-length: {}", body.len()),
+                    format!("x-request-id: {id}"),
+                ] {
+                    assert!(head.lines().any(|line| line == header), "{what}: {header}\n{head}");
+                }
+            }
+        }
+    }
 }

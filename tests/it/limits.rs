@@ -280,3 +280,64 @@ async fn a_bulk_of_nonsense_does_not_fill_the_memory_with_its_answer() {
     let last: Value = serde_json::from_str(answer.lines().last().unwrap()).unwrap();
     assert!(last.to_string().contains("too many lines were refused"), "{last}");
 }
+
+#[tokio::test]
+async fn one_key_cannot_take_every_seat_with_streams() {
+    // A quarter of the connections, or what the operator says.
+    for flags in [&["--max-connections", "8"][..], &["--max-connections", "8", "--max-streams", "2"]] {
+        let (server, _) = with_map(flags).await;
+        let events = format!("{MAP}/events");
+        let listen = async |secret: Option<&str>| {
+            let request = server.request(Method::GET, &events);
+            let request = secret.into_iter().fold(request, reqwest::RequestBuilder::bearer_auth);
+            request.send().await.expect("an answer")
+        };
+        let open = [listen(None).await, listen(None).await];
+        assert!(open.iter().all(|stream| stream.status() == 200));
+        assert_eq!(listen(None).await.status(), 503, "{flags:?}");
+        refused(&server.get(&events).await);
+        let [gone, _kept] = open;
+        drop(gone);
+        // The server sees that its client is gone, and gives the place to another.
+        let again = loop {
+            let again = listen(None).await;
+            if again.status() == 200 {
+                break again;
+            }
+        };
+        drop(again);
+
+        let root = server.post("/v1/keys", &json!({"actions": ["read", "admin"]})).await.expect(201);
+        let root = root["secret"].as_str().expect("a secret");
+        let body = json!({"actions": ["read"]});
+        let made = Answer::of(server.request(Method::POST, "/v1/keys").bearer_auth(root).json(&body)).await;
+        let made = made.expect(201);
+        let other = made["secret"].as_str().expect("a secret");
+        let open = [listen(Some(root)).await, listen(Some(root)).await];
+        assert!(open.iter().all(|stream| stream.status() == 200));
+        assert_eq!(listen(Some(root)).await.status(), 429, "{flags:?}");
+        let third = Answer::of(server.request(Method::GET, &events).bearer_auth(root)).await;
+        assert_eq!((third.header("retry-after"), &third.body["code"]), ("1", &json!("too_many_requests")));
+        third.expect(429);
+        assert_eq!(listen(Some(other)).await.status(), 200, "what one key has is not the other's affair");
+        server.get("/healthz").await.expect(200);
+        Answer::of(server.request(Method::GET, MAP).bearer_auth(root)).await.expect(200);
+    }
+}
+
+#[tokio::test]
+async fn strangers_that_come_by_hundreds_take_no_place_of_those_who_are_known() {
+    let (server, _) = Server::within(&["--max-requests", "4"]).await;
+    let made = server.post("/v1/keys", &json!({"actions": ["read"]})).await.expect(201);
+    let known = made["secret"].as_str().expect("a secret");
+    let ask = async |secret: &str, status: u16| {
+        Answer::of(server.request(Method::GET, "/v1/maps").bearer_auth(secret)).await.expect(status);
+    };
+    let strangers = (0..200).map(async |_| ask("nonsense", 401).await);
+    let one_who_is_known = async {
+        for _ in 0..20 {
+            ask(known, 200).await;
+        }
+    };
+    futures_util::future::join(futures_util::future::join_all(strangers), one_who_is_known).await;
+}

@@ -1,26 +1,29 @@
 //! Bulk: many keyframes in one request, each with its own result.
 
 use std::collections::VecDeque;
+use std::pin::pin;
+use std::task::Poll;
 
 use axum::extract::{Extension, Request, State};
 use axum::http::StatusCode;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
+use futures_util::poll;
 use serde_json::Value;
 
 use super::lines::{Line, Lines};
 use super::trigger::trigger_loop_check;
 use crate::http::App;
 use crate::http::access::Caller;
+use crate::http::admission::Working;
 use crate::http::body::{Text, decoded, expect_type};
 use crate::http::envelope::RequestId;
 use crate::http::inflate::Encoding;
 use crate::http::path::{InMap, MapPath};
 use crate::http::problem::{Kind, Problem};
 use crate::http::refusals::OfWrite;
-use crate::model::ids::MapId;
-use crate::service::PendingKeyframe;
 use crate::service::keyring::Access;
+use crate::service::{PendingKeyframe, PinnedMap};
 use crate::wire::bulk::{self, BulkItem, BulkLine};
 use crate::wire::examples;
 use crate::wire::limits;
@@ -47,16 +50,17 @@ pub async fn put_keyframes(
     caller: Caller,
     InMap(map): InMap,
     Extension(request_id): Extension<RequestId>,
+    Extension(working): Extension<Working>,
     request: Request,
 ) -> Result<Response, Problem> {
     let accepted =
         ["application/x-ndjson", "application/ndjson", "application/jsonl", "application/x-jsonlines"];
     expect_type(request.headers(), |essence| accepted.contains(&essence), NDJSON)?;
     let encoding = Encoding::of(request.headers())?;
-    app.service.get_map(&map).await?;
+    let map = app.service.pin_map(&map).await?;
     let lines = Lines::of(request.into_body(), encoding, app.memory.clone())?;
     let mut answer = Answer::of(app, map, caller.0, &request_id);
-    answer.take(lines).await;
+    answer.take(lines, &working).await;
     Ok(answer.into_response())
 }
 
@@ -80,7 +84,7 @@ struct UnderWay {
 /// The lines answered so far. They are kept until the end, for only then is it known whether any failed.
 struct Answer {
     app: App,
-    map: MapId,
+    map: PinnedMap,
     access: Access,
     request_id: String,
     lines: Vec<u8>,
@@ -91,7 +95,7 @@ struct Answer {
 }
 
 impl Answer {
-    fn of(app: App, map: MapId, access: Access, request_id: &RequestId) -> Self {
+    fn of(app: App, map: PinnedMap, access: Access, request_id: &RequestId) -> Self {
         Self {
             app,
             map,
@@ -105,9 +109,9 @@ impl Answer {
         }
     }
 
-    async fn take(&mut self, mut lines: Lines) {
+    async fn take(&mut self, mut lines: Lines, working: &Working) {
         for number in 1.. {
-            let line = match lines.next().await {
+            let line = match self.next_line(&mut lines).await {
                 Ok(Some(line)) => line,
                 Ok(None) => return self.all_committed().await,
                 // What came before is stored: the answer says so, and in its last line what broke off.
@@ -115,7 +119,7 @@ impl Answer {
             };
             if number > LINES_MAX {
                 let detail = format!("a bulk request has at most {LINES_MAX} lines; the rest is not stored");
-                return self.broken_off(number, detail, lines).await;
+                return self.broken_off(number, Problem::new(Kind::TOO_LARGE, detail), lines).await;
             }
             let text = match line {
                 Line::Text(text) if text.trim_ascii().is_empty() => continue,
@@ -131,19 +135,22 @@ impl Answer {
             };
             if self.refusals_bytes > REFUSALS_BYTES {
                 let detail = "too many lines were refused; the rest is not stored";
-                return self.broken_off(number, detail, lines).await;
+                return self.broken_off(number, Problem::new(Kind::TOO_LARGE, detail), lines).await;
             }
             if self.items == limits::BULK_ITEMS {
                 let detail = format!(
                     "a bulk request has at most {} items; the rest is not stored",
                     limits::BULK_ITEMS
                 );
-                return self.broken_off(number, detail, lines).await;
+                return self.broken_off(number, Problem::new(Kind::TOO_LARGE, detail), lines).await;
             }
             self.items += 1;
-            if let (Access::Key(held), true) = (&self.access, self.items > 1) {
-                // The first was counted with the request; a bulk is slowed down where single requests are refused.
-                held.wait().await;
+            // The first was counted with the request.
+            if self.items > 1 {
+                self.key_allows(working).await;
+            }
+            if !self.app.service.keys().is_good(&self.access) {
+                return self.broken_off(number, access_ended(&self.access), lines).await;
             }
             let text = Text::line(text, lines.becomes_at_most());
             match begin(&self.app, &self.map, text).await {
@@ -156,9 +163,30 @@ impl Answer {
         }
     }
 
+    /// The next line. While it is on its way, those before it get their answers: who waits for a client keeps no turn to
+    /// write from others.
+    async fn next_line(&mut self, lines: &mut Lines) -> Result<Option<Line>, Problem> {
+        let mut next = pin!(lines.next());
+        if let Poll::Ready(line) = poll!(next.as_mut()) {
+            return line;
+        }
+        self.all_committed().await;
+        next.await
+    }
+
+    /// Waits until the key may store another line: a bulk is slowed down where single requests are refused. Nobody else
+    /// goes without a turn for that: it counts neither as a request nor, with what it has decided, as writes under way.
+    async fn key_allows(&mut self, working: &Working) {
+        let Access::Key(held) = self.access.clone() else { return };
+        if held.count().is_err() {
+            self.all_committed().await;
+            working.aside(held.wait()).await;
+        }
+    }
+
     /// Refuses what is left of the request.
-    async fn broken_off(&mut self, number: usize, detail: impl Into<String>, mut lines: Lines) {
-        self.refused(number, None, Problem::new(Kind::TOO_LARGE, detail)).await;
+    async fn broken_off(&mut self, number: usize, problem: Problem, mut lines: Lines) {
+        self.refused(number, None, problem).await;
         lines.discard().await;
     }
 
@@ -168,7 +196,7 @@ impl Answer {
         match keyframe.committed().await {
             Ok(stored) => {
                 if stored.created && stored.value.revisits {
-                    trigger_loop_check(&self.app, &self.map, &stored.value.keyframe);
+                    trigger_loop_check(&self.app, self.map.id(), &stored.value.keyframe);
                 }
                 let status = if stored.created { StatusCode::CREATED } else { StatusCode::OK };
                 let answer = BulkLine::stored(line, status.as_u16(), !stored.created, stored.value.into());
@@ -218,10 +246,19 @@ impl IntoResponse for Answer {
     }
 }
 
+/// What the rest hears when the key is revoked or expires, or when there is a key now, in the middle of a request.
+fn access_ended(access: &Access) -> Problem {
+    let detail = match access {
+        Access::Open => "a key was made meanwhile, and is needed from now on; the rest is not stored",
+        Access::Key(_) => "the key has expired or was revoked meanwhile; the rest is not stored",
+    };
+    Problem::new(Kind::UNAUTHORIZED, detail)
+}
+
 /// Decides one line and queues it; a refusal comes with the id, if the line has one.
 async fn begin(
     app: &App,
-    map: &MapId,
+    map: &PinnedMap,
     text: Text,
 ) -> Result<(Option<String>, PendingKeyframe), (Option<String>, Problem)> {
     let read = |line: Value| Ok((bulk::line_id(&line), bulk::decode(line)));

@@ -15,6 +15,7 @@ use crate::http::path::{InMap, MapPath};
 use crate::http::problem::{Kind, Problem};
 use crate::http::query::{Query, Since};
 use crate::http::refusals::OfRead;
+use crate::http::streams::Listening;
 use crate::model::event::Event;
 use crate::model::ids::MapId;
 use crate::model::invalid::FieldError;
@@ -30,7 +31,8 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
 /// Listen to a map
 ///
 /// Server-sent events: `id` is a sequence number, `event` the kind, `data` an Event as JSON. A client that reconnects
-/// with `last-event-id`, as browsers do, misses nothing. The stream ends with the server, and with the key.
+/// with `last-event-id`, as browsers do, misses nothing. The stream ends with the server, and with the key;
+/// a key may listen to so many at once (429).
 #[utoipa::path(
     get, path = "/v1/maps/{map}/events", tag = "events", security(("key" = ["read"])),
     params(
@@ -52,7 +54,8 @@ pub async fn listen(
     LastEventId(last): LastEventId,
 ) -> Result<Sse<impl Stream<Item = Result<Sent, Infallible>>>, Problem> {
     let latest = app.service.latest_event(&map).await?;
-    let stream = stream(app, caller.0, map, last.or(since).unwrap_or(0), latest);
+    let listening = app.streams.begin(&caller.0)?;
+    let stream = stream(app, caller.0, map, last.or(since).unwrap_or(0), latest, listening);
     Ok(Sse::new(stream).keep_alive(KeepAlive::new().interval(KEEP_ALIVE)))
 }
 
@@ -62,8 +65,10 @@ fn stream(
     map: MapId,
     mut since: u64,
     mut latest: watch::Receiver<u64>,
+    listening: Listening,
 ) -> impl Stream<Item = Result<Sent, Infallible>> {
     async_stream::stream! {
+        let _listening = listening;
         loop {
             // Marked as seen before fetching: what comes in between wakes the wait below.
             latest.borrow_and_update();

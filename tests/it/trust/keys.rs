@@ -61,6 +61,30 @@ async fn a_key_made_beside_a_running_server_opens_it_and_closes_it_to_everybody_
 }
 
 #[tokio::test]
+async fn a_key_made_beside_a_running_server_opens_it_also_in_a_flood_of_nonsense() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let database = directory.path().join("test.db");
+    let server = Server::on(directory.path(), None, revisit::service::ModelChoice::None).await;
+    let flood = futures_util::future::join_all((0..100).map(async |_| {
+        loop {
+            get(&server, "/v1/maps", "nonsense").await.expect(401);
+        }
+    }));
+    let made = async {
+        let beside = database.clone();
+        let made = tokio::task::spawn_blocking(move || create(&beside, &["--actions", "read"])).await;
+        let secret = made.expect("a secret");
+        while get(&server, "/v1/maps", &secret).await.status != 200 {
+            tokio::task::yield_now().await;
+        }
+    };
+    tokio::select! {
+        _ = flood => unreachable!("it has no end"),
+        () = made => {}
+    }
+}
+
+#[tokio::test]
 async fn keys_outlive_a_restart_and_no_secret_is_in_the_database() {
     let directory = tempfile::tempdir().expect("a directory");
     let database = directory.path().join("test.db");

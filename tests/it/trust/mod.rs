@@ -6,3 +6,4 @@ mod listening;
 mod matrix;
 mod quotas;
 mod rate;
+mod uploads;

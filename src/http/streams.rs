@@ -1,0 +1,70 @@
+//! Streams: how many answers without an end are under way, and whose.
+//!
+//! A stream of events keeps its connection at work for as long as its client likes, so that it gives way to nobody. One
+//! key must not take every seat that way.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use super::problem::Problem;
+use crate::model::key::KeySeq;
+use crate::service::keyring::Access;
+
+/// The streams of a server, by the key that opened them; `None` is everybody while there is no key.
+#[derive(Debug)]
+pub struct Streams {
+    most: usize,
+    open: Mutex<HashMap<Option<KeySeq>, usize>>,
+}
+
+/// One stream, until this is dropped.
+#[derive(Debug)]
+pub struct Listening {
+    streams: Arc<Streams>,
+    key: Option<KeySeq>,
+}
+
+impl Streams {
+    /// So many for each key.
+    pub fn new(most: usize) -> Arc<Self> {
+        Arc::new(Self { most, open: Mutex::default() })
+    }
+
+    /// Begins one, unless there are enough.
+    pub fn begin(self: &Arc<Self>, access: &Access) -> Result<Listening, Problem> {
+        let (key, most) = (access.key(), self.most);
+        let mut open = self.lock();
+        let count = open.get(&key).copied().unwrap_or_default();
+        if count >= most {
+            return Err(match key {
+                Some(_) => {
+                    Problem::had_its_share(format!("the key listens to {most} streams, and may to no more"))
+                }
+                None => Problem::overloaded(format!(
+                    "{most} streams are listened to; without keys there are no more"
+                )),
+            });
+        }
+        open.insert(key, count + 1);
+        drop(open);
+        Ok(Listening { streams: self.clone(), key })
+    }
+
+    fn lock(&self) -> MutexGuard<'_, HashMap<Option<KeySeq>, usize>> {
+        // A count is whole after each operation.
+        self.open.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Drop for Listening {
+    fn drop(&mut self) {
+        let mut open = self.streams.lock();
+        let left = open.get(&self.key).map_or(0, |count| count.saturating_sub(1));
+        // Keys come and go; those that listen to nothing leave nothing behind.
+        if left == 0 {
+            open.remove(&self.key);
+        } else {
+            open.insert(self.key, left);
+        }
+    }
+}
