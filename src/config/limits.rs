@@ -36,6 +36,10 @@ pub struct LimitArgs {
     /// The least average rate of a body, in bytes a second; time in which the server is not ready for more is not counted
     #[arg(long, env = "REVISIT_MIN_BODY_RATE", value_name = "BYTES", default_value_t = 1024, value_parser = positive)]
     pub min_body_rate: usize,
+    /// How long to go on after SIGTERM while `/readyz` says no, in seconds: for balancers that must notice before
+    /// connections are refused
+    #[arg(long, env = "REVISIT_DRAIN", value_name = "S", default_value = "0", value_parser = seconds_or_none)]
+    pub drain: Duration,
 }
 
 /// Lets this process open as many files as it may: many systems give 1024 unless asked, and each connection is one.
@@ -57,9 +61,11 @@ struct OnlyLimits {
 }
 
 impl LimitArgs {
-    /// Streams that one key may listen to: each keeps a connection for as long as its client likes.
-    pub fn streams(&self) -> usize {
-        self.max_streams.unwrap_or((self.max_connections / 4).max(1))
+    /// Streams that one key may listen to, and all keys together: each keeps a connection for as long as its client
+    /// likes, and half of the connections is left to those who ask something.
+    pub fn streams(&self) -> (usize, usize) {
+        let of_a_key = self.max_streams.unwrap_or((self.max_connections / 4).max(1));
+        (of_a_key, of_a_key.max(self.max_connections / 2))
     }
 
     /// These flags, as a command line would give them; for tests and benchmarks.
@@ -81,6 +87,10 @@ fn seconds(text: &str) -> Result<Duration, String> {
         Ok(seconds) if (0.001..=86_400.0).contains(&seconds) => Ok(Duration::from_secs_f64(seconds)),
         _ => Err("expected seconds, from 0.001 to 86400".to_owned()),
     }
+}
+
+fn seconds_or_none(text: &str) -> Result<Duration, String> {
+    if text == "0" { Ok(Duration::ZERO) } else { seconds(text) }
 }
 
 #[cfg(test)]

@@ -136,6 +136,9 @@ async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Proble
         Access::Open => this_machine::asks(parts)?,
         Access::Key(held) => held.count().map_err(Problem::too_many_requests)?,
     }
+    if let Some(key) = access.key() {
+        tracing::Span::current().record("key", key.public());
+    }
     let caller = Caller(access);
     if let Some(map) = map_of(parts).await
         && !caller.reaches(&map)

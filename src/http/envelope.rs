@@ -15,6 +15,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
 use tracing::Instrument as _;
+use tracing::field::Empty;
 
 use super::problem::{Kind, Problem};
 use crate::config::traces;
@@ -56,7 +57,7 @@ pub async fn envelope(mut request: Request, next: Next) -> Response {
     let header = |name: &str| Some(request.headers().get(name)?.to_str().ok()?.to_owned());
     let trace = traces::request_span(&id.0, method.as_str(), route_of(&request), header);
     // At the level of errors, for these must tell their request even if nothing else is logged.
-    let log = || tracing::error_span!("request", request_id = %id, %method, route = %route_of(&request));
+    let log = || tracing::error_span!("request", request_id = %id, %method, route = %route_of(&request), key = Empty);
     let span = trace.in_scope(log);
     let mut response = next.run(request).instrument(span.clone()).instrument(trace.clone()).await;
     let _entered = span.enter();
@@ -100,7 +101,12 @@ fn refusal(response: Response, id: &RequestId, uri: &Uri) -> Response {
     if let Some(cause) = problem.cause() {
         tracing::error!(path = uri.path(), status = parts.status.as_u16(), cause, "request failed");
     } else if parts.status.is_server_error() && !problem.is_overload() {
-        tracing::warn!(path = uri.path(), status = parts.status.as_u16(), "request refused");
+        tracing::warn!(
+            path = uri.path(),
+            status = parts.status.as_u16(),
+            code = problem.code(),
+            "request refused"
+        );
     }
     parts.headers.insert(CONTENT_TYPE, PROBLEM_JSON);
     parts.headers.remove(CONTENT_LENGTH);

@@ -133,6 +133,11 @@ impl Problem {
         self.code == OVERLOADED
     }
 
+    /// What a program tells it by.
+    pub fn code(&self) -> &'static str {
+        self.code
+    }
+
     /// The same problem with the faults that make it.
     pub fn with(self, errors: Vec<FieldError>) -> Self {
         Self { errors, ..self }

@@ -6,12 +6,14 @@
 use std::convert::Infallible;
 use std::io;
 use std::net::SocketAddr;
+use std::num::NonZeroU32;
 use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Router;
 use axum::body::Body;
 use axum::extract::Request;
+use governor::{DefaultDirectRateLimiter, Quota, RateLimiter};
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::{GracefulShutdown, Watcher};
@@ -39,6 +41,8 @@ const HEAD_BYTES: usize = 64 << 10;
 const ACCEPT_AGAIN: [Duration; 2] = [Duration::from_millis(20), Duration::from_secs(1)];
 /// At most so many connections are being told at once that there is no seat; more are closed without a word.
 const REFUSALS_AT_ONCE: usize = 64;
+/// The log tells of connections without a seat no more often.
+const COMPLAINTS_PER_MINUTE: NonZeroU32 = NonZeroU32::new(6).unwrap();
 
 /// Serves until `stopping` is cancelled and what is in flight is finished, or has had its time.
 pub async fn serve(
@@ -47,18 +51,25 @@ pub async fn serve(
     limits: LimitArgs,
     stopping: CancellationToken,
 ) -> io::Result<()> {
+    let drain = limits.drain;
     let app = App::new(service, limits, stopping.clone());
     routes::ask_about_triggers(&app);
     let server = Arc::new(Connections {
         router: router(app.clone()),
         app,
         refusals: Arc::new(Semaphore::new(REFUSALS_AT_ONCE)),
+        complaints: RateLimiter::direct(Quota::per_minute(COMPLAINTS_PER_MINUTE)),
         http: http(),
     });
     let graceful = GracefulShutdown::new();
+    let stopped = async {
+        stopping.cancelled().await;
+        // `/readyz` says no already.
+        tokio::time::sleep(drain).await;
+    };
     tokio::select! {
         () = server.accept(&listener, &graceful) => {}
-        () = stopping.cancelled() => {}
+        () = stopped => {}
     }
     // From here on nobody gets in; who is in finishes what it has begun.
     drop(listener);
@@ -82,6 +93,7 @@ struct Connections {
     app: App,
     router: Router,
     refusals: Arc<Semaphore>,
+    complaints: DefaultDirectRateLimiter,
     http: http1::Builder,
 }
 
@@ -115,6 +127,11 @@ impl Connections {
             }
             Claim::Full => {
                 self.app.metrics.traffic.connection("refused");
+                if self.complaints.check().is_ok() {
+                    tracing::warn!(
+                        "every connection is at work, and new ones are refused (--max-connections)"
+                    );
+                }
                 if let Ok(permit) = self.refusals.clone().try_acquire_owned() {
                     tokio::spawn(refused::tell(stream, permit));
                 }
@@ -193,6 +210,11 @@ impl RunningServer {
     /// Where it listens, as a client wants it.
     pub fn url(&self) -> String {
         format!("http://{}", self.addr)
+    }
+
+    /// What SIGTERM does, without waiting for what follows.
+    pub fn tell_to_stop(&self) {
+        self.stopping.cancel();
     }
 
     /// Stops it as SIGTERM would, and closes its service.

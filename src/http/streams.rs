@@ -14,6 +14,7 @@ use crate::service::keyring::Access;
 #[derive(Debug)]
 pub struct Streams {
     most: usize,
+    most_in_all: usize,
     open: Mutex<HashMap<Option<KeySeq>, usize>>,
 }
 
@@ -25,9 +26,9 @@ pub struct Listening {
 }
 
 impl Streams {
-    /// So many for each key.
-    pub fn new(most: usize) -> Arc<Self> {
-        Arc::new(Self { most, open: Mutex::default() })
+    /// So many for each key, and for all of them together.
+    pub fn new((most, most_in_all): (usize, usize)) -> Arc<Self> {
+        Arc::new(Self { most, most_in_all, open: Mutex::default() })
     }
 
     /// Begins one, unless there are enough.
@@ -44,6 +45,12 @@ impl Streams {
                     "{most} streams are listened to; without keys there are no more"
                 )),
             });
+        }
+        if open.values().sum::<usize>() >= self.most_in_all {
+            let most = self.most_in_all;
+            return Err(Problem::overloaded(format!(
+                "{most} streams are listened to, and there are no more"
+            )));
         }
         open.insert(key, count + 1);
         drop(open);

@@ -83,6 +83,11 @@ impl Server {
         Self { http: client(), running, _directory: None }
     }
 
+    /// What SIGTERM does, without waiting for what follows.
+    pub fn tell_to_stop(&self) {
+        self.running.tell_to_stop();
+    }
+
     /// Stops it, and waits until everything is on disk.
     pub async fn stop(self) {
         self.running.stop().await.expect("it stops");

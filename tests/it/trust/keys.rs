@@ -159,7 +159,7 @@ async fn keys_are_made_listed_and_revoked_over_http() {
 async fn an_expired_key_is_no_key() {
     let server = Server::start().await;
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).expect("a time").as_secs();
-    let expires = json!({"sec": now + 1, "nanosec": 0});
+    let expires = json!({"sec": now + 3, "nanosec": 0});
     let made = server.post("/v1/keys", &json!({"actions": ["read"], "expires": expires})).await.expect(201);
     let secret = made["secret"].as_str().expect("a secret");
     // It is good until then, and never after.
