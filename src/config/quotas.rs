@@ -12,7 +12,8 @@ pub struct Quotas {
     /// bring all of its detections
     #[arg(long, env = "REVISIT_MAP_MAX_ANCHORS", value_name = "N")]
     pub map_max_anchors: Option<u64>,
-    /// The most bytes that a map's keyframes take on disk: words, points, features and crops; unlimited unless given
+    /// The most bytes that a map's facts take on disk: keyframes with their words, features, detections, texts and crops,
+    /// map points, and loops with what they merge; unlimited unless given. Moving what is there goes on beyond it
     #[arg(long, env = "REVISIT_MAP_MAX_BYTES", value_name = "BYTES")]
     pub map_max_bytes: Option<u64>,
 }

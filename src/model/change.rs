@@ -71,6 +71,27 @@ pub struct Loop {
     pub query: Option<String>,
 }
 
+impl Merge {
+    /// What it takes on disk, in bytes.
+    pub fn bytes(&self) -> u64 {
+        let name = match &self.cause {
+            MergeCause::Covisible => 0,
+            MergeCause::Loop(id) => id.as_str().len(),
+        };
+        (2 * size_of::<AnchorSeq>() + name) as u64
+    }
+}
+
+impl Loop {
+    /// What it takes on disk, in bytes, without what it merges.
+    pub fn bytes(&self) -> u64 {
+        let names = [self.id.as_str(), self.keyframe_id.as_str(), self.candidate_id.as_str()];
+        let texts =
+            names.iter().map(|name| name.len()).sum::<usize>() + self.query.as_ref().map_or(0, String::len);
+        (2 * size_of::<KeyframeSeq>() + texts) as u64
+    }
+}
+
 /// One fact more, or one fact less. A request's changes are committed together, and applied
 /// to the index in this order.
 #[derive(Clone, Debug, PartialEq)]

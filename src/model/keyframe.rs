@@ -137,23 +137,41 @@ pub struct NewKeyframe {
     pub detections: Vec<Detection>,
 }
 
+/// A number, or a float: what it takes on disk, in bytes.
+const NUMBER: usize = size_of::<i64>();
+
 impl NewKeyframe {
-    /// What its lists, features and crops take on disk, in bytes; a map's quota counts these.
+    /// What it takes on disk, in bytes: its lists, features, crops, names and texts. A map's quota counts these; its map
+    /// points' positions count with the map's points, once each.
     pub fn bytes(&self) -> u64 {
-        const NUMBER: usize = size_of::<i64>();
-        /// u, v and angle as f64, and the octave.
-        const KEYPOINT: usize = 3 * size_of::<f64>() + 1;
+        const STAMP: usize = size_of::<i64>() + size_of::<u32>();
+        const POSE: usize = 7 * NUMBER;
+        const CAMERA: usize = 4 * NUMBER + 2 * size_of::<u32>();
+        let head = self.id.as_str().len() + STAMP + POSE + self.camera.map_or(0, |_| CAMERA);
         let numbers =
             self.observes.len() + self.map_points.len() + self.covisible.len() + self.bow.words().len();
-        let features = self.features.as_ref().map_or(0, |features| {
-            features.descriptors.len() + features.keypoints.len() * (KEYPOINT + NUMBER)
-        });
-        let crops: usize = self
-            .detections
-            .iter()
-            .filter_map(|detection| detection.crop.as_ref())
-            .map(|crop| crop.bytes.len())
-            .sum();
-        (numbers * NUMBER + features + crops) as u64
+        let features = self.features.as_ref().map_or(0, Features::bytes);
+        let detections: usize = self.detections.iter().map(Detection::bytes).sum();
+        (head + numbers * NUMBER + features + detections) as u64
+    }
+}
+
+impl Features {
+    fn bytes(&self) -> usize {
+        /// u, v and angle, and the octave.
+        const KEYPOINT: usize = 3 * NUMBER + 1;
+        self.descriptors.len() + self.keypoints.len() * (KEYPOINT + NUMBER)
+    }
+}
+
+impl Detection {
+    fn bytes(&self) -> usize {
+        /// Its confidence, and the four sides of its box.
+        const HEAD: usize = 5 * NUMBER;
+        let texts = [Some(&self.class), self.text.as_ref(), self.description.as_ref()];
+        let texts: usize = texts.into_iter().flatten().map(String::len).sum();
+        let position = self.position_in_session.map_or(0, |_| 3 * NUMBER);
+        let crop = self.crop.as_ref().map_or(0, |crop| crop.bytes.len());
+        HEAD + texts + position + self.map_points.len() * NUMBER + crop
     }
 }

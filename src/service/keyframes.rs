@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::live::{Decision, LiveMap};
 use super::maps::bad_cursor;
 use super::pinned::PinnedMap;
-use super::quota::check_quota;
+use super::quota::check_keyframe;
 use super::turns::Begun;
 use super::words::check_vocabulary;
 use super::{Service, ServiceError, Stored};
@@ -94,7 +94,7 @@ impl Service {
                 return Err(ServiceError::Invalid(errors));
             }
             check_vocabulary(index, &keyframe)?;
-            check_quota(&quotas, index, &keyframe)?;
+            check_keyframe(&quotas, index, &keyframe)?;
             let ingested = ingest(index, &keyframe);
             let mut report = report(index, &keyframe.id, ingested.keyframe, &ingested.outcomes);
             report.revisits = ingested.revisits;

@@ -339,6 +339,7 @@ fn pretty(loaded: &crate::recognition::index::MapIndex, live: &crate::recognitio
     assert_eq!(loaded.keyframes().collect::<Vec<_>>(), live.keyframes().collect::<Vec<_>>());
     assert_eq!(loaded.loops(), live.loops());
     assert_eq!(loaded.points(), live.points());
+    assert_eq!(loaded.bytes(), live.bytes());
     assert_eq!(loaded.covisibility(), live.covisibility());
     for seq in (0..live.next_anchor().0).map(AnchorSeq) {
         assert_eq!(loaded.anchor(seq), live.anchor(seq));

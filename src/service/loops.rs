@@ -2,6 +2,7 @@
 
 use super::keyframes::find;
 use super::live::Decision;
+use super::quota::check_loop;
 use super::{Service, ServiceError, Stored};
 use crate::model::change::Loop;
 use crate::model::ids::{KeyframeId, LoopId, MapId};
@@ -15,11 +16,13 @@ impl Service {
     /// Confirms a loop: matched anchors merge, and the two keyframes are covisible from now on.
     pub async fn confirm_loop(&self, map: &MapId, new: NewLoop) -> Result<Stored<LoopReport>, ServiceError> {
         let live = self.live(map).await?;
+        let quotas = self.quotas;
         let decide = move |index: &mut MapIndex| {
             if let Some(known) = index.loops().get(&new.id) {
                 return again(index, known, &new);
             }
             let closed = resolve(index, new)?;
+            check_loop(&quotas, index, &closed)?;
             let id = closed.id.clone();
             let (_, decided) = close_loop(index, closed);
             Ok(Decision::Changed((true, report(index, &id)), decided, None))

@@ -83,7 +83,8 @@ pub struct MapView {
     pub sessions: usize,
     /// How many confirmed loops it holds.
     pub loops: usize,
-    /// What its keyframes take on disk, in bytes: words, points, features and crops.
+    /// What its facts take on disk, in bytes: keyframes with their words, features, detections, texts and crops, map points
+    /// with a position (once each, however often sent), sessions, and loops with what they merge.
     pub bytes: u64,
 }
 

@@ -46,7 +46,9 @@ impl MapIndex {
             Change::SessionAdded(seq, id) => {
                 self.sessions.resize(self.sessions.len().max(seq.index() + 1), id.clone());
                 self.sessions[seq.index()] = id.clone();
-                self.session_by_id.insert(id.clone(), *seq);
+                if self.session_by_id.insert(id.clone(), *seq).is_none() {
+                    self.bytes += id.as_str().len() as u64;
+                }
             }
             Change::KeyframeAdded(keyframe, bow) => self.add_keyframe(keyframe, bow),
             Change::KeyframeRemoved(seq, bow) => self.remove_keyframe(*seq, bow, touched),
@@ -98,7 +100,10 @@ impl MapIndex {
             }
             Change::LoopAdded(closed) => {
                 self.join_by_loop(closed);
-                self.loops.insert(closed.id.clone(), closed.clone());
+                self.bytes += closed.bytes();
+                if let Some(before) = self.loops.insert(closed.id.clone(), closed.clone()) {
+                    self.bytes -= before.bytes();
+                }
             }
             Change::LoopRemoved(id) => self.remove_loop(id, touched),
             Change::CropRead(read) => {
@@ -131,18 +136,18 @@ impl MapIndex {
         }
         let settings = &self.properties.settings;
         let (gone, standing) =
-            self.objects.regroup(&touched.anchors, &self.anchors, settings, &self.verdicts);
+            self.objects.regroup(&touched.anchors, &self.anchors, settings, self.texts.verdicts());
         for root in gone {
-            self.texts.set(root, "", None, &self.verdicts);
+            self.texts.set(root, "", None);
         }
         for root in standing {
             let Some(object) = self.objects.get(root) else { continue };
             for member in object.members.iter().skip(1) {
-                self.texts.set(*member, "", None, &self.verdicts);
+                self.texts.set(*member, "", None);
             }
             let valid = object.description.as_ref().filter(|_| object.state == AnchorState::Valid);
             let class = self.anchors.get(root.index()).map_or("", |anchor| &anchor.class);
-            self.texts.set(root, class, valid.map(|description| &description.text), &self.verdicts);
+            self.texts.set(root, class, valid.map(|description| &description.text));
         }
     }
 
@@ -155,7 +160,8 @@ impl MapIndex {
         // Only what a setting decides is derived anew: a description is changed in no time, whatever the map holds.
         let min_level = now.matching_min_similarity_level as u8;
         if self.texts.min_level() != min_level {
-            self.texts = TextIndex::new(min_level);
+            let verdicts = std::mem::take(&mut self.texts).into_verdicts();
+            self.texts = TextIndex::new(min_level, verdicts);
             touched.all = true;
         }
         touched.all |= before != now;
@@ -163,9 +169,9 @@ impl MapIndex {
 
     /// A verdict about two texts changes whether they match; one about a text, or a merged text, what objects are called.
     fn judge(&mut self, verdict: &ModelVerdict, touched: &mut Touched) {
-        self.verdicts.add(verdict);
+        self.texts.learn(verdict);
         if matches!(verdict.finding, Finding::Similarity(_)) {
-            return self.texts.rejudge(&verdict.class, [&*verdict.a, &*verdict.b], &self.verdicts);
+            return;
         }
         let concerned = |object: &Object| match &verdict.finding {
             Finding::Merge(_) => object.votes.says(&verdict.a) && object.votes.says(&verdict.b),
@@ -266,6 +272,7 @@ impl MapIndex {
 
     fn remove_loop(&mut self, id: &LoopId, touched: &mut Touched) {
         let Some(closed) = self.loops.remove(id) else { return };
+        self.bytes -= closed.bytes();
         self.covisibility.part_by_loop(closed.keyframe, closed.candidate);
         let made: Vec<Merge> = self.objects.links_of_loop(id);
         debug_assert!(made.iter().all(|merge| merge.cause == MergeCause::Loop(id.clone())));

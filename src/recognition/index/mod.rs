@@ -18,7 +18,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 pub use anchor::{Anchor, Shape};
 pub use holders::Holders;
 pub use objects::{Description, Object, Objects};
-pub use points::Points;
+pub use points::{POINT_BYTES, Points};
 pub use texts::{TextId, TextIndex};
 pub use verdicts::Verdicts;
 pub use votes::Votes;
@@ -42,12 +42,11 @@ pub struct MapIndex {
     anchors: Numbered<Anchor>,
     loops: BTreeMap<LoopId, Loop>,
     vocabulary: Option<Box<str>>,
-    verdicts: Verdicts,
     model_away: bool,
 
     session_by_id: HashMap<SessionId, SessionSeq>,
     keyframe_by_id: HashMap<KeyframeId, KeyframeSeq>,
-    /// Of all keyframes, on disk.
+    /// Of all sessions, keyframes and loops, on disk.
     bytes: u64,
     points: Points,
     holders: Holders,
@@ -55,6 +54,7 @@ pub struct MapIndex {
     /// The anchors each keyframe sees, ascending; anchors, not objects.
     seen_by: Numbered<BTreeSet<AnchorSeq>>,
     objects: Objects,
+    /// What a model said of texts is a fact among them.
     texts: TextIndex,
     inverted_file: InvertedFile,
 }
@@ -105,9 +105,9 @@ impl MapIndex {
         self.keyframe_by_id.len()
     }
 
-    /// What the keyframes take on disk, in bytes.
+    /// What the map's facts take on disk, in bytes: keyframes with all they brought, sessions, map points, merges, loops.
     pub fn bytes(&self) -> u64 {
-        self.bytes
+        self.bytes + self.points.bytes() + self.objects.bytes()
     }
 
     /// The number the next keyframe gets.
@@ -162,7 +162,7 @@ impl MapIndex {
 
     /// What a model said of texts.
     pub fn verdicts(&self) -> &Verdicts {
-        &self.verdicts
+        self.texts.verdicts()
     }
 
     /// Does the map wait for a model that is away?
@@ -194,7 +194,7 @@ impl MapIndex {
     pub fn anchor_alone(&self, seq: AnchorSeq) -> Option<Object> {
         self.anchor(seq)?;
         let settings = &self.properties.settings;
-        Some(Object::of(vec![seq], &self.anchors, settings, &self.verdicts))
+        Some(Object::of(vec![seq], &self.anchors, settings, self.verdicts()))
     }
 
     /// An object's class.

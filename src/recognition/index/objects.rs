@@ -109,6 +109,8 @@ impl Description {
 pub struct Objects {
     /// The links, at both their ends.
     links: BTreeMap<AnchorSeq, BTreeSet<Merge>>,
+    /// Of the links, on disk.
+    bytes: u64,
     root_of: BTreeMap<AnchorSeq, AnchorSeq>,
     by_root: BTreeMap<AnchorSeq, Object>,
 }
@@ -139,6 +141,11 @@ impl Objects {
         self.by_root.is_empty()
     }
 
+    /// What the links take on disk, in bytes.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
     /// The links of an anchor.
     pub fn links(&self, anchor: AnchorSeq) -> impl Iterator<Item = &Merge> {
         self.links.get(&anchor).into_iter().flatten()
@@ -160,12 +167,20 @@ impl Objects {
     }
 
     pub(super) fn link(&mut self, merge: &Merge) {
+        if self.links(merge.into).any(|known| known == merge) {
+            return;
+        }
+        self.bytes += merge.bytes();
         for end in [merge.into, merge.from] {
             self.links.entry(end).or_default().insert(merge.clone());
         }
     }
 
     pub(super) fn unlink(&mut self, merge: &Merge) {
+        if self.links(merge.into).all(|known| known != merge) {
+            return;
+        }
+        self.bytes -= merge.bytes();
         for end in [merge.into, merge.from] {
             if let Some(set) = self.links.get_mut(&end) {
                 set.remove(merge);

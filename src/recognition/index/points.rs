@@ -18,12 +18,22 @@ struct MapPoint {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Points {
     by_session: HashMap<(SessionSeq, PointId), MapPoint>,
+    /// How many have a position.
+    placed: u64,
 }
+
+/// What a map point with a position takes on disk, in bytes: its number and three floats.
+pub const POINT_BYTES: u64 = (size_of::<PointId>() + 3 * size_of::<f64>()) as u64;
 
 impl Points {
     /// The point's position in its session's frame, if it has one.
     pub fn position(&self, session: SessionSeq, id: PointId) -> Option<Point3> {
         self.by_session.get(&(session, id))?.position_in_session
+    }
+
+    /// What the points that have a position take on disk, in bytes. Those without one are numbers in keyframes.
+    pub fn bytes(&self) -> u64 {
+        self.placed * POINT_BYTES
     }
 
     /// The keyframes that observe the point, ascending.
@@ -42,13 +52,15 @@ impl Points {
 
     /// The point is here now.
     pub fn set_position(&mut self, session: SessionSeq, id: PointId, position_in_session: Point3) {
-        self.by_session.entry((session, id)).or_default().position_in_session = Some(position_in_session);
+        let point = self.by_session.entry((session, id)).or_default();
+        let before = point.position_in_session.replace(position_in_session);
+        self.placed += u64::from(before.is_none());
     }
 
     /// The point has no position any more.
     pub fn clear_position(&mut self, session: SessionSeq, id: PointId) {
         if let Some(point) = self.by_session.get_mut(&(session, id)) {
-            point.position_in_session = None;
+            self.placed -= u64::from(point.position_in_session.take().is_some());
             if point.observers.is_empty() {
                 self.by_session.remove(&(session, id));
             }

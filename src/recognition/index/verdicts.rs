@@ -42,10 +42,13 @@ impl Verdicts {
 
     /// SimilarityLevel of two texts by a model, if one has judged them and the question was its own.
     pub fn similarity(&self, class: &str, a: &Text, b: &Text) -> Option<(u8, Source)> {
+        // What binds a model's answer binds it here as well, whoever wrote the row.
+        if self.similarity.is_empty() || !semantics::similarity_is_open(a, b) {
+            return None;
+        }
         let (low, high) = ordered(a.normalised(), b.normalised());
         let (level, source) = self.similarity.get(&carried(class, low))?.get(high)?;
-        // What binds a model's answer binds it here as well, whoever wrote the row.
-        semantics::similarity_is_open(a, b).then(|| (*level, Source::Model(source.clone())))
+        Some((*level, Source::Model(source.clone())))
     }
 
     /// The texts that a model has judged with this one.

@@ -167,3 +167,61 @@ async fn a_second_server_on_the_same_database_gives_the_same_bytes() {
     }
     server.stop().await.expect("it stops");
 }
+
+#[tokio::test]
+async fn a_crowd_of_texts_that_all_match_gives_the_same_bytes_after_a_restart() {
+    const KEYFRAMES: usize = 8;
+    const DOORS: usize = 25;
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    let database = directory.path().join("crowd.db");
+    revisit::config::tls::install();
+    let http = reqwest::Client::builder().no_proxy().build().expect("a client");
+    let asked = |map: String| {
+        let http = http.clone();
+        async move {
+            let mut answers = Vec::new();
+            for anchor in [1, 2, 60, 150, 200] {
+                answers.push(bytes(http.get(format!("{map}/anchors/a-{anchor}"))).await);
+            }
+            for number in 0..KEYFRAMES {
+                let body = json!({"keyframe": format!("kf-{number}")});
+                answers.push(bytes(http.post(format!("{map}/loop-queries")).json(&body)).await);
+            }
+            answers
+        }
+    };
+
+    let server = open(&database).await;
+    let map = format!("{}/v1/maps/tower", server.url());
+    bytes(http.put(&map).json(&json!({}))).await;
+    let passage = |number: usize| {
+        let doors = (0..DOORS).map(|door| {
+            let x = (10 * (number * DOORS + door)) as f64;
+            let letter = |n: usize| char::from(b'b' + n as u8);
+            thing("plate", &format!("room 901 x{}{}", letter(number), letter(door))).at([x, 0.0, 2.0])
+        });
+        keyframe().sees(doors.collect::<Vec<_>>())
+    };
+    for number in 0..KEYFRAMES {
+        bytes(http.put(format!("{map}/keyframes/kf-{number}")).json(&passage(number).0)).await;
+    }
+    // Old anchors get new texts, and new ones the places of old: what is oldest must not depend on when a text arrived.
+    for (anchor, word) in [(1, "quill"), (3, "fern"), (61, "moss")] {
+        let by_hand = http.patch(format!("{map}/anchors/a-{anchor}")).header("if-match", "*");
+        bytes(by_hand.json(&json!({"description": format!("room 901 {word}")}))).await;
+    }
+    bytes(http.delete(format!("{map}/keyframes/kf-1"))).await;
+    bytes(http.put(format!("{map}/keyframes/kf-1")).json(&passage(KEYFRAMES).0)).await;
+
+    let told: Value =
+        serde_json::from_slice(&bytes(http.get(format!("{map}/anchors/a-1"))).await).expect("JSON");
+    assert_eq!(told["matches_total"], KEYFRAMES * DOORS - 1, "{told}");
+    let before = asked(map).await;
+    server.stop().await.expect("it stops");
+    let server = open(&database).await;
+    let after = asked(format!("{}/v1/maps/tower", server.url())).await;
+    for (before, after) in before.iter().zip(&after) {
+        assert_eq!(String::from_utf8_lossy(after), String::from_utf8_lossy(before));
+    }
+    server.stop().await.expect("it stops");
+}
