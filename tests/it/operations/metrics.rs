@@ -8,6 +8,7 @@ use super::keyframe;
 use crate::support::Server;
 
 const DASHBOARD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docker/grafana/revisit.json");
+const ALERTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docker/prometheus/alerts.yml");
 
 async fn metrics(server: &Server) -> String {
     let answer = server.request(reqwest::Method::GET, "/metrics").send().await.unwrap();
@@ -38,7 +39,7 @@ fn names(expression: &str) -> impl Iterator<Item = &str> {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn the_dashboard_asks_for_metrics_and_labels_that_there_are() {
+async fn the_dashboard_and_the_alerts_ask_for_metrics_and_labels_that_there_are() {
     let server = Server::start().await;
     server.put("/v1/maps/tower", &json!({})).await.expect(201);
     server.put("/v1/maps/tower/keyframes/kf-1?query=loop", &keyframe("a", 1)).await.expect(201);
@@ -52,6 +53,8 @@ async fn the_dashboard_asks_for_metrics_and_labels_that_there_are() {
     let dashboard: Value = serde_json::from_slice(&std::fs::read(DASHBOARD).unwrap()).unwrap();
     let mut asked = Vec::new();
     expressions(&dashboard, &mut asked);
+    let alerts = std::fs::read_to_string(ALERTS).unwrap();
+    asked.extend(alerts.lines().filter_map(|line| Some(line.trim().strip_prefix("expr: ")?.to_owned())));
     let mut used = BTreeSet::new();
     for expression in &asked {
         for name in names(expression) {
