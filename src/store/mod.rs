@@ -72,6 +72,9 @@ const WAL_LIMIT_BYTES: &str = "67108864";
 /// Bytes of a page, in new databases.
 const PAGE_BYTES: u32 = 16384;
 
+/// What a reader may cache: 512 KiB. Every commit empties it, and the system caches the file anyway.
+const READER_CACHE: &str = "-512";
+
 /// Readers beside the one writer.
 const READERS: u32 = 8;
 
@@ -141,7 +144,7 @@ impl Store {
             .max_connections(READERS)
             .idle_timeout(None)
             .max_lifetime(None)
-            .connect_with(options.read_only(true))
+            .connect_with(options.read_only(true).pragma("cache_size", READER_CACHE))
             .await?;
         Ok(Self { readers, committer: Committer::start(writer, reserve, lock.clone()), files, lock })
     }
