@@ -1,7 +1,5 @@
 //! `revisit health`: asks a running server whether it is ready, for containers that have no other client.
 
-use std::error::Error as _;
-
 use clap::Args;
 
 use super::{Failure, write_out};
@@ -24,20 +22,14 @@ pub struct HealthArgs {
 pub async fn run(args: HealthArgs) -> Result<(), Failure> {
     let url = format!("{}/readyz", args.url.trim_end_matches('/'));
     let client = tls::client_for(&url).no_proxy().timeout(std::time::Duration::from_millis(args.timeout_ms));
-    let answer = client.build()?.get(&url).send().await.map_err(|error| in_full(&error))?;
+    let answer = client
+        .build()?
+        .get(&url)
+        .send()
+        .await
+        .map_err(|error| format!("{url}: {}", tls::cause_of(&error)))?;
     match answer.status() {
         status if status.is_success() => Ok(write_out("ready\n")?),
         status => Err(format!("{url}: {status}").into()),
     }
-}
-
-/// An error with its causes: reqwest tells only that sending failed.
-fn in_full(error: &reqwest::Error) -> String {
-    let mut told = error.to_string();
-    let mut cause = error.source();
-    while let Some(next) = cause {
-        told = format!("{told}: {next}");
-        cause = next.source();
-    }
-    told
 }

@@ -15,6 +15,16 @@ pub fn blocking_client_for(address: &str) -> reqwest::blocking::ClientBuilder {
     if is_plain(address) { builder.tls_backend_preconfigured(trusting_nobody()) } else { builder }
 }
 
+/// What lies beneath "error sending request" or "builder error": that nobody listens, or that the machine has no
+/// certificates.
+pub fn cause_of(error: &reqwest::Error) -> String {
+    let mut cause: &dyn std::error::Error = error;
+    while let Some(beneath) = cause.source() {
+        cause = beneath;
+    }
+    cause.to_string()
+}
+
 fn is_plain(address: &str) -> bool {
     address.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("http:"))
 }

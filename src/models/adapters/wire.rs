@@ -94,15 +94,6 @@ impl Endpoint {
     }
 }
 
-/// What lies beneath "builder error": most often that the machine has no certificates.
-fn cause_of(error: &reqwest::Error) -> String {
-    let mut cause: &dyn std::error::Error = error;
-    while let Some(beneath) = cause.source() {
-        cause = beneath;
-    }
-    cause.to_string()
-}
-
 fn refuse_failures(response: &Response) -> Result<(), Fault> {
     let status = response.status();
     match status {
