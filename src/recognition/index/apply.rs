@@ -62,10 +62,8 @@ impl MapIndex {
                 touched.stale.extend(self.holders.of(*session, *id));
             }
             Change::PointsForgotten(session, ids) => {
-                for id in ids {
-                    self.points.clear_position(*session, *id);
-                    touched.stale.extend(self.holders.of(*session, *id));
-                }
+                // Nobody holds them: no anchor's box follows.
+                ids.iter().for_each(|id| self.points.clear_position(*session, *id));
             }
             Change::AnchorAdded(seq, class) => {
                 self.reserve(0, seq.0 + 1);

@@ -82,8 +82,10 @@ impl InvertedFile {
     /// Scores `query` against every keyframe: DBoW2's L1 score, the sum over common words of min(v_i, w_i).
     pub fn score_all<'s>(&self, query: &BowVector, scratch: &'s mut Scratch) -> Scores<'s> {
         let known = query.iter().filter_map(|(word, weight)| Some((*self.slots.get(&word)?, weight)));
-        let waits = |number: usize| self.rows.iter().any(|row| block::of(row.keyframe) == number);
-        let held = self.blocks.iter().enumerate().map(|(number, block)| !block.is_empty() || waits(number));
+        // Rows are of the last block or two.
+        let first_of_rows = self.rows.iter().map(|row| block::of(row.keyframe)).min().unwrap_or(usize::MAX);
+        let blocks = self.blocks.iter().enumerate();
+        let held = blocks.map(|(number, block)| number >= first_of_rows || !block.is_empty());
         let (terms, mut accumulators) = scratch.begin(known, held);
         for (number, accumulators) in accumulators.blocks() {
             self.blocks[number].score(terms, accumulators);
