@@ -341,17 +341,3 @@ async fn strangers_that_come_by_hundreds_take_no_place_of_those_who_are_known() 
     };
     futures_util::future::join(futures_util::future::join_all(strangers), one_who_is_known).await;
 }
-
-#[tokio::test(flavor = "multi_thread")]
-async fn a_server_that_is_told_to_stop_goes_on_while_a_balancer_notices() {
-    let (server, _) = with_map(&["--drain", "3600"]).await;
-    let server = std::sync::Arc::new(server);
-    server.get("/readyz").await.expect(200);
-    server.tell_to_stop();
-    // On connections of their own, as a balancer and its clients come.
-    for (path, status) in [("/readyz", 503), ("/healthz", 200), (MAP, 200)] {
-        let mut connection = Connection::open(server.addr()).await;
-        connection.send(format!("GET {path} HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n")).await;
-        assert_eq!(statuses(&connection.rest().await), [status], "{path}");
-    }
-}

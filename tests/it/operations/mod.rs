@@ -8,6 +8,7 @@ mod metrics;
 mod migrations;
 mod mistakes;
 mod served_backups;
+mod stopping;
 mod traces;
 
 use std::collections::BTreeSet;
