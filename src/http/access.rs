@@ -21,7 +21,8 @@ use super::problem::{Kind, Problem};
 use super::this_machine;
 use crate::model::ids::MapId;
 use crate::model::key::Action;
-use crate::service::keyring::{Access, Found};
+use crate::service::access::Access;
+use crate::service::keyring::Found;
 
 /// The name of the security scheme in the API document.
 pub const SCHEME: &str = "key";

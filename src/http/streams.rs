@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::problem::Problem;
 use crate::model::key::KeySeq;
-use crate::service::keyring::Access;
+use crate::service::access::Access;
 
 /// The streams of a server, by the key that opened them; `None` is everybody while there is no key.
 #[derive(Debug)]

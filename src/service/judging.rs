@@ -1,6 +1,6 @@
 //! The three functions of §IV-A.2 asked by hand, what models cost, and the dialogues that described an anchor.
 
-use super::keyring::Access;
+use super::access::Access;
 use super::{Service, ServiceError};
 use crate::model::ids::{AnchorSeq, KeyframeSeq, MapId};
 use crate::model::judged::{CropReading, Transcript};

@@ -6,7 +6,7 @@ use super::live::{Decision, LiveMap};
 use super::maps::bad_cursor;
 use super::pinned::PinnedMap;
 use super::quota::check_keyframe;
-use super::turns::Begun;
+use super::turns::{Begun, Manner};
 use super::words::check_vocabulary;
 use super::{Service, ServiceError, Stored};
 use crate::model::anchor::{AnchorState, Outcome};
@@ -101,11 +101,8 @@ impl Service {
             let rows = NewKeyframeRows { keyframe: Arc::new(keyframe), digest };
             Ok(Decision::Changed(Put::Created(report), ingested.decided, Some(rows)))
         };
-        let begun = if patiently {
-            self.begin_patiently(&live, decide).await?
-        } else {
-            self.begin(&live, decide).await?
-        };
+        let manner = if patiently { Manner::Patient } else { Manner::Prompt };
+        let begun = self.begin(&live, manner, decide).await?;
         Ok(PendingKeyframe { service: self.clone(), live, id, digest, begun })
     }
 

@@ -10,17 +10,16 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use base64::Engine as _;
 use base64::prelude::BASE64_URL_SAFE_NO_PAD;
-use governor::clock::{Clock as _, DefaultClock};
-use governor::{DefaultDirectRateLimiter, Quota, RateLimiter};
 use rand::TryRng as _;
 use rand::rngs::SysRng;
 use tokio::sync::{Mutex, Semaphore, watch};
 use tokio::time::{Instant, sleep, sleep_until};
 
 use super::ServiceError;
+use super::access::{Access, HeldKey};
 use super::maps::bad_cursor;
 use crate::model::invalid::FieldError;
-use crate::model::key::{Action, Key, KeyProperties, KeySeq, MadeKey, SecretHash, secret_hash};
+use crate::model::key::{Key, KeyProperties, KeySeq, MadeKey, SecretHash, secret_hash};
 use crate::model::keyframe::Stamp;
 use crate::model::report::Page;
 use crate::store::{Job, KeyTable, NewKeyRow, Store, StoreError};
@@ -42,61 +41,6 @@ const KEYS_MAX: usize = 10_000;
 
 /// What secrets begin with, so that scanners for leaked secrets can tell them.
 const SECRET_PREFIX: &str = "revisit_";
-
-/// A key as the server holds it.
-#[derive(Debug)]
-pub struct HeldKey {
-    /// The key.
-    pub key: Key,
-    rate: Option<DefaultDirectRateLimiter>,
-}
-
-impl HeldKey {
-    fn new(key: Key) -> Self {
-        let per_second = key.properties.rate_per_s.and_then(std::num::NonZeroU32::new);
-        Self { rate: per_second.map(|rate| RateLimiter::direct(Quota::per_second(rate))), key }
-    }
-
-    /// Counts one request; if the key has had its share, when to come back.
-    pub fn count(&self) -> Result<(), Duration> {
-        let Some(rate) = &self.rate else { return Ok(()) };
-        rate.check().map_err(|wait| wait.wait_time_from(DefaultClock::default().now()))
-    }
-
-    /// Counts one request, and waits until the key may make it.
-    pub async fn wait(&self) {
-        if let Some(rate) = &self.rate {
-            rate.until_ready().await;
-        }
-    }
-}
-
-/// Who is asking.
-#[derive(Clone, Debug)]
-pub enum Access {
-    /// Anybody: this database never had a key, and only this machine reaches the server.
-    Open,
-    /// The holder of a key.
-    Key(Arc<HeldKey>),
-}
-
-impl Access {
-    /// May this be done?
-    pub fn may(&self, action: Action) -> bool {
-        match self {
-            Self::Open => true,
-            Self::Key(held) => held.key.properties.actions.has(action),
-        }
-    }
-
-    /// The key's number, if there is one.
-    pub fn key(&self) -> Option<KeySeq> {
-        match self {
-            Self::Open => None,
-            Self::Key(held) => Some(held.key.seq),
-        }
-    }
-}
 
 /// What memory tells of a secret.
 #[derive(Clone, Debug)]

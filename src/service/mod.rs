@@ -4,6 +4,7 @@
 //! the index and queued for the store, and the answer when they are on disk. Reads look at the
 //! index, and at the store for what is only there.
 
+pub mod access;
 mod anchors;
 mod backups;
 mod board;

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use tokio::sync::OwnedSemaphorePermit;
 use tokio::task::spawn_blocking;
 use tracing::Instrument as _;
 
@@ -15,52 +14,31 @@ use crate::recognition::index::MapIndex;
 /// How often a read looks again because a write that it had seen failed.
 const READ_AGAIN_MAX: usize = 3;
 
+/// How a write gets its turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Manner {
+    /// It is refused if it would wait for too long.
+    Prompt,
+    /// It waits however long it takes.
+    Patient,
+    /// As [`Self::Prompt`], and it frees space: it goes on when the disk is full.
+    Freeing,
+}
+
 impl Service {
     /// Decides a write off the async threads and queues it. If the client goes away, the decision is
     /// committed all the same.
     pub(super) async fn begin<T: Send + 'static>(
         &self,
         live: &Arc<LiveMap>,
+        manner: Manner,
         decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
     ) -> Result<Begun<T>, ServiceError> {
-        self.disk_takes(false)?;
-        let permit = self.writes.enter().await?;
-        self.begin_within(permit, live, decide).await
-    }
-
-    /// The same, however long it takes to get a turn.
-    pub(super) async fn begin_patiently<T: Send + 'static>(
-        &self,
-        live: &Arc<LiveMap>,
-        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
-    ) -> Result<Begun<T>, ServiceError> {
-        self.disk_takes(false)?;
-        let permit = self.writes.enter_patiently().await?;
-        self.begin_within(permit, live, decide).await
-    }
-
-    /// [`Self::begin`] for a write that frees space.
-    pub(super) async fn begin_freeing<T: Send + 'static>(
-        &self,
-        live: &Arc<LiveMap>,
-        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
-    ) -> Result<Begun<T>, ServiceError> {
-        self.disk_takes(true)?;
-        let permit = self.writes.enter().await?;
-        self.begin_within(permit, live, decide).await
-    }
-
-    /// Refuses a write that the disk would not take, before the index is ahead of the disk.
-    pub(super) fn disk_takes(&self, freeing: bool) -> Result<(), ServiceError> {
-        self.store.committer().refuses(freeing).map_or(Ok(()), |error| Err(error.into()))
-    }
-
-    async fn begin_within<T: Send + 'static>(
-        &self,
-        permit: OwnedSemaphorePermit,
-        live: &Arc<LiveMap>,
-        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
-    ) -> Result<Begun<T>, ServiceError> {
+        self.disk_takes(manner == Manner::Freeing)?;
+        let permit = match manner {
+            Manner::Patient => self.writes.enter_patiently().await?,
+            Manner::Prompt | Manner::Freeing => self.writes.enter().await?,
+        };
         // One at a time takes a thread to wait for the map's lock; the others wait here, where waiting costs nothing.
         let _lane = live.lane.lock().await;
         let (deciding, store) = (live.clone(), self.store.clone());
@@ -72,13 +50,18 @@ impl Service {
         Ok(Begun { live: live.clone(), pending })
     }
 
+    /// Refuses a write that the disk would not take, before the index is ahead of the disk.
+    pub(super) fn disk_takes(&self, freeing: bool) -> Result<(), ServiceError> {
+        self.store.committer().refuses(freeing).map_or(Ok(()), |error| Err(error.into()))
+    }
+
     /// Decides a write and waits until it is on disk.
     pub(super) async fn change<T: Send + 'static>(
         &self,
         live: &Arc<LiveMap>,
         decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
     ) -> Result<(T, u64), ServiceError> {
-        self.begin(live, decide).await?.committed().await
+        self.begin(live, Manner::Prompt, decide).await?.committed().await
     }
 
     /// [`Self::change`] for a write that frees space: it goes on when the disk is full.
@@ -87,7 +70,7 @@ impl Service {
         live: &Arc<LiveMap>,
         decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
     ) -> Result<(T, u64), ServiceError> {
-        self.begin_freeing(live, decide).await?.committed().await
+        self.begin(live, Manner::Freeing, decide).await?.committed().await
     }
 
     /// Reads the index off the async threads, and waits until what was read is on disk. If it never will be, because the

@@ -22,7 +22,7 @@ use crate::http::inflate::Encoding;
 use crate::http::path::{InMap, MapPath};
 use crate::http::problem::{Kind, Problem};
 use crate::http::refusals::OfWrite;
-use crate::service::keyring::Access;
+use crate::service::access::Access;
 use crate::service::{PendingKeyframe, PinnedMap};
 use crate::wire::bulk::{self, BulkItem, BulkLine};
 use crate::wire::examples;

@@ -19,7 +19,7 @@ use crate::http::streams::Listening;
 use crate::model::event::Event;
 use crate::model::ids::MapId;
 use crate::model::invalid::FieldError;
-use crate::service::keyring::Access;
+use crate::service::access::Access;
 use crate::wire::event::EventView;
 use crate::wire::examples;
 
