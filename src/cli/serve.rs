@@ -137,7 +137,7 @@ async fn temporary_server(vocabulary: Option<Vocabulary>) -> Result<OwnServer, F
 }
 
 /// Has the kernel make no huge pages for this process. It makes them of regions of 2 MB with a single page in use, whenever it
-/// finds the time: a server that holds 90 MB grew to 130 within minutes, and what is free within it is never given back.
+/// finds the time, and what is free within them is never given back.
 fn keep_to_small_pages() {
     #[cfg(target_os = "linux")]
     if let Err(error) = rustix::thread::disable_transparent_huge_pages(true) {
