@@ -19,7 +19,7 @@ use super::ServiceError;
 use super::access::{Access, HeldKey};
 use super::maps::bad_cursor;
 use crate::model::invalid::FieldError;
-use crate::model::key::{Key, KeyProperties, KeySeq, MadeKey, SecretHash, secret_hash};
+use crate::model::key::{Action, Key, KeyProperties, KeySeq, MadeKey, SecretHash, secret_hash};
 use crate::model::keyframe::Stamp;
 use crate::model::report::Page;
 use crate::store::{Job, KeyTable, NewKeyRow, Store, StoreError};

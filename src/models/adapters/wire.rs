@@ -64,7 +64,7 @@ impl Endpoint {
             .no_proxy()
             .user_agent(concat!("revisit/", env!("CARGO_PKG_VERSION")))
             .build()
-            .map_err(|error| EndpointError::Client(cause_of(&error)))?;
+            .map_err(|error| EndpointError::Client(tls::cause_of(&error)))?;
         Ok(Self { http, url, key })
     }
 
