@@ -8,6 +8,7 @@ use secrecy::{ExposeSecret as _, SecretString};
 use serde_json::Value;
 use thiserror::Error;
 
+use crate::config::tls;
 use crate::models::port::Fault;
 
 /// An answer longer than this is none.
@@ -58,7 +59,7 @@ impl Endpoint {
             let joined = format!("{}/{path}", url.path().trim_end_matches('/'));
             url.set_path(&joined);
         }
-        let http = crate::config::tls::client_for(url.as_str())
+        let http = tls::client_for(url.as_str())
             .connect_timeout(connect_timeout)
             .redirect(reqwest::redirect::Policy::none())
             .no_proxy()
