@@ -19,6 +19,7 @@ pub mod keyring;
 #[cfg(test)]
 mod law;
 mod live;
+pub mod lockout;
 mod loops;
 mod maps;
 mod options;
