@@ -33,7 +33,8 @@ pub(super) fn check_first_key(properties: &KeyProperties) -> Result<(), ServiceE
     }
     let detail = format!(
         "this server has no key yet, and from its first key on every request needs one. This key could not administer the \
-         server, which would be locked. Make the administrator's key first: it needs {}",
+         server, which would be locked. Make the administrator's key first: it needs {}. Or make any key with \
+         `revisit keys create`",
         lacks.join(", and ")
     );
     Err(ServiceError::Conflict { code: "first_key_must_administer", detail })
