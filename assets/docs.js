@@ -3,11 +3,8 @@
 import { problems } from "./docs_problems.js";
 import { inline, pretty, prose } from "./docs_prose.js";
 import { Schemas, parameters } from "./docs_schema.js";
+import { Commands, grouped } from "./docs_try.js";
 import { copyable, debounced, el, fill } from "./dom.js";
-
-const METHODS = ["put", "post", "get", "patch", "delete"];
-/** What the examples of the document speak of. */
-const SAMPLES = { map: "tower", keyframe: "kf-120", anchor: "a-7", loop: "loop-1", query: "q-2f6f6d0a4c1b", id: "key-1" };
 
 const at = (id) => document.getElementById(id);
 
@@ -15,21 +12,28 @@ async function start() {
   try {
     const answer = await fetch("openapi.json");
     if (!answer.ok) throw new Error(`HTTP ${answer.status}`);
-    render(await answer.json());
+    render(await answer.json(), await wantsKey());
   } catch (error) {
     fill(at("reference"), el("p", { class: "fault", role: "alert" }, `openapi.json cannot be read: ${error.message}`));
   }
 }
 
-function render(api) {
+/** Does the server want a key? Then each command sends one. */
+async function wantsKey() {
+  const answer = await fetch("v1/maps?limit=1").catch(() => null);
+  return answer?.status === 401;
+}
+
+function render(api, keyed) {
   const schemas = new Schemas(api);
+  const commands = new Commands(api, schemas, { base: new URL(".", document.baseURI).href, keyed });
   const groups = grouped(api);
   fill(at("reference"),
     el("section", { class: "intro" }, prose(api.info.description),
       el("p", { class: "muted" }, `Version ${api.info.version}, ${api.info.license?.name ?? ""}`)),
     groups.map(({ name, description, operations }) => el("section", { id: `tag-${name}`, class: "tag" },
       el("h2", {}, el("a", { href: `#tag-${name}`, class: "self" }, name)), prose(description),
-      operations.map((operation) => article(operation, api, schemas)))),
+      operations.map((operation) => article(operation, api, schemas, commands)))),
     problems(api, schemas));
   fill(at("contents"), groups.map(({ name, operations }) => el("section", {},
     el("h2", {}, el("a", { href: `#tag-${name}` }, name)),
@@ -41,24 +45,15 @@ function render(api) {
   reach();
 }
 
-/** The operations by tag, in the document's order of tags and paths. */
-function grouped(api) {
-  const operations = Object.entries(api.paths).flatMap(([path, item]) => METHODS.filter((method) => item[method])
-    .map((method) => ({ ...item[method], path, method, id: item[method].operationId, tag: item[method].tags?.[0] ?? "other" })));
-  const tags = [...(api.tags ?? [])];
-  for (const { tag } of operations) if (!tags.some(({ name }) => name === tag)) tags.push({ name: tag, description: "" });
-  return tags.map(({ name, description }) => ({ name, description, operations: operations.filter(({ tag }) => tag === name) }))
-    .filter((group) => group.operations.length > 0);
-}
-
-function article(operation, api, schemas) {
+function article(operation, api, schemas, commands) {
   const { id, method, path, summary, description, parameters: given = [], requestBody } = operation;
   const [type, body] = Object.entries(requestBody?.content ?? {})[0] ?? [];
+  const { text, note } = commands.of(id);
   return el("article", { id, class: "operation", "data-words": words(operation, schemas) },
     el("h3", {}, el("a", { href: `#${id}`, class: "self" }, summary)),
     el("p", { class: "address" }, el("span", { class: `method ${method}` }, method), " ", el("code", {}, route(path))),
     prose(description),
-    el("h4", {}, "Try it"), copyable(curl(operation, type, body, schemas)),
+    el("h4", {}, "Try it"), copyable(text), note && el("p", { class: "muted" }, inline(note)),
     given.length > 0 && [el("h4", {}, "Parameters"), parameters(given, schemas)],
     body && [el("h4", {}, "Body ", el("code", { class: "muted" }, type)), schemas.fields(body.schema)],
     el("h4", {}, "Answers"), answers(operation, api, schemas));
@@ -112,35 +107,6 @@ function shape(type, { schema }, api, schemas) {
   if (!type.endsWith("json")) return null;
   const { inner } = schemas.inside(schema);
   return inner && el("details", {}, el("summary", {}, "Fields"), schemas.fields(schema));
-}
-
-/** One line for a shell. Values come from the document's examples. */
-function curl({ method, path, parameters: given = [], responses }, type, body, schemas) {
-  const value = ({ name, example: sample, schema }) => sample ?? schema?.example ?? SAMPLES[name] ?? name;
-  const inPath = (name) => given.find((one) => one.name === name && one.in === "path") ?? { name };
-  const filled = path.replace(/\{(\w+)\}/g, (_, name) => encodeURIComponent(value(inPath(name))));
-  const asked = given.filter((one) => one.in === "query" && one.required && one.schema?.default === undefined);
-  const query = asked.map((one) => `${one.name}=${encodeURIComponent(value(one))}`).join("&");
-  const address = new URL(filled.slice(1), new URL(".", document.baseURI)).href + (query && `?${query}`);
-  const answerTypes = Object.values(responses).flatMap(({ content }) => Object.keys(content ?? {}));
-  const parts = ["curl"];
-  if (answerTypes.includes("text/event-stream")) parts.push("-N");
-  if (answerTypes.some((kind) => kind.startsWith("image/"))) parts.push("-O");
-  if (method !== "get") parts.push(`-X ${method.toUpperCase()}`);
-  parts.push(quoted(address));
-  const lines = [parts.join(" ")];
-  for (const one of given) if (one.in === "header" && one.required) lines.push(`-H ${quoted(`${one.name}: ${value(one)}`)}`);
-  if (body) {
-    lines.push(`-H 'content-type: ${type}'`);
-    const sample = schemas.ordered(body.example ?? {}, body.schema);
-    const oneLine = type === "application/x-ndjson";
-    lines.push(oneLine ? `--data-binary ${quoted(JSON.stringify(sample))}` : `-d ${quoted(pretty(sample, "  "))}`);
-  }
-  return lines.join(" \\\n  ");
-}
-
-function quoted(text) {
-  return /^[\w:/.,@-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
 }
 
 /** Hides what does not have every word. */

@@ -12,8 +12,9 @@ const EXPLAINED = {
   method_not_allowed: "The path is there, the method is not. The header `allow` says what it takes.",
   timeout: "The body stopped arriving. Send it again: a write by id can be repeated without harm.",
   conflict: "The id is taken by another body, or what is stored does not allow the change. `code` says which: `map_exists`, "
-    + "`keyframe_exists`, `loop_exists` (another body was sent under this id before; choose another id, or read what is there) "
-    + "or `anchor_merged` (the anchor goes by another one's name; address that one).",
+    + "`keyframe_exists`, `loop_exists` (another body was sent under this id before; choose another id, or read what is there), "
+    + "`anchor_merged` (the anchor goes by another one's name; address that one), `first_key_must_administer` (make the "
+    + "administrator's key first) or `last_admin_key` (make another one first, or say `?last_admin=true`).",
   precondition_failed: "`if-match` named a version that is not the present one. "
     + "Read the anchor again, decide again, send the new `etag`.",
   too_large: "The body, a line or the map is beyond its limit; `detail` says which. Send less at once.",

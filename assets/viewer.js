@@ -151,7 +151,9 @@ async function load() {
 }
 
 function failed(error) {
-  if (error.status === 401) cover(keyWanted(start));
+  if (error.status === 401) cover(keyWanted(start, key() && error.message));
+  // A key without `read` cannot show anything: another one may.
+  else if (error.status === 403 && state.meta === null) cover(keyWanted(start, error.message));
   else if (error.status === 404 && state.map !== null) gone();
   // What was read before stays on the page while the server is away.
   else if (state.meta === null) cover(unreachable(error.message));
@@ -182,7 +184,8 @@ function refreshSoon() {
 
 /** Keyframes make no events, and maps come and go: look now and then. */
 async function lookAgain() {
-  if (document.hidden || loading !== null || (key() === null && at("empty").querySelector("form"))) return;
+  // Whoever types a key is not disturbed; an old one would be refused again and again.
+  if (document.hidden || loading !== null || (!at("empty").hidden && at("empty").querySelector("form"))) return;
   looks += 1;
   try {
     if (state.map === null || looks % MAPS_EVERY === 0) await readMaps();

@@ -53,15 +53,24 @@ export function unreachable(message) {
     el("p", { class: "fault" }, message), el("p", { class: "muted" }, "This page tries again every few seconds."));
 }
 
-/** The server wants a key. */
-export function keyWanted(retry) {
+/** The server wants a key, or another one: `refused` is its answer to the present one. */
+export function keyWanted(retry, refused = null) {
   const input = el("input", { type: "password", autocomplete: "off", "aria-label": "API key", required: true });
   const submit = (event) => {
     event.preventDefault();
     setKey(input.value.trim());
     retry();
   };
-  return el("div", { class: "empty" }, el("h2", {}, "This server wants an API key"),
-    el("p", {}, "It is kept in this browser tab only. An operator makes one with ", el("code", {}, "revisit keys create"), "."),
-    el("form", { class: "row", submit }, input, el("button", { type: "submit", class: "main" }, "Use it")));
+  return el("div", { class: "empty" },
+    el("h2", {}, refused ? "This server wants another API key" : "This server wants an API key"),
+    refused && el("p", { class: "fault", role: "alert" }, refused),
+    el("p", {}, "It must be good for ", el("code", {}, "read"), ", and for ", el("code", {}, "query"),
+      " to ask about loops. It is kept in this browser tab only."),
+    el("form", { class: "row", submit }, input, el("button", { type: "submit", class: "main" }, "Use it")),
+    el("p", {}, "No key at hand? On the server's machine, whoever may open its database makes one at any time, without "
+      + "stopping the server:"),
+    copyable("revisit keys create --name viewer --actions read,query --database sqlite://revisit.db"),
+    el("p", { class: "muted" }, "Name the database that the server was started with. Every request has needed a key since the "
+      + "database got its first one. If no key that may administer is left, ", el("code", {}, "--actions read,write,query,admin"),
+      " makes one."));
 }

@@ -23,6 +23,9 @@ export function explain(answer, { refs, described, curl, version }) {
   return el("section", { class: `verdict ${toneOf(answer.verdict)}` },
     el("h3", {}, headline(answer, refs)),
     answer.reason && el("p", {}, why(answer.reason)),
+    closedLoops(answer.closed ?? [], refs),
+    answer.verdict === "loop" && el("p", { class: "muted small" },
+      "A verdict is not yet a closed loop: the client confirms it once it has closed it (POST …/loops)."),
     answer.degraded && el("p", { class: "small" }, "A language model was away: the built-in judge stood in for it."),
     el("p", { class: "muted small" },
       `${count(candidates.length, "candidate")} compared, at version ${answer.map_version} of the map. `,
@@ -34,10 +37,18 @@ export function explain(answer, { refs, described, curl, version }) {
     el("details", { class: "small" }, el("summary", {}, "The answer as JSON"), copyable(JSON.stringify(answer, null, 2))));
 }
 
-function headline({ verdict, best, candidates }, refs) {
+function headline({ verdict, best, candidates, reason }, refs) {
   if (verdict === "loop") return ["Yes, it is a loop: back at ", refs.keyframe(best)];
+  if (reason?.code === "already_closed") return "Its loop is closed already";
   if (verdict === "undecided") return "It cannot be told yet";
   return candidates.length === 0 ? "No: nothing in this map is like it" : "No: places are like it, none is the same";
+}
+
+/** The loops of this keyframe that are confirmed. */
+function closedLoops(closed, refs) {
+  if (closed.length === 0) return null;
+  return el("p", { class: "small" }, "Closed already: ",
+    closed.map(({ loop, keyframe }, index) => [index > 0 && ", ", refs.keyframe(keyframe), ` (${loop})`]), ".");
 }
 
 function card(candidate, open, context) {
@@ -80,6 +91,7 @@ const ADDS_DETAIL = ["no_anchors", "contradiction", "no_features", "llm_pending"
 export function why({ code, measured, limit, detail }) {
   const [m, l] = [measured, limit].map((value) => (value === undefined || value === null ? "?" : number(value, 3)));
   const sentences = {
+    already_closed: "The loop was confirmed before, and no other place is one.",
     no_candidates: "No keyframe shares a word with it, and none sees an anchor that it sees.",
     empty_bow: "It has no words (a blank wall?), and no anchor speaks for any place.",
     covisible: "It sees the same points as this keyframe: the present place, not a return.",
@@ -124,10 +136,21 @@ const STOPPED_BY_ANCHORS = {
   anchors_displaced: "fail", not_distinctive: "open", no_anchors: "open", llm_pending: "open", llm_unavailable: "open",
 };
 
+const NOT_COUNTED = {
+  not_sure: "it may be misread",
+  another_place: "they stand at different places",
+  known_elsewhere: "the other map knows it, elsewhere",
+  no_conflict: "the two do not exclude each other",
+  paired_otherwise: "one of them contradicts another sign already",
+  outweighed: "what agrees weighs no less",
+  veto_off: "this map leaves contradictions out",
+};
+
 function anchors({ anchors: figures, reason }, { refs, described }) {
   const title = "Anchors around the two";
   if (!figures) return check("none", title, "", el("p", {}, "Not reached."));
   const { similarity, threshold, in_query: here, in_candidate: there, pending, matches, contradictions } = figures;
+  const differences = figures.differences ?? [];
   const empty = here === 0 || there === 0;
   const state = STOPPED_BY_ANCHORS[reason?.code] ?? (similarity > threshold ? "pass" : empty ? "none" : "open");
   const named = (id) => [refs.anchor(id), described(id) && [" ", sign(`“${described(id)}”`)]];
@@ -146,6 +169,12 @@ function anchors({ anchors: figures, reason }, { refs, described }) {
         el("div", {}, sign(pair.reason)),
         el("div", { class: "muted small" }, named(pair.query_anchor), " against ", named(pair.candidate_anchor),
           pair.weight !== undefined && `; weight ${number(pair.weight)}`)))),
+    differences.length > 0 && [el("p", { class: "small" }, "What differs, and why it did not count:"),
+      el("ul", { class: "pairs" }, differences.map((pair) => el("li", {},
+        el("div", {}, sign(pair.query_identifier), " here, ", sign(pair.candidate_identifier), " there: ",
+          NOT_COUNTED[pair.reason] ?? pair.reason.replaceAll("_", " ")),
+        el("div", { class: "muted small" }, named(pair.query_anchor), " against ", named(pair.candidate_anchor),
+          "; ", sign(pair.detail)))))],
     contradictions.length > 0 && reason?.code !== "contradiction"
       && el("p", { class: "muted small" }, "What contradicts does not outweigh what agrees."));
 }

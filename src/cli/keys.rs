@@ -9,13 +9,15 @@ use crate::model::key::{Action, Key, KeyProperties, MapPattern};
 use crate::model::keyframe::Stamp;
 use crate::service::ServiceError;
 use crate::service::keyring::Keyring;
+use crate::service::lockout::{Lockout, WAY_BACK};
 use crate::store::Store;
 use crate::store::files::DatabaseFiles;
 
 /// Make, list and revoke API keys.
 ///
 /// They live in the database; a server that runs on it sees what is done here within a second. Once a database has had a
-/// key, nothing is answered without one.
+/// key, nothing is answered without one. Any key can be made and revoked here: over HTTP a server's first key must be able to
+/// administer, and the last one that may is kept.
 #[derive(Args, Debug)]
 pub struct KeysArgs {
     #[command(subcommand)]
@@ -97,8 +99,12 @@ pub async fn run(args: KeysArgs) -> Result<(), Failure> {
 async fn perform(command: Command, keys: &Keyring) -> Result<(), Failure> {
     match command {
         Command::Create(args) => {
-            let made = keys.create(args.properties()?).await.map_err(in_words)?;
+            let made = keys.create(args.properties()?, Lockout::Meant).await.map_err(in_words)?;
             eprintln!("{}", line(&made.key));
+            if made.is_first {
+                eprintln!("This is the database's first key: from now on every request needs a key.");
+            }
+            note_missing_administrator(keys);
             eprintln!("Its secret follows, this once; send it as `authorization: Bearer SECRET`.");
             write_out(&format!("{}\n", made.secret))?;
         }
@@ -111,9 +117,19 @@ async fn perform(command: Command, keys: &Keyring) -> Result<(), Failure> {
                 write_out(&format!("{}\n", line(key)))?;
             }
         }
-        Command::Revoke { id } => eprintln!("{}", line(&keys.revoke(&id).await?)),
+        Command::Revoke { id } => {
+            eprintln!("{}", line(&keys.revoke(&id, Lockout::Meant).await?));
+            note_missing_administrator(keys);
+        }
     }
     Ok(())
+}
+
+/// Notes that keys and backups cannot be managed over HTTP. Keys made here may well be all that is wanted.
+fn note_missing_administrator(keys: &Keyring) {
+    if !keys.has_administrator() {
+        eprintln!("No key may administer (make keys and take backups over HTTP): {WAY_BACK}.");
+    }
 }
 
 impl CreateArgs {

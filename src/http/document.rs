@@ -24,12 +24,13 @@ use crate::wire::problem::ProblemView;
     tags(
         (name = "maps", description = "A map and its settings"),
         (name = "keyframes", description = "Keyframes in, one by one or in bulk"),
-        (name = "loops", description = "Is this keyframe a loop? And what follows when it is"),
+        (name = "loops", description = "Is this keyframe a loop? And what follows when it is. A verdict is not yet a closed \
+            loop: nothing changes until the client confirms one"),
         (name = "anchors", description = "Semantic anchors: what was read, where it stands, what matches it"),
         (name = "events", description = "What happens in a map, as it happens"),
         (name = "semantics", description = "The three functions of §IV-A.2, and what models cost"),
-        (name = "keys", description = "API keys"),
-        (name = "service", description = "How the server is")
+        (name = "service", description = "How the server is"),
+        (name = "keys", description = "API keys. From the first one on, every request needs a key: make the administrator's first")
     ),
     components(schemas(ProblemView, EventView)),
     modifiers(&BearerKey)

@@ -99,6 +99,24 @@ pub struct Ask {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AskLoop;
 
+/// Whether the last key that may administer may go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct LastAdmin {
+    /// Revoke the key even if no key that may administer is left: then only `revisit keys create` makes another.
+    #[param(default = false, required = false)]
+    pub last_admin: bool,
+}
+
+impl Decode for LastAdmin {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let query = node.object(&["last_admin"])?;
+        let last_admin =
+            query.optional("last_admin", |node| node.choice(&["true", "false"], |text| text.parse().ok()));
+        Some(Self { last_admin: last_admin?.unwrap_or(false) })
+    }
+}
+
 impl Decode for Paging {
     fn decode(node: &Node<'_>) -> Option<Self> {
         paging(&node.object(&["limit", "cursor"])?)

@@ -47,6 +47,8 @@ refusals! {
     ];
     /// Of operations that delete.
     OfDelete = [BAD_REQUEST, NOT_FOUND, INVALID, UNAVAILABLE];
+    /// Of the operation that revokes a key.
+    OfKeyDelete = [BAD_REQUEST, NOT_FOUND, CONFLICT, INVALID, UNAVAILABLE];
     /// Of operations that delete a version.
     OfVersionedDelete = [BAD_REQUEST, NOT_FOUND, PRECONDITION_FAILED, INVALID, UNAVAILABLE];
     /// Of operations that can say that they are not ready.

@@ -195,6 +195,8 @@ pub struct MadeKey {
     pub key: Key,
     /// What its holder sends.
     pub secret: String,
+    /// Whether the database had no key before: from now on every request needs one.
+    pub is_first: bool,
 }
 
 /// What is kept of a secret.

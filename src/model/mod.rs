@@ -19,12 +19,14 @@
 pub mod anchor;
 pub mod bow;
 pub mod change;
+pub mod difference;
 pub mod event;
 pub mod ids;
 pub mod invalid;
 pub mod judged;
 pub mod key;
 pub mod keyframe;
+pub mod loop_warning;
 pub mod map;
 pub mod report;
 pub mod request;

@@ -1,6 +1,7 @@
 //! The answer to "is this keyframe a loop?", with the figures of every check that ran (§V).
 
-use super::ids::KeyframeId;
+use super::difference::DifferenceEvidence;
+use super::ids::{KeyframeId, LoopId};
 use crate::geometry::{Bearing, Sim3};
 
 /// What the service says of a query.
@@ -52,6 +53,8 @@ impl CandidateDecision {
 pub enum ReasonCode {
     /// No keyframe shares a word or a revisited anchor with the query.
     NoCandidates,
+    /// The query's loop is confirmed already, and no other keyframe is one.
+    AlreadyClosed,
     /// The query has no bag of words, and no anchor proposes a candidate.
     EmptyBow,
     /// The candidate's bag-of-words score is too small a share of the reference score.
@@ -85,6 +88,7 @@ impl ReasonCode {
     pub fn as_str(self) -> &'static str {
         match self {
             Self::NoCandidates => "no_candidates",
+            Self::AlreadyClosed => "already_closed",
             Self::EmptyBow => "empty_bow",
             Self::BowBelowReference => "bow_below_reference",
             Self::NoAnchors => "no_anchors",
@@ -194,6 +198,8 @@ pub struct AnchorEvidence {
     pub matches: Vec<MatchEvidence>,
     /// The pairs that contradict.
     pub contradictions: Vec<ContradictionEvidence>,
+    /// The pairs whose identifiers differ without stopping the candidate, heaviest first.
+    pub differences: Vec<DifferenceEvidence>,
 }
 
 /// The last step of §V: the similarity transformation.
@@ -279,10 +285,24 @@ pub struct Verdict {
     pub degraded: bool,
     /// How many keyframes were left out because they are covisible with the query (check 1).
     pub excluded_covisible: usize,
-    /// Why there is no candidate at all.
+    /// The query's loops that are confirmed already, by id, at most [`CLOSED_MAX`].
+    pub closed: Vec<ClosedLoop>,
+    /// Why, where no candidate says it: there is none, or the loop is closed already.
     pub reason: Option<Reason>,
     /// The candidates: loops first, then undecided, then rejected, each best first.
     pub candidates: Vec<Candidate>,
+}
+
+/// Confirmed loops that a verdict lists.
+pub const CLOSED_MAX: usize = 100;
+
+/// A confirmed loop of the keyframe that was asked about.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ClosedLoop {
+    /// The loop.
+    pub id: LoopId,
+    /// The keyframe at its other end.
+    pub keyframe: KeyframeId,
 }
 
 /// Which checks a query asks for (`verify` of `contract.md` §5).

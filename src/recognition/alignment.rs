@@ -11,7 +11,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::anchor_map::{LocalAnchor, LocalName};
 use super::comparison::{Comparison, Matched, equation_2};
 use super::contradiction::{Contradiction, contradict};
+use super::difference::{Differing, Placement, Ruling};
 use crate::geometry::{Point3, Sim3};
+use crate::model::difference::DifferenceEvidence;
 use crate::model::settings::Settings;
 
 /// Under a transformation, anchors this near to each other stand at the same place, in metres (`contract.md` §8.7).
@@ -38,6 +40,7 @@ pub struct Compared {
     total_weight: f64,
     unmatched_of_query: Vec<LocalAnchor>,
     unmatched_of_candidate: Vec<LocalAnchor>,
+    differing: Vec<Differing>,
 }
 
 /// The comparison under the transformation.
@@ -55,11 +58,13 @@ pub struct Aligned<'a> {
     pub displaced: f64,
     /// The pairs that contradict at the same place.
     pub contradictions: Vec<Contradiction<'a>>,
+    /// The pairs whose identifiers differ and do not stop the candidate.
+    pub differences: Vec<DifferenceEvidence>,
 }
 
 impl Compared {
     /// Keeps what a comparison found.
-    pub fn of(comparison: &Comparison<'_>) -> Self {
+    pub fn of(comparison: &Comparison<'_>, differing: Vec<Differing>) -> Self {
         let own = |anchors: &[&LocalAnchor]| anchors.iter().copied().cloned().collect();
         Self {
             matched: comparison.matches.iter().map(Pair::of).collect(),
@@ -67,6 +72,7 @@ impl Compared {
             total_weight: comparison.total_weight,
             unmatched_of_query: own(&comparison.unmatched_of_query),
             unmatched_of_candidate: own(&comparison.unmatched_of_candidate),
+            differing,
         }
     }
 
@@ -105,9 +111,17 @@ impl Compared {
         } else {
             Vec::new()
         };
+        let agreement = sum(|pair| pair.agreement);
+        let ruling = Ruling { contradictions: &contradictions, agreement };
+        let explain = |pair: &Differing| {
+            let placement = placement(apart_m(pair.query(), pair.candidate()));
+            pair.explain(&placement, ruling, settings)
+        };
+        let differences = self.differing.iter().filter_map(explain).collect();
         Aligned {
             similarity: equation_2(sum(|pair| pair.weight), self.total_weight),
-            agreement: sum(|pair| pair.agreement),
+            agreement,
+            differences,
             least_places: standing().map(|pair| pair.places).min(),
             displaced,
             stands,
@@ -131,6 +145,15 @@ impl Pair {
     fn distance_m(&self) -> f64 {
         self.query.bearing.distance_m().min(self.candidate.bearing.distance_m())
     }
+}
+
+/// Returns where two anchors stand to each other under a transformation.
+fn placement(apart_m: f64) -> Placement {
+    if apart_m <= SAME_PLACE_M {
+        return Placement::Same;
+    }
+    let told = format!("{apart_m:.2} m under the transformation, and {SAME_PLACE_M} m is the same place");
+    Placement::Apart { measured: apart_m, limit: SAME_PLACE_M, told }
 }
 
 /// The weight of the pairs that are off, each anchor of the query counted once, with the heaviest of its pairs, and not if

@@ -4,39 +4,38 @@ use super::anchor_map::{Centre, LocalName, local_anchor_map};
 use super::comparison::compare;
 use super::distinctiveness::PlaceCounts;
 use super::index::{MapIndex, Object};
+use super::loop_warning::loop_warning;
 use super::recorder::{Decided, Recorder};
 use crate::model::change::{Change, Loop, Merge, MergeCause};
 use crate::model::event::{Event, EventKind};
 use crate::model::ids::{AnchorSeq, KeyframeSeq, LoopId};
+use crate::model::loop_warning::LoopWarning;
 use crate::model::report::MergeReport;
 use crate::model::settings::Settings;
 
 /// Closes a loop: merges the pairs that match between the two local anchor maps, one-to-one
 /// whatever the map's reading of Eq. (2) is (three EXIT signs are not one), and makes the two
-/// keyframes covisible (`contract.md` §8.12).
-pub fn close_loop(index: &mut MapIndex, closed: Loop) -> (Vec<MergeReport>, Decided) {
+/// keyframes covisible (`contract.md` §8.12). Returns what speaks against it, if anything does.
+pub fn close_loop(index: &mut MapIndex, closed: Loop) -> (Option<LoopWarning>, Decided) {
+    let warning = loop_warning(index, &closed);
     let mut record = Recorder::new(index);
     let mut event = Event::of(EventKind::LoopConfirmed);
     event.loop_id = Some(closed.id.clone());
     event.keyframe = Some(closed.keyframe_id.clone());
     event.candidate = Some(closed.candidate_id.clone());
     event.query.clone_from(&closed.query);
+    event.detail = warning.as_ref().map(|warning| warning.detail.clone());
     record.tell(event);
     // What matches is asked before the loop joins the two neighbourhoods.
     let pairs = matched_objects(record.index(), &closed);
     record.apply(vec![Change::LoopAdded(closed.clone())]);
-    let merged = merge_pairs(&mut record, &closed, pairs);
-    (merged, record.finish())
+    merge_pairs(&mut record, &closed, pairs);
+    (warning, record.finish())
 }
 
 /// Merges the matched pairs. Two that another loop has made one object already are linked all the same, from the
 /// anchor seen around one keyframe to the one seen around the other: should that loop be revoked, this one holds.
-fn merge_pairs(
-    record: &mut Recorder<'_>,
-    closed: &Loop,
-    pairs: Vec<(AnchorSeq, AnchorSeq)>,
-) -> Vec<MergeReport> {
-    let mut merged = Vec::new();
+fn merge_pairs(record: &mut Recorder<'_>, closed: &Loop, pairs: Vec<(AnchorSeq, AnchorSeq)>) {
     for (a, b) in pairs {
         let index = record.index();
         let (Some(mut a), Some(mut b)) = (index.objects().root(a), index.objects().root(b)) else { continue };
@@ -51,7 +50,6 @@ fn merge_pairs(
             continue;
         }
         let merge = Merge { into: a.min(b), from: a.max(b), cause: MergeCause::Loop(closed.id.clone()) };
-        merged.push(MergeReport { into: merge.into, from: merge.from });
         let mut event = Event::of(EventKind::AnchorsMerged);
         (event.anchor, event.other) = (Some(merge.into), Some(merge.from));
         event.loop_id = Some(closed.id.clone());
@@ -60,7 +58,6 @@ fn merge_pairs(
         record.touch(merge.from);
         record.apply(vec![Change::Merged(merge)]);
     }
-    merged
 }
 
 /// The anchor of an object that this keyframe, or one it passes with, has seen itself.

@@ -182,6 +182,11 @@ fn answer(screening: &Screening, candidates: Vec<Candidate>) -> Verdict {
     } else {
         Decision::NoLoop
     };
+    let reason = if decision == Decision::NoLoop && !screening.closed.is_empty() {
+        Some(evidence::already_closed(&screening.closed))
+    } else {
+        candidates.is_empty().then(|| evidence::no_candidates(screening.empty_bow))
+    };
     Verdict {
         map_version: screening.map_version,
         decision,
@@ -189,7 +194,8 @@ fn answer(screening: &Screening, candidates: Vec<Candidate>) -> Verdict {
         loops,
         degraded: screening.degraded,
         excluded_covisible: screening.excluded_covisible,
-        reason: candidates.is_empty().then(|| evidence::no_candidates(screening.empty_bow)),
+        closed: screening.closed.clone(),
+        reason,
         candidates,
     }
 }

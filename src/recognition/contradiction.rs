@@ -13,7 +13,7 @@ use crate::semantics;
 
 /// A single reading is sure only against an identifier that differs in at least this many
 /// characters: one character is easily misread, two hardly ever.
-const SURE_DIFFERENCE_CHARACTERS: usize = 2;
+pub(super) const SURE_DIFFERENCE_CHARACTERS: usize = 2;
 
 /// A pair of anchors that cannot be the same object, though they stand at the same relative place.
 #[derive(Clone, Copy, Debug)]

@@ -6,13 +6,14 @@ use super::alignment::Aligned;
 use super::candidates::Proposal;
 use super::comparison::Comparison;
 use super::contradiction::Contradiction;
+use super::difference::{Differing, Ruling, relative_placement};
 use super::standing_in::AtWorst;
 use super::tracked_path::Discrepancy;
 use super::verification::{Failure, Status, Verification};
 use crate::model::settings::Settings;
 use crate::model::verdict::{
-    AnchorEvidence, BowEvidence, Candidate, CandidateDecision, ContradictionEvidence, GeometryEvidence,
-    GeometryFigures, GeometryStatus, MatchEvidence, Reason, ReasonCode,
+    AnchorEvidence, BowEvidence, Candidate, CandidateDecision, ClosedLoop, ContradictionEvidence,
+    GeometryEvidence, GeometryFigures, GeometryStatus, MatchEvidence, Reason, ReasonCode,
 };
 
 /// Loops first, then undecided, then rejected; each by inliers, then S, then score, then the smallest id.
@@ -41,7 +42,16 @@ pub(super) fn bow(proposal: Proposal, reference_score: f64) -> BowEvidence {
     }
 }
 
-pub(super) fn anchors(comparison: &Comparison<'_>, settings: &Settings) -> AnchorEvidence {
+pub(super) fn anchors(
+    comparison: &Comparison<'_>,
+    differing: &[Differing],
+    settings: &Settings,
+) -> AnchorEvidence {
+    let ruling = Ruling { contradictions: &comparison.contradictions, agreement: comparison.agreement() };
+    let explain = |pair: &Differing| {
+        let placement = relative_placement(pair.query(), pair.candidate(), settings);
+        pair.explain(&placement, ruling, settings)
+    };
     AnchorEvidence {
         similarity: comparison.similarity,
         threshold: settings.anchor_map_min_similarity,
@@ -62,6 +72,7 @@ pub(super) fn anchors(comparison: &Comparison<'_>, settings: &Settings) -> Ancho
             })
             .collect(),
         contradictions: comparison.contradictions.iter().map(contradiction).collect(),
+        differences: differing.iter().filter_map(explain).collect(),
     }
 }
 
@@ -80,6 +91,7 @@ pub(super) fn align(anchors: &mut AnchorEvidence, aligned: &Aligned<'_>) {
     anchors.matches.retain(|_| stands.next().copied().unwrap_or(false));
     anchors.similarity = aligned.similarity;
     anchors.contradictions = aligned.contradictions.iter().map(contradiction).collect();
+    anchors.differences.clone_from(&aligned.differences);
 }
 
 pub(super) fn geometry_skipped(reason: &str) -> GeometryEvidence {
@@ -192,6 +204,14 @@ pub(super) fn no_anchors(comparison: &Comparison<'_>) -> Reason {
 pub(super) fn geometry_missing(missing: &str) -> Reason {
     let detail = format!("geometry must verify: {missing}");
     Reason { code: ReasonCode::NoFeatures, measured: None, limit: None, detail }
+}
+
+pub(super) fn already_closed(closed: &[ClosedLoop]) -> Reason {
+    let detail = match closed {
+        [one] => format!("its loop with {} is confirmed already, as {}", one.keyframe, one.id),
+        several => format!("{} loops of this keyframe are confirmed already", several.len()),
+    };
+    Reason { code: ReasonCode::AlreadyClosed, measured: None, limit: None, detail }
 }
 
 pub(super) fn no_candidates(empty_bow: bool) -> Reason {

@@ -7,6 +7,7 @@ use super::alignment::Compared;
 use super::anchor_map::{Centre, LocalAnchorMap, local_anchor_map};
 use super::candidates::{Proposal, Proposals, find_candidates};
 use super::comparison::{Comparison, compare};
+use super::difference::find_differing;
 use super::distinctiveness::PlaceCounts;
 use super::evidence;
 use super::index::MapIndex;
@@ -15,9 +16,12 @@ use super::screening::{Screened, Screening, Standing};
 use super::sight::Sight;
 use super::standing_in::{AtWorst, at_worst, model_is_missed};
 use super::tracked_path::TrackedPaths;
+use crate::model::change::Loop;
 use crate::model::settings::Settings;
 use crate::model::settings::WithoutAnchors;
-use crate::model::verdict::{Candidate, CandidateDecision, Reason, ReasonCode, Verify};
+use crate::model::verdict::{
+    CLOSED_MAX, Candidate, CandidateDecision, ClosedLoop, Reason, ReasonCode, Verify,
+};
 
 /// Runs checks 1 to 3 at this version of the map. Pure: the same arguments give the same answer.
 pub fn screen(index: &MapIndex, map_version: u64, query: &Query<'_>, verify: Verify) -> Screening {
@@ -41,11 +45,23 @@ pub fn screen(index: &MapIndex, map_version: u64, query: &Query<'_>, verify: Ver
         verify,
         empty_bow: query.bow.is_empty(),
         excluded_covisible: query.covisible().count(),
+        closed: closed_loops(index, query),
         degraded: candidates.iter().any(|candidate| candidate.stood_in),
         query: query.keyframe,
         sight: query.sight.clone(),
         candidates,
     }
+}
+
+/// Returns the confirmed loops of the query's keyframe.
+fn closed_loops(index: &MapIndex, query: &Query<'_>) -> Vec<ClosedLoop> {
+    let Some(own) = query.keyframe else { return Vec::new() };
+    let other = |closed: &Loop| {
+        let is_start = closed.keyframe == own;
+        if is_start { closed.candidate_id.clone() } else { closed.keyframe_id.clone() }
+    };
+    let closed = index.loops_of(own).take(CLOSED_MAX);
+    closed.map(|closed| ClosedLoop { id: closed.id.clone(), keyframe: other(closed) }).collect()
 }
 
 /// What odometry knows of the candidates that geometry is to look at.
@@ -89,7 +105,8 @@ fn check_candidate(
     }
     let comparison = compare(around_query, around_candidate, index.texts(), settings);
     let stood_in = model_is_missed(index, around_query, around_candidate);
-    candidate.anchors = Some(evidence::anchors(&comparison, settings));
+    let differing = find_differing(around_query, around_candidate, &comparison, index.texts(), settings);
+    candidate.anchors = Some(evidence::anchors(&comparison, &differing, settings));
     let worst = (query.awaits_descriptions || index.model_away())
         .then(|| at_worst(index, around_query, around_candidate, &comparison))
         .flatten();
@@ -99,7 +116,7 @@ fn check_candidate(
             keyframe: proposal.keyframe,
             candidate,
             standing,
-            compared: Compared::of(&comparison),
+            compared: Compared::of(&comparison, differing),
             path: None,
             sight: if verify == Verify::Anchors { None } else { Sight::stored(index, proposal.keyframe) },
             stood_in: false,
@@ -110,7 +127,7 @@ fn check_candidate(
 }
 
 /// Check 3 of §V: contradictions first, since they name what S only measures.
-fn judge_anchors(
+pub(super) fn judge_anchors(
     comparison: &Comparison<'_>,
     settings: &Settings,
     worst: Option<AtWorst>,

@@ -17,6 +17,8 @@
 //! | §V, the answer | [`conclusion`] | [`conclusion::conclude`] |
 //! | ours: distinctive weights | [`distinctiveness`] | [`distinctiveness::PlaceCounts`] |
 //! | ours: contradiction veto | [`contradiction`] | [`contradiction::contradict`] |
+//! | ours: why a differing identifier did not count | [`difference`] | [`difference::find_differing`] |
+//! | ours: what speaks against a loop that a client closes | [`loop_warning`] | [`loop_warning::loop_warning`] |
 //! | ours: anchors under the transformation | [`alignment`] | [`alignment::Compared::under`] |
 //! | ours: odometry over short ways | [`tracked_path`] | [`tracked_path::TrackedPath`] |
 //!
@@ -38,6 +40,7 @@ pub mod correction;
 pub mod covisibility;
 pub mod culling;
 pub mod describing;
+pub mod difference;
 pub mod distinctiveness;
 pub mod evidence;
 pub mod features;
@@ -47,6 +50,7 @@ pub mod inverted_file;
 pub mod lacking;
 pub mod learning;
 pub mod loop_check;
+pub mod loop_warning;
 pub mod matching;
 pub mod numbered;
 pub mod places;

@@ -7,7 +7,7 @@ use super::sight::Sight;
 use super::tracked_path::TrackedPath;
 use crate::model::ids::KeyframeSeq;
 use crate::model::settings::Settings;
-use crate::model::verdict::{Candidate, CandidateDecision, Reason, Verify};
+use crate::model::verdict::{Candidate, CandidateDecision, ClosedLoop, Reason, Verify};
 
 /// How a candidate stands after check 3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,6 +75,8 @@ pub struct Screening {
     pub empty_bow: bool,
     /// How many keyframes were left out as covisible.
     pub excluded_covisible: usize,
+    /// The query's loops that are confirmed already, by id.
+    pub closed: Vec<ClosedLoop>,
     /// Did the built-in judge stand in for a model that is away, about any candidate?
     pub degraded: bool,
     /// The query's number, if it is stored.

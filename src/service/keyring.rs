@@ -17,6 +17,7 @@ use tokio::time::{Instant, sleep, sleep_until};
 
 use super::ServiceError;
 use super::access::{Access, HeldKey};
+use super::lockout::{Lockout, WAY_BACK, check_first_key, check_revocation};
 use super::maps::bad_cursor;
 use crate::model::invalid::FieldError;
 use crate::model::key::{Action, Key, KeyProperties, KeySeq, MadeKey, SecretHash, secret_hash};
@@ -69,7 +70,8 @@ pub struct Keyring {
     looked: Arc<Mutex<Instant>>,
     /// Those who wait for a look at the disk.
     strangers: Arc<Semaphore>,
-    making: Arc<Mutex<()>>,
+    /// Held while a key is made or revoked.
+    changing: Arc<Mutex<()>>,
     /// Counts the times that the table was taken anew.
     taken: watch::Sender<u64>,
     /// Is a key wanted even while there is none?
@@ -83,7 +85,7 @@ impl Keyring {
             table: Arc::default(),
             looked: Arc::new(Mutex::new(Instant::now())),
             strangers: Arc::new(Semaphore::new(STRANGERS_AT_ONCE)),
-            making: Arc::default(),
+            changing: Arc::default(),
             taken: watch::Sender::new(0),
             store,
             required,
@@ -96,6 +98,14 @@ impl Keyring {
     pub fn has_good_key(&self) -> bool {
         let now = now();
         self.table().by_hash.values().any(|held| held.key.is_good(now))
+    }
+
+    /// Whether there is a good key that may administer.
+    pub fn has_administrator(&self) -> bool {
+        let now = now();
+        let administers =
+            |held: &Arc<HeldKey>| held.key.is_good(now) && held.key.properties.actions.has(Action::Admin);
+        self.table().by_hash.values().any(administers)
     }
 
     /// Who sends this secret, as far as memory tells?
@@ -182,11 +192,16 @@ impl Keyring {
     }
 
     /// Makes a key.
-    pub async fn create(&self, properties: KeyProperties) -> Result<MadeKey, ServiceError> {
+    pub async fn create(&self, properties: KeyProperties, lockout: Lockout) -> Result<MadeKey, ServiceError> {
         check(&properties)?;
-        let _making = self.making.lock().await;
+        let _changing = self.changing.lock().await;
         self.reload().await?;
         let keys = self.list();
+        let is_first = keys.is_empty();
+        if is_first && lockout == Lockout::Refused {
+            check_first_key(&properties)?;
+        }
+        check_reach(&properties)?;
         if keys.len() >= KEYS_MAX {
             let detail = format!("a database has at most {KEYS_MAX} keys, revoked ones among them");
             return Err(ServiceError::Conflict { code: "too_many_keys", detail });
@@ -198,22 +213,30 @@ impl Keyring {
         self.store.committer().commit(Job::CreateKey(Box::new(row))).await?;
         self.reload().await?;
         tracing::info!(key = %key.seq.public(), name = ?key.properties.name, may = %key.properties.actions, "a key was made");
-        Ok(MadeKey { key, secret })
+        Ok(MadeKey { key, secret, is_first })
     }
 
     /// Revokes a key; revoking it again changes nothing.
-    pub async fn revoke(&self, id: &str) -> Result<Key, ServiceError> {
+    pub async fn revoke(&self, id: &str, lockout: Lockout) -> Result<Key, ServiceError> {
         let none = || ServiceError::NotFound(format!("there is no key {id}"));
         let seq = KeySeq::from_public(id).ok_or_else(none)?;
         let find = || self.list().into_iter().find(|key| key.seq == seq);
+        // Two requests that each revoke one of the last two keys must not both see the other.
+        let _changing = self.changing.lock().await;
         self.reload().await?;
         let found = find().ok_or_else(none)?;
         if found.revoked_sec.is_some() {
             return Ok(found);
         }
+        if lockout == Lockout::Refused {
+            check_revocation(&self.list(), seq, now())?;
+        }
         self.store.committer().commit(Job::RevokeKey(seq, now().sec)).await?;
         self.reload().await?;
         tracing::info!(key = %seq.public(), "a key was revoked");
+        if found.properties.actions.has(Action::Admin) && !self.has_administrator() {
+            tracing::warn!("no key may administer any more: {WAY_BACK}");
+        }
         find().ok_or_else(none)
     }
 
@@ -227,7 +250,11 @@ impl Keyring {
 
     async fn look(&self) -> Result<(), StoreError> {
         if self.store.key_change().await? != self.table().change {
+            let was_open = self.is_open();
             self.take(self.store.keys().await?);
+            if was_open && !self.is_open() {
+                tracing::warn!("the database has its first key: from now on every request needs a key");
+            }
         }
         Ok(())
     }
@@ -268,7 +295,7 @@ impl Keyring {
     }
 }
 
-/// A key of administrators reaches every map: it could make itself one that does.
+/// Rejects properties that no key can have.
 fn check(properties: &KeyProperties) -> Result<(), ServiceError> {
     let mut errors = Vec::new();
     if properties.actions.iter().next().is_none() {
@@ -277,15 +304,20 @@ fn check(properties: &KeyProperties) -> Result<(), ServiceError> {
     if properties.maps.is_empty() {
         errors.push(FieldError::new("/maps", "no map would exist for this key; leave it out for every map"));
     }
-    let every = properties.maps.iter().any(|pattern| pattern.to_string() == "*");
-    if properties.actions.has(Action::Admin) && !every {
-        let detail = "an admin key makes keys for any map, so it cannot be kept from some";
-        errors.push(FieldError::new("/maps", detail).limit("[\"*\"]"));
-    }
     if properties.expires.is_some_and(|expires| expires <= now()) {
         errors.push(FieldError::new("/expires", "the key would have expired already"));
     }
     if errors.is_empty() { Ok(()) } else { Err(ServiceError::Invalid(errors)) }
+}
+
+/// Rejects an administrator's key that does not reach every map: it could make itself one that does.
+fn check_reach(properties: &KeyProperties) -> Result<(), ServiceError> {
+    let every = properties.maps.iter().any(|pattern| pattern.to_string() == "*");
+    if every || !properties.actions.has(Action::Admin) {
+        return Ok(());
+    }
+    let detail = "an admin key makes keys for any map, so it cannot be kept from some";
+    Err(ServiceError::Invalid(vec![FieldError::new("/maps", detail).limit("[\"*\"]")]))
 }
 
 fn new_secret() -> Result<String, ServiceError> {

@@ -7,6 +7,7 @@ use super::{Service, ServiceError, Stored};
 use crate::model::change::Loop;
 use crate::model::ids::{KeyframeId, LoopId, MapId};
 use crate::model::invalid::FieldError;
+use crate::model::loop_warning::LoopWarning;
 use crate::model::report::{LoopReport, Page};
 use crate::model::request::NewLoop;
 use crate::recognition::closing::{close_loop, merges_of, revoke_loop};
@@ -14,7 +15,11 @@ use crate::recognition::index::MapIndex;
 
 impl Service {
     /// Confirms a loop: matched anchors merge, and the two keyframes are covisible from now on.
-    pub async fn confirm_loop(&self, map: &MapId, new: NewLoop) -> Result<Stored<LoopReport>, ServiceError> {
+    pub async fn confirm_loop(
+        &self,
+        map: &MapId,
+        new: NewLoop,
+    ) -> Result<Stored<ConfirmedLoop>, ServiceError> {
         let live = self.live(map).await?;
         let quotas = self.quotas;
         let decide = move |index: &mut MapIndex| {
@@ -24,8 +29,8 @@ impl Service {
             let closed = resolve(index, new)?;
             check_loop(&quotas, index, &closed)?;
             let id = closed.id.clone();
-            let (_, decided) = close_loop(index, closed);
-            Ok(Decision::Changed((true, report(index, &id)), decided, None))
+            let (warning, decided) = close_loop(index, closed);
+            Ok(Decision::Changed((true, confirmed(index, &id, warning)), decided, None))
         };
         let ((created, value), map_version) = self.change(&live, decide).await?;
         let value =
@@ -72,13 +77,27 @@ impl Service {
     }
 }
 
-type Confirmed = (bool, Option<LoopReport>);
+/// A confirmed loop, and what speaks against it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConfirmedLoop {
+    /// The loop.
+    pub report: LoopReport,
+    /// What spoke against it when it was confirmed; none in the answer to a retry.
+    pub warnings: Vec<LoopWarning>,
+}
+
+type Confirmed = (bool, Option<ConfirmedLoop>);
+
+fn confirmed(index: &MapIndex, id: &LoopId, warning: Option<LoopWarning>) -> Option<ConfirmedLoop> {
+    Some(ConfirmedLoop { report: report(index, id)?, warnings: warning.into_iter().collect() })
+}
 
 fn again(index: &MapIndex, known: &Loop, new: &NewLoop) -> Result<Decision<Confirmed>, ServiceError> {
     let same =
         known.keyframe_id == new.keyframe && known.candidate_id == new.candidate && known.query == new.query;
     if same {
-        return Ok(Decision::Unchanged((false, report(index, &new.id))));
+        // What spoke against it was judged without it. Now the two maps overlap, and would agree with themselves.
+        return Ok(Decision::Unchanged((false, confirmed(index, &new.id, None))));
     }
     let detail = format!("loop {} exists between {} and {}", new.id, known.keyframe_id, known.candidate_id);
     Err(ServiceError::Conflict { code: "loop_exists", detail })

@@ -19,6 +19,7 @@ pub mod keyring;
 #[cfg(test)]
 mod law;
 mod live;
+pub mod lockout;
 mod loops;
 mod maps;
 mod options;
@@ -42,6 +43,7 @@ pub use backups::BackupMade;
 use backups::Backups;
 pub use error::ServiceError;
 pub use keyframes::PendingKeyframe;
+pub use loops::ConfirmedLoop;
 pub use options::{ModelChoice, ServiceOptions};
 pub use pinned::PinnedMap;
 pub use queries::{QueryAnswer, Timings};

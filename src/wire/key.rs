@@ -10,6 +10,10 @@ use super::space::Time;
 use crate::model::key::{Action, Actions, Key, KeyProperties, MadeKey, MapPattern};
 use crate::model::keyframe::Stamp;
 
+/// What the answer to a server's first key says.
+const FIRST_KEY_NOTICE: &str = "This is the server's first key: from now on every request needs a key, sent as \
+    `authorization: Bearer <secret>`, and the viewer asks for one. Keep the secret; it is not shown again.";
+
 /// A key to be made.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -93,6 +97,9 @@ pub struct KeyView {
     /// What to send as `authorization: Bearer <secret>`. Told once, when the key is made, and kept nowhere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub secret: Option<String>,
+    /// What changes from now on, if this is the server's first key.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub notice: Option<String>,
 }
 
 /// Keys, in order of creation, revoked ones among them.
@@ -174,44 +181,53 @@ impl From<Key> for KeyView {
             model_daily_calls: properties.model_daily_calls,
             model_daily_usd: properties.model_daily_microusd.map(|microusd| microusd as f64 / 1e6),
             secret: None,
+            notice: None,
         }
     }
 }
 
 impl From<MadeKey> for KeyView {
     fn from(made: MadeKey) -> Self {
-        Self { secret: Some(made.secret), ..made.key.into() }
+        let notice = made.is_first.then(|| FIRST_KEY_NOTICE.to_owned());
+        Self { secret: Some(made.secret), notice, ..made.key.into() }
     }
 }
 
-/// A key to be made, for the API document.
+/// A key to be made, for the API document: the administrator's, because a server's first key must be one.
 pub fn example_body() -> Value {
+    json!({"name": "administrator", "actions": Action::NAMES})
+}
+
+fn administrator() -> Value {
+    let mut key = example_body();
+    key["id"] = json!("key-1");
+    key["maps"] = json!(["*"]);
+    key["created"] = json!({"sec": 1_795_000_000, "nanosec": 0});
+    key
+}
+
+fn robots() -> Value {
     json!({
+        "id": "key-2",
         "name": "cleaning robots, tower",
         "actions": ["read", "write", "query"],
         "maps": ["tower", "tower-*"],
+        "created": {"sec": 1_795_000_000, "nanosec": 0},
         "expires": {"sec": 1_893_456_000, "nanosec": 0},
         "rate_per_s": 200,
         "model_daily_usd": 1.5
     })
 }
 
-/// A key without its secret, for the API document.
-pub fn example() -> Value {
-    let mut key = example_body();
-    key["id"] = json!("key-7");
-    key["created"] = json!({"sec": 1_795_000_000, "nanosec": 0});
-    key
-}
-
 /// A key that was just made, for the API document.
 pub fn example_made() -> Value {
-    let mut key = example();
+    let mut key = administrator();
     key["secret"] = json!("revisit_0123456789abcdefghijklmnopqrstuvwxyzABCDEFG");
+    key["notice"] = json!(FIRST_KEY_NOTICE);
     key
 }
 
 /// Keys, for the API document.
 pub fn example_list() -> Value {
-    json!({"items": [example()], "next_cursor": null})
+    json!({"items": [administrator(), robots()], "next_cursor": null})
 }

@@ -5,6 +5,7 @@ use utoipa::ToSchema;
 
 use super::limits;
 use super::read::{self, Decode, Node};
+use crate::model::loop_warning::{LoopWarning, LoopWarningCode};
 use crate::model::report::{LoopReport, MergeReport};
 use crate::model::request::NewLoop;
 
@@ -36,6 +37,32 @@ pub struct LoopClosed {
     pub map_version: u64,
     /// The pairs of anchors that became one.
     pub merged: Vec<MergeView>,
+    /// What speaks against it, as the map stood before it. The client decides: it is closed all the same, and can be revoked.
+    /// A retry (200) is answered without them.
+    #[schema(max_items = 1)]
+    pub warnings: Vec<LoopWarningView>,
+}
+
+/// What speaks against a loop that was confirmed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = LoopWarning)]
+pub struct LoopWarningView {
+    /// Which kind.
+    pub code: LoopWarningCodeName,
+    /// One sentence for a person.
+    pub detail: String,
+}
+
+/// `anchors_contradict`: sure identifiers around the two contradict each other, and outweigh what agrees. `not_supported`: a
+/// loop query about the two would not answer `loop`. `already_covisible`: the two are covisible without it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+#[schema(as = LoopWarningCode)]
+#[expect(missing_docs, reason = "said above")]
+pub enum LoopWarningCodeName {
+    AnchorsContradict,
+    NotSupported,
+    AlreadyCovisible,
 }
 
 /// A loop is revoked.
@@ -94,8 +121,24 @@ impl Decode for NewLoop {
 
 impl LoopClosed {
     /// The answer to a loop that was closed.
-    pub fn of(map_version: u64, report: LoopReport) -> Self {
-        Self { id: report.id.to_string(), map_version, merged: pairs(report.merged) }
+    pub fn of(map_version: u64, report: LoopReport, warnings: Vec<LoopWarning>) -> Self {
+        Self {
+            id: report.id.to_string(),
+            map_version,
+            merged: pairs(report.merged),
+            warnings: warnings.into_iter().map(LoopWarningView::from).collect(),
+        }
+    }
+}
+
+impl From<LoopWarning> for LoopWarningView {
+    fn from(warning: LoopWarning) -> Self {
+        let code = match warning.code {
+            LoopWarningCode::AnchorsContradict => LoopWarningCodeName::AnchorsContradict,
+            LoopWarningCode::NotSupported => LoopWarningCodeName::NotSupported,
+            LoopWarningCode::AlreadyCovisible => LoopWarningCodeName::AlreadyCovisible,
+        };
+        Self { code, detail: warning.detail }
     }
 }
 

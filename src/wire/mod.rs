@@ -20,6 +20,7 @@ pub mod anchor;
 pub mod backup;
 pub mod base64;
 pub mod bulk;
+pub mod difference;
 pub mod digest;
 pub mod event;
 pub mod examples;

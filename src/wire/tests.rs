@@ -44,7 +44,9 @@ fn the_example_of_each_body_is_of_its_shape_and_is_read() {
     let sent = keyframe::named(&examples::keyframe_body(), &id).expect("a keyframe").keyframe;
     assert_eq!(sent.observes, [12, 13]);
     assert_eq!(sent.features.expect("features").map_points, [Some(12), None]);
-    bulk::decode(examples::bulk_body()).expect("a keyframe");
+    for line in examples::bulk_lines() {
+        bulk::decode(line).expect("a keyframe");
+    }
 }
 
 #[test]

@@ -3,11 +3,12 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::difference::DifferenceView;
 use super::geometry::GeometryView;
 use super::space::rounded;
 use crate::model::ids::KeyframeId;
 use crate::model::verdict::{
-    AnchorEvidence, BowEvidence, Candidate, CandidateDecision, ContradictionEvidence, Decision,
+    AnchorEvidence, BowEvidence, Candidate, CandidateDecision, ClosedLoop, ContradictionEvidence, Decision,
     MatchEvidence, Reason, Verdict,
 };
 
@@ -32,11 +33,25 @@ pub struct LoopAnswer {
     pub degraded: bool,
     /// How many keyframes are no candidates because they are covisible with the query.
     pub excluded_covisible: usize,
-    /// Why there is no candidate at all.
+    /// The loops of this keyframe that are confirmed already, by id, at most 100.
+    #[schema(max_items = 100)]
+    pub closed: Vec<ClosedView>,
+    /// Why, where no candidate says it: `no_candidates`, `empty_bow`, or `already_closed` where the loop is confirmed and no
+    /// other is left.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<ReasonView>,
     /// The candidates: loops first, then undecided, then rejected, each best first.
     pub candidates: Vec<CandidateView>,
+}
+
+/// A confirmed loop of the keyframe that was asked about.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = ConfirmedLoop)]
+pub struct ClosedView {
+    /// The loop.
+    pub r#loop: String,
+    /// The keyframe at its other end.
+    pub keyframe: String,
 }
 
 /// `loop`: a candidate passed every check that could run. `no_loop`: none did. `undecided`: what is missing could turn
@@ -110,6 +125,9 @@ pub struct AnchorFigures {
     pub matches: Vec<MatchView>,
     /// The pairs that contradict.
     pub contradictions: Vec<ContradictionView>,
+    /// Of the nearest signs, the pairs whose identifiers differ without stopping the candidate, each with why; heaviest first.
+    #[schema(max_items = 8)]
+    pub differences: Vec<DifferenceView>,
 }
 
 /// A pair of anchors that match.
@@ -175,9 +193,16 @@ impl LoopAnswer {
             loops: verdict.loops.iter().map(ToString::to_string).collect(),
             degraded: verdict.degraded,
             excluded_covisible: verdict.excluded_covisible,
+            closed: verdict.closed.iter().map(ClosedView::from).collect(),
             reason: verdict.reason.as_ref().map(ReasonView::from),
             candidates: verdict.candidates.iter().map(CandidateView::from).collect(),
         }
+    }
+}
+
+impl From<&ClosedLoop> for ClosedView {
+    fn from(closed: &ClosedLoop) -> Self {
+        Self { r#loop: closed.id.to_string(), keyframe: closed.keyframe.to_string() }
     }
 }
 
@@ -234,6 +259,7 @@ impl From<&AnchorEvidence> for AnchorFigures {
             pending: anchors.pending,
             matches: anchors.matches.iter().map(MatchView::from).collect(),
             contradictions: anchors.contradictions.iter().map(ContradictionView::from).collect(),
+            differences: anchors.differences.iter().map(DifferenceView::from).collect(),
         }
     }
 }

@@ -328,7 +328,7 @@ async fn one_key_cannot_take_every_seat_with_streams() {
 #[tokio::test]
 async fn strangers_that_come_by_hundreds_take_no_place_of_those_who_are_known() {
     let (server, _) = Server::within(&["--max-requests", "4"]).await;
-    let made = server.post("/v1/keys", &json!({"actions": ["read"]})).await.expect(201);
+    let made = server.post("/v1/keys", &json!({"actions": ["read", "admin"]})).await.expect(201);
     let known = made["secret"].as_str().expect("a secret");
     let ask = async |secret: &str, status: u16| {
         Answer::of(server.request(Method::GET, "/v1/maps").bearer_auth(secret)).await.expect(status);

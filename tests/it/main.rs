@@ -21,4 +21,5 @@ mod recordings;
 mod support;
 mod tidy;
 mod trust;
+mod try_it;
 mod vocabulary;

@@ -58,7 +58,7 @@ pub async fn get_anchor(
 /// The description stands whatever is read later; null takes it back. `if-match` says which version was seen.
 #[utoipa::path(
     patch, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors", security(("key" = ["write"])),
-    params(AnchorPath, ("if-match" = String, Header, description = "The anchor's `etag`, or `*`", example = "\"4\"")),
+    params(AnchorPath, ("if-match" = String, Header, description = "The anchor's `etag`, or `*` for any version", example = "*")),
     request_body(content = AnchorPatchBody, example = examples::anchor_patch),
     responses(
         (status = 200, description = "The anchor as it is now", body = AnchorView, 

@@ -7,10 +7,11 @@ use axum::http::StatusCode;
 use crate::http::body::Body;
 use crate::http::path::{InKey, KeyPath};
 use crate::http::problem::Problem;
-use crate::http::query::{Paging, Query};
-use crate::http::refusals::{OfDelete, OfList, OfWrite};
+use crate::http::query::{LastAdmin, Paging, Query};
+use crate::http::refusals::{OfKeyDelete, OfList, OfWrite};
 use crate::model::key::KeyProperties;
 use crate::service::Service;
+use crate::service::lockout::Lockout;
 use crate::wire::key::{self, KeyBody, KeyList, KeyView};
 
 /// List keys
@@ -31,7 +32,9 @@ pub async fn list_keys(
 
 /// Make a key
 ///
-/// Its secret is told in this answer and never again. Once a database has had a key, nothing is answered without one.
+/// The answer shows its secret, once. From the first key on, every request needs a key, the viewer's too. So a server's
+/// first key must be able to administer: with `admin`, for every map, without an expiry (else 409). `revisit keys create`
+/// makes keys in the database itself, and is the way back in.
 #[utoipa::path(
     post, path = "/v1/keys", tag = "keys", security(("key" = ["admin"])),
     request_body(content = KeyBody, example = key::example_body),
@@ -44,18 +47,24 @@ pub async fn create_key(
     State(service): State<Service>,
     Body(properties): Body<KeyProperties>,
 ) -> Result<(StatusCode, Json<KeyView>), Problem> {
-    let made = service.keys().create(properties).await?;
+    let made = service.keys().create(properties, Lockout::Refused).await?;
     Ok((StatusCode::CREATED, Json(made.into())))
 }
 
 /// Revoke a key
 ///
-/// It is refused from now on, and stays in the list. Revoking it again changes nothing.
+/// It is refused from now on, and stays in the list. Revoking it again changes nothing. The last key that may administer is
+/// revoked only with `last_admin=true` (else 409).
 #[utoipa::path(
-    delete, path = "/v1/keys/{id}", tag = "keys", params(KeyPath), security(("key" = ["admin"])),
-    responses((status = 204, description = "The key is good no longer"), OfDelete)
+    delete, path = "/v1/keys/{id}", tag = "keys", params(KeyPath, LastAdmin), security(("key" = ["admin"])),
+    responses((status = 204, description = "The key is good no longer"), OfKeyDelete)
 )]
-pub async fn revoke_key(State(service): State<Service>, InKey(id): InKey) -> Result<StatusCode, Problem> {
-    service.keys().revoke(id.as_str()).await?;
+pub async fn revoke_key(
+    State(service): State<Service>,
+    InKey(id): InKey,
+    Query(LastAdmin { last_admin }): Query<LastAdmin>,
+) -> Result<StatusCode, Problem> {
+    let lockout = if last_admin { Lockout::Meant } else { Lockout::Refused };
+    service.keys().revoke(id.as_str(), lockout).await?;
     Ok(StatusCode::NO_CONTENT)
 }

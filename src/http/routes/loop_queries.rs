@@ -25,6 +25,10 @@ const SERVER_TIMING: HeaderName = HeaderName::from_static("server-timing");
 ///
 /// About a stored keyframe or one sent along. It changes nothing and calls no model; the same map version, keyframe,
 /// settings and seed give the same bytes.
+///
+/// A verdict is not yet a closed loop: it is an answer. Once the client has closed the loop in its own map, it confirms that
+/// with `POST /v1/maps/{map}/loops`. From then on the two keyframes are covisible, and the same question is answered with the
+/// loop in `closed` and the reason `already_closed`.
 #[utoipa::path(
     post, path = "/v1/maps/{map}/loop-queries", tag = "loops", params(MapPath), security(("key" = ["query"])),
     request_body(content = LoopQueryBody, example = examples::loop_query),

@@ -11,14 +11,15 @@ use crate::http::problem::Problem;
 use crate::http::query::{Paging, Query};
 use crate::http::refusals::{OfDelete, OfRead, OfWrite};
 use crate::model::request::NewLoop;
-use crate::service::Service;
+use crate::service::{ConfirmedLoop, Service};
 use crate::wire::examples;
 use crate::wire::list::LoopList;
 use crate::wire::loops::{LoopBody, LoopClosed, LoopRevoked};
 
 /// Confirm a loop
 ///
-/// The client has closed it: anchors matched between the two local maps become one, and the two keyframes covisible.
+/// The client has closed it: anchors matched between the two local maps become one, and the two keyframes covisible. Only this
+/// closes a loop; a verdict of a query changes nothing. What speaks against it is told in `warnings`.
 #[utoipa::path(
     post, path = "/v1/maps/{map}/loops", tag = "loops", params(MapPath), security(("key" = ["write"])),
     request_body(content = LoopBody, example = examples::loop_body),
@@ -36,7 +37,8 @@ pub async fn confirm_loop(
     Body(new): Body<NewLoop>,
 ) -> Result<Response, Problem> {
     let stored = service.confirm_loop(&map, new).await?;
-    Ok(written(stored.created, LoopClosed::of(stored.map_version, stored.value)))
+    let ConfirmedLoop { report, warnings } = stored.value;
+    Ok(written(stored.created, LoopClosed::of(stored.map_version, report, warnings)))
 }
 
 /// List confirmed loops

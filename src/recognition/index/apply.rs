@@ -101,6 +101,10 @@ impl MapIndex {
                 self.bytes += closed.bytes();
                 if let Some(before) = self.loops.insert(closed.id.clone(), closed.clone()) {
                     self.bytes -= before.bytes();
+                    self.forget_loop_of(&before);
+                }
+                for end in [closed.keyframe, closed.candidate] {
+                    self.loops_by_keyframe.entry(end).or_default().insert(closed.id.clone());
                 }
             }
             Change::LoopRemoved(id) => self.remove_loop(id, touched),
@@ -271,10 +275,22 @@ impl MapIndex {
     fn remove_loop(&mut self, id: &LoopId, touched: &mut Touched) {
         let Some(closed) = self.loops.remove(id) else { return };
         self.bytes -= closed.bytes();
+        self.forget_loop_of(&closed);
         self.covisibility.part_by_loop(closed.keyframe, closed.candidate);
         let made: Vec<Merge> = self.objects.links_of_loop(id);
         debug_assert!(made.iter().all(|merge| merge.cause == MergeCause::Loop(id.clone())));
         self.unlink(&made, touched);
+    }
+
+    fn forget_loop_of(&mut self, closed: &Loop) {
+        for end in [closed.keyframe, closed.candidate] {
+            if let Some(ids) = self.loops_by_keyframe.get_mut(&end) {
+                ids.remove(&closed.id);
+                if ids.is_empty() {
+                    self.loops_by_keyframe.remove(&end);
+                }
+            }
+        }
     }
 
     fn unlink(&mut self, links: &[Merge], touched: &mut Touched) {

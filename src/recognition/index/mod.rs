@@ -41,6 +41,8 @@ pub struct MapIndex {
     keyframes: Numbered<Keyframe>,
     anchors: Numbered<Anchor>,
     loops: BTreeMap<LoopId, Loop>,
+    /// Derived: the loops of each keyframe, at both their ends.
+    loops_by_keyframe: BTreeMap<KeyframeSeq, BTreeSet<LoopId>>,
     vocabulary: Option<Box<str>>,
     model_away: bool,
 
@@ -133,6 +135,12 @@ impl MapIndex {
     /// The confirmed loops.
     pub fn loops(&self) -> &BTreeMap<LoopId, Loop> {
         &self.loops
+    }
+
+    /// Returns the confirmed loops of a keyframe, by id.
+    pub fn loops_of(&self, keyframe: KeyframeSeq) -> impl Iterator<Item = &Loop> {
+        let ids = self.loops_by_keyframe.get(&keyframe).into_iter().flatten();
+        ids.filter_map(|id| self.loops.get(id))
     }
 
     /// The map points.

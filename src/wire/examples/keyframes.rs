@@ -2,6 +2,9 @@
 
 use serde_json::{Value, json};
 
+/// A PNG file of 8 by 8 pixels.
+const CROP: &str = "iVBORw0KGgoAAAANSUhEUgAAAAgAAAAICAAAAADhZOFXAAAAFElEQVR42mP4DwUM/xXAgFQGFAAAjpQgZSHqsWMAAAAASUVORK5CYII=";
+
 /// A keyframe to be stored.
 pub fn keyframe_body() -> Value {
     json!({
@@ -27,7 +30,7 @@ pub fn keyframe_body() -> Value {
             "position": [0.625, 0.125, 2.0],
             "text": "901",
             "description": "door number 901 in black letters",
-            "crop": "iVBORw0KGgo="
+            "crop": CROP
         }]
     })
 }
@@ -82,14 +85,32 @@ pub fn keyframes() -> Value {
     json!({"map_version": 412, "items": [line], "next_cursor": "kf-120"})
 }
 
-/// One line of a bulk request.
+/// The lines of a bulk request: another robot at the same door, and the keyframe before `kf-120`.
+pub fn bulk_lines() -> [Value; 2] {
+    let at_the_origin = json!({
+        "translation": {"x": 0.0, "y": 0.0, "z": 0.0}, "rotation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
+    });
+    let door = json!({
+        "class": "door_number", "confidence": 0.9, "box": [250.0, 190.0, 290.0, 230.0], "position": [-0.9, 0.1, 1.75],
+        "text": "901"
+    });
+    let bow = json!({"words": [3, 17], "weights": [0.5, 0.5]});
+    [
+        json!({"id": "kf-3", "session": "robot-3", "stamp": {"sec": 0, "nanosec": 0}, "pose": at_the_origin, "bow": bow,
+            "detections": [door]}),
+        json!({"id": "kf-119", "session": "robot-7", "stamp": {"sec": 0, "nanosec": 500_000_000}, "pose": transform()}),
+    ]
+}
+
+/// A bulk request.
 pub fn bulk_body() -> Value {
-    json!({"id": "kf-120", "stamp": {"sec": 1, "nanosec": 0}, "pose": transform()})
+    let lines: Vec<String> = bulk_lines().iter().map(Value::to_string).collect();
+    json!(lines.join("\n") + "\n")
 }
 
 /// One line of a bulk answer.
 pub fn bulk_line() -> Value {
-    json!({"id": "kf-120", "line": 1, "status": 201, "map_version": 412, "covisible": 12, "detections": []})
+    json!({"id": "kf-119", "line": 2, "status": 201, "map_version": 412, "covisible": 12, "detections": []})
 }
 
 /// Covisible keyframes.

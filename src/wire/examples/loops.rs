@@ -17,6 +17,7 @@ pub fn loop_answer() -> Value {
         "loops": ["kf-3"],
         "degraded": false,
         "excluded_covisible": 12,
+        "closed": [],
         "candidates": [
             {
                 "keyframe": "kf-3",
@@ -28,7 +29,8 @@ pub fn loop_answer() -> Value {
                         "query_anchor": "a-7", "candidate_anchor": "a-2", "level": 5, "source": "identical",
                         "angle_difference_rad": 0.1, "distance_difference_m": 0.3, "weight": 1.2
                     }],
-                    "contradictions": []
+                    "contradictions": [],
+                    "differences": []
                 },
                 "geometry": {
                     "status": "verified", "model": "sim3", "matches": 190, "hypotheses": 34, "inliers": 143,
@@ -50,6 +52,11 @@ pub fn loop_answer() -> Value {
                     "contradictions": [{
                         "query_anchor": "a-7", "candidate_anchor": "a-11",
                         "reason": "reads 910 where 901 hung", "weight": 1.0
+                    }],
+                    "differences": [{
+                        "query_anchor": "a-8", "candidate_anchor": "a-12", "query_identifier": "104",
+                        "candidate_identifier": "107", "reason": "not_sure", "measured": 1.0, "limit": 2.0,
+                        "detail": "neither 104 nor 107 was read alike twice, and a single character is easily misread"
                     }]
                 },
                 "geometry": {"status": "skipped", "reason": "an earlier check decided"},
@@ -69,7 +76,7 @@ pub fn loop_body() -> Value {
 
 /// A loop is closed.
 pub fn loop_closed() -> Value {
-    json!({"id": "loop-1", "map_version": 413, "merged": [{"into": "a-2", "from": "a-7"}]})
+    json!({"id": "loop-1", "map_version": 413, "merged": [{"into": "a-2", "from": "a-7"}], "warnings": []})
 }
 
 /// A loop is revoked.

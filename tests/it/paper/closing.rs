@@ -80,6 +80,72 @@ async fn a_confirmed_loop_makes_its_two_keyframes_covisible() {
 }
 
 #[tokio::test]
+async fn after_a_confirmed_loop_the_same_question_names_it() {
+    let (scene, ..) = two_passages().await;
+    // A third place that is alike and bears other names: a candidate that is rejected.
+    let elsewhere = keyframe().sees([door(NAMES[3], [0.0, 0.0, 2.0])]);
+    scene.put("kf-5", elsewhere).await;
+    assert_eq!(scene.ask("kf-9").await["closed"], json!([]));
+    scene.close("l-1", "kf-9", "kf-1").await;
+    for (query, other) in [("kf-9", "kf-1"), ("kf-1", "kf-9")] {
+        let answer = scene.ask(query).await;
+        assert_eq!(answer["verdict"], "no_loop", "{query}");
+        assert_eq!(answer["closed"], json!([{"loop": "l-1", "keyframe": other}]), "{query}");
+        assert_eq!(answer["reason"]["code"], "already_closed", "{query}");
+        let detail = answer["reason"]["detail"].as_str().unwrap_or_default();
+        assert!(detail.contains(other) && detail.contains("l-1"), "{detail}");
+        assert_eq!(list(&answer["candidates"]).len(), 1, "{query}");
+    }
+    // Another loop is still a loop.
+    scene.put("kf-20", passage(NAMES[4]).session("another")).await;
+    let answer = scene.ask("kf-9").await;
+    assert_eq!([&answer["verdict"], &answer["best"]], ["loop", "kf-20"]);
+    assert!(answer.get("reason").is_none());
+    scene.close("l-0", "kf-20", "kf-9").await;
+    let closed = json!([{"loop": "l-0", "keyframe": "kf-20"}, {"loop": "l-1", "keyframe": "kf-1"}]);
+    assert_eq!(scene.ask("kf-9").await["closed"], closed);
+    scene.delete("/loops/l-1").await;
+    assert_eq!(scene.ask("kf-1").await["closed"], json!([]));
+}
+
+#[tokio::test]
+async fn a_loop_that_the_map_speaks_against_is_closed_with_a_warning() {
+    let scene = Scene::new().await;
+    let at = [0.0, 0.0, 2.0];
+    scene.put("901", keyframe().sees([door("901", at)])).await;
+    scene.put("901-again", keyframe().sees([door("901", at)])).await;
+    scene.put("910", keyframe().sees([door("910", at)])).await;
+    scene.put("904", keyframe().sees([door("904", at)])).await;
+    scene.put("blank", keyframe()).await;
+    scene.put("901-next", keyframe().covisible(&["901"])).await;
+    for (keyframe, candidate, code, says) in [
+        ("901-again", "901", None, ""),
+        ("904", "901", Some("not_supported"), "score_below_threshold"),
+        // A loop makes 904 stand around 901, too: either of the two contradicts.
+        ("910", "901", Some("anchors_contradict"), "reads 910 where 90"),
+        ("blank", "901", Some("not_supported"), "no_anchors"),
+        ("901-next", "901", Some("already_covisible"), "the present place"),
+        ("901-again", "901", Some("already_covisible"), "loop-0"),
+    ] {
+        let number = list(&scene.get("/loops").await["items"]).len();
+        let closed = scene.close(&format!("loop-{number}"), keyframe, candidate).await;
+        let warnings = list(&closed["warnings"]);
+        assert_eq!(warnings.len(), usize::from(code.is_some()), "{keyframe}, {candidate}: {closed}");
+        if let Some(code) = code {
+            assert_eq!(warnings[0]["code"], code, "{keyframe}, {candidate}");
+            let detail = warnings[0]["detail"].as_str().unwrap_or_default();
+            assert!(detail.contains(says), "{detail}");
+            let told = scene.events_until("loop_confirmed", number + 1).await.pop().expect("an event");
+            assert_eq!(told["detail"], warnings[0]["detail"]);
+        }
+    }
+    let retry = json!({"id": "loop-2", "keyframe": "910", "candidate": "901"});
+    let again = scene.server.post(&scene.path("/loops"), &retry).await;
+    assert_eq!(again.header("idempotent-replayed"), "true");
+    assert_eq!(again.expect(200)["warnings"], json!([]));
+}
+
+#[tokio::test]
 async fn a_revoked_loop_leaves_everything_as_it_was() {
     let (scene, old, new) = two_passages().await;
     let before = what_stands(&scene).await;

@@ -14,6 +14,7 @@
 //! | the gates of §V-B are strict | `strictness.rs` |
 //! | §8.6 distinctive weights | `distinctive.rs` |
 //! | §8.7 contradictions | `contradiction.rs` |
+//! | §5 differing identifiers that are no contradictions | `differences.rs` |
 //! | §5 verdicts: what is missing, and which checks run; §8.11 | `verdicts.rs` |
 //! | §8.14 the built-in judge's levels | `levels.rs` |
 //! | sessions: two robots, or two days | `sessions.rs` |
@@ -29,6 +30,7 @@ mod closing;
 mod construction;
 mod contradiction;
 mod correction;
+mod differences;
 mod distinctive;
 mod equation;
 mod inline;

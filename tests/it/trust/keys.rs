@@ -160,7 +160,11 @@ async fn an_expired_key_is_no_key() {
     let server = Server::start().await;
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).expect("a time").as_secs();
     let expires = json!({"sec": now + 3, "nanosec": 0});
-    let made = server.post("/v1/keys", &json!({"actions": ["read"], "expires": expires})).await.expect(201);
+    let root = server.post("/v1/keys", &json!({"actions": ["admin"]})).await.expect(201);
+    let root = root["secret"].as_str().expect("a secret");
+    let body = json!({"actions": ["read"], "expires": expires});
+    let made =
+        Answer::of(server.request(Method::POST, "/v1/keys").bearer_auth(root).json(&body)).await.expect(201);
     let secret = made["secret"].as_str().expect("a secret");
     // It is good until then, and never after.
     while get(&server, "/v1/maps", secret).await.status == 200 {
@@ -172,7 +176,7 @@ async fn an_expired_key_is_no_key() {
 #[tokio::test]
 async fn a_keyframe_with_its_loop_query_takes_both_actions() {
     let server = Server::start().await;
-    let made = server.post("/v1/keys", &json!({"actions": ["write"]})).await.expect(201);
+    let made = server.post("/v1/keys", &json!({"actions": ["write", "admin"]})).await.expect(201);
     let put = async |path: &str, body: &Value| {
         let secret = made["secret"].as_str().expect("a secret");
         Answer::of(server.request(Method::PUT, path).bearer_auth(secret).json(body)).await
@@ -185,7 +189,7 @@ async fn a_keyframe_with_its_loop_query_takes_both_actions() {
 #[tokio::test]
 async fn a_malformed_authorization_is_no_key() {
     let server = Server::start().await;
-    let made = server.post("/v1/keys", &json!({"actions": ["read"]})).await.expect(201);
+    let made = server.post("/v1/keys", &json!({"actions": ["read", "admin"]})).await.expect(201);
     let secret = made["secret"].as_str().expect("a secret");
     for header in [
         String::new(),

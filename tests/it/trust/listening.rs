@@ -60,7 +60,7 @@ async fn without_keys_no_name_that_a_web_page_could_have_made_leads_here() {
     ] {
         assert_eq!(ask(host, None).await, status, "{host}");
     }
-    let key = server.post("/v1/keys", &json!({"actions": ["read"]})).await.expect(201);
+    let key = server.post("/v1/keys", &json!({"actions": ["read", "admin"]})).await.expect(201);
     assert_eq!(ask("maps.example", key["secret"].as_str()).await, 200, "a key is what counts");
 }
 
@@ -113,7 +113,7 @@ async fn without_keys_nothing_is_changed_for_a_web_page_from_elsewhere() {
     put(&[("origin", &own), ("sec-fetch-site", "same-origin")]).await.expect(200);
     put(&[("sec-fetch-site", "none")]).await.expect(200);
     // Where a key is shown, it counts, and no page has it.
-    let key = server.post("/v1/keys", &json!({"actions": ["write"]})).await.expect(201);
+    let key = server.post("/v1/keys", &json!({"actions": ["write", "admin"]})).await.expect(201);
     let bearer = format!("Bearer {}", key["secret"].as_str().expect("a secret"));
     put(&[("origin", "https://robots.example"), ("authorization", &bearer)]).await.expect(200);
 }

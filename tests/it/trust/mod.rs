@@ -3,6 +3,7 @@
 mod budget;
 mod keys;
 mod listening;
+mod lockout;
 mod matrix;
 mod quotas;
 mod rate;

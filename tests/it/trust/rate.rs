@@ -35,7 +35,8 @@ async fn a_key_that_asks_too_often_is_told_when_to_come_back_and_others_are_serv
 #[tokio::test]
 async fn a_bulk_upload_is_slowed_down_rather_than_refused() {
     let server = Server::start().await;
-    let made = server.post("/v1/keys", &json!({"actions": ["write"], "rate_per_s": 50})).await.expect(201);
+    let made =
+        server.post("/v1/keys", &json!({"actions": ["write", "admin"], "rate_per_s": 50})).await.expect(201);
     let secret = made["secret"].as_str().expect("a secret");
     let put = server.request(Method::PUT, "/v1/maps/m").bearer_auth(secret).json(&json!({}));
     Answer::of(put).await.expect(201);

@@ -1,0 +1,56 @@
+//! What speaks against a loop that a client confirms: checks 1 and 3 of §V on the two keyframes it names.
+//!
+//! The client decides, and may know more: its own geometry, or a query of an earlier version. So nothing is refused. Bag of
+//! words and geometry are left out, because their data lie on disk.
+
+use super::anchor_map::{Centre, local_anchor_map};
+use super::comparison::compare;
+use super::distinctiveness::PlaceCounts;
+use super::index::MapIndex;
+use super::loop_check::judge_anchors;
+use super::screening::Standing;
+use super::standing_in::at_worst;
+use crate::model::change::Loop;
+use crate::model::loop_warning::{LoopWarning, LoopWarningCode};
+use crate::model::verdict::ReasonCode;
+
+/// Returns the warning about a loop that the index does not hold yet, if anything speaks against it.
+pub fn loop_warning(index: &MapIndex, closed: &Loop) -> Option<LoopWarning> {
+    let warning = |code, detail| Some(LoopWarning { code, detail });
+    let (keyframe, candidate) = (&closed.keyframe_id, &closed.candidate_id);
+    if index.covisibility().joins_by_sight(closed.keyframe, closed.candidate) {
+        let detail = format!("{keyframe} and {candidate} are covisible: the present place, not a return");
+        return warning(LoopWarningCode::AlreadyCovisible, detail);
+    }
+    let joins = |other: &&Loop| other.keyframe == closed.candidate || other.candidate == closed.candidate;
+    if let Some(other) = index.loops_of(closed.keyframe).find(joins) {
+        let detail = format!("{keyframe} and {candidate} are joined already, by {}", other.id);
+        return warning(LoopWarningCode::AlreadyCovisible, detail);
+    }
+    let mut places = PlaceCounts::default();
+    let centres = Centre::stored(index, closed.keyframe).zip(Centre::stored(index, closed.candidate));
+    let (query, candidate) = centres?;
+    let around_query = local_anchor_map(index, &query, &mut places);
+    let around_candidate = local_anchor_map(index, &candidate, &mut places);
+    let settings = &index.properties().settings;
+    let comparison = compare(&around_query, &around_candidate, index.texts(), settings);
+    let worst =
+        index.model_away().then(|| at_worst(index, &around_query, &around_candidate, &comparison)).flatten();
+    match judge_anchors(&comparison, settings, worst, index.model_away()) {
+        Ok(Standing::AskGeometry) if closed.query.is_none() => {
+            let detail =
+                "there are no anchors to compare, and the loop names no query whose geometry verified it";
+            warning(LoopWarningCode::NotSupported, detail.to_owned())
+        }
+        Ok(_) => None,
+        Err((_, reason)) if reason.code == ReasonCode::Contradiction => {
+            let detail = format!("the anchors around the two contradict each other: {}", reason.detail);
+            warning(LoopWarningCode::AnchorsContradict, detail)
+        }
+        Err((_, reason)) => {
+            let detail =
+                format!("a loop query would not support it ({}): {}", reason.code.as_str(), reason.detail);
+            warning(LoopWarningCode::NotSupported, detail)
+        }
+    }
+}
