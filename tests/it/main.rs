@@ -5,7 +5,9 @@
 
 mod bad_input;
 mod bounds;
+mod closing;
 mod crash;
+mod events;
 mod geometry;
 mod hotel;
 mod limits;
@@ -15,10 +17,12 @@ mod openapi;
 mod operations;
 mod paper;
 mod paths;
+mod races;
 mod raw;
 mod readme;
 mod recordings;
 mod support;
 mod tidy;
 mod trust;
+mod untaken;
 mod vocabulary;
