@@ -84,8 +84,10 @@ pub async fn serve(
         () = stopped => {}
     }
     server.closing.cancel();
-    for stream in sockets::close(listener)? {
-        server.admit(stream, graceful.watcher());
+    match sockets::close(listener) {
+        Ok(opened) => opened.into_iter().for_each(|stream| server.admit(stream, graceful.watcher())),
+        // Those that are served already still finish.
+        Err(error) => tracing::warn!(%error, "connections that were opened are not served"),
     }
     server.open.close();
     let finished = async {

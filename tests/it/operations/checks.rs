@@ -157,7 +157,7 @@ async fn a_torn_page_a_short_file_and_a_foreign_file_are_found() {
         assert!(!ran.succeeded && ran.out.contains("fault: "), "{length}: {ran:?}");
     }
     std::fs::write(&damaged, "a text").unwrap();
-    revisit(&["check", "--database", &url(&damaged)]).refused("1 faults");
+    revisit(&["check", "--database", &url(&damaged)]).refused("1 fault");
     revisit(&["check", "--database", &url(&folder.path().join("nothing.db"))])
         .refused("there is no such file");
     assert!(!names(folder.path()).contains("nothing.db"), "a check makes no files");
