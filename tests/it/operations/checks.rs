@@ -49,7 +49,7 @@ async fn a_sound_database_is_called_so_and_not_touched() {
     assert!(!before.0.contains("test.db-wal"), "the log is in the database once the server has stopped");
     let told = revisit(&["check", "--database", &url(&database)]).well();
     assert!(told.starts_with("map tower: sound; version ") && told.ends_with("sound\n"), "{told}");
-    assert!(told.contains("7 keyframes") && told.contains("1 loops"), "{told}");
+    assert!(told.contains("7 keyframes") && told.contains("1 loop,"), "{told}");
     let told: Value =
         serde_json::from_str(&revisit(&["check", "--json", "--database", &url(&database)]).well()).unwrap();
     assert_eq!((&told["sound"], &told["maps"][0]["keyframes"]), (&json!(true), &json!(7)), "{told}");
