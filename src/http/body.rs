@@ -108,9 +108,10 @@ where
 pub async fn all_faults(app: &App, map: &MapId, place: &str, mut faulty: Faulty) -> Problem {
     let declared = std::mem::take(&mut faulty.declared);
     // A map that cannot be asked is not what this refusal is about.
-    let mut unknown = match declared.is_empty() {
-        true => Vec::new(),
-        false => app.service.unknown_covisible(map, declared).await.unwrap_or_default(),
+    let mut unknown = if declared.is_empty() {
+        Vec::new()
+    } else {
+        app.service.unknown_covisible(map, declared).await.unwrap_or_default()
     };
     for fault in &mut unknown {
         fault.pointer.insert_str(0, place);

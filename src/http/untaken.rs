@@ -127,16 +127,12 @@ pub async fn bound_answers(State(app): State<App>, request: Request, next: Next)
     let (Some(seat), Some(length)) = (seat, length) else { return response };
     let (share, evictions) = app.answers.take(length as usize, &seat);
     (0..evictions).for_each(|_| app.metrics.traffic.connection("evicted"));
-    match share {
-        Some(share) => response.map(|body| Body::new(Pieces { body, rest: Bytes::new(), share })),
-        None => {
-            app.metrics.traffic.shed("answer");
-            Problem::overloaded(
-                "answers that other clients have not taken yet hold all the memory for answers",
-            )
-            .into_response()
-        }
-    }
+    let Some(share) = share else {
+        app.metrics.traffic.shed("answer");
+        let detail = "answers that other clients have not taken yet hold all the memory for answers";
+        return Problem::overloaded(detail).into_response();
+    };
+    response.map(|body| Body::new(Pieces { body, rest: Bytes::new(), share }))
 }
 
 /// A body that leaves piece by piece.
