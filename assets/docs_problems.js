@@ -15,6 +15,8 @@ const EXPLAINED = {
     + "`keyframe_exists`, `loop_exists` (another body was sent under this id before; choose another id, or read what is there), "
     + "`anchor_merged` (the anchor goes by another one's name; address that one), `first_key_must_administer` (make the "
     + "administrator's key first) or `last_admin_key` (make another one first, or say `?last_admin=true`).",
+  gone: "What the request continues is not there any more: the map was deleted and made again, or the events after the named one "
+    + "are too old to be kept. Read the map anew, and listen with `since=0`.",
   precondition_failed: "`if-match` named a version that is not the present one. "
     + "Read the anchor again, decide again, send the new `etag`.",
   too_large: "The body, a line or the map is beyond its limit; `detail` says which. Send less at once.",

@@ -10,7 +10,7 @@ fuzz_target!(|bytes: &[u8]| {
         let id = bulk::line_id(&line);
         match bulk::decode(line) {
             Ok(sent) => assert_eq!(id, Some(sent.keyframe.id.to_string())),
-            Err(faults) => assert!(!faults.is_empty()),
+            Err(faulty) => assert!(!faulty.faults.is_empty()),
         }
     }
 });

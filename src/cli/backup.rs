@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{Failure, write_out};
+use crate::model::counted::counted;
 use crate::store::backup::{Copied, Copy, folder_of};
 use crate::store::files::DatabaseFiles;
 use crate::store::restore::restore;
@@ -79,7 +80,10 @@ pub async fn run_restore(args: RestoreArgs) -> Result<(), Failure> {
 fn told(copied: &Copied) -> String {
     let holds = copied.holds;
     format!(
-        "{} maps, {} keyframes, {} anchors, schema {}",
-        holds.maps, holds.keyframes, holds.anchors, holds.schema
+        "{}, {}, {}, schema {}",
+        counted(holds.maps, "map"),
+        counted(holds.keyframes, "keyframe"),
+        counted(holds.anchors, "anchor"),
+        holds.schema
     )
 }

@@ -4,6 +4,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::{Failure, write_out};
+use crate::model::counted::counted;
 use crate::store::check::{Checked, MapCheck, check};
 use crate::store::files::DatabaseFiles;
 
@@ -37,15 +38,16 @@ pub async fn run(args: CheckArgs) -> Result<(), Failure> {
     }
     match faults.len() {
         0 => Ok(()),
-        count => Err(format!("{}: {count} faults", files.database().display()).into()),
+        count => Err(format!("{}: {}", files.database().display(), counted(count, "fault")).into()),
     }
 }
 
 fn as_text(checked: &Checked, faults: &[String]) -> String {
     let mut lines: Vec<String> = checked.maps.iter().map(map_line).collect();
     if let Some(holds) = checked.holds {
-        let (maps, keyframes, anchors) = (holds.maps, holds.keyframes, holds.anchors);
-        lines.push(format!("{maps} maps, {keyframes} keyframes, {anchors} anchors, schema {}", holds.schema));
+        let maps = counted(holds.maps, "map");
+        let (keyframes, anchors) = (counted(holds.keyframes, "keyframe"), counted(holds.anchors, "anchor"));
+        lines.push(format!("{maps}, {keyframes}, {anchors}, schema {}", holds.schema));
     }
     if checked.is_older {
         lines.push(
@@ -55,7 +57,7 @@ fn as_text(checked: &Checked, faults: &[String]) -> String {
     }
     lines.extend(faults.iter().take(LISTED).map(|fault| format!("fault: {fault}")));
     if faults.len() > LISTED {
-        lines.push(format!("and {} more faults; --json lists them", faults.len() - LISTED));
+        lines.push(format!("and {}; --json lists them", counted(faults.len() - LISTED, "more fault")));
     }
     if faults.is_empty() {
         lines.push("sound".to_owned());
@@ -64,11 +66,15 @@ fn as_text(checked: &Checked, faults: &[String]) -> String {
 }
 
 fn map_line(map: &MapCheck) -> String {
-    let verdict =
-        if map.faults.is_empty() { "sound".to_owned() } else { format!("{} faults", map.faults.len()) };
+    let verdict = if map.faults.is_empty() { "sound".to_owned() } else { counted(map.faults.len(), "fault") };
     format!(
-        "map {}: {verdict}; version {}, {} keyframes, {} anchors, {} loops, {} events",
-        map.id, map.version, map.keyframes, map.anchors, map.loops, map.events
+        "map {}: {verdict}; version {}, {}, {}, {}, {}",
+        map.id,
+        map.version,
+        counted(map.keyframes, "keyframe"),
+        counted(map.anchors, "anchor"),
+        counted(map.loops, "loop"),
+        counted(map.events, "event"),
     )
 }
 

@@ -5,6 +5,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use clap::{Args, Subcommand};
 
 use super::{Failure, write_out};
+use crate::model::counted::counted;
 use crate::model::key::{Action, Key, KeyProperties, MapPattern};
 use crate::model::keyframe::Stamp;
 use crate::service::ServiceError;
@@ -171,10 +172,10 @@ fn line(key: &Key) -> String {
         (None, None) => {}
     }
     if let Some(rate) = rate_per_s {
-        say(format!("{rate} requests a second"));
+        say(format!("{} a second", counted(*rate, "request")));
     }
     if let Some(calls) = model_daily_calls {
-        say(format!("{calls} model calls a day"));
+        say(format!("{} a day", counted(*calls, "model call")));
     }
     if let Some(microusd) = model_daily_microusd {
         say(format!("{} USD of models a day", *microusd as f64 / 1e6));
@@ -183,7 +184,7 @@ fn line(key: &Key) -> String {
 }
 
 fn days(seconds: i64) -> String {
-    format!("{} days and {} hours", seconds / 86_400, seconds % 86_400 / 3_600)
+    format!("{} and {}", counted(seconds / 86_400, "day"), counted(seconds % 86_400 / 3_600, "hour"))
 }
 
 /// What is wrong, where a client of the API would read it from the fields of the problem.

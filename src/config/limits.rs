@@ -24,13 +24,18 @@ pub struct LimitArgs {
     /// Memory for large bodies that are being received and read, in MiB; one that does not fit is answered 503
     #[arg(long, env = "REVISIT_MAX_BODY_MEMORY", value_name = "MIB", default_value_t = 512, value_parser = positive)]
     pub max_body_memory: usize,
+    /// Memory for large answers that their clients have not taken yet, in MiB. Where one more does not fit, the connection
+    /// of which nothing was taken for longest is closed; if all are being taken it is answered 503
+    #[arg(long, env = "REVISIT_MAX_ANSWER_MEMORY", value_name = "MIB", default_value_t = 128, value_parser = positive)]
+    pub max_answer_memory: usize,
     /// How long a client may take to send a request's head, and to begin with its body, in seconds
     #[arg(long, env = "REVISIT_HEADER_TIMEOUT", value_name = "S", default_value = "5", value_parser = seconds)]
     pub header_timeout: Duration,
     /// How long a connection may stay open without a request, in seconds
     #[arg(long, env = "REVISIT_KEEP_ALIVE", value_name = "S", default_value = "75", value_parser = seconds)]
     pub keep_alive: Duration,
-    /// How long a client may send nothing of a body, or take nothing of an answer, in seconds
+    /// How long a client may send nothing of a body, take nothing of an answer, or leave what it was sent unacknowledged,
+    /// in seconds
     #[arg(long, env = "REVISIT_STALL_TIMEOUT", value_name = "S", default_value = "30", value_parser = seconds)]
     pub stall_timeout: Duration,
     /// The least average rate of a body, in bytes a second; time in which the server is not ready for more is not counted

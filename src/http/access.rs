@@ -2,25 +2,28 @@
 //! on its decoded parameters, never on the raw path.
 //!
 //! What an operation needs stands in the API document (`security`), and this layer reads it there: what is documented is
-//! what is enforced, and an operation that says nothing is refused to everybody.
+//! what is enforced. An operation that says nothing is refused to everybody, and so is a route that the document does not
+//! have: nothing is let through because it was forgotten.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use axum::extract::{FromRequestParts, MatchedPath, RawPathParams, Request, State};
 use axum::http::Method;
-use axum::http::header::AUTHORIZATION;
+use axum::http::header::{ALLOW, AUTHORIZATION};
 use axum::http::request::Parts;
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use serde_json::Value;
 
 use super::App;
-use super::admission::{Working, throw_away};
+use super::admission::Working;
+use super::envelope::no_such_method;
 use super::problem::{Kind, Problem};
 use super::this_machine;
 use crate::model::ids::MapId;
 use crate::model::key::Action;
+use crate::service::ServiceError;
 use crate::service::access::Access;
 use crate::service::keyring::Found;
 
@@ -34,7 +37,7 @@ pub enum Need {
     Nothing,
     /// A key with this action.
     Action(Action),
-    /// What nobody can show: the document does not say.
+    /// More than anybody has: the document does not say.
     Unsaid,
 }
 
@@ -55,11 +58,23 @@ impl Needs {
         Self(operations.collect())
     }
 
-    /// What this request needs; `None` if there is no such operation, so that nothing will be done.
-    fn find(&self, method: &Method, route: &str) -> Option<Need> {
+    /// Finds what a request needs; a method that its route does not document is no operation, whatever the router has.
+    fn find(&self, method: &Method, route: &str) -> Result<Need, Refusal> {
         // The router answers HEAD by what GET answers.
-        let method = if method == Method::HEAD { Method::GET } else { method.clone() };
-        self.0.get(&(method, route.to_owned())).copied()
+        let asked = if method == Method::HEAD { &Method::GET } else { method };
+        if let Some(need) = self.0.get(&(asked.clone(), route.to_owned())) {
+            return Ok(*need);
+        }
+        let mut allowed: Vec<&str> =
+            self.0.keys().filter(|(_, path)| path == route).map(|(method, _)| method.as_str()).collect();
+        if allowed.is_empty() {
+            return Ok(Need::Unsaid);
+        }
+        if allowed.contains(&"GET") {
+            allowed.push("HEAD");
+        }
+        allowed.sort_unstable();
+        Err(Refusal::NoSuchMethod(allowed.join(",")))
     }
 }
 
@@ -72,6 +87,20 @@ fn need(operation: &Value) -> Need {
     }
     let action = requirement.get(SCHEME).and_then(|actions| Action::from_name(actions.get(0)?.as_str()?));
     action.map_or(Need::Unsaid, Need::Action)
+}
+
+/// Why a request goes no further.
+enum Refusal {
+    /// The path does not have the method; it has these.
+    NoSuchMethod(String),
+    /// Its caller may not.
+    Problem(Problem),
+}
+
+impl From<Problem> for Refusal {
+    fn from(problem: Problem) -> Self {
+        Self::Problem(problem)
+    }
 }
 
 /// Who called, for handlers whose needs depend on more than the route.
@@ -112,22 +141,24 @@ pub async fn authorise(State(app): State<App>, request: Request, next: Next) -> 
             }
             next.run(Request::from_parts(parts, body)).await
         }
-        Err(problem) => {
-            throw_away(Request::from_parts(parts, body));
-            problem.into_response()
+        Err(Refusal::Problem(problem)) => problem.into_response(),
+        Err(Refusal::NoSuchMethod(allowed)) => {
+            let problem = no_such_method(parts.method, parts.uri).await;
+            ([(ALLOW, allowed)], problem).into_response()
         }
     }
 }
 
 /// Who calls, if the operation wants to know.
-async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Problem> {
+async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Refusal> {
     let route = parts.extensions.get::<MatchedPath>().map_or("", MatchedPath::as_str);
-    let need = app.needs.find(&parts.method, route);
-    let action = match need {
-        // A method that the path does not have: 405 follows, whoever asks.
-        None | Some(Need::Nothing) => return Ok(None),
-        Some(Need::Unsaid) => return Err(Problem::new(Kind::FORBIDDEN, "nobody may do this")),
-        Some(Need::Action(action)) => action,
+    let action = match app.needs.find(&parts.method, route)? {
+        Need::Nothing => return Ok(None),
+        Need::Unsaid => {
+            let detail = "the API document does not say who may do this, so it is refused to everybody";
+            return Err(Problem::new(Kind::FORBIDDEN, detail).into());
+        }
+        Need::Action(action) => action,
     };
     let secret = secret(parts)?;
     let working = parts.extensions.get::<Working>().cloned().unwrap_or_default();
@@ -145,7 +176,7 @@ async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Proble
         && !caller.reaches(&map)
     {
         // Just what a key that reaches every map hears of a map that is not there.
-        return Err(Problem::new(Kind::NOT_FOUND, format!("there is no map {map}")));
+        return Err(Problem::from(ServiceError::no_map(&map)).into());
     }
     caller.needs(action)?;
     Ok(Some(caller))
@@ -198,4 +229,63 @@ fn lacks(access: &Access, action: Action) -> Problem {
         Kind::FORBIDDEN,
         format!("this takes a key that may {}; this one may {may}", action.as_str()),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use axum::Router;
+    use axum::body::Body;
+    use axum::http::StatusCode;
+    use axum::middleware::from_fn_with_state;
+    use axum::routing::get;
+    use serde_json::json;
+    use tokio_util::sync::CancellationToken;
+    use tower::ServiceExt as _;
+
+    use super::*;
+    use crate::config::limits::LimitArgs;
+    use crate::service::{Service, ServiceOptions};
+
+    /// Asks a router with these needs; its handlers do all that they are asked.
+    async fn asked(needs: Needs, method: Method, path: &str) -> (StatusCode, String) {
+        let folder = tempfile::tempdir().unwrap();
+        let database = format!("sqlite://{}", folder.path().join("a.db").display());
+        let service = Service::open(ServiceOptions::on(database)).await.unwrap();
+        let limits = LimitArgs::of::<&str>(&[]).unwrap();
+        let mut app = App::new(service.clone(), limits, CancellationToken::new()).unwrap();
+        app.needs = Arc::new(needs);
+        let done = async || "done";
+        let router: Router = Router::new()
+            .route("/v1/maps", get(done).delete(done))
+            .route("/v1/forgotten", get(done))
+            .route_layer(from_fn_with_state(app, authorise));
+        let request = Request::builder().method(method).uri(path).header("host", "localhost");
+        let response = router.oneshot(request.body(Body::empty()).unwrap()).await.unwrap();
+        service.close().await;
+        let allowed = response.headers().get(ALLOW).map(|allowed| allowed.to_str().unwrap().to_owned());
+        (response.status(), allowed.unwrap_or_default())
+    }
+
+    #[tokio::test]
+    async fn what_the_document_does_not_have_is_refused_and_a_document_that_is_empty_has_nothing() {
+        let documented = || json!({"paths": {"/v1/maps": {"get": {"security": [{"key": ["read"]}]}}}});
+        let silent = || json!({"paths": {"/v1/maps": {"get": {}, "delete": {"security": []}}}});
+        let cases = [
+            (documented(), Method::GET, "/v1/maps", StatusCode::OK, ""),
+            (documented(), Method::HEAD, "/v1/maps", StatusCode::OK, ""),
+            // The router has it, the document does not.
+            (documented(), Method::DELETE, "/v1/maps", StatusCode::METHOD_NOT_ALLOWED, "GET,HEAD"),
+            // Neither has it.
+            (documented(), Method::PATCH, "/v1/maps", StatusCode::METHOD_NOT_ALLOWED, "GET,HEAD"),
+            (documented(), Method::GET, "/v1/forgotten", StatusCode::FORBIDDEN, ""),
+            (silent(), Method::GET, "/v1/maps", StatusCode::FORBIDDEN, ""),
+            (silent(), Method::DELETE, "/v1/maps", StatusCode::FORBIDDEN, ""),
+            (Value::Null, Method::GET, "/v1/maps", StatusCode::FORBIDDEN, ""),
+            (json!({}), Method::DELETE, "/v1/maps", StatusCode::FORBIDDEN, ""),
+        ];
+        for (document, method, path, status, allowed) in cases {
+            let answer = asked(Needs::of(&document), method.clone(), path).await;
+            assert_eq!(answer, (status, allowed.to_owned()), "{method} {path} of {document}");
+        }
+    }
 }

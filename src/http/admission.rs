@@ -1,19 +1,15 @@
 //! Admission: who is worked for, and who is told at once to come back.
 //!
-//! What is left out first is told in [`crate::service::pressure`]. A request that is refused has its answer before its
-//! body is there; what arrives of the body meanwhile is thrown away, so that the answer gets through.
+//! What is left out first is told in [`crate::service::pressure`]. A request that is refused is answered without its body,
+//! of which [`super::unread`] takes care.
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use axum::body::Body;
 use axum::extract::{MatchedPath, Request, State};
 use axum::http::Method;
-use axum::http::header::EXPECT;
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
-use http_body_util::BodyExt as _;
-use hyper::body::Body as _;
 
 use super::App;
 use super::paced::Paced;
@@ -29,11 +25,6 @@ const QUESTIONS: [&str; 4] = [
     "/v1/semantics/information",
     "/v1/semantics/merge",
 ];
-/// What is read of the body of a refused request. With more to come the connection is closed.
-const DISCARDED_BYTES: usize = 1 << 20;
-/// And for how long.
-const DISCARDED_FOR: Duration = Duration::from_secs(1);
-
 /// A request's turn, for those inside who have to wait for something that is no work.
 #[derive(Clone, Debug, Default)]
 pub struct Working(Option<Arc<Turn>>);
@@ -57,7 +48,7 @@ pub async fn admit(State(app): State<App>, mut request: Request, next: Next) -> 
         None if ALWAYS.contains(&route) => None,
         None => {
             app.metrics.traffic.shed(what);
-            return shed(request);
+            return Problem::overloaded("the server has all the work it can do at once").into_response();
         }
     };
     request.extensions_mut().insert(Working(turn.clone()));
@@ -75,30 +66,5 @@ fn kind(method: &Method, route: &str) -> (Kind, &'static str) {
         (Kind::Read, "read")
     } else {
         (Kind::Write, "write")
-    }
-}
-
-fn shed(request: Request) -> Response {
-    throw_away(request);
-    Problem::overloaded("the server has all the work it can do at once").into_response()
-}
-
-/// Reads and forgets some of the body of a request that is answered without it, so that the answer gets through.
-pub fn throw_away(request: Request) {
-    // Who asks before sending does not send.
-    let asks_first = request.headers().contains_key(EXPECT);
-    let body = request.into_body();
-    if !asks_first && !body.is_end_stream() {
-        tokio::spawn(tokio::time::timeout(DISCARDED_FOR, discard(body)));
-    }
-}
-
-async fn discard(mut body: Body) {
-    let mut discarded = 0;
-    while let Some(Ok(frame)) = body.frame().await {
-        discarded += frame.data_ref().map_or(0, bytes::Bytes::len);
-        if discarded > DISCARDED_BYTES {
-            return;
-        }
     }
 }

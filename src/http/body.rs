@@ -15,10 +15,12 @@ use super::App;
 use super::inflate::Encoding;
 use super::memory::{Held, Memory, becomes_at_most, tree_bytes};
 use super::paced::TooSlow;
-use super::path::InKeyframe;
+use super::path::{InKeyframe, InMap};
 use super::problem::{Kind, Problem};
 use crate::config::logging::in_span;
-use crate::wire::keyframe::{self, SentKeyframe};
+use crate::model::ids::MapId;
+use crate::model::request::LoopQuery;
+use crate::wire::keyframe::{self, Faulty, SentKeyframe};
 use crate::wire::limits;
 use crate::wire::read::{self, Decode};
 use crate::wire::survey::{TooMany, survey};
@@ -67,10 +69,54 @@ where
         let app = App::from_ref(state);
         let text = json_text(request, &app).await?;
         let id = place.keyframe.clone();
-        let sent =
-            decoded(text, &app, move |value| keyframe::named(&value, &id).map_err(Problem::invalid)).await?;
-        Ok(Self { place, sent })
+        let read = move |value| Ok(keyframe::named(&value, &id).map_err(|faults| Faulty::of(faults, &value)));
+        match decoded(text, &app, read).await? {
+            Ok(sent) => Ok(Self { place, sent }),
+            Err(faulty) => Err(all_faults(&app, &place.map, "", faulty).await),
+        }
     }
+}
+
+/// A loop query in the body, about a map named by the path.
+pub struct QueryOfMap {
+    /// The map.
+    pub map: MapId,
+    /// The query.
+    pub query: LoopQuery,
+}
+
+impl<S: Send + Sync> FromRequest<S> for QueryOfMap
+where
+    App: FromRef<S>,
+{
+    type Rejection = Problem;
+
+    async fn from_request(mut request: Request, state: &S) -> Result<Self, Problem> {
+        let InMap(map) = request.extract_parts().await?;
+        let app = App::from_ref(state);
+        let text = json_text(request, &app).await?;
+        let read =
+            |value: Value| Ok(read::decode(&value).map_err(|faults| Faulty::of(faults, &value["inline"])));
+        match decoded(text, &app, read).await? {
+            Ok(query) => Ok(Self { map, query }),
+            Err(faulty) => Err(all_faults(&app, &map, "/inline", faulty).await),
+        }
+    }
+}
+
+/// Refuses a body with every fault that it has, those that only the map can tell of the keyframe at `place` among them.
+pub async fn all_faults(app: &App, map: &MapId, place: &str, mut faulty: Faulty) -> Problem {
+    let declared = std::mem::take(&mut faulty.declared);
+    // A map that cannot be asked is not what this refusal is about.
+    let mut unknown = if declared.is_empty() {
+        Vec::new()
+    } else {
+        app.service.unknown_covisible(map, declared).await.unwrap_or_default()
+    };
+    for fault in &mut unknown {
+        fault.pointer.insert_str(0, place);
+    }
+    Problem::invalid(faulty.with(unknown))
 }
 
 /// A JSON text as it came, not read yet.

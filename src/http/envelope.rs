@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use axum::body::Body;
 use axum::extract::{MatchedPath, Request};
-use axum::http::header::{AUTHORIZATION, CONTENT_LENGTH, CONTENT_TYPE};
+use axum::http::header::{AUTHORIZATION, CONTENT_LENGTH, CONTENT_TYPE, X_CONTENT_TYPE_OPTIONS};
 use axum::http::{HeaderName, HeaderValue, Method, Uri};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
@@ -25,6 +25,9 @@ use crate::model::ids::KeyframeId;
 pub const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
 /// The media type of refusals.
 pub const PROBLEM_JSON: HeaderValue = HeaderValue::from_static("application/problem+json");
+
+/// Keeps browsers from guessing what an answer is.
+pub const NO_SNIFF: HeaderValue = HeaderValue::from_static("nosniff");
 
 /// The target of the line that tells of every request.
 const ACCESS: &str = "revisit::access";
@@ -71,6 +74,8 @@ pub async fn envelope(mut request: Request, next: Next) -> Response {
     if let Ok(value) = HeaderValue::from_str(&id.0) {
         response.headers_mut().insert(REQUEST_ID, value);
     }
+    // A crop is a stranger's bytes: a browser shall take an answer for what it says it is, and for nothing else.
+    response.headers_mut().insert(X_CONTENT_TYPE_OPTIONS, NO_SNIFF);
     response
 }
 

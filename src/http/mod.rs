@@ -13,6 +13,9 @@
 //! | [`streams`] | how many of them one key may listen on |
 //! | [`patient`], [`watched`], [`paced`] | how long a client is waited for: its head, its taking the answer, its body |
 //! | [`unheard`] | what is told of a request that is no HTTP |
+//! | [`unread`] | request bodies that were not read to the end |
+//! | [`untaken`] | how much memory answers may keep that clients do not take |
+//! | [`sockets`] | options of connections, and how the listener is closed |
 //! | [`admission`] | which requests are worked on, and which are refused at once |
 //! | [`inflate`], [`memory`] | what a body becomes, and how much of the memory it may have |
 //! | [`metrics`], [`gauges`], [`process`], [`traffic`] | what Prometheus reads |
@@ -43,12 +46,16 @@ pub mod router;
 pub mod routes;
 pub mod seats;
 pub mod server;
+pub mod sockets;
 pub mod streams;
 pub mod this_machine;
 pub mod traffic;
 pub mod unheard;
+pub mod unread;
+pub mod untaken;
 pub mod watched;
 
+use std::io;
 use std::sync::Arc;
 
 use axum::extract::FromRef;
@@ -67,6 +74,7 @@ use metrics::Metrics;
 use paced::Pace;
 use seats::Seats;
 use streams::Streams;
+use untaken::AnswerMemory;
 
 /// What handlers work with.
 #[derive(Clone)]
@@ -93,16 +101,19 @@ pub struct App {
     pub streams: Arc<Streams>,
     /// What large bodies may take.
     pub memory: Memory,
+    /// What large answers may take.
+    pub answers: Arc<AnswerMemory>,
 }
 
 impl App {
-    /// An app around a service within limits, until `stopping` is cancelled.
-    pub fn new(service: Service, limits: LimitArgs, stopping: CancellationToken) -> Self {
+    /// Creates an app around a service within limits, until `stopping` is cancelled. It fails without an API document,
+    /// which says who may do what.
+    pub fn new(service: Service, limits: LimitArgs, stopping: CancellationToken) -> io::Result<Self> {
         service.pressure().allow(limits.max_requests);
-        let document = serde_json::to_vec(&document()).unwrap_or_default();
-        Self {
+        let document = serde_json::to_vec(&document())?;
+        Ok(Self {
             service,
-            needs: Arc::new(Needs::of(&serde_json::from_slice(&document).unwrap_or_default())),
+            needs: Arc::new(Needs::of(&serde_json::from_slice(&document)?)),
             metrics: Arc::new(Metrics::default()),
             document: document.into(),
             stopping,
@@ -111,8 +122,9 @@ impl App {
             seats: Seats::new(limits.max_connections),
             streams: Streams::new(limits.streams()),
             memory: Memory::new(limits.max_body_memory),
+            answers: AnswerMemory::new(limits.max_answer_memory),
             limits: Arc::new(limits),
-        }
+        })
     }
 }
 

@@ -3,7 +3,7 @@
 use std::future::ready;
 
 use axum::Router;
-use axum::http::header::{CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, X_CONTENT_TYPE_OPTIONS};
+use axum::http::header::{CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE};
 use axum::response::IntoResponse;
 use axum::routing::get;
 
@@ -69,7 +69,6 @@ fn serve(asset: &'static Asset) -> impl IntoResponse {
     let headers = [
         (CONTENT_TYPE, media_type(asset.name)),
         (CONTENT_SECURITY_POLICY, POLICY),
-        (X_CONTENT_TYPE_OPTIONS, "nosniff"),
         // The binary changes under the same addresses.
         (CACHE_CONTROL, "no-cache"),
     ];

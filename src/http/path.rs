@@ -7,7 +7,7 @@ use axum::http::request::Parts;
 use utoipa::IntoParams;
 
 use super::problem::{Kind, Problem};
-use crate::model::ids::{AnchorSeq, IdError, KeyframeId, LoopId, MapId};
+use crate::model::ids::{AnchorSeq, ID_FORM, IdError, KeyframeId, LoopId, MapId};
 use crate::model::invalid::FieldError;
 
 /// A map.
@@ -57,7 +57,7 @@ macro_rules! documented {
             #[expect(dead_code, reason = "documents what the extractors read")]
             pub struct $shape {
                 $($(#[$doc])*
-                #[param(min_length = 1, max_length = 128, pattern = "^[A-Za-z0-9._:-]{1,128}$")]
+                #[param(min_length = 1, max_length = 128, pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$")]
                 $field: String,)*
             }
         )*
@@ -111,7 +111,7 @@ impl Named {
     fn id<T: FromStr<Err = IdError>>(&self, name: &str) -> Result<T, FieldError> {
         let text = self.0.iter().find(|&(given, _)| given == name).map_or("", |(_, text)| text);
         let fault = |error: IdError| FieldError::new(format!("{{{name}}}"), error.to_string());
-        text.parse().map_err(|error| fault(error).got(text).limit("[A-Za-z0-9._:-]{1,128}"))
+        text.parse().map_err(|error| fault(error).got(text).limit(ID_FORM))
     }
 
     /// Two ids, or the faults of both.

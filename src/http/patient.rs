@@ -2,8 +2,12 @@
 //!
 //! hyper's own timer for heads also runs while a connection is idle, and it has none for answers that nobody takes. So
 //! the stream tells the seat what it hears and says, and is timed itself where it writes.
+//!
+//! A connection that is closed on bytes that were not read is reset, and an answer on its way is lost with it. So closing
+//! lingers: after the last answer the stream reads what its client still sends, until the client closes, too.
 
 use std::io;
+use std::mem::MaybeUninit;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::task::{Context, Poll, ready};
@@ -14,6 +18,14 @@ use tokio::time::{Instant, Sleep, sleep_until};
 
 use super::seats::{Phase, Seat};
 use crate::config::limits::LimitArgs;
+use crate::wire::limits;
+
+/// The longest that a closed connection lingers.
+const LINGER: Duration = Duration::from_secs(5);
+/// The longest that it lingers while its client sends nothing.
+const LINGER_SILENT: Duration = Duration::from_secs(1);
+/// The most that it reads meanwhile: the largest body.
+const LINGER_BYTES: usize = limits::BODY_BYTES;
 
 /// Resolves when the client should have sent a request long since.
 pub async fn overdue(seat: &Seat, limits: &LimitArgs) {
@@ -40,12 +52,20 @@ pub struct Patient<S> {
     seat: Arc<Seat>,
     stall: Duration,
     writing: Option<Pin<Box<Sleep>>>,
+    lingering: Option<Linger>,
+}
+
+/// A stream that is closed on our side.
+struct Linger {
+    end: Instant,
+    timer: Pin<Box<Sleep>>,
+    left: usize,
 }
 
 impl<S> Patient<S> {
     /// The stream of the connection on this seat.
     pub fn new(stream: S, seat: Arc<Seat>, limits: &LimitArgs) -> Self {
-        Self { stream, seat, stall: limits.stall_timeout, writing: None }
+        Self { stream, seat, stall: limits.stall_timeout, writing: None, lingering: None }
     }
 
     /// Something could be written, or nothing.
@@ -81,7 +101,7 @@ impl<S: AsyncRead + Unpin> AsyncRead for Patient<S> {
     }
 }
 
-impl<S: AsyncWrite + Unpin> AsyncWrite for Patient<S> {
+impl<S: AsyncRead + AsyncWrite + Unpin> AsyncWrite for Patient<S> {
     fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
         let written = Pin::new(&mut self.stream).poll_write(cx, bytes);
         self.watch_writing(cx, written)
@@ -105,6 +125,42 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for Patient<S> {
     }
 
     fn poll_shutdown(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
-        Pin::new(&mut self.stream).poll_shutdown(cx)
+        if self.lingering.is_none() {
+            ready!(Pin::new(&mut self.stream).poll_shutdown(cx))?;
+            self.lingering = Some(Linger::from_now());
+        }
+        let Self { stream, lingering, .. } = &mut *self;
+        match lingering {
+            Some(linger) => linger.poll(stream, cx).map(Ok),
+            None => Poll::Ready(Ok(())),
+        }
+    }
+}
+
+impl Linger {
+    fn from_now() -> Self {
+        let now = Instant::now();
+        let timer = Box::pin(sleep_until(now + LINGER_SILENT));
+        Self { end: now + LINGER, timer, left: LINGER_BYTES }
+    }
+
+    /// Reads and forgets until the client closes, or has had its time.
+    fn poll<S: AsyncRead + Unpin>(&mut self, stream: &mut S, cx: &mut Context<'_>) -> Poll<()> {
+        let mut forgotten = [MaybeUninit::uninit(); 8 << 10];
+        loop {
+            let mut buffer = ReadBuf::uninit(&mut forgotten);
+            match Pin::new(&mut *stream).poll_read(cx, &mut buffer) {
+                Poll::Pending => return self.timer.as_mut().poll(cx),
+                Poll::Ready(Err(_)) => return Poll::Ready(()),
+                Poll::Ready(Ok(())) => {}
+            }
+            let now = Instant::now();
+            let read = buffer.filled().len();
+            self.left = self.left.saturating_sub(read);
+            if read == 0 || self.left == 0 || now > self.end {
+                return Poll::Ready(());
+            }
+            self.timer.as_mut().reset(self.end.min(now + LINGER_SILENT));
+        }
     }
 }

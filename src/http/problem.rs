@@ -42,6 +42,7 @@ kinds! {
     METHOD_NOT_ALLOWED = METHOD_NOT_ALLOWED, "method_not_allowed", "The method is not allowed here";
     TIMEOUT = REQUEST_TIMEOUT, "timeout", "The body took too long to arrive";
     CONFLICT = CONFLICT, "conflict", "The request contradicts what is stored";
+    GONE = GONE, "gone", "What the request continues is gone";
     PRECONDITION_FAILED = PRECONDITION_FAILED, "precondition_failed", "Somebody else was faster";
     TOO_LARGE = PAYLOAD_TOO_LARGE, "too_large", "The body is too large";
     UNSUPPORTED_MEDIA_TYPE = UNSUPPORTED_MEDIA_TYPE, "unsupported_media_type", "The body's type or encoding is not supported";
@@ -177,6 +178,7 @@ impl From<ServiceError> for Problem {
         match error {
             ServiceError::NotFound(detail) => Self::new(Kind::NOT_FOUND, detail),
             ServiceError::Conflict { code, detail } => Self { code, ..Self::new(Kind::CONFLICT, detail) },
+            ServiceError::Gone { detail } => Self::new(Kind::GONE, detail),
             ServiceError::PreconditionFailed { detail } => Self::new(Kind::PRECONDITION_FAILED, detail),
             ServiceError::Invalid(errors) => Self::invalid(errors),
             ServiceError::TooLarge { detail } => Self::new(Kind::TOO_LARGE, detail),

@@ -9,6 +9,7 @@ use utoipa::openapi::{Ref, RefOr, Response, ResponseBuilder};
 
 use super::problem::{Kind, Problem};
 use crate::model::invalid::FieldError;
+use crate::service::ServiceError;
 
 macro_rules! refusals {
     ($($(#[$doc:meta])* $name:ident = [$($kind:ident),*];)*) => {
@@ -28,6 +29,8 @@ macro_rules! refusals {
 refusals! {
     /// Of operations that only read a resource.
     OfRead = [BAD_REQUEST, NOT_FOUND, INVALID, UNAVAILABLE];
+    /// Of the operation that listens to a map.
+    OfStream = [BAD_REQUEST, NOT_FOUND, GONE, INVALID, UNAVAILABLE];
     /// Of operations that only read, and name no resource.
     OfList = [BAD_REQUEST, INVALID, UNAVAILABLE];
     /// Of operations that ask something with a body, and name no resource.
@@ -106,11 +109,11 @@ fn example(kind: Kind) -> Problem {
         }
         Kind::INVALID => Problem::invalid(vec![
             fault("/pose/rotation", "not a unit quaternion: its norm is 0")
-                .got("an object of 4 fields")
+                .got("a norm of 0")
                 .limit("a norm of 1, within 1 %"),
             fault("/stamp", "the field is required"),
         ]),
-        Kind::NOT_FOUND => Problem::new(kind, "there is no map tower"),
+        Kind::NOT_FOUND => ServiceError::no_map("tower").into(),
         Kind::CONFLICT => Problem::new(kind, "keyframe kf-120 was stored with another body"),
         Kind::PRECONDITION_FAILED => Problem::new(kind, "the anchor's version is 5"),
         Kind::INTERNAL => Problem::internal(""),

@@ -14,6 +14,7 @@ use tower_http::limit::RequestBodyLimitLayer;
 use super::access::authorise;
 use super::admission::admit;
 use super::envelope::{self, envelope};
+use super::untaken::bound_answers;
 use super::{App, document, pages, routes};
 use crate::wire::limits;
 
@@ -26,6 +27,8 @@ pub fn router(app: App) -> Router {
         .layer(from_fn_with_state(app.clone(), observe))
         .layer(from_fn_with_state(app.clone(), admit))
         .layer(CompressionLayer::new())
+        // Before compression an answer has a length, and is what takes memory.
+        .layer(from_fn_with_state(app.clone(), bound_answers))
         .layer(CatchPanicLayer::custom(envelope::panicked))
         // What is compressed is bounded by the largest body there is, what is inflated by its reader.
         .layer(RequestBodyLimitLayer::new(limits::BULK_BYTES));

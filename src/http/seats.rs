@@ -160,6 +160,11 @@ impl Seat {
         }
     }
 
+    /// Has the connection closed.
+    pub fn tell_to_go(&self) {
+        self.told.notify_one();
+    }
+
     /// Resolves when it has to give way.
     pub async fn told_to_go(&self) {
         self.told.notified().await;

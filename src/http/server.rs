@@ -2,6 +2,9 @@
 //!
 //! `axum::serve` waits for ever: for half a head, for a body, for an answer to be taken. Here each of these has its time
 //! ([`super::patient`], [`super::paced`]), and connections have their number ([`super::seats`]).
+//!
+//! Stopping resets no connection. The listener is closed after the connections that it holds were accepted. Each of them
+//! is answered once more, with `connection: close`; one whose client sends no request is closed after [`LAST_REQUESTS`].
 
 use std::convert::Infallible;
 use std::io;
@@ -13,6 +16,8 @@ use std::time::Duration;
 use axum::Router;
 use axum::body::Body;
 use axum::extract::Request;
+use axum::http::HeaderValue;
+use axum::http::header::CONNECTION;
 use governor::{DefaultDirectRateLimiter, Quota, RateLimiter};
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
@@ -21,13 +26,16 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::Semaphore;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
+use tokio_util::task::TaskTracker;
 use tower::ServiceExt as _;
 
 use super::patient::{Patient, overdue};
 use super::refused;
 use super::router::router;
 use super::seats::{Claim, Seat};
+use super::sockets;
 use super::unheard::Unheard;
+use super::unread::Unread;
 use super::watched::Watched;
 use super::{App, routes};
 use crate::config::limits::LimitArgs;
@@ -35,6 +43,8 @@ use crate::service::Service;
 
 /// How long requests in flight may take to finish once the server is told to stop.
 const DRAIN: Duration = Duration::from_secs(10);
+/// How long a connection without a request stays open once the server stops: a client that has just sent one is answered.
+const LAST_REQUESTS: Duration = Duration::from_secs(1);
 /// The most bytes of a request's head, and of what is read ahead of a body.
 const HEAD_BYTES: usize = 64 << 10;
 /// After a failed accept (no file descriptors are left, mostly) the next try waits so long, and twice as long each time.
@@ -52,7 +62,7 @@ pub async fn serve(
     stopping: CancellationToken,
 ) -> io::Result<()> {
     let drain = limits.drain;
-    let app = App::new(service, limits, stopping.clone());
+    let app = App::new(service, limits, stopping.clone())?;
     routes::ask_about_triggers(&app);
     let server = Arc::new(Connections {
         router: router(app.clone()),
@@ -60,6 +70,8 @@ pub async fn serve(
         refusals: Arc::new(Semaphore::new(REFUSALS_AT_ONCE)),
         complaints: RateLimiter::direct(Quota::per_minute(COMPLAINTS_PER_MINUTE)),
         http: http(),
+        closing: CancellationToken::new(),
+        open: TaskTracker::new(),
     });
     let graceful = GracefulShutdown::new();
     let stopped = async {
@@ -71,9 +83,18 @@ pub async fn serve(
         () = server.accept(&listener, &graceful) => {}
         () = stopped => {}
     }
-    // From here on nobody gets in; who is in finishes what it has begun.
-    drop(listener);
-    if tokio::time::timeout(DRAIN, graceful.shutdown()).await.is_err() {
+    server.closing.cancel();
+    match sockets::close(listener) {
+        Ok(opened) => opened.into_iter().for_each(|stream| server.admit(stream, graceful.watcher())),
+        // Those that are served already still finish.
+        Err(error) => tracing::warn!(%error, "connections that were opened are not served"),
+    }
+    server.open.close();
+    let finished = async {
+        let _ = tokio::time::timeout(LAST_REQUESTS, server.open.wait()).await;
+        graceful.shutdown().await;
+    };
+    if tokio::time::timeout(DRAIN, finished).await.is_err() {
         tracing::warn!(seconds = DRAIN.as_secs(), "some requests did not finish in time");
     }
     Ok(())
@@ -95,6 +116,10 @@ struct Connections {
     refusals: Arc<Semaphore>,
     complaints: DefaultDirectRateLimiter,
     http: http1::Builder,
+    /// Cancelled when no connection is to stay open after its next answer.
+    closing: CancellationToken,
+    /// The tasks that serve connections.
+    open: TaskTracker,
 }
 
 impl Connections {
@@ -107,7 +132,7 @@ impl Connections {
                     self.admit(stream, graceful.watcher());
                 }
                 // The client was gone before we came to it.
-                Err(error) if is_the_clients(&error) => {}
+                Err(error) if sockets::is_the_clients(&error) => {}
                 Err(error) => {
                     tracing::warn!(%error, "no connection can be accepted");
                     tokio::time::sleep(again).await;
@@ -133,33 +158,38 @@ impl Connections {
                     );
                 }
                 if let Ok(permit) = self.refusals.clone().try_acquire_owned() {
-                    tokio::spawn(refused::tell(stream, permit));
+                    self.open.spawn(refused::tell(stream, permit));
                 }
                 return;
             }
         };
         self.app.metrics.traffic.connection("accepted");
         let server = self.clone();
-        tokio::spawn(async move {
+        self.open.spawn(async move {
             let Some(seat) = server.app.seats.sit(claimed).await else { return };
             server.converse(stream, seat, watcher).await;
         });
     }
 
     async fn converse(&self, stream: TcpStream, seat: Arc<Seat>, watcher: Watcher) {
-        // Answers are small and waited for: none is held back to be sent with the next.
-        if let Err(error) = stream.set_nodelay(true) {
-            tracing::debug!(%error, "no TCP_NODELAY");
+        if let Err(error) = sockets::prepare(&stream, self.app.limits.stall_timeout) {
+            tracing::debug!(%error, "a connection without its options");
         }
         let stream = Patient::new(stream, seat.clone(), &self.app.limits);
         let stream = TokioIo::new(Unheard::new(stream, seat.clone()));
-        let (router, at_work) = (self.router.clone(), seat.clone());
+        let (router, at_work, closing) = (self.router.clone(), seat.clone(), self.closing.clone());
         let answer = hyper::service::service_fn(move |request: hyper::Request<hyper::body::Incoming>| {
             at_work.works();
-            let answered = router.clone().oneshot(Request::from(request.map(Body::new)));
-            let at_work = at_work.clone();
+            let (mut request, unread) = Unread::of(Request::from(request.map(Body::new)));
+            request.extensions_mut().insert(at_work.clone());
+            let answered = router.clone().oneshot(request);
+            let (at_work, closing) = (at_work.clone(), closing.clone());
             async move {
                 let response = answered.await.unwrap_or_else(|never: Infallible| match never {});
+                let mut response = unread.settle(response).await;
+                if closing.is_cancelled() {
+                    response.headers_mut().insert(CONNECTION, HeaderValue::from_static("close"));
+                }
                 Ok::<_, Infallible>(response.map(|body| Watched::new(body, at_work)))
             }
         });
@@ -172,11 +202,6 @@ impl Connections {
             () = seat.told_to_go() => tracing::debug!("a connection gave way to another"),
         }
     }
-}
-
-fn is_the_clients(error: &io::Error) -> bool {
-    use io::ErrorKind::{ConnectionAborted, ConnectionRefused, ConnectionReset};
-    matches!(error.kind(), ConnectionAborted | ConnectionRefused | ConnectionReset)
 }
 
 /// A server in this process, for those who need one of their own: replay, demo and tests.

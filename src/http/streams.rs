@@ -7,6 +7,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::problem::Problem;
+use crate::model::counted::counted;
 use crate::model::key::KeySeq;
 use crate::service::access::Access;
 
@@ -38,18 +39,21 @@ impl Streams {
         let count = open.get(&key).copied().unwrap_or_default();
         if count >= most {
             return Err(match key {
-                Some(_) => {
-                    Problem::had_its_share(format!("the key listens to {most} streams, and may to no more"))
-                }
+                Some(_) => Problem::had_its_share(format!(
+                    "the key listens to {}, and may to no more",
+                    counted(most, "stream")
+                )),
                 None => Problem::overloaded(format!(
-                    "{most} streams are listened to; without keys there are no more"
+                    "without keys there is room for {} at once",
+                    counted(most, "stream")
                 )),
             });
         }
         if open.values().sum::<usize>() >= self.most_in_all {
             let most = self.most_in_all;
             return Err(Problem::overloaded(format!(
-                "{most} streams are listened to, and there are no more"
+                "there is room for {} at once",
+                counted(most, "stream")
             )));
         }
         open.insert(key, count + 1);

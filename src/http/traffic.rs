@@ -51,7 +51,7 @@ impl Traffic {
         self.connections.get_or_create(&FateLabels { fate }).inc();
     }
 
-    /// A `read`, a `write` or a large `body` was shed.
+    /// A `read`, a `write`, a large `body` or a large `answer` was shed.
     pub fn shed(&self, what: &'static str) {
         self.shed.get_or_create(&ShedLabels { what }).inc();
     }

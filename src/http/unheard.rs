@@ -78,7 +78,13 @@ fn told(hypers: Vec<u8>) -> Vec<u8> {
     let (length, id_of) = (format!("content-length: {}", body.len()), format!("{REQUEST_ID}: {id}"));
     let hypers = String::from_utf8_lossy(&hypers);
     let kept = hypers.lines().filter(|line| !line.is_empty() && !line.starts_with("content-length:"));
-    let ours = ["content-type: application/problem+json", &length, &id_of, "\r\n"];
+    let ours = [
+        "content-type: application/problem+json",
+        "x-content-type-options: nosniff",
+        &length,
+        &id_of,
+        "\r\n",
+    ];
     let head = kept.chain(ours).collect::<Vec<_>>().join("\r\n");
     [head.into_bytes(), body].concat()
 }

@@ -24,9 +24,19 @@ pub enum IdError {
     /// The id has a character outside `[A-Za-z0-9._:-]`.
     #[error("an id is made of A-Z a-z 0-9 . _ : -, not of {0:?}")]
     Character(char),
+    /// The id is `.` or `..`, which clients and proxies resolve away in a path.
+    #[error("`.` and `..` are steps of a path, not ids")]
+    Dots,
 }
 
+/// The form of an id, as refusals show it.
+pub const ID_FORM: &str = "[A-Za-z0-9._:-]{1,128}, but neither . nor ..";
+
 fn check(text: &str) -> Result<(), IdError> {
+    if matches!(text, "." | "..") { Err(IdError::Dots) } else { check_characters(text) }
+}
+
+fn check_characters(text: &str) -> Result<(), IdError> {
     if text.is_empty() {
         return Err(IdError::Empty);
     }
@@ -39,6 +49,12 @@ fn check(text: &str) -> Result<(), IdError> {
         return Err(IdError::TooLong(text.len()));
     }
     Ok(())
+}
+
+/// An id as the store gives it back.
+pub trait StoredId: Sized {
+    /// Reads an id that was accepted once: versions before 0.2 took `.` and `..`, too.
+    fn stored(text: &str) -> Result<Self, IdError>;
 }
 
 macro_rules! text_id {
@@ -59,6 +75,13 @@ macro_rules! text_id {
 
             fn from_str(text: &str) -> Result<Self, IdError> {
                 check(text)?;
+                Ok(Self(text.into()))
+            }
+        }
+
+        impl StoredId for $name {
+            fn stored(text: &str) -> Result<Self, IdError> {
+                check_characters(text)?;
                 Ok(Self(text.into()))
             }
         }
@@ -150,6 +173,18 @@ mod tests {
         assert_eq!("".parse::<MapId>(), Err(IdError::Empty));
         assert_eq!("a/b".parse::<MapId>(), Err(IdError::Character('/')));
         assert_eq!("é".parse::<MapId>(), Err(IdError::Character('é')));
+    }
+
+    #[test]
+    fn a_step_of_a_path_is_no_id_and_one_that_was_stored_is_still_read() {
+        for dots in [".", ".."] {
+            assert_eq!(dots.parse::<SessionId>(), Err(IdError::Dots));
+            assert_eq!(SessionId::stored(dots).unwrap().as_str(), dots);
+        }
+        for id in ["...", ".a", "a.", "..-"] {
+            assert!(id.parse::<SessionId>().is_ok(), "{id}");
+        }
+        assert_eq!(SessionId::stored("a/b"), Err(IdError::Character('/')));
     }
 
     #[test]

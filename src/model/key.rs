@@ -6,7 +6,7 @@ use std::str::FromStr;
 use sha2::{Digest as _, Sha256};
 use thiserror::Error;
 
-use super::ids::MapId;
+use super::ids::{MapId, StoredId as _};
 use super::keyframe::Stamp;
 
 /// What a key may be allowed to do.
@@ -108,11 +108,21 @@ impl MapPattern {
     }
 }
 
+impl MapPattern {
+    /// Reads a pattern that was accepted once.
+    pub fn stored(text: &str) -> Result<Self, PatternError> {
+        // What is left when every star is a letter is an id.
+        match MapId::stored(&text.replace('*', "x")) {
+            Ok(_) => Ok(Self(text.into())),
+            Err(_) => Err(PatternError),
+        }
+    }
+}
+
 impl FromStr for MapPattern {
     type Err = PatternError;
 
     fn from_str(text: &str) -> Result<Self, PatternError> {
-        // What is left when every star is a letter is an id.
         match text.replace('*', "x").parse::<MapId>() {
             Ok(_) => Ok(Self(text.into())),
             Err(_) => Err(PatternError),
@@ -230,7 +240,7 @@ mod tests {
                 assert!(!pattern.matches(&map.parse().expect("an id")), "{pattern} is not to name {map}");
             }
         }
-        for wrong in ["", "a/b", "a b", "é*", &"*".repeat(129)] {
+        for wrong in ["", "a/b", "a b", "é*", ".", "..", &"*".repeat(129)] {
             assert_eq!(wrong.parse::<MapPattern>(), Err(PatternError), "{wrong}");
         }
     }

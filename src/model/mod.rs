@@ -15,10 +15,12 @@
 //! | views for readers | [`report`] |
 //! | API keys and what they may do | [`key`] |
 //! | what is wrong with a body | [`invalid`] |
+//! | a number with its noun | [`mod@counted`] |
 
 pub mod anchor;
 pub mod bow;
 pub mod change;
+pub mod counted;
 pub mod difference;
 pub mod event;
 pub mod ids;

@@ -10,6 +10,7 @@ use super::difference::{Differing, Ruling, relative_placement};
 use super::standing_in::AtWorst;
 use super::tracked_path::Discrepancy;
 use super::verification::{Failure, Status, Verification};
+use crate::model::counted::counted;
 use crate::model::settings::Settings;
 use crate::model::verdict::{
     AnchorEvidence, BowEvidence, Candidate, CandidateDecision, ClosedLoop, ContradictionEvidence,
@@ -175,8 +176,9 @@ pub(super) fn not_distinctive(places: usize) -> Reason {
 
 pub(super) fn pending(comparison: &Comparison<'_>, model_away: bool) -> Reason {
     let detail = format!(
-        "{} anchors are not described yet; at best S would be {:.3}",
-        comparison.pending, comparison.at_best.similarity
+        "not described yet: {}; at best S would be {:.3}",
+        counted(comparison.pending, "anchor"),
+        comparison.at_best.similarity
     );
     let pending = comparison.pending as f64;
     let code = if model_away { ReasonCode::LlmUnavailable } else { ReasonCode::LlmPending };
@@ -185,8 +187,10 @@ pub(super) fn pending(comparison: &Comparison<'_>, model_away: bool) -> Reason {
 
 pub(super) fn awaited(worst: &AtWorst, model_away: bool) -> Reason {
     let detail = format!(
-        "{} crops are not described yet; at worst S would be {:.3}, and {:.3} would contradict",
-        worst.awaited, worst.similarity, worst.contradicting_weight
+        "not described yet: {}; at worst S would be {:.3}, and {:.3} would contradict",
+        counted(worst.awaited, "crop"),
+        worst.similarity,
+        worst.contradicting_weight
     );
     let code = if model_away { ReasonCode::LlmUnavailable } else { ReasonCode::LlmPending };
     Reason { code, measured: Some(worst.awaited as f64), limit: Some(0.0), detail }

@@ -10,7 +10,7 @@ use super::recorder::{Decided, Recorder};
 use crate::model::anchor::{Observation, Outcome};
 use crate::model::change::{Change, Keyframe};
 use crate::model::event::{Event, EventKind};
-use crate::model::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
+use crate::model::ids::{AnchorSeq, KeyframeId, KeyframeSeq, SessionSeq};
 use crate::model::invalid::FieldError;
 use crate::model::keyframe::{Detection, NewKeyframe};
 
@@ -30,15 +30,18 @@ pub struct Ingested {
     pub decided: Decided,
 }
 
-/// Checks what only the map can tell: every declared covisible keyframe must exist.
-pub fn check(index: &MapIndex, keyframe: &NewKeyframe) -> Vec<FieldError> {
-    let unknown = |(number, (id, _)): (usize, &(_, u32))| {
+/// Finds the faults that only the map can tell: a declared covisible keyframe that does not exist.
+pub fn unknown_covisible<'k>(
+    index: &MapIndex,
+    declared: impl Iterator<Item = (usize, &'k KeyframeId)>,
+) -> Vec<FieldError> {
+    let unknown = |(place, id): (usize, &KeyframeId)| {
         index.keyframe_seq(id).is_none().then(|| {
-            FieldError::new(format!("/covisible/{number}/keyframe"), "there is no such keyframe in the map")
+            FieldError::new(format!("/covisible/{place}/keyframe"), "there is no such keyframe in the map")
                 .got(id)
         })
     };
-    keyframe.covisible.iter().enumerate().filter_map(unknown).collect()
+    declared.filter_map(unknown).collect()
 }
 
 /// The vocabulary that the map's words belong to, if the keyframe's belong to another: the same number would mean

@@ -19,6 +19,12 @@ pub enum ServiceError {
         /// A sentence for people.
         detail: String,
     },
+    /// What the request continues is gone.
+    #[error("{detail}")]
+    Gone {
+        /// A sentence for people.
+        detail: String,
+    },
     /// The thing has another version than the client believes.
     #[error("{detail}")]
     PreconditionFailed {
@@ -67,8 +73,9 @@ impl ServiceError {
         Self::Internal(format!("a decision did not finish: {error}"))
     }
 
-    pub(super) fn no_map(id: impl std::fmt::Display) -> Self {
-        Self::NotFound(format!("there is no map {id}"))
+    /// Says that a map is not there, and how to make it.
+    pub fn no_map(id: impl std::fmt::Display) -> Self {
+        Self::NotFound(format!("there is no map {id}; `PUT /v1/maps/{id}` with {{}} as its body makes one"))
     }
 
     pub(super) fn no_keyframe(id: impl std::fmt::Display) -> Self {

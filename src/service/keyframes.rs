@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::live::{Decision, LiveMap};
+use super::live::{Decision, LiveMap, State};
 use super::maps::bad_cursor;
 use super::pinned::PinnedMap;
 use super::quota::check_keyframe;
@@ -11,6 +11,7 @@ use super::words::check_vocabulary;
 use super::{Service, ServiceError, Stored};
 use crate::model::anchor::{AnchorState, Outcome};
 use crate::model::ids::{KeyframeId, KeyframeSeq, MapId};
+use crate::model::invalid::FieldError;
 use crate::model::keyframe::NewKeyframe;
 use crate::model::report::{KeyframeRecord, KeyframeReport, KeyframeSummary, Page};
 use crate::model::request::Digest;
@@ -19,7 +20,7 @@ use crate::recognition::anchor_map::{Centre, local_anchor_map};
 use crate::recognition::culling::cull_keyframe;
 use crate::recognition::distinctiveness::PlaceCounts;
 use crate::recognition::index::MapIndex;
-use crate::recognition::ingest::{check, ingest};
+use crate::recognition::ingest::{ingest, unknown_covisible};
 use crate::store::{KeyframeRow, NewKeyframeRows};
 
 /// What became of a `PUT` under the map's lock.
@@ -32,21 +33,35 @@ enum Put {
 pub struct PendingKeyframe {
     service: Service,
     live: Arc<LiveMap>,
-    id: KeyframeId,
+    keyframe: Arc<NewKeyframe>,
     digest: Digest,
+    manner: Manner,
     begun: Begun<Put>,
 }
+
+/// How often a PUT begins anew because the keyframe that it found was culled before it could be read.
+const PUT_AGAIN_MAX: usize = 16;
 
 impl PendingKeyframe {
     /// Waits until it is on disk.
     pub async fn committed(self) -> Result<Stored<KeyframeReport>, ServiceError> {
-        match self.begun.committed().await? {
-            (Put::Created(mut value), map_version) => {
-                value.map_version = map_version;
-                Ok(Stored { created: true, map_version, value })
+        let Self { service, live, keyframe, digest, manner, mut begun } = self;
+        for _ in 0..PUT_AGAIN_MAX {
+            let seq = match begun.committed().await? {
+                (Put::Created(mut value), map_version) => {
+                    value.map_version = map_version;
+                    return Ok(Stored { created: true, map_version, value });
+                }
+                (Put::Exists(seq), _) => seq,
+            };
+            if let Some(stored) = service.put_again(&live, &keyframe.id, seq, digest).await? {
+                return Ok(stored);
             }
-            (Put::Exists(seq), _) => self.service.put_again(&self.live, &self.id, seq, self.digest).await,
+            // Culled since it was found: it is not there any more, so this request stores it.
+            begun = service.begin_put(&live, keyframe.clone(), digest, manner).await?;
         }
+        let detail = format!("keyframe {} is deleted again and again", keyframe.id);
+        Err(ServiceError::Unavailable { detail, retry_after_s: 1 })
     }
 }
 
@@ -59,7 +74,7 @@ impl Service {
         digest: Digest,
     ) -> Result<Stored<KeyframeReport>, ServiceError> {
         let live = self.live(map).await?;
-        self.keyframe_begun(live, keyframe, digest, false).await?.committed().await
+        self.keyframe_begun(live, keyframe, digest, Manner::Prompt).await?.committed().await
     }
 
     /// The first half of [`Self::put_keyframe`]: decided and queued, in the order of calls. Who has many keyframes
@@ -72,7 +87,7 @@ impl Service {
         digest: Digest,
     ) -> Result<PendingKeyframe, ServiceError> {
         let live = self.live_pinned(map).await?;
-        self.keyframe_begun(live, keyframe, digest, true).await
+        self.keyframe_begun(live, keyframe, digest, Manner::Patient).await
     }
 
     async fn keyframe_begun(
@@ -80,16 +95,28 @@ impl Service {
         live: Arc<LiveMap>,
         keyframe: NewKeyframe,
         digest: Digest,
-        patiently: bool,
+        manner: Manner,
     ) -> Result<PendingKeyframe, ServiceError> {
-        let keyframe = self.with_words(keyframe).await?;
-        let id = keyframe.id.clone();
+        let keyframe = Arc::new(self.with_words(keyframe).await?);
+        let begun = self.begin_put(&live, keyframe.clone(), digest, manner).await?;
+        Ok(PendingKeyframe { service: self.clone(), live, keyframe, digest, manner, begun })
+    }
+
+    /// Decides whether the keyframe is new, and queues it if so.
+    async fn begin_put(
+        &self,
+        live: &Arc<LiveMap>,
+        keyframe: Arc<NewKeyframe>,
+        digest: Digest,
+        manner: Manner,
+    ) -> Result<Begun<Put>, ServiceError> {
         let quotas = self.quotas;
         let decide = move |index: &mut MapIndex| {
             if let Some(seq) = index.keyframe_seq(&keyframe.id) {
                 return Ok(Decision::Unchanged(Put::Exists(seq)));
             }
-            let errors = check(index, &keyframe);
+            let declared = keyframe.covisible.iter().enumerate().map(|(place, (id, _))| (place, id));
+            let errors = unknown_covisible(index, declared);
             if !errors.is_empty() {
                 return Err(ServiceError::Invalid(errors));
             }
@@ -98,22 +125,21 @@ impl Service {
             let ingested = ingest(index, &keyframe);
             let mut report = report(index, &keyframe.id, ingested.keyframe, &ingested.outcomes);
             report.revisits = ingested.revisits;
-            let rows = NewKeyframeRows { keyframe: Arc::new(keyframe), digest };
+            let rows = NewKeyframeRows { keyframe, digest };
             Ok(Decision::Changed(Put::Created(report), ingested.decided, Some(rows)))
         };
-        let manner = if patiently { Manner::Patient } else { Manner::Prompt };
-        let begun = self.begin(&live, manner, decide).await?;
-        Ok(PendingKeyframe { service: self.clone(), live, id, digest, begun })
+        self.begin(live, manner, decide).await
     }
 
+    /// Answers a PUT of a keyframe that exists; `None` if it was culled meanwhile.
     async fn put_again(
         &self,
         live: &Arc<LiveMap>,
         id: &KeyframeId,
         seq: KeyframeSeq,
         digest: Digest,
-    ) -> Result<Stored<KeyframeReport>, ServiceError> {
-        let row = self.keyframe_row(live, id, seq).await?;
+    ) -> Result<Option<Stored<KeyframeReport>>, ServiceError> {
+        let Some(row) = self.store.keyframe(live.key, seq).await? else { return Ok(None) };
         if row.digest != digest {
             return Err(ServiceError::Conflict {
                 code: "keyframe_exists",
@@ -127,7 +153,21 @@ impl Service {
         let (map_version, mut value) =
             self.read(live, move |state| Ok(report(&state.index, &name, seq, &outcomes))).await?;
         value.map_version = map_version;
-        Ok(Stored { created: false, map_version, value })
+        Ok(Some(Stored { created: false, map_version, value }))
+    }
+
+    /// Finds the declared covisible keyframes that the map does not have. For bodies with other faults, which never come
+    /// before the map: so that a client is told all faults at once.
+    pub async fn unknown_covisible(
+        &self,
+        map: &MapId,
+        declared: Vec<(usize, KeyframeId)>,
+    ) -> Result<Vec<FieldError>, ServiceError> {
+        let live = self.live(map).await?;
+        let look = move |state: &State| {
+            Ok(unknown_covisible(&state.index, declared.iter().map(|(place, id)| (*place, id))))
+        };
+        Ok(self.read(&live, look).await?.1)
     }
 
     async fn keyframe_row(

@@ -15,6 +15,11 @@ pub struct PinnedMap {
 }
 
 impl PinnedMap {
+    /// Pins a map in memory.
+    pub(super) fn of(live: &LiveMap) -> Self {
+        Self { id: live.id.clone(), key: live.key }
+    }
+
     /// Its name.
     pub fn id(&self) -> &MapId {
         &self.id
@@ -25,7 +30,7 @@ impl Service {
     /// The map that has this name now.
     pub async fn pin_map(&self, id: &MapId) -> Result<PinnedMap, ServiceError> {
         let live = self.live(id).await?;
-        Ok(PinnedMap { id: live.id.clone(), key: live.key })
+        Ok(PinnedMap::of(&live))
     }
 
     /// The pinned map in memory. One that is deleted is as little there as before another got its name.

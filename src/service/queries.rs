@@ -20,7 +20,7 @@ use crate::model::request::{LoopQuery, Subject};
 use crate::model::verdict::{ReasonCode, Verdict};
 use crate::recognition::conclusion::conclude;
 use crate::recognition::index::MapIndex;
-use crate::recognition::ingest::check;
+use crate::recognition::ingest::unknown_covisible;
 use crate::recognition::loop_check::screen;
 use crate::recognition::query::Query;
 use crate::recognition::screening::Screening;
@@ -154,7 +154,8 @@ fn screen_subject(
             Query::stored(index, seq, bow).ok_or_else(|| ServiceError::no_keyframe(keyframe))?
         }
         Subject::Inline(keyframe, _) => {
-            let errors = check(index, keyframe);
+            let declared = keyframe.covisible.iter().enumerate().map(|(place, (id, _))| (place, id));
+            let errors = unknown_covisible(index, declared);
             if !errors.is_empty() {
                 return Err(ServiceError::Invalid(errors.into_iter().map(within_inline).collect()));
             }

@@ -12,6 +12,7 @@ use super::StoreError;
 use super::check::{dangling_rows, structural_faults, wrong_length};
 use super::files::DatabaseFiles;
 use super::schema;
+use crate::model::counted::counted;
 
 /// How a copy is called until it is whole; one that a crash has left behind is known by it.
 pub const PARTIAL: &str = ".revisit-partial";
@@ -112,7 +113,10 @@ async fn verified(path: &Path) -> Result<Holdings, StoreError> {
     faults.extend(dangling_rows(&mut db).await?);
     faults.extend(wrong_length(&mut db, path).await?);
     if let Some(fault) = faults.first() {
-        return Err(StoreError::corrupt(format!("the copy is not sound, {} faults: {fault}", faults.len())));
+        return Err(StoreError::corrupt(format!(
+            "the copy is not sound, {}: {fault}",
+            counted(faults.len(), "fault")
+        )));
     }
     let holds = holdings(&mut db).await?;
     db.close().await?;

@@ -74,6 +74,17 @@ impl StoreError {
         }
     }
 
+    /// The same error, naming the database where its text does not.
+    pub(super) fn of(self, database: &Path) -> Self {
+        let named = |what: String| format!("{}: {what}", database.display());
+        match self {
+            Self::Database(what) => Self::Database(named(what)),
+            Self::Disk(what) => Self::Disk(named(what)),
+            Self::Corrupt(what) => Self::Corrupt(named(what)),
+            named => named,
+        }
+    }
+
     pub(super) fn corrupt(what: impl Into<String>) -> Self {
         Self::Corrupt(what.into())
     }

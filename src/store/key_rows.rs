@@ -5,7 +5,6 @@ use std::collections::HashMap;
 use sqlx::sqlite::SqliteRow;
 use sqlx::{Row, SqliteConnection};
 
-use super::load::parse;
 use super::write::run;
 use super::{Store, StoreError};
 use crate::model::key::{Actions, Key, KeyProperties, KeySeq, MapPattern, SecretHash};
@@ -43,7 +42,7 @@ impl Store {
         let select = "select key, pattern from key_maps order by key, place";
         let rows: Vec<(i64, String)> = sqlx::query_as(select).fetch_all(&mut *db).await?;
         for (key, pattern) in rows {
-            patterns.entry(key).or_default().push(parse(&pattern)?);
+            patterns.entry(key).or_default().push(stored_pattern(&pattern)?);
         }
         let mut by_hash = HashMap::new();
         for row in sqlx::query("select * from keys").fetch_all(&mut *db).await? {
@@ -112,4 +111,8 @@ pub(super) async fn revoke(db: &mut SqliteConnection, key: KeySeq, at_sec: i64) 
 
 async fn changed(db: &mut SqliteConnection) -> Result<(), StoreError> {
     run(db, sqlx::query("update key_changes set change = change + 1")).await
+}
+
+fn stored_pattern(text: &str) -> Result<MapPattern, StoreError> {
+    MapPattern::stored(text).map_err(|error| StoreError::corrupt(format!("{text:?}: {error}")))
 }

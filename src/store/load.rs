@@ -16,7 +16,7 @@ use crate::geometry::{Point3, Pose};
 use crate::model::anchor::Observation;
 use crate::model::bow::BowVector;
 use crate::model::change::{Change, Keyframe, Loop, Merge, MergeCause};
-use crate::model::ids::{AnchorSeq, KeyframeSeq, LoopId, MapId, SessionSeq};
+use crate::model::ids::{AnchorSeq, KeyframeSeq, LoopId, MapId, SessionSeq, StoredId};
 use crate::model::key::KeySeq;
 use crate::model::keyframe::{Camera, Stamp};
 use crate::model::request::Digest;
@@ -142,7 +142,7 @@ pub(super) fn digest(row: &SqliteRow) -> Result<Digest, StoreError> {
 async fn sessions(db: &mut Db, key: MapKey) -> Result<Vec<Change>, StoreError> {
     let select = "select session, id from sessions where map_key = $1 order by session";
     let rows: Vec<(u32, String)> = sqlx::query_as(select).bind(key).fetch_all(db).await?;
-    rows.into_iter().map(|(seq, id)| Ok(Change::SessionAdded(SessionSeq(seq), parse(&id)?))).collect()
+    rows.into_iter().map(|(seq, name)| Ok(Change::SessionAdded(SessionSeq(seq), id(&name)?))).collect()
 }
 
 async fn load_points(db: &mut Db, key: MapKey, index: &mut MapIndex) -> Result<(), StoreError> {
@@ -209,7 +209,7 @@ pub(super) fn keyframe(row: &SqliteRow) -> Result<(Keyframe, BowVector), StoreEr
     let declared: Vec<(u32, u32)> = unpack(row.try_get("declared")?)?;
     let keyframe = Keyframe {
         seq: KeyframeSeq(row.try_get("keyframe")?),
-        id: parse(row.try_get("id")?)?,
+        id: id(row.try_get("id")?)?,
         session: SessionSeq(row.try_get("session")?),
         stamp: Stamp { sec: row.try_get("stamp_sec")?, nanosec: row.try_get("stamp_nanosec")? },
         map_from_camera: pose(row.try_get("pose")?)?,
@@ -300,26 +300,24 @@ async fn loops_and_merges(db: &mut Db, key: MapKey) -> Result<(Vec<Change>, Vec<
         .await?
     {
         loops.push(Change::LoopAdded(Loop {
-            id: parse::<LoopId>(row.try_get("id")?)?,
+            id: id::<LoopId>(row.try_get("id")?)?,
             keyframe: KeyframeSeq(row.try_get("keyframe")?),
             candidate: KeyframeSeq(row.try_get("candidate")?),
-            keyframe_id: parse(row.try_get("keyframe_id")?)?,
-            candidate_id: parse(row.try_get("candidate_id")?)?,
+            keyframe_id: id(row.try_get("keyframe_id")?)?,
+            candidate_id: id(row.try_get("candidate_id")?)?,
             query: row.try_get("query")?,
         }));
     }
     let select = "select into_anchor, from_anchor, loop_id from anchor_merges where map_key = $1";
     let rows: Vec<(u32, u32, String)> = sqlx::query_as(select).bind(key).fetch_all(&mut *db).await?;
     for (into, from, by) in rows {
-        let cause = if by.is_empty() { MergeCause::Covisible } else { MergeCause::Loop(parse(&by)?) };
+        let cause = if by.is_empty() { MergeCause::Covisible } else { MergeCause::Loop(id(&by)?) };
         merges.push(Change::Merged(Merge { into: AnchorSeq(into), from: AnchorSeq(from), cause }));
     }
     Ok((loops, merges))
 }
 
-pub(super) fn parse<T: std::str::FromStr>(text: &str) -> Result<T, StoreError>
-where
-    T::Err: std::fmt::Display,
-{
-    text.parse().map_err(|error| StoreError::corrupt(format!("{text:?}: {error}")))
+/// Reads an id of a row.
+pub(super) fn id<T: StoredId>(text: &str) -> Result<T, StoreError> {
+    T::stored(text).map_err(|error| StoreError::corrupt(format!("{text:?}: {error}")))
 }

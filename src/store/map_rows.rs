@@ -1,7 +1,7 @@
 //! A map's own rows: its properties and settings, to the database and back.
 
 use sqlx::sqlite::SqliteRow;
-use sqlx::{Row, SqliteConnection};
+use sqlx::{AssertSqlSafe, Row, SqliteConnection};
 
 use super::StoreError;
 use super::job::MapKey;
@@ -12,7 +12,9 @@ use crate::model::map::MapProperties;
 use crate::model::request::Digest;
 use crate::model::settings::{SettingKind, SettingValue, Settings, WithoutAnchors};
 
-/// A new map.
+/// A new map. Its events are numbered from above those of every map that was deleted, so that a client that resumes with a
+/// number of a deleted map is recognised. The greatest number that a deleted map would have given next is SQLite's
+/// `user_version`: it is part of the database file, of its transactions and of its backups.
 pub(super) async fn create(
     db: &mut SqliteConnection,
     key: MapKey,
@@ -22,10 +24,23 @@ pub(super) async fn create(
     owner: Option<KeySeq>,
 ) -> Result<(), StoreError> {
     let insert = "insert into maps (map_key, id, description, metric, version, next_keyframe, next_anchor, next_event, digest, owner)
-        values ($1, $2, '', 0, 1, 0, 0, 1, $3, $4)";
+        select $1, $2, '', 0, 1, 0, 0, user_version + 1, $3, $4 from pragma_user_version";
     let query = sqlx::query(insert).bind(key).bind(id.as_str()).bind(&digest[..]);
     run(db, query.bind(owner.map(|owner| owner.0))).await?;
     set_properties(db, key, properties).await
+}
+
+/// Notes before a map is deleted that its events' numbers were given; a map without events gave none.
+pub(super) async fn keep_event_numbers(db: &mut SqliteConnection, key: MapKey) -> Result<(), StoreError> {
+    let select = "select next_event from maps, pragma_user_version
+        where map_key = $1 and next_event > user_version and exists (select 1 from events where map_key = $1)";
+    let higher: Option<i64> = sqlx::query_scalar(select).bind(key).fetch_optional(&mut *db).await?;
+    if let Some(next_event) = higher {
+        // SQLite keeps 32 bits of it.
+        let next_event = i32::try_from(next_event).unwrap_or(i32::MAX);
+        run(db, sqlx::query(AssertSqlSafe(format!("pragma user_version = {next_event}")))).await?;
+    }
+    Ok(())
 }
 
 /// A map's properties, in place of those it had.

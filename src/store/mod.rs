@@ -94,15 +94,28 @@ impl Store {
     pub async fn open(url: &str) -> Result<Self, StoreError> {
         let files = DatabaseFiles::of_url(url)?;
         let lock = DatabaseLock::take(&files, Purpose::Serve)?;
-        Self::open_as(url, files, Some(lock)).await
+        Self::open_locked(url, files, lock).await
+    }
+
+    /// Opens it under a lock, which leaves nothing behind where that fails.
+    async fn open_locked(url: &str, files: DatabaseFiles, lock: DatabaseLock) -> Result<Self, StoreError> {
+        let lock = Arc::new(lock);
+        let opened = Self::open_as(url, files.clone(), Some(lock.clone())).await;
+        opened.map_err(|error| {
+            lock.undo();
+            error.of(files.database())
+        })
     }
 
     /// The same, or beside the process that has it open: for short writes to tables that maps do not need, such as keys.
     pub async fn open_beside(url: &str) -> Result<Self, StoreError> {
         let files = DatabaseFiles::of_url(url)?;
         match DatabaseLock::take(&files, Purpose::Serve) {
-            Ok(lock) => Self::open_as(url, files, Some(lock)).await,
-            Err(StoreError::InUse(_)) => Self::open_as(url, files, None).await,
+            Ok(lock) => Self::open_locked(url, files, lock).await,
+            Err(StoreError::InUse(_)) => {
+                let opened = Self::open_as(url, files.clone(), None).await;
+                opened.map_err(|error| error.of(files.database()))
+            }
             Err(error) => Err(error),
         }
     }
@@ -110,9 +123,8 @@ impl Store {
     async fn open_as(
         url: &str,
         files: DatabaseFiles,
-        lock: Option<DatabaseLock>,
+        lock: Option<Arc<DatabaseLock>>,
     ) -> Result<Self, StoreError> {
-        let lock = lock.map(Arc::new);
         let reserve = Reserve::beside(files.database());
         files.make()?;
         let options = SqliteConnectOptions::from_str(url)?

@@ -5,7 +5,7 @@ use sqlx::sqlite::SqliteRow;
 
 use super::blob::{unpack, unpack_array};
 use super::job::MapKey;
-use super::load::{self, parse, point};
+use super::load::{self, point};
 use super::{Store, StoreError};
 use crate::model::anchor::{IgnoredReason, Outcome};
 use crate::model::bow::BowVector;
@@ -45,7 +45,7 @@ impl Store {
         let after = after.map_or("", MapId::as_str);
         let ids: Vec<String> =
             sqlx::query_scalar(select).bind(after).bind(limit as i64).fetch_all(&self.readers).await?;
-        ids.iter().map(|id| parse(id)).collect()
+        ids.iter().map(|id| load::id(id)).collect()
     }
 
     /// A key larger than any given so far.
@@ -118,6 +118,13 @@ impl Store {
         Ok(sqlx::query_scalar(select).bind(map).bind(id).fetch_optional(&self.readers).await?)
     }
 
+    /// Returns the number of the oldest event that is kept of a map, if any is.
+    pub async fn oldest_event(&self, map: MapKey) -> Result<Option<u64>, StoreError> {
+        let select = "select min(seq) from events where map_key = $1";
+        let oldest: Option<i64> = sqlx::query_scalar(select).bind(map).fetch_one(&self.readers).await?;
+        Ok(oldest.map(i64::unsigned_abs))
+    }
+
     /// The events of a map after one, in their order.
     pub async fn events(&self, map: MapKey, since: u64, limit: usize) -> Result<Vec<Event>, StoreError> {
         let select = "select * from events where map_key = $1 and seq > $2 order by seq limit $3";
@@ -184,9 +191,9 @@ pub(super) fn event(row: &SqliteRow) -> Result<Event, StoreError> {
         map_version: row.try_get::<i64, _>("map_version")? as u64,
         anchor: row.try_get::<Option<u32>, _>("anchor")?.map(AnchorSeq),
         other: row.try_get::<Option<u32>, _>("other")?.map(AnchorSeq),
-        keyframe: id("keyframe")?.map(parse).transpose()?,
-        candidate: id("candidate")?.map(parse).transpose()?,
-        loop_id: id("loop_id")?.map(parse).transpose()?,
+        keyframe: id("keyframe")?.map(load::id).transpose()?,
+        candidate: id("candidate")?.map(load::id).transpose()?,
+        loop_id: id("loop_id")?.map(load::id).transpose()?,
         query: row.try_get("query")?,
         detail: row.try_get("detail")?,
     })

@@ -11,6 +11,7 @@ use super::backup::{Copied, Copy, sync_folder};
 use super::check::check;
 use super::files::DatabaseFiles;
 use super::lock::{DatabaseLock, Purpose};
+use crate::model::counted::counted;
 use crate::model::key::KeySeq;
 
 /// Names tried for the database that was there, one for each second from now on.
@@ -42,10 +43,8 @@ pub async fn restore(
     let checked = check(backup).await?;
     if let Some(fault) = checked.all_faults().next() {
         let backup = backup.database().display();
-        let count = checked.all_faults().count();
-        return Err(StoreError::Corrupt(format!(
-            "{backup} cannot be restored, it has {count} faults: {fault}"
-        )));
+        let count = counted(checked.all_faults().count(), "fault");
+        return Err(StoreError::Corrupt(format!("{backup} cannot be restored, it has {count}: {fault}")));
     }
     // Before the lock, which stays behind: whoever is refused shall find nothing new.
     if target.database().exists() && !replace {

@@ -29,6 +29,7 @@ pub(super) async fn execute(db: &mut SqliteConnection, job: &Job) -> Result<(), 
             map_rows::create(db, *key, id, properties, digest, *owner).await
         }
         Job::DeleteMap(map) => {
+            map_rows::keep_event_numbers(db, *map).await?;
             run(db, sqlx::query("delete from detections where map_key = $1").bind(map)).await?;
             run(db, sqlx::query("delete from maps where map_key = $1").bind(map)).await
         }

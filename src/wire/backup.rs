@@ -15,7 +15,11 @@ use crate::model::request::NewBackup;
 pub struct BackupBody {
     /// Its id; the server finds one if it is left out.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(min_length = 1, max_length = 128, pattern = "^[A-Za-z0-9._:-]{1,128}$")]
+    #[schema(
+        min_length = 1,
+        max_length = 128,
+        pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$"
+    )]
     pub id: Option<String>,
 }
 

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use utoipa::openapi::{RefOr, Schema};
 use utoipa::{PartialSchema, ToSchema};
 
-use super::keyframe::{KeyframeAnswer, KeyframeBody, OutcomeView, SentKeyframe, named};
+use super::keyframe::{Faulty, KeyframeAnswer, KeyframeBody, OutcomeView, SentKeyframe, named};
 use super::poses::Id;
 use super::problem::ProblemView;
 use super::read;
@@ -90,7 +90,7 @@ pub fn line_id(line: &Value) -> Option<String> {
 }
 
 /// A line: an id and the members of a keyframe. Without its id it is the very body of a PUT, with the same digest.
-pub fn decode(mut line: Value) -> Result<SentKeyframe, Vec<FieldError>> {
+pub fn decode(mut line: Value) -> Result<SentKeyframe, Faulty> {
     let id = line.as_object_mut().and_then(|members| members.remove("id"));
     let id = match id {
         None => Err(vec![FieldError::new("/id", "the field is required")]),
@@ -98,14 +98,15 @@ pub fn decode(mut line: Value) -> Result<SentKeyframe, Vec<FieldError>> {
             read::decode_with(&json!({ "id": id }), |node| node.object(&["id"])?.required("id", read::id))
         }
     };
-    match id {
+    let read = match id {
         Ok(id) => named(&line, &id),
         // The rest is read all the same: whoever fixes the line shall know everything.
         Err(mut errors) => {
             errors.extend(named(&line, &nobody()).err().unwrap_or_default());
             Err(errors)
         }
-    }
+    };
+    read.map_err(|faults| Faulty::of(faults, &line))
 }
 
 /// Stands in for an id that cannot be read.

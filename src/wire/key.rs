@@ -62,7 +62,7 @@ pub enum ActionName {
 
 /// A map's id in which `*` stands for any number of characters.
 #[derive(ToSchema)]
-#[schema(min_length = 1, max_length = 128, pattern = "^[A-Za-z0-9._:*-]{1,128}$")]
+#[schema(min_length = 1, max_length = 128, pattern = "^(\\.{0,2}[A-Za-z0-9_:*-]|\\.{3})[A-Za-z0-9._:*-]*$")]
 pub struct PatternShape(#[expect(dead_code, reason = "a schema only")] String);
 
 /// A key, without its secret.
@@ -146,7 +146,7 @@ impl Decode for KeyProperties {
 fn pattern(node: &Node<'_>) -> Option<MapPattern> {
     match node.string()?.parse::<MapPattern>() {
         Ok(pattern) => Some(pattern),
-        Err(error) => node.refuse(error.to_string(), "[A-Za-z0-9._:*-]{1,128}"),
+        Err(error) => node.refuse(error.to_string(), "[A-Za-z0-9._:*-]{1,128}, but neither . nor .."),
     }
 }
 

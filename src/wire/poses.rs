@@ -17,7 +17,12 @@ use crate::model::request::PoseCorrection;
 pub struct PosesBody {
     /// The session.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(default = "default", min_length = 1, max_length = 128, pattern = "^[A-Za-z0-9._:-]{1,128}$")]
+    #[schema(
+        default = "default",
+        min_length = 1,
+        max_length = 128,
+        pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$"
+    )]
     pub session: Option<String>,
     /// Its keyframes with their corrected poses.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -41,7 +46,7 @@ pub struct PoseList {
 
 /// An id, made by the client.
 #[derive(ToSchema)]
-#[schema(min_length = 1, max_length = 128, pattern = "^[A-Za-z0-9._:-]{1,128}$")]
+#[schema(min_length = 1, max_length = 128, pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$")]
 pub struct Id(#[expect(dead_code, reason = "a schema only")] String);
 
 /// Poses and points are corrected.

@@ -12,7 +12,8 @@ use std::str::FromStr;
 use serde_json::{Map, Value};
 
 use super::limits;
-use crate::model::ids::IdError;
+use crate::model::counted::counted;
+use crate::model::ids::{ID_FORM, IdError};
 use crate::model::invalid::FieldError;
 
 /// A pointer longer than this is cut: its names come from the client.
@@ -54,7 +55,14 @@ impl Faults {
         let mut list = self.listed.into_inner();
         let unlisted = self.unlisted.get();
         if unlisted > 0 {
-            list.push(FieldError::new("", format!("{unlisted} more faults are not listed")));
+            list.push(FieldError::new(
+                "",
+                format!(
+                    "{} {} not listed",
+                    counted(unlisted, "more fault"),
+                    if unlisted == 1 { "is" } else { "are" }
+                ),
+            ));
         }
         list
     }
@@ -100,6 +108,16 @@ impl<'a> Node<'a> {
     /// Notes a fault of this value, with what was sent and what would have been allowed.
     pub fn refuse<T>(&self, detail: impl Into<String>, limit: impl Display) -> Option<T> {
         self.note(|pointer| FieldError::new(pointer, detail).got(shown(self.value)).limit(limit))
+    }
+
+    /// Notes a fault of this value, with what it amounts to where its own text would say little.
+    pub fn refuse_as<T>(
+        &self,
+        detail: impl Into<String>,
+        got: impl ToString,
+        limit: impl Display,
+    ) -> Option<T> {
+        self.note(|pointer| FieldError::new(pointer, detail).got(got).limit(limit))
     }
 
     fn note<T>(&self, fault: impl FnOnce(String) -> FieldError) -> Option<T> {
@@ -165,7 +183,7 @@ impl<'a> Node<'a> {
     pub fn text(&self, max_chars: usize) -> Option<String> {
         let text = self.string()?;
         if text.len() > max_chars && text.chars().nth(max_chars).is_some() {
-            return self.refuse("the text is too long", format!("{max_chars} characters"));
+            return self.refuse("the text is too long", counted(max_chars, "character"));
         }
         // C strings, and SQLite's own functions, end at a NUL.
         if text.contains('\0') {
@@ -195,7 +213,7 @@ impl<'a> Node<'a> {
             return self.expected("a list");
         };
         if items.len() > max {
-            return self.refuse("the list is too long", format!("{max} items"));
+            return self.refuse("the list is too long", counted(max, "item"));
         }
         let mut all = Some(Vec::with_capacity(items.len()));
         for (index, item) in items.iter().enumerate() {
@@ -238,7 +256,7 @@ pub fn switch(node: &Node<'_>) -> Option<bool> {
 pub fn id<T: FromStr<Err = IdError>>(node: &Node<'_>) -> Option<T> {
     match node.string()?.parse() {
         Ok(id) => Some(id),
-        Err(error) => node.refuse(error.to_string(), "[A-Za-z0-9._:-]{1,128}"),
+        Err(error) => node.refuse(error.to_string(), ID_FORM),
     }
 }
 
@@ -279,8 +297,8 @@ impl Object<'_> {
             (Some(wanted), Some(got)) if wanted != got => {
                 self.node.child(Step::Name(second), &Value::Null).note(|pointer| {
                     FieldError::new(pointer, format!("must be as long as {first}"))
-                        .got(format!("{got} items"))
-                        .limit(format!("{wanted} items"))
+                        .got(counted(got, "item"))
+                        .limit(counted(wanted, "item"))
                 })
             }
             // A list that is missing or is no list has been told off already.
@@ -342,7 +360,7 @@ fn shown(value: &Value) -> String {
     match value {
         Value::String(text) => format!("{:?}", text.chars().take(80).collect::<String>()),
         Value::Array(items) => format!("a list of {}", items.len()),
-        Value::Object(members) => format!("an object of {} fields", members.len()),
+        Value::Object(members) => format!("an object of {}", counted(members.len(), "field")),
         scalar => scalar.to_string(),
     }
 }

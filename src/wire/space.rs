@@ -74,15 +74,17 @@ impl Decode for Pose {
         });
         let rotation = transform.required("rotation", |node| {
             let quaternion = node.object(&["x", "y", "z", "w"])?;
-            let [x, y, z, w] =
-                ["x", "y", "z", "w"].map(|part| quaternion.required(part, |n| n.number(limits::QUATERNION)));
-            let rotation = [x?, y?, z?, w?];
-            let norm = rotation.iter().map(|part| part * part).sum::<f64>().sqrt();
-            if Self::new([0.0; 3], rotation).is_none() {
-                return node
-                    .refuse(format!("not a unit quaternion: its norm is {norm}"), "a norm of 1, within 1 %");
+            let parts = ["x", "y", "z", "w"];
+            let [x, y, z, w] = parts.map(|part| quaternion.required(part, |n| n.number(limits::QUATERNION)));
+            // The norm of a quaternion with a part that is too large tells what is wrong with it: it was not normalised.
+            if let [Some(x), Some(y), Some(z), Some(w)] = parts.map(|part| node.value()[part].as_f64())
+                && Self::new([0.0; 3], [x, y, z, w]).is_none()
+            {
+                let norm = rounded((x * x + y * y + z * z + w * w).sqrt());
+                let detail = format!("not a unit quaternion: its norm is {norm}");
+                return node.refuse_as(detail, format!("a norm of {norm}"), "a norm of 1, within 1 %");
             }
-            Some(rotation)
+            Some([x?, y?, z?, w?])
         });
         Self::new(translation?, rotation?)
     }

@@ -30,8 +30,34 @@ pub fn parse(bytes: &[u8]) -> Result<Value, Unreadable> {
     match (Tree { left: &left }).deserialize(&mut json).and_then(|value| json.end().map(|()| value)) {
         Ok(value) => Ok(value),
         Err(_) if left.get() == 0 => Err(Unreadable::TooManyValues),
-        Err(error) => Err(Unreadable::Syntax(FieldError::new(place(bytes), error.to_string()))),
+        Err(_) if bytes.trim_ascii().is_empty() => {
+            Err(Unreadable::Syntax(FieldError::new("", "the body is empty; an object without fields is {}")))
+        }
+        Err(error) => Err(Unreadable::Syntax(fault(bytes, &error))),
     }
+}
+
+fn fault(bytes: &[u8], error: &serde_json::Error) -> FieldError {
+    let place = place(bytes);
+    let Some(name) = not_a_number(bytes, error) else { return FieldError::new(place, error.to_string()) };
+    let (line, column) = (error.line(), error.column());
+    let detail = format!("{name} is not JSON, which has finite numbers only, at line {line} column {column}");
+    FieldError::new(place, detail).got(name).limit("a finite number, or leave the field out")
+}
+
+/// What stands where a value was expected, if it is a number that is none: Python's `json.dumps` writes `NaN`, `Infinity`
+/// and `-Infinity`, and C's `printf` writes `nan` and `inf`.
+fn not_a_number<'b>(bytes: &'b [u8], error: &serde_json::Error) -> Option<&'b str> {
+    /// The longest is `-Infinity`.
+    const LONGEST: usize = 9;
+    let line = bytes.split(|byte| *byte == b'\n').nth(error.line().checked_sub(1)?)?;
+    let at = error.column().saturating_sub(1).min(line.len());
+    let is_part = |byte: &u8| byte.is_ascii_alphabetic() || matches!(byte, b'-' | b'+');
+    let before = line[..at].iter().rev().take(LONGEST).take_while(|byte| is_part(byte)).count();
+    let after = line[at..].iter().take(LONGEST).take_while(|byte| is_part(byte)).count();
+    let word = std::str::from_utf8(&line[at - before..at + after]).ok()?;
+    let name = word.trim_start_matches(['-', '+']).to_ascii_lowercase();
+    ["nan", "inf", "infinity"].contains(&name.as_str()).then_some(word)
 }
 
 /// Where the bytes stop being JSON; found by reading them again, so that good bodies pay nothing for it.
@@ -150,11 +176,20 @@ mod tests {
 
     #[test]
     fn what_is_no_json_is_told_with_its_place() {
+        check(r#"{"stamp":{"sec":NaN}}"#, "/stamp/sec", "NaN is not JSON");
         check(r#"{"stamp":{"sec":NaN}}"#, "/stamp/sec", "line 1 column 17");
+        check("{\"a\":\n[0,\n -Infinity]}", "/a/1", "-Infinity is not JSON");
+        for word in ["Infinity", "nan", "-nan", "inf", "-inf", "+Inf"] {
+            check(&format!(r#"{{"a":[0,{word}]}}"#), "/a/1", &format!("{word} is not JSON"));
+        }
+        check("NaN", "", "NaN is not JSON");
+        check(r#"{"a":None}"#, "/a", "expected value");
         check(r#"{"a":[0,1e400]}"#, "/a/1", "number out of range");
         check(r#"{"a":1,"a":2}"#, "", "\"a\" appears twice");
         check("{} {}", "", "trailing characters");
-        check("", "", "EOF");
+        check("", "", "the body is empty");
+        check(" \n", "", "the body is empty");
+        check("[", "", "EOF");
         check(&"[".repeat(1_000_000), &"/0".repeat(127), "recursion limit");
     }
 

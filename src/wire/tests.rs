@@ -143,8 +143,8 @@ fn a_bulk_line_is_the_body_of_a_put_with_its_id() {
     let id = "kf-120".parse().expect("an id");
     let mut line = examples::keyframe_body();
     line["id"] = json!("kf-120");
-    assert_eq!(bulk::decode(line), keyframe::named(&examples::keyframe_body(), &id));
+    assert_eq!(bulk::decode(line), Ok(keyframe::named(&examples::keyframe_body(), &id).unwrap()));
     let errors = bulk::decode(json!({"id": "a/b", "pose": 1})).expect_err("faults");
-    let pointers: Vec<_> = errors.iter().map(|error| error.pointer.as_str()).collect();
+    let pointers: Vec<_> = errors.faults.iter().map(|error| error.pointer.as_str()).collect();
     assert_eq!(pointers, ["/id", "/stamp", "/pose"]);
 }

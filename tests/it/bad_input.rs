@@ -22,6 +22,7 @@ async fn server() -> Server {
 fn check(what: &str, answer: &Answer, status: u16, pointers: &[&str]) {
     assert_eq!(answer.status.as_u16(), status, "{what}: {answer:#?}");
     assert_eq!(answer.header("content-type"), "application/problem+json", "{what}");
+    assert_eq!(answer.header("x-content-type-options"), "nosniff", "{what}");
     let body = &answer.body;
     for member in ["type", "title", "detail", "code", "request_id"] {
         assert!(
@@ -77,6 +78,11 @@ fn meaningless() -> Vec<(&'static str, Value, &'static [&'static str])> {
         ("a zero quaternion", with(&json!({"pose": rotation(0.0)})), &["/pose/rotation"]),
         ("half a quaternion", with(&json!({"pose": rotation(0.5)})), &["/pose/rotation"]),
         (
+            "a quaternion of norm 2",
+            with(&json!({"pose": rotation(2.0)})),
+            &["/pose/rotation/w", "/pose/rotation"],
+        ),
+        (
             "a duplicate word",
             with(&json!({"bow": {"words": [3, 7, 3], "weights": [1, 1, 1]}})),
             &["/bow/words/2"],
@@ -109,7 +115,19 @@ fn meaningless() -> Vec<(&'static str, Value, &'static [&'static str])> {
             with(&json!({"covisible": [{"keyframe": "kf-9", "shared": 9}]})),
             &["/covisible/0/keyframe"],
         ),
+        (
+            "nobody covisible, and more",
+            with(&json!({"weather": "fine", "covisible": [{"keyframe": "kf-1", "shared": 9},
+                {"keyframe": "kf-9", "shared": -1}, {"keyframe": "kf-8", "shared": 9}]})),
+            &["/weather", "/covisible/1/shared", "/covisible/1/keyframe", "/covisible/2/keyframe"],
+        ),
         ("a bad id", with(&json!({"session": "a/b"})), &["/session"]),
+        ("dots for an id", with(&json!({"session": ".."})), &["/session"]),
+        (
+            "a dot for a keyframe",
+            with(&json!({"covisible": [{"keyframe": ".", "shared": 9}]})),
+            &["/covisible/0/keyframe"],
+        ),
         (
             "several at once",
             json!({
@@ -148,6 +166,11 @@ async fn a_meaningless_body_names_every_field_and_changes_nothing() {
             .await
             .expect(207);
         assert_eq!(bulk["problem"]["status"], 422, "{what} in bulk: {bulk:#}");
+        if body.is_object() {
+            let faults = bulk["problem"]["errors"].as_array().expect("faults");
+            let told: Vec<&str> = faults.iter().filter_map(|fault| fault["pointer"].as_str()).collect();
+            assert_eq!(told, pointers, "{what} in bulk");
+        }
     }
     assert_eq!(server.get(MAP).await.expect(200), before);
 }
@@ -159,8 +182,10 @@ async fn what_is_no_json_is_told_with_its_place_and_changes_nothing() {
     let path = format!("{MAP}/keyframes/kf-2");
     let nesting = format!(r#"{{"stamp":{}"#, "[".repeat(1 << 20));
     let deep = format!("/stamp{}", "/0".repeat(126));
-    let cases: [(&str, &str, &str); 6] = [
+    let cases: [(&str, &str, &str); 8] = [
+        ("an empty body", "", ""),
         ("NaN", r#"{"stamp":{"sec":NaN}}"#, "/stamp/sec"),
+        ("-Infinity", r#"{"pose":{"translation":{"x":-Infinity}}}"#, "/pose/translation/x"),
         ("Infinity", r#"{"bow":{"words":[1],"weights":[Infinity]}}"#, "/bow/weights/0"),
         ("1e400", r#"{"pose":{"translation":{"x":1e400}}}"#, "/pose/translation/x"),
         ("half a body", r#"{"stamp":{"sec":1"#, "/stamp"),
@@ -168,7 +193,15 @@ async fn what_is_no_json_is_told_with_its_place_and_changes_nothing() {
         ("1 MB of nesting", &nesting, &deep),
     ];
     for (what, body, pointer) in cases {
-        check(what, &server.send(Method::PUT, &path, JSON, body.to_owned()).await, 400, &[pointer]);
+        let answer = server.send(Method::PUT, &path, JSON, body.to_owned()).await;
+        check(what, &answer, 400, &[pointer]);
+        let detail = answer.body["detail"].as_str().expect("a detail");
+        let is_told = match what {
+            "an empty body" => detail.contains("the body is empty"),
+            "NaN" | "Infinity" | "-Infinity" => detail.starts_with(&format!("{what} is not JSON")),
+            _ => true,
+        };
+        assert!(is_told, "{what}: {detail}");
     }
     assert_eq!(server.get(MAP).await.expect(200), before);
 }
@@ -222,7 +255,10 @@ async fn parameters_paths_and_methods_are_checked() {
         422,
         &["?query"],
     );
-    check("no such map", &server.get("/v1/maps/nowhere").await, 404, &[]);
+    let missing = server.get("/v1/maps/nowhere").await;
+    check("no such map", &missing, 404, &[]);
+    let detail = missing.body["detail"].as_str().expect("a detail");
+    assert!(detail.contains("`PUT /v1/maps/nowhere`"), "{detail}");
     check("no such path", &server.get("/v1/mops").await, 404, &[]);
     let wrong = server.delete("/v1/maps").await;
     check("no such method", &wrong, 405, &[]);
@@ -251,6 +287,10 @@ async fn a_map_and_a_query_are_checked_like_a_keyframe() {
     let inline = json!({"inline": {"stamp": {"sec": 1, "nanosec": -1}}, "verify": "always", "seed": 0.5});
     let places = ["/inline/stamp/nanosec", "/inline/pose", "/verify", "/seed"];
     check("a bad inline keyframe", &server.post(&queries, &inline).await, 422, &places);
+    let unknown =
+        json!({"inline": with(&json!({"covisible": [{"keyframe": "kf-9", "shared": 9}]})), "seed": 0.5});
+    let places = ["/seed", "/inline/covisible/0/keyframe"];
+    check("an unknown keyframe, and more", &server.post(&queries, &unknown).await, 422, &places);
 }
 
 #[tokio::test]

@@ -5,7 +5,9 @@
 
 mod bad_input;
 mod bounds;
+mod closing;
 mod crash;
+mod events;
 mod geometry;
 mod hotel;
 mod limits;
@@ -15,6 +17,7 @@ mod openapi;
 mod operations;
 mod paper;
 mod paths;
+mod races;
 mod raw;
 mod readme;
 mod recordings;
@@ -22,4 +25,5 @@ mod support;
 mod tidy;
 mod trust;
 mod try_it;
+mod untaken;
 mod vocabulary;

@@ -126,10 +126,20 @@ async fn other_spellings_of_the_same_names_reach_the_same() {
     ] {
         assert_eq!(sent(&server, request("GET", same.as_bytes())).await, [200], "{same}");
     }
-    // Two dots are a name like any other here, and no way up.
-    assert_eq!(sent(&server, request("DELETE", b"/v1/maps/m/keyframes/%2e%2e")).await, [404]);
-    assert_eq!(sent(&server, request("DELETE", b"/v1/maps/m/keyframes/..")).await, [404]);
-    assert_eq!(sent(&server, request("DELETE", b"/v1/maps/..")).await, [404]);
+    // Dots are no names, and no way up.
+    for dots in [
+        "/v1/maps/m/keyframes/%2e%2e",
+        "/v1/maps/m/keyframes/..",
+        "/v1/maps/m/keyframes/%2E",
+        "/v1/maps/..",
+        "/v1/maps/.",
+        "/v1/maps/%2e%2E/anchors/a-1",
+        "/v1/maps/m/anchors/..",
+        "/v1/maps/m/loops/.%2e",
+        "/v1/keys/..",
+    ] {
+        assert_eq!(sent(&server, request("DELETE", dots.as_bytes())).await, [422], "{dots}");
+    }
     server.get(KEYFRAME).await.expect(200);
 }
 

@@ -16,7 +16,7 @@ use super::trigger::trigger_loop_check;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::admission::Working;
-use crate::http::body::{Text, decoded, expect_type};
+use crate::http::body::{Text, all_faults, decoded, expect_type};
 use crate::http::envelope::RequestId;
 use crate::http::inflate::Encoding;
 use crate::http::path::{InMap, MapPath};
@@ -263,7 +263,10 @@ async fn begin(
 ) -> Result<(Option<String>, PendingKeyframe), (Option<String>, Problem)> {
     let read = |line: Value| Ok((bulk::line_id(&line), bulk::decode(line)));
     let (id, sent) = decoded(text, app, read).await.map_err(|problem| (None, problem))?;
-    let sent = sent.map_err(|faults| (id.clone(), Problem::invalid(faults)))?;
+    let sent = match sent {
+        Ok(sent) => sent,
+        Err(faulty) => return Err((id, all_faults(app, map.id(), "", faulty).await)),
+    };
     match app.service.begin_keyframe(map, sent.keyframe, sent.digest).await {
         Ok(keyframe) => Ok((id, keyframe)),
         Err(error) => Err((id, error.into())),

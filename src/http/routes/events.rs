@@ -14,12 +14,12 @@ use crate::http::access::Caller;
 use crate::http::path::{InMap, MapPath};
 use crate::http::problem::{Kind, Problem};
 use crate::http::query::{Query, Since};
-use crate::http::refusals::OfRead;
+use crate::http::refusals::OfStream;
 use crate::http::streams::Listening;
 use crate::model::event::Event;
-use crate::model::ids::MapId;
 use crate::model::invalid::FieldError;
 use crate::service::access::Access;
+use crate::service::{PinnedMap, ServiceError};
 use crate::wire::event::EventView;
 use crate::wire::examples;
 
@@ -31,8 +31,9 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
 /// Listen to a map
 ///
 /// Server-sent events: `id` is a sequence number, `event` the kind, `data` an Event as JSON. A client that reconnects
-/// with `last-event-id`, as browsers do, misses nothing. The stream ends with the server, and with the key;
-/// a key may listen to so many at once (429).
+/// with `last-event-id`, as browsers do, misses nothing; where it would, because the map was deleted and made again or the
+/// event is too old to be kept, the answer is 410. The stream ends with the server, with the map and with the key;
+/// the number of streams of a key is limited (429).
 #[utoipa::path(
     get, path = "/v1/maps/{map}/events", tag = "events", security(("key" = ["read"])),
     params(
@@ -43,7 +44,7 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
     responses(
         (status = 200, description = "Events, as they happen", body = String, content_type = "text/event-stream",
             example = examples::event_stream),
-        OfRead
+        OfStream
     )
 )]
 pub async fn listen(
@@ -53,16 +54,32 @@ pub async fn listen(
     Query(Since { since }): Query<Since>,
     LastEventId(last): LastEventId,
 ) -> Result<Sse<impl Stream<Item = Result<Sent, Infallible>>>, Problem> {
-    let latest = app.service.latest_event(&map).await?;
+    let (from, place) = match last {
+        Some(last) => (last, "last-event-id:"),
+        None => (since.unwrap_or(0), "?since"),
+    };
+    let (map, latest) =
+        app.service.resume_events(&map, from).await.map_err(|error| unresumed(error, place, from))?;
     let listening = app.streams.begin(&caller.0)?;
-    let stream = stream(app, caller.0, map, last.or(since).unwrap_or(0), latest, listening);
+    let stream = stream(app, caller.0, map, from, latest, listening);
     Ok(Sse::new(stream).keep_alive(KeepAlive::new().interval(KEEP_ALIVE)))
+}
+
+/// Names what the client sent where that is the reason.
+fn unresumed(error: ServiceError, place: &str, from: u64) -> Problem {
+    let is_gone = matches!(error, ServiceError::Gone { .. });
+    let problem = Problem::from(error);
+    if !is_gone {
+        return problem;
+    }
+    let fault = FieldError::new(place, "not the number of an event that is kept").got(from.to_string());
+    problem.with(vec![fault.limit("0, or the number of an event of this map")])
 }
 
 fn stream(
     app: App,
     access: Access,
-    map: MapId,
+    map: PinnedMap,
     mut since: u64,
     mut latest: watch::Receiver<u64>,
     listening: Listening,

@@ -7,8 +7,8 @@ use bytes::Bytes;
 
 use crate::http::App;
 use crate::http::answer::json_bytes;
-use crate::http::body::Body;
-use crate::http::path::{InMap, InQuery, MapPath, QueryPath};
+use crate::http::body::QueryOfMap;
+use crate::http::path::{InQuery, MapPath, QueryPath};
 use crate::http::problem::Problem;
 use crate::http::refusals::{OfMapQuestion, OfRead};
 use crate::model::ids::MapId;
@@ -39,8 +39,7 @@ const SERVER_TIMING: HeaderName = HeaderName::from_static("server-timing");
 )]
 pub async fn query_loop(
     State(app): State<App>,
-    InMap(map): InMap,
-    Body(query): Body<LoopQuery>,
+    QueryOfMap { map, query }: QueryOfMap,
 ) -> Result<Response, Problem> {
     let answer = ask(&app, &map, query).await?;
     let (_, bytes) = kept(&app, &map, &answer)?;

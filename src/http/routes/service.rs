@@ -31,10 +31,11 @@ pub async fn healthz() -> Json<Health> {
 
 /// Is the server ready for requests?
 ///
-/// Not before its maps are in memory, and no longer once it is told to stop.
+/// 200 once the database is open, 503 from the moment the server is told to stop. Maps are loaded when they are first
+/// asked for.
 #[utoipa::path(
     get, path = "/readyz", tag = "service", security(()),
-    responses((status = 200, description = "It is", body = Health, example = examples::ready), OfReadiness)
+    responses((status = 200, description = "It is ready", body = Health, example = examples::ready), OfReadiness)
 )]
 pub async fn readyz(State(app): State<App>) -> Result<Json<Health>, Problem> {
     if app.stopping.is_cancelled() {

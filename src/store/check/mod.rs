@@ -21,7 +21,7 @@ use super::backup::{Holdings, holdings};
 use super::files::DatabaseFiles;
 use super::lock::DatabaseLock;
 use super::{StoreError, schema};
-use crate::model::ids::MapId;
+use crate::model::ids::{MapId, StoredId as _};
 
 /// SQLite stops looking after so many faults.
 const STRUCTURAL_FAULTS_MAX: usize = 100;
@@ -114,7 +114,7 @@ async fn check_all(db: &mut SqliteConnection) -> Result<Checked, StoreError> {
         Vec::new()
     });
     for id in ids {
-        match id.parse::<MapId>() {
+        match MapId::stored(&id) {
             Ok(id) => checked.maps.push(map::check(&mut *db, &id).await),
             Err(error) => checked.faults.push(format!("map {id:?}: {error}")),
         }

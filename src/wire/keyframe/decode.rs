@@ -42,6 +42,37 @@ pub struct SentKeyframe {
     pub digest: Digest,
 }
 
+/// Why a body is no keyframe, as far as that can be told without its map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Faulty {
+    /// The faults.
+    pub faults: Vec<FieldError>,
+    /// The keyframes it declares covisible, with their places in the list: only the map can tell whether they exist.
+    pub declared: Vec<(usize, KeyframeId)>,
+}
+
+impl Faulty {
+    /// Joins these faults with what the keyframe's body declares.
+    pub fn of(faults: Vec<FieldError>, body: &Value) -> Self {
+        let list =
+            body.get("covisible").and_then(Value::as_array).filter(|list| list.len() <= limits::COVISIBLE);
+        let named = |entry: &Value| entry.get("keyframe")?.as_str()?.parse().ok();
+        let declared = list.into_iter().flatten().map(named).enumerate();
+        Self { faults, declared: declared.filter_map(|(place, id)| Some((place, id?))).collect() }
+    }
+
+    /// All faults, with those that the map has found. A place is told off once.
+    pub fn with(mut self, found: Vec<FieldError>) -> Vec<FieldError> {
+        for fault in found {
+            let is_told = self.faults.iter().any(|told| told.pointer == fault.pointer);
+            if !is_told && self.faults.len() < limits::LISTED_FAULTS {
+                self.faults.push(fault);
+            }
+        }
+        self.faults
+    }
+}
+
 /// A keyframe whose name stands in the path, or in a bulk line.
 pub fn named(body: &Value, id: &KeyframeId) -> Result<SentKeyframe, Vec<FieldError>> {
     read::decode_with(body, |node| keyframe(node, id, true))

@@ -2,6 +2,7 @@
 
 use super::decode::ascending;
 use crate::geometry::Point3;
+use crate::model::counted::counted;
 use crate::model::keyframe::{Crop, Detection};
 use crate::wire::base64;
 use crate::wire::limits;
@@ -51,8 +52,10 @@ fn said(text: Option<String>) -> Option<String> {
 fn crop(node: &Node<'_>) -> Option<Crop> {
     let bytes = base64::decode(node)?;
     if bytes.len() > limits::CROP_BYTES {
-        return node
-            .refuse(format!("the crop is {} bytes", bytes.len()), format!("{} bytes", limits::CROP_BYTES));
+        return node.refuse(
+            format!("the crop is {}", counted(bytes.len(), "byte")),
+            format!("{} bytes", limits::CROP_BYTES),
+        );
     }
     match Crop::media_type_of(&bytes) {
         Some(media_type) => Some(Crop { media_type, bytes }),

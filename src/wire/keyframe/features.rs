@@ -1,5 +1,6 @@
 //! Features read: three parallel lists, one of them packed in base64.
 
+use crate::model::counted::counted;
 use crate::model::keyframe::{Features, Keypoint};
 use crate::wire::base64;
 use crate::wire::limits;
@@ -22,7 +23,7 @@ pub fn decode(node: &Node<'_>) -> Option<Features> {
         if bytes.len() != each * keypoints.len() {
             let limit =
                 format!("{} bytes: {each} for each of {} keypoints", each * keypoints.len(), keypoints.len());
-            return node.refuse(format!("the descriptors are {} bytes", bytes.len()), limit);
+            return node.refuse(format!("the descriptors are {}", counted(bytes.len(), "byte")), limit);
         }
         Some(bytes)
     });

@@ -20,7 +20,7 @@ use super::space::{Time, Transform};
 pub use answer::{
     CovisibleView, DetectionView, KeyframeAnswer, KeyframeLine, KeyframeView, OutcomeName, OutcomeView,
 };
-pub use decode::{SentKeyframe, named, points, unique, unnamed};
+pub use decode::{Faulty, SentKeyframe, named, points, unique, unnamed};
 
 /// A keyframe to be stored, or asked about without being stored. Only `stamp` and `pose` are required.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -29,7 +29,12 @@ pub use decode::{SentKeyframe, named, points, unique, unnamed};
 pub struct KeyframeBody {
     /// One robot's run: its own frame and its own numbering of map points.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(default = "default", min_length = 1, max_length = 128, pattern = "^[A-Za-z0-9._:-]{1,128}$")]
+    #[schema(
+        default = "default",
+        min_length = 1,
+        max_length = 128,
+        pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$"
+    )]
     pub session: Option<String>,
     /// When it was taken.
     pub stamp: Time,
@@ -186,7 +191,11 @@ pub struct Position(
 #[schema(as = CovisibleKeyframe)]
 pub struct CovisibleShape {
     /// The other keyframe; it must exist.
-    #[schema(min_length = 1, max_length = 128, pattern = "^[A-Za-z0-9._:-]{1,128}$")]
+    #[schema(
+        min_length = 1,
+        max_length = 128,
+        pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$"
+    )]
     pub keyframe: String,
     /// How many map points the two share; it counts whatever it is.
     #[schema(value_type = i64, minimum = 0, maximum = 4_294_967_295_i64)]

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use revisit::model::counted::counted;
 use serde_json::json;
 
 use super::{checked, keyframe, names, revisit, url};
@@ -28,12 +29,12 @@ async fn a_backup_beside_a_writing_server_has_all_that_was_acknowledged() {
     let (database, backup) = (folder.path().join("revisit.db"), folder.path().join("backup.db"));
     let server = server_with_a_map(&database).await;
     let acknowledged = Arc::new(AtomicU64::new(1));
-    let (api, counted) = (server.api().clone(), acknowledged.clone());
+    let (api, total) = (server.api().clone(), acknowledged.clone());
     let writing = tokio::spawn(async move {
         for number in 1.. {
             let path = format!("/v1/maps/tower/keyframes/kf-{number}");
             assert_eq!(api.put(&path, &keyframe("a", number)).await.status, 201);
-            counted.store(number + 1, Ordering::SeqCst);
+            total.store(number + 1, Ordering::SeqCst);
         }
     });
     for round in 0..3 {
@@ -45,7 +46,7 @@ async fn a_backup_beside_a_writing_server_has_all_that_was_acknowledged() {
         assert_eq!(found.all_faults().collect::<Vec<_>>(), Vec::<String>::new(), "round {round}");
         let held = found.holds.unwrap();
         assert!(held.keyframes >= before, "round {round}: {} of {before}", held.keyframes);
-        assert!(told.contains(&format!("1 maps, {} keyframes", held.keyframes)), "{told}");
+        assert!(told.contains(&format!("1 map, {}", counted(held.keyframes, "keyframe"))), "{told}");
     }
     writing.abort();
     assert!(!names(folder.path()).iter().any(|name| name.contains("partial")), "{:?}", names(folder.path()));
@@ -108,7 +109,7 @@ async fn what_is_restored_is_served_and_what_was_there_is_kept_whole() {
     server.kill();
     assert!(names(folder.path()).contains("revisit.db-wal"));
     let told = revisit(&["restore", "--database", &from, "--force", &to]).well();
-    assert!(told.contains("1 maps, 1 keyframes"), "{told}");
+    assert!(told.contains("1 map, 1 keyframe,"), "{told}");
     let kept = told.lines().find_map(|line| line.strip_prefix("the database before it: ")).unwrap();
     let kept = checked(Path::new(kept)).await;
     assert_eq!(kept.all_faults().collect::<Vec<_>>(), Vec::<String>::new());

@@ -49,7 +49,7 @@ async fn a_sound_database_is_called_so_and_not_touched() {
     assert!(!before.0.contains("test.db-wal"), "the log is in the database once the server has stopped");
     let told = revisit(&["check", "--database", &url(&database)]).well();
     assert!(told.starts_with("map tower: sound; version ") && told.ends_with("sound\n"), "{told}");
-    assert!(told.contains("7 keyframes") && told.contains("1 loops"), "{told}");
+    assert!(told.contains("7 keyframes") && told.contains("1 loop,"), "{told}");
     let told: Value =
         serde_json::from_str(&revisit(&["check", "--json", "--database", &url(&database)]).well()).unwrap();
     assert_eq!((&told["sound"], &told["maps"][0]["keyframes"]), (&json!(true), &json!(7)), "{told}");
@@ -157,7 +157,7 @@ async fn a_torn_page_a_short_file_and_a_foreign_file_are_found() {
         assert!(!ran.succeeded && ran.out.contains("fault: "), "{length}: {ran:?}");
     }
     std::fs::write(&damaged, "a text").unwrap();
-    revisit(&["check", "--database", &url(&damaged)]).refused("1 faults");
+    revisit(&["check", "--database", &url(&damaged)]).refused("1 fault");
     revisit(&["check", "--database", &url(&folder.path().join("nothing.db"))])
         .refused("there is no such file");
     assert!(!names(folder.path()).contains("nothing.db"), "a check makes no files");

@@ -25,6 +25,28 @@ fn a_mistyped_database_or_filter_is_refused_and_makes_nothing() {
     assert!(names(folder.path()).is_empty(), "{:?}", names(folder.path()));
 }
 
+#[test]
+fn a_database_that_cannot_be_opened_is_named_and_nothing_is_left_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name);
+    std::fs::write(place("letter.db"), "Dear Sir or Madam, ".repeat(100)).unwrap();
+    std::fs::create_dir(place("folder.db")).unwrap();
+    let before = names(folder.path());
+    for (name, because) in [
+        ("letter.db", "not a database"),
+        ("folder.db", "is not a regular file"),
+        ("nowhere/new.db", "No such file or directory"),
+    ] {
+        for command in [&["serve", "--listen", "127.0.0.1:0"][..], &["keys", "create"]] {
+            let database = url(&place(name));
+            let ran = revisit(&[command, &["--database", &database]].concat());
+            assert!(ran.err.contains(name) && !ran.err.contains(".lock"), "{name}: {ran:?}");
+            ran.refused(because);
+            assert_eq!(names(folder.path()), before, "{name}");
+        }
+    }
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn the_database_is_its_owners_only_and_a_restore_tells_which_keys_are_good_again() {
     let folder = tempfile::tempdir().unwrap();
