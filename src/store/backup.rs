@@ -16,6 +16,9 @@ use super::schema;
 /// How a copy is called until it is whole; one that a crash has left behind is known by it.
 pub const PARTIAL: &str = ".revisit-partial";
 
+/// The schema in which a deleted map's rows are removed in slices.
+const DELETED_SINCE: i64 = 5;
+
 /// Read at a time for the digest.
 const CHUNK_BYTES: usize = 1 << 20;
 
@@ -122,7 +125,14 @@ async fn verified(path: &Path) -> Result<Holdings, StoreError> {
 /// How much a database holds.
 pub(super) async fn holdings(db: &mut SqliteConnection) -> Result<Holdings, StoreError> {
     let schema = schema::version(&mut *db).await?;
-    let count = "select (select count(*) from maps), (select count(*) from keyframes), (select count(*) from anchors)";
+    // What a deleted map still has is no map's any more. An older schema knows no deleted maps.
+    let count = if schema < DELETED_SINCE {
+        "select (select count(*) from maps), (select count(*) from keyframes), (select count(*) from anchors)"
+    } else {
+        "select (select count(*) from maps where deleted = 0),
+            (select count(*) from keyframes where map_key not in (select map_key from maps where deleted = 1)),
+            (select count(*) from anchors where map_key not in (select map_key from maps where deleted = 1))"
+    };
     let (maps, keyframes, anchors): (i64, i64, i64) = sqlx::query_as(count).fetch_one(&mut *db).await?;
     Ok(Holdings { schema, maps: maps as u64, keyframes: keyframes as u64, anchors: anchors as u64 })
 }
