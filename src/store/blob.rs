@@ -90,5 +90,8 @@ pub fn unpacks(bytes: &[u8]) {
     check::<f64>(bytes);
     check::<(u32, u32)>(bytes);
     check::<((f64, f64), (f64, u8))>(bytes);
+    check::<(u32, [f64; 7])>(bytes);
+    check::<((u32, i64), [f64; 3])>(bytes);
+    check::<([u32; 3], [f64; 3])>(bytes);
     let _ = unpack_array::<f64, 7>(bytes);
 }

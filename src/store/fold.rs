@@ -12,6 +12,12 @@ use super::keyframe_rows::{forget_points, pose_blob, set_points};
 use super::write::run;
 use crate::model::change::Change;
 
+/// What a part costs beside its entries, as so many of them.
+const PART_ENTRIES: u32 = 4;
+
+/// More versions than this are folded as fast as clients write.
+const VERSIONS_BEHIND: i64 = 500;
+
 /// The next entries to be folded.
 #[derive(Clone, Copy)]
 struct Next {
@@ -22,17 +28,37 @@ struct Next {
     entries_done: u32,
 }
 
-/// Folds at most this many entries of one part, in the caller's transaction. Returns whether there may be more.
+/// Folds about this many entries, in the caller's transaction. Returns whether there were any.
 pub(super) async fn fold_slice(db: &mut SqliteConnection, entries: u32) -> Result<bool, StoreError> {
+    let mut left = entries;
+    while left > 0 {
+        let Some(next) = next(db).await? else { break };
+        left = left.saturating_sub(fold_part(db, next, left).await?.max(PART_ENTRIES));
+    }
+    Ok(left < entries)
+}
+
+/// Whether so many versions wait that slices fall behind the clients that add them.
+pub(super) async fn is_behind(db: &mut SqliteConnection) -> Result<bool, StoreError> {
+    let count: i64 = sqlx::query_scalar("select count(*) from deferred_changes").fetch_one(db).await?;
+    Ok(count > VERSIONS_BEHIND)
+}
+
+/// The oldest entries of a map that is not deleted.
+async fn next(db: &mut SqliteConnection) -> Result<Option<Next>, StoreError> {
     let select = "select map_key, version, parts, part, entries_done from deferred_changes
         where map_key not in (select map_key from maps where deleted = 1) order by map_key, version limit 1";
-    let found: Option<(MapKey, i64, u32, u32, u32)> = sqlx::query_as(select).fetch_optional(&mut *db).await?;
-    let Some((map_key, version, parts, part, entries_done)) = found else { return Ok(false) };
-    let next = Next { map_key, version, parts, part, entries_done };
-    if next.part == next.parts {
-        // A version without parts.
+    let found: Option<(MapKey, i64, u32, u32, u32)> = sqlx::query_as(select).fetch_optional(db).await?;
+    let next =
+        |(map_key, version, parts, part, entries_done)| Next { map_key, version, parts, part, entries_done };
+    Ok(found.map(next))
+}
+
+/// Folds entries of one part, at most this many. Returns how many.
+async fn fold_part(db: &mut SqliteConnection, next: Next, entries: u32) -> Result<u32, StoreError> {
+    if next.part >= next.parts {
         finish_version(db, next).await?;
-        return Ok(true);
+        return Ok(0);
     }
     let select = "select kind, entries from deferred_parts where map_key = $1 and version = $2 and part = $3";
     let query = sqlx::query_as(select).bind(next.map_key).bind(next.version).bind(next.part);
@@ -40,13 +66,14 @@ pub(super) async fn fold_slice(db: &mut SqliteConnection, entries: u32) -> Resul
     let kind = Kind::from_name(&kind)?;
     let width = kind.width();
     let from = (next.entries_done as usize * width).min(bytes.len());
-    let to = from.saturating_add(entries.max(1) as usize * width).min(bytes.len());
+    let to = from.saturating_add(entries as usize * width).min(bytes.len());
     write(db, next.map_key, unpacked(kind, &bytes[from..to])?).await?;
+    let folded = ((to - from) / width) as u32;
     if to < bytes.len() {
         let update = "update deferred_changes set entries_done = $3 where map_key = $1 and version = $2";
-        let done = (to / width) as u32;
+        let done = next.entries_done + folded;
         run(db, sqlx::query(update).bind(next.map_key).bind(next.version).bind(done)).await?;
-        return Ok(true);
+        return Ok(folded);
     }
     let delete = "delete from deferred_parts where map_key = $1 and version = $2 and part = $3";
     run(db, sqlx::query(delete).bind(next.map_key).bind(next.version).bind(next.part)).await?;
@@ -56,7 +83,7 @@ pub(super) async fn fold_slice(db: &mut SqliteConnection, entries: u32) -> Resul
         let update = "update deferred_changes set part = part + 1, entries_done = 0 where map_key = $1 and version = $2";
         run(db, sqlx::query(update).bind(next.map_key).bind(next.version)).await?;
     }
-    Ok(true)
+    Ok(folded)
 }
 
 async fn finish_version(db: &mut SqliteConnection, next: Next) -> Result<(), StoreError> {

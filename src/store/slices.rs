@@ -52,6 +52,8 @@ pub(super) struct Slices {
     turn: Work,
     ended: Instant,
     rest: Duration,
+    /// Whether slices must keep pace with clients.
+    is_behind: bool,
 }
 
 impl Slices {
@@ -63,6 +65,7 @@ impl Slices {
             turn: Work::Fold,
             ended: Instant::now(),
             rest: Duration::ZERO,
+            is_behind: false,
         }
     }
 
@@ -95,7 +98,8 @@ impl Slices {
 
     /// When the next slice is due though jobs wait.
     pub(super) fn overdue(&self, disk_is_full: bool) -> Option<Instant> {
-        self.next(disk_is_full).map(|_| self.ended + self.rest * SHARE)
+        let share = if self.is_behind { 1 } else { SHARE };
+        self.next(disk_is_full).map(|_| self.ended + self.rest * share)
     }
 
     fn next(&self, disk_is_full: bool) -> Option<Work> {
@@ -119,10 +123,10 @@ impl Slices {
         self.rest = if result.is_ok() { took.min(REST_MAX) } else { RETRY };
         let state = if work == Work::Fold { &mut self.fold } else { &mut self.deletion };
         state.1 = sized(rows, took);
-        if let Ok(more) = result {
-            state.0 = more;
-        }
-        result.map(drop)
+        let (more, is_behind) = result?;
+        state.0 = more;
+        self.is_behind = is_behind;
+        Ok(())
     }
 }
 
@@ -137,20 +141,21 @@ fn sized(rows: u32, took: Duration) -> u32 {
     }
 }
 
-async fn slice(pool: &SqlitePool, work: Work, rows: u32) -> Result<bool, StoreError> {
+/// Does one slice. Returns whether there may be more to do, and whether slices fall behind the clients.
+async fn slice(pool: &SqlitePool, work: Work, rows: u32) -> Result<(bool, bool), StoreError> {
     let mut transaction = Transaction::write(pool).await?;
-    let done = match work {
-        Work::Deletion => deletion::remove_slice(&mut transaction, rows).await,
-        Work::Fold => fold::fold_slice(&mut transaction, rows).await,
+    let done = async {
+        let more = match work {
+            Work::Deletion => deletion::remove_slice(&mut transaction, rows).await?,
+            Work::Fold => fold::fold_slice(&mut transaction, rows).await?,
+        };
+        Ok((more, fold::is_behind(&mut transaction).await?))
     };
-    match done {
-        // Nothing was written.
-        Ok(false) => transaction.roll_back().await,
-        Ok(true) => transaction.commit().await?,
+    match done.await {
+        Ok(done) => transaction.commit().await.map(|()| done),
         Err(error) => {
             transaction.roll_back().await;
-            return Err(error);
+            Err(error)
         }
     }
-    done
 }
