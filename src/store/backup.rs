@@ -16,9 +16,6 @@ use super::schema;
 /// How a copy is called until it is whole; one that a crash has left behind is known by it.
 pub const PARTIAL: &str = ".revisit-partial";
 
-/// The schema in which a deleted map's rows are removed in slices.
-const DELETED_SINCE: i64 = 5;
-
 /// Read at a time for the digest.
 const CHUNK_BYTES: usize = 1 << 20;
 
@@ -125,8 +122,11 @@ async fn verified(path: &Path) -> Result<Holdings, StoreError> {
 /// How much a database holds.
 pub(super) async fn holdings(db: &mut SqliteConnection) -> Result<Holdings, StoreError> {
     let schema = schema::version(&mut *db).await?;
-    // What a deleted map still has is no map's any more. An older schema knows no deleted maps.
-    let count = if schema < DELETED_SINCE {
+    // An older schema knows no deleted maps.
+    let column = "select count(*) from pragma_table_info('maps') where name = 'deleted'";
+    let knows_deleted: i64 = sqlx::query_scalar(column).fetch_one(&mut *db).await?;
+    // What a deleted map still has is no map's any more.
+    let count = if knows_deleted == 0 {
         "select (select count(*) from maps), (select count(*) from keyframes), (select count(*) from anchors)"
     } else {
         "select (select count(*) from maps where deleted = 0),

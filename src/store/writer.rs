@@ -71,6 +71,7 @@ impl Writer {
                     slices.add();
                 }
                 self.commit_group(group).await;
+                slices.beside_client();
             }
             lanes.answer_settled();
             if lanes.is_empty()
