@@ -30,6 +30,9 @@ const READS_OF_A_MAP_PER_CORE: usize = 1;
 /// At most so many answers of a map's loop queries wait for the disk; what is answered meanwhile is not kept.
 const KEPT_UNDER_WAY_MAX: usize = 256;
 
+/// An index of a map with fewer bytes on disk is freed where it is dropped.
+const FREED_AT_ONCE_BYTES: u64 = 1 << 20;
+
 /// What is known of a map at one version.
 #[derive(Debug)]
 pub(super) struct State {
@@ -295,8 +298,25 @@ impl LiveMap {
         let mut state = self.state.write().map_err(|_| self.broke())?;
         self.exists()?;
         self.gone.store(true, Ordering::Release);
-        state.index = MapIndex::default();
+        free(std::mem::take(&mut state.index));
         Ok(self.submit(store, Job::DeleteMap(self.key), state.version, state.next_event, None))
+    }
+}
+
+impl Drop for State {
+    fn drop(&mut self) {
+        free(std::mem::take(&mut self.index));
+    }
+}
+
+/// Frees an index. A large one takes long, and its last owner may be an async thread or hold a lock.
+fn free(index: MapIndex) {
+    if index.bytes() < FREED_AT_ONCE_BYTES {
+        return;
+    }
+    // Without a runtime no one waits for this thread.
+    if let Ok(runtime) = tokio::runtime::Handle::try_current() {
+        runtime.spawn_blocking(move || drop(index));
     }
 }
 

@@ -42,6 +42,19 @@ impl<A: Packed, B: Packed> Packed for (A, B) {
     }
 }
 
+impl<T: Packed, const N: usize> Packed for [T; N] {
+    const BYTES: usize = N * T::BYTES;
+
+    fn put(&self, to: &mut Vec<u8>) {
+        self.iter().for_each(|item| item.put(to));
+    }
+
+    fn take(from: &[u8]) -> Option<Self> {
+        let items: Option<Vec<T>> = from.chunks_exact(T::BYTES).map(T::take).collect();
+        items?.try_into().ok()
+    }
+}
+
 pub(super) fn pack<T: Packed>(list: impl IntoIterator<Item = T>) -> Vec<u8> {
     let mut bytes = Vec::new();
     list.into_iter().for_each(|item| item.put(&mut bytes));
@@ -77,5 +90,8 @@ pub fn unpacks(bytes: &[u8]) {
     check::<f64>(bytes);
     check::<(u32, u32)>(bytes);
     check::<((f64, f64), (f64, u8))>(bytes);
+    check::<(u32, [f64; 7])>(bytes);
+    check::<((u32, i64), [f64; 3])>(bytes);
+    check::<([u32; 3], [f64; 3])>(bytes);
     let _ = unpack_array::<f64, 7>(bytes);
 }

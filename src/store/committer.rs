@@ -11,12 +11,12 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use sqlx::sqlite::SqlitePool;
 use tokio::sync::{mpsc, oneshot};
 
-use super::StoreError;
 use super::health::Health;
 use super::job::Job;
 use super::lock::DatabaseLock;
 use super::reserve::Reserve;
 use super::writer::Writer;
+use super::{StoreError, deferred};
 
 /// A line of jobs of one map: they were planned one upon the other.
 pub type Line = Arc<AtomicBool>;
@@ -74,7 +74,13 @@ impl Committer {
         let (queue, jobs) = mpsc::unbounded_channel();
         let counters = Arc::new(Counters::default());
         let health = Health::default();
-        let writer = Writer { pool, reserve, counters: counters.clone(), health: health.clone() };
+        let writer = Writer {
+            pool,
+            reserve,
+            counters: counters.clone(),
+            health: health.clone(),
+            serves: lock.is_some(),
+        };
         tokio::spawn(async move {
             writer.run(jobs).await;
             // Nobody else may write before the last job has.
@@ -96,16 +102,25 @@ impl Committer {
         }
     }
 
-    /// Queues a job behind those of its line. `done` hears when it is on disk.
+    /// Queues a job behind those of its line, a large one in parts. `done` hears when it is on disk.
     pub fn submit(
         &self,
         job: Job,
         line: &Line,
         done: impl FnOnce(Result<(), StoreError>) + Send + Sync + 'static,
     ) {
+        let mut jobs = deferred::staged(job);
+        let Some(last) = jobs.pop() else { return };
+        for part in jobs {
+            self.queue_up(Queued { job: part, broken: line.clone(), done: Box::new(drop) });
+        }
+        self.queue_up(Queued { job: last, broken: line.clone(), done: Box::new(done) });
+    }
+
+    fn queue_up(&self, queued: Queued) {
         self.counters.waiting.fetch_add(1, Ordering::Relaxed);
-        let queued = Box::new(Queued { job, broken: line.clone(), done: Box::new(done) });
-        if let Err(mpsc::error::SendError(Message::Job(queued))) = self.queue.send(Message::Job(queued)) {
+        let message = Message::Job(Box::new(queued));
+        if let Err(mpsc::error::SendError(Message::Job(queued))) = self.queue.send(message) {
             (queued.done)(Err(StoreError::Closed));
         }
     }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::deferred::Part;
 use super::key_rows::NewKeyRow;
 use super::model_rows::Spent;
 use crate::model::change::Change;
@@ -61,10 +62,32 @@ pub enum Job {
         /// The key that made it.
         owner: Option<KeySeq>,
     },
-    /// A map goes, with everything in it.
+    /// A map is deleted; its rows are removed in slices.
     DeleteMap(MapKey),
     /// A request's changes.
     Change(Box<Batch>),
+    /// A part of a request's changes, which counts for nothing until the last of them is committed.
+    Stage {
+        /// The map.
+        map: MapKey,
+        /// The version that the request makes.
+        version: u64,
+        /// The part's number.
+        number: u32,
+        /// The part.
+        part: Part,
+        /// Whether the request takes something away.
+        frees_space: bool,
+    },
+    /// A request's changes, of which the poses and points are staged.
+    ChangeStaged {
+        /// The changes that are not staged.
+        batch: Box<Batch>,
+        /// The number of parts.
+        parts: u32,
+        /// Whether the request takes something away.
+        frees_space: bool,
+    },
     /// Events that belong to no change.
     Tell(MapKey, u64, Vec<Event>),
     /// A loop query's verdict is kept for reading back.
@@ -105,9 +128,20 @@ impl Job {
         match self {
             // A key must be revocable whatever the disk holds, and takes no space.
             Self::DeleteMap(_) | Self::RevokeKey(..) => true,
-            Self::Change(batch) => batch.new_keyframe.is_none() && frees_space(&batch.changes),
+            Self::Change(batch) => Self::batch_frees_space(batch),
+            Self::Stage { frees_space, .. } | Self::ChangeStaged { frees_space, .. } => *frees_space,
             _ => false,
         }
+    }
+
+    /// Whether a batch leaves more room than it found.
+    pub(super) fn batch_frees_space(batch: &Batch) -> bool {
+        batch.new_keyframe.is_none() && frees_space(&batch.changes)
+    }
+
+    /// Whether it leaves work that is done in slices.
+    pub(super) fn leaves_slices(&self) -> bool {
+        matches!(self, Self::DeleteMap(_) | Self::ChangeStaged { .. })
     }
 
     /// Do later jobs of its map rest on it? A verdict that is not kept, or an event not told, is missed by none of them.

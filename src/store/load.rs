@@ -11,7 +11,7 @@ use sqlx::sqlite::SqliteRow;
 
 use super::blob::{unpack, unpack_array};
 use super::job::MapKey;
-use super::{Store, StoreError, map_rows, model_rows};
+use super::{Store, StoreError, deferred, map_rows, model_rows};
 use crate::geometry::{Point3, Pose};
 use crate::model::anchor::Observation;
 use crate::model::bow::BowVector;
@@ -114,6 +114,8 @@ pub(super) async fn load(db: &mut Db, id: &MapId, order: Order) -> Result<Option
             index.apply(&reversed(model_rows::verdicts(db, key).await?));
         }
     }
+    // On top of the rows, in their order.
+    deferred::apply(db, key, &mut index).await?;
     let next_kept =
         sqlx::query_scalar("select coalesce(max(kept), 0) + 1 from loop_queries where map_key = $1");
     Ok(Some(Loaded {

@@ -3,8 +3,9 @@
 //! | concept | file |
 //! |---|---|
 //! | opening, pragmas, migrations | this file, [`schema`] |
-//! | one writer, group commit | [`committer`], [`writer`] |
-//! | what it is asked to do | [`job`] |
+//! | one writer, group commit | [`committer`], [`lanes`], [`writer`] |
+//! | large deletions and corrections, in slices | [`slices`], [`deletion`], [`deferred`], [`fold`] |
+//! | what it is asked to do, and what that costs | [`job`], [`cost`] |
 //! | from changes to rows | [`mod@write`], [`map_rows`], [`keyframe_rows`] |
 //! | from rows to changes, when a map is first asked for | [`load`] |
 //! | what models said, and what it cost | [`model_rows`] |
@@ -20,12 +21,19 @@ pub mod backup;
 mod blob;
 pub mod check;
 mod committer;
+mod cost;
+mod deferred;
+mod deletion;
 mod error;
 pub mod files;
+mod fold;
 mod health;
 mod job;
 mod key_rows;
 mod keyframe_rows;
+mod lanes;
+#[cfg(test)]
+mod laws;
 mod load;
 mod lock;
 mod map_rows;
@@ -35,6 +43,7 @@ mod renewal;
 mod reserve;
 pub mod restore;
 mod schema;
+mod slices;
 mod transaction;
 mod write;
 mod writer;
@@ -212,6 +221,18 @@ fn numbers(version: &str) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// An empty database with this version's schema, and the folder that it lies in.
+    pub(super) async fn database() -> (tempfile::TempDir, SqlitePool) {
+        let folder = tempfile::tempdir().expect("a folder");
+        let options = SqliteConnectOptions::new().filename(folder.path().join("test.db"));
+        let options = options.create_if_missing(true).journal_mode(SqliteJournalMode::Wal);
+        // A test that loses its machine has other worries.
+        let options = options.synchronous(SqliteSynchronous::Off);
+        let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options).await.expect("a pool");
+        schema::migrate(&pool).await.expect("a schema");
+        (folder, pool)
+    }
 
     #[test]
     fn versions_compare_by_their_numbers() {

@@ -94,7 +94,8 @@ impl Store {
 
     /// The maps that hold crops: after a start, a model may have to read some of them.
     pub async fn maps_with_crops(&self) -> Result<Vec<MapId>, StoreError> {
-        let select = "select id from maps where exists (select 1 from crops where crops.map_key = maps.map_key) order by id";
+        let select = "select id from maps where deleted = 0
+            and exists (select 1 from crops where crops.map_key = maps.map_key) order by id";
         let ids: Vec<String> = sqlx::query_scalar(select).fetch_all(&self.readers).await?;
         ids.iter().map(|id| super::load::id(id)).collect()
     }

@@ -6,7 +6,7 @@ use sqlx::sqlite::SqliteRow;
 use super::blob::{unpack, unpack_array};
 use super::job::MapKey;
 use super::load::{self, point};
-use super::{Store, StoreError};
+use super::{Store, StoreError, deferred};
 use crate::model::anchor::{IgnoredReason, Outcome};
 use crate::model::bow::BowVector;
 use crate::model::event::{Event, EventKind};
@@ -41,7 +41,7 @@ pub struct DetectionRow {
 impl Store {
     /// The names of the maps after one, ascending, and the largest key ever given.
     pub async fn map_ids(&self, after: Option<&MapId>, limit: usize) -> Result<Vec<MapId>, StoreError> {
-        let select = "select id from maps where id > $1 order by id limit $2";
+        let select = "select id from maps where id > $1 and deleted = 0 order by id limit $2";
         let after = after.map_or("", MapId::as_str);
         let ids: Vec<String> =
             sqlx::query_scalar(select).bind(after).bind(limit as i64).fetch_all(&self.readers).await?;
@@ -85,12 +85,19 @@ impl Store {
         let features_row = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&mut *db).await?;
         let select = "select * from detections where map_key = $1 and keyframe = $2 order by detection";
         let detections = sqlx::query(select).bind(map).bind(keyframe.0).fetch_all(&mut *db).await?;
+        let moved = deferred::positions(&mut db, map, keyframe).await?;
         db.commit().await?;
+        let mut detections: Vec<DetectionRow> = detections.iter().map(detection).collect::<Result<_, _>>()?;
+        for (number, at) in moved {
+            if let Some(row) = detections.get_mut(usize::from(number)) {
+                row.detection.position_in_session = Some(at);
+            }
+        }
         Ok(Some(KeyframeRow {
             bow: load::bow(&row)?,
             features: features_row.as_ref().map(features).transpose()?,
             sent_points: sent_points(&row)?,
-            detections: detections.iter().map(detection).collect::<Result<_, _>>()?,
+            detections,
             digest: load::digest(&row)?,
         }))
     }

@@ -7,7 +7,7 @@ use sqlx::{Sqlite, SqliteConnection};
 use super::blob::pack;
 use super::job::{Batch, Job, MapKey};
 use super::keyframe_rows::{add_detections, add_keyframe, forget_points, pose_blob, set_points};
-use super::{StoreError, key_rows, map_rows, model_rows};
+use super::{StoreError, deferred, deletion, key_rows, map_rows, model_rows};
 use crate::model::anchor::Outcome;
 use crate::model::change::{Change, Loop, Merge, MergeCause};
 use crate::model::event::Event;
@@ -30,10 +30,16 @@ pub(super) async fn execute(db: &mut SqliteConnection, job: &Job) -> Result<(), 
         }
         Job::DeleteMap(map) => {
             map_rows::keep_event_numbers(db, *map).await?;
-            run(db, sqlx::query("delete from detections where map_key = $1").bind(map)).await?;
-            run(db, sqlx::query("delete from maps where map_key = $1").bind(map)).await
+            deletion::mark_deleted(db, *map).await
         }
         Job::Change(batch) => change_map(db, batch).await,
+        Job::Stage { map, version, number, part, .. } => {
+            deferred::stage(db, *map, *version, *number, part).await
+        }
+        Job::ChangeStaged { batch, parts, .. } => {
+            deferred::commit_staged(db, batch.map, batch.version, *parts).await?;
+            change_map(db, batch).await
+        }
         Job::Tell(map, next_event, events) => {
             run(
                 db,
@@ -80,10 +86,16 @@ async fn change_map(db: &mut SqliteConnection, batch: &Batch) -> Result<(), Stor
             _ => None,
         })
         .collect();
+    // What must not overtake deferred changes is deferred behind them.
+    let defers = batch.changes.iter().any(deferred::is_ordered) && deferred::any(db, map).await?;
+    if defers {
+        deferred::defer(db, batch).await?;
+    }
     let mut points = Vec::new();
     let mut arrived = None;
     for change in &batch.changes {
         match change {
+            change if defers && deferred::is_ordered(change) => {}
             Change::PointSet(session, id, position) => points.push((*session, *id, *position)),
             Change::KeyframeAdded(keyframe, bow) => {
                 let rows = batch
@@ -225,7 +237,7 @@ async fn keep_query(
 ) -> Result<(), StoreError> {
     // The map may be gone by now: then there is nothing to keep.
     let insert = "insert into loop_queries (map_key, id, kept, body)
-        select $1, $2, $3, $4 where exists (select 1 from maps where map_key = $1)
+        select $1, $2, $3, $4 where exists (select 1 from maps where map_key = $1 and deleted = 0)
         on conflict (map_key, id) do update set kept = excluded.kept, body = excluded.body";
     run(db, sqlx::query(insert).bind(map).bind(id).bind(kept).bind(&body[..])).await?;
     let sweep = "delete from loop_queries where map_key = $1 and kept <= $2";

@@ -17,12 +17,11 @@ use super::StoreError;
 use super::committer::{Counters, Message, Queued};
 use super::health::{Disk, Health};
 use super::job::Job;
+use super::lanes::Lanes;
 use super::reserve::Reserve;
+use super::slices::Slices;
 use super::transaction::Transaction;
 use super::write;
-
-/// At most so many jobs share one transaction.
-const MAX_GROUP: usize = 256;
 
 /// How often a disk that is not well is tried.
 const TRY_AGAIN_EVERY: Duration = Duration::from_millis(500);
@@ -33,40 +32,92 @@ pub(super) struct Writer {
     pub reserve: Reserve,
     pub counters: Arc<Counters>,
     pub health: Health,
+    /// Whether this process is the one that serves, and does the background work.
+    pub serves: bool,
 }
 
 impl Writer {
     /// Commits until the queue is closed.
     pub(super) async fn run(self, mut queue: mpsc::UnboundedReceiver<Message>) {
         self.keep_reserve(self.reserve.bytes()).await;
+        let mut slices = if self.serves { Slices::resume(&self.pool).await } else { Slices::none() };
+        let (mut lanes, mut closing) = (Lanes::default(), None);
         let mut tried = Instant::now();
         loop {
-            let first = if self.health.disk() == Disk::Well {
-                queue.recv().await
+            let mut next = if lanes.is_empty() && closing.is_none() {
+                let received = match self.wakes_at(&slices, tried) {
+                    Some(at) => tokio::time::timeout_at(at, queue.recv()).await.ok(),
+                    None => Some(queue.recv().await),
+                };
+                match received {
+                    Some(None) => return,
+                    message => message.flatten(),
+                }
             } else {
-                if tried.elapsed() >= TRY_AGAIN_EVERY {
-                    self.try_disk().await;
-                    tried = Instant::now();
-                }
-                match tokio::time::timeout_at(tried + TRY_AGAIN_EVERY, queue.recv()).await {
-                    Ok(first) => first,
-                    Err(_) => continue,
-                }
+                None
             };
-            let Some(first) = first else { return };
-            let (group, last) = gather(first, &mut queue);
-            self.commit_group(group).await;
-            match last {
-                Some(Message::Settle(settled)) => drop(settled.send(())),
-                Some(Message::Close(closed)) => {
-                    queue.close();
-                    self.checkpoint().await;
-                    self.pool.close().await;
-                    let _ = closed.send(());
-                    return;
+            // Nothing is taken behind the wish to close.
+            while closing.is_none() {
+                match next.take().or_else(|| queue.try_recv().ok()) {
+                    Some(Message::Job(queued)) => lanes.push(*queued),
+                    Some(Message::Settle(settled)) => lanes.settle(settled),
+                    Some(Message::Close(closed)) => closing = Some(closed),
+                    None => break,
                 }
-                Some(Message::Job(_)) | None => {}
             }
+            let group = lanes.take();
+            if !group.is_empty() {
+                if self.serves && group.iter().any(|queued| queued.job.leaves_slices()) {
+                    slices.add();
+                }
+                self.commit_group(group).await;
+                slices.beside_client();
+            }
+            lanes.answer_settled();
+            if lanes.is_empty()
+                && let Some(closed) = closing.take()
+            {
+                queue.close();
+                self.checkpoint().await;
+                self.pool.close().await;
+                let _ = closed.send(());
+                return;
+            }
+            if self.health.disk() != Disk::Well && tried.elapsed() >= TRY_AGAIN_EVERY {
+                self.try_disk().await;
+                tried = Instant::now();
+            }
+            self.do_slice(&mut slices, lanes.is_empty() && queue.is_empty()).await;
+        }
+    }
+
+    /// When there is something to do though no message comes.
+    fn wakes_at(&self, slices: &Slices, tried: Instant) -> Option<Instant> {
+        let try_disk = (self.health.disk() != Disk::Well).then_some(tried + TRY_AGAIN_EVERY);
+        let slice = match self.health.disk() {
+            Disk::Failing => None,
+            disk => slices.due(disk == Disk::Full),
+        };
+        try_disk.into_iter().chain(slice).min()
+    }
+
+    /// Does a slice of the background work, if one is due.
+    async fn do_slice(&self, slices: &mut Slices, is_idle: bool) {
+        let is_full = match self.health.disk() {
+            Disk::Failing => return,
+            disk => disk == Disk::Full,
+        };
+        let due = if is_idle { slices.due(is_full) } else { slices.overdue(is_full) };
+        if due.is_none_or(|due| due > Instant::now()) {
+            return;
+        }
+        if is_full {
+            self.release_reserve().await;
+        }
+        self.counters.transactions.fetch_add(1, Ordering::Relaxed);
+        if let Err(error) = slices.run(&self.pool, is_full).await {
+            warn!(%error, "a slice of a deletion or correction did not commit; it is tried again");
+            self.health.learn(&error);
         }
     }
 
@@ -220,20 +271,6 @@ impl Writer {
             tracing::debug!(%error, "the write-ahead log stays as it is");
         }
     }
-}
-
-/// The jobs that wait, up to a group; a message of another kind ends them.
-fn gather(first: Message, queue: &mut mpsc::UnboundedReceiver<Message>) -> (Vec<Queued>, Option<Message>) {
-    let mut group = Vec::new();
-    let mut next = Some(first);
-    while let Some(message) = next {
-        match message {
-            Message::Job(queued) => group.push(*queued),
-            other => return (group, Some(other)),
-        }
-        next = if group.len() < MAX_GROUP { queue.try_recv().ok() } else { None };
-    }
-    (group, None)
 }
 
 impl Queued {

@@ -108,7 +108,7 @@ async fn check_all(db: &mut SqliteConnection) -> Result<Checked, StoreError> {
         return Ok(checked);
     }
     let ids: Result<Vec<String>, _> =
-        sqlx::query_scalar("select id from maps order by id").fetch_all(&mut *db).await;
+        sqlx::query_scalar("select id from maps where deleted = 0 order by id").fetch_all(&mut *db).await;
     let ids = ids.unwrap_or_else(|error| {
         checked.faults.push(error.to_string());
         Vec::new()

@@ -8,6 +8,7 @@ mod metrics;
 mod migrations;
 mod mistakes;
 mod served_backups;
+mod slices;
 mod stopping;
 mod traces;
 

@@ -1,0 +1,191 @@
+//! Slices: the writer's background work, in short transactions between those of its clients.
+//!
+//! | work | file |
+//! |---|---|
+//! | removing the rows of deleted maps | [`super::deletion`] |
+//! | bringing deferred changes into their rows | [`super::fold`] |
+//!
+//! How much a slice does follows from how long the last one's statements took; its sync costs the same for a few rows as for
+//! many. After a slice the writer rests for a multiple of the time that it took, so that a client's job mostly finds it free.
+
+use std::time::Duration;
+
+use sqlx::sqlite::SqlitePool;
+use tokio::time::Instant;
+
+use super::StoreError;
+use super::transaction::Transaction;
+use super::{deferred, deletion, fold};
+
+/// How long a slice's statements are meant to take.
+const SLICE: Duration = Duration::from_millis(5);
+
+/// How many times its own time the writer rests after a slice if no client wrote lately, ...
+const REST_ALONE: u32 = 1;
+
+/// ... if one did, ...
+const REST_BESIDE: u32 = 4;
+
+/// ... and while jobs wait.
+const REST_BUSY: u32 = 10;
+
+/// How long a client's job counts as lately done.
+const LATELY: Duration = Duration::from_secs(1);
+
+/// The longest rest after a slice, however long it took.
+const REST_MAX: Duration = Duration::from_secs(1);
+
+/// After a failed slice, the next attempt is made after this time.
+const RETRY: Duration = Duration::from_secs(1);
+
+/// Rows of the first slice, and of the smallest.
+const MIN_ROWS: u32 = 64;
+
+/// Rows of the largest slice.
+const MAX_ROWS: u32 = 8192;
+
+/// Which work a slice does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Work {
+    Deletion,
+    Fold,
+}
+
+/// The background work that is left, and its pace.
+#[derive(Debug)]
+pub(super) struct Slices {
+    /// Whether there may be work of each kind, and how many rows its next slice takes.
+    deletion: (bool, u32),
+    fold: (bool, u32),
+    /// The kind whose turn it is if there is work of both.
+    turn: Work,
+    ended: Instant,
+    rest: Duration,
+    client_at: Option<Instant>,
+    /// Whether slices must keep pace with clients.
+    is_behind: bool,
+}
+
+impl Slices {
+    /// None, for a writer beside the one that serves.
+    pub(super) fn none() -> Self {
+        Self {
+            deletion: (false, MIN_ROWS),
+            fold: (false, MIN_ROWS),
+            turn: Work::Fold,
+            ended: Instant::now(),
+            rest: Duration::ZERO,
+            client_at: None,
+            is_behind: false,
+        }
+    }
+
+    /// Continues what an earlier process has left.
+    pub(super) async fn resume(pool: &SqlitePool) -> Self {
+        let cleaned = async {
+            let mut transaction = Transaction::write(pool).await?;
+            let removed = deferred::remove_uncommitted(&mut transaction).await;
+            transaction.commit().await?;
+            removed
+        };
+        if let Err(error) = cleaned.await {
+            // On a full disk they stay until the next start.
+            tracing::warn!(%error, "staged changes of an earlier process stay in the database");
+        }
+        let mut this = Self::none();
+        this.add();
+        this
+    }
+
+    /// There may be work now.
+    pub(super) fn add(&mut self) {
+        (self.deletion.0, self.fold.0) = (true, true);
+    }
+
+    /// A client's job was done.
+    pub(super) fn beside_client(&mut self) {
+        self.client_at = Some(Instant::now());
+    }
+
+    /// When the next slice is due if no job waits; `None` without work. On a full disk only what frees space is done.
+    pub(super) fn due(&self, disk_is_full: bool) -> Option<Instant> {
+        let is_beside = self.client_at.is_some_and(|at| at.elapsed() < LATELY);
+        self.after(if is_beside { REST_BESIDE } else { REST_ALONE }, disk_is_full)
+    }
+
+    /// When the next slice is due though jobs wait.
+    pub(super) fn overdue(&self, disk_is_full: bool) -> Option<Instant> {
+        self.after(REST_BUSY, disk_is_full)
+    }
+
+    fn after(&self, rest: u32, disk_is_full: bool) -> Option<Instant> {
+        let rest = if self.is_behind || disk_is_full { REST_ALONE } else { rest };
+        self.next(disk_is_full).map(|_| self.ended + self.rest * rest)
+    }
+
+    fn next(&self, disk_is_full: bool) -> Option<Work> {
+        match (self.deletion.0, self.fold.0 && !disk_is_full) {
+            (true, true) => Some(self.turn),
+            (true, false) => Some(Work::Deletion),
+            (false, true) => Some(Work::Fold),
+            (false, false) => None,
+        }
+    }
+
+    /// Does one slice, in a transaction of its own.
+    pub(super) async fn run(&mut self, pool: &SqlitePool, disk_is_full: bool) -> Result<(), StoreError> {
+        let Some(work) = self.next(disk_is_full) else { return Ok(()) };
+        self.turn = if work == Work::Fold { Work::Deletion } else { Work::Fold };
+        let rows = if work == Work::Fold { self.fold.1 } else { self.deletion.1 };
+        let began = Instant::now();
+        let result = slice(pool, work, rows).await;
+        self.ended = Instant::now();
+        let took = self.ended - began;
+        self.rest = if result.is_ok() { took.min(REST_MAX) } else { RETRY };
+        let state = if work == Work::Fold { &mut self.fold } else { &mut self.deletion };
+        let done = result?;
+        *state = (done.more, sized(rows, done.worked));
+        self.is_behind = done.is_behind;
+        Ok(())
+    }
+}
+
+/// How many rows the next slice takes, after one whose statements took this long.
+fn sized(rows: u32, worked: Duration) -> u32 {
+    if worked > SLICE {
+        (rows / 2).max(MIN_ROWS)
+    } else if worked < SLICE / 2 {
+        (rows * 2).min(MAX_ROWS)
+    } else {
+        rows
+    }
+}
+
+/// A slice that is on disk.
+struct Done {
+    /// Whether there may be more to do.
+    more: bool,
+    /// Whether slices fall behind the clients.
+    is_behind: bool,
+    /// How long its statements took.
+    worked: Duration,
+}
+
+async fn slice(pool: &SqlitePool, work: Work, rows: u32) -> Result<Done, StoreError> {
+    let mut transaction = Transaction::write(pool).await?;
+    let began = Instant::now();
+    let done = async {
+        let more = match work {
+            Work::Deletion => deletion::remove_slice(&mut transaction, rows).await?,
+            Work::Fold => fold::fold_slice(&mut transaction, rows).await?,
+        };
+        Ok(Done { more, is_behind: fold::is_behind(&mut transaction).await?, worked: began.elapsed() })
+    };
+    match done.await {
+        Ok(done) => transaction.commit().await.map(|()| done),
+        Err(error) => {
+            transaction.roll_back().await;
+            Err(error)
+        }
+    }
+}
