@@ -18,7 +18,6 @@ use super::{WAITING_MAX, cores};
 use crate::model::event::Event;
 use crate::model::ids::MapId;
 use crate::model::key::KeySeq;
-use crate::model::request::Digest;
 use crate::recognition::index::MapIndex;
 use crate::recognition::recorder::Decided;
 use crate::store::{Batch, Job, Line, Loaded, MapKey, NewKeyframeRows, Store, StoreError};
@@ -45,8 +44,6 @@ pub(super) struct State {
 pub(super) struct LiveMap {
     pub id: MapId,
     pub key: MapKey,
-    /// The digest of the body that made it.
-    pub digest: Digest,
     /// The key that made it, which pays for its models.
     pub owner: Option<KeySeq>,
     state: RwLock<State>,
@@ -98,7 +95,6 @@ impl LiveMap {
         Arc::new(Self {
             id,
             key: loaded.key,
-            digest: loaded.digest,
             owner: loaded.owner,
             lane: tokio::sync::Mutex::default(),
             line: Arc::new(AtomicBool::new(false)),
@@ -174,6 +170,8 @@ impl LiveMap {
             next_keyframe: state.index.next_keyframe(),
             next_anchor: state.index.next_anchor(),
             next_event: state.next_event,
+            figures: state.index.figures(),
+            memory_bytes: state.index.memory_bytes(),
             changes: decided.changes,
             new_keyframe,
             events,

@@ -19,6 +19,7 @@ use crate::model::change::{Change, Keyframe, Loop, Merge, MergeCause};
 use crate::model::ids::{AnchorSeq, KeyframeSeq, LoopId, MapId, SessionSeq};
 use crate::model::key::KeySeq;
 use crate::model::keyframe::{Camera, Stamp};
+use crate::model::map::MapFigures;
 use crate::model::request::Digest;
 use crate::recognition::index::MapIndex;
 
@@ -36,10 +37,10 @@ pub struct Loaded {
     pub next_event: u64,
     /// The number of the next loop query to be kept.
     pub next_kept: i64,
-    /// The digest of the body that made it.
-    pub digest: Digest,
     /// The key that made it.
     pub owner: Option<KeySeq>,
+    /// How much it holds, as its row says.
+    pub figures: MapFigures,
     /// Everything derived from its facts.
     pub index: MapIndex,
 }
@@ -121,8 +122,8 @@ pub(super) async fn load(db: &mut Db, id: &MapId, order: Order) -> Result<Option
         version: row.try_get::<i64, _>("version")? as u64,
         next_event: row.try_get::<i64, _>("next_event")? as u64,
         next_kept: next_kept.bind(key).fetch_one(&mut *db).await?,
-        digest: digest(&row)?,
         owner: row.try_get::<Option<i64>, _>("owner")?.map(KeySeq),
+        figures: map_rows::figures(&row)?,
         index,
     }))
 }

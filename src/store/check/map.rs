@@ -37,6 +37,10 @@ pub(super) async fn check(db: &mut SqliteConnection, id: &MapId) -> MapCheck {
             found.anchors = loaded.index.objects().len() as u64;
             found.loops = loaded.index.loops().len() as u64;
             index_faults(&loaded.index, &mut found.faults);
+            if loaded.figures != loaded.index.figures() {
+                let (shown, held) = (loaded.figures, loaded.index.figures());
+                found.faults.push(format!("lists of maps show {shown:?}, and it holds {held:?}"));
+            }
             if let Err(error) = law(&mut *db, id, &loaded, &mut found.faults).await {
                 found.faults.push(format!("told backwards: {error}"));
             }
