@@ -1,8 +1,6 @@
 //! What happened in a map, for those who listen.
 
-use tokio::sync::watch;
-
-use super::{QueryAnswer, Service, ServiceError};
+use super::{Listener, QueryAnswer, Service, ServiceError};
 use crate::model::event::{Event, EventKind};
 use crate::model::ids::{KeyframeId, MapId};
 
@@ -13,14 +11,14 @@ impl Service {
         Ok(self.store.events(live.key, since, limit).await?)
     }
 
-    /// The number of the latest event; the receiver hears when it grows.
-    pub async fn latest_event(&self, map: &MapId) -> Result<watch::Receiver<u64>, ServiceError> {
-        Ok(self.live(map).await?.latest_event())
+    /// Listens to the events of a map, which need not stay in memory for that.
+    pub async fn listen(&self, map: &MapId) -> Result<Listener, ServiceError> {
+        Ok(self.live(map).await?.listen())
     }
 
     /// Tells that a keyframe that arrived is a loop. Written behind: the verdict can be asked for again.
-    pub fn announce_loop(&self, map: &MapId, keyframe: &KeyframeId, answer: &QueryAnswer) {
-        let Some(live) = self.registry.in_memory_now(map) else { return };
+    pub fn announce_loop(&self, keyframe: &KeyframeId, answer: &QueryAnswer) {
+        let live = answer.map.live().clone();
         let mut event = Event::of(EventKind::LoopFound);
         event.keyframe = Some(keyframe.clone());
         event.candidate.clone_from(&answer.verdict.best);

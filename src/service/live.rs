@@ -13,7 +13,9 @@ use bytes::Bytes;
 use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 
 use super::error::ServiceError;
+use super::feeds::{Feed, Listener};
 use super::gate::Gate;
+use super::map_memory::{MapMemory, MemoryShare};
 use super::{WAITING_MAX, cores};
 use crate::model::event::Event;
 use crate::model::ids::MapId;
@@ -57,7 +59,11 @@ pub(super) struct LiveMap {
     /// The version of `state`.
     newest: AtomicU64,
     on_disk: watch::Sender<u64>,
-    latest_event: watch::Sender<u64>,
+    feed: Arc<Feed>,
+    /// What it takes of the memory for maps.
+    pub memory: MemoryShare,
+    /// When a client used it last, counted in uses of maps.
+    pub last_use: AtomicU64,
     /// Answers of loop queries that are still on their way to the disk.
     kept: Mutex<HashMap<String, Bytes>>,
     next_kept: AtomicI64,
@@ -91,7 +97,7 @@ pub(super) struct Pending<T> {
 
 impl LiveMap {
     /// A map that was loaded.
-    pub fn new(id: MapId, loaded: Loaded) -> Arc<Self> {
+    pub fn new(id: MapId, loaded: Loaded, feed: Arc<Feed>, memory: &Arc<MapMemory>) -> Arc<Self> {
         Arc::new(Self {
             id,
             key: loaded.key,
@@ -102,7 +108,9 @@ impl LiveMap {
             reads: Gate::new(READS_OF_A_MAP_PER_CORE * cores(), WAITING_MAX),
             newest: AtomicU64::new(loaded.version),
             on_disk: watch::Sender::new(loaded.version),
-            latest_event: watch::Sender::new(loaded.next_event - 1),
+            feed,
+            memory: memory.share(loaded.index.memory_bytes()),
+            last_use: AtomicU64::new(0),
             kept: Mutex::default(),
             next_kept: AtomicI64::new(loaded.next_kept),
             figures: Mutex::default(),
@@ -164,6 +172,8 @@ impl LiveMap {
         let version = state.version;
         self.newest.store(version, Ordering::Release);
         let events = number(&mut state, decided.events);
+        let memory_bytes = state.index.memory_bytes();
+        self.memory.set(memory_bytes);
         let batch = Batch {
             map: self.key,
             version,
@@ -171,7 +181,7 @@ impl LiveMap {
             next_anchor: state.index.next_anchor(),
             next_event: state.next_event,
             figures: state.index.figures(),
-            memory_bytes: state.index.memory_bytes(),
+            memory_bytes,
             changes: decided.changes,
             new_keyframe,
             events,
@@ -209,7 +219,7 @@ impl LiveMap {
         store.committer().submit(job, &self.line, move |result| {
             if result.is_ok() {
                 live.on_disk.send_modify(|on_disk| *on_disk = version.max(*on_disk));
-                live.latest_event.send_modify(|latest| *latest = event.max(*latest));
+                live.feed.reached(event);
             } else {
                 // Wakes those who wait for a version that will never be.
                 live.on_disk.send_modify(|_| {});
@@ -240,9 +250,9 @@ impl LiveMap {
         let _ = self.on_disk.subscribe().wait_for(|on_disk| *on_disk > after || self.is_broken()).await;
     }
 
-    /// The number of the latest event on disk.
-    pub fn latest_event(&self) -> watch::Receiver<u64> {
-        self.latest_event.subscribe()
+    /// The number of the latest event on disk, for one who listens.
+    pub fn listen(&self) -> Listener {
+        Listener::to(self.feed.clone())
     }
 
     /// Tells events that belong to no change, written behind.
@@ -294,6 +304,7 @@ impl LiveMap {
         self.exists()?;
         self.gone.store(true, Ordering::Release);
         state.index = MapIndex::default();
+        self.memory.set(state.index.memory_bytes());
         Ok(self.submit(store, Job::DeleteMap(self.key), state.version, state.next_event, None))
     }
 }

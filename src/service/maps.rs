@@ -114,6 +114,7 @@ impl Service {
                 spawn_blocking(move || deleting.delete(&store)).await.map_err(ServiceError::panicked)??;
             let deleted = queued.await.map_err(|_| StoreError::Closed)?;
             service.features.forget_map(live.key).await;
+            service.registry.forget_over(&live.id);
             drop(birth);
             deleted?;
             tracing::info!(map = %live.id, "a map was deleted");

@@ -10,7 +10,9 @@ mod backups;
 mod board;
 mod error;
 mod events;
+mod eviction;
 mod features;
+mod feeds;
 mod gate;
 mod giving;
 mod judging;
@@ -20,6 +22,7 @@ pub mod keyring;
 mod law;
 mod live;
 mod loops;
+mod map_memory;
 mod maps;
 mod options;
 mod pinned;
@@ -41,6 +44,8 @@ use tokio_util::sync::CancellationToken;
 pub use backups::BackupMade;
 use backups::Backups;
 pub use error::ServiceError;
+use eviction::Used;
+pub use feeds::Listener;
 pub use keyframes::PendingKeyframe;
 pub use options::{ModelChoice, ServiceOptions};
 pub use pinned::PinnedMap;
@@ -110,7 +115,7 @@ impl Service {
         };
         let store = Store::open(&options.database).await?;
         let models = open_models(options.models, &store).await?.map(Arc::new);
-        let registry = Arc::new(Registry::new(store.next_map_key().await?));
+        let registry = Arc::new(Registry::new(store.next_map_key().await?, options.map_memory));
         let service = Self {
             models: models.clone(),
             worker: Worker::new(),
@@ -172,7 +177,12 @@ impl Service {
     }
 
     async fn live(&self, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
-        self.registry.get(&self.store, id).await
+        self.registry.get(&self.store, id, Used::ByClient).await
+    }
+
+    /// [`Self::live`] for work that no client waits for: the map does not count as used.
+    async fn live_in_background(&self, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
+        self.registry.get(&self.store, id, Used::InBackground).await
     }
 }
 

@@ -15,9 +15,29 @@ pub struct PinnedMap {
 }
 
 impl PinnedMap {
+    pub(super) fn of(live: &LiveMap) -> Self {
+        Self { id: live.id.clone(), key: live.key }
+    }
+
     /// Its name.
     pub fn id(&self) -> &MapId {
         &self.id
+    }
+}
+
+/// A map that stays in memory as long as this is held.
+#[derive(Clone, Debug)]
+pub struct HeldMap(pub(super) Arc<LiveMap>);
+
+impl HeldMap {
+    pub(super) fn live(&self) -> &Arc<LiveMap> {
+        &self.0
+    }
+}
+
+impl PartialEq for HeldMap {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.key == other.0.key
     }
 }
 
@@ -25,12 +45,21 @@ impl Service {
     /// The map that has this name now.
     pub async fn pin_map(&self, id: &MapId) -> Result<PinnedMap, ServiceError> {
         let live = self.live(id).await?;
-        Ok(PinnedMap { id: live.id.clone(), key: live.key })
+        Ok(PinnedMap::of(&live))
     }
 
     /// The pinned map in memory. One that is deleted is as little there as before another got its name.
     pub(super) async fn live_pinned(&self, map: &PinnedMap) -> Result<Arc<LiveMap>, ServiceError> {
         let live = self.live(&map.id).await?;
+        if live.key == map.key { Ok(live) } else { Err(ServiceError::no_map(&map.id)) }
+    }
+
+    /// [`Self::live_pinned`] for work that no client waits for.
+    pub(super) async fn live_pinned_in_background(
+        &self,
+        map: &PinnedMap,
+    ) -> Result<Arc<LiveMap>, ServiceError> {
+        let live = self.live_in_background(&map.id).await?;
         if live.key == map.key { Ok(live) } else { Err(ServiceError::no_map(&map.id)) }
     }
 }

@@ -6,6 +6,7 @@
 mod bad_input;
 mod bounds;
 mod crash;
+mod eviction;
 mod geometry;
 mod hotel;
 mod limits;

@@ -7,7 +7,6 @@ use axum::extract::{FromRequestParts, State};
 use axum::http::request::Parts;
 use axum::response::sse::{Event as Sent, KeepAlive, Sse};
 use futures_util::Stream;
-use tokio::sync::watch;
 
 use crate::http::App;
 use crate::http::access::Caller;
@@ -19,6 +18,7 @@ use crate::http::streams::Listening;
 use crate::model::event::Event;
 use crate::model::ids::MapId;
 use crate::model::invalid::FieldError;
+use crate::service::Listener;
 use crate::service::access::Access;
 use crate::wire::event::EventView;
 use crate::wire::examples;
@@ -53,9 +53,9 @@ pub async fn listen(
     Query(Since { since }): Query<Since>,
     LastEventId(last): LastEventId,
 ) -> Result<Sse<impl Stream<Item = Result<Sent, Infallible>>>, Problem> {
-    let latest = app.service.latest_event(&map).await?;
+    let events = app.service.listen(&map).await?;
     let listening = app.streams.begin(&caller.0)?;
-    let stream = stream(app, caller.0, map, last.or(since).unwrap_or(0), latest, listening);
+    let stream = stream(app, caller.0, map, last.or(since).unwrap_or(0), events, listening);
     Ok(Sse::new(stream).keep_alive(KeepAlive::new().interval(KEEP_ALIVE)))
 }
 
@@ -64,14 +64,14 @@ fn stream(
     access: Access,
     map: MapId,
     mut since: u64,
-    mut latest: watch::Receiver<u64>,
+    mut listener: Listener,
     listening: Listening,
 ) -> impl Stream<Item = Result<Sent, Infallible>> {
     async_stream::stream! {
         let _listening = listening;
         loop {
             // Marked as seen before fetching: what comes in between wakes the wait below.
-            latest.borrow_and_update();
+            listener.mark_seen();
             // An error here is a map that is gone; the client learns more when it reconnects.
             let Ok(events) = app.service.events(&map, since, BATCH).await else { return };
             let more = !events.is_empty();
@@ -83,7 +83,7 @@ fn stream(
                 continue;
             }
             tokio::select! {
-                changed = latest.changed() => if changed.is_err() { return },
+                () = listener.more() => {}
                 () = app.stopping.cancelled() => return,
                 () = app.service.keys().ended(&access) => return,
             }
