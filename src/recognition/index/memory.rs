@@ -14,26 +14,26 @@ const MAP: u64 = 6 * 1024;
 /// A keyframe: its facts, its name twice, and its slots in the tables by number.
 const KEYFRAME: u64 = 700;
 
-/// A keyframe that observes a map point: in the keyframe's list, and in the point's list of observers.
+/// A map point that a keyframe observes: in the keyframe's list, and in the point's list of observers.
 const OBSERVED_POINT: u64 = 8 + 8;
 
-/// A distinct map point of a session.
-const POINT: u64 = 96;
+/// A distinct map point of a session: its bucket in a table that is two thirds full, and its list of observers.
+const POINT: u64 = 150;
 
 /// Two keyframes that are covisible, told from one of them.
 const EDGE: u64 = 26;
 
-/// An anchor and the object that it belongs to.
-const ANCHOR: u64 = 1_600;
+/// An anchor and the object that it belongs to: a dozen trees with few entries, each with room for eleven.
+const ANCHOR: u64 = 8_500;
 
 /// An observation of an anchor, with its reading.
-const OBSERVATION: u64 = 500;
+const OBSERVATION: u64 = 400;
 
 /// A map point of an observation: in it, in the anchor's shape, in the object's, and among the holders of the point.
-const ANCHOR_POINT: u64 = 150;
+const ANCHOR_POINT: u64 = 170;
 
 /// A distinct text, with its words and its matches.
-const TEXT: u64 = 1_800;
+const TEXT: u64 = 2_500;
 
 /// A verdict of a model about texts.
 const VERDICT: u64 = 400;
