@@ -37,6 +37,8 @@ pub struct Loaded {
     pub next_event: u64,
     /// The number of the next loop query to be kept.
     pub next_kept: i64,
+    /// The digest of the body that made it.
+    pub digest: Digest,
     /// The key that made it.
     pub owner: Option<KeySeq>,
     /// How much it holds, as its row says.
@@ -123,6 +125,7 @@ pub(super) async fn load(db: &mut Db, id: &MapId, order: Order) -> Result<Option
         next_event: row.try_get::<i64, _>("next_event")? as u64,
         next_kept: next_kept.bind(key).fetch_one(&mut *db).await?,
         owner: row.try_get::<Option<i64>, _>("owner")?.map(KeySeq),
+        digest: digest(&row)?,
         figures: map_rows::figures(&row)?,
         index,
     }))
