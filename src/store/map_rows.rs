@@ -76,6 +76,12 @@ impl Store {
         rows.iter().map(map_row).collect()
     }
 
+    /// Returns the key of the map that has this name.
+    pub async fn map_key(&self, id: &MapId) -> Result<Option<MapKey>, StoreError> {
+        let select = "select map_key from maps where id = $1";
+        Ok(sqlx::query_scalar(select).bind(id.as_str()).fetch_optional(&self.readers).await?)
+    }
+
     /// Returns what a map's index took in memory when it was last written to, in bytes; `None` if there is no such map.
     pub async fn map_memory(&self, id: &MapId) -> Result<Option<u64>, StoreError> {
         let select = "select memory_bytes from maps where id = $1";
