@@ -7,13 +7,15 @@ use crate::model::ids::{KeyframeId, MapId};
 impl Service {
     /// The events after one, in their order.
     pub async fn events(&self, map: &MapId, since: u64, limit: usize) -> Result<Vec<Event>, ServiceError> {
-        let live = self.live(map).await?;
-        Ok(self.store.events(live.key, since, limit).await?)
+        let key = self.key_of(map).await?;
+        Ok(self.store.events(key, since, limit).await?)
     }
 
-    /// Listens to the events of a map, which need not stay in memory for that.
+    /// Listens to the events of a map, which need not be in memory for that.
     pub async fn listen(&self, map: &MapId) -> Result<Listener, ServiceError> {
-        Ok(self.live(map).await?.listen())
+        let key = self.key_of(map).await?;
+        // Where nothing is known of its events, the first that is hears of all of them.
+        Ok(Listener::to(self.registry.feeds.of(key, 0)))
     }
 
     /// Tells that a keyframe that arrived is a loop. Written behind: the verdict can be asked for again.

@@ -96,7 +96,13 @@ impl Registry {
         store: &Store,
         id: &MapId,
     ) -> Result<Arc<LiveMap>, ServiceError> {
-        let about = store.map_memory(id).await?.unwrap_or(0);
+        let mut about = store.map_memory(id).await?;
+        if about.is_none() {
+            // It may be on its way to the disk. One that is not takes no turn from those that are.
+            store.committer().settled().await;
+            about = store.map_memory(id).await?;
+        }
+        let about = about.ok_or_else(|| ServiceError::no_map(id))?;
         // Alone if nothing else fits beside it.
         let turns = if about > self.memory.budget() { self.loads.at_once } else { 1 };
         let turn =

@@ -25,7 +25,7 @@ pub(super) struct Feed {
 }
 
 impl Feeds {
-    /// Returns the feed of a map whose latest event has this number.
+    /// Returns the feed of a map of which events up to this number are on disk, as far as is known.
     pub fn of(self: &Arc<Self>, map: MapKey, latest: u64) -> Arc<Feed> {
         let mut by_map = self.lock();
         if let Some(feed) = by_map.get(&map).and_then(Weak::upgrade) {
@@ -45,9 +45,9 @@ impl Feeds {
 }
 
 impl Feed {
-    /// Wakes those who listen: everything up to this event is on disk.
+    /// Wakes those who listen if they have not heard of this event: everything up to it is on disk.
     pub fn reached(&self, event: u64) {
-        self.latest.send_modify(|latest| *latest = event.max(*latest));
+        self.latest.send_if_modified(|latest| event > std::mem::replace(latest, event.max(*latest)));
     }
 }
 

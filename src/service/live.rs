@@ -13,7 +13,7 @@ use bytes::Bytes;
 use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 
 use super::error::ServiceError;
-use super::feeds::{Feed, Listener};
+use super::feeds::Feed;
 use super::gate::Gate;
 use super::map_memory::{MapMemory, MemoryShare};
 use super::{WAITING_MAX, cores};
@@ -248,11 +248,6 @@ impl LiveMap {
     /// Waits until the version on disk is another one.
     pub async fn next_version(&self, after: u64) {
         let _ = self.on_disk.subscribe().wait_for(|on_disk| *on_disk > after || self.is_broken()).await;
-    }
-
-    /// The number of the latest event on disk, for one who listens.
-    pub fn listen(&self) -> Listener {
-        Listener::to(self.feed.clone())
     }
 
     /// Tells events that belong to no change, written behind.

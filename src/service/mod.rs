@@ -55,7 +55,7 @@ pub use stats::Stats;
 use crate::config::quotas::Quotas;
 use crate::model::ids::MapId;
 use crate::models::Models;
-use crate::store::{Job, Store};
+use crate::store::{Job, MapKey, Store};
 use features::FeatureCache;
 use gate::Gate;
 use keyring::Keyring;
@@ -178,6 +178,14 @@ impl Service {
 
     async fn live(&self, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
         self.registry.get(&self.store, id, Used::ByClient).await
+    }
+
+    /// The key of the map that has this name now, which need not be in memory for that.
+    async fn key_of(&self, id: &MapId) -> Result<MapKey, ServiceError> {
+        if let Some(live) = self.registry.in_memory_now(id) {
+            return Ok(live.key);
+        }
+        self.store.map_key(id).await?.ok_or_else(|| ServiceError::no_map(id))
     }
 
     /// [`Self::live`] for work that no client waits for: the map does not count as used.

@@ -132,11 +132,12 @@ impl Service {
 
     /// A kept answer.
     pub async fn kept_query(&self, map: &MapId, id: &str) -> Result<Bytes, ServiceError> {
-        let live = self.live(map).await?;
-        if let Some(body) = live.query_under_way(id) {
+        // One that is on its way to the disk keeps its map in memory.
+        let live = self.registry.in_memory_now(map);
+        if let Some(body) = live.and_then(|live| live.query_under_way(id)) {
             return Ok(body);
         }
-        let found = self.store.kept_query(live.key, id).await?;
+        let found = self.store.kept_query(self.key_of(map).await?, id).await?;
         found
             .map(Bytes::from)
             .ok_or_else(|| ServiceError::NotFound(format!("there is no loop query {id} in this map")))

@@ -85,6 +85,11 @@ impl Registry {
         })
     }
 
+    /// The map, if it is in memory now; this does not count as use.
+    pub fn in_memory_now(&self, id: &MapId) -> Option<Arc<LiveMap>> {
+        self.lock().get(id)?.get().filter(|live| !live.is_over()).cloned()
+    }
+
     /// The maps in memory that are wanted. They stay there while they are held, and the others may leave.
     pub fn in_memory(&self, mut wanted: impl FnMut(&LiveMap) -> bool) -> Vec<Arc<LiveMap>> {
         let cells = self.lock();

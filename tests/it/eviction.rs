@@ -131,6 +131,11 @@ async fn a_list_of_maps_brings_none_to_memory_and_says_what_each_says() {
         (&last["anchor_classes"], &last["settings"]["agreeing_reads"]),
         (&json!(["\"door\"", "sign"]), &json!(2))
     );
+    // Nor does a stream.
+    let mut stream = server.request(Method::GET, "/v1/maps/a/events?since=0").send().await.unwrap();
+    let chunk = tokio::time::timeout(PATIENCE, stream.chunk()).await.expect("events").unwrap();
+    assert!(chunk.is_some_and(|chunk| chunk.starts_with(b"id: 1\n")));
+    server.get("/v1/maps/nowhere/events").await.expect(404);
     assert_eq!((server.figure("revisit_maps").await, server.figure("revisit_map_loads").await), (0, 0));
     // A part of the list at a time.
     let part = server.get("/v1/maps?limit=2").await.expect(200);
