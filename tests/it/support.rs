@@ -53,6 +53,11 @@ impl Server {
         Self::on_with(directory, |options| options.map_memory = bytes).await
     }
 
+    /// The same, with models.
+    pub async fn with_models_and_map_memory(directory: &Path, models: ModelChoice, bytes: u64) -> Self {
+        Self::on_with(directory, |options| (options.models, options.map_memory) = (models, bytes)).await
+    }
+
     /// One figure of the metrics page.
     pub async fn figure(&self, name: &str) -> u64 {
         let page = Answer::text(self.request(Method::GET, "/metrics")).await;
