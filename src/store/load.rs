@@ -23,8 +23,8 @@ use crate::model::map::MapFigures;
 use crate::model::request::Digest;
 use crate::recognition::index::MapIndex;
 
-/// Rows read at a time: a map may be larger than its index.
-const CHUNK: i64 = 2_000;
+/// Rows read at a time: few, because a row of 700 words takes as much as its keyframe does in the index.
+const CHUNK: i64 = 256;
 
 /// A map as the store knows it.
 #[derive(Debug)]
