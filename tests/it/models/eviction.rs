@@ -15,7 +15,7 @@ async fn what_anchors_lack_arrives_in_maps_that_have_no_room_in_memory() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::with_map_memory(folder.path(), u64::MAX).await;
     let crops: Vec<Value> =
-        (0..CROPS).map(|n| crop("door_number", [f64::from(n) * 3.0, 0.0, 2.0], [n, 0, 0])).collect();
+        (0..CROPS).map(|n| crop("door_number", [f64::from(n) * 50.0, 0.0, 2.0], [n, 0, 0])).collect();
     for map in MAPS {
         server.put(&format!("/v1/maps/{map}"), &json!({})).await.expect(201);
         put(&server, map, "kf-1", &keyframe(1, 0.0, &crops)).await;
@@ -31,7 +31,7 @@ async fn what_anchors_lack_arrives_in_maps_that_have_no_room_in_memory() {
     }
     assert!(server.figure("revisit_map_evictions").await > 0, "they take turns in memory as well");
     // And what comes later, by turns.
-    let later = keyframe(2, 500.0, &[crop("door_number", [500.0, 0.0, 2.0], [0, 0, 250])]);
+    let later = keyframe(2, -500.0, &[crop("door_number", [-500.0, 0.0, 2.0], [0, 0, 250])]);
     for map in MAPS {
         put(&server, map, "kf-2", &later).await;
     }
