@@ -10,6 +10,7 @@ use tokio::net::TcpListener;
 
 use super::replay::OwnServer;
 use super::{Failure, stop_on_signal, write_out};
+use crate::config::memory::MemoryArgs;
 use crate::config::quotas::Quotas;
 use crate::config::traces::Traces;
 use crate::config::{build, limits, listen, logging, models, traces};
@@ -48,6 +49,8 @@ pub struct ServeArgs {
     #[command(flatten)]
     limits: limits::LimitArgs,
     #[command(flatten)]
+    memory: MemoryArgs,
+    #[command(flatten)]
     models: models::ModelArgs,
     #[command(flatten)]
     quotas: Quotas,
@@ -73,6 +76,7 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
         models: ModelChoice::Configured(Box::new(args.models)),
         keys_required: !args.listen.ip().is_loopback(),
         quotas: args.quotas,
+        map_memory: args.memory.map_memory_bytes(),
     })
     .await?;
     if !args.listen.ip().is_loopback() && !service.keys().has_good_key() {

@@ -6,6 +6,7 @@
 //! | [`limits`] | how much at once, and how patient |
 //! | [`listen`] | where to listen, and whether others reach it |
 //! | [`logging`] | what is logged, and how |
+//! | [`memory`] | how much memory the maps may take |
 //! | [`models`] | which language and vision models to ask, and what they may cost |
 //! | [`quotas`] | how much a map may hold |
 //! | [`tls`] | the one TLS stack |
@@ -15,6 +16,7 @@ pub mod build;
 pub mod limits;
 pub mod listen;
 pub mod logging;
+pub mod memory;
 pub mod models;
 pub mod quotas;
 pub mod tls;

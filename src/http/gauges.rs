@@ -22,6 +22,15 @@ type Row = (&'static str, &'static str, fn(&Figures) -> u64);
 /// Every gauge.
 pub const GAUGES: &[Row] = &[
     ("maps", "Maps in memory", |f| f.stats.maps),
+    ("map_memory_bytes", "Bytes that the maps in memory take, estimated", |f| f.stats.map_memory_bytes),
+    ("map_memory_limit_bytes", "Bytes that they may take before idle ones are evicted (--map-memory)", |f| {
+        f.stats.map_memory_limit_bytes
+    }),
+    ("map_loads", "Maps loaded into memory since the server started", |f| f.stats.map_loads),
+    ("map_loads_oversized", "Loads of maps that are larger than --map-memory", |f| {
+        f.stats.map_loads_oversized
+    }),
+    ("map_evictions", "Idle maps evicted from memory since the server started", |f| f.stats.map_evictions),
     ("keyframes", "Keyframes of all maps in memory", |f| f.stats.keyframes),
     ("anchors", "Semantic anchors of all maps in memory", |f| f.stats.anchors),
     ("postings", "Postings of the inverted files", |f| f.stats.postings),

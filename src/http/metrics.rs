@@ -32,6 +32,7 @@ pub struct Metrics {
     pub traffic: Traffic,
     /// Parallel to [`GAUGES`].
     gauges: Vec<Gauge<u64, AtomicU64>>,
+    map_load: Gauge<f64, AtomicU64>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
@@ -81,7 +82,14 @@ impl Default for Metrics {
         for ((name, help, _), gauge) in GAUGES.iter().zip(&gauges) {
             registry.register(*name, *help, gauge.clone());
         }
-        Self { registry, requests, refusals, latency, verdicts, traffic, started: Instant::now(), gauges }
+        let map_load = Gauge::default();
+        registry.register(
+            "map_load_seconds",
+            "Time spent loading maps into memory since the server started",
+            map_load.clone(),
+        );
+        let started = Instant::now();
+        Self { registry, requests, refusals, latency, verdicts, started, traffic, gauges, map_load }
     }
 }
 
@@ -116,6 +124,7 @@ impl Metrics {
         for ((_, _, read), gauge) in GAUGES.iter().zip(&self.gauges) {
             gauge.set(read(figures));
         }
+        self.map_load.set(figures.stats.map_load_microseconds as f64 / 1e6);
         let mut out = String::new();
         // Writing into a string does not fail.
         let _ = text::encode(&mut out, &self.registry);

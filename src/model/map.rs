@@ -15,6 +15,21 @@ pub struct MapProperties {
     pub settings: Settings,
 }
 
+/// How much a map holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MapFigures {
+    /// Keyframes.
+    pub keyframes: u64,
+    /// Anchors, merged ones counted once.
+    pub anchors: u64,
+    /// Sessions that have written to it.
+    pub sessions: u64,
+    /// Confirmed loops.
+    pub loops: u64,
+    /// What its facts take on disk, in bytes.
+    pub bytes: u64,
+}
+
 impl MapProperties {
     /// Are detections of this class semantic anchors here (§III: predefined categories)?
     pub fn anchors_class(&self, class: &str) -> bool {

@@ -34,12 +34,19 @@ impl Edge {
 pub struct Covisibility {
     /// Ascending; a keyframe without edges has no list.
     edges: Numbered<Vec<(KeyframeSeq, Edge)>>,
+    /// Entries of all lists.
+    count: u64,
 }
 
 impl Covisibility {
     /// The keyframes covisible with one, ascending, without itself.
     pub fn neighbours(&self, keyframe: KeyframeSeq) -> impl Iterator<Item = KeyframeSeq> + '_ {
         self.edges.get(keyframe.index()).into_iter().flatten().map(|(other, _)| *other)
+    }
+
+    /// How many edges there are, each told from both of its ends.
+    pub fn edge_count(&self) -> u64 {
+        self.count
     }
 
     /// K_k^cov of the paper: the neighbours and the keyframe itself.
@@ -99,7 +106,9 @@ impl Covisibility {
 
     /// A keyframe is gone, with its edges.
     pub fn remove(&mut self, keyframe: KeyframeSeq) {
-        for (other, _) in self.edges.remove(keyframe.index()).unwrap_or_default() {
+        let edges = self.edges.remove(keyframe.index()).unwrap_or_default();
+        self.count -= edges.len() as u64;
+        for (other, _) in edges {
             self.change_list(other, |list| list.retain(|(back, _)| *back != keyframe));
         }
     }
@@ -130,7 +139,9 @@ impl Covisibility {
 
     fn change_list(&mut self, of: KeyframeSeq, change: impl FnOnce(&mut Vec<(KeyframeSeq, Edge)>)) {
         let list = self.edges.get_or_default(of.index());
+        let before = list.len() as u64;
         change(list);
+        self.count = self.count + list.len() as u64 - before;
         if list.is_empty() {
             self.edges.remove(of.index());
         }

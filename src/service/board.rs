@@ -5,6 +5,8 @@ use std::time::Duration;
 
 use tokio::time::Instant;
 
+use super::live::LiveMap;
+use super::pinned::PinnedMap;
 use crate::recognition::lacking::{Lack, Settled};
 
 /// A job that keeps failing is tried again after at most so long.
@@ -13,9 +15,11 @@ pub(super) const PAUSE_MAX: Duration = Duration::from_hours(1);
 /// A pause doubles this often, and no more.
 const DOUBLINGS_MAX: u32 = 12;
 
-/// It is only memory: a new process finds the same work again.
-#[derive(Default)]
+/// It is only memory: a new process finds the same work again. It may outlive its map's being in memory, as long as
+/// there is work.
 pub(super) struct Board {
+    /// The map.
+    pub map: PinnedMap,
     /// Jobs to be handed out.
     pub found: VecDeque<Lack>,
     /// Jobs that somebody does.
@@ -33,6 +37,38 @@ pub(super) struct Board {
 }
 
 impl Board {
+    /// A board on which nothing is noted yet.
+    pub fn of(live: &LiveMap) -> Self {
+        Self {
+            map: PinnedMap::of(live),
+            found: VecDeque::new(),
+            under_way: HashSet::new(),
+            paused: HashMap::new(),
+            settled: Settled::default(),
+            told_away: false,
+            looked_at: None,
+            look_again_at: None,
+        }
+    }
+
+    /// Whether the map must be looked at though nothing has changed it: there was more at its version, or a pause is over.
+    pub fn is_due(&self, now: Instant) -> bool {
+        let is_idle = self.found.is_empty() && self.under_way.is_empty();
+        let is_over = self.paused.values().any(|(until, _)| *until <= now);
+        self.may_look(now) && (is_over || (is_idle && self.looked_at.is_none()))
+    }
+
+    /// Whether enough time has passed since the last look.
+    pub fn may_look(&self, now: Instant) -> bool {
+        self.look_again_at.is_none_or(|again| again <= now)
+    }
+
+    /// Returns when it may have to be looked at again, if nothing changes.
+    pub fn next_look(&self, now: Instant) -> Option<Instant> {
+        let pauses = self.paused.values().map(|(until, _)| *until);
+        pauses.chain(self.look_again_at).filter(|at| *at > now).min()
+    }
+
     /// Is there anything that a model has not given yet?
     pub fn waits(&self) -> bool {
         !(self.found.is_empty() && self.under_way.is_empty() && self.paused.is_empty())

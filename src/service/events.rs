@@ -1,8 +1,6 @@
 //! What happened in a map, for those who listen.
 
-use tokio::sync::watch;
-
-use super::{PinnedMap, QueryAnswer, Service, ServiceError};
+use super::{Listener, PinnedMap, QueryAnswer, Service, ServiceError};
 use crate::model::event::{Event, EventKind};
 use crate::model::ids::{KeyframeId, MapId};
 
@@ -14,12 +12,13 @@ impl Service {
         since: u64,
         limit: usize,
     ) -> Result<Vec<Event>, ServiceError> {
-        let live = self.live_pinned(map).await?;
-        Ok(self.store.events(live.key, since, limit).await?)
+        let key = self.key_of_pinned(map).await?;
+        Ok(self.store.events(key, since, limit).await?)
     }
 
-    /// Returns the map that has this name now, and the number of its latest event as it grows. Refuses to resume after an
-    /// event that is not the map's, or that has none of its successors left: the client would miss some and not know.
+    /// Listens to the events of the map that has this name now, which need not be in memory for that. Refuses to resume
+    /// after an event that is not the map's, or that has none of its successors left: the client would miss some
+    /// and not know.
     ///
     /// The numbers of a map that is made after a deleted one begin above those of the deleted one. So a number from before
     /// is too small for every event that is kept, or it was not given yet.
@@ -27,15 +26,15 @@ impl Service {
         &self,
         map: &MapId,
         since: u64,
-    ) -> Result<(PinnedMap, watch::Receiver<u64>), ServiceError> {
-        let live = self.live(map).await?;
-        let pinned = PinnedMap::of(&live);
-        let latest = live.latest_event();
+    ) -> Result<(PinnedMap, Listener), ServiceError> {
+        let pinned = self.pin_map(map).await?;
+        // Where nothing is known of its events, the first that is hears of all of them.
+        let listener = Listener::to(self.registry.feeds.of(pinned.key(), 0));
         // 0 is before the first, whichever that is.
         if since > 0 {
-            let newest = *latest.borrow();
-            let oldest = self.store.oldest_event(live.key).await?.unwrap_or(newest + 1);
-            if since > newest || since.saturating_add(1) < oldest {
+            let kept =
+                self.store.kept_events(pinned.key()).await?.ok_or_else(|| ServiceError::no_map(map))?;
+            if since >= kept.end || since.saturating_add(1) < kept.start {
                 return Err(ServiceError::Gone {
                     detail: format!(
                         "map {map} has no event {since}: it was deleted and made again, or the event is too old to be \
@@ -44,12 +43,12 @@ impl Service {
                 });
             }
         }
-        Ok((pinned, latest))
+        Ok((pinned, listener))
     }
 
     /// Tells that a keyframe that arrived is a loop. Written behind: the verdict can be asked for again.
-    pub fn announce_loop(&self, map: &MapId, keyframe: &KeyframeId, answer: &QueryAnswer) {
-        let Some(live) = self.registry.in_memory_now(map) else { return };
+    pub fn announce_loop(&self, keyframe: &KeyframeId, answer: &QueryAnswer) {
+        let live = answer.map.live().clone();
         let mut event = Event::of(EventKind::LoopFound);
         event.keyframe = Some(keyframe.clone());
         event.candidate.clone_from(&answer.verdict.best);

@@ -1,6 +1,8 @@
 //! The law of the house: an index built from the store equals the live one, after any requests.
 
 use proptest::prelude::*;
+use sqlx::sqlite::SqliteConnectOptions;
+use sqlx::{AssertSqlSafe, ConnectOptions as _, Executor as _};
 
 use super::live::Decision;
 use super::{Service, ServiceError, ServiceOptions};
@@ -9,7 +11,7 @@ use crate::model::bow::BowVector;
 use crate::model::ids::{AnchorSeq, KeyframeId, MapId};
 use crate::model::judged::{CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
 use crate::model::keyframe::{CLIENTS_VOCABULARY, Crop, Detection, NewKeyframe, Stamp};
-use crate::model::map::MapProperties;
+use crate::model::map::{MapFigures, MapProperties};
 use crate::model::request::{MapPatch, NewLoop, PoseCorrection};
 use crate::model::settings::SettingValue;
 use crate::recognition::index::MapIndex;
@@ -328,8 +330,34 @@ async fn holds_after(requests: Vec<Request>) {
         pretty(&loaded.index, &state.index);
         // What `revisit check` builds to find out whether a database holds the law.
         pretty(&backwards.index, &state.index);
+        // What lists of maps show, without an index.
+        assert_eq!(loaded.figures, state.index.figures());
     }
+    let listed = service.get_map(&map).await.unwrap();
+    assert_eq!((listed.version, &listed.properties), (loaded.version, loaded.index.properties()));
+    assert_eq!(listed.vocabulary.as_deref(), loaded.index.vocabulary());
+    let figures = loaded.figures;
+    drop(live);
     service.close().await;
+    assert_eq!(counted_by_the_migration(&folder.path().join("law.db")).await, figures);
+}
+
+/// The figures of the only map as the migration that made them counts them for the maps it finds.
+async fn counted_by_the_migration(database: &std::path::Path) -> MapFigures {
+    let migration = include_str!("../../migrations/sqlite/0007_figures.sql");
+    let (_, counting) =
+        migration.split_once("\nupdate maps set\n").expect("what it does to the maps it finds");
+    let options = SqliteConnectOptions::new().filename(database);
+    let mut db = options.connect().await.unwrap();
+    db.execute("update maps set keyframes = 99, anchors = 99, sessions = 99, loops = 99, bytes = 99")
+        .await
+        .unwrap();
+    db.execute(AssertSqlSafe(format!("update maps set\n{counting}"))).await.unwrap();
+    let select = "select keyframes, anchors, sessions, loops, bytes from maps";
+    let row: (i64, i64, i64, i64, i64) = sqlx::query_as(select).fetch_one(&mut db).await.unwrap();
+    let [keyframes, anchors, sessions, loops, bytes] =
+        [row.0, row.1, row.2, row.3, row.4].map(|figure| figure as u64);
+    MapFigures { keyframes, anchors, sessions, loops, bytes }
 }
 
 /// A difference of two whole indexes is unreadable; this names the part that differs.

@@ -13,12 +13,13 @@ use bytes::Bytes;
 use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 
 use super::error::ServiceError;
+use super::feeds::Feed;
 use super::gate::Gate;
+use super::map_memory::{MapMemory, MemoryShare};
 use super::{WAITING_MAX, cores};
 use crate::model::event::Event;
 use crate::model::ids::MapId;
 use crate::model::key::KeySeq;
-use crate::model::request::Digest;
 use crate::recognition::index::MapIndex;
 use crate::recognition::recorder::Decided;
 use crate::store::{Batch, Job, Line, Loaded, MapKey, NewKeyframeRows, Store, StoreError};
@@ -48,8 +49,6 @@ pub(super) struct State {
 pub(super) struct LiveMap {
     pub id: MapId,
     pub key: MapKey,
-    /// The digest of the body that made it.
-    pub digest: Digest,
     /// The key that made it, which pays for its models.
     pub owner: Option<KeySeq>,
     state: RwLock<State>,
@@ -63,7 +62,11 @@ pub(super) struct LiveMap {
     /// The version of `state`.
     newest: AtomicU64,
     on_disk: watch::Sender<u64>,
-    latest_event: watch::Sender<u64>,
+    feed: Arc<Feed>,
+    /// What it takes of the memory for maps.
+    pub memory: MemoryShare,
+    /// When a client used it last, counted in uses of maps.
+    pub last_use: AtomicU64,
     /// Answers of loop queries that are still on their way to the disk.
     kept: Mutex<HashMap<String, Bytes>>,
     next_kept: AtomicI64,
@@ -97,11 +100,10 @@ pub(super) struct Pending<T> {
 
 impl LiveMap {
     /// A map that was loaded.
-    pub fn new(id: MapId, loaded: Loaded) -> Arc<Self> {
+    pub fn new(id: MapId, loaded: Loaded, feed: Arc<Feed>, memory: &Arc<MapMemory>) -> Arc<Self> {
         Arc::new(Self {
             id,
             key: loaded.key,
-            digest: loaded.digest,
             owner: loaded.owner,
             lane: tokio::sync::Mutex::default(),
             line: Arc::new(AtomicBool::new(false)),
@@ -109,7 +111,9 @@ impl LiveMap {
             reads: Gate::new(READS_OF_A_MAP_PER_CORE * cores(), WAITING_MAX),
             newest: AtomicU64::new(loaded.version),
             on_disk: watch::Sender::new(loaded.version),
-            latest_event: watch::Sender::new(loaded.next_event - 1),
+            feed,
+            memory: memory.share(loaded.index.memory_bytes()),
+            last_use: AtomicU64::new(0),
             kept: Mutex::default(),
             next_kept: AtomicI64::new(loaded.next_kept),
             figures: Mutex::default(),
@@ -171,12 +175,16 @@ impl LiveMap {
         let version = state.version;
         self.newest.store(version, Ordering::Release);
         let events = number(&mut state, decided.events);
+        let memory_bytes = state.index.memory_bytes();
+        self.memory.set(memory_bytes);
         let batch = Batch {
             map: self.key,
             version,
             next_keyframe: state.index.next_keyframe(),
             next_anchor: state.index.next_anchor(),
             next_event: state.next_event,
+            figures: state.index.figures(),
+            memory_bytes,
             changes: decided.changes,
             new_keyframe,
             events,
@@ -214,7 +222,7 @@ impl LiveMap {
         store.committer().submit(job, &self.line, move |result| {
             if result.is_ok() {
                 live.on_disk.send_modify(|on_disk| *on_disk = version.max(*on_disk));
-                live.latest_event.send_modify(|latest| *latest = event.max(*latest));
+                live.feed.reached(event);
             } else {
                 // Wakes those who wait for a version that will never be.
                 live.on_disk.send_modify(|_| {});
@@ -243,11 +251,6 @@ impl LiveMap {
     /// Waits until the version on disk is another one.
     pub async fn next_version(&self, after: u64) {
         let _ = self.on_disk.subscribe().wait_for(|on_disk| *on_disk > after || self.is_broken()).await;
-    }
-
-    /// The number of the latest event on disk.
-    pub fn latest_event(&self) -> watch::Receiver<u64> {
-        self.latest_event.subscribe()
     }
 
     /// Tells events that belong to no change, written behind.
@@ -299,6 +302,7 @@ impl LiveMap {
         self.exists()?;
         self.gone.store(true, Ordering::Release);
         free(std::mem::take(&mut state.index));
+        self.memory.set(state.index.memory_bytes());
         Ok(self.submit(store, Job::DeleteMap(self.key), state.version, state.next_event, None))
     }
 }

@@ -4,7 +4,7 @@ use sha2::{Digest as _, Sha256};
 use tokio::task::spawn_blocking;
 use tracing::Instrument as _;
 
-use super::live::{Decision, LiveMap, State};
+use super::live::Decision;
 use super::{Service, ServiceError, Stored};
 use crate::model::change::Change;
 use crate::model::ids::MapId;
@@ -15,7 +15,7 @@ use crate::model::report::{MapReport, Page};
 use crate::model::request::{Digest, MapPatch};
 use crate::model::settings::Settings;
 use crate::recognition::recorder::Recorder;
-use crate::store::{Job, StoreError};
+use crate::store::{Job, MapRow, StoreError};
 
 /// The version of a map that was just made.
 const FIRST_VERSION: u64 = 1;
@@ -42,15 +42,8 @@ impl Service {
         let more = ids.len() > limit;
         ids.truncate(limit);
         let next_cursor = ids.last().filter(|_| more).map(ToString::to_string);
-        let mut items = Vec::new();
-        for id in ids {
-            match self.get_map(&id).await {
-                Ok(report) => items.push(report),
-                // Deleted since the names were read.
-                Err(ServiceError::NotFound(_)) => {}
-                Err(error) => return Err(error),
-            }
-        }
+        // As committed. What was deleted since the names were read is left out.
+        let items = self.store.map_rows(&ids).await?.into_iter().map(|row| row.report).collect();
         Ok(Page { items, next_cursor })
     }
 
@@ -63,31 +56,34 @@ impl Service {
     ) -> Result<Stored<MapReport>, ServiceError> {
         let digest = fingerprint(&properties);
         let _birth = self.registry.births.lock().await;
-        match self.live(&id).await {
-            Ok(live) if live.digest == digest => {
-                let value = self.report_map(&live).await?;
+        let mut row = self.map_row(&id).await?;
+        if row.is_none() {
+            // It may be on its way to the disk for a client that went away.
+            self.store.committer().settled().await;
+            row = self.map_row(&id).await?;
+        }
+        if let Some(MapRow { report: value, digest: made_by }) = row {
+            if made_by == digest {
                 return Ok(Stored { created: false, map_version: value.version, value });
             }
-            Ok(_) => {
-                let detail = format!("map {id} exists and was made by another body; change it with PATCH");
-                return Err(ServiceError::Conflict { code: "map_exists", detail });
-            }
-            Err(ServiceError::NotFound(_)) => {}
-            Err(error) => return Err(error),
+            let detail = format!("map {id} exists and was made by another body; change it with PATCH");
+            return Err(ServiceError::Conflict { code: "map_exists", detail });
         }
         self.disk_takes(false)?;
         let key = self.registry.next_key();
         let job = Job::CreateMap { key, id: id.clone(), properties: Box::new(properties), digest, owner };
         self.store.committer().commit(job).await?;
-        // Loaded like any other: somebody may have asked for it while it was made.
-        let live = self.live(&id).await?;
-        Ok(Stored { created: true, map_version: FIRST_VERSION, value: self.report_map(&live).await? })
+        Ok(Stored { created: true, map_version: FIRST_VERSION, value: self.get_map(&id).await? })
     }
 
-    /// A map as it stands.
+    /// Returns a map as committed: from its row, so that it need not be in memory.
     pub async fn get_map(&self, id: &MapId) -> Result<MapReport, ServiceError> {
-        let live = self.live(id).await?;
-        self.report_map(&live).await
+        let row = self.map_row(id).await?;
+        row.map(|row| row.report).ok_or_else(|| ServiceError::no_map(id))
+    }
+
+    async fn map_row(&self, id: &MapId) -> Result<Option<MapRow>, ServiceError> {
+        Ok(self.store.map_rows(std::slice::from_ref(id)).await?.pop())
     }
 
     /// Changes a map's description, classes or settings. What the settings decided before (which detection
@@ -101,7 +97,7 @@ impl Service {
             Ok(Decision::Changed((), record.finish(), None))
         })
         .await?;
-        self.report_map(&live).await
+        self.get_map(id).await
     }
 
     /// Deletes a map with everything in it; whoever asks for it meanwhile waits for what the disk says.
@@ -118,18 +114,13 @@ impl Service {
                 spawn_blocking(move || deleting.delete(&store)).await.map_err(ServiceError::panicked)??;
             let deleted = queued.await.map_err(|_| StoreError::Closed)?;
             service.features.forget_map(live.key).await;
+            service.registry.forget_over(&live.id);
             drop(birth);
             deleted?;
             tracing::info!(map = %live.id, "a map was deleted");
             Ok(())
         };
         tokio::spawn(deletion.in_current_span()).await.map_err(ServiceError::panicked)?
-    }
-
-    async fn report_map(&self, live: &std::sync::Arc<LiveMap>) -> Result<MapReport, ServiceError> {
-        let id = live.id.clone();
-        let (_, report) = self.read(live, move |state| Ok(report(id.clone(), state))).await?;
-        Ok(report)
     }
 }
 
@@ -144,20 +135,6 @@ fn fingerprint(properties: &MapProperties) -> Digest {
         .collect();
     let said = (&properties.description, properties.metric, &properties.anchor_classes, chosen);
     Sha256::digest(format!("{said:?}")).into()
-}
-
-fn report(id: MapId, state: &State) -> MapReport {
-    MapReport {
-        id,
-        properties: state.index.properties().clone(),
-        vocabulary: state.index.vocabulary().map(str::to_owned),
-        version: state.version,
-        keyframes: state.index.keyframe_count(),
-        anchors: state.index.objects().len(),
-        sessions: state.index.sessions().len(),
-        loops: state.index.loops().len(),
-        bytes: state.index.bytes(),
-    }
 }
 
 fn patched(before: &MapProperties, patch: MapPatch) -> Result<MapProperties, ServiceError> {

@@ -10,7 +10,9 @@ mod backups;
 mod board;
 mod error;
 mod events;
+mod eviction;
 mod features;
+mod feeds;
 mod gate;
 mod giving;
 mod judging;
@@ -21,6 +23,7 @@ mod law;
 mod live;
 pub mod lockout;
 mod loops;
+mod map_memory;
 mod maps;
 mod options;
 mod pinned;
@@ -42,6 +45,8 @@ use tokio_util::sync::CancellationToken;
 pub use backups::BackupMade;
 use backups::Backups;
 pub use error::ServiceError;
+use eviction::Used;
+pub use feeds::Listener;
 pub use keyframes::PendingKeyframe;
 pub use loops::ConfirmedLoop;
 pub use options::{ModelChoice, ServiceOptions};
@@ -52,7 +57,7 @@ pub use stats::Stats;
 use crate::config::quotas::Quotas;
 use crate::model::ids::MapId;
 use crate::models::Models;
-use crate::store::{Job, Store};
+use crate::store::{Job, MapKey, Store};
 use features::FeatureCache;
 use gate::Gate;
 use keyring::Keyring;
@@ -112,7 +117,7 @@ impl Service {
         };
         let store = Store::open(&options.database).await?;
         let models = open_models(options.models, &store).await?.map(Arc::new);
-        let registry = Arc::new(Registry::new(store.next_map_key().await?));
+        let registry = Arc::new(Registry::new(store.next_map_key().await?, options.map_memory));
         let service = Self {
             models: models.clone(),
             worker: Worker::new(),
@@ -174,7 +179,20 @@ impl Service {
     }
 
     async fn live(&self, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
-        self.registry.get(&self.store, id).await
+        self.registry.get(&self.store, id, Used::ByClient).await
+    }
+
+    /// The key of the map that has this name now, which need not be in memory for that.
+    async fn key_of(&self, id: &MapId) -> Result<MapKey, ServiceError> {
+        if let Some(live) = self.registry.in_memory_now(id) {
+            return Ok(live.key);
+        }
+        self.store.map_key(id).await?.ok_or_else(|| ServiceError::no_map(id))
+    }
+
+    /// [`Self::live`] for work that no client waits for: the map does not count as used.
+    async fn live_in_background(&self, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
+        self.registry.get(&self.store, id, Used::InBackground).await
     }
 }
 

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use crate::config::memory::MemoryArgs;
 use crate::config::models::ModelArgs;
 use crate::config::quotas::Quotas;
 use crate::models::port::Model;
@@ -20,6 +21,8 @@ pub struct ServiceOptions {
     pub keys_required: bool,
     /// The most that a map may hold.
     pub quotas: Quotas,
+    /// What the maps in memory may take together, in bytes; idle ones leave when it is exceeded.
+    pub map_memory: u64,
 }
 
 /// The models to ask.
@@ -43,6 +46,7 @@ impl ServiceOptions {
             models: ModelChoice::None,
             keys_required: false,
             quotas: Quotas::default(),
+            map_memory: MemoryArgs::default().map_memory_bytes(),
         }
     }
 }

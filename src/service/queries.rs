@@ -11,6 +11,7 @@ use tokio::time::{Instant, timeout_at};
 
 use super::keyframes::find;
 use super::live::LiveMap;
+use super::pinned::HeldMap;
 use super::words::check_vocabulary;
 use super::{Service, ServiceError, milliseconds_since};
 use crate::config::logging::in_part;
@@ -28,6 +29,8 @@ use crate::recognition::screening::Screening;
 /// A verdict and its name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct QueryAnswer {
+    /// The map that was asked, to keep the answer in.
+    pub map: HeldMap,
     /// Derived from the map's version and the query, so that the same question has the same name.
     pub id: String,
     /// The keyframe that was asked about, unless it was inline.
@@ -110,7 +113,8 @@ impl Service {
             Subject::Stored(id) => Some(id.clone()),
             Subject::Inline(..) => None,
         };
-        Ok(QueryAnswer { id: name(&live.id, version, query), keyframe, verdict, timings })
+        let id = name(&live.id, version, query);
+        Ok(QueryAnswer { map: HeldMap(live.clone()), id, keyframe, verdict, timings })
     }
 
     /// The bag of words of a stored keyframe; it lies on disk only.
@@ -122,19 +126,18 @@ impl Service {
     }
 
     /// Keeps an answer, as sent, for reading back: written behind, bounded, oldest out first.
-    pub fn keep_query(&self, map: &MapId, id: &str, body: Bytes) {
-        if let Some(live) = self.registry.in_memory_now(map) {
-            live.keep_query(&self.store, id, body);
-        }
+    pub fn keep_query(&self, answer: &QueryAnswer, body: Bytes) {
+        answer.map.live().keep_query(&self.store, &answer.id, body);
     }
 
     /// A kept answer.
     pub async fn kept_query(&self, map: &MapId, id: &str) -> Result<Bytes, ServiceError> {
-        let live = self.live(map).await?;
-        if let Some(body) = live.query_under_way(id) {
+        // One that is on its way to the disk keeps its map in memory.
+        let live = self.registry.in_memory_now(map);
+        if let Some(body) = live.and_then(|live| live.query_under_way(id)) {
             return Ok(body);
         }
-        let found = self.store.kept_query(live.key, id).await?;
+        let found = self.store.kept_query(self.key_of(map).await?, id).await?;
         found
             .map(Bytes::from)
             .ok_or_else(|| ServiceError::NotFound(format!("there is no loop query {id} in this map")))

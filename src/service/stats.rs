@@ -8,6 +8,18 @@ use super::Service;
 pub struct Stats {
     /// Maps in memory.
     pub maps: u64,
+    /// Bytes that these maps take, about.
+    pub map_memory_bytes: u64,
+    /// Bytes that they may take.
+    pub map_memory_limit_bytes: u64,
+    /// Maps that came to memory since the start.
+    pub map_loads: u64,
+    /// Microseconds that their loading took.
+    pub map_load_microseconds: u64,
+    /// Loads of maps larger than the limit.
+    pub map_loads_oversized: u64,
+    /// Maps that left memory for others since the start.
+    pub map_evictions: u64,
     /// Keyframes of these maps.
     pub keyframes: u64,
     /// Anchors of these maps, merged ones counted once.
@@ -63,7 +75,14 @@ impl Service {
     pub fn stats(&self) -> Stats {
         let commits = self.store.committer().stats();
         let (files, features) = (self.store.files().sizes(), self.features.figures());
+        let (memory, loads) = (&self.registry.memory, self.registry.loads.figures());
         let mut stats = Stats {
+            map_memory_bytes: memory.used(),
+            map_memory_limit_bytes: memory.budget(),
+            map_loads: loads.loads,
+            map_load_microseconds: loads.load_microseconds,
+            map_loads_oversized: loads.oversized,
+            map_evictions: loads.evictions,
             model_jobs: self.worker.open_jobs(),
             model_failures: self.models.as_ref().map_or(0, |models| models.failures()),
             models_away: self.models.as_ref().map_or(0, |models| u64::from(models.is_away())),
@@ -88,7 +107,7 @@ impl Service {
             stats.model_cache_hits += line.cache_hits;
             stats.model_microusd += line.microusd;
         }
-        for live in self.registry.in_memory() {
+        self.registry.each_in_memory(|live| {
             let figures = live.figures();
             stats.maps += 1;
             stats.keyframes += figures.keyframes;
@@ -97,7 +116,7 @@ impl Service {
             stats.index_bytes += figures.index_bytes;
             // Mostly they wait before their map; only then before all maps.
             stats.reads_waiting += live.reads.waiting() as u64;
-        }
+        });
         stats
     }
 }

@@ -45,6 +45,7 @@ impl Service {
         let pending = spawn_blocking(in_part("decide", move || deciding.decide(&store, permit, decide)))
             .await
             .map_err(ServiceError::panicked)??;
+        self.registry.keep_to_budget();
         // Whatever was written, an anchor may lack something now.
         self.worker.wake();
         Ok(Begun { live: live.clone(), pending })

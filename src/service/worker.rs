@@ -4,7 +4,7 @@
 //! is used, so nothing is paid twice. Maps take turns. A model that is away is left alone, and the maps that wait for it
 //! say so.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{HashMap, HashSet, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
@@ -16,6 +16,7 @@ use tokio_util::sync::CancellationToken;
 
 use super::board::{Board, PAUSE_MAX};
 use super::live::{Decision, LiveMap};
+use super::pinned::PinnedMap;
 use super::{Service, ServiceError};
 use crate::model::ids::{KeyframeId, MapId};
 use crate::models::Models;
@@ -78,6 +79,7 @@ impl Worker {
             jobs: JoinSet::new(),
             resume_at: None,
             was_away: false,
+            unseen: VecDeque::new(),
             turn: 0,
         };
         *lock(&self.running) = Some(tokio::spawn(round.run()));
@@ -136,13 +138,15 @@ struct Round {
     /// While a model is away: when to try again.
     resume_at: Option<Instant>,
     was_away: bool,
+    /// Maps that may have been left with work before a restart, not looked at yet.
+    unseen: VecDeque<MapId>,
     /// Whose turn it is.
     turn: usize,
 }
 
 impl Round {
     async fn run(mut self) {
-        self.load_maps().await;
+        self.list_unseen().await;
         while !self.stop.is_cancelled() {
             let next_look = self.hand_out().await;
             let open: usize = self.boards.values().map(|b| b.found.len() + b.under_way.len()).sum();
@@ -162,31 +166,31 @@ impl Round {
         }
     }
 
-    /// What was left undone before a restart is found in maps that nobody has asked for yet.
-    async fn load_maps(&self) {
+    /// What was left undone before a restart is found in maps that no client has asked for yet. They are looked at one by
+    /// one, and do not stay in memory for it.
+    async fn list_unseen(&mut self) {
         match self.service.store.maps_with_crops().await {
-            Ok(maps) => {
-                for map in maps {
-                    if self.stop.is_cancelled() {
-                        return;
-                    }
-                    let _ = self.service.live(&map).await;
-                }
-            }
+            Ok(maps) => self.unseen = maps.into(),
             Err(error) => tracing::error!(%error, "the maps with crops cannot be listed"),
         }
     }
 
     /// Gives jobs to the free hands, each map in its turn; when there may be more, if nobody wakes us.
     async fn hand_out(&mut self) -> Option<Instant> {
-        let maps = self.service.registry.in_memory();
-        self.boards.retain(|key, _| maps.iter().any(|live| live.key == *key));
-        let mut next_look = None;
-        for live in &maps {
-            let look_at = self.look(live).await;
-            next_look = earlier(next_look, look_at);
+        let now = Instant::now();
+        let mut in_memory = HashSet::new();
+        let wanted = self.service.registry.in_memory(|live| {
+            in_memory.insert(live.key);
+            self.wants_look(live, now)
+        });
+        // A map with work keeps its board when it leaves memory.
+        self.boards
+            .retain(|key, board| in_memory.contains(key) || board.waits() || board.looked_at.is_none());
+        for live in wanted {
+            self.look(&live).await;
         }
         let now = Instant::now();
+        let next_look = self.boards.values().filter_map(|board| board.next_look(now)).min();
         if self.service.pressure.is_high() {
             return earlier(next_look, Some(now + REST));
         }
@@ -202,43 +206,77 @@ impl Round {
         let away = self.models.is_away();
         let hands = if away { 1 } else { self.models.jobs_at_once };
         self.resume_at = None;
-        let mut idle = 0;
-        while self.jobs.len() < hands && idle < maps.len() {
-            let live = &maps[self.turn % maps.len()];
+        let mut ready: Vec<MapKey> =
+            self.boards.iter().filter(|(_, board)| !board.found.is_empty()).map(|(key, _)| *key).collect();
+        ready.sort_unstable();
+        while self.jobs.len() < hands && !ready.is_empty() {
             self.turn = self.turn.wrapping_add(1);
-            let Some(board) = self.boards.get_mut(&live.key) else {
-                idle += 1;
-                continue;
-            };
-            match board.found.pop_front() {
-                Some(lack) => {
-                    idle = 0;
+            let key = ready[self.turn % ready.len()];
+            match self.boards.get_mut(&key).and_then(|board| Some((board.found.pop_front()?, board))) {
+                Some((lack, board)) => {
                     board.under_way.insert(lack.clone());
-                    self.begin(live.clone(), lack);
+                    let map = board.map.clone();
+                    self.begin(key, map, lack);
                 }
-                None => idle += 1,
+                None => ready.retain(|other| *other != key),
             }
+        }
+        if self.jobs.len() < hands && self.look_at_absent(&in_memory).await {
+            return Some(Instant::now());
         }
         next_look
     }
 
-    /// Looks what a map lacks, if it has changed; and tells the map whether it waits for a model.
-    async fn look(&mut self, live: &Arc<LiveMap>) -> Option<Instant> {
+    /// Looks at one map that is not in memory and may have work: for free hands only, so that maps come to memory no faster
+    /// than their work is done. Returns whether there was one.
+    async fn look_at_absent(&mut self, in_memory: &HashSet<MapKey>) -> bool {
+        let now = Instant::now();
+        let is_absent = |(key, board): &(&MapKey, &Board)| !in_memory.contains(key) && board.is_due(now);
+        let due = self.boards.iter().find(is_absent).map(|(key, board)| (*key, board.map.clone()));
+        let loaded = match &due {
+            Some((_, map)) => self.service.live_pinned_in_background(map).await,
+            None => match self.unseen.pop_front() {
+                Some(id) => self.service.live_in_background(&id).await,
+                None => return false,
+            },
+        };
+        match (loaded, due) {
+            (Ok(live), _) => self.look(&live).await,
+            (Err(ServiceError::NotFound(_)), Some((key, _))) => drop(self.boards.remove(&key)),
+            (Err(_), Some((key, _))) => {
+                if let Some(board) = self.boards.get_mut(&key) {
+                    board.look_again_at = Some(Instant::now() + REST);
+                }
+            }
+            (Err(_), None) => {}
+        }
+        true
+    }
+
+    /// Whether a map in memory has changed since the last look, or must hear that a model is away or back.
+    fn wants_look(&self, live: &LiveMap, now: Instant) -> bool {
+        let Some(board) = self.boards.get(&live.key) else { return true };
+        if !board.found.is_empty() || !board.may_look(now) {
+            return false;
+        }
+        let has_changed = board.looked_at != Some(live.newest_version());
+        let is_over = board.paused.values().any(|(until, _)| *until <= now);
+        has_changed || is_over || board.told_away != (board.waits() && self.is_away_for(live))
+    }
+
+    /// Whether the models are away as far as this map is concerned.
+    fn is_away_for(&self, live: &LiveMap) -> bool {
+        self.models.is_away() || self.is_spent_for(live)
+    }
+
+    /// Looks what a map lacks, and tells the map whether it waits for a model.
+    async fn look(&mut self, live: &Arc<LiveMap>) {
         let abilities = self.abilities();
-        let models_away = self.models.is_away() || self.is_spent_for(live);
-        let board = self.boards.entry(live.key).or_default();
+        let models_away = self.is_away_for(live);
+        let board = self.boards.entry(live.key).or_insert_with(|| Board::of(live));
         let now = Instant::now();
         if !board.found.is_empty() {
-            return None;
-        }
-        let next_due = board.paused.values().map(|(until, _)| *until).filter(|until| *until > now).min();
-        let due = board.paused.values().any(|(until, _)| *until <= now);
-        let same = board.looked_at == Some(live.newest_version());
-        if same && !due && board.told_away == (models_away && board.waits()) {
-            return next_due;
-        }
-        if let Some(again) = board.look_again_at.filter(|again| now < *again) {
-            return earlier(next_due, Some(again));
+            return;
         }
         let mut settled = std::mem::take(&mut board.settled);
         let left_alone: HashSet<Lack> = board.left_alone(now);
@@ -247,8 +285,12 @@ impl Round {
             let found = lacking(&state.index, abilities, &mut settled, BATCH, passed_over);
             Ok((state.version, found, settled, state.index.model_away()))
         });
-        let Ok((_, (version, found, settled, told_away))) = looked.await else { return next_due };
-        let board = self.boards.entry(live.key).or_default();
+        let looked = looked.await;
+        let board = self.boards.entry(live.key).or_insert_with(|| Board::of(live));
+        let Ok((_, (version, found, settled, told_away))) = looked else {
+            board.look_again_at = Some(Instant::now() + REST);
+            return;
+        };
         board.settled = settled;
         // A full batch means that there is more at this version.
         board.looked_at = (found.len() < BATCH).then_some(version);
@@ -261,7 +303,6 @@ impl Round {
         if away != told_away {
             self.tell_away(live, away).await;
         }
-        next_due
     }
 
     /// Has the key that pays for this map spent its day's budget?
@@ -286,12 +327,16 @@ impl Round {
         }
     }
 
-    fn begin(&mut self, live: Arc<LiveMap>, lack: Lack) {
+    fn begin(&mut self, key: MapKey, map: PinnedMap, lack: Lack) {
         let (service, models) = (self.service.clone(), self.models.clone());
-        let map = live.key;
         self.jobs.spawn(async move {
-            let result = service.give(&live, &models, lack.clone()).await;
-            Done { map, lack, result }
+            let result = match service.live_pinned_in_background(&map).await {
+                Ok(live) => service.give(&live, &models, lack.clone()).await,
+                // The map is gone, and the question with it.
+                Err(ServiceError::NotFound(_)) => Ok(()),
+                Err(error) => Err(error.into()),
+            };
+            Done { map: key, lack, result }
         });
     }
 
@@ -330,12 +375,14 @@ impl Round {
 
     /// A model has gone: every map that waits for it says so at once, not when it is next looked at.
     async fn tell_all_waiting(&mut self) {
-        for live in self.service.registry.in_memory() {
+        // One that is not in memory hears it when it comes back.
+        let waits = |live: &LiveMap| {
+            self.boards.get(&live.key).is_some_and(|board| board.waits() && !board.told_away)
+        };
+        for live in self.service.registry.in_memory(waits) {
             let Some(board) = self.boards.get_mut(&live.key) else { continue };
-            if board.waits() && !board.told_away {
-                board.told_away = true;
-                self.tell_away(&live, true).await;
-            }
+            board.told_away = true;
+            self.tell_away(&live, true).await;
         }
     }
 }

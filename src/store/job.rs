@@ -10,7 +10,7 @@ use crate::model::event::Event;
 use crate::model::ids::{AnchorSeq, KeyframeSeq, MapId};
 use crate::model::key::KeySeq;
 use crate::model::keyframe::NewKeyframe;
-use crate::model::map::MapProperties;
+use crate::model::map::{MapFigures, MapProperties};
 use crate::model::request::Digest;
 
 /// A map's key in the database.
@@ -29,6 +29,10 @@ pub struct Batch {
     pub next_anchor: AnchorSeq,
     /// The number of the next event after it.
     pub next_event: u64,
+    /// How much the map holds after it.
+    pub figures: MapFigures,
+    /// What the map's index takes in memory after it, in bytes.
+    pub memory_bytes: u64,
     /// The changes, in their order.
     pub changes: Vec<Change>,
     /// The heavy parts of the keyframe that arrived, if one did.

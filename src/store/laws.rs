@@ -17,7 +17,7 @@ use crate::model::bow::BowVector;
 use crate::model::change::{Change, Keyframe};
 use crate::model::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::model::keyframe::{Detection, NewKeyframe, Stamp};
-use crate::model::map::MapProperties;
+use crate::model::map::{MapFigures, MapProperties};
 use crate::recognition::index::MapIndex;
 
 const KEYFRAMES: u32 = 6;
@@ -29,6 +29,8 @@ fn batch(map: MapKey, version: u64, changes: Vec<Change>) -> Batch {
         next_keyframe: KeyframeSeq(KEYFRAMES),
         next_anchor: AnchorSeq(KEYFRAMES),
         next_event: 1,
+        figures: MapFigures::default(),
+        memory_bytes: 0,
         changes,
         new_keyframe: None,
         events: Vec::new(),

@@ -19,11 +19,12 @@ use crate::model::change::{Change, Keyframe, Loop, Merge, MergeCause};
 use crate::model::ids::{AnchorSeq, KeyframeSeq, LoopId, MapId, SessionSeq, StoredId};
 use crate::model::key::KeySeq;
 use crate::model::keyframe::{Camera, Stamp};
+use crate::model::map::MapFigures;
 use crate::model::request::Digest;
 use crate::recognition::index::MapIndex;
 
-/// Rows read at a time: a map may be larger than its index.
-const CHUNK: i64 = 2_000;
+/// Rows read at a time: few, because a row of 700 words takes as much as its keyframe does in the index.
+const CHUNK: i64 = 256;
 
 /// A map as the store knows it.
 #[derive(Debug)]
@@ -40,6 +41,8 @@ pub struct Loaded {
     pub digest: Digest,
     /// The key that made it.
     pub owner: Option<KeySeq>,
+    /// How much it holds, as its row says.
+    pub figures: MapFigures,
     /// Everything derived from its facts.
     pub index: MapIndex,
 }
@@ -123,8 +126,9 @@ pub(super) async fn load(db: &mut Db, id: &MapId, order: Order) -> Result<Option
         version: row.try_get::<i64, _>("version")? as u64,
         next_event: row.try_get::<i64, _>("next_event")? as u64,
         next_kept: next_kept.bind(key).fetch_one(&mut *db).await?,
-        digest: digest(&row)?,
         owner: row.try_get::<Option<i64>, _>("owner")?.map(KeySeq),
+        digest: digest(&row)?,
+        figures: map_rows::figures(&row)?,
         index,
     }))
 }

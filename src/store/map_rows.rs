@@ -1,14 +1,18 @@
 //! A map's own rows: its properties and settings, to the database and back.
 
+use std::collections::BTreeMap;
+
 use sqlx::sqlite::SqliteRow;
 use sqlx::{AssertSqlSafe, Row, SqliteConnection};
 
-use super::StoreError;
-use super::job::MapKey;
+use super::job::{Batch, MapKey};
+use super::load::{self, digest};
 use super::write::run;
+use super::{Store, StoreError};
 use crate::model::ids::MapId;
 use crate::model::key::KeySeq;
-use crate::model::map::MapProperties;
+use crate::model::map::{MapFigures, MapProperties};
+use crate::model::report::MapReport;
 use crate::model::request::Digest;
 use crate::model::settings::{SettingKind, SettingValue, Settings, WithoutAnchors};
 
@@ -41,6 +45,103 @@ pub(super) async fn keep_event_numbers(db: &mut SqliteConnection, key: MapKey) -
         run(db, sqlx::query(AssertSqlSafe(format!("pragma user_version = {next_event}")))).await?;
     }
     Ok(())
+}
+
+/// Writes a map's version after a batch, with what follows from its facts: its figures.
+pub(super) async fn advance(db: &mut SqliteConnection, batch: &Batch) -> Result<(), StoreError> {
+    let update = "update maps set version = $2, next_keyframe = $3, next_anchor = $4, next_event = $5,
+        keyframes = $6, anchors = $7, sessions = $8, loops = $9, bytes = $10, memory_bytes = $11
+        where map_key = $1";
+    let MapFigures { keyframes, anchors, sessions, loops, bytes } = batch.figures;
+    let query = sqlx::query(update)
+        .bind(batch.map)
+        .bind(batch.version as i64)
+        .bind(batch.next_keyframe.0)
+        .bind(batch.next_anchor.0)
+        .bind(batch.next_event as i64)
+        .bind(keyframes as i64)
+        .bind(anchors as i64)
+        .bind(sessions as i64)
+        .bind(loops as i64)
+        .bind(bytes as i64)
+        .bind(batch.memory_bytes as i64);
+    run(db, query).await
+}
+
+/// A map as its row shows it, without its index.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapRow {
+    /// What a reader is shown.
+    pub report: MapReport,
+    /// The digest of the body that made it.
+    pub digest: Digest,
+}
+
+impl Store {
+    /// Returns the rows of these maps by name; those that are not there are left out. One query, of the row of each map and
+    /// the few settings and classes beside it.
+    pub async fn map_rows(&self, ids: &[MapId]) -> Result<Vec<MapRow>, StoreError> {
+        let select = "select m.*,
+                (select json_group_object(s.name, s.value) from map_settings s where s.map_key = m.map_key) as chosen,
+                (select json_group_array(c.class) from map_anchor_classes c where c.map_key = m.map_key) as classes
+            from maps m where m.id in (select value from json_each($1)) order by m.id";
+        let ids: Vec<&str> = ids.iter().map(MapId::as_str).collect();
+        let ids = serde_json::to_string(&ids).map_err(|error| StoreError::Database(error.to_string()))?;
+        let rows = sqlx::query(select).bind(ids).fetch_all(&self.readers).await?;
+        rows.iter().map(map_row).collect()
+    }
+
+    /// Returns the key of the map that has this name.
+    pub async fn map_key(&self, id: &MapId) -> Result<Option<MapKey>, StoreError> {
+        let select = "select map_key from maps where id = $1";
+        Ok(sqlx::query_scalar(select).bind(id.as_str()).fetch_optional(&self.readers).await?)
+    }
+
+    /// Returns what a map's index took in memory when it was last written to, in bytes; `None` if there is no such map.
+    pub async fn map_memory(&self, id: &MapId) -> Result<Option<u64>, StoreError> {
+        let select = "select memory_bytes from maps where id = $1";
+        let found: Option<i64> =
+            sqlx::query_scalar(select).bind(id.as_str()).fetch_optional(&self.readers).await?;
+        Ok(found.map(i64::unsigned_abs))
+    }
+}
+
+fn map_row(row: &SqliteRow) -> Result<MapRow, StoreError> {
+    let (chosen, classes): (&str, &str) = (row.try_get("chosen")?, row.try_get("classes")?);
+    let unread = |error: serde_json::Error| StoreError::corrupt(error.to_string());
+    let chosen: BTreeMap<String, String> = serde_json::from_str(chosen).map_err(unread)?;
+    let mut classes: Vec<String> = serde_json::from_str(classes).map_err(unread)?;
+    classes.sort_unstable();
+    let MapFigures { keyframes, anchors, sessions, loops, bytes } = figures(row)?;
+    let report = MapReport {
+        id: load::id(row.try_get::<&str, _>("id")?)?,
+        properties: MapProperties {
+            description: row.try_get("description")?,
+            metric: row.try_get("metric")?,
+            anchor_classes: classes,
+            settings: settings(chosen)?,
+        },
+        vocabulary: row.try_get("vocabulary")?,
+        version: row.try_get::<i64, _>("version")? as u64,
+        keyframes: keyframes as usize,
+        anchors: anchors as usize,
+        sessions: sessions as usize,
+        loops: loops as usize,
+        bytes,
+    };
+    Ok(MapRow { report, digest: digest(row)? })
+}
+
+/// Returns the figures that a map's row shows.
+pub(super) fn figures(row: &SqliteRow) -> Result<MapFigures, StoreError> {
+    let figure = |name: &str| Ok::<_, StoreError>(row.try_get::<i64, _>(name)? as u64);
+    Ok(MapFigures {
+        keyframes: figure("keyframes")?,
+        anchors: figure("anchors")?,
+        sessions: figure("sessions")?,
+        loops: figure("loops")?,
+        bytes: figure("bytes")?,
+    })
 }
 
 /// A map's properties, in place of those it had.
@@ -85,25 +186,30 @@ pub(super) async fn properties(
     row: &SqliteRow,
 ) -> Result<MapProperties, StoreError> {
     let classes = "select class from map_anchor_classes where map_key = $1 order by class";
-    let mut settings = Settings::default();
     let stored: Vec<(String, String)> =
         sqlx::query_as("select name, value from map_settings where map_key = $1")
             .bind(key)
             .fetch_all(&mut *db)
             .await?;
-    for (name, text) in stored {
+    Ok(MapProperties {
+        description: row.try_get("description")?,
+        metric: row.try_get("metric")?,
+        anchor_classes: sqlx::query_scalar(classes).bind(key).fetch_all(&mut *db).await?,
+        settings: settings(stored)?,
+    })
+}
+
+/// Returns the settings in force where these were chosen.
+fn settings(chosen: impl IntoIterator<Item = (String, String)>) -> Result<Settings, StoreError> {
+    let mut settings = Settings::default();
+    for (name, text) in chosen {
         let value =
             setting(&name, &text).ok_or_else(|| StoreError::corrupt(format!("setting {name} = {text}")))?;
         settings
             .set(&name, value)
             .map_err(|error| StoreError::corrupt(format!("setting {name}: {error}")))?;
     }
-    Ok(MapProperties {
-        description: row.try_get("description")?,
-        metric: row.try_get("metric")?,
-        anchor_classes: sqlx::query_scalar(classes).bind(key).fetch_all(&mut *db).await?,
-        settings,
-    })
+    Ok(settings)
 }
 
 /// The inverse of [`setting_text`].

@@ -64,6 +64,7 @@ pub use job::{Batch, Job, MapKey, NewKeyframeRows};
 pub use key_rows::{KeyTable, NewKeyRow};
 pub use load::Loaded;
 use lock::{DatabaseLock, Purpose};
+pub use map_rows::MapRow;
 pub use model_rows::{Spent, UsageRow};
 pub use read::{DetectionRow, KeyframeRow};
 use reserve::Reserve;

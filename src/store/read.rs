@@ -1,5 +1,7 @@
 //! Reads of one row, by the pool of readers.
 
+use std::ops::Range;
+
 use sqlx::Row;
 use sqlx::sqlite::SqliteRow;
 
@@ -125,11 +127,13 @@ impl Store {
         Ok(sqlx::query_scalar(select).bind(map).bind(id).fetch_optional(&self.readers).await?)
     }
 
-    /// Returns the number of the oldest event that is kept of a map, if any is.
-    pub async fn oldest_event(&self, map: MapKey) -> Result<Option<u64>, StoreError> {
-        let select = "select min(seq) from events where map_key = $1";
-        let oldest: Option<i64> = sqlx::query_scalar(select).bind(map).fetch_one(&self.readers).await?;
-        Ok(oldest.map(i64::unsigned_abs))
+    /// Returns the numbers of the events that are kept of a map, up to the one given next; `None` if there is no such map.
+    pub async fn kept_events(&self, map: MapKey) -> Result<Option<Range<u64>>, StoreError> {
+        let select =
+            "select coalesce((select min(seq) from events where map_key = $1), next_event), next_event
+            from maps where map_key = $1 and deleted = 0";
+        let kept: Option<(i64, i64)> = sqlx::query_as(select).bind(map).fetch_optional(&self.readers).await?;
+        Ok(kept.map(|(oldest, next)| oldest.unsigned_abs()..next.unsigned_abs()))
     }
 
     /// The events of a map after one, in their order.

@@ -70,14 +70,7 @@ pub(super) async fn run(db: &mut SqliteConnection, query: Query<'_>) -> Result<(
 
 async fn change_map(db: &mut SqliteConnection, batch: &Batch) -> Result<(), StoreError> {
     let map = batch.map;
-    let update = "update maps set version = $2, next_keyframe = $3, next_anchor = $4, next_event = $5 where map_key = $1";
-    let query = sqlx::query(update)
-        .bind(map)
-        .bind(batch.version as i64)
-        .bind(batch.next_keyframe.0)
-        .bind(batch.next_anchor.0)
-        .bind(batch.next_event as i64);
-    run(db, query).await?;
+    map_rows::advance(db, batch).await?;
     let outcomes: HashMap<(KeyframeSeq, u16), Outcome> = batch
         .changes
         .iter()

@@ -79,13 +79,6 @@ async fn a_deletion_goes_to_its_end_when_its_client_has_gone() {
     service.close().await;
 }
 
-/// One figure of the metrics page.
-async fn figure(server: &Server, name: &str) -> u64 {
-    let page = crate::support::Answer::text(server.request(reqwest::Method::GET, "/metrics")).await;
-    let row = page.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' ')).expect(name);
-    row.parse().expect("a number")
-}
-
 #[tokio::test(flavor = "multi_thread")]
 async fn what_waits_for_a_slow_disk_is_counted_and_bounded() {
     let folder = tempfile::tempdir().unwrap();
@@ -101,11 +94,7 @@ async fn what_waits_for_a_slow_disk_is_counted_and_bounded() {
     for _ in 0..50 {
         server.post("/v1/maps/m/loop-queries", &question).await.expect(200);
     }
-    assert_eq!(
-        figure(&server, "revisit_queue_depth").await,
-        1,
-        "one answer waits, however often it was given"
-    );
+    assert_eq!(server.figure("revisit_queue_depth").await, 1, "one answer waits, however often it was given");
 
     let writers: Vec<_> = (0..20)
         .map(|number| {
@@ -115,23 +104,19 @@ async fn what_waits_for_a_slow_disk_is_counted_and_bounded() {
             )
         })
         .collect();
-    while figure(&server, "revisit_queue_depth").await < 21 {
+    while server.figure("revisit_queue_depth").await < 21 {
         tokio::task::yield_now().await;
     }
     for writer in writers {
         writer.abort();
         let _ = writer.await;
     }
-    while figure(&server, "revisit_requests_in_flight").await > 1 {
+    while server.figure("revisit_requests_in_flight").await > 1 {
         tokio::task::yield_now().await;
     }
-    assert_eq!(
-        figure(&server, "revisit_writes_under_way").await,
-        20,
-        "their clients have gone, they have not"
-    );
+    assert_eq!(server.figure("revisit_writes_under_way").await, 20, "their clients have gone, they have not");
     disk.execute("rollback").await.unwrap();
-    while figure(&server, "revisit_writes_under_way").await > 0 {
+    while server.figure("revisit_writes_under_way").await > 0 {
         tokio::task::yield_now().await;
     }
     assert_eq!(server.get("/v1/maps/m").await.expect(200)["keyframes"], 21);

@@ -8,6 +8,7 @@ mod bounds;
 mod closing;
 mod crash;
 mod events;
+mod eviction;
 mod geometry;
 mod hotel;
 mod limits;

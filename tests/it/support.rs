@@ -48,6 +48,23 @@ impl Server {
         Self::with(|options| options.quotas = quotas).await
     }
 
+    /// Starts a server on a directory that outlives it, whose maps in memory may take so many bytes together.
+    pub async fn with_map_memory(directory: &Path, bytes: u64) -> Self {
+        Self::on_with(directory, |options| options.map_memory = bytes).await
+    }
+
+    /// The same, with models.
+    pub async fn with_models_and_map_memory(directory: &Path, models: ModelChoice, bytes: u64) -> Self {
+        Self::on_with(directory, |options| (options.models, options.map_memory) = (models, bytes)).await
+    }
+
+    /// One figure of the metrics page.
+    pub async fn figure(&self, name: &str) -> u64 {
+        let page = Answer::text(self.request(Method::GET, "/metrics")).await;
+        let row = page.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' ')).expect(name);
+        row.parse().expect("a number")
+    }
+
     /// Starts a server within limits, and gives its service, too.
     pub async fn within(limits: &[&str]) -> (Self, Service) {
         let directory = tempfile::tempdir().expect("a temporary directory");

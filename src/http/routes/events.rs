@@ -7,7 +7,6 @@ use axum::extract::{FromRequestParts, State};
 use axum::http::request::Parts;
 use axum::response::sse::{Event as Sent, KeepAlive, Sse};
 use futures_util::Stream;
-use tokio::sync::watch;
 
 use crate::http::App;
 use crate::http::access::Caller;
@@ -18,6 +17,7 @@ use crate::http::refusals::OfStream;
 use crate::http::streams::Listening;
 use crate::model::event::Event;
 use crate::model::invalid::FieldError;
+use crate::service::Listener;
 use crate::service::access::Access;
 use crate::service::{PinnedMap, ServiceError};
 use crate::wire::event::EventView;
@@ -58,10 +58,10 @@ pub async fn listen(
         Some(last) => (last, "last-event-id:"),
         None => (since.unwrap_or(0), "?since"),
     };
-    let (map, latest) =
+    let (map, events) =
         app.service.resume_events(&map, from).await.map_err(|error| unresumed(error, place, from))?;
     let listening = app.streams.begin(&caller.0)?;
-    let stream = stream(app, caller.0, map, from, latest, listening);
+    let stream = stream(app, caller.0, map, from, events, listening);
     Ok(Sse::new(stream).keep_alive(KeepAlive::new().interval(KEEP_ALIVE)))
 }
 
@@ -81,14 +81,14 @@ fn stream(
     access: Access,
     map: PinnedMap,
     mut since: u64,
-    mut latest: watch::Receiver<u64>,
+    mut listener: Listener,
     listening: Listening,
 ) -> impl Stream<Item = Result<Sent, Infallible>> {
     async_stream::stream! {
         let _listening = listening;
         loop {
             // Marked as seen before fetching: what comes in between wakes the wait below.
-            latest.borrow_and_update();
+            listener.mark_seen();
             // An error here is a map that is gone; the client learns more when it reconnects.
             let Ok(events) = app.service.events(&map, since, BATCH).await else { return };
             let more = !events.is_empty();
@@ -100,7 +100,7 @@ fn stream(
                 continue;
             }
             tokio::select! {
-                changed = latest.changed() => if changed.is_err() { return },
+                () = listener.more() => {}
                 () = app.stopping.cancelled() => return,
                 () = app.service.keys().ended(&access) => return,
             }

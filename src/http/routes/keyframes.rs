@@ -65,9 +65,9 @@ async fn ask_about(app: &App, map: &MapId, keyframe: KeyframeId, new: bool) -> R
     let query = LoopQuery { subject, verify: Verify::default(), max_wait_ms: 0, seed: 0 };
     let answer = ask(app, map, query).await?;
     if new && answer.verdict.decision == Decision::Loop {
-        app.service.announce_loop(map, &keyframe, &answer);
+        app.service.announce_loop(&keyframe, &answer);
     }
-    kept(app, map, &answer).map(|(view, _)| view)
+    kept(app, &answer).map(|(view, _)| view)
 }
 
 /// List keyframes

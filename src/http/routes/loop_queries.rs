@@ -42,7 +42,7 @@ pub async fn query_loop(
     QueryOfMap { map, query }: QueryOfMap,
 ) -> Result<Response, Problem> {
     let answer = ask(&app, &map, query).await?;
-    let (_, bytes) = kept(&app, &map, &answer)?;
+    let (_, bytes) = kept(&app, &answer)?;
     Ok(([(SERVER_TIMING, server_timing(answer.timings))], json_bytes(bytes)).into_response())
 }
 
@@ -74,10 +74,10 @@ fn server_timing(timings: Timings) -> String {
 }
 
 /// Writes an answer once, for the client and for the record.
-pub fn kept(app: &App, map: &MapId, answer: &QueryAnswer) -> Result<(LoopAnswer, Bytes), Problem> {
+pub fn kept(app: &App, answer: &QueryAnswer) -> Result<(LoopAnswer, Bytes), Problem> {
     let view = LoopAnswer::of(&answer.id, answer.keyframe.as_ref(), &answer.verdict);
     let bytes = serde_json::to_vec(&view).map_err(|error| Problem::internal(error.to_string()))?;
     let bytes = Bytes::from(bytes);
-    app.service.keep_query(map, &answer.id, bytes.clone());
+    app.service.keep_query(answer, bytes.clone());
     Ok((view, bytes))
 }

@@ -40,8 +40,8 @@ pub fn trigger_loop_check(app: &App, map: &MapId, keyframe: &KeyframeId) {
         let query = LoopQuery { subject, verify: Verify::default(), max_wait_ms: 0, seed: 0 };
         // The keyframe or its map may be gone already: then there is nothing to tell.
         let Ok(answer) = ask(&app, &map, query).await else { return };
-        if answer.verdict.decision == Decision::Loop && kept(&app, &map, &answer).is_ok() {
-            app.service.announce_loop(&map, &keyframe, &answer);
+        if answer.verdict.decision == Decision::Loop && kept(&app, &answer).is_ok() {
+            app.service.announce_loop(&keyframe, &answer);
         }
     });
 }

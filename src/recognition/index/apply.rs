@@ -211,6 +211,7 @@ impl MapIndex {
         self.inverted_file.insert(keyframe.seq.0, bow);
         self.seen_by.insert(keyframe.seq.index(), BTreeSet::new());
         self.bytes += keyframe.bytes;
+        self.tally.add_keyframe(keyframe);
         self.keyframes.insert(keyframe.seq.index(), keyframe.clone());
     }
 
@@ -233,6 +234,7 @@ impl MapIndex {
         self.points.forget(keyframe.session, &keyframe.observes, seq);
         self.inverted_file.remove(seq.0, bow);
         self.bytes -= keyframe.bytes;
+        self.tally.remove_keyframe(&keyframe);
         // What others declared about it is no fact of the map any more.
         for neighbour in self.covisibility.neighbours(seq) {
             if let Some(other) = self.keyframes.get_mut(neighbour.index()) {
@@ -242,7 +244,8 @@ impl MapIndex {
         self.covisibility.remove(seq);
         for anchor in self.seen_by.remove(seq.index()).unwrap_or_default() {
             if let Some(anchor) = self.anchors.get_mut(anchor.index()) {
-                anchor.observations.retain(|(keyframe, _), _| *keyframe != seq);
+                let gone = anchor.observations.extract_if(.., |(keyframe, _), _| *keyframe == seq);
+                gone.for_each(|(_, observation)| self.tally.remove_observation(&observation));
             }
             touched.stale.insert(anchor);
         }
@@ -255,6 +258,7 @@ impl MapIndex {
         let Some(anchor) = self.anchors.get_mut(seq.index()) else { return };
         self.holders.hold(session, &observation.map_points, seq);
         anchor.observe(observation.clone(), session, &self.points);
+        self.tally.add_observation(observation);
         self.seen_by.get_or_default(observation.keyframe.index()).insert(seq);
         touched.anchors.insert(seq);
     }
@@ -262,6 +266,7 @@ impl MapIndex {
     fn remove_anchor(&mut self, seq: AnchorSeq, touched: &mut Touched) {
         let Some(anchor) = self.anchors.remove(seq.index()) else { return };
         self.holders.release(&anchor.shapes, seq);
+        anchor.observations.values().for_each(|observation| self.tally.remove_observation(observation));
         for keyframe in anchor.keyframes() {
             if let Some(seen) = self.seen_by.get_mut(keyframe.index()) {
                 seen.remove(&seq);

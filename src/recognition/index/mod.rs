@@ -7,6 +7,7 @@
 mod anchor;
 mod apply;
 mod holders;
+mod memory;
 mod objects;
 mod points;
 mod texts;
@@ -23,12 +24,13 @@ pub use texts::{TextId, TextIndex};
 pub use verdicts::Verdicts;
 pub use votes::Votes;
 
+use self::memory::Tally;
 use super::covisibility::Covisibility;
 use super::inverted_file::InvertedFile;
 use super::numbered::Numbered;
 use crate::model::change::{Keyframe, Loop};
 use crate::model::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, SessionId, SessionSeq};
-use crate::model::map::MapProperties;
+use crate::model::map::{MapFigures, MapProperties};
 
 /// One map: facts first, then what follows from them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -59,6 +61,8 @@ pub struct MapIndex {
     /// What a model said of texts is a fact among them.
     texts: TextIndex,
     inverted_file: InvertedFile,
+    /// What [`Self::memory_bytes`] counts with.
+    tally: Tally,
 }
 
 impl MapIndex {
@@ -110,6 +114,17 @@ impl MapIndex {
     /// What the map's facts take on disk, in bytes: keyframes with all they brought, sessions, map points, merges, loops.
     pub fn bytes(&self) -> u64 {
         self.bytes + self.points.bytes() + self.objects.bytes()
+    }
+
+    /// How much the map holds, as lists of maps show it.
+    pub fn figures(&self) -> MapFigures {
+        MapFigures {
+            keyframes: self.keyframe_count() as u64,
+            anchors: self.objects.len() as u64,
+            sessions: self.sessions.len() as u64,
+            loops: self.loops.len() as u64,
+            bytes: self.bytes(),
+        }
     }
 
     /// The number the next keyframe gets.

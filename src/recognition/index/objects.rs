@@ -141,6 +141,11 @@ impl Objects {
         self.by_root.is_empty()
     }
 
+    /// How many anchors they are made of.
+    pub fn anchor_count(&self) -> usize {
+        self.root_of.len()
+    }
+
     /// What the links take on disk, in bytes.
     pub fn bytes(&self) -> u64 {
         self.bytes

@@ -31,6 +31,16 @@ impl Points {
         self.by_session.get(&(session, id))?.position_in_session
     }
 
+    /// How many there are, with and without a position.
+    pub fn len(&self) -> usize {
+        self.by_session.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.by_session.is_empty()
+    }
+
     /// What the points that have a position take on disk, in bytes. Those without one are numbers in keyframes.
     pub fn bytes(&self) -> u64 {
         self.placed * POINT_BYTES

@@ -21,6 +21,7 @@ pub struct Verdicts {
     smaller: BTreeMap<Carried, BTreeSet<Box<str>>>,
     information: BTreeMap<Carried, u8>,
     merges: BTreeMap<Carried, BTreeMap<Box<str>, Box<str>>>,
+    count: usize,
 }
 
 impl Verdicts {
@@ -31,13 +32,27 @@ impl Verdicts {
                 let larger = (verdict.class.clone(), verdict.b.clone());
                 self.smaller.entry(larger).or_default().insert(verdict.a.clone());
                 let found = (*level, verdict.source.clone());
-                self.similarity.entry(key).or_default().insert(verdict.b.clone(), found);
+                let before = self.similarity.entry(key).or_default().insert(verdict.b.clone(), found);
+                self.count += usize::from(before.is_none());
             }
-            Finding::Information(level) => drop(self.information.insert(key, *level)),
+            Finding::Information(level) => {
+                self.count += usize::from(self.information.insert(key, *level).is_none());
+            }
             Finding::Merge(text) => {
-                self.merges.entry(key).or_default().insert(verdict.b.clone(), text.clone());
+                let before = self.merges.entry(key).or_default().insert(verdict.b.clone(), text.clone());
+                self.count += usize::from(before.is_none());
             }
         }
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
     }
 
     /// SimilarityLevel of two texts by a model, if one has judged them and the question was its own.

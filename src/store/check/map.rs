@@ -4,6 +4,7 @@ use sqlx::SqliteConnection;
 
 use super::{MAP_FAULTS_MAX, rows};
 use crate::model::ids::{AnchorSeq, MapId};
+use crate::model::map::MapFigures;
 use crate::recognition::index::MapIndex;
 use crate::store::StoreError;
 use crate::store::load::{Loaded, Order, load};
@@ -37,6 +38,7 @@ pub(super) async fn check(db: &mut SqliteConnection, id: &MapId) -> MapCheck {
             found.anchors = loaded.index.objects().len() as u64;
             found.loops = loaded.index.loops().len() as u64;
             index_faults(&loaded.index, &mut found.faults);
+            figure_faults(loaded.figures, loaded.index.figures(), &mut found.faults);
             if let Err(error) = law(&mut *db, id, &loaded, &mut found.faults).await {
                 found.faults.push(format!("told backwards: {error}"));
             }
@@ -65,6 +67,21 @@ async fn law(
         faults.push("its index depends on the order in which its facts are told".to_owned());
     }
     Ok(())
+}
+
+/// Tells which figures of the map's row are not those of its facts.
+fn figure_faults(shown: MapFigures, held: MapFigures, faults: &mut Vec<String>) {
+    let figures = [
+        ("keyframes", shown.keyframes, held.keyframes),
+        ("anchors", shown.anchors, held.anchors),
+        ("sessions", shown.sessions, held.sessions),
+        ("loops", shown.loops, held.loops),
+        ("bytes", shown.bytes, held.bytes),
+    ];
+    let wrong = figures.into_iter().filter(|(_, shown, held)| shown != held);
+    faults.extend(
+        wrong.map(|(what, shown, held)| format!("lists of maps show {shown} {what}, and it holds {held}")),
+    );
 }
 
 /// What the index passes over in silence, or takes as it is.

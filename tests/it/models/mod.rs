@@ -3,6 +3,7 @@
 mod canary;
 mod contract;
 mod dialogue;
+mod eviction;
 mod faults;
 mod injections;
 mod judging;

@@ -94,6 +94,8 @@ async fn every_damage_is_found() {
         ),
         ("delete from loops", "merged by loop loop-1"),
         ("update maps set next_keyframe = 3", "keyframe 7 is there, and 3 is given next"),
+        ("update maps set keyframes = keyframes + 1", "lists of maps show 8 keyframes, and it holds 7"),
+        ("update maps set digest = x'00'", "a digest of another length"),
         ("update maps set next_anchor = 1", "is there, and 1 is given next"),
         (
             "update keyframes set pose = zeroblob(56) where keyframe = 2",

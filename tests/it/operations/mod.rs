@@ -60,7 +60,7 @@ fn url(database: &Path) -> String {
     format!("sqlite://{}", database.display())
 }
 
-async fn checked(database: &Path) -> Checked {
+pub(super) async fn checked(database: &Path) -> Checked {
     check(&DatabaseFiles::of_path(database)).await.unwrap()
 }
 

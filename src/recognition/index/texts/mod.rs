@@ -137,6 +137,16 @@ impl TextIndex {
         self.by_text.get(&(class.into(), normalised.into())).copied()
     }
 
+    /// How many distinct texts there are.
+    pub fn len(&self) -> usize {
+        self.by_text.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.by_text.is_empty()
+    }
+
     /// A text, and the class of those that carry it.
     pub fn text(&self, id: TextId) -> (&str, &Arc<Text>) {
         let node = self.node(id);

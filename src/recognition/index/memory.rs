@@ -1,0 +1,93 @@
+//! What an index takes in memory, estimated from counts that are at hand: the one place to calibrate it.
+//!
+//! The budget of maps in memory (`service/eviction.rs`) rests on this estimate, so it may not cost a walk over the map. Each
+//! constant is the growth of a process per thing counted, with the allocator's own share. `proofs/evict` holds the sum
+//! against the resident memory of a server and fails beyond a factor of two.
+
+use super::MapIndex;
+use crate::model::anchor::Observation;
+use crate::model::change::Keyframe;
+
+/// An index that holds nothing, with the locks and queues of a map in memory.
+const MAP: u64 = 6 * 1024;
+
+/// A keyframe: its facts, its name twice, and its slots in the tables by number.
+const KEYFRAME: u64 = 700;
+
+/// A map point that a keyframe observes: in the keyframe's list, and in the point's list of observers.
+const OBSERVED_POINT: u64 = 8 + 8;
+
+/// A distinct map point of a session: its bucket in a table that is two thirds full, and its list of observers.
+const POINT: u64 = 150;
+
+/// Two keyframes that are covisible, told from one of them.
+const EDGE: u64 = 26;
+
+/// An anchor and the object that it belongs to: a dozen trees with few entries, each with room for eleven.
+const ANCHOR: u64 = 8_500;
+
+/// An observation of an anchor, with its reading.
+const OBSERVATION: u64 = 400;
+
+/// A map point of an observation: in it, in the anchor's shape, in the object's, and among the holders of the point.
+const ANCHOR_POINT: u64 = 170;
+
+/// A distinct text, with its words and its matches.
+const TEXT: u64 = 2_500;
+
+/// A verdict of a model about texts.
+const VERDICT: u64 = 400;
+
+/// Counts that no structure of the index keeps by itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Tally {
+    observed_points: u64,
+    observations: u64,
+    anchor_points: u64,
+}
+
+impl Tally {
+    /// Counts a keyframe that arrived.
+    pub fn add_keyframe(&mut self, keyframe: &Keyframe) {
+        self.observed_points += keyframe.observes.len() as u64;
+    }
+
+    /// Forgets a keyframe that is gone.
+    pub fn remove_keyframe(&mut self, keyframe: &Keyframe) {
+        self.observed_points -= keyframe.observes.len() as u64;
+    }
+
+    /// Counts an observation of an anchor.
+    pub fn add_observation(&mut self, observation: &Observation) {
+        self.observations += 1;
+        self.anchor_points += observation.map_points.len() as u64;
+    }
+
+    /// Forgets an observation that is gone.
+    pub fn remove_observation(&mut self, observation: &Observation) {
+        self.observations -= 1;
+        self.anchor_points -= observation.map_points.len() as u64;
+    }
+}
+
+impl MapIndex {
+    /// Returns about how much memory the index takes, in bytes. Its cost does not grow with the map.
+    pub fn memory_bytes(&self) -> u64 {
+        let Tally { observed_points, observations, anchor_points } = self.tally;
+        MAP + self.keyframe_count() as u64 * KEYFRAME
+            + observed_points * OBSERVED_POINT
+            + self.points.len() as u64 * POINT
+            + self.covisibility.edge_count() * EDGE
+            + self.anchors_alone() * ANCHOR
+            + observations * OBSERVATION
+            + anchor_points * ANCHOR_POINT
+            + self.texts.len() as u64 * TEXT
+            + self.texts.verdicts().len() as u64 * VERDICT
+            + self.inverted_file.heap_bytes() as u64
+    }
+
+    /// Anchors, each of a merged one counted.
+    fn anchors_alone(&self) -> u64 {
+        self.objects.anchor_count() as u64
+    }
+}
