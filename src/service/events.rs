@@ -5,12 +5,18 @@ use tokio::sync::watch;
 use super::{QueryAnswer, Service, ServiceError};
 use crate::model::event::{Event, EventKind};
 use crate::model::ids::{KeyframeId, MapId};
+use crate::store::StoreError;
 
 impl Service {
     /// The events after one, in their order.
     pub async fn events(&self, map: &MapId, since: u64, limit: usize) -> Result<Vec<Event>, ServiceError> {
         let live = self.live(map).await?;
-        Ok(self.store.events(live.key, since, limit).await?)
+        let found = self.store.events(live.key, since, limit).await;
+        // A stream has begun to answer and can only end: the log says why.
+        if let Err(error @ StoreError::Damaged { .. }) = &found {
+            tracing::error!(%map, %error, "events cannot be read");
+        }
+        Ok(found?)
     }
 
     /// The number of the latest event; the receiver hears when it grows.

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use sqlx::sqlite::SqliteRow;
 use sqlx::{Row, SqliteConnection};
 
-use super::load::parse;
+use super::decode::parse;
 use super::write::run;
 use super::{Store, StoreError};
 use crate::model::key::{Actions, Key, KeyProperties, KeySeq, MapPattern, SecretHash};

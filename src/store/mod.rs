@@ -6,7 +6,7 @@
 //! | one writer, group commit | [`committer`], [`writer`] |
 //! | what it is asked to do | [`job`] |
 //! | from changes to rows | [`mod@write`], [`map_rows`], [`keyframe_rows`] |
-//! | from rows to changes, when a map is first asked for | [`load`] |
+//! | from rows to changes, when a map is first asked for | [`load`], [`decode`], [`validate`] |
 //! | what models said, and what it cost | [`model_rows`] |
 //! | API keys | [`key_rows`] |
 //! | reads of one row | [`read`] |
@@ -14,12 +14,13 @@
 //! | packed lists in blobs | [`blob`] |
 //! | where it lies, and who may write to it | [`files`], [`lock`] |
 //! | copies of it, and back | [`backup`], [`restore`] |
-//! | is it whole? | [`check`] |
+//! | is it whole? | [`check`], [`log`] |
 
 pub mod backup;
 mod blob;
 pub mod check;
 mod committer;
+mod decode;
 mod error;
 pub mod files;
 mod health;
@@ -28,6 +29,7 @@ mod key_rows;
 mod keyframe_rows;
 mod load;
 mod lock;
+mod log;
 mod map_rows;
 mod model_rows;
 mod read;
@@ -36,6 +38,7 @@ mod reserve;
 pub mod restore;
 mod schema;
 mod transaction;
+mod validate;
 mod write;
 mod writer;
 
@@ -114,6 +117,12 @@ impl Store {
     ) -> Result<Self, StoreError> {
         let lock = lock.map(Arc::new);
         let reserve = Reserve::beside(files.database());
+        // Before SQLite opens the database: it takes what the log has for all that was committed.
+        if lock.is_some() {
+            for fault in log::look(&files)?.faults {
+                tracing::error!(database = %files.database().display(), fault, "the database has lost writes; restore a backup");
+            }
+        }
         files.make()?;
         let options = SqliteConnectOptions::from_str(url)?
             .create_if_missing(true)

@@ -96,7 +96,7 @@ impl Store {
     pub async fn maps_with_crops(&self) -> Result<Vec<MapId>, StoreError> {
         let select = "select id from maps where exists (select 1 from crops where crops.map_key = maps.map_key) order by id";
         let ids: Vec<String> = sqlx::query_scalar(select).fetch_all(&self.readers).await?;
-        ids.iter().map(|id| super::load::parse(id)).collect()
+        ids.iter().map(|id| super::decode::parse(id)).collect()
     }
 
     /// The dialogue that led to the reading of a detection's crop.
