@@ -14,6 +14,7 @@ import time
 from server import Gone
 
 POINTS, STEP = 30, 10
+LARGEST_POINT = 2**63 - 1
 ABSENT = None
 
 
@@ -32,25 +33,49 @@ def pose(x, y=0.25):
 
 
 def keyframe(robot, number, ballast=0):
-    """A robot that walks along a corridor of numbered doors; every number is exact in binary."""
-    x, base = number * 0.5, number * STEP
-    observed = list(range(base, base + POINTS))
+    """A robot that walks along a corridor of numbered doors; every number is exact in binary. Lists come in any order,
+    with gaps and repeats, and every other robot counts its points from the far end of what an id may be."""
+    x, base, chance = number * 0.5, number * STEP, random.Random(f"{robot} {number}")
+    seen = range(base, base + POINTS)
+    far = sum(robot.encode()) % 2 == 1
+    name = {i: LARGEST_POINT - 7 * i if far else i for i in seen}
+    observed = list(seen)
+    chance.shuffle(observed)
+    # The words are a set, too.
+    words = [(number * 2, 0.5), (number * 2 + 1, 0.25), (500000, 0.25), (4294967295, -0.0)]
+    chance.shuffle(words)
     body = {
         "session": robot, "stamp": {"sec": 1000 + number, "nanosec": 500}, "pose": pose(x),
         "camera": {"fx": 525.0, "fy": 525.5, "cx": 320.0, "cy": 240.0, "width": 640, "height": 480},
-        "bow": {"words": [number * 2, number * 2 + 1, 500000], "weights": [0.5, 0.25, 0.25]},
-        "map_points": {"ids": observed, "positions": [[i * 0.0625, 1.0, 2.0] for i in observed]},
-        "observes": observed,
+        "bow": {"words": [word for word, _ in words], "weights": [weight for _, weight in words]},
+        "map_points": {"ids": [name[i] for i in observed], "positions": [[i * 0.0625, -0.0, 2.0] for i in observed]},
+        "observes": [name[i] for i in observed + chance.choices(observed, k=number % 4)],
     }
     if number % 3 == 0:
         body["detections"] = [{"class": "door_number", "confidence": 0.875, "box": [100.0, 120.0, 180.0, 160.5],
-                               "position": [x + 1.0, 0.5, 2.0], "text": f"{robot}-{900 + number}"}]
+                               "position": [x + 1.0, 0.5, 2.0], "text": f"{robot}-{900 + number}"},
+                              {"class": "Türschild", "confidence": 5e-324, "box": [-1e6, -0.0, 1e6, 5e-324],
+                               "map_points": [name[i] for i in chance.choices(observed, k=6)], "text": f"出口 {number} \"\u2028"}]
     if ballast:
         count = max(1, ballast // 512)
         descriptors = random.Random(f"{robot} {number}").randbytes(count * 512)
         body["features"] = {"descriptor_bytes": 512, "descriptors": base64.b64encode(descriptors).decode(),
                             "keypoints": [[i % 640, i % 480, 0] for i in range(count)], "map_points": [-1] * count}
     return body
+
+
+def canonical(body):
+    """A keyframe as it is answered: sets ascending, each member once, and words that weigh nothing left out."""
+    points, bow = body["map_points"], body["bow"]
+    words = sorted((word, weight) for word, weight in zip(bow["words"], bow["weights"]) if weight)
+    placed = sorted(zip(points["ids"], points["positions"]))
+    kept = body | {"observes": sorted(set(body["observes"])),
+                   "bow": {"words": [word for word, _ in words], "weights": [weight for _, weight in words]},
+                   "map_points": {"ids": [i for i, _ in placed], "positions": [at for _, at in placed]}}
+    if "detections" in body:
+        seen = lambda detection: {"map_points": sorted(set(detection["map_points"]))} if "map_points" in detection else {}
+        kept["detections"] = [detection | seen(detection) for detection in body["detections"]]
+    return kept
 
 
 class Robot(threading.Thread):
@@ -127,7 +152,7 @@ class Robot(threading.Thread):
         body, number = keyframe(self.robot, self.number), self.number
         self.number += 1
         name = f"{self.robot}:{number}"
-        write = self.send("put", {("keyframe", self.shared, name): body}, "PUT",
+        write = self.send("put", {("keyframe", self.shared, name): canonical(body)}, "PUT",
                           f"/v1/maps/{self.shared}/keyframes/{name}", body)
         if write.acknowledged and "detections" in body:
             anchor = write.answer.json()["detections"][0].get("anchor")
@@ -143,7 +168,7 @@ class Robot(threading.Thread):
         for number in numbers:
             name, body = f"{self.robot}:{number}", keyframe(self.robot, number)
             lines.append(json.dumps({"id": name, **body}))
-            writes.append(Write("line", {("keyframe", self.shared, name): body}, self.clock()))
+            writes.append(Write("line", {("keyframe", self.shared, name): canonical(body)}, self.clock()))
         # Each line is a write for itself.
         self.history += writes
         write = self.send("bulk", {}, "POST", f"/v1/maps/{self.shared}/keyframes", raw="\n".join(lines).encode())

@@ -55,6 +55,7 @@ fn as_text(checked: &Checked, faults: &[String]) -> String {
                 .into(),
         );
     }
+    lines.extend(checked.notes.iter().map(|note| format!("note: {note}")));
     lines.extend(faults.iter().take(LISTED).map(|fault| format!("fault: {fault}")));
     if faults.len() > LISTED {
         lines.push(format!("and {}; --json lists them", counted(faults.len() - LISTED, "more fault")));
@@ -86,6 +87,7 @@ fn as_json(checked: &Checked, faults: &[String]) -> serde_json::Value {
         "older_schema": checked.is_older,
         "maps": maps,
         "faults": faults,
+        "notes": checked.notes,
     })
 }
 

@@ -50,6 +50,8 @@ kinds! {
     PRECONDITION_REQUIRED = PRECONDITION_REQUIRED, "precondition_required", "Say which version you have seen";
     TOO_MANY_REQUESTS = TOO_MANY_REQUESTS, "too_many_requests", "The key has had its share";
     INTERNAL = INTERNAL_SERVER_ERROR, "internal", "The server failed";
+    MAP_DAMAGED = INTERNAL_SERVER_ERROR, "map_damaged", "The map is damaged on disk";
+    NOT_VERIFIED = INTERNAL_SERVER_ERROR, "backup_not_verified", "The backup is not verified";
     UNAVAILABLE = SERVICE_UNAVAILABLE, "unavailable", "The server cannot do this now";
     DISK_FULL = INSUFFICIENT_STORAGE, "disk_full", "The disk is full";
     MAP_FULL = INSUFFICIENT_STORAGE, "map_full", "The map is full";
@@ -124,6 +126,11 @@ impl Problem {
         Self { cause: Some(cause.into().into()), ..Self::new(Kind::INTERNAL, detail) }
     }
 
+    /// A failure of ours that its client can do something about: told, and logged.
+    fn logged(kind: Kind, detail: String) -> Self {
+        Self { cause: Some(detail.as_str().into()), ..Self::new(kind, detail) }
+    }
+
     /// There is more to do than can be done: come back.
     pub fn overloaded(detail: impl Into<String>) -> Self {
         Self { code: OVERLOADED, ..Self::new(Kind::UNAVAILABLE, detail) }
@@ -190,6 +197,8 @@ impl From<ServiceError> for Problem {
                 Self { retry_after_s: Some(retry_after_s), ..Self::new(Kind::UNAVAILABLE, detail) }
             }
             ServiceError::Overloaded { detail } => Self::overloaded(detail),
+            ServiceError::Damaged(detail) => Self::logged(Kind::MAP_DAMAGED, detail),
+            ServiceError::NotVerified(detail) => Self::logged(Kind::NOT_VERIFIED, detail),
             ServiceError::Internal(cause) => Self::internal(cause),
         }
     }

@@ -28,21 +28,24 @@ macro_rules! refusals {
 
 refusals! {
     /// Of operations that only read a resource.
-    OfRead = [BAD_REQUEST, NOT_FOUND, INVALID, UNAVAILABLE];
+    OfRead = [BAD_REQUEST, NOT_FOUND, INVALID, MAP_DAMAGED, UNAVAILABLE];
     /// Of the operation that listens to a map.
-    OfStream = [BAD_REQUEST, NOT_FOUND, GONE, INVALID, UNAVAILABLE];
+    OfStream = [BAD_REQUEST, NOT_FOUND, GONE, INVALID, MAP_DAMAGED, UNAVAILABLE];
     /// Of operations that only read, and name no resource.
     OfList = [BAD_REQUEST, INVALID, UNAVAILABLE];
     /// Of operations that ask something with a body, and name no resource.
     OfQuestion = [SYNTAX, TIMEOUT, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, INVALID, UNAVAILABLE];
     /// Of operations that ask something about a map, with a body.
-    OfMapQuestion = [SYNTAX, NOT_FOUND, TIMEOUT, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, INVALID, UNAVAILABLE];
+    OfMapQuestion = [SYNTAX, NOT_FOUND, TIMEOUT, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, INVALID, MAP_DAMAGED, UNAVAILABLE];
     /// Of operations that write a body.
     OfWrite = [
-        SYNTAX, NOT_FOUND, TIMEOUT, CONFLICT, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, INVALID, UNAVAILABLE, DISK_FULL
+        SYNTAX, NOT_FOUND, TIMEOUT, CONFLICT, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, INVALID, MAP_DAMAGED, UNAVAILABLE,
+        DISK_FULL
     ];
     /// Of the operation that takes a backup.
-    OfBackup = [SYNTAX, TIMEOUT, CONFLICT, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, INVALID, UNAVAILABLE, DISK_FULL];
+    OfBackup = [
+        SYNTAX, TIMEOUT, CONFLICT, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, INVALID, NOT_VERIFIED, UNAVAILABLE, DISK_FULL
+    ];
     /// Of operations that write a body on top of a version.
     OfPatch = [
         SYNTAX, NOT_FOUND, TIMEOUT, PRECONDITION_FAILED, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, INVALID,

@@ -205,16 +205,19 @@ fn to_units(entries: &[(u32, f64)]) -> Vec<u32> {
     }
     let mut largest_first: Vec<usize> = (0..units.len()).collect();
     largest_first.sort_by(|&a, &b| entries[b].1.total_cmp(&entries[a].1).then(a.cmp(&b)));
-    for &at in largest_first.iter().cycle() {
-        if left_over == 0 {
-            break;
-        }
+    let mut next = 0;
+    while left_over != 0 {
+        let at = largest_first[next];
+        next = (next + 1) % largest_first.len();
         if left_over > 0 {
             units[at] += 1;
             left_over -= 1;
         } else if units[at] > 1 {
             units[at] -= 1;
             left_over += 1;
+        } else {
+            // No later word has more than one unit; passing over all of them, one weight among 65,535 took seconds.
+            next = 0;
         }
     }
     units
@@ -281,6 +284,10 @@ mod tests {
         let many = BowVector::normalised((0..65_536).map(|word| (word, 1.0)).collect());
         assert_eq!(many, Err(BowError::TooManyWords { words: 65_536 }));
         assert!(BowVector::normalised((0..65_535).map(|word| (word, 1.0)).collect()).is_ok());
+        // One word has nearly all the weight, and every other one its unit.
+        let heavy = (0..65_535).map(|word| (word, if word == 9 { 1e30 } else { 5e-324 })).collect();
+        let heavy = BowVector::normalised(heavy).unwrap();
+        assert_eq!((heavy.weights()[9], heavy.weights()[8]), (BowVector::ONE - 65_534, 1));
     }
 
     #[test]

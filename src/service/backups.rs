@@ -11,6 +11,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
+use tokio::runtime::Handle;
 use tokio::sync::Semaphore;
 use tokio::task::spawn_blocking;
 use tracing::Instrument as _;
@@ -29,6 +30,12 @@ const BUSY_RETRY_S: u32 = 5;
 
 /// An unfinished copy that nobody has written to for so long belongs to a process that is gone.
 const ABANDONED: Duration = Duration::from_hours(1);
+
+/// The name of the newest copy that has faults; no id leads to it.
+const LATEST_DAMAGED: &str = "latest.damaged";
+
+/// The most faults of a copy that are told and logged; `revisit check` lists them all.
+const FAULTS_TOLD: usize = 5;
 
 /// The folder of backups.
 #[derive(Debug)]
@@ -149,7 +156,11 @@ impl Backups {
                 format!("a file {id}.db that is no backup of this server lies in the folder of backups");
             return Err(ServiceError::Conflict { code: "backup_exists", detail });
         }
-        let copy = Copy::of(files, &self.folder).await?;
+        let copy = self.copied(files).await?;
+        if !copy.faults().is_empty() {
+            let keep = move || self.keep_damaged(&id, copy);
+            return spawn_blocking(in_span(keep)).await.map_err(ServiceError::panicked)?;
+        }
         let place = move || {
             let report = report(id, created, copy.copied());
             self.write_note(&report)?;
@@ -161,6 +172,27 @@ impl Backups {
             Ok(BackupMade { created: true, report, removed })
         };
         spawn_blocking(in_span(place)).await.map_err(ServiceError::panicked)?
+    }
+
+    /// Copies and checks off the async threads: the check builds the index of every map.
+    async fn copied(&self, files: &DatabaseFiles) -> Result<Copy, ServiceError> {
+        let (files, folder, runtime) = (files.clone(), self.folder.clone(), Handle::current());
+        let copy = move || runtime.block_on(Copy::of(&files, &folder));
+        Ok(spawn_blocking(in_span(copy)).await.map_err(ServiceError::panicked)??)
+    }
+
+    /// Keeps a copy that has faults, in place of an earlier one of the kind, where nobody takes it for a backup.
+    fn keep_damaged(&self, id: &BackupId, copy: Copy) -> Result<BackupMade, ServiceError> {
+        let faults = copy.faults().to_vec();
+        copy.place(&self.folder.join(LATEST_DAMAGED), true)?;
+        for fault in faults.iter().take(FAULTS_TOLD) {
+            tracing::error!(backup = %id, fault, "a backup is not verified");
+        }
+        let (count, listed) = (faults.len(), faults[..faults.len().min(FAULTS_TOLD)].join("; "));
+        Err(ServiceError::NotVerified(format!(
+            "the database has faults ({count}), and so has the copy, which is no backup and is kept as {LATEST_DAMAGED} in \
+             the folder of backups; earlier backups stay: {listed}"
+        )))
     }
 
     fn database(&self, id: &BackupId) -> PathBuf {

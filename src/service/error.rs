@@ -63,6 +63,12 @@ pub enum ServiceError {
         /// A sentence for people.
         detail: String,
     },
+    /// A map is damaged on disk; the text names the map and the row.
+    #[error("{0}")]
+    Damaged(String),
+    /// A backup was taken of a database that is damaged; the text says where it lies and what is wrong.
+    #[error("{0}")]
+    NotVerified(String),
     /// Something here is broken; the text is for the log.
     #[error("{0}")]
     Internal(String),
@@ -94,6 +100,7 @@ impl From<StoreError> for ServiceError {
             StoreError::Superseded | StoreError::Closed | StoreError::Busy | StoreError::Disk(_) => {
                 Self::Unavailable { detail: error.to_string(), retry_after_s: 1 }
             }
+            StoreError::Damaged { .. } => Self::Damaged(format!("{error}; other maps are not affected")),
             StoreError::Database(_)
             | StoreError::Corrupt(_)
             | StoreError::SqliteTooOld { .. }

@@ -3,6 +3,7 @@
 use super::{Listener, PinnedMap, QueryAnswer, Service, ServiceError};
 use crate::model::event::{Event, EventKind};
 use crate::model::ids::{KeyframeId, MapId};
+use crate::store::StoreError;
 
 impl Service {
     /// Returns the events after one, in their order.
@@ -13,7 +14,12 @@ impl Service {
         limit: usize,
     ) -> Result<Vec<Event>, ServiceError> {
         let key = self.key_of_pinned(map).await?;
-        Ok(self.store.events(key, since, limit).await?)
+        let found = self.store.events(key, since, limit).await;
+        // A stream has begun to answer and can only end: the log says why.
+        if let Err(error @ StoreError::Damaged { .. }) = &found {
+            tracing::error!(map = %map.id(), %error, "events cannot be read");
+        }
+        Ok(found?)
     }
 
     /// Listens to the events of the map that has this name now, which need not be in memory for that. Refuses to resume

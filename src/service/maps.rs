@@ -103,7 +103,10 @@ impl Service {
     /// Deletes a map with everything in it; whoever asks for it meanwhile waits for what the disk says.
     pub async fn delete_map(&self, id: &MapId) -> Result<(), ServiceError> {
         let birth = self.registry.births.clone().lock_owned().await;
-        let live = self.live(id).await?;
+        let live = match self.live(id).await {
+            Err(ServiceError::Damaged(_)) => return self.delete_damaged(id).await,
+            live => live?,
+        };
         self.disk_takes(true)?;
         let service = self.clone();
         // To its end, also when the client has gone.
@@ -121,6 +124,15 @@ impl Service {
             Ok(())
         };
         tokio::spawn(deletion.in_current_span()).await.map_err(ServiceError::panicked)?
+    }
+
+    /// Deletes a map that cannot be loaded; its name is free again then.
+    async fn delete_damaged(&self, id: &MapId) -> Result<(), ServiceError> {
+        self.disk_takes(true)?;
+        let key = self.key_of(id).await?;
+        self.store.committer().commit(Job::DeleteMap(key)).await?;
+        tracing::info!(map = %id, "a damaged map was deleted");
+        Ok(())
     }
 }
 

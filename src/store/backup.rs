@@ -5,14 +5,13 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest as _, Sha256};
+use sqlx::sqlite::SqliteConnectOptions;
 use sqlx::{ConnectOptions as _, Connection as _, SqliteConnection};
 use tempfile::NamedTempFile;
 
-use super::StoreError;
-use super::check::{dangling_rows, structural_faults, wrong_length};
+use super::check::check_any_schema;
 use super::files::DatabaseFiles;
-use super::schema;
-use crate::model::counted::counted;
+use super::{StoreError, log, schema};
 
 /// How a copy is called until it is whole; one that a crash has left behind is known by it.
 pub const PARTIAL: &str = ".revisit-partial";
@@ -33,7 +32,7 @@ pub struct Holdings {
     pub anchors: u64,
 }
 
-/// A copy that is verified and on disk.
+/// A copy that is on disk.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Copied {
     /// Its size.
@@ -42,6 +41,8 @@ pub struct Copied {
     pub sha256: String,
     /// What it holds.
     pub holds: Holdings,
+    /// Whether its maps were looked into: its schema is this program's.
+    pub maps_checked: bool,
 }
 
 /// A copy under a name of its own, which goes with this value unless it is given its place.
@@ -49,43 +50,70 @@ pub struct Copied {
 pub struct Copy {
     file: NamedTempFile,
     copied: Copied,
+    faults: Vec<String>,
 }
 
 impl Copy {
     /// Copies a database into a folder. A running server goes on: the copy is what one read transaction sees, and
     /// takes a connection of its own. What is written meanwhile stays in the write-ahead log until it ends.
     pub async fn of(source: &DatabaseFiles, folder: &Path) -> Result<Self, StoreError> {
+        Self::through(source.read_only(), folder).await
+    }
+
+    async fn through(source: SqliteConnectOptions, folder: &Path) -> Result<Self, StoreError> {
         let file = tempfile::Builder::new()
             .prefix("")
             .suffix(PARTIAL)
             .tempfile_in(folder)
             .map_err(|error| StoreError::file(folder, &error))?;
-        let mut db = source.read_only().connect().await?;
+        let mut db = source.connect().await?;
         let schema = schema::version(&mut db).await?;
         let into = absolute(file.path())?;
         sqlx::query("vacuum into $1").bind(into).execute(&mut db).await?;
         db.close().await?;
-        let holds = verified(file.path()).await?;
-        if holds.schema != schema {
-            return Err(StoreError::corrupt(format!("the copy has schema {}, not {schema}", holds.schema)));
+        let copy = DatabaseFiles::of_path(file.path());
+        let checked = check_any_schema(&copy).await?;
+        let mut faults: Vec<String> = checked.all_faults().collect();
+        let holds = match checked.newer {
+            Some(_) => holdings(&mut copy.read_only().immutable(true).connect().await?).await?,
+            None => checked.holds.unwrap_or_default(),
+        };
+        let maps_checked = checked.newer.is_none() && !checked.is_older;
+        if faults.is_empty() && holds.schema != schema {
+            faults.push(format!("the copy has schema {}, not {schema}", holds.schema));
         }
         let write = move || {
             let path = file.path().to_owned();
             let failed = |error: std::io::Error| StoreError::file(&path, &error);
             file.as_file().sync_all().map_err(failed)?;
             let (bytes, sha256) = digest(&path).map_err(failed)?;
-            Ok(Self { file, copied: Copied { bytes, sha256, holds } })
+            Ok(Self { file, copied: Copied { bytes, sha256, holds, maps_checked }, faults })
         };
         tokio::task::spawn_blocking(write).await.map_err(|error| StoreError::Database(error.to_string()))?
     }
 
-    /// What was copied.
+    /// Copies a database that this process has not open, and looks at its log first.
+    pub async fn from_outside(source: &DatabaseFiles, folder: &Path) -> Result<Self, StoreError> {
+        let log = log::look(source)?;
+        let mut copy = Self::through(source.untouched(!log.faults.is_empty()), folder).await?;
+        copy.faults.extend(log.faults);
+        Ok(copy)
+    }
+
+    /// Returns what was copied.
     pub fn copied(&self) -> &Copied {
         &self.copied
     }
 
-    /// Gives the copy its name, which is on disk when this returns. A file that has the name is replaced, or kept.
+    /// Returns everything that [`super::check::check`] found wrong with the copy; a verified one has no faults.
+    pub fn faults(&self) -> &[String] {
+        &self.faults
+    }
+
+    /// Gives the copy its name, which is on disk when this returns. A regular file that has the name is replaced, or
+    /// kept; anything else that has it (a device, a folder, a link) is refused.
     pub fn place(self, path: &Path, replace: bool) -> Result<Copied, StoreError> {
+        regular_or_free(path)?;
         let placed = if replace { self.file.persist(path) } else { self.file.persist_noclobber(path) };
         placed.map_err(|refused| match refused.error.kind() {
             std::io::ErrorKind::AlreadyExists => StoreError::Exists(path.display().to_string()),
@@ -106,21 +134,17 @@ pub fn sync_folder(folder: &Path) -> Result<(), StoreError> {
     File::open(folder).and_then(|opened| opened.sync_all()).map_err(|error| StoreError::file(folder, &error))
 }
 
-/// Opens a copy that nobody else has, and looks whether it is sound.
-async fn verified(path: &Path) -> Result<Holdings, StoreError> {
-    let mut db = DatabaseFiles::of_path(path).read_only().immutable(true).connect().await?;
-    let mut faults = structural_faults(&mut db).await?;
-    faults.extend(dangling_rows(&mut db).await?);
-    faults.extend(wrong_length(&mut db, path).await?);
-    if let Some(fault) = faults.first() {
-        return Err(StoreError::corrupt(format!(
-            "the copy is not sound, {}: {fault}",
-            counted(faults.len(), "fault")
-        )));
+/// Rejects a path under which something lies that is not a regular file: a rename would replace a device node, too.
+pub fn regular_or_free(path: &Path) -> Result<(), StoreError> {
+    match std::fs::symlink_metadata(path) {
+        Ok(found) if found.is_file() => Ok(()),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
+        Err(error) => Err(StoreError::file(path, &error)),
+        Ok(_) => Err(StoreError::File {
+            path: path.display().to_string(),
+            error: "is not a regular file, and nothing else is replaced".to_owned(),
+        }),
     }
-    let holds = holdings(&mut db).await?;
-    db.close().await?;
-    Ok(holds)
 }
 
 /// How much a database holds.

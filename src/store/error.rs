@@ -1,5 +1,6 @@
 //! What can go wrong with the database.
 
+use std::fmt::Display;
 use std::io;
 use std::path::Path;
 
@@ -21,6 +22,14 @@ pub enum StoreError {
     /// A row does not hold what this version writes.
     #[error("the database holds what no version of this program writes: {0}")]
     Corrupt(String),
+    /// A row of a map does not hold what this version writes; other maps are not affected.
+    #[error("map {map} is damaged on disk: {fault}")]
+    Damaged {
+        /// The map's name.
+        map: String,
+        /// The row and what is wrong with it.
+        fault: String,
+    },
     /// The SQLite that this program was linked with may lose acknowledged writes.
     #[error("SQLite {found} may lose committed writes in WAL mode; at least {needed} is needed")]
     SqliteTooOld {
@@ -88,6 +97,30 @@ impl StoreError {
     pub(super) fn corrupt(what: impl Into<String>) -> Self {
         Self::Corrupt(what.into())
     }
+
+    /// Names the row in which a value does not decode; other errors stay as they are.
+    pub(super) fn of_row(self, row: impl Display) -> Self {
+        match self {
+            Self::Corrupt(fault) => Self::Corrupt(format!("{row}: {fault}")),
+            other => other,
+        }
+    }
+
+    /// Names the map in which a row does not decode; other errors stay as they are.
+    pub(super) fn of_map(self, map: impl Display) -> Self {
+        match self {
+            Self::Corrupt(fault) => Self::Damaged { map: map.to_string(), fault },
+            other => other,
+        }
+    }
+
+    /// Returns what is wrong, without the map's name.
+    pub(super) fn fault(self) -> String {
+        match self {
+            Self::Damaged { fault, .. } => fault,
+            other => other.to_string(),
+        }
+    }
 }
 
 impl From<sqlx::Error> for StoreError {
@@ -105,6 +138,7 @@ impl From<sqlx::Error> for StoreError {
             Some(code) if code & 0xff == FULL => Self::DiskFull,
             Some(code) if FAILED.contains(&(code & 0xff)) => Self::Disk(error.to_string()),
             _ if matches!(error, sqlx::Error::PoolTimedOut) => Self::Busy,
+            _ if matches!(error, sqlx::Error::ColumnDecode { .. }) => Self::Corrupt(error.to_string()),
             _ => Self::Database(error.to_string()),
         }
     }

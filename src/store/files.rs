@@ -16,6 +16,9 @@ pub struct DatabaseFiles {
     database: PathBuf,
 }
 
+/// Bytes of a write-ahead log before its first frame.
+pub(super) const LOG_HEADER_BYTES: u64 = 32;
+
 /// How large a database is, in bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FileSizes {
@@ -117,7 +120,7 @@ impl DatabaseFiles {
         FileSizes { database: size(&self.database), wal: size(&self.wal()) }
     }
 
-    /// How to open it beside a running server, without writing to it.
+    /// Returns how to open it beside a running server, without writing to it.
     pub(super) fn read_only(&self) -> SqliteConnectOptions {
         SqliteConnectOptions::new()
             .filename(&self.database)
@@ -125,6 +128,28 @@ impl DatabaseFiles {
             .create_if_missing(false)
             .busy_timeout(BUSY_TIMEOUT)
     }
+
+    /// Returns how to open it so that the log's index stays as it is, too: it may be the only witness of what was committed.
+    pub(super) fn untouched(&self, log_is_damaged: bool) -> SqliteConnectOptions {
+        let options = self.read_only();
+        let has_frames = self.sizes().wal > LOG_HEADER_BYTES;
+        match self.database.to_str() {
+            // No process has it open so, and all there is to read is the database itself.
+            _ if log_is_damaged && !has_frames => options.immutable(true),
+            // Without an index there is none to keep, and SQLite needs to make one.
+            Some(path) if has_frames && self.shm().exists() => {
+                options.filename(format!("file:{}?readonly_shm=1", encoded(path)))
+            }
+            _ => options,
+        }
+    }
+}
+
+/// A path as a part of an address.
+fn encoded(path: &str) -> String {
+    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/._-".contains(&byte);
+    let part = |byte: u8| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02x}") };
+    path.bytes().map(part).collect()
 }
 
 /// To write a file that is its owner's only, if it is made now.

@@ -9,16 +9,15 @@ use std::sync::Arc;
 use sqlx::Row;
 use sqlx::sqlite::SqliteRow;
 
-use super::blob::{unpack, unpack_array};
+use super::decode;
 use super::job::MapKey;
+use super::validate::{self, AnchorClasses};
 use super::{Store, StoreError, deferred, map_rows, model_rows};
-use crate::geometry::{Point3, Pose};
-use crate::model::anchor::Observation;
+use crate::geometry::Point3;
 use crate::model::bow::BowVector;
-use crate::model::change::{Change, Keyframe, Loop, Merge, MergeCause};
-use crate::model::ids::{AnchorSeq, KeyframeSeq, LoopId, MapId, SessionSeq, StoredId};
+use crate::model::change::{Change, Keyframe, Merge, MergeCause};
+use crate::model::ids::{AnchorSeq, KeyframeSeq, MapId, SessionSeq};
 use crate::model::key::KeySeq;
-use crate::model::keyframe::{Camera, Stamp};
 use crate::model::map::MapFigures;
 use crate::model::request::Digest;
 use crate::recognition::index::MapIndex;
@@ -76,8 +75,12 @@ impl Store {
     }
 }
 
-/// Loads a map within a read transaction.
+/// Loads a map within a read transaction. An error about one of its rows names the map and the row.
 pub(super) async fn load(db: &mut Db, id: &MapId, order: Order) -> Result<Option<Loaded>, StoreError> {
+    load_rows(db, id, order).await.map_err(|error| error.of_map(id))
+}
+
+async fn load_rows(db: &mut Db, id: &MapId, order: Order) -> Result<Option<Loaded>, StoreError> {
     let found =
         sqlx::query("select * from maps where id = $1").bind(id.as_str()).fetch_optional(&mut *db).await?;
     let Some(row) = found else { return Ok(None) };
@@ -96,16 +99,20 @@ pub(super) async fn load(db: &mut Db, id: &MapId, order: Order) -> Result<Option
             load_keyframes(db, key, &mut index).await?;
             index.reserve(next.0, next.1);
             index.apply(&model_rows::verdicts(db, key).await?);
-            let (anchors, observed) = anchors(db, key).await?;
-            index.apply(&[anchors, observed].concat());
+            let (anchors, classes) = anchors(db, key).await?;
+            let observed = observations(db, key, &classes, &index).await?;
             let (loops, merges) = loops_and_merges(db, key).await?;
+            validate::merges(&loops, &merges, &classes)?;
+            validate::numbers(next, &loops, &classes, &index)?;
+            index.apply(&[anchors, observed].concat());
             index.apply(&[loops, merges].concat());
         }
         Order::Backwards => {
             index.reserve(next.0, next.1);
             index.apply(&reversed(sessions));
             load_keyframes_backwards(db, key, &mut index).await?;
-            let (anchors, observed) = anchors(db, key).await?;
+            let (anchors, classes) = anchors(db, key).await?;
+            let observed = observations(db, key, &classes, &index).await?;
             index.apply(&anchors);
             let (loops, merges) = loops_and_merges(db, key).await?;
             index.apply(&reversed(merges));
@@ -127,7 +134,7 @@ pub(super) async fn load(db: &mut Db, id: &MapId, order: Order) -> Result<Option
         next_event: row.try_get::<i64, _>("next_event")? as u64,
         next_kept: next_kept.bind(key).fetch_one(&mut *db).await?,
         owner: row.try_get::<Option<i64>, _>("owner")?.map(KeySeq),
-        digest: digest(&row)?,
+        digest: decode::digest(&row)?,
         figures: map_rows::figures(&row)?,
         index,
     }))
@@ -140,15 +147,15 @@ fn reversed(mut changes: Vec<Change>) -> Vec<Change> {
 
 type Db = sqlx::SqliteConnection;
 
-pub(super) fn digest(row: &SqliteRow) -> Result<Digest, StoreError> {
-    let bytes: &[u8] = row.try_get("digest")?;
-    bytes.try_into().map_err(|_| StoreError::corrupt("a digest of another length"))
-}
-
 async fn sessions(db: &mut Db, key: MapKey) -> Result<Vec<Change>, StoreError> {
     let select = "select session, id from sessions where map_key = $1 order by session";
     let rows: Vec<(u32, String)> = sqlx::query_as(select).bind(key).fetch_all(db).await?;
-    rows.into_iter().map(|(seq, name)| Ok(Change::SessionAdded(SessionSeq(seq), id(&name)?))).collect()
+    validate::sessions(&rows.iter().map(|(seq, _)| *seq).collect::<Vec<_>>())?;
+    let added = |(seq, id): (u32, String)| {
+        let id = decode::id(&id).map_err(|error| error.of_row(format!("session number {seq}")))?;
+        Ok(Change::SessionAdded(SessionSeq(seq), id))
+    };
+    rows.into_iter().map(added).collect()
 }
 
 async fn load_points(db: &mut Db, key: MapKey, index: &mut MapIndex) -> Result<(), StoreError> {
@@ -165,8 +172,13 @@ async fn load_points(db: &mut Db, key: MapKey, index: &mut MapIndex) -> Result<(
             .await?;
         let Some(last) = rows.last() else { return Ok(()) };
         (session, point) = (i64::from(last.0), last.1);
-        let set = |(s, id, x, y, z)| Change::PointSet(SessionSeq(s), id, Point3::new(x, y, z));
-        index.apply(&rows.into_iter().map(set).collect::<Vec<_>>());
+        let set = |(s, id, x, y, z)| {
+            let at = Point3::new(x, y, z);
+            validate::point(s, id, &at, index)?;
+            Ok(Change::PointSet(SessionSeq(s), id, at))
+        };
+        let points = rows.into_iter().map(set).collect::<Result<Vec<_>, StoreError>>()?;
+        index.apply(&points);
     }
 }
 
@@ -178,7 +190,7 @@ async fn load_keyframes(db: &mut Db, key: MapKey, index: &mut MapIndex) -> Resul
         let Some(row) = rows.last() else { return Ok(()) };
         last = row.try_get("keyframe")?;
         for row in &rows {
-            let (mut keyframe, bow) = keyframe(row)?;
+            let (mut keyframe, bow) = keyframe(row, index)?;
             // What was declared about keyframes that were culled since is no fact any more.
             keyframe.declared = keyframe
                 .declared
@@ -203,7 +215,7 @@ async fn load_keyframes_backwards(db: &mut Db, key: MapKey, index: &mut MapIndex
         let Some(row) = rows.last() else { return Ok(()) };
         last = row.try_get("keyframe")?;
         for row in &rows {
-            let (mut keyframe, bow) = keyframe(row)?;
+            let (mut keyframe, bow) = keyframe(row, index)?;
             keyframe.declared =
                 keyframe.declared.iter().copied().filter(|(other, _)| standing.contains(other)).collect();
             index.apply(&[Change::KeyframeAdded(Box::new(keyframe), Arc::new(bow))]);
@@ -211,60 +223,41 @@ async fn load_keyframes_backwards(db: &mut Db, key: MapKey, index: &mut MapIndex
     }
 }
 
-pub(super) fn keyframe(row: &SqliteRow) -> Result<(Keyframe, BowVector), StoreError> {
-    let declared: Vec<(u32, u32)> = unpack(row.try_get("declared")?)?;
-    let keyframe = Keyframe {
-        seq: KeyframeSeq(row.try_get("keyframe")?),
-        id: id(row.try_get("id")?)?,
-        session: SessionSeq(row.try_get("session")?),
-        stamp: Stamp { sec: row.try_get("stamp_sec")?, nanosec: row.try_get("stamp_nanosec")? },
-        map_from_camera: pose(row.try_get("pose")?)?,
-        camera: row.try_get::<Option<&[u8]>, _>("camera")?.map(camera).transpose()?,
-        observes: unpack(row.try_get("observes")?)?.into(),
-        declared: declared.into_iter().map(|(other, shared)| (KeyframeSeq(other), shared)).collect(),
-        bytes: row.try_get::<i64, _>("bytes")? as u64,
-    };
-    Ok((keyframe, bow(row)?))
+fn keyframe(row: &SqliteRow, index: &MapIndex) -> Result<(Keyframe, BowVector), StoreError> {
+    let number: i64 = row.try_get("keyframe")?;
+    let (keyframe, bow) =
+        decode::keyframe(row).map_err(|error| error.of_row(format!("keyframe number {number}")))?;
+    validate::keyframe(&keyframe, index)?;
+    Ok((keyframe, bow))
 }
 
-pub(super) fn bow(row: &SqliteRow) -> Result<BowVector, StoreError> {
-    let (words, weights) = (unpack(row.try_get("bow_words")?)?, unpack(row.try_get("bow_weights")?)?);
-    BowVector::from_parts(words, weights).map_err(|error| StoreError::corrupt(error.to_string()))
-}
-
-fn pose(bytes: &[u8]) -> Result<Pose, StoreError> {
-    let [x, y, z, qx, qy, qz, qw] = unpack_array(bytes)?;
-    Ok(Pose::from_stored([x, y, z], [qx, qy, qz, qw]))
-}
-
-fn camera(bytes: &[u8]) -> Result<Camera, StoreError> {
-    const FLOATS: usize = 4 * size_of::<f64>();
-    let (floats, integers) =
-        bytes.split_at_checked(FLOATS).ok_or_else(|| StoreError::corrupt("a camera is short"))?;
-    let [fx, fy, cx, cy] = unpack_array(floats)?;
-    let [width, height] = unpack_array(integers)?;
-    Ok(Camera { fx, fy, cx, cy, width, height })
-}
-
-pub(super) fn point(bytes: &[u8]) -> Result<Point3, StoreError> {
-    Ok(Point3::from(unpack_array::<f64, 3>(bytes)?))
-}
-
-/// The anchors, and what was observed of them.
-async fn anchors(db: &mut Db, key: MapKey) -> Result<(Vec<Change>, Vec<Change>), StoreError> {
-    let (mut changes, mut observed) = (Vec::new(), Vec::new());
+/// Returns the anchors, and the class of each.
+async fn anchors(db: &mut Db, key: MapKey) -> Result<(Vec<Change>, AnchorClasses), StoreError> {
+    let (mut changes, mut classes) = (Vec::new(), AnchorClasses::new());
     let select =
         "select anchor, class, description_by_hand, version from anchors where map_key = $1 order by anchor";
     let rows: Vec<(u32, String, Option<String>, i64)> =
         sqlx::query_as(select).bind(key).fetch_all(&mut *db).await?;
     for (seq, class, by_hand, version) in rows {
         let seq = AnchorSeq(seq);
+        classes.insert(seq, class.as_str().into());
         changes.push(Change::AnchorAdded(seq, class.into()));
         changes.push(Change::AnchorTouched(seq, version as u64));
         if by_hand.is_some() {
             changes.push(Change::DescriptionSet(seq, by_hand.map(Into::into)));
         }
     }
+    Ok((changes, classes))
+}
+
+/// Returns what was observed of the anchors.
+async fn observations(
+    db: &mut Db,
+    key: MapKey,
+    classes: &AnchorClasses,
+    index: &MapIndex,
+) -> Result<Vec<Change>, StoreError> {
+    let mut observed = Vec::new();
     let select = "select keyframe, detection from crops where map_key = $1";
     let crops: Vec<(u32, u16)> = sqlx::query_as(select).bind(key).fetch_all(&mut *db).await?;
     let crops: HashSet<(u32, u16)> = crops.into_iter().collect();
@@ -273,29 +266,15 @@ async fn anchors(db: &mut Db, key: MapKey) -> Result<(Vec<Change>, Vec<Change>),
         "select * from detections where map_key = $1 and anchor is not null order by keyframe, detection";
     for row in sqlx::query(select).bind(key).fetch_all(&mut *db).await? {
         let at = (row.try_get("keyframe")?, row.try_get("detection")?);
-        let mut observation = observation(&row, crops.contains(&at))?;
+        let (number, keyframe) = (at.1, at.0);
+        let mut observation = decode::observation(&row, crops.contains(&at))
+            .map_err(|error| error.of_row(format!("detection {number} of keyframe number {keyframe}")))?;
+        let anchor = AnchorSeq(row.try_get("anchor")?);
+        validate::observation(anchor, row.try_get("class")?, &observation, classes, index)?;
         observation.crop_reading = readings.remove(&at);
-        observed.push(Change::Observed(AnchorSeq(row.try_get("anchor")?), Box::new(observation)));
+        observed.push(Change::Observed(anchor, Box::new(observation)));
     }
-    Ok((changes, observed))
-}
-
-fn observation(row: &SqliteRow, has_crop: bool) -> Result<Observation, StoreError> {
-    let [x0, y0, x1, y1]: [f64; 4] = unpack_array(row.try_get("box_px")?)?;
-    let (text, description): (Option<&str>, Option<&str>) =
-        (row.try_get("text")?, row.try_get("description")?);
-    let map_points: Vec<i64> = unpack(row.try_get("map_points")?)?;
-    Ok(Observation {
-        keyframe: KeyframeSeq(row.try_get("keyframe")?),
-        detection: row.try_get("detection")?,
-        confidence: row.try_get("confidence")?,
-        map_points: map_points.into(),
-        position_in_session: row.try_get::<Option<&[u8]>, _>("position")?.map(point).transpose()?,
-        reading: description.or(text).map(Into::into),
-        described: description.is_some(),
-        crop_area_px: has_crop.then_some((x1 - x0) * (y1 - y0)),
-        crop_reading: None,
-    })
+    Ok(observed)
 }
 
 async fn loops_and_merges(db: &mut Db, key: MapKey) -> Result<(Vec<Change>, Vec<Change>), StoreError> {
@@ -305,25 +284,14 @@ async fn loops_and_merges(db: &mut Db, key: MapKey) -> Result<(Vec<Change>, Vec<
         .fetch_all(&mut *db)
         .await?
     {
-        loops.push(Change::LoopAdded(Loop {
-            id: id::<LoopId>(row.try_get("id")?)?,
-            keyframe: KeyframeSeq(row.try_get("keyframe")?),
-            candidate: KeyframeSeq(row.try_get("candidate")?),
-            keyframe_id: id(row.try_get("keyframe_id")?)?,
-            candidate_id: id(row.try_get("candidate_id")?)?,
-            query: row.try_get("query")?,
-        }));
+        let closed = decode::closed_loop(&row).map_err(|error| error.of_row("a loop"))?;
+        loops.push(Change::LoopAdded(closed));
     }
     let select = "select into_anchor, from_anchor, loop_id from anchor_merges where map_key = $1";
     let rows: Vec<(u32, u32, String)> = sqlx::query_as(select).bind(key).fetch_all(&mut *db).await?;
     for (into, from, by) in rows {
-        let cause = if by.is_empty() { MergeCause::Covisible } else { MergeCause::Loop(id(&by)?) };
+        let cause = if by.is_empty() { MergeCause::Covisible } else { MergeCause::Loop(decode::id(&by)?) };
         merges.push(Change::Merged(Merge { into: AnchorSeq(into), from: AnchorSeq(from), cause }));
     }
     Ok((loops, merges))
-}
-
-/// Reads an id of a row.
-pub(super) fn id<T: StoredId>(text: &str) -> Result<T, StoreError> {
-    T::stored(text).map_err(|error| StoreError::corrupt(format!("{text:?}: {error}")))
 }

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use sqlx::sqlite::SqliteRow;
 use sqlx::{AssertSqlSafe, Row, SqliteConnection};
 
+use super::decode::{self, digest};
 use super::job::{Batch, MapKey};
-use super::load::{self, digest};
 use super::write::run;
 use super::{Store, StoreError};
 use crate::model::ids::MapId;
@@ -114,7 +114,7 @@ fn map_row(row: &SqliteRow) -> Result<MapRow, StoreError> {
     classes.sort_unstable();
     let MapFigures { keyframes, anchors, sessions, loops, bytes } = figures(row)?;
     let report = MapReport {
-        id: load::id(row.try_get::<&str, _>("id")?)?,
+        id: decode::id(row.try_get::<&str, _>("id")?)?,
         properties: MapProperties {
             description: row.try_get("description")?,
             metric: row.try_get("metric")?,

@@ -7,7 +7,7 @@
 //! | large deletions and corrections, in slices | [`slices`], [`deletion`], [`deferred`], [`fold`] |
 //! | what it is asked to do, and what that costs | [`job`], [`cost`] |
 //! | from changes to rows | [`mod@write`], [`map_rows`], [`keyframe_rows`] |
-//! | from rows to changes, when a map is first asked for | [`load`] |
+//! | from rows to changes, when a map is first asked for | [`load`], [`decode`], [`validate`] |
 //! | what models said, and what it cost | [`model_rows`] |
 //! | API keys | [`key_rows`] |
 //! | reads of one row | [`read`] |
@@ -15,13 +15,14 @@
 //! | packed lists in blobs | [`blob`] |
 //! | where it lies, and who may write to it | [`files`], [`lock`] |
 //! | copies of it, and back | [`backup`], [`restore`] |
-//! | is it whole? | [`check`] |
+//! | is it whole? | [`check`], [`log`] |
 
 pub mod backup;
 mod blob;
 pub mod check;
 mod committer;
 mod cost;
+mod decode;
 mod deferred;
 mod deletion;
 mod error;
@@ -36,6 +37,7 @@ mod lanes;
 mod laws;
 mod load;
 mod lock;
+mod log;
 mod map_rows;
 mod model_rows;
 mod read;
@@ -45,6 +47,7 @@ pub mod restore;
 mod schema;
 mod slices;
 mod transaction;
+mod validate;
 mod write;
 mod writer;
 
@@ -136,6 +139,12 @@ impl Store {
         lock: Option<Arc<DatabaseLock>>,
     ) -> Result<Self, StoreError> {
         let reserve = Reserve::beside(files.database());
+        // Before SQLite opens the database: it takes what the log has for all that was committed.
+        if lock.is_some() {
+            for fault in log::look(&files)?.faults {
+                tracing::error!(database = %files.database().display(), fault, "the database has lost writes; restore a backup");
+            }
+        }
         files.make()?;
         let options = SqliteConnectOptions::from_str(url)?
             .create_if_missing(true)

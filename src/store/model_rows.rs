@@ -97,7 +97,7 @@ impl Store {
         let select = "select id from maps where deleted = 0
             and exists (select 1 from crops where crops.map_key = maps.map_key) order by id";
         let ids: Vec<String> = sqlx::query_scalar(select).fetch_all(&self.readers).await?;
-        ids.iter().map(|id| super::load::id(id)).collect()
+        ids.iter().map(|id| super::decode::id(id)).collect()
     }
 
     /// The dialogue that led to the reading of a detection's crop.

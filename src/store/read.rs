@@ -6,8 +6,8 @@ use sqlx::Row;
 use sqlx::sqlite::SqliteRow;
 
 use super::blob::{unpack, unpack_array};
+use super::decode::{self, point};
 use super::job::MapKey;
-use super::load::{self, point};
 use super::{Store, StoreError, deferred};
 use crate::model::anchor::{IgnoredReason, Outcome};
 use crate::model::bow::BowVector;
@@ -47,7 +47,7 @@ impl Store {
         let after = after.map_or("", MapId::as_str);
         let ids: Vec<String> =
             sqlx::query_scalar(select).bind(after).bind(limit as i64).fetch_all(&self.readers).await?;
-        ids.iter().map(|id| load::id(id)).collect()
+        ids.iter().map(|id| decode::id(id)).collect()
     }
 
     /// A key larger than any given so far.
@@ -60,14 +60,17 @@ impl Store {
     pub async fn bow(&self, map: MapKey, keyframe: KeyframeSeq) -> Result<Option<BowVector>, StoreError> {
         let select = "select bow_words, bow_weights from keyframes where map_key = $1 and keyframe = $2";
         let row = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&self.readers).await?;
-        row.as_ref().map(load::bow).transpose()
+        let of_row = |error: StoreError| error.of_row(format!("keyframe number {}", keyframe.0));
+        self.of_map(map, row.as_ref().map(decode::bow).transpose().map_err(of_row)).await
     }
 
     /// The features of a keyframe, if it has any.
     pub async fn features(&self, map: MapKey, keyframe: KeyframeSeq) -> Result<Option<Features>, StoreError> {
         let select = "select * from keyframe_features where map_key = $1 and keyframe = $2";
         let row = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&self.readers).await?;
-        row.as_ref().map(features).transpose()
+        let of_row =
+            |error: StoreError| error.of_row(format!("the features of keyframe number {}", keyframe.0));
+        self.of_map(map, row.as_ref().map(features).transpose().map_err(of_row)).await
     }
 
     /// Everything the store keeps of a keyframe but its crops.
@@ -89,19 +92,15 @@ impl Store {
         let detections = sqlx::query(select).bind(map).bind(keyframe.0).fetch_all(&mut *db).await?;
         let moved = deferred::positions(&mut db, map, keyframe).await?;
         db.commit().await?;
-        let mut detections: Vec<DetectionRow> = detections.iter().map(detection).collect::<Result<_, _>>()?;
+        let of_row = |error: StoreError| error.of_row(format!("keyframe number {}", keyframe.0));
+        let mut found =
+            self.of_map(map, keyframe_row(&row, features_row.as_ref(), &detections).map_err(of_row)).await?;
         for (number, at) in moved {
-            if let Some(row) = detections.get_mut(usize::from(number)) {
+            if let Some(row) = found.detections.get_mut(usize::from(number)) {
                 row.detection.position_in_session = Some(at);
             }
         }
-        Ok(Some(KeyframeRow {
-            bow: load::bow(&row)?,
-            features: features_row.as_ref().map(features).transpose()?,
-            sent_points: sent_points(&row)?,
-            detections,
-            digest: load::digest(&row)?,
-        }))
+        Ok(Some(found))
     }
 
     /// The crop of a detection.
@@ -115,16 +114,29 @@ impl Store {
             "select media_type, bytes from crops where map_key = $1 and keyframe = $2 and detection = $3";
         let query = sqlx::query_as(select).bind(map).bind(keyframe.0).bind(detection);
         let found: Option<(String, Vec<u8>)> = query.fetch_optional(&self.readers).await?;
-        Ok(found.map(|(media_type, bytes)| {
-            let media_type = if media_type == "image/png" { "image/png" } else { "image/jpeg" };
-            Crop { media_type, bytes }
-        }))
+        let Some((media_type, bytes)) = found else { return Ok(None) };
+        let crop = match Crop::media_type_of(&bytes) {
+            Some(of_bytes) if of_bytes == media_type => Ok(Some(Crop { media_type: of_bytes, bytes })),
+            _ => Err(StoreError::corrupt(format!(
+                "the crop of detection {detection} of keyframe number {} is no such image",
+                keyframe.0
+            ))),
+        };
+        self.of_map(map, crop).await
     }
 
     /// The kept answer of a loop query.
     pub async fn kept_query(&self, map: MapKey, id: &str) -> Result<Option<Vec<u8>>, StoreError> {
         let select = "select body from loop_queries where map_key = $1 and id = $2";
-        Ok(sqlx::query_scalar(select).bind(map).bind(id).fetch_optional(&self.readers).await?)
+        let found: Option<Vec<u8>> =
+            sqlx::query_scalar(select).bind(map).bind(id).fetch_optional(&self.readers).await?;
+        let whole = match found {
+            Some(body) if !names_itself(id, &body) => {
+                Err(StoreError::corrupt(format!("the answer of loop query {id} is damaged")))
+            }
+            found => Ok(found),
+        };
+        self.of_map(map, whole).await
     }
 
     /// Returns the numbers of the events that are kept of a map, up to the one given next; `None` if there is no such map.
@@ -142,8 +154,63 @@ impl Store {
         let since = i64::try_from(since).unwrap_or(i64::MAX);
         let rows =
             sqlx::query(select).bind(map).bind(since).bind(limit as i64).fetch_all(&self.readers).await?;
-        rows.iter().map(event).collect()
+        let found = rows.iter().map(event).collect::<Result<Vec<Event>, _>>();
+        let found = self.of_map(map, found).await?;
+        let mut expected = since as u64 + 1;
+        for event in &found {
+            if event.seq != expected
+                && (expected != since as u64 + 1 || self.has_events_up_to(map, since).await?)
+            {
+                let gap = format!("event {} follows upon {}", event.seq, expected - 1);
+                return self.of_map(map, Err(StoreError::corrupt(gap))).await;
+            }
+            expected = event.seq + 1;
+        }
+        Ok(found)
     }
+
+    /// Whether an event of this number or an earlier one is kept. The oldest are taken out, and none in the middle.
+    async fn has_events_up_to(&self, map: MapKey, seq: i64) -> Result<bool, StoreError> {
+        let select = "select exists (select 1 from events where map_key = $1 and seq <= $2)";
+        Ok(sqlx::query_scalar(select).bind(map).bind(seq).fetch_one(&self.readers).await?)
+    }
+
+    /// Names the map in an error about one of its rows.
+    async fn of_map<T>(&self, map: MapKey, read: Result<T, StoreError>) -> Result<T, StoreError> {
+        let Err(error @ StoreError::Corrupt(_)) = read else { return read };
+        let select = "select id from maps where map_key = $1";
+        let id: Option<String> = sqlx::query_scalar(select).bind(map).fetch_optional(&self.readers).await?;
+        Err(error.of_map(id.unwrap_or_else(|| format!("number {map}"))))
+    }
+}
+
+/// Puts a keyframe together; its detections are numbered from 0 without a gap.
+fn keyframe_row(
+    row: &SqliteRow,
+    features_row: Option<&SqliteRow>,
+    detection_rows: &[SqliteRow],
+) -> Result<KeyframeRow, StoreError> {
+    let mut detections = Vec::with_capacity(detection_rows.len());
+    for (expected, row) in (0_i64..).zip(detection_rows) {
+        if row.try_get::<i64, _>("detection")? != expected {
+            return Err(StoreError::corrupt(format!("detection {expected} is not there")));
+        }
+        let of_row = |error: StoreError| error.of_row(format!("detection {expected}"));
+        detections.push(detection(row).map_err(of_row)?);
+    }
+    Ok(KeyframeRow {
+        bow: decode::bow(row)?,
+        features: features_row.map(features).transpose().map_err(|error| error.of_row("the features"))?,
+        sent_points: sent_points(row)?,
+        detections,
+        digest: decode::digest(row)?,
+    })
+}
+
+/// Whether a kept answer is JSON with this id.
+pub(super) fn names_itself(id: &str, body: &[u8]) -> bool {
+    let body: Option<serde_json::Value> = serde_json::from_slice(body).ok();
+    body.is_some_and(|body| body["id"] == *id)
 }
 
 pub(super) fn sent_points(row: &SqliteRow) -> Result<Vec<PointId>, StoreError> {
@@ -153,9 +220,14 @@ pub(super) fn sent_points(row: &SqliteRow) -> Result<Vec<PointId>, StoreError> {
 pub(super) fn features(row: &SqliteRow) -> Result<Features, StoreError> {
     let keypoints: Vec<((f64, f64), (f64, u8))> = unpack(row.try_get("keypoints")?)?;
     let map_points: Vec<i64> = unpack(row.try_get("map_points")?)?;
+    let descriptor_bytes = row.try_get::<u32, _>("descriptor_bytes")? as usize;
+    let descriptors: Vec<u8> = row.try_get("descriptors")?;
+    if map_points.len() != keypoints.len() || descriptors.len() != descriptor_bytes * keypoints.len() {
+        return Err(StoreError::corrupt("the lists do not fit together"));
+    }
     Ok(Features {
-        descriptor_bytes: row.try_get::<u32, _>("descriptor_bytes")? as usize,
-        descriptors: row.try_get("descriptors")?,
+        descriptor_bytes,
+        descriptors,
         keypoints: keypoints
             .into_iter()
             .map(|((u, v), (angle_deg, octave))| Keypoint {
@@ -202,9 +274,9 @@ pub(super) fn event(row: &SqliteRow) -> Result<Event, StoreError> {
         map_version: row.try_get::<i64, _>("map_version")? as u64,
         anchor: row.try_get::<Option<u32>, _>("anchor")?.map(AnchorSeq),
         other: row.try_get::<Option<u32>, _>("other")?.map(AnchorSeq),
-        keyframe: id("keyframe")?.map(load::id).transpose()?,
-        candidate: id("candidate")?.map(load::id).transpose()?,
-        loop_id: id("loop_id")?.map(load::id).transpose()?,
+        keyframe: id("keyframe")?.map(decode::id).transpose()?,
+        candidate: id("candidate")?.map(decode::id).transpose()?,
+        loop_id: id("loop_id")?.map(decode::id).transpose()?,
         query: row.try_get("query")?,
         detail: row.try_get("detail")?,
     })

@@ -7,7 +7,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use sqlx::{ConnectOptions as _, Connection as _};
 
 use super::StoreError;
-use super::backup::{Copied, Copy, sync_folder};
+use super::backup::{Copied, Copy, regular_or_free, sync_folder};
 use super::check::check;
 use super::files::DatabaseFiles;
 use super::lock::{DatabaseLock, Purpose};
@@ -24,34 +24,52 @@ pub struct Restored {
     pub copied: Copied,
     /// Where the one before is kept.
     pub kept: Option<PathBuf>,
+    /// What is wrong with it, if that was allowed.
+    pub faults: Vec<String>,
     /// The API keys that are not revoked in it, by number and name: what was revoked after the backup is good again.
     pub keys: Vec<(KeySeq, String)>,
 }
 
+/// What a restore may do that it refuses otherwise.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Allowed {
+    /// Replace the database that is there; it is kept under another name.
+    pub replace: bool,
+    /// Restore a backup that has faults.
+    pub faults: bool,
+}
+
 /// Verifies a backup and puts a copy of it where the database is, while nobody has that open. What was there is
-/// refused to be touched, or kept under another name if `replace`.
+/// refused to be touched, or kept under another name if that is allowed.
 ///
 /// If the process dies on the way, no server starts on what it has left behind until a restore has come to its end.
 pub async fn restore(
     backup: &DatabaseFiles,
     target: &DatabaseFiles,
-    replace: bool,
+    allowed: Allowed,
 ) -> Result<Restored, StoreError> {
     if backup.database() == target.database() {
         return Err(StoreError::InUse("the backup is the database itself".to_owned()));
     }
     let checked = check(backup).await?;
-    if let Some(fault) = checked.all_faults().next() {
-        let backup = backup.database().display();
+    if let Some(fault) = checked.all_faults().next().filter(|_| !allowed.faults) {
         let count = counted(checked.all_faults().count(), "fault");
-        return Err(StoreError::Corrupt(format!("{backup} cannot be restored, it has {count}: {fault}")));
+        return Err(StoreError::File {
+            path: backup.database().display().to_string(),
+            error: format!("cannot be restored, it has {count}: {fault}"),
+        });
     }
     // Before the lock, which stays behind: whoever is refused shall find nothing new.
-    if target.database().exists() && !replace {
+    regular_or_free(target.database())?;
+    if target.database().exists() && !allowed.replace {
         return Err(StoreError::Exists(target.database().display().to_string()));
     }
     let lock = DatabaseLock::take(target, Purpose::Restore)?;
     let copy = Copy::of(backup, target.folder()).await?;
+    if let Some(fault) = copy.faults().first().filter(|_| !allowed.faults) {
+        return Err(StoreError::corrupt(format!("the copy of the backup: {fault}")));
+    }
+    let faults = copy.faults().to_vec();
     let kept = if target.database().exists() { Some(put_aside(target)?) } else { None };
     // Of no use without its database, and deadly to another.
     for stale in [target.wal(), target.shm()] {
@@ -66,7 +84,7 @@ pub async fn restore(
     let keys = standing_keys(backup).await?;
     let copied = copy.place(target.database(), false)?;
     lock.finished()?;
-    Ok(Restored { copied, kept, keys })
+    Ok(Restored { copied, kept, faults, keys })
 }
 
 async fn standing_keys(backup: &DatabaseFiles) -> Result<Vec<(KeySeq, String)>, StoreError> {

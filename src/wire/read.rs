@@ -134,13 +134,14 @@ impl<'a> Node<'a> {
         self.refuse(format!("expected {what}, not {}", kind(self.value)), what)
     }
 
-    /// A number within bounds. JSON has no NaN and no infinity, and the bounds keep both out of any sum.
+    /// Reads a number within bounds. JSON has no NaN and no infinity, and the bounds keep both out of any sum. Zero has one
+    /// form: SQLite keeps no sign of a zero, so `-0.0` would be answered as `0.0` after a restart.
     pub fn number(&self, range: RangeInclusive<f64>) -> Option<f64> {
         let Some(number) = self.value.as_f64() else {
             return self.expected("a number");
         };
         if range.contains(&number) {
-            return Some(number);
+            return Some(number + 0.0);
         }
         self.refuse("the number is out of range", Bounds(&range))
     }

@@ -17,7 +17,8 @@ use crate::wire::examples;
 /// Take a backup
 ///
 /// A whole copy of the database as it is now, into the folder that `revisit serve --backups` names; verified and on disk
-/// when it is answered. The same id again is answered with the backup that is there. One at a time: another one
+/// when it is answered. Verified is what `revisit restore` would accept; a copy of a database with faults is kept apart, as
+/// `latest.damaged`, and answered 500 (`backup_not_verified`) with the first faults. The same id again is answered with the backup that is there. One at a time: another one
 /// meanwhile is told to wait. The oldest beyond the number that is kept make room.
 #[utoipa::path(
     post, path = "/v1/backups", tag = "service", security(("key" = ["admin"])),

@@ -3,9 +3,8 @@
 use sqlx::SqliteConnection;
 
 use super::{MAP_FAULTS_MAX, rows};
-use crate::model::ids::{AnchorSeq, MapId};
+use crate::model::ids::MapId;
 use crate::model::map::MapFigures;
-use crate::recognition::index::MapIndex;
 use crate::store::StoreError;
 use crate::store::load::{Loaded, Order, load};
 
@@ -37,19 +36,18 @@ pub(super) async fn check(db: &mut SqliteConnection, id: &MapId) -> MapCheck {
             found.keyframes = loaded.index.keyframe_count() as u64;
             found.anchors = loaded.index.objects().len() as u64;
             found.loops = loaded.index.loops().len() as u64;
-            index_faults(&loaded.index, &mut found.faults);
             figure_faults(loaded.figures, loaded.index.figures(), &mut found.faults);
             if let Err(error) = law(&mut *db, id, &loaded, &mut found.faults).await {
-                found.faults.push(format!("told backwards: {error}"));
+                found.faults.push(format!("told backwards: {}", error.fault()));
             }
             if let Err(error) = rows::check(&mut *db, &loaded, &mut found).await {
-                found.faults.push(error.to_string());
+                found.faults.push(error.fault());
             }
         }
         Ok(None) => {
             found.faults.push("it is in the list of maps, but cannot be found by its name".to_owned());
         }
-        Err(error) => found.faults.push(error.to_string()),
+        Err(error) => found.faults.push(error.fault()),
     }
     found.faults.truncate(MAP_FAULTS_MAX);
     found
@@ -82,34 +80,4 @@ fn figure_faults(shown: MapFigures, held: MapFigures, faults: &mut Vec<String>) 
     faults.extend(
         wrong.map(|(what, shown, held)| format!("lists of maps show {shown} {what}, and it holds {held}")),
     );
-}
-
-/// What the index passes over in silence, or takes as it is.
-fn index_faults(index: &MapIndex, faults: &mut Vec<String>) {
-    for keyframe in index.keyframes() {
-        if keyframe.session.index() >= index.sessions().len() {
-            faults.push(format!("keyframe {} belongs to no session", keyframe.id));
-        }
-        let pose = &keyframe.map_from_camera;
-        let norm = pose.rotation_xyzw().iter().map(|part| part * part).sum::<f64>();
-        // Not written as `>`, so that a NaN is found, too.
-        let is_rotation = (norm - 1.0).abs() < 1e-6;
-        if !is_rotation || !pose.translation_m().iter().all(|part| part.is_finite()) {
-            faults.push(format!("the pose of keyframe {} is none", keyframe.id));
-        }
-        if !keyframe.observes.is_sorted() {
-            faults.push(format!("the points of keyframe {} are not in order", keyframe.id));
-        }
-    }
-    for seq in (0..index.next_anchor().0).map(AnchorSeq) {
-        for merge in index.objects().links(seq) {
-            if index.anchor(merge.into).is_none() || index.anchor(merge.from).is_none() {
-                faults.push(format!(
-                    "a link joins {} and {}, one of which is not there",
-                    merge.into.public(),
-                    merge.from.public()
-                ));
-            }
-        }
-    }
 }

@@ -5,7 +5,7 @@
 //! | what SQLite itself can find | this file |
 //! | one map: its index, and what only the store keeps | [`map`], [`rows`] |
 //!
-//! Nothing is written. What it cannot find: a value that was replaced by another one that could have stood there, as
+//! Nothing is written. What it cannot find: writes that a shortened log no longer holds, once its index is gone; a value that was replaced by another one that could have stood there, as
 //! SQLite keeps no checksums; a last detection or a setting that is gone without a trace.
 
 mod map;
@@ -20,7 +20,7 @@ pub use map::MapCheck;
 use super::backup::{Holdings, holdings};
 use super::files::DatabaseFiles;
 use super::lock::DatabaseLock;
-use super::{StoreError, schema};
+use super::{StoreError, log, schema};
 use crate::model::ids::{MapId, StoredId as _};
 
 /// SQLite stops looking after so many faults.
@@ -36,10 +36,14 @@ pub struct Checked {
     pub holds: Option<Holdings>,
     /// Faults of the database as a whole.
     pub faults: Vec<String>,
+    /// What cannot be told, and is no fault.
+    pub notes: Vec<String>,
     /// Each map, by name. None where the schema is older than this program's: they are read after its migration.
     pub maps: Vec<MapCheck>,
     /// The schema is older than this program's.
     pub is_older: bool,
+    /// The schema's version, if it is newer than this program's: nothing but the structure was looked into.
+    pub(super) newer: Option<i64>,
 }
 
 impl Checked {
@@ -54,7 +58,18 @@ impl Checked {
 }
 
 /// Checks the database, also beside a running server, in one read transaction. Fails if there is nothing to look at.
+///
+/// `check`, `backup` and `restore` share it: a file that it finds faults in is not restored, and no backup of that content
+/// is called verified.
 pub async fn check(files: &DatabaseFiles) -> Result<Checked, StoreError> {
+    match check_any_schema(files).await? {
+        Checked { newer: Some(found), .. } => Err(StoreError::Newer { found, known: schema::newest() }),
+        checked => Ok(checked),
+    }
+}
+
+/// The same for a database of any version; maps of a newer one are not looked into.
+pub(super) async fn check_any_schema(files: &DatabaseFiles) -> Result<Checked, StoreError> {
     if !files.database().is_file() {
         return Err(StoreError::File {
             path: files.database().display().to_string(),
@@ -65,7 +80,10 @@ pub async fn check(files: &DatabaseFiles) -> Result<Checked, StoreError> {
     // and the lock keeps a server from starting meanwhile.
     let is_closed = !files.wal().exists();
     let _closed = is_closed.then(|| DatabaseLock::share(files));
-    let mut db = match files.read_only().immutable(is_closed).connect().await {
+    let log = log::look(files)?;
+    let options =
+        if is_closed { files.read_only().immutable(true) } else { files.untouched(!log.faults.is_empty()) };
+    let mut db = match options.connect().await {
         Ok(db) => db,
         Err(error) => return Ok(Checked { faults: vec![error.to_string()], ..Checked::default() }),
     };
@@ -76,7 +94,10 @@ pub async fn check(files: &DatabaseFiles) -> Result<Checked, StoreError> {
     }
     transaction.rollback().await?;
     db.close().await?;
-    checked
+    let mut checked = checked?;
+    checked.faults.extend(log.faults);
+    checked.notes.extend(log.notes);
+    Ok(checked)
 }
 
 async fn check_all(db: &mut SqliteConnection) -> Result<Checked, StoreError> {
@@ -91,7 +112,8 @@ async fn check_all(db: &mut SqliteConnection) -> Result<Checked, StoreError> {
     }
     match schema::version(&mut *db).await {
         Ok(version) if version > schema::newest() => {
-            return Err(StoreError::Newer { found: version, known: schema::newest() });
+            checked.newer = Some(version);
+            return Ok(checked);
         }
         Ok(version) => checked.is_older = version < schema::newest(),
         Err(error) => {
@@ -130,13 +152,13 @@ fn note(faults: &mut Vec<String>, found: Result<Vec<String>, StoreError>) {
 }
 
 /// What SQLite finds wrong with pages, rows and indexes.
-pub(super) async fn structural_faults(db: &mut SqliteConnection) -> Result<Vec<String>, StoreError> {
+async fn structural_faults(db: &mut SqliteConnection) -> Result<Vec<String>, StoreError> {
     let found: Vec<String> = sqlx::query_scalar("pragma integrity_check").fetch_all(db).await?;
     Ok(found.into_iter().filter(|line| line != "ok").take(STRUCTURAL_FAULTS_MAX).collect())
 }
 
 /// A file without a log is as long as its pages are; of a shorter one SQLite reads zeros.
-pub(super) async fn wrong_length(db: &mut SqliteConnection, file: &Path) -> Result<Vec<String>, StoreError> {
+async fn wrong_length(db: &mut SqliteConnection, file: &Path) -> Result<Vec<String>, StoreError> {
     let select = "select page_count * page_size from pragma_page_count, pragma_page_size";
     let expected: i64 = sqlx::query_scalar(select).fetch_one(db).await?;
     let length = std::fs::metadata(file).map_err(|error| StoreError::file(file, &error))?.len();
@@ -145,7 +167,7 @@ pub(super) async fn wrong_length(db: &mut SqliteConnection, file: &Path) -> Resu
 }
 
 /// Rows that refer to rows which are not there, by table.
-pub(super) async fn dangling_rows(db: &mut SqliteConnection) -> Result<Vec<String>, StoreError> {
+async fn dangling_rows(db: &mut SqliteConnection) -> Result<Vec<String>, StoreError> {
     let select =
         "select \"table\", parent, count(*) from pragma_foreign_key_check group by 1, 2 order by 1, 2";
     let found: Vec<(String, String, i64)> = sqlx::query_as(select).fetch_all(db).await?;

@@ -1,4 +1,4 @@
-//! Rows of one map: what only the store keeps decodes, and numbers are dense.
+//! Rows of one map that its index does not hold: they decode, and events and detections are numbered without a gap.
 
 use futures_util::TryStreamExt as _;
 use sqlx::{Row, SqliteConnection};
@@ -8,7 +8,7 @@ use crate::model::keyframe::Crop;
 use crate::recognition::features::MatchableFeatures;
 use crate::store::job::MapKey;
 use crate::store::load::Loaded;
-use crate::store::{StoreError, load, read};
+use crate::store::{StoreError, decode, read};
 
 /// Checks the rows of a map that was loaded.
 pub(super) async fn check(
@@ -17,39 +17,11 @@ pub(super) async fn check(
     found: &mut MapCheck,
 ) -> Result<(), StoreError> {
     let key = loaded.key;
-    numbers(&mut *db, key, found).await?;
     events(&mut *db, loaded, found).await?;
     keyframes(&mut *db, key, &mut found.faults).await?;
     detections(&mut *db, key, &mut found.faults).await?;
     crops(&mut *db, key, &mut found.faults).await?;
-    merges(&mut *db, key, &mut found.faults).await?;
     queries(&mut *db, key, &mut found.faults).await
-}
-
-/// No number is at or above the one that is given next: it would be given twice.
-async fn numbers(db: &mut SqliteConnection, key: MapKey, found: &mut MapCheck) -> Result<(), StoreError> {
-    let select = "select
-            (select coalesce(max(keyframe) + 1, 0) from keyframes where map_key = $1),
-            (select coalesce(max(max(keyframe, candidate)) + 1, 0) from loops where map_key = $1),
-            (select coalesce(max(anchor) + 1, 0) from anchors where map_key = $1),
-            (select coalesce(max(session) + 1, 0) from sessions where map_key = $1),
-            (select count(*) from sessions where map_key = $1),
-            next_keyframe, next_anchor
-        from maps where map_key = $1";
-    let row: (i64, i64, i64, i64, i64, i64, i64) = sqlx::query_as(select).bind(key).fetch_one(db).await?;
-    let (keyframe, of_loops, anchor, session, sessions, next_keyframe, next_anchor) = row;
-    let mut above = |what: &str, used: i64, next: i64| {
-        if used > next {
-            found.faults.push(format!("{what} {} is there, and {next} is given next", used - 1));
-        }
-    };
-    above("keyframe", keyframe, next_keyframe);
-    above("a loop of keyframe", of_loops, next_keyframe);
-    above("anchor", anchor, next_anchor);
-    if session != sessions {
-        found.faults.push(format!("{sessions} sessions are numbered up to {}", session - 1));
-    }
-    Ok(())
 }
 
 /// Events follow each other without a gap up to the one that is given next, and none is of a version to come.
@@ -99,8 +71,9 @@ async fn keyframes(
             Ok(false) => faults.push(format!("{what} of keyframe {id} do not fit together")),
             Err(error) => faults.push(format!("{what} of keyframe {id}: {error}")),
         };
-        note(load::digest(&row).map(|_| true), "the digest");
-        note(read::sent_points(&row).map(|points| points.is_sorted()), "the sent points");
+        note(decode::digest(&row).map(|_| true), "the digest");
+        // In any order: nothing relies on one, and versions of schema 3 and before kept the client's.
+        note(read::sent_points(&row).map(|_| true), "the sent points");
         if row.try_get::<Option<&[u8]>, _>("descriptors")?.is_some() {
             let fit = |features| MatchableFeatures::of(features).is_some();
             note(read::features(&row).map(fit), "the features");
@@ -155,23 +128,13 @@ async fn crops(db: &mut SqliteConnection, key: MapKey, faults: &mut Vec<String>)
     Ok(())
 }
 
-/// What a loop has merged goes with it.
-async fn merges(db: &mut SqliteConnection, key: MapKey, faults: &mut Vec<String>) -> Result<(), StoreError> {
-    let select = "select distinct loop_id from anchor_merges where map_key = $1 and loop_id <> ''
-        and not exists (select 1 from loops where loops.map_key = $1 and loops.id = anchor_merges.loop_id)";
-    let orphans: Vec<String> = sqlx::query_scalar(select).bind(key).fetch_all(db).await?;
-    faults.extend(orphans.iter().map(|id| format!("anchors are merged by loop {id}, which is not there")));
-    Ok(())
-}
-
 /// The kept answers are JSON that names itself.
 async fn queries(db: &mut SqliteConnection, key: MapKey, faults: &mut Vec<String>) -> Result<(), StoreError> {
     let select = "select id, body from loop_queries where map_key = $1";
     let mut rows = sqlx::query(select).bind(key).fetch(db);
     while let Some(row) = rows.try_next().await? {
         let id: String = row.try_get("id")?;
-        let body: Option<serde_json::Value> = serde_json::from_slice(row.try_get("body")?).ok();
-        if body.is_none_or(|body| body["id"] != *id) {
+        if !read::names_itself(&id, row.try_get("body")?) {
             faults.push(format!("the answer of loop query {id} is damaged"));
         }
     }

@@ -151,14 +151,17 @@ fn bow(node: &Node<'_>) -> Option<(BowVector, Box<str>)> {
     }
 }
 
-/// Numbers and positions of map points, in parallel.
+/// Reads numbers and positions of map points, in parallel, and returns them ascending by number: the order in which a
+/// client lists a set says nothing.
 pub fn points(node: &Node<'_>) -> Option<Vec<(PointId, Point3)>> {
     let body = node.object(&["ids", "positions"])?;
     let ids =
         body.required("ids", |node| unique(node, limits::MAP_POINTS, |point| point.whole(limits::POINT)));
     let positions = body.required("positions", |node| node.list(limits::MAP_POINTS, Point3::decode));
     body.parallel("ids", "positions")?;
-    Some(ids?.into_iter().zip(positions?).collect())
+    let mut points: Vec<(PointId, Point3)> = ids?.into_iter().zip(positions?).collect();
+    points.sort_unstable_by_key(|(id, _)| *id);
+    Some(points)
 }
 
 fn covisible(node: &Node<'_>, this: Option<&KeyframeId>) -> Option<Vec<(KeyframeId, u32)>> {

@@ -49,7 +49,7 @@ pub struct KeyframeBody {
     /// Binary features.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub features: Option<FeaturesShape>,
-    /// Map points new or moved.
+    /// Map points new or moved; the order does not matter, and answers list them by number.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_points: Option<PointsShape>,
     /// Map points observed, besides those of `features.map_points`; the order does not matter.

@@ -3,6 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use revisit::service::ModelChoice;
+use revisit::store::backup::Copy;
+use revisit::store::files::DatabaseFiles;
+use revisit::store::restore::{Allowed, restore};
 use serde_json::{Value, json};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode};
 use sqlx::{AssertSqlSafe, ConnectOptions as _, Connection as _, Executor as _};
@@ -13,7 +16,7 @@ use crate::support::Server;
 const PAGE_BYTES: usize = 16384;
 
 /// A small map with everything in it, on a server that has stopped.
-async fn sound_database(folder: &Path) -> PathBuf {
+pub(super) async fn sound_database(folder: &Path) -> PathBuf {
     let server = Server::on(folder, None, ModelChoice::None).await;
     server
         .put("/v1/maps/tower", &json!({"settings": {"covisibility_min_shared_points": 12}}))
@@ -33,7 +36,7 @@ async fn sound_database(folder: &Path) -> PathBuf {
     folder.join("test.db")
 }
 
-async fn run_sql(database: &Path, sql: &str) {
+pub(super) async fn run_sql(database: &Path, sql: &str) {
     let options = SqliteConnectOptions::new().filename(database).foreign_keys(false);
     let mut db = options.journal_mode(SqliteJournalMode::Delete).connect().await.unwrap();
     let done = db.execute(AssertSqlSafe(sql)).await.unwrap();
@@ -136,6 +139,13 @@ async fn every_damage_is_found() {
         }
         let faults: Vec<String> = checked(&damaged).await.all_faults().collect();
         assert!(faults.iter().any(|fault| fault.contains(expected)), "{sql}: {faults:#?}");
+        // No backup of it is called verified, and none is restored.
+        let files = DatabaseFiles::of_path(&damaged);
+        let taken = Copy::of(&files, folder.path()).await;
+        assert!(taken.is_err() || !taken.unwrap().faults().is_empty(), "{sql}: a backup is verified");
+        let target = DatabaseFiles::of_path(&folder.path().join("target.db"));
+        let restored = restore(&files, &target, Allowed::default()).await;
+        assert!(restored.is_err() && !target.exist(), "{sql}: it is restored");
     }
 }
 

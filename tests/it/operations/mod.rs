@@ -1,7 +1,9 @@
 //! Operations: what those who run a server rely on.
 
 mod backups;
+mod bytes;
 mod checks;
+mod damaged;
 mod fixtures;
 mod logs;
 mod metrics;
