@@ -19,7 +19,7 @@ use super::cores;
 use super::error::ServiceError;
 use super::live::LiveMap;
 use super::registry::{Cell, Registry};
-use crate::config::logging::in_span;
+use crate::config::logging::in_part;
 use crate::model::ids::MapId;
 use crate::store::{Store, StoreError};
 
@@ -124,7 +124,7 @@ impl Registry {
             registry.make_room(0);
             Ok(live)
         };
-        spawn_blocking(in_span(loading)).await.map_err(ServiceError::panicked)?
+        spawn_blocking(in_part("load", loading)).await.map_err(ServiceError::panicked)?
     }
 
     fn loaded(&self, live: &LiveMap, started: Instant) {

@@ -6,6 +6,7 @@ use tracing::Instrument as _;
 
 use super::live::Decision;
 use super::{Service, ServiceError, Stored};
+use crate::config::traces;
 use crate::model::change::Change;
 use crate::model::ids::MapId;
 use crate::model::invalid::FieldError;
@@ -72,7 +73,7 @@ impl Service {
         self.disk_takes(false)?;
         let key = self.registry.next_key();
         let job = Job::CreateMap { key, id: id.clone(), properties: Box::new(properties), digest, owner };
-        self.store.committer().commit(job).await?;
+        self.store.committer().commit(job).instrument(traces::part("commit")).await?;
         Ok(Stored { created: true, map_version: FIRST_VERSION, value: self.get_map(&id).await? })
     }
 

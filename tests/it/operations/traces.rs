@@ -127,7 +127,7 @@ async fn each_request_is_a_span_under_its_callers() {
     // What a request took its time for stands under it.
     assert!(!parts.is_empty());
     for part in parts {
-        assert!(["read", "decide", "commit"].contains(&&*text(part, 5)));
+        assert!(["load", "read", "decide", "commit"].contains(&&*text(part, 5)));
         assert_eq!((hex(inner(part, 1)[0]), inner(part, 4)[0]), (trace.to_owned(), inner(spans[0], 2)[0]));
     }
     let attributes: Vec<String> = inner(spans[0], 9).iter().map(|attribute| text(attribute, 1)).collect();
