@@ -11,6 +11,7 @@
 //! | what models said of anchors | [`judged`] |
 //! | the answer to "is it a loop?" | [`verdict`] |
 //! | what happened, for those who listen | [`event`] |
+//! | which models a server has | [`roles`] |
 //! | what a client asks for | [`request`] |
 //! | views for readers | [`report`] |
 //! | API keys and what they may do | [`key`] |
@@ -28,5 +29,6 @@ pub mod keyframe;
 pub mod map;
 pub mod report;
 pub mod request;
+pub mod roles;
 pub mod settings;
 pub mod verdict;

@@ -18,6 +18,7 @@ use super::judge::Judge;
 use super::port::{Model, Question};
 use super::tesseract::{ReaderError, Tesseract};
 use crate::config::models::{Kind, ModelArgs, Reader};
+use crate::model::roles::Roles;
 use crate::store::{Store, StoreError};
 
 /// Why models cannot be used as configured.
@@ -138,6 +139,11 @@ impl Models {
             gateways: model.into_iter().chain(vision).collect(),
             shared,
         })
+    }
+
+    /// The roles that these models fill.
+    pub fn roles(&self) -> Roles {
+        Roles { vision: self.describer.reads(), text: self.judge.has_model() }
     }
 
     /// The books.

@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, HashSet};
 use super::index::{MapIndex, Object, TextId};
 use crate::model::anchor::{AnchorState, Observation};
 use crate::model::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
+use crate::model::roles::Roles;
 use crate::semantics::{self, Text};
 
 /// A text is judged with at most so many others: those most like it. Together with the identifiers, which need no
@@ -67,15 +68,6 @@ pub enum Lack {
     },
 }
 
-/// What the models at hand can give.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Abilities {
-    /// Can something look at crops, or read them?
-    pub reads: bool,
-    /// Can something judge texts?
-    pub judges: bool,
-}
-
 /// The texts whose pairs were all judged: they need not be looked at again.
 pub type Settled = HashSet<(Box<str>, Box<str>)>;
 
@@ -83,18 +75,18 @@ pub type Settled = HashSet<(Box<str>, Box<str>)>;
 /// under way or has failed lately.
 pub fn lacking(
     index: &MapIndex,
-    abilities: Abilities,
+    roles: Roles,
     settled: &mut Settled,
     max: usize,
     passed_over: impl Fn(&Lack) -> bool,
 ) -> Vec<Lack> {
     let mut found = Vec::new();
-    if abilities.reads {
+    if roles.vision {
         let latest = latest_stamps(index);
         let readings = index.objects().iter().filter_map(|(_, object)| reading(index, object, &latest));
         found.extend(readings.filter(|lack| !passed_over(lack)).take(max));
     }
-    if abilities.judges {
+    if roles.text {
         let texts = index.objects().iter().flat_map(|(_, object)| of_object(index, object));
         let left = max - found.len();
         let mut seen = HashSet::new();

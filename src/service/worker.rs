@@ -20,7 +20,7 @@ use super::{Service, ServiceError};
 use crate::model::ids::{KeyframeId, MapId};
 use crate::models::Models;
 use crate::models::port::Fault;
-use crate::recognition::lacking::{Abilities, Lack, lacking};
+use crate::recognition::lacking::{Lack, lacking};
 use crate::recognition::learning::learn_away;
 use crate::store::MapKey;
 
@@ -224,7 +224,7 @@ impl Round {
 
     /// Looks what a map lacks, if it has changed; and tells the map whether it waits for a model.
     async fn look(&mut self, live: &Arc<LiveMap>) -> Option<Instant> {
-        let abilities = self.abilities();
+        let roles = self.models.roles();
         let models_away = self.models.is_away() || self.is_spent_for(live);
         let board = self.boards.entry(live.key).or_default();
         let now = Instant::now();
@@ -244,7 +244,7 @@ impl Round {
         let left_alone: HashSet<Lack> = board.left_alone(now);
         let looked = self.service.look(live, move |state| {
             let passed_over = |lack: &Lack| left_alone.contains(lack);
-            let found = lacking(&state.index, abilities, &mut settled, BATCH, passed_over);
+            let found = lacking(&state.index, roles, &mut settled, BATCH, passed_over);
             Ok((state.version, found, settled, state.index.model_away()))
         });
         let Ok((_, (version, found, settled, told_away))) = looked.await else { return next_due };
@@ -268,10 +268,6 @@ impl Round {
     fn is_spent_for(&self, live: &LiveMap) -> bool {
         let payer = self.service.payer(live.owner);
         payer.is_some_and(|payer| self.models.budget().is_spent_for(&payer))
-    }
-
-    fn abilities(&self) -> Abilities {
-        Abilities { reads: self.models.describer.reads(), judges: self.models.judge.has_model() }
     }
 
     async fn tell_away(&self, live: &Arc<LiveMap>, away: bool) {

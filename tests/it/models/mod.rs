@@ -7,6 +7,7 @@ mod faults;
 mod injections;
 mod judging;
 mod killed;
+mod roles;
 pub mod scene;
 pub mod stub;
 mod tesseract;

@@ -110,7 +110,10 @@ async fn what_a_model_said_stands_after_a_restart_without_a_model() {
     let before = ask(&server).await;
     server.stop().await;
     let server = Server::on(directory.path(), None, revisit::service::ModelChoice::None).await;
-    assert_eq!(ask(&server).await, before);
+    let after = ask(&server).await;
+    // Another configuration has records of its own; the verdict is the same.
+    assert_ne!(after["id"], before["id"]);
+    assert_eq!((&after["candidates"], &after["best"]), (&before["candidates"], &before["best"]));
 }
 
 #[tokio::test(flavor = "multi_thread")]
