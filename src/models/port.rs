@@ -42,7 +42,8 @@ pub struct Round {
     pub answer: String,
 }
 
-/// A question to a model. Texts are clean: control, bidi and zero-width characters are gone, and none addresses a model.
+/// A question to a model. Texts are clean: control, bidi and zero-width characters are gone. None addresses a model, but
+/// for the one text of [`Question::Information`], whose level raises no pair.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Question {
     /// Do two descriptions mean the same physical object?
