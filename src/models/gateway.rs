@@ -42,8 +42,24 @@ pub struct Policy {
     pub retry_delay: Duration,
     /// The most tokens of an answer, for the reservation.
     pub max_tokens: u32,
-    /// What tokens cost.
-    pub prices: Prices,
+    /// What tokens cost, by the role that a question is for.
+    pub prices: RolePrices,
+}
+
+/// Prices by role: a vision model on this machine is free where the one that judges texts is paid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RolePrices {
+    /// Of questions about texts.
+    pub text: Prices,
+    /// Of questions about images.
+    pub vision: Prices,
+}
+
+impl RolePrices {
+    /// Returns the prices of a question.
+    pub fn of(&self, question: &Question) -> Prices {
+        if question.needs_eyes() { self.vision } else { self.text }
+    }
 }
 
 /// What all models share.
@@ -186,7 +202,8 @@ impl Gateway {
     async fn attempt(&self, question: &Question) -> Result<Reply, Fault> {
         let budget = &self.shared.budget;
         let (input_max, output_max) = (tokens_sent(question), u64::from(self.policy.max_tokens));
-        let most = self.policy.prices.microusd(input_max, output_max);
+        let prices = self.policy.prices.of(question);
+        let most = prices.microusd(input_max, output_max);
         let reservation = budget.reserve(question.operation(), &self.name, most, self.payer.as_ref()).await?;
         let limit = if question.needs_eyes() { self.policy.vision_timeout } else { self.policy.text_timeout };
         let answered = match tokio::time::timeout(limit, self.model.answer(question)).await {
@@ -198,7 +215,7 @@ impl Gateway {
                 let input = reply.input_tokens.unwrap_or(input_max);
                 let output =
                     reply.output_tokens.unwrap_or((reply.content.len() / CHARS_PER_TOKEN) as u64 + 1);
-                budget.settle(reservation, input, output, self.policy.prices.microusd(input, output));
+                budget.settle(reservation, input, output, prices.microusd(input, output));
             }
             // It may have been answered and charged: what was reserved stays.
             Err(Fault::TimedOut(_) | Fault::Garbled(_)) => budget.settle(reservation, 0, 0, most),
