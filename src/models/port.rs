@@ -159,6 +159,9 @@ pub enum Fault {
     /// What may be spent today is spent.
     #[error("the daily budget is spent")]
     Spent,
+    /// A job panicked (a bug); it is tried again like any other that failed.
+    #[error("the job broke off")]
+    Broken,
     /// What must be kept could not be.
     #[error("the answer could not be kept: {0}")]
     Store(String),
@@ -189,6 +192,7 @@ impl Fault {
             Self::Unable => "unable",
             Self::Away => "away",
             Self::Spent => "budget",
+            Self::Broken => "broken",
             Self::Store(_) => "store",
         }
     }

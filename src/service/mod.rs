@@ -13,6 +13,7 @@ mod events;
 mod features;
 mod gate;
 mod giving;
+mod jobs;
 mod judging;
 mod keyframes;
 pub mod keyring;

@@ -10,11 +10,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use tokio::sync::{Notify, mpsc};
-use tokio::task::{JoinHandle, JoinSet};
+use tokio::task::JoinHandle;
 use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 
 use super::board::{Board, PAUSE_MAX};
+use super::jobs::{Done, Jobs};
 use super::live::{Decision, LiveMap};
 use super::{Service, ServiceError};
 use crate::model::ids::{KeyframeId, MapId};
@@ -75,7 +76,7 @@ impl Worker {
             stop: self.stop.clone(),
             open_jobs: self.open_jobs.clone(),
             boards: HashMap::new(),
-            jobs: JoinSet::new(),
+            jobs: Jobs::default(),
             resume_at: None,
             was_away: false,
             turn: 0,
@@ -118,12 +119,6 @@ fn lock<T>(mutex: &std::sync::Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
-struct Done {
-    map: MapKey,
-    lack: Lack,
-    result: Result<(), Fault>,
-}
-
 struct Round {
     service: Service,
     models: Arc<Models>,
@@ -132,7 +127,7 @@ struct Round {
     open_jobs: Arc<AtomicU64>,
     /// By the map's key: another map of the same name has nothing of it.
     boards: HashMap<MapKey, Board>,
-    jobs: JoinSet<Done>,
+    jobs: Jobs,
     /// While a model is away: when to try again.
     resume_at: Option<Instant>,
     was_away: bool,
@@ -153,10 +148,10 @@ impl Round {
                 () = stop.cancelled() => {}
                 () = wake.notified() => {}
                 () = tokio::time::sleep_until(later) => {}
-                Some(done) = self.jobs.join_next() => self.finished(done).await,
+                Some(done) = self.jobs.next() => self.finished(done).await,
             }
         }
-        let drained = async { while self.jobs.join_next().await.is_some() {} };
+        let drained = async { while self.jobs.next().await.is_some() {} };
         if tokio::time::timeout(DRAIN, drained).await.is_err() {
             self.jobs.abort_all();
         }
@@ -214,7 +209,7 @@ impl Round {
                 Some(lack) => {
                     idle = 0;
                     board.under_way.insert(lack.clone());
-                    self.begin(live.clone(), lack);
+                    self.begin(live, lack);
                 }
                 None => idle += 1,
             }
@@ -282,20 +277,16 @@ impl Round {
         }
     }
 
-    fn begin(&mut self, live: Arc<LiveMap>, lack: Lack) {
+    fn begin(&mut self, live: &Arc<LiveMap>, lack: Lack) {
         let (service, models) = (self.service.clone(), self.models.clone());
-        let map = live.key;
-        self.jobs.spawn(async move {
-            let result = service.give(&live, &models, lack.clone()).await;
-            Done { map, lack, result }
-        });
+        let job = {
+            let (live, lack) = (live.clone(), lack.clone());
+            async move { service.give(&live, &models, lack).await }
+        };
+        self.jobs.begin(live.key, lack, job);
     }
 
-    async fn finished(&mut self, done: Result<Done, tokio::task::JoinError>) {
-        let Ok(Done { map, lack, result }) = done else {
-            tracing::error!("a job broke off");
-            return;
-        };
+    async fn finished(&mut self, Done { map, lack, result }: Done) {
         let Some(board) = self.boards.get_mut(&map) else { return };
         board.under_way.remove(&lack);
         if result.is_ok() {
