@@ -196,8 +196,15 @@ pub async fn play() -> Outcome {
 }
 
 async fn judge(models: &Models, lack: Lack) -> Option<ModelVerdict> {
-    let verdict =
-        |class, a, b, finding, source: String| ModelVerdict { class, a, b, finding, source: source.into() };
+    let verdict = |class, a, b, finding, source: String| ModelVerdict {
+        class,
+        a,
+        b,
+        finding,
+        source: source.into(),
+        reason: "".into(),
+        fingerprint: "".into(),
+    };
     Some(match lack {
         Lack::Reading { .. } => return None,
         Lack::Information { class, text } => {

@@ -9,6 +9,7 @@
 //! | map and its settings | [`map`], [`settings`] |
 //! | facts that decisions change | [`change`] |
 //! | what models said of anchors | [`judged`] |
+//! | jobs that ask a changed model again | [`judgement`] |
 //! | the answer to "is it a loop?" | [`verdict`] |
 //! | what happened, for those who listen | [`event`] |
 //! | which models a server has | [`roles`] |
@@ -24,6 +25,7 @@ pub mod event;
 pub mod ids;
 pub mod invalid;
 pub mod judged;
+pub mod judgement;
 pub mod key;
 pub mod keyframe;
 pub mod map;

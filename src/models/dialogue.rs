@@ -78,6 +78,14 @@ impl Describer {
         Self { eyes: paid(&self.eyes), tongue: paid(&self.tongue), reader: self.reader.clone() }
     }
 
+    /// Returns the hash of all that a description depends on beside the crop; `None` where nothing describes.
+    pub fn fingerprint(&self) -> Option<String> {
+        let models = [&self.eyes, &self.tongue].map(|model| model.as_ref().map(Gateway::fingerprint));
+        let reader = if self.reader.is_some() { tesseract::SOURCE } else { "" };
+        let [eyes, tongue] = models.map(Option::unwrap_or_default);
+        self.reads().then(|| format!("{eyes}.{tongue}.{reader}"))
+    }
+
     /// Can it make anything of a crop?
     pub fn reads(&self) -> bool {
         self.eyes.is_some() || self.reader.is_some()
@@ -132,6 +140,16 @@ fn by_reader(read: Option<String>, degraded: bool, transcript: Vec<TranscriptSte
     Told { text, source: tesseract::SOURCE.into(), described: false, degraded, transcript }
 }
 
+/// Returns how many rounds a dialogue about an object of a class takes at most.
+pub(super) fn rounds_of(class: &str) -> usize {
+    if is_picture(class) { ROUNDS_OF_PICTURE } else { ROUNDS_OF_PLATE }
+}
+
+fn is_picture(class: &str) -> bool {
+    let class = class.to_lowercase();
+    PICTURES.iter().any(|picture| class.contains(picture))
+}
+
 struct Dialogue<'a> {
     describer: &'a Describer,
     eyes: &'a Gateway,
@@ -147,7 +165,7 @@ impl Dialogue<'_> {
         // What was asked, with "unknown" where nothing was answered; and the answers that say something.
         let (mut asked, mut rounds): (Vec<Round>, Vec<Round>) = (Vec::new(), Vec::new());
         let (mut silent, mut settled, mut flagged) = (0, false, false);
-        for number in 0..self.rounds_max() {
+        for number in 0..rounds_of(&self.class) {
             let question = self.question(number, &asked).await;
             let answer = self.look(&question, number, &asked).await?;
             let told = useful(&question, &answer, &rounds);
@@ -186,12 +204,7 @@ impl Dialogue<'_> {
     }
 
     fn is_picture(&self) -> bool {
-        let class = self.class.to_lowercase();
-        PICTURES.iter().any(|picture| class.contains(picture))
-    }
-
-    fn rounds_max(&self) -> usize {
-        if self.is_picture() { ROUNDS_OF_PICTURE } else { ROUNDS_OF_PLATE }
+        is_picture(&self.class)
     }
 
     async fn question(&mut self, number: usize, rounds: &[Round]) -> String {

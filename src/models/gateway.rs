@@ -1,21 +1,26 @@
 //! Asking a model: cache, breaker, budget, retries, in this order. A question that nobody waits for any more is
 //! finished all the same, for it is paid.
 
+use std::fmt::Write as _;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::time::Duration;
 
 use backon::{ExponentialBuilder, Retryable as _};
+use sha2::{Digest as _, Sha256};
 use tokio::sync::Semaphore;
 use tracing::Instrument as _;
 
 use super::breaker::Breaker;
 use super::budget::{Budget, Payer, Prices};
 use super::cache::{AnswerCache, key};
-use super::parse;
 use super::picture::Picture;
 use super::port::{Fault, Model, Question, Reply};
 use super::prompts::prompt;
+use super::{parse, prompts};
+
+/// Enough to tell models apart.
+const FINGERPRINT_BYTES: usize = 8;
 
 /// English text has about four characters a token; three are cautious.
 const CHARS_PER_TOKEN: usize = 3;
@@ -110,6 +115,22 @@ impl Gateway {
     /// `model:<name>`.
     pub fn source(&self) -> Arc<str> {
         format!("model:{}", self.name).into()
+    }
+
+    /// Returns the hash of all that the answers depend on beside the question: the model, its parameters, and the wording
+    /// of the prompts. Another fingerprint means that verdicts may differ.
+    pub fn fingerprint(&self) -> String {
+        let hash = Sha256::digest(format!("{}\n{}", self.model.identity(), prompts::VERSION));
+        hash.iter().take(FINGERPRINT_BYTES).fold(String::new(), |mut name, byte| {
+            let _ = write!(name, "{byte:02x}");
+            name
+        })
+    }
+
+    /// Returns the most that one call may cost, in millionths of a US dollar, with so many characters more than in the question.
+    pub(super) fn most(&self, question: &Question, more_chars: u64) -> u64 {
+        let input = tokens_sent(question) + more_chars / CHARS_PER_TOKEN as u64;
+        self.policy.prices.of(question).microusd(input, u64::from(self.policy.max_tokens)).unsigned_abs()
     }
 
     /// Can this model answer such questions?

@@ -63,6 +63,11 @@ impl Judge {
         Self { model: self.model.as_ref().map(|model| model.paid_by(payer)) }
     }
 
+    /// Returns the model to judge by.
+    pub(super) fn model(&self) -> Option<&Gateway> {
+        self.model.as_ref()
+    }
+
     /// Is there a model to judge by?
     pub fn has_model(&self) -> bool {
         self.model.is_some()

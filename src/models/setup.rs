@@ -19,7 +19,7 @@ use super::port::{Model, Question};
 use super::tesseract::{ReaderError, Tesseract};
 use crate::config::models::{Kind, ModelArgs, Reader};
 use crate::model::roles::Roles;
-use crate::store::{Store, StoreError};
+use crate::store::{Fingerprints, Store, StoreError};
 
 /// Why models cannot be used as configured.
 #[derive(Debug, Error)]
@@ -149,6 +149,14 @@ impl Models {
     /// The roles that these models fill.
     pub fn roles(&self) -> Roles {
         Roles { vision: self.describer.reads(), text: self.judge.has_model() }
+    }
+
+    /// Returns the fingerprints of those who answer: what others answered may be asked again.
+    pub fn fingerprints(&self) -> Fingerprints {
+        Fingerprints {
+            crops: self.describer.fingerprint(),
+            texts: self.judge.model().map(Gateway::fingerprint),
+        }
     }
 
     /// The books.

@@ -12,7 +12,8 @@ use crate::config::models::ModelArgs;
 use crate::geometry::{Point3, Pose};
 use crate::model::bow::BowVector;
 use crate::model::ids::{AnchorSeq, KeyframeId, MapId};
-use crate::model::judged::{CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
+use crate::model::judged::{Answer, CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
+use crate::model::judgement::{JudgementProgress, Tally};
 use crate::model::keyframe::{CLIENTS_VOCABULARY, Crop, Detection, NewKeyframe, Stamp};
 use crate::model::map::MapProperties;
 use crate::model::request::{LoopQuery, MapPatch, NewLoop, PoseCorrection, Subject};
@@ -23,6 +24,7 @@ use crate::models::Models;
 use crate::models::port::{Fault, Model, Question, Reply};
 use crate::recognition::index::MapIndex;
 use crate::recognition::learning::{learn_away, learn_reading, learn_verdict};
+use crate::recognition::rejudging::rejudge;
 use crate::semantics::Text;
 
 #[derive(Clone, Debug)]
@@ -62,6 +64,12 @@ enum Request {
         class: u8,
         a: u8,
         b: u8,
+        finding: u8,
+    },
+    JudgeAgain {
+        anchor: u32,
+        observation: u8,
+        texts: (u8, u8, u8),
         finding: u8,
     },
     Away(bool),
@@ -164,6 +172,9 @@ fn any_request() -> impl Strategy<Value = Request> {
             b,
             finding,
         }),
+        2 => (0u32..10, 0u8..4, (0u8..12, 0u8..12, 0u8..12), 0u8..12).prop_map(
+            |(anchor, observation, texts, finding)| Request::JudgeAgain { anchor, observation, texts, finding }
+        ),
         1 => any::<bool>().prop_map(Request::Away),
     ]
 }
@@ -271,7 +282,11 @@ async fn send(service: &Service, map: &MapId, request: Request) -> Result<(), Se
                     question: "Which?".to_owned(),
                     answer: TEXTS[usize::from(text)].to_owned(),
                 }];
-                learn_reading(index, CropRead { anchor, keyframe, detection, reading, transcript })
+                let fingerprint = "law".into();
+                learn_reading(
+                    index,
+                    CropRead { anchor, keyframe, detection, reading, transcript, fingerprint },
+                )
             };
             service.learn(&live, learn).await.expect("a change");
             Ok(())
@@ -280,6 +295,35 @@ async fn send(service: &Service, map: &MapId, request: Request) -> Result<(), Se
             let live = service.live(map).await?;
             let verdict = verdict(class, a, b, finding);
             service.learn(&live, move |index| learn_verdict(index, verdict)).await.expect("a change");
+            Ok(())
+        }
+        Request::JudgeAgain { anchor, observation, texts: (read, a, b), finding } => {
+            let live = service.live(map).await?;
+            let learn = move |index: &mut MapIndex| {
+                let anchor = AnchorSeq(anchor);
+                let at = index
+                    .anchor(anchor)
+                    .and_then(|anchor| anchor.observations.keys().nth(observation.into()).copied());
+                let reading = at.map(|(keyframe, detection)| {
+                    let (text, source) = (TEXTS[usize::from(read)].into(), "model:again".into());
+                    let reading = CropReading { text, source, described: true, degraded: false };
+                    let (transcript, fingerprint) = (Vec::new(), "again".into());
+                    Answer::Reading(CropRead {
+                        anchor,
+                        keyframe,
+                        detection,
+                        reading,
+                        transcript,
+                        fingerprint,
+                    })
+                });
+                let verdict = Answer::Verdict(verdict(0, a, b, finding));
+                let (tally, position) = (Tally::default(), None);
+                let id = "again".parse().unwrap();
+                let progress = JudgementProgress { id, tally, position, is_over: false };
+                Some(rejudge(index, reading.into_iter().chain([verdict]).collect(), progress))
+            };
+            service.learn(&live, learn).await.expect("a change");
             Ok(())
         }
         Request::Away(away) => {
@@ -309,7 +353,8 @@ fn verdict(class: u8, a: u8, b: u8, finding: u8) -> ModelVerdict {
         _ => (Finding::Merge(format!("{a} and {b}").into()), b),
     };
     let class = CLASSES[usize::from(class)].into();
-    ModelVerdict { class, a: a.into(), b: b.into(), finding, source: "model:law".into() }
+    let (source, reason, fingerprint) = ("model:law".into(), format!("{a} or {b}").into(), "law".into());
+    ModelVerdict { class, a: a.into(), b: b.into(), finding, source, reason, fingerprint }
 }
 
 async fn holds_after(requests: Vec<Request>) {

@@ -18,6 +18,7 @@ const MIGRATIONS: &[Step] = &[
     (1, "facts", include_str!("../../migrations/sqlite/0001_facts.sql")),
     (2, "models", include_str!("../../migrations/sqlite/0002_models.sql")),
     (3, "trust", include_str!("../../migrations/sqlite/0003_trust.sql")),
+    (6, "judgements", include_str!("../../migrations/sqlite/0006_judgements.sql")),
 ];
 
 /// The newest schema that this program knows.

@@ -5,6 +5,7 @@ mod contract;
 mod dialogue;
 mod faults;
 mod injections;
+mod judgements;
 mod judging;
 mod killed;
 mod roles;

@@ -93,6 +93,13 @@ async fn a_verdict_of_the_model_matches_two_anchors_and_triggers_a_loop_check() 
     let verdict = server.post("/v1/maps/m/loop-queries", &json!({"keyframe": "kf-2"})).await.expect(200);
     assert_eq!((&verdict["verdict"], &verdict["degraded"]), (&json!("loop"), &json!(false)), "{verdict}");
     assert_eq!(verdict["candidates"][0]["anchors"]["matches"][0]["source"], "model:stub");
+    // The reason is that of the model, not of the judge that was not asked.
+    let matched = &anchor(&server, "a-0").await["matches"][0];
+    assert_eq!(
+        (&matched["source"], &matched["reason"]),
+        (&json!("model:stub"), &json!("so it was told")),
+        "{matched}"
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
