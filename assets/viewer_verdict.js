@@ -67,6 +67,7 @@ const BRIEF = {
   no_anchors: "nothing to compare",
   llm_pending: "descriptions pending",
   llm_unavailable: "model away",
+  not_described: "signs not described",
   no_features: "no features",
   bow_below_reference: "looks differ",
   too_few_inliers: "geometry differs",
@@ -85,7 +86,7 @@ function brief({ reason, anchors: figures, geometry: { status, inliers }, bow })
 }
 
 const ADDS_DETAIL = ["no_anchors", "contradiction", "no_features", "llm_pending", "llm_unavailable",
-  "odometry_disagrees_with_transform", "not_distinctive"];
+  "not_described", "odometry_disagrees_with_transform", "not_distinctive"];
 
 /** The reason for a person, with what was measured and asked. The server's own sentence follows where it adds to it. */
 export function why({ code, measured, limit, detail }) {
@@ -99,6 +100,7 @@ export function why({ code, measured, limit, detail }) {
     no_anchors: "There are no anchors to compare.",
     llm_pending: "Anchors are not described yet, and their descriptions could turn the answer. Ask again in a while.",
     llm_unavailable: "The language model is away, and its word could turn the answer. Ask again in a while.",
+    not_described: "Nothing has described some of the anchors, and a description could turn the answer.",
     score_below_threshold: `The anchors around the two do not agree enough: S is ${m} and must exceed ${l}.`,
     contradiction: `Signs exclude each other. What contradicts weighs ${m}, what agrees ${l}.`,
     no_features: "Geometry was asked for, and it could not run.",
@@ -134,6 +136,7 @@ function appearance({ bow: { score, common_words: words, reference_score: refere
 const STOPPED_BY_ANCHORS = {
   score_below_threshold: "fail", contradiction: "fail", anchors_disagree_with_transform: "fail",
   anchors_displaced: "fail", not_distinctive: "open", no_anchors: "open", llm_pending: "open", llm_unavailable: "open",
+  not_described: "open",
 };
 
 const NOT_COUNTED = {

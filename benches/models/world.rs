@@ -13,12 +13,13 @@ use revisit::model::change::Change;
 use revisit::model::ids::AnchorSeq;
 use revisit::model::judged::{Finding, ModelVerdict};
 use revisit::model::keyframe::{Detection, NewKeyframe, Stamp};
+use revisit::model::roles::Roles;
 use revisit::models::Models;
 use revisit::models::adapters::Scripted;
 use revisit::models::port::{Model, Question};
 use revisit::recognition::index::MapIndex;
 use revisit::recognition::ingest::ingest;
-use revisit::recognition::lacking::{Abilities, Lack, Settled, lacking};
+use revisit::recognition::lacking::{Lack, Settled, lacking};
 use revisit::recognition::learning::learn_verdict;
 use revisit::semantics;
 use revisit::store::Store;
@@ -164,10 +165,10 @@ pub async fn play() -> Outcome {
     let args = ModelArgs::of(&none).expect("defaults");
     let model: Arc<dyn Model> = Arc::new(generous);
     let models = Models::with([Some(model), None], None, &args, &store).await.expect("models");
-    let abilities = Abilities { reads: false, judges: true };
+    let roles = Roles { vision: false, text: true };
     let mut settled = Settled::new();
     loop {
-        let open = lacking(&index, abilities, &mut settled, 256, |_| false);
+        let open = lacking(&index, roles, &mut settled, 256, |_| false);
         if open.is_empty() {
             break;
         }
@@ -195,8 +196,15 @@ pub async fn play() -> Outcome {
 }
 
 async fn judge(models: &Models, lack: Lack) -> Option<ModelVerdict> {
-    let verdict =
-        |class, a, b, finding, source: String| ModelVerdict { class, a, b, finding, source: source.into() };
+    let verdict = |class, a, b, finding, source: String| ModelVerdict {
+        class,
+        a,
+        b,
+        finding,
+        source: source.into(),
+        reason: "".into(),
+        fingerprint: "".into(),
+    };
     Some(match lack {
         Lack::Reading { .. } => return None,
         Lack::Information { class, text } => {

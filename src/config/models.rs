@@ -73,6 +73,12 @@ pub struct ModelArgs {
     /// Price of a million tokens received, in US dollars
     #[arg(long, env = "REVISIT_MODEL_OUTPUT_USD", value_name = "USD", default_value = "0", value_parser = money)]
     pub model_output_usd: f64,
+    /// Price of a million tokens sent with images, in US dollars; as --model-input-usd if it is left out
+    #[arg(long, env = "REVISIT_MODEL_VISION_INPUT_USD", value_name = "USD", value_parser = money)]
+    pub model_vision_input_usd: Option<f64>,
+    /// Price of a million tokens received about images, in US dollars; as --model-output-usd if it is left out
+    #[arg(long, env = "REVISIT_MODEL_VISION_OUTPUT_USD", value_name = "USD", value_parser = money)]
+    pub model_vision_output_usd: Option<f64>,
     /// The most that a day (UTC) may cost, in US dollars; a hard stop
     #[arg(long, env = "REVISIT_MODEL_DAILY_USD", value_name = "USD", value_parser = money)]
     pub model_daily_usd: Option<f64>,
@@ -90,6 +96,10 @@ pub struct ModelArgs {
     /// How long an answer about texts may take, in milliseconds
     #[arg(long, env = "REVISIT_MODEL_TEXT_TIMEOUT_MS", value_name = "MS", default_value_t = 30_000)]
     pub model_text_timeout_ms: u64,
+    /// How long a client that asks about texts itself waits for a model before the built-in judge answers, in
+    /// milliseconds; the call goes on, and its answer is kept
+    #[arg(long, env = "REVISIT_MODEL_CLIENT_TIMEOUT_MS", value_name = "MS", default_value_t = 5_000)]
+    pub model_client_timeout_ms: u64,
     /// How long an answer about an image may take, in milliseconds
     #[arg(long, env = "REVISIT_MODEL_VISION_TIMEOUT_MS", value_name = "MS", default_value_t = 60_000)]
     pub model_vision_timeout_ms: u64,

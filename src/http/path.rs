@@ -7,7 +7,7 @@ use axum::http::request::Parts;
 use utoipa::IntoParams;
 
 use super::problem::{Kind, Problem};
-use crate::model::ids::{AnchorSeq, ID_FORM, IdError, KeyframeId, LoopId, MapId};
+use crate::model::ids::{AnchorSeq, ID_FORM, IdError, JudgementId, KeyframeId, LoopId, MapId};
 use crate::model::invalid::FieldError;
 
 /// A map.
@@ -35,6 +35,14 @@ pub struct InLoop {
     pub map: MapId,
     /// The loop.
     pub id: LoopId,
+}
+
+/// A job that asks a map's verdicts again.
+pub struct InJudgement {
+    /// The map.
+    pub map: MapId,
+    /// The job.
+    pub id: JudgementId,
 }
 
 /// An API key.
@@ -86,6 +94,12 @@ documented! {
         map,
         /// The loop's id, made by its client.
         r#loop,
+    }
+    JudgementPath {
+        /// The map's id, made by its client.
+        map,
+        /// The job's id, such as `j-7`, made by its client or by the service.
+        id,
     }
     KeyPath {
         /// The key's id, such as `key-7`, made by the service.
@@ -162,6 +176,15 @@ impl<S: Send + Sync> FromRequestParts<S> for InLoop {
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
         let (map, id) = Named::of(parts, state).await?.ids("map", "loop")?;
+        Ok(Self { map, id })
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for InJudgement {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let (map, id) = Named::of(parts, state).await?.ids("map", "id")?;
         Ok(Self { map, id })
     }
 }

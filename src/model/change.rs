@@ -6,6 +6,7 @@ use super::anchor::{Observation, Outcome};
 use super::bow::BowVector;
 use super::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, PointId, SessionId, SessionSeq};
 use super::judged::{CropRead, ModelVerdict};
+use super::judgement::JudgementProgress;
 use super::keyframe::{Camera, Stamp};
 use super::map::MapProperties;
 use crate::geometry::{Point3, Pose};
@@ -136,6 +137,8 @@ pub enum Change {
     CropRead(Box<CropRead>),
     /// A model judged texts of this map.
     Judged(Box<ModelVerdict>),
+    /// A job that asks verdicts again has settled some of its questions.
+    JudgementAdvanced(Box<JudgementProgress>),
     /// The model that this map waits for is away, or back.
     ModelAway(bool),
 }

@@ -111,6 +111,10 @@ text_id!(
     LoopId
 );
 text_id!(
+    /// A job that asks a map's verdicts again.
+    JudgementId
+);
+text_id!(
     /// A backup, named by whoever asked for it.
     BackupId
 );

@@ -41,6 +41,8 @@ pub struct CropRead {
     pub reading: CropReading,
     /// How; the index does not keep it.
     pub transcript: Vec<TranscriptStep>,
+    /// The fingerprint of the models and prompts behind it; the index does not keep it.
+    pub fingerprint: Arc<str>,
 }
 
 /// A reading with its dialogue, for a reader.
@@ -67,6 +69,15 @@ pub enum Finding {
     Merge(Box<str>),
 }
 
+/// What came of a question to a model.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// A crop was read.
+    Reading(CropRead),
+    /// Texts were judged.
+    Verdict(ModelVerdict),
+}
+
 /// A model's verdict about texts of one class, in normal form.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ModelVerdict {
@@ -80,4 +91,8 @@ pub struct ModelVerdict {
     pub finding: Finding,
     /// `model:<name>`, or who stood in for good (a merge that the model could not do).
     pub source: Arc<str>,
+    /// Why, in one sentence for a person; empty where it was not given.
+    pub reason: Box<str>,
+    /// The fingerprint of the model and prompts behind it; the index does not keep it.
+    pub fingerprint: Arc<str>,
 }

@@ -9,8 +9,10 @@
 //! | map and its settings | [`map`], [`settings`] |
 //! | facts that decisions change | [`change`] |
 //! | what models said of anchors | [`judged`] |
+//! | jobs that ask a changed model again | [`judgement`] |
 //! | the answer to "is it a loop?" | [`verdict`] |
 //! | what happened, for those who listen | [`event`] |
+//! | which models a server has | [`roles`] |
 //! | what a client asks for | [`request`] |
 //! | views for readers | [`report`] |
 //! | API keys and what they may do | [`key`] |
@@ -26,11 +28,13 @@ pub mod event;
 pub mod ids;
 pub mod invalid;
 pub mod judged;
+pub mod judgement;
 pub mod key;
 pub mod keyframe;
 pub mod loop_warning;
 pub mod map;
 pub mod report;
 pub mod request;
+pub mod roles;
 pub mod settings;
 pub mod verdict;

@@ -1,7 +1,8 @@
 //! What a reader is shown of a map: derived views, never facts.
 
 use super::anchor::{AnchorState, Outcome};
-use super::ids::{AnchorSeq, BackupId, KeyframeId, LoopId, MapId, SessionId};
+use super::ids::{AnchorSeq, BackupId, JudgementId, KeyframeId, LoopId, MapId, SessionId};
+use super::judgement::{Asks, Estimate, JobState, Replaced, Tally};
 use super::keyframe::{NewKeyframe, Stamp};
 use super::map::MapProperties;
 use crate::geometry::{Aabb, Pose};
@@ -118,6 +119,29 @@ pub struct MergeReport {
     pub into: AnchorSeq,
     /// The newer anchor.
     pub from: AnchorSeq,
+}
+
+/// A job that asks a map's verdicts again, as it stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JudgementReport {
+    /// The map's version.
+    pub map_version: u64,
+    /// The job; `None` of a preview.
+    pub id: Option<JudgementId>,
+    /// Which verdicts it asks for again.
+    pub asks: Asks,
+    /// How it stands; `None` of a preview.
+    pub state: Option<JobState>,
+    /// Whether it is running and no model can be asked now: none is configured, it is away, or the budget is spent.
+    pub waits: bool,
+    /// Its questions, as counted when it began.
+    pub questions: u64,
+    /// The most that it may take.
+    pub estimate: Estimate,
+    /// What has become of its questions.
+    pub tally: Tally,
+    /// The verdicts that it replaced by others, the newest first.
+    pub replaced: Vec<Replaced>,
 }
 
 /// A confirmed loop.

@@ -1,7 +1,8 @@
 //! What a client asks for, checked: the requests that are more than an id.
 
 use super::anchor::AnchorState;
-use super::ids::{BackupId, KeyframeId, LoopId, PointId, SessionId};
+use super::ids::{BackupId, JudgementId, KeyframeId, LoopId, PointId, SessionId};
+use super::judgement::Asks;
 use super::keyframe::NewKeyframe;
 use super::settings::SettingValue;
 use super::verdict::Verify;
@@ -74,6 +75,17 @@ pub struct LoopQuery {
     pub max_wait_ms: u64,
     /// The seed of whatever is drawn.
     pub seed: u64,
+}
+
+/// A job that asks a map's verdicts again, as asked for.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct NewJudgement {
+    /// Its id; the server finds one if it is left out.
+    pub id: Option<JudgementId>,
+    /// Which verdicts it asks for again.
+    pub asks: Asks,
+    /// Whether it is only counted and not begun.
+    pub preview: bool,
 }
 
 /// Which anchors are wanted.

@@ -65,6 +65,8 @@ pub enum ReasonCode {
     LlmPending,
     /// The same, and the model that could describe them is away.
     LlmUnavailable,
+    /// Anchors that nothing has described could turn the answer, and no model is going to describe them.
+    NotDescribed,
     /// S of Eq. (2) does not exceed its limit.
     ScoreBelowThreshold,
     /// Sure identifiers contradict each other at the same relative place.
@@ -94,6 +96,7 @@ impl ReasonCode {
             Self::NoAnchors => "no_anchors",
             Self::LlmPending => "llm_pending",
             Self::LlmUnavailable => "llm_unavailable",
+            Self::NotDescribed => "not_described",
             Self::ScoreBelowThreshold => "score_below_threshold",
             Self::Contradiction => "contradiction",
             Self::NotDistinctive => "not_distinctive",

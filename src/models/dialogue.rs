@@ -34,6 +34,9 @@ const AGAIN: &str =
 /// What is said of a question that was not answered.
 const UNKNOWN: &str = "unknown";
 
+/// What a model is shown in place of an answer that addresses it.
+const WITHHELD: &str = "(a text, noted)";
+
 /// What is asked where no language model asks.
 const FIXED: [&str; 4] = [
     "What does it show?",
@@ -73,6 +76,14 @@ impl Describer {
     pub fn paid_by(&self, payer: Option<Payer>) -> Self {
         let paid = |gateway: &Option<Gateway>| gateway.as_ref().map(|gateway| gateway.paid_by(payer.clone()));
         Self { eyes: paid(&self.eyes), tongue: paid(&self.tongue), reader: self.reader.clone() }
+    }
+
+    /// Returns the hash of all that a description depends on beside the crop; `None` where nothing describes.
+    pub fn fingerprint(&self) -> Option<String> {
+        let models = [&self.eyes, &self.tongue].map(|model| model.as_ref().map(Gateway::fingerprint));
+        let reader = if self.reader.is_some() { tesseract::SOURCE } else { "" };
+        let [eyes, tongue] = models.map(Option::unwrap_or_default);
+        self.reads().then(|| format!("{eyes}.{tongue}.{reader}"))
     }
 
     /// Can it make anything of a crop?
@@ -129,6 +140,16 @@ fn by_reader(read: Option<String>, degraded: bool, transcript: Vec<TranscriptSte
     Told { text, source: tesseract::SOURCE.into(), described: false, degraded, transcript }
 }
 
+/// Returns how many rounds a dialogue about an object of a class takes at most.
+pub(super) fn rounds_of(class: &str) -> usize {
+    if is_picture(class) { ROUNDS_OF_PICTURE } else { ROUNDS_OF_PLATE }
+}
+
+fn is_picture(class: &str) -> bool {
+    let class = class.to_lowercase();
+    PICTURES.iter().any(|picture| class.contains(picture))
+}
+
 struct Dialogue<'a> {
     describer: &'a Describer,
     eyes: &'a Gateway,
@@ -143,15 +164,25 @@ impl Dialogue<'_> {
     async fn hold(&mut self) -> Result<(String, bool), Fault> {
         // What was asked, with "unknown" where nothing was answered; and the answers that say something.
         let (mut asked, mut rounds): (Vec<Round>, Vec<Round>) = (Vec::new(), Vec::new());
-        let (mut silent, mut settled) = (0, false);
-        for number in 0..self.rounds_max() {
+        let (mut silent, mut settled, mut flagged) = (0, false, false);
+        for number in 0..rounds_of(&self.class) {
             let question = self.question(number, &asked).await;
             let answer = self.look(&question, number, &asked).await?;
             let told = useful(&question, &answer, &rounds);
-            let answer = told.clone().unwrap_or_else(|| UNKNOWN.to_owned());
-            asked.push(Round { question, answer });
+            let is_flagged = told.as_deref().is_some_and(semantics::addresses_a_model);
+            if is_flagged {
+                tracing::warn!(
+                    class = self.class,
+                    text = told,
+                    "a sign addresses a model: kept, not sent on"
+                );
+                flagged = true;
+            }
+            let shown = if is_flagged { Some(WITHHELD) } else { told.as_deref() };
+            let shown = shown.unwrap_or(UNKNOWN).to_owned();
+            asked.push(Round { question: question.clone(), answer: shown });
             silent = if told.is_some() { 0 } else { silent + 1 };
-            rounds.extend(asked.last().filter(|_| told.is_some()).cloned());
+            rounds.extend(told.map(|answer| Round { question, answer }));
             settled = read_twice_alike(&rounds);
             if settled || silent == SILENT_ANSWERS_MAX {
                 break;
@@ -162,7 +193,8 @@ impl Dialogue<'_> {
         }
         let own = summary_of(&rounds);
         match &self.describer.tongue {
-            Some(tongue) if !settled => match self.sum_up(tongue, &rounds).await {
+            // Without the flagged answer a model's summary would lose the sign.
+            Some(tongue) if !settled && !flagged => match self.sum_up(tongue, &rounds).await {
                 Ok(summary) if is_backed(&summary, &rounds) => Ok((summary, false)),
                 Ok(_) => Ok((own, false)),
                 Err(_) => Ok((own, true)),
@@ -172,12 +204,7 @@ impl Dialogue<'_> {
     }
 
     fn is_picture(&self) -> bool {
-        let class = self.class.to_lowercase();
-        PICTURES.iter().any(|picture| class.contains(picture))
-    }
-
-    fn rounds_max(&self) -> usize {
-        if self.is_picture() { ROUNDS_OF_PICTURE } else { ROUNDS_OF_PLATE }
+        is_picture(&self.class)
     }
 
     async fn question(&mut self, number: usize, rounds: &[Round]) -> String {
@@ -227,18 +254,9 @@ impl Dialogue<'_> {
     }
 }
 
-/// What of an answer goes on: nothing of one that says nothing or repeats what was said, and no sentence that speaks
-/// to the model.
+/// Returns an answer, unless it says nothing or repeats an earlier one. A text that addresses a model is kept whole:
+/// "Level 5" and "Shop assistant wanted" hang in buildings, and the built-in judge obeys no text.
 fn useful(question: &str, answer: &str, rounds: &[Round]) -> Option<String> {
-    let harmless: String;
-    let answer = if semantics::addresses_a_model(answer) {
-        let sentences = answer.split_inclusive(['.', '!', '?', ';', ',']);
-        harmless = sentences.filter(|sentence| !semantics::addresses_a_model(sentence)).collect();
-        // What orders over several sentences is no description either.
-        Some(harmless.trim()).filter(|rest| !semantics::addresses_a_model(rest))?
-    } else {
-        answer
-    };
     let text = Text::parse(answer);
     let echoes = text == Text::parse(question)
         || (text.identifiers().is_empty() && rounds.iter().any(|round| Text::parse(&round.answer) == text));

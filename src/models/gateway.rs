@@ -1,21 +1,26 @@
 //! Asking a model: cache, breaker, budget, retries, in this order. A question that nobody waits for any more is
 //! finished all the same, for it is paid.
 
+use std::fmt::Write as _;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::time::Duration;
 
 use backon::{ExponentialBuilder, Retryable as _};
+use sha2::{Digest as _, Sha256};
 use tokio::sync::Semaphore;
 use tracing::Instrument as _;
 
 use super::breaker::Breaker;
 use super::budget::{Budget, Payer, Prices};
 use super::cache::{AnswerCache, key};
-use super::parse;
 use super::picture::Picture;
 use super::port::{Fault, Model, Question, Reply};
 use super::prompts::prompt;
+use super::{parse, prompts};
+
+/// Enough to tell models apart.
+const FINGERPRINT_BYTES: usize = 8;
 
 /// English text has about four characters a token; three are cautious.
 const CHARS_PER_TOKEN: usize = 3;
@@ -42,8 +47,24 @@ pub struct Policy {
     pub retry_delay: Duration,
     /// The most tokens of an answer, for the reservation.
     pub max_tokens: u32,
-    /// What tokens cost.
-    pub prices: Prices,
+    /// What tokens cost, by the role that a question is for.
+    pub prices: RolePrices,
+}
+
+/// Prices by role: a vision model on this machine is free where the one that judges texts is paid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RolePrices {
+    /// Of questions about texts.
+    pub text: Prices,
+    /// Of questions about images.
+    pub vision: Prices,
+}
+
+impl RolePrices {
+    /// Returns the prices of a question.
+    pub fn of(&self, question: &Question) -> Prices {
+        if question.needs_eyes() { self.vision } else { self.text }
+    }
 }
 
 /// What all models share.
@@ -94,6 +115,22 @@ impl Gateway {
     /// `model:<name>`.
     pub fn source(&self) -> Arc<str> {
         format!("model:{}", self.name).into()
+    }
+
+    /// Returns the hash of all that the answers depend on beside the question: the model, its parameters, and the wording
+    /// of the prompts. Another fingerprint means that verdicts may differ.
+    pub fn fingerprint(&self) -> String {
+        let hash = Sha256::digest(format!("{}\n{}", self.model.identity(), prompts::VERSION));
+        hash.iter().take(FINGERPRINT_BYTES).fold(String::new(), |mut name, byte| {
+            let _ = write!(name, "{byte:02x}");
+            name
+        })
+    }
+
+    /// Returns the most that one call may cost, in millionths of a US dollar, with so many characters more than in the question.
+    pub(super) fn most(&self, question: &Question, more_chars: u64) -> u64 {
+        let input = tokens_sent(question) + more_chars / CHARS_PER_TOKEN as u64;
+        self.policy.prices.of(question).microusd(input, u64::from(self.policy.max_tokens)).unsigned_abs()
     }
 
     /// Can this model answer such questions?
@@ -186,7 +223,8 @@ impl Gateway {
     async fn attempt(&self, question: &Question) -> Result<Reply, Fault> {
         let budget = &self.shared.budget;
         let (input_max, output_max) = (tokens_sent(question), u64::from(self.policy.max_tokens));
-        let most = self.policy.prices.microusd(input_max, output_max);
+        let prices = self.policy.prices.of(question);
+        let most = prices.microusd(input_max, output_max);
         let reservation = budget.reserve(question.operation(), &self.name, most, self.payer.as_ref()).await?;
         let limit = if question.needs_eyes() { self.policy.vision_timeout } else { self.policy.text_timeout };
         let answered = match tokio::time::timeout(limit, self.model.answer(question)).await {
@@ -198,7 +236,7 @@ impl Gateway {
                 let input = reply.input_tokens.unwrap_or(input_max);
                 let output =
                     reply.output_tokens.unwrap_or((reply.content.len() / CHARS_PER_TOKEN) as u64 + 1);
-                budget.settle(reservation, input, output, self.policy.prices.microusd(input, output));
+                budget.settle(reservation, input, output, prices.microusd(input, output));
             }
             // It may have been answered and charged: what was reserved stays.
             Err(Fault::TimedOut(_) | Fault::Garbled(_)) => budget.settle(reservation, 0, 0, most),

@@ -15,6 +15,9 @@ pub const BUILT_IN: &str = "lexical";
 /// From this level on two texts describe one object: such an answer is asked for again, the other way round.
 const SAME_OBJECT: u8 = 4;
 
+/// InformationLevel of a text that addresses a model, at most: enough for an anchor, whatever the text demands.
+const FLAGGED_LEVEL_MAX: u8 = 4;
+
 /// A level, who found it, and why.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Judged {
@@ -60,6 +63,11 @@ impl Judge {
         Self { model: self.model.as_ref().map(|model| model.paid_by(payer)) }
     }
 
+    /// Returns the model to judge by.
+    pub(super) fn model(&self) -> Option<&Gateway> {
+        self.model.as_ref()
+    }
+
     /// Is there a model to judge by?
     pub fn has_model(&self) -> bool {
         self.model.is_some()
@@ -96,14 +104,13 @@ impl Judge {
         let Some(model) = self.model.as_ref().filter(|_| semantics::information_is_open(&parsed)) else {
             return built_in;
         };
-        if let Some(hostile) = not_sent(&built_in, &[text]) {
-            return hostile;
-        }
+        // A sign that addresses a model is asked about all the same: its worth raises no pair.
+        let most = if semantics::addresses_a_model(text) { FLAGGED_LEVEL_MAX } else { 5 };
         let question =
             Question::Information { class: class_name(class), text: parsed.normalised().to_owned() };
         match within(patience, ask_level(model, question)).await {
             Ok((level, reason, cached)) => Judged {
-                level,
+                level: level.min(most),
                 source: model.source().to_string(),
                 reason: reason.unwrap_or_else(|| "the model gave no reason".to_owned()),
                 cached,

@@ -10,6 +10,7 @@
 //! | asking: cache, budget, breaker, retries, in this order | [`gateway`] |
 //! | answers that were paid for | [`cache`] |
 //! | the daily budget and the usage | [`budget`] |
+//! | what asking again may cost | [`estimate`] |
 //! | a model that is away is left alone | [`breaker`] |
 //! | InformationLevel, SimilarityLevel, MergeText of §IV-A.2 | [`judge`] |
 //! | the dialogue of §IV-A.1 | [`dialogue`] |
@@ -21,6 +22,7 @@ pub mod breaker;
 pub mod budget;
 pub mod cache;
 pub mod dialogue;
+mod estimate;
 pub mod gateway;
 pub mod judge;
 pub mod parse;

@@ -42,7 +42,8 @@ pub struct Round {
     pub answer: String,
 }
 
-/// A question to a model. Texts are clean: control, bidi and zero-width characters are gone, and none addresses a model.
+/// A question to a model. Texts are clean: control, bidi and zero-width characters are gone. None addresses a model, but
+/// for the one text of [`Question::Information`], whose level raises no pair.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Question {
     /// Do two descriptions mean the same physical object?
@@ -158,6 +159,9 @@ pub enum Fault {
     /// What may be spent today is spent.
     #[error("the daily budget is spent")]
     Spent,
+    /// A job panicked (a bug); it is tried again like any other that failed.
+    #[error("the job broke off")]
+    Broken,
     /// What must be kept could not be.
     #[error("the answer could not be kept: {0}")]
     Store(String),
@@ -188,6 +192,7 @@ impl Fault {
             Self::Unable => "unable",
             Self::Away => "away",
             Self::Spent => "budget",
+            Self::Broken => "broken",
             Self::Store(_) => "store",
         }
     }

@@ -13,12 +13,13 @@ use super::breaker::Breaker;
 use super::budget::{Budget, Limits, Prices};
 use super::cache::AnswerCache;
 use super::dialogue::Describer;
-use super::gateway::{Gateway, Policy, Shared};
+use super::gateway::{Gateway, Policy, RolePrices, Shared};
 use super::judge::Judge;
 use super::port::{Model, Question};
 use super::tesseract::{ReaderError, Tesseract};
 use crate::config::models::{Kind, ModelArgs, Reader};
-use crate::store::{Store, StoreError};
+use crate::model::roles::Roles;
+use crate::store::{Fingerprints, Store, StoreError};
 
 /// Why models cannot be used as configured.
 #[derive(Debug, Error)]
@@ -47,7 +48,7 @@ pub struct Models {
     pub judge: Judge,
     /// The dialogue.
     pub describer: Describer,
-    /// How long somebody who waits for an answer is kept waiting.
+    /// Longest time a client that asks about texts waits for a model.
     pub patience: Duration,
     /// How long a job that failed is left alone, at first.
     pub pause: Duration,
@@ -102,7 +103,12 @@ impl Models {
         store: &Store,
     ) -> Result<Self, SetupError> {
         let milliseconds = Duration::from_millis;
-        let prices = Prices { input_usd: args.model_input_usd, output_usd: args.model_output_usd };
+        let text = Prices { input_usd: args.model_input_usd, output_usd: args.model_output_usd };
+        let vision_prices = Prices {
+            input_usd: args.model_vision_input_usd.unwrap_or(text.input_usd),
+            output_usd: args.model_vision_output_usd.unwrap_or(text.output_usd),
+        };
+        let prices = RolePrices { text, vision: vision_prices };
         let limits = Limits {
             microusd: args.model_daily_usd.map(|usd| (usd * 1e6) as i64),
             calls: args.model_daily_calls.map(i64::from),
@@ -132,12 +138,25 @@ impl Models {
         Ok(Self {
             judge: Judge::new(tongue.clone()),
             describer: Describer { eyes, tongue, reader },
-            patience: policy.text_timeout,
+            patience: milliseconds(args.model_client_timeout_ms),
             pause,
             jobs_at_once: usize::from(args.model_calls_at_once),
             gateways: model.into_iter().chain(vision).collect(),
             shared,
         })
+    }
+
+    /// The roles that these models fill.
+    pub fn roles(&self) -> Roles {
+        Roles { vision: self.describer.reads(), text: self.judge.has_model() }
+    }
+
+    /// Returns the fingerprints of those who answer: what others answered may be asked again.
+    pub fn fingerprints(&self) -> Fingerprints {
+        Fingerprints {
+            crops: self.describer.fingerprint(),
+            texts: self.judge.model().map(Gateway::fingerprint),
+        }
     }
 
     /// The books.

@@ -174,25 +174,23 @@ pub(super) fn not_distinctive(places: usize) -> Reason {
     Reason { code: ReasonCode::NotDistinctive, measured, limit, detail }
 }
 
-pub(super) fn pending(comparison: &Comparison<'_>, model_away: bool) -> Reason {
+pub(super) fn pending(comparison: &Comparison<'_>, code: ReasonCode) -> Reason {
     let detail = format!(
         "not described yet: {}; at best S would be {:.3}",
         counted(comparison.pending, "anchor"),
         comparison.at_best.similarity
     );
     let pending = comparison.pending as f64;
-    let code = if model_away { ReasonCode::LlmUnavailable } else { ReasonCode::LlmPending };
     Reason { code, measured: Some(pending), limit: Some(0.0), detail }
 }
 
-pub(super) fn awaited(worst: &AtWorst, model_away: bool) -> Reason {
+pub(super) fn awaited(worst: &AtWorst, code: ReasonCode) -> Reason {
     let detail = format!(
         "not described yet: {}; at worst S would be {:.3}, and {:.3} would contradict",
         counted(worst.awaited, "crop"),
         worst.similarity,
         worst.contradicting_weight
     );
-    let code = if model_away { ReasonCode::LlmUnavailable } else { ReasonCode::LlmPending };
     Reason { code, measured: Some(worst.awaited as f64), limit: Some(0.0), detail }
 }
 

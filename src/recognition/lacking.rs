@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, HashSet};
 use super::index::{MapIndex, Object, TextId};
 use crate::model::anchor::{AnchorState, Observation};
 use crate::model::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
+use crate::model::roles::Roles;
 use crate::semantics::{self, Text};
 
 /// A text is judged with at most so many others: those most like it. Together with the identifiers, which need no
@@ -67,15 +68,6 @@ pub enum Lack {
     },
 }
 
-/// What the models at hand can give.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Abilities {
-    /// Can something look at crops, or read them?
-    pub reads: bool,
-    /// Can something judge texts?
-    pub judges: bool,
-}
-
 /// The texts whose pairs were all judged: they need not be looked at again.
 pub type Settled = HashSet<(Box<str>, Box<str>)>;
 
@@ -83,18 +75,18 @@ pub type Settled = HashSet<(Box<str>, Box<str>)>;
 /// under way or has failed lately.
 pub fn lacking(
     index: &MapIndex,
-    abilities: Abilities,
+    roles: Roles,
     settled: &mut Settled,
     max: usize,
     passed_over: impl Fn(&Lack) -> bool,
 ) -> Vec<Lack> {
     let mut found = Vec::new();
-    if abilities.reads {
+    if roles.vision {
         let latest = latest_stamps(index);
         let readings = index.objects().iter().filter_map(|(_, object)| reading(index, object, &latest));
         found.extend(readings.filter(|lack| !passed_over(lack)).take(max));
     }
-    if abilities.judges {
+    if roles.text {
         let texts = index.objects().iter().flat_map(|(_, object)| of_object(index, object));
         let left = max - found.len();
         let mut seen = HashSet::new();
@@ -138,30 +130,44 @@ fn reading(index: &MapIndex, object: &Object, latest: &BTreeMap<SessionSeq, i64>
         let told = seen.reading.as_deref().map(|reading| Text::parse(reading).information_level());
         told.is_some_and(|level| u32::from(level) >= settings.description_min_information_level)
     };
-    let open = with_crop.iter().filter(|(_, seen)| !is_read(seen) && !says_enough(seen));
-    let (anchor, best) = *open.max_by(|(_, a), (_, b)| {
-        area(a).total_cmp(&area(b)).then_with(|| (a.keyframe, a.detection).cmp(&(b.keyframe, b.detection)))
-    })?;
-    let waited_s = waited_s(index, best, latest);
-    let large = area(best) >= settings.description_min_crop_area_px;
-    let refresh = waited_s >= settings.description_refresh_s;
-    let wanted = if read.is_empty() {
-        large || refresh
+    let open = || with_crop.iter().copied().filter(|(_, seen)| !is_read(seen) && !says_enough(seen));
+    let is_large = |seen: &Observation| area(seen) >= settings.description_min_crop_area_px;
+    let refresh_s = settings.description_refresh_s;
+    let (anchor, best) = if read.is_empty() {
+        let waited = |seen: &Observation| waited_s(index, seen, latest) >= refresh_s;
+        let ripe = open().any(|(_, seen)| is_large(seen) || waited(seen));
+        largest_of(open()).filter(|_| ripe)?
     } else {
-        let largest = read.iter().map(|seen| area(seen)).fold(0.0, f64::max);
-        let newest = read.iter().map(|seen| stamp_s(index, seen)).fold(f64::NEG_INFINITY, f64::max);
-        let stale = stamp_s(index, best) - newest >= settings.description_refresh_s;
-        (large
-            && (area(best) >= BETTER_CROP * largest || !agrees(object, read.len(), settings.agreeing_reads)))
-            || stale
+        let largest_read = read.iter().map(|seen| area(seen)).fold(0.0, f64::max);
+        let newest_read = read.iter().map(|seen| stamp_s(index, seen)).fold(f64::NEG_INFINITY, f64::max);
+        let tells_more = |seen: &Observation| {
+            is_large(seen)
+                && (area(seen) >= BETTER_CROP * largest_read
+                    || !agrees(object, read.len(), settings.agreeing_reads))
+        };
+        // A larger crop that is older than the last reading refreshes nothing, so each question has its own crop.
+        let refreshes = |seen: &Observation| stamp_s(index, seen) - newest_read >= refresh_s;
+        largest_of(open())
+            .filter(|(_, seen)| tells_more(seen))
+            .or_else(|| largest_of(open().filter(|(_, seen)| refreshes(seen))))?
     };
     let hint = best.reading.clone();
-    wanted.then(|| Lack::Reading {
+    Some(Lack::Reading {
         anchor,
         keyframe: best.keyframe,
         detection: best.detection,
         class: index.class_of(object).into(),
         hint,
+    })
+}
+
+/// Returns the observation with the largest crop; of equals, the newest.
+fn largest_of<'a>(
+    seen: impl Iterator<Item = (AnchorSeq, &'a Observation)>,
+) -> Option<(AnchorSeq, &'a Observation)> {
+    let area = |seen: &Observation| seen.crop_area_px.unwrap_or(0.0);
+    seen.max_by(|(_, a), (_, b)| {
+        area(a).total_cmp(&area(b)).then_with(|| (a.keyframe, a.detection).cmp(&(b.keyframe, b.detection)))
     })
 }
 

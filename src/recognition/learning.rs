@@ -32,13 +32,21 @@ pub fn learn_reading(index: &mut MapIndex, read: CropRead) -> Option<Learned> {
     let observation = index.anchor(read.anchor)?.observations.get(&(read.keyframe, read.detection))?;
     let known = observation.crop_reading.as_ref();
     let settled = known.is_some_and(|known| !known.degraded || *known == read.reading);
-    if settled || observation.crop_area_px.is_none() {
-        return None;
-    }
+    if settled { None } else { replace_reading(index, read) }
+}
+
+/// Applies a reading, also where another one stands. `None` if the detection is gone, or feeds no anchor any more.
+pub fn replace_reading(index: &mut MapIndex, read: CropRead) -> Option<Learned> {
+    let observation = index.anchor(read.anchor)?.observations.get(&(read.keyframe, read.detection))?;
+    observation.crop_area_px?;
+    // Read alike by another model: the anchor stays as it is.
+    let is_news = observation.crop_reading.as_ref() != Some(&read.reading);
     let anchor = read.anchor;
     let concerned: BTreeSet<AnchorSeq> = index.objects().root(anchor).into_iter().collect();
     let mut record = Recorder::new(index);
-    record.touch(anchor);
+    if is_news {
+        record.touch(anchor);
+    }
     let before = named(record.index(), &concerned);
     record.apply(vec![Change::CropRead(Box::new(read))]);
     Some(follow_up(record, &before))

@@ -14,7 +14,7 @@ use super::index::MapIndex;
 use super::query::Query;
 use super::screening::{Screened, Screening, Standing};
 use super::sight::Sight;
-use super::standing_in::{AtWorst, at_worst, model_is_missed};
+use super::standing_in::{AtWorst, at_worst, awaited, model_is_missed};
 use super::tracked_path::TrackedPaths;
 use crate::model::change::Loop;
 use crate::model::settings::Settings;
@@ -107,10 +107,15 @@ fn check_candidate(
     let stood_in = model_is_missed(index, around_query, around_candidate);
     let differing = find_differing(around_query, around_candidate, &comparison, index.texts(), settings);
     candidate.anchors = Some(evidence::anchors(&comparison, &differing, settings));
-    let worst = (query.awaits_descriptions || index.model_away())
-        .then(|| at_worst(index, around_query, around_candidate, &comparison))
-        .flatten();
-    let mut screened = match judge_anchors(&comparison, settings, worst, index.model_away()) {
+    // Only where a model reads crops does a description come by itself.
+    let reads = query.roles.vision || index.model_away();
+    let worst = reads.then(|| at_worst(index, around_query, around_candidate, &comparison)).flatten();
+    let missing = match () {
+        () if !reads || awaited(index, around_query, around_candidate) == 0 => ReasonCode::NotDescribed,
+        () if index.model_away() => ReasonCode::LlmUnavailable,
+        () => ReasonCode::LlmPending,
+    };
+    let mut screened = match judge_anchors(&comparison, settings, worst, missing) {
         Err((decision, reason)) => Screened::stopped(proposal.keyframe, candidate, decision, reason),
         Ok(standing) => Screened {
             keyframe: proposal.keyframe,
@@ -131,7 +136,7 @@ pub(super) fn judge_anchors(
     comparison: &Comparison<'_>,
     settings: &Settings,
     worst: Option<AtWorst>,
-    model_away: bool,
+    missing: ReasonCode,
 ) -> Result<Standing, (CandidateDecision, Reason)> {
     use CandidateDecision::{Rejected, Undecided};
     let min_similarity = settings.anchor_map_min_similarity;
@@ -144,13 +149,13 @@ pub(super) fn judge_anchors(
         let turns =
             |worst: &AtWorst| worst.similarity <= min_similarity || worst.contradicting_weight > agreeing;
         return match (worst.filter(turns), comparison.least_places()) {
-            (Some(worst), _) => Err((Undecided, evidence::awaited(&worst, model_away))),
+            (Some(worst), _) => Err((Undecided, evidence::awaited(&worst, missing))),
             (None, Some(places)) if places > 1 => Err((Undecided, evidence::not_distinctive(places))),
             _ => Ok(Standing::AnchorsAgree),
         };
     }
     if could_turn {
-        return Err((Undecided, evidence::pending(comparison, model_away)));
+        return Err((Undecided, evidence::pending(comparison, missing)));
     }
     if contradicted {
         return Err((Rejected, evidence::contradicted(&comparison.contradictions, contradicting, agreeing)));

@@ -36,7 +36,9 @@ pub fn loop_warning(index: &MapIndex, closed: &Loop) -> Option<LoopWarning> {
     let comparison = compare(&around_query, &around_candidate, index.texts(), settings);
     let worst =
         index.model_away().then(|| at_worst(index, &around_query, &around_candidate, &comparison)).flatten();
-    match judge_anchors(&comparison, settings, worst, index.model_away()) {
+    // A warning does not depend on what the server has configured, only on the map.
+    let missing = if index.model_away() { ReasonCode::LlmUnavailable } else { ReasonCode::NotDescribed };
+    match judge_anchors(&comparison, settings, worst, missing) {
         Ok(Standing::AskGeometry) if closed.query.is_none() => {
             let detail =
                 "there are no anchors to compare, and the loop names no query whose geometry verified it";

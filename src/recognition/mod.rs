@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | §III, an anchor seen before triggers loop detection | [`ingest`] | [`ingest::ingest`] |
 //! | §IV-B, what an anchor is | [`index`] | [`index::Anchor`], [`index::Object`] |
-//! | §IV-A.3, what a model is asked, and what its answer changes | [`lacking`], [`learning`] | [`lacking::lacking`], [`learning::learn_reading`] |
+//! | §IV-A.3, what a model is asked, and what its answer changes | [`lacking`], [`learning`], [`rejudging`] | [`lacking::lacking`], [`learning::learn_reading`] |
 //! | §IV-C.1, object tracking | [`association`] | [`association::associate`] |
 //! | §IV-C.2, semantic anchor matching | [`matching`], [`index`] | [`matching::covisible_merge`], [`index::TextIndex`] |
 //! | §IV-C.2, merge on a confirmed loop | [`closing`] | [`closing::close_loop`], [`closing::revoke_loop`] |
@@ -56,6 +56,7 @@ pub mod numbered;
 pub mod places;
 pub mod query;
 pub mod recorder;
+pub mod rejudging;
 pub mod screening;
 pub mod sight;
 pub mod standing_in;

@@ -8,6 +8,7 @@ use super::sight::Sight;
 use crate::model::bow::BowVector;
 use crate::model::ids::{AnchorSeq, KeyframeSeq};
 use crate::model::keyframe::NewKeyframe;
+use crate::model::roles::Roles;
 
 /// "Is this keyframe a loop?", ready to be answered.
 #[derive(Clone, Debug)]
@@ -22,8 +23,8 @@ pub struct Query<'a> {
     pub seen: BTreeSet<AnchorSeq>,
     /// What geometry needs to know of it, if its client told the camera.
     pub sight: Option<Sight>,
-    /// Is there a model that will describe the crops that nothing has described yet?
-    pub awaits_descriptions: bool,
+    /// The roles that models fill where the question is answered.
+    pub roles: Roles,
 }
 
 impl<'a> Query<'a> {
@@ -31,7 +32,7 @@ impl<'a> Query<'a> {
     pub fn stored(index: &MapIndex, keyframe: KeyframeSeq, bow: &'a BowVector) -> Option<Self> {
         let centre = Centre::stored(index, keyframe)?;
         let (seen, sight) = (index.objects_seen_by(keyframe), Sight::stored(index, keyframe));
-        Some(Self { keyframe: Some(keyframe), bow, centre, seen, sight, awaits_descriptions: false })
+        Some(Self { keyframe: Some(keyframe), bow, centre, seen, sight, roles: Roles::default() })
     }
 
     /// About a keyframe that is not stored, as if it had just arrived.
@@ -44,13 +45,13 @@ impl<'a> Query<'a> {
             centre,
             seen,
             sight: Sight::inline(index, keyframe),
-            awaits_descriptions: false,
+            roles: Roles::default(),
         }
     }
 
-    /// The same question where a model will describe the crops that nothing has described yet.
-    pub fn awaiting_descriptions(self, awaits_descriptions: bool) -> Self {
-        Self { awaits_descriptions, ..self }
+    /// Returns the same question, answered where models fill these roles.
+    pub fn with_roles(self, roles: Roles) -> Self {
+        Self { roles, ..self }
     }
 
     /// Is this keyframe covisible with the query, or the query itself (§V, check 1)?

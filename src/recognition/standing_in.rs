@@ -9,15 +9,14 @@ use crate::semantics::{self, Route};
 
 /// Would a model that is away have had a say in the comparison of two local anchor maps?
 ///
-/// It would about anchors that nothing has described, and about texts at one relative place that the built-in judge
+/// It would about crops that it has not looked at, and about texts at one relative place that the built-in judge
 /// leaves open.
 pub fn model_is_missed(index: &MapIndex, query: &LocalAnchorMap, candidate: &LocalAnchorMap) -> bool {
     if !index.model_away() {
         return false;
     }
-    let is_pending = |anchor: &LocalAnchor| anchor.state == AnchorState::Pending;
     let settings = &index.properties().settings;
-    query.anchors.iter().chain(&candidate.anchors).any(is_pending)
+    awaited(index, query, candidate) > 0
         || query.valid().any(|ours| {
             candidate.valid().any(|theirs| {
                 ours.class == theirs.class
@@ -31,6 +30,11 @@ fn is_open(index: &MapIndex, ours: &LocalAnchor, theirs: &LocalAnchor) -> bool {
     let (Some(a), Some(b)) = (ours.text.as_deref(), theirs.text.as_deref()) else { return false };
     matches!(semantics::route_similarity(a, b), Route::Open(_))
         && index.verdicts().similarity(&ours.class, a, b).is_none()
+}
+
+/// Returns how many anchors of two local anchor maps wait for a model that reads their crops.
+pub fn awaited(index: &MapIndex, query: &LocalAnchorMap, candidate: &LocalAnchorMap) -> usize {
+    query.anchors.iter().chain(&candidate.anchors).filter(|anchor| is_awaited(index, anchor)).count()
 }
 
 /// A comparison if every crop that waits to be described turned out to speak against it.

@@ -1,7 +1,9 @@
 //! Text that addresses a model: a sign is anybody's to write on, and what is read from it is data.
 //!
-//! Such a text is not sent to a model; the built-in judge answers. The list cannot be complete and need not be: what
-//! it misses travels as delimited data, is answered by one of five numbers, and is bound by the identifiers.
+//! Such a text is not sent to a model; the built-in judge answers. The list flags and never erases: many signs address
+//! a reader ("EMERGENCY INSTRUCTIONS", "Level 5"), and what is on them describes the place all the same. The list cannot
+//! be complete and need not be: what it misses travels as delimited data, is answered by one of five numbers, and is
+//! bound by the identifiers.
 
 use super::normalise::{bare, clean};
 

@@ -54,7 +54,9 @@ impl<'t> Part<'t> {
         let content = self.text.identifiers.len() + self.text.words.len();
         let with_role =
             self.text.identifiers.iter().filter(|identifier| identifier.role != Role::Neutral).count();
-        (self.text.information_level(), with_role, content, self.text.normalised(), self.raw)
+        // Which text leads is about what it says: a floor's number does, though it is worth less alone.
+        let level = if with_role > 0 { 5 } else { self.text.information_level() };
+        (level, with_role, content, self.text.normalised(), self.raw)
     }
 
     fn says_all_of(&self, other: &Part<'_>) -> bool {

@@ -30,6 +30,11 @@ impl Role {
         }
     }
 
+    /// Whether it numbers a part of a building that holds many objects.
+    pub fn is_container(&self) -> bool {
+        matches!(self, Role::Floor | Role::Place("building" | "wing" | "zone" | "section"))
+    }
+
     /// The English name, empty for [`Role::Neutral`].
     pub fn as_str(&self) -> &str {
         match self {

@@ -7,7 +7,7 @@ use tokio::task::spawn_blocking;
 use super::live::{Decision, LiveMap};
 use super::{Service, ServiceError};
 use crate::model::ids::{AnchorSeq, KeyframeSeq};
-use crate::model::judged::{CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
+use crate::model::judged::{Answer, CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
 use crate::models::Models;
 use crate::models::dialogue::{Describer, Told};
 use crate::models::picture::Picture;
@@ -19,49 +19,80 @@ use crate::recognition::learning::{Learned, learn_reading, learn_verdict};
 /// Who says that a crop is no image.
 const DECODER: &str = "revisit";
 
+/// What came of a question.
+pub(super) struct Asked {
+    pub answer: Answer,
+    /// Whether somebody stood in for a model that did not answer.
+    pub degraded: bool,
+}
+
 impl Service {
     /// Asks for what is lacking and keeps the answer; an error if it must be asked for again.
     pub(super) async fn give(&self, live: &Arc<LiveMap>, models: &Models, lack: Lack) -> Result<(), Fault> {
+        let Some(Asked { answer, degraded }) = self.ask(live, models, lack).await? else { return Ok(()) };
+        match answer {
+            // A reader's word is better than none until the model is back.
+            Answer::Reading(read) => self.learn(live, move |index| learn_reading(index, read)).await?,
+            // A verdict of the built-in judge in the model's place is not kept.
+            Answer::Verdict(_) if degraded => {}
+            Answer::Verdict(verdict) => {
+                self.learn(live, move |index| learn_verdict(index, verdict)).await?;
+            }
+        }
+        if degraded { Err(Fault::Away) } else { Ok(()) }
+    }
+
+    /// Asks a model, at the expense of the map's owner; `None` if the question is about a crop that is gone.
+    pub(super) async fn ask(
+        &self,
+        live: &Arc<LiveMap>,
+        models: &Models,
+        lack: Lack,
+    ) -> Result<Option<Asked>, Fault> {
         let payer = self.payer(live.owner);
         let judge = models.judge.paid_by(payer.clone());
-        match lack {
+        let fingerprint: Arc<str> = models.fingerprints().texts.unwrap_or_default().into();
+        let (verdict, degraded) = match lack {
             Lack::Reading { anchor, keyframe, detection, class, hint } => {
                 let at = (anchor, keyframe, detection);
-                self.give_reading(live, models.describer.paid_by(payer), at, &class, hint.as_deref()).await
+                let describer = models.describer.paid_by(payer);
+                return self.ask_about_crop(live, describer, at, &class, hint.as_deref()).await;
             }
             Lack::Information { class, text } => {
                 let judged = judge.information(&class, &text, None).await;
                 let finding = Finding::Information(judged.level);
-                let b = "".into();
-                let verdict = ModelVerdict { class, a: text, b, finding, source: judged.source.into() };
-                self.give_verdict(live, verdict, judged.degraded).await
+                let (source, reason) = (judged.source.into(), judged.reason.into());
+                let verdict =
+                    ModelVerdict { class, a: text, b: "".into(), finding, source, reason, fingerprint };
+                (verdict, judged.degraded)
             }
             Lack::Similarity { class, a, b } => {
                 let judged = judge.similarity(&class, &a, &b, None).await;
                 let finding = Finding::Similarity(judged.level);
-                let verdict = ModelVerdict { class, a, b, finding, source: judged.source.into() };
-                self.give_verdict(live, verdict, judged.degraded).await
+                let (source, reason) = (judged.source.into(), judged.reason.into());
+                (ModelVerdict { class, a, b, finding, source, reason, fingerprint }, judged.degraded)
             }
             Lack::Merge { class, a, b, as_read: [first, second] } => {
                 let merged = judge.merge(&class, &first, &second, None).await;
                 let finding = Finding::Merge(merged.text.into());
-                let verdict = ModelVerdict { class, a, b, finding, source: merged.source.into() };
-                self.give_verdict(live, verdict, merged.degraded).await
+                let (source, reason) = (merged.source.into(), "".into());
+                (ModelVerdict { class, a, b, finding, source, reason, fingerprint }, merged.degraded)
             }
-        }
+        };
+        Ok(Some(Asked { answer: Answer::Verdict(verdict), degraded }))
     }
 
-    async fn give_reading(
+    async fn ask_about_crop(
         &self,
         live: &Arc<LiveMap>,
         describer: Describer,
         (anchor, keyframe, detection): (AnchorSeq, KeyframeSeq, u16),
         class: &str,
         hint: Option<&str>,
-    ) -> Result<(), Fault> {
+    ) -> Result<Option<Asked>, Fault> {
         let crop = self.store.crop(live.key, keyframe, detection).await;
         // Culled meanwhile: nothing is lacking any more.
-        let Some(crop) = crop.map_err(|error| Fault::Store(error.to_string()))? else { return Ok(()) };
+        let Some(crop) = crop.map_err(|error| Fault::Store(error.to_string()))? else { return Ok(None) };
         let decoded = spawn_blocking(move || Picture::decode(&crop.bytes)).await;
         let told = match decoded.map_err(|_| Fault::Store("the decoder broke off".to_owned()))? {
             Ok(picture) => describer.describe(Arc::new(picture), class, hint).await?,
@@ -70,22 +101,10 @@ impl Service {
         let degraded = told.degraded;
         let reading =
             CropReading { text: told.text.into(), source: told.source, described: told.described, degraded };
-        let read = CropRead { anchor, keyframe, detection, reading, transcript: told.transcript };
-        self.learn(live, move |index| learn_reading(index, read)).await?;
-        if degraded { Err(Fault::Away) } else { Ok(()) }
-    }
-
-    /// A verdict of the built-in judge in the model's place is not kept: the model is asked again.
-    async fn give_verdict(
-        &self,
-        live: &Arc<LiveMap>,
-        verdict: ModelVerdict,
-        degraded: bool,
-    ) -> Result<(), Fault> {
-        if degraded {
-            return Err(Fault::Away);
-        }
-        self.learn(live, move |index| learn_verdict(index, verdict)).await
+        let fingerprint = describer.fingerprint().unwrap_or_default().into();
+        let transcript = told.transcript;
+        let read = CropRead { anchor, keyframe, detection, reading, transcript, fingerprint };
+        Ok(Some(Asked { answer: Answer::Reading(read), degraded }))
     }
 
     /// Checks a verdict against the map as it is now and applies it; what it triggers is asked about.

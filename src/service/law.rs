@@ -1,21 +1,32 @@
 //! The law of the house: an index built from the store equals the live one, after any requests.
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use futures_util::future::BoxFuture;
 use proptest::prelude::*;
 use sqlx::sqlite::SqliteConnectOptions;
 use sqlx::{AssertSqlSafe, ConnectOptions as _, Executor as _};
 
 use super::live::Decision;
 use super::{Service, ServiceError, ServiceOptions};
+use crate::config::models::ModelArgs;
 use crate::geometry::{Point3, Pose};
 use crate::model::bow::BowVector;
 use crate::model::ids::{AnchorSeq, KeyframeId, MapId};
-use crate::model::judged::{CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
+use crate::model::judged::{Answer, CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
+use crate::model::judgement::{JudgementProgress, Tally};
 use crate::model::keyframe::{CLIENTS_VOCABULARY, Crop, Detection, NewKeyframe, Stamp};
 use crate::model::map::{MapFigures, MapProperties};
-use crate::model::request::{MapPatch, NewLoop, PoseCorrection};
+use crate::model::request::{LoopQuery, MapPatch, NewLoop, PoseCorrection, Subject};
+use crate::model::roles::Roles;
 use crate::model::settings::SettingValue;
+use crate::model::verdict::{ReasonCode, Verify};
+use crate::models::Models;
+use crate::models::port::{Fault, Model, Question, Reply};
 use crate::recognition::index::MapIndex;
 use crate::recognition::learning::{learn_away, learn_reading, learn_verdict};
+use crate::recognition::rejudging::rejudge;
 use crate::semantics::Text;
 
 #[derive(Clone, Debug)]
@@ -55,6 +66,12 @@ enum Request {
         class: u8,
         a: u8,
         b: u8,
+        finding: u8,
+    },
+    JudgeAgain {
+        anchor: u32,
+        observation: u8,
+        texts: (u8, u8, u8),
         finding: u8,
     },
     Away(bool),
@@ -157,6 +174,9 @@ fn any_request() -> impl Strategy<Value = Request> {
             b,
             finding,
         }),
+        2 => (0u32..10, 0u8..4, (0u8..12, 0u8..12, 0u8..12), 0u8..12).prop_map(
+            |(anchor, observation, texts, finding)| Request::JudgeAgain { anchor, observation, texts, finding }
+        ),
         1 => any::<bool>().prop_map(Request::Away),
     ]
 }
@@ -264,7 +284,11 @@ async fn send(service: &Service, map: &MapId, request: Request) -> Result<(), Se
                     question: "Which?".to_owned(),
                     answer: TEXTS[usize::from(text)].to_owned(),
                 }];
-                learn_reading(index, CropRead { anchor, keyframe, detection, reading, transcript })
+                let fingerprint = "law".into();
+                learn_reading(
+                    index,
+                    CropRead { anchor, keyframe, detection, reading, transcript, fingerprint },
+                )
             };
             service.learn(&live, learn).await.expect("a change");
             Ok(())
@@ -273,6 +297,35 @@ async fn send(service: &Service, map: &MapId, request: Request) -> Result<(), Se
             let live = service.live(map).await?;
             let verdict = verdict(class, a, b, finding);
             service.learn(&live, move |index| learn_verdict(index, verdict)).await.expect("a change");
+            Ok(())
+        }
+        Request::JudgeAgain { anchor, observation, texts: (read, a, b), finding } => {
+            let live = service.live(map).await?;
+            let learn = move |index: &mut MapIndex| {
+                let anchor = AnchorSeq(anchor);
+                let at = index
+                    .anchor(anchor)
+                    .and_then(|anchor| anchor.observations.keys().nth(observation.into()).copied());
+                let reading = at.map(|(keyframe, detection)| {
+                    let (text, source) = (TEXTS[usize::from(read)].into(), "model:again".into());
+                    let reading = CropReading { text, source, described: true, degraded: false };
+                    let (transcript, fingerprint) = (Vec::new(), "again".into());
+                    Answer::Reading(CropRead {
+                        anchor,
+                        keyframe,
+                        detection,
+                        reading,
+                        transcript,
+                        fingerprint,
+                    })
+                });
+                let verdict = Answer::Verdict(verdict(0, a, b, finding));
+                let (tally, position) = (Tally::default(), None);
+                let id = "again".parse().unwrap();
+                let progress = JudgementProgress { id, tally, position, is_over: false };
+                Some(rejudge(index, reading.into_iter().chain([verdict]).collect(), progress))
+            };
+            service.learn(&live, learn).await.expect("a change");
             Ok(())
         }
         Request::Away(away) => {
@@ -302,7 +355,8 @@ fn verdict(class: u8, a: u8, b: u8, finding: u8) -> ModelVerdict {
         _ => (Finding::Merge(format!("{a} and {b}").into()), b),
     };
     let class = CLASSES[usize::from(class)].into();
-    ModelVerdict { class, a: a.into(), b: b.into(), finding, source: "model:law".into() }
+    let (source, reason, fingerprint) = ("model:law".into(), format!("{a} or {b}").into(), "law".into());
+    ModelVerdict { class, a: a.into(), b: b.into(), finding, source, reason, fingerprint }
 }
 
 async fn holds_after(requests: Vec<Request>) {
@@ -379,6 +433,70 @@ fn pretty(loaded: &crate::recognition::index::MapIndex, live: &crate::recognitio
     assert!(loaded == live, "another part of the index differs");
 }
 
+/// A model that fills a role and answers nothing.
+#[derive(Debug)]
+struct Mute {
+    sees: bool,
+}
+
+impl Model for Mute {
+    fn name(&self) -> &'static str {
+        "mute"
+    }
+
+    fn identity(&self) -> String {
+        "mute".to_owned()
+    }
+
+    fn can(&self, question: &Question) -> bool {
+        question.needs_eyes() == self.sees
+    }
+
+    fn answer<'a>(&'a self, _: &'a Question) -> BoxFuture<'a, Result<Reply, Fault>> {
+        Box::pin(std::future::ready(Err(Fault::Unable)))
+    }
+}
+
+/// The service as it would answer with models in these roles. No worker runs, so that the map stays as it is.
+async fn with_roles(service: &Service, roles: Roles) -> Service {
+    if roles.is_none() {
+        return service.clone();
+    }
+    let mute = |sees: bool, wanted: bool| wanted.then(|| Arc::new(Mute { sees }) as Arc<dyn Model>);
+    let models = [mute(false, roles.text), mute(true, roles.vision)];
+    let models = Models::with(models, None, &ModelArgs::of(&[""; 0]).unwrap(), &service.store).await.unwrap();
+    assert_eq!(models.roles(), roles);
+    Service { models: Some(Arc::new(models)), ..service.clone() }
+}
+
+/// One id stands for one verdict, whichever models are configured: all that a verdict depends on is in its id.
+async fn one_id_is_one_verdict_after(requests: Vec<Request>) {
+    let folder = tempfile::tempdir().unwrap();
+    let database = format!("sqlite://{}/law.db", folder.path().display());
+    let service = Service::open(ServiceOptions::on(database)).await.unwrap();
+    let map: MapId = "hotel".parse().unwrap();
+    let mut properties = MapProperties { metric: true, ..MapProperties::default() };
+    properties.settings.covisibility_min_shared_points = 3;
+    service.put_map(map.clone(), properties, None).await.unwrap();
+    for request in requests {
+        let _ = send(&service, &map, request).await;
+    }
+    let mut verdicts = BTreeMap::new();
+    for (vision, text) in [(false, false), (true, false), (false, true), (true, true)] {
+        let service = with_roles(&service, Roles { vision, text }).await;
+        for name in 0..14 {
+            let subject = Subject::Stored(keyframe_id(name));
+            let query = LoopQuery { subject, verify: Verify::Auto, max_wait_ms: 0, seed: 0 };
+            let Ok(answer) = service.loop_query(&map, query).await else { continue };
+            let waits = answer.verdict.candidates.iter().filter_map(|c| Some(c.reason.as_ref()?.code));
+            assert!(vision || waits.into_iter().all(|code| code != ReasonCode::LlmPending));
+            let known = verdicts.entry(answer.id).or_insert_with(|| answer.verdict.clone());
+            assert_eq!(*known, answer.verdict, "vision: {vision}, text: {text}");
+        }
+    }
+    service.close().await;
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -386,5 +504,11 @@ proptest! {
     fn a_rebuilt_index_equals_the_live_one(requests in prop::collection::vec(any_request(), 1..40)) {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
         runtime.block_on(holds_after(requests));
+    }
+
+    #[test]
+    fn one_id_is_one_verdict_under_any_configuration(requests in prop::collection::vec(any_request(), 1..40)) {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+        runtime.block_on(one_id_is_one_verdict_after(requests));
     }
 }

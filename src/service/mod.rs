@@ -15,6 +15,8 @@ mod features;
 mod feeds;
 mod gate;
 mod giving;
+mod jobs;
+mod judgements;
 mod judging;
 mod keyframes;
 pub mod keyring;
@@ -32,6 +34,7 @@ pub mod pressure;
 mod queries;
 mod quota;
 mod registry;
+mod rejudging;
 mod reports;
 mod stats;
 mod turns;
@@ -64,6 +67,7 @@ use keyring::Keyring;
 use live::LiveMap;
 use pressure::Pressure;
 use registry::Registry;
+use rejudging::Rejudging;
 use words::NamedVocabulary;
 pub use worker::Trigger;
 use worker::Worker;
@@ -101,6 +105,7 @@ pub struct Service {
     vocabulary: Option<Arc<NamedVocabulary>>,
     models: Option<Arc<Models>>,
     worker: Arc<Worker>,
+    rejudging: Arc<Rejudging>,
     keys: Keyring,
     quotas: Quotas,
     /// Ends what goes on in the background.
@@ -121,6 +126,7 @@ impl Service {
         let service = Self {
             models: models.clone(),
             worker: Worker::new(),
+            rejudging: Arc::default(),
             keys: Keyring::open(store.clone(), options.keys_required).await?,
             quotas: options.quotas,
             closing: CancellationToken::new(),
@@ -135,7 +141,8 @@ impl Service {
         };
         service.glance_at_keys();
         if let Some(models) = models {
-            service.worker.start(service.clone(), models);
+            service.worker.start(service.clone(), models.clone());
+            service.rejudging.start(service.clone(), models);
         }
         Ok(service)
     }
@@ -143,7 +150,7 @@ impl Service {
     /// Writes what is queued, and closes the database.
     pub async fn close(&self) {
         self.closing.cancel();
-        self.worker.stop().await;
+        tokio::join!(self.worker.stop(), self.rejudging.stop());
         self.store.close().await;
     }
 

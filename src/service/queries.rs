@@ -18,6 +18,7 @@ use crate::config::logging::in_part;
 use crate::model::bow::BowVector;
 use crate::model::ids::{KeyframeId, MapId};
 use crate::model::request::{LoopQuery, Subject};
+use crate::model::roles::Roles;
 use crate::model::verdict::{ReasonCode, Verdict};
 use crate::recognition::conclusion::conclude;
 use crate::recognition::index::MapIndex;
@@ -76,14 +77,23 @@ impl Service {
         }
     }
 
+    /// Returns the configuration that this server's verdicts depend on.
+    pub(super) fn configured(&self) -> Configured<'_> {
+        Configured {
+            roles: self.models.as_ref().map_or_else(Roles::default, |models| models.roles()),
+            vocabulary: self.vocabulary().map(|(fingerprint, _)| fingerprint),
+        }
+    }
+
     async fn check(&self, live: &Arc<LiveMap>, query: &Arc<LoopQuery>) -> Result<QueryAnswer, ServiceError> {
         let mut timings = Timings::default();
         let started = Instant::now();
         let bow = self.bow_of(live, &query.subject).await?;
         let asked = query.clone();
-        let awaits = self.models.as_ref().is_some_and(|models| models.describer.reads());
+        let configured = self.configured();
+        let roles = configured.roles;
         let (version, screening) = self
-            .read(live, move |state| screen_subject(&state.index, state.version, &asked, &bow, awaits))
+            .read(live, move |state| screen_subject(&state.index, state.version, &asked, &bow, roles))
             .await?;
         timings.screen_ms = milliseconds_since(started.into_std());
 
@@ -113,7 +123,7 @@ impl Service {
             Subject::Stored(id) => Some(id.clone()),
             Subject::Inline(..) => None,
         };
-        let id = name(&live.id, version, query);
+        let id = name(&live.id, version, query, configured);
         Ok(QueryAnswer { map: HeldMap(live.clone()), id, keyframe, verdict, timings })
     }
 
@@ -149,7 +159,7 @@ fn screen_subject(
     version: u64,
     query: &LoopQuery,
     bow: &BowVector,
-    awaits_descriptions: bool,
+    roles: Roles,
 ) -> Result<Screening, ServiceError> {
     let subject = match &query.subject {
         Subject::Stored(keyframe) => {
@@ -166,7 +176,7 @@ fn screen_subject(
             Query::inline(index, keyframe)
         }
     };
-    Ok(screen(index, version, &subject.awaiting_descriptions(awaits_descriptions), query.verify))
+    Ok(screen(index, version, &subject.with_roles(roles), query.verify))
 }
 
 fn waits_for_descriptions(verdict: &Verdict) -> bool {
@@ -180,10 +190,27 @@ fn within_inline(mut error: crate::model::invalid::FieldError) -> crate::model::
     error
 }
 
-/// The same question of the same version has the same name.
-fn name(map: &MapId, version: u64, query: &LoopQuery) -> String {
+/// All of a server's configuration that a verdict depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Configured<'a> {
+    /// Whether descriptions may still come.
+    pub roles: Roles,
+    /// The fingerprint of the vocabulary: it computes the words of an inline keyframe that brings none, and groups the
+    /// features that geometry matches.
+    pub vocabulary: Option<&'a str>,
+}
+
+/// Returns the id of an answer: the same for the same question of the same version, answered by servers of one
+/// configuration.
+fn name(map: &MapId, version: u64, query: &LoopQuery, configured: Configured<'_>) -> String {
     let mut hash = Sha256::new();
     hash.update(format!("{map}\n{version}\n{}\n{}\n", query.verify.as_str(), query.seed));
+    let Configured { roles, vocabulary } = configured;
+    // Left out where there is neither, so that records kept by earlier versions are found.
+    if !roles.is_none() || vocabulary.is_some() {
+        let vocabulary = vocabulary.unwrap_or_default();
+        hash.update(format!("vision {} text {} vocabulary {vocabulary}\n", roles.vision, roles.text));
+    }
     match &query.subject {
         Subject::Stored(id) => hash.update(format!("stored\n{id}")),
         Subject::Inline(_, digest) => {

@@ -6,7 +6,7 @@ use crate::model::ids::AnchorSeq;
 use crate::model::report::{AnchorMatchReport, AnchorReport};
 use crate::recognition::index::{MapIndex, Object};
 use crate::recognition::matching;
-use crate::semantics;
+use crate::semantics::{self, Source};
 
 /// An anchor shows at most so many of those that match it; an EXIT sign has thousands.
 const MATCHES_SHOWN: usize = 100;
@@ -61,7 +61,15 @@ fn matches(index: &MapIndex, root: AnchorSeq, object: &Object) -> (Vec<AnchorMat
             level,
             source: source.as_str().to_owned(),
             revisit: !near.contains(&other),
-            reason: semantics::similarity(&ours.text, &theirs.text).reason,
+            reason: match &source {
+                // The built-in judge's reason would be of another level, by another judge.
+                Source::Model(model) => {
+                    let class = index.class_of(object);
+                    let reason = index.verdicts().reason(class, &ours.text, &theirs.text);
+                    reason.map_or_else(|| format!("{model} judged so, without a reason"), str::to_owned)
+                }
+                _ => semantics::similarity(&ours.text, &theirs.text).reason,
+            },
         })
     });
     let mut shown: Vec<AnchorMatchReport> = shown.collect();

@@ -10,18 +10,19 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use tokio::sync::{Notify, mpsc};
-use tokio::task::{JoinHandle, JoinSet};
+use tokio::task::JoinHandle;
 use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 
 use super::board::{Board, PAUSE_MAX};
+use super::jobs::{Done, Jobs};
 use super::live::{Decision, LiveMap};
 use super::pinned::PinnedMap;
 use super::{Service, ServiceError};
 use crate::model::ids::{KeyframeId, MapId};
 use crate::models::Models;
 use crate::models::port::Fault;
-use crate::recognition::lacking::{Abilities, Lack, lacking};
+use crate::recognition::lacking::{Lack, lacking};
 use crate::recognition::learning::learn_away;
 use crate::store::MapKey;
 
@@ -76,7 +77,7 @@ impl Worker {
             stop: self.stop.clone(),
             open_jobs: self.open_jobs.clone(),
             boards: HashMap::new(),
-            jobs: JoinSet::new(),
+            jobs: Jobs::default(),
             resume_at: None,
             was_away: false,
             unseen: VecDeque::new(),
@@ -120,12 +121,6 @@ fn lock<T>(mutex: &std::sync::Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
-struct Done {
-    map: MapKey,
-    lack: Lack,
-    result: Result<(), Fault>,
-}
-
 struct Round {
     service: Service,
     models: Arc<Models>,
@@ -134,7 +129,7 @@ struct Round {
     open_jobs: Arc<AtomicU64>,
     /// By the map's key: another map of the same name has nothing of it.
     boards: HashMap<MapKey, Board>,
-    jobs: JoinSet<Done>,
+    jobs: Jobs,
     /// While a model is away: when to try again.
     resume_at: Option<Instant>,
     was_away: bool,
@@ -157,10 +152,10 @@ impl Round {
                 () = stop.cancelled() => {}
                 () = wake.notified() => {}
                 () = tokio::time::sleep_until(later) => {}
-                Some(done) = self.jobs.join_next() => self.finished(done).await,
+                Some(done) = self.jobs.next() => self.finished(done).await,
             }
         }
-        let drained = async { while self.jobs.join_next().await.is_some() {} };
+        let drained = async { while self.jobs.next().await.is_some() {} };
         if tokio::time::timeout(DRAIN, drained).await.is_err() {
             self.jobs.abort_all();
         }
@@ -271,7 +266,7 @@ impl Round {
 
     /// Looks what a map lacks, and tells the map whether it waits for a model.
     async fn look(&mut self, live: &Arc<LiveMap>) {
-        let abilities = self.abilities();
+        let roles = self.models.roles();
         let models_away = self.is_away_for(live);
         let board = self.boards.entry(live.key).or_insert_with(|| Board::of(live));
         let now = Instant::now();
@@ -282,7 +277,7 @@ impl Round {
         let left_alone: HashSet<Lack> = board.left_alone(now);
         let looked = self.service.look(live, move |state| {
             let passed_over = |lack: &Lack| left_alone.contains(lack);
-            let found = lacking(&state.index, abilities, &mut settled, BATCH, passed_over);
+            let found = lacking(&state.index, roles, &mut settled, BATCH, passed_over);
             Ok((state.version, found, settled, state.index.model_away()))
         });
         let looked = looked.await;
@@ -311,10 +306,6 @@ impl Round {
         payer.is_some_and(|payer| self.models.budget().is_spent_for(&payer))
     }
 
-    fn abilities(&self) -> Abilities {
-        Abilities { reads: self.models.describer.reads(), judges: self.models.judge.has_model() }
-    }
-
     async fn tell_away(&self, live: &Arc<LiveMap>, away: bool) {
         let told = self.service.change(live, move |index| {
             Ok(match learn_away(index, away) {
@@ -329,22 +320,18 @@ impl Round {
 
     fn begin(&mut self, key: MapKey, map: PinnedMap, lack: Lack) {
         let (service, models) = (self.service.clone(), self.models.clone());
-        self.jobs.spawn(async move {
-            let result = match service.live_pinned_in_background(&map).await {
-                Ok(live) => service.give(&live, &models, lack.clone()).await,
+        let asked = lack.clone();
+        self.jobs.begin(key, lack, async move {
+            match service.live_pinned_in_background(&map).await {
+                Ok(live) => service.give(&live, &models, asked).await,
                 // The map is gone, and the question with it.
                 Err(ServiceError::NotFound(_)) => Ok(()),
                 Err(error) => Err(error.into()),
-            };
-            Done { map: key, lack, result }
+            }
         });
     }
 
-    async fn finished(&mut self, done: Result<Done, tokio::task::JoinError>) {
-        let Ok(Done { map, lack, result }) = done else {
-            tracing::error!("a job broke off");
-            return;
-        };
+    async fn finished(&mut self, Done { map, lack, result }: Done) {
         let Some(board) = self.boards.get_mut(&map) else { return };
         board.under_way.remove(&lack);
         if result.is_ok() {

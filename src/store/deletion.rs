@@ -39,6 +39,8 @@ const fn with_blobs(name: &'static str, key: &'static str, blobs: &'static str) 
 /// Children before parents.
 const TABLES: &[Table] = &[
     without_rowid("transcripts", "keyframe, detection, step"),
+    without_rowid("replaced_transcripts", "map_version, keyframe, detection, step"),
+    without_rowid("replaced_readings", "map_version, keyframe, detection"),
     with_rowid("model_readings", "keyframe, detection"),
     with_blobs("crops", "keyframe, detection", "length(bytes)"),
     with_rowid("detections", "keyframe, detection"),
@@ -60,6 +62,8 @@ const TABLES: &[Table] = &[
     without_rowid("events", "seq"),
     with_blobs("loop_queries", "id", "length(body)"),
     without_rowid("model_verdicts", "operation, class, a, b"),
+    without_rowid("replaced_verdicts", "map_version, operation, class, a, b"),
+    without_rowid("judgements", "id"),
     with_blobs("deferred_parts", "version, part", "length(entries)"),
     without_rowid("deferred_changes", "version"),
 ];

@@ -7,7 +7,8 @@ use super::key_rows::NewKeyRow;
 use super::model_rows::Spent;
 use crate::model::change::Change;
 use crate::model::event::Event;
-use crate::model::ids::{AnchorSeq, KeyframeSeq, MapId};
+use crate::model::ids::{AnchorSeq, JudgementId, KeyframeSeq, MapId};
+use crate::model::judgement::Judgement;
 use crate::model::key::KeySeq;
 use crate::model::keyframe::NewKeyframe;
 use crate::model::map::{MapFigures, MapProperties};
@@ -116,6 +117,10 @@ pub enum Job {
         /// The answer, as received.
         answer: Arc<str>,
     },
+    /// A job asks a map's verdicts again.
+    StartJudgement(MapKey, Box<Judgement>),
+    /// Such a job is stopped, if it is still running.
+    StopJudgement(MapKey, JudgementId),
     /// No map waits for a model any more; those that did have another version now.
     ForgetAway,
     /// Calls of models, and what they cost or may cost.

@@ -9,6 +9,7 @@
 //! | from changes to rows | [`mod@write`], [`map_rows`], [`keyframe_rows`] |
 //! | from rows to changes, when a map is first asked for | [`load`], [`decode`], [`validate`] |
 //! | what models said, and what it cost | [`model_rows`] |
+//! | jobs that ask models again, and the verdicts they replaced | [`judgement_rows`], [`replaced_rows`] |
 //! | API keys | [`key_rows`] |
 //! | reads of one row | [`read`] |
 //! | a disk that is full or fails | [`health`], [`reserve`], [`transaction`], [`renewal`] |
@@ -30,6 +31,7 @@ pub mod files;
 mod fold;
 mod health;
 mod job;
+mod judgement_rows;
 mod key_rows;
 mod keyframe_rows;
 mod lanes;
@@ -42,6 +44,7 @@ mod map_rows;
 mod model_rows;
 mod read;
 mod renewal;
+mod replaced_rows;
 mod reserve;
 pub mod restore;
 mod schema;
@@ -64,6 +67,7 @@ pub use committer::{CommitStats, Committer, Line};
 pub use error::StoreError;
 use files::DatabaseFiles;
 pub use job::{Batch, Job, MapKey, NewKeyframeRows};
+pub use judgement_rows::Fingerprints;
 pub use key_rows::{KeyTable, NewKeyRow};
 pub use load::Loaded;
 use lock::{DatabaseLock, Purpose};

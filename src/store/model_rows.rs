@@ -7,7 +7,7 @@ use sqlx::{Row, SqliteConnection};
 
 use super::job::MapKey;
 use super::write::run;
-use super::{Store, StoreError};
+use super::{Store, StoreError, replaced_rows};
 use crate::model::change::Change;
 use crate::model::ids::{KeyframeSeq, MapId};
 use crate::model::judged::{CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
@@ -122,18 +122,19 @@ impl Store {
 
 pub(super) async fn add_reading(
     db: &mut SqliteConnection,
-    map: MapKey,
+    (map, version): (MapKey, u64),
     read: &CropRead,
 ) -> Result<(), StoreError> {
+    replaced_rows::keep_reading(db, (map, version), read.keyframe, read.detection).await?;
     let reading = &read.reading;
     let delete = "delete from model_readings where map_key = $1 and keyframe = $2 and detection = $3";
     run(db, sqlx::query(delete).bind(map).bind(read.keyframe.0).bind(read.detection)).await?;
     let insert =
-        "insert into model_readings (map_key, keyframe, detection, text, source, described, degraded)
-        values ($1, $2, $3, $4, $5, $6, $7)";
+        "insert into model_readings (map_key, keyframe, detection, text, source, described, degraded, fingerprint)
+        values ($1, $2, $3, $4, $5, $6, $7, $8)";
     let query = sqlx::query(insert).bind(map).bind(read.keyframe.0).bind(read.detection);
     let query = query.bind(&*reading.text).bind(&*reading.source).bind(reading.described);
-    run(db, query.bind(reading.degraded)).await?;
+    run(db, query.bind(reading.degraded).bind(&*read.fingerprint)).await?;
     for (number, step) in read.transcript.iter().enumerate() {
         let insert = "insert into transcripts (map_key, keyframe, detection, step, speaker, question, answer)
             values ($1, $2, $3, $4, $5, $6, $7)";
@@ -146,7 +147,7 @@ pub(super) async fn add_reading(
 
 pub(super) async fn add_verdict(
     db: &mut SqliteConnection,
-    map: MapKey,
+    (map, version): (MapKey, u64),
     verdict: &ModelVerdict,
 ) -> Result<(), StoreError> {
     let (operation, level, text) = match &verdict.finding {
@@ -154,13 +155,17 @@ pub(super) async fn add_verdict(
         Finding::Information(level) => ("information", Some(*level), None),
         Finding::Merge(text) => ("merge", None, Some(&**text)),
     };
-    let insert = "insert into model_verdicts (map_key, operation, class, a, b, level, text, source)
-        values ($1, $2, $3, $4, $5, $6, $7, $8)
+    replaced_rows::keep_verdict(db, (map, version), operation, verdict).await?;
+    let insert = "insert into model_verdicts
+            (map_key, operation, class, a, b, level, text, source, reason, fingerprint)
+        values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10)
         on conflict (map_key, operation, class, a, b) do update
-        set level = excluded.level, text = excluded.text, source = excluded.source";
+        set level = excluded.level, text = excluded.text, source = excluded.source, reason = excluded.reason,
+            fingerprint = excluded.fingerprint";
     let query = sqlx::query(insert).bind(map).bind(operation).bind(&*verdict.class);
     let query = query.bind(&*verdict.a).bind(&*verdict.b).bind(level).bind(text);
-    run(db, query.bind(&*verdict.source)).await
+    let query = query.bind(&*verdict.source).bind(&*verdict.reason);
+    run(db, query.bind(&*verdict.fingerprint)).await
 }
 
 pub(super) async fn set_away(db: &mut SqliteConnection, map: MapKey, away: bool) -> Result<(), StoreError> {
@@ -213,7 +218,8 @@ pub(super) async fn spend(db: &mut SqliteConnection, spent: &Spent) -> Result<()
 /// The verdicts about a map's texts, and whether it waits for a model.
 pub(super) async fn verdicts(db: &mut SqliteConnection, map: MapKey) -> Result<Vec<Change>, StoreError> {
     let mut changes = Vec::new();
-    let select = "select operation, class, a, b, level, text, source from model_verdicts where map_key = $1";
+    let select = "select operation, class, a, b, level, text, source, reason, fingerprint from model_verdicts
+        where map_key = $1";
     for row in sqlx::query(select).bind(map).fetch_all(&mut *db).await? {
         let level = || -> Result<u8, StoreError> { Ok(row.try_get::<u8, _>("level")?) };
         let finding = match row.try_get::<&str, _>("operation")? {
@@ -228,6 +234,8 @@ pub(super) async fn verdicts(db: &mut SqliteConnection, map: MapKey) -> Result<V
             b: row.try_get::<&str, _>("b")?.into(),
             finding,
             source: row.try_get::<&str, _>("source")?.into(),
+            reason: row.try_get::<&str, _>("reason")?.into(),
+            fingerprint: row.try_get::<&str, _>("fingerprint")?.into(),
         })));
     }
     let select = "select exists (select 1 from models_away where map_key = $1)";

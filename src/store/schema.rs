@@ -19,6 +19,7 @@ const MIGRATIONS: &[Step] = &[
     (2, "models", include_str!("../../migrations/sqlite/0002_models.sql")),
     (3, "trust", include_str!("../../migrations/sqlite/0003_trust.sql")),
     (5, "slices", include_str!("../../migrations/sqlite/0005_slices.sql")),
+    (6, "judgements", include_str!("../../migrations/sqlite/0006_judgements.sql")),
     (7, "figures", include_str!("../../migrations/sqlite/0007_figures.sql")),
 ];
 

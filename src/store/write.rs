@@ -7,7 +7,7 @@ use sqlx::{Sqlite, SqliteConnection};
 use super::blob::pack;
 use super::job::{Batch, Job, MapKey};
 use super::keyframe_rows::{add_detections, add_keyframe, forget_points, pose_blob, set_points};
-use super::{StoreError, deferred, deletion, key_rows, map_rows, model_rows};
+use super::{StoreError, deferred, deletion, judgement_rows, key_rows, map_rows, model_rows};
 use crate::model::anchor::Outcome;
 use crate::model::change::{Change, Loop, Merge, MergeCause};
 use crate::model::event::Event;
@@ -57,6 +57,8 @@ pub(super) async fn execute(db: &mut SqliteConnection, job: &Job) -> Result<(), 
         Job::Spend(spent) => model_rows::spend(db, spent).await,
         Job::CreateKey(key) => key_rows::create(db, key).await,
         Job::RevokeKey(key, at) => key_rows::revoke(db, *key, *at).await,
+        Job::StartJudgement(map, judgement) => judgement_rows::start(db, *map, judgement).await,
+        Job::StopJudgement(map, id) => judgement_rows::stop(db, *map, id).await,
         Job::KeepQuery { map, id, kept, body } => keep_query(db, *map, id, *kept, body).await,
     }
 }
@@ -98,7 +100,7 @@ async fn change_map(db: &mut SqliteConnection, batch: &Batch) -> Result<(), Stor
                 add_keyframe(db, map, keyframe, bow, rows).await?;
                 arrived = Some((keyframe.seq, rows));
             }
-            other => apply(db, map, other).await?,
+            other => apply(db, (map, batch.version), other).await?,
         }
     }
     // After the anchors they name.
@@ -109,7 +111,11 @@ async fn change_map(db: &mut SqliteConnection, batch: &Batch) -> Result<(), Stor
     tell(db, map, &batch.events).await
 }
 
-async fn apply(db: &mut SqliteConnection, map: MapKey, change: &Change) -> Result<(), StoreError> {
+async fn apply(
+    db: &mut SqliteConnection,
+    (map, version): (MapKey, u64),
+    change: &Change,
+) -> Result<(), StoreError> {
     match change {
         Change::MapSet(properties) => map_rows::set_properties(db, map, properties).await,
         Change::VocabularySet(name) => {
@@ -155,8 +161,9 @@ async fn apply(db: &mut SqliteConnection, map: MapKey, change: &Change) -> Resul
         }
         Change::Merged(merge) => add_merge(db, map, merge).await,
         Change::LoopAdded(closed) => add_loop(db, map, closed).await,
-        Change::CropRead(read) => model_rows::add_reading(db, map, read).await,
-        Change::Judged(verdict) => model_rows::add_verdict(db, map, verdict).await,
+        Change::CropRead(read) => model_rows::add_reading(db, (map, version), read).await,
+        Change::Judged(verdict) => model_rows::add_verdict(db, (map, version), verdict).await,
+        Change::JudgementAdvanced(progress) => judgement_rows::advance(db, map, progress).await,
         Change::ModelAway(away) => model_rows::set_away(db, map, *away).await,
         Change::LoopRemoved(id) => {
             let merges = "delete from anchor_merges where map_key = $1 and loop_id = $2";

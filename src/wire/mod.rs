@@ -25,6 +25,7 @@ pub mod digest;
 pub mod event;
 pub mod examples;
 pub mod geometry;
+pub mod judgement;
 pub mod key;
 pub mod keyframe;
 pub mod limits;

@@ -4,6 +4,7 @@ mod anchors;
 mod backups;
 mod bulk;
 mod events;
+mod judgements;
 mod keyframes;
 mod keys;
 mod lines;
@@ -38,6 +39,8 @@ pub fn api(frame: OpenApi) -> OpenApiRouter<App> {
         .routes(routes!(loop_queries::get_loop_query))
         .routes(routes!(loops::list_loops, loops::confirm_loop))
         .routes(routes!(loops::revoke_loop))
+        .routes(routes!(judgements::judge_again))
+        .routes(routes!(judgements::get_judgement, judgements::stop_judgement))
         .routes(routes!(anchors::list_anchors))
         .routes(routes!(anchors::get_anchor, anchors::patch_anchor, anchors::delete_anchor))
         .routes(routes!(anchors::get_crop))

@@ -72,7 +72,7 @@ impl MapIndex {
             }
             Change::AnchorRemoved(seq) => self.remove_anchor(*seq, touched),
             Change::Observed(seq, observation) => self.observe(*seq, observation, touched),
-            Change::OutcomeSet(..) => {}
+            Change::OutcomeSet(..) | Change::JudgementAdvanced(_) => {}
             Change::PositionSet(seq, keyframe, detection, position) => {
                 if let Some(anchor) = self.anchor_mut(*seq)
                     && let Some(observation) = anchor.observations.get_mut(&(*keyframe, *detection))

@@ -9,8 +9,13 @@ use crate::semantics::{self, Source, Text};
 /// A class and a text in normal form.
 type Carried = (Box<str>, Box<str>);
 
-/// A level, and who found it.
-type Found = (u8, Arc<str>);
+/// A SimilarityLevel by a model.
+#[derive(Clone, Debug, PartialEq)]
+struct Found {
+    level: u8,
+    source: Arc<str>,
+    reason: Box<str>,
+}
 
 /// The model's verdicts about the texts of a map.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,7 +36,8 @@ impl Verdicts {
             Finding::Similarity(level) => {
                 let larger = (verdict.class.clone(), verdict.b.clone());
                 self.smaller.entry(larger).or_default().insert(verdict.a.clone());
-                let found = (*level, verdict.source.clone());
+                let (source, reason) = (verdict.source.clone(), verdict.reason.clone());
+                let found = Found { level: *level, source, reason };
                 let before = self.similarity.entry(key).or_default().insert(verdict.b.clone(), found);
                 self.count += usize::from(before.is_none());
             }
@@ -57,13 +63,35 @@ impl Verdicts {
 
     /// SimilarityLevel of two texts by a model, if one has judged them and the question was its own.
     pub fn similarity(&self, class: &str, a: &Text, b: &Text) -> Option<(u8, Source)> {
+        let found = self.found(class, a, b)?;
+        Some((found.level, Source::Model(found.source.clone())))
+    }
+
+    /// Returns why a model gave two texts their SimilarityLevel, if it has judged them and said why.
+    pub fn reason(&self, class: &str, a: &Text, b: &Text) -> Option<&str> {
+        Some(&*self.found(class, a, b)?.reason).filter(|reason| !reason.is_empty())
+    }
+
+    fn found(&self, class: &str, a: &Text, b: &Text) -> Option<&Found> {
         // What binds a model's answer binds it here as well, whoever wrote the row.
         if self.similarity.is_empty() || !semantics::similarity_is_open(a, b) {
             return None;
         }
         let (low, high) = ordered(a.normalised(), b.normalised());
-        let (level, source) = self.similarity.get(&carried(class, low))?.get(high)?;
-        Some((*level, Source::Model(source.clone())))
+        self.similarity.get(&carried(class, low))?.get(high)
+    }
+
+    /// Whether a verdict is known already, whoever gave it.
+    pub fn says(&self, verdict: &ModelVerdict) -> bool {
+        let key = carried(&verdict.class, &verdict.a);
+        match &verdict.finding {
+            Finding::Similarity(level) => {
+                let found = self.similarity.get(&key).and_then(|with| with.get(&verdict.b));
+                found.is_some_and(|found| found.level == *level)
+            }
+            Finding::Information(level) => self.information.get(&key) == Some(level),
+            Finding::Merge(text) => self.merges.get(&key).and_then(|with| with.get(&verdict.b)) == Some(text),
+        }
     }
 
     /// The texts that a model has judged with this one.

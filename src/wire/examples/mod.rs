@@ -3,12 +3,14 @@
 //! They tell one story: a corridor, a door with the number 901, and a robot that comes back to it.
 
 mod anchors;
+mod judgements;
 mod keyframes;
 mod loops;
 mod maps;
 mod operations;
 
 pub use anchors::*;
+pub use judgements::*;
 pub use keyframes::*;
 pub use loops::*;
 pub use maps::*;

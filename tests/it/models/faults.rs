@@ -218,3 +218,13 @@ async fn a_model_that_is_away_is_left_alone() {
     assert!(metrics.contains("revisit_models_away 1"), "{metrics}");
     let _: Value = server.get("/v1/usage").await.expect(200);
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_client_waits_less_long_than_a_call_may_take() {
+    let stub = Stub::start(|_| Reply::Hang).await;
+    // A call may take an hour: without a limit of its own the request would hang.
+    let flags = ["--model-text-timeout-ms", "3600000", "--model-client-timeout-ms", "100"];
+    let server = Server::with_models(stub.choice(&flags)).await;
+    let answer = server.post("/v1/semantics/similarity", &json!({"a": BOAT, "b": SHIP})).await.expect(200);
+    assert_eq!((&answer["source"], &answer["degraded"]), (&json!("lexical"), &json!(true)), "{answer}");
+}

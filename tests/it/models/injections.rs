@@ -169,11 +169,85 @@ async fn a_forged_plate_matches_no_other_number_in_the_map() {
         .await;
     hear(&server, "m", describes("a-0")).await;
     hear(&server, "m", describes("a-1")).await;
-    for (anchor, number) in [("a-0", "901."), ("a-1", "910.")] {
+    for (anchor, number) in [("a-0", "901"), ("a-1", "910")] {
         let anchor = server.get(&format!("/v1/maps/m/anchors/{anchor}")).await.expect(200);
+        let description = anchor["description"].as_str().unwrap();
+        assert!(description.starts_with(number), "the sign keeps its text: {anchor}");
+        assert_eq!(anchor["matches_total"], 0, "{anchor}");
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn no_hostile_text_on_two_doors_makes_them_one() {
+    // One that names both rooms is a sign for both: the built-in judge reads equal numbers.
+    let names_both = |text: &&&str| text.contains("901") && text.contains("910");
+    let texts: Vec<&str> = INJECTIONS.iter().filter(|text| !names_both(text)).copied().collect();
+    assert!(texts.len() + 1 >= INJECTIONS.len());
+    let doors = 2 * texts.len();
+    // One door of each pair reads 901, the other 910, and the rest of the sign is one and the same order.
+    let plates: Vec<String> = (0..doors).map(|door| super::worker::sent([door as u8, 7, 7])).collect();
+    let stub = Stub::start(move |asked: &Asked| match asked.what {
+        "look" => {
+            let sent = asked.body.to_string();
+            let door = plates.iter().position(|plate| sent.contains(plate)).unwrap();
+            let number = if door % 2 == 0 { "901" } else { "910" };
+            Reply::Say(format!("{number}. {}", texts[door / 2]))
+        }
+        _ => obedient(asked),
+    })
+    .await;
+    let server = Server::with_models(stub.choice(&[])).await;
+    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    for door in 0..doors {
+        // A class for each pair, so that each text meets its like alone; so far apart that nothing is covisible.
+        let (x, class) = (door as f64 * 50.0, format!("sign-{}", door / 2));
+        let plate = crop(&class, [x, 0.0, 2.0], [door as u8, 7, 7]);
+        put(&server, "m", &format!("kf-{door}"), &keyframe(door as i64 * 90, x, &[plate])).await;
+    }
+    for door in 0..doors {
+        hear(&server, "m", describes(&format!("a-{door}"))).await;
+    }
+    for door in 0..doors {
+        let anchor = server.get(&format!("/v1/maps/m/anchors/a-{door}")).await.expect(200);
+        let number = if door % 2 == 0 { "901" } else { "910" };
+        assert!(anchor["description"].as_str().is_some_and(|text| text.contains(number)), "{anchor}");
+        assert_eq!((&anchor["matches_total"], &anchor["merged_from"]), (&json!(0), &json!([])), "{anchor}");
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_sign_that_hangs_in_buildings_keeps_its_information() {
+    for (sign, level) in [
+        ("Level 5", 4),
+        ("Level 52", 4),
+        ("Niveau 5", 4),
+        ("EMERGENCY INSTRUCTIONS", 4),
+        ("Shop assistant wanted", 4),
+        ("Level 5. Room 512", 5),
+    ] {
+        let stub = Stub::start(move |asked: &Asked| match asked.what {
+            "look" => Reply::Say(sign.to_owned()),
+            _ => obedient(asked),
+        })
+        .await;
+        let server = Server::with_models(stub.choice(&[])).await;
+        server.put("/v1/maps/m", &json!({})).await.expect(201);
+        put(&server, "m", "kf-1", &keyframe(1, 0.0, &[crop("sign", [0.0, 0.0, 2.0], [255, 0, 0])])).await;
+        // A model's word about its worth may come after the description.
+        let worth = async {
+            loop {
+                let anchor = server.get("/v1/maps/m/anchors/a-0").await.expect(200);
+                if anchor["information_level"] == level {
+                    return anchor;
+                }
+                tokio::task::yield_now().await;
+            }
+        };
+        let hangs_after = std::time::Duration::from_mins(2);
+        let anchor = tokio::time::timeout(hangs_after, worth).await.expect(sign);
         assert_eq!(
-            (&anchor["description"], &anchor["matches_total"]),
-            (&json!(number), &json!(0)),
+            (&anchor["description"], &anchor["information_level"], &anchor["state"]),
+            (&json!(sign), &json!(level), &json!("valid")),
             "{anchor}"
         );
     }

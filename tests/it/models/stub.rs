@@ -95,6 +95,8 @@ impl Stub {
             "20",
             "--model-text-timeout-ms",
             "20000",
+            "--model-client-timeout-ms",
+            "20000",
         ];
         let usual = usual.chunks(2).filter(|flag| !more.contains(&flag[0])).flatten();
         let flags: Vec<&str> = usual.chain(more).copied().collect();

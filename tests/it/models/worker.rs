@@ -93,6 +93,13 @@ async fn a_verdict_of_the_model_matches_two_anchors_and_triggers_a_loop_check() 
     let verdict = server.post("/v1/maps/m/loop-queries", &json!({"keyframe": "kf-2"})).await.expect(200);
     assert_eq!((&verdict["verdict"], &verdict["degraded"]), (&json!("loop"), &json!(false)), "{verdict}");
     assert_eq!(verdict["candidates"][0]["anchors"]["matches"][0]["source"], "model:stub");
+    // The reason is that of the model, not of the judge that was not asked.
+    let matched = &anchor(&server, "a-0").await["matches"][0];
+    assert_eq!(
+        (&matched["source"], &matched["reason"]),
+        (&json!("model:stub"), &json!("so it was told")),
+        "{matched}"
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -110,7 +117,10 @@ async fn what_a_model_said_stands_after_a_restart_without_a_model() {
     let before = ask(&server).await;
     server.stop().await;
     let server = Server::on(directory.path(), None, revisit::service::ModelChoice::None).await;
-    assert_eq!(ask(&server).await, before);
+    let after = ask(&server).await;
+    // Another configuration has records of its own; the verdict is the same.
+    assert_ne!(after["id"], before["id"]);
+    assert_eq!((&after["candidates"], &after["best"]), (&before["candidates"], &before["best"]));
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -188,6 +198,44 @@ pub(super) fn sent(colour: [u8; 3]) -> String {
     use base64::Engine as _;
     let picture = revisit::models::picture::Picture::decode(&super::scene::png(60, 40, colour)).unwrap();
     base64::engine::general_purpose::STANDARD.encode(picture.png)
+}
+
+/// A crop of this size at the plate of `a-0`, seen together with the first.
+fn crop_of_size(sec: i64, [width, height]: [f64; 2]) -> Value {
+    let mut plate = crop("door_number", [0.0, 0.0, 2.0], [sec as u8, 0, 0]);
+    plate["box"] = json!([100.0, 100.0, 100.0 + width, 100.0 + height]);
+    let mut body = keyframe(sec, 0.0, &[plate]);
+    if sec > 1 {
+        body["covisible"] = json!([{"keyframe": "kf-1", "shared": 50}]);
+    }
+    body
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_old_crop_left_over_keeps_no_newer_one_from_being_read() {
+    let stub = Stub::start(reads_901).await;
+    let server = Server::with_models(stub.choice(&[])).await;
+    server.put("/v1/maps/m", &json!({"settings": {"description_refresh_s": 100}})).await.expect(201);
+    put(&server, "m", "kf-1", &crop_of_size(1, [60.0, 40.0])).await;
+    wait_for(&server, |anchor| anchor["readings"][0]["count"] == 1).await;
+    // Larger, yet neither twice as large nor much later: it stays unread.
+    put(&server, "m", "kf-2", &crop_of_size(2, [70.0, 50.0])).await;
+    // Smaller, and late enough to refresh the description (§IV-B).
+    put(&server, "m", "kf-3", &crop_of_size(150, [50.0, 30.0])).await;
+    wait_for(&server, |anchor| anchor["readings"][0]["count"] == 2).await;
+    let transcript = server.get("/v1/maps/m/anchors/a-0/transcript").await.expect(200);
+    assert_eq!(transcript["items"][0]["keyframe"], "kf-3", "{transcript}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn small_crops_are_read_once_the_first_has_waited_however_many_larger_ones_came() {
+    let stub = Stub::start(reads_901).await;
+    let server = Server::with_models(stub.choice(&[])).await;
+    server.put("/v1/maps/m", &json!({"settings": {"description_refresh_s": 100}})).await.expect(201);
+    put(&server, "m", "kf-1", &crop_of_size(1, [9.0, 9.0])).await;
+    put(&server, "m", "kf-2", &crop_of_size(60, [10.0, 10.0])).await;
+    put(&server, "m", "kf-3", &crop_of_size(120, [11.0, 11.0])).await;
+    wait_for(&server, |anchor| anchor["description"] == "901").await;
 }
 
 #[tokio::test(flavor = "multi_thread")]

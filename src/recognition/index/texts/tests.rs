@@ -50,6 +50,8 @@ fn similarity(class: &str, a: &str, b: &str, level: u8) -> ModelVerdict {
     let mut pair = [a.normalised(), b.normalised()];
     pair.sort_unstable();
     ModelVerdict {
+        reason: "".into(),
+        fingerprint: "".into(),
         class: class.into(),
         a: pair[0].into(),
         b: pair[1].into(),

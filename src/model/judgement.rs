@@ -1,0 +1,216 @@
+//! Judgements: jobs that ask a changed model again about what a map's verdicts say.
+
+use super::ids::{JudgementId, KeyframeSeq};
+
+/// Which verdicts a job asks for again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Asks {
+    /// All of them.
+    #[default]
+    All,
+    /// Those about texts.
+    Texts,
+    /// The readings of crops.
+    Crops,
+}
+
+impl Asks {
+    /// The names in the contract.
+    pub const NAMES: [&'static str; 3] = ["all", "texts", "crops"];
+
+    /// Returns the name in the contract.
+    pub fn as_str(self) -> &'static str {
+        Self::NAMES[self as usize]
+    }
+
+    /// Returns what a name in the contract means.
+    pub fn from_name(name: &str) -> Option<Self> {
+        [Self::All, Self::Texts, Self::Crops].into_iter().find(|asks| asks.as_str() == name)
+    }
+
+    /// Whether crops are read again.
+    pub fn crops(self) -> bool {
+        self != Self::Texts
+    }
+
+    /// Whether texts are judged again.
+    pub fn texts(self) -> bool {
+        self != Self::Crops
+    }
+}
+
+/// The functions of §IV-A.2, in the order in which a job asks them again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum TextFunction {
+    /// InformationLevel.
+    Information,
+    /// MergeText.
+    Merge,
+    /// SimilarityLevel.
+    Similarity,
+}
+
+impl TextFunction {
+    /// Returns the name in the contract and in the store, which sorts as the functions do.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Information => "information",
+            Self::Merge => "merge",
+            Self::Similarity => "similarity",
+        }
+    }
+
+    /// Returns the function of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        [Self::Information, Self::Merge, Self::Similarity].into_iter().find(|known| known.as_str() == name)
+    }
+}
+
+/// A question that was answered before, by another model or by other prompts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PastQuestion {
+    /// What is to be read on a detection's crop?
+    Crop {
+        /// The keyframe.
+        keyframe: KeyframeSeq,
+        /// The detection.
+        detection: u16,
+    },
+    /// What is to be said of texts of one class, in normal form?
+    Texts {
+        /// What was asked.
+        function: TextFunction,
+        /// The class.
+        class: Box<str>,
+        /// The only text, or the smaller of the two.
+        a: Box<str>,
+        /// The larger of the two; empty for one text.
+        b: Box<str>,
+    },
+}
+
+/// How many questions of a kind a job would ask.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Workload {
+    /// Crops by class.
+    pub crops: Vec<(String, u64)>,
+    /// Questions about texts, each kind with the characters of its texts.
+    pub texts: Vec<(TextFunction, u64, u64)>,
+}
+
+impl Workload {
+    /// Returns the number of questions.
+    pub fn questions(&self) -> u64 {
+        let crops = self.crops.iter().map(|(_, count)| count);
+        crops.chain(self.texts.iter().map(|(_, count, _)| count)).sum()
+    }
+}
+
+/// The most that a job may take.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Estimate {
+    /// Calls of models.
+    pub calls: u64,
+    /// Millionths of a US dollar.
+    pub microusd: u64,
+}
+
+/// How a job stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum JobState {
+    /// It asks.
+    Running,
+    /// Every question is settled.
+    Done,
+    /// It was stopped.
+    Stopped,
+}
+
+impl JobState {
+    /// Returns the name in the contract and in the store.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Running => "running",
+            Self::Done => "done",
+            Self::Stopped => "stopped",
+        }
+    }
+
+    /// Returns the state of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        [Self::Running, Self::Done, Self::Stopped].into_iter().find(|known| known.as_str() == name)
+    }
+}
+
+/// What has become of a job's questions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Answered otherwise than before.
+    pub changed: u64,
+    /// Answered as before.
+    pub unchanged: u64,
+    /// About something that the map no longer holds.
+    pub gone: u64,
+    /// Not answered.
+    pub failed: u64,
+}
+
+impl Tally {
+    /// Returns how many questions are settled.
+    pub fn settled(self) -> u64 {
+        self.changed + self.unchanged + self.gone + self.failed
+    }
+}
+
+/// A job as the store keeps it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Judgement {
+    /// Its id.
+    pub id: JudgementId,
+    /// Which verdicts it asks for again.
+    pub asks: Asks,
+    /// How it stands.
+    pub state: JobState,
+    /// The map's version when it began.
+    pub since_version: u64,
+    /// Its questions, as counted when it began.
+    pub questions: u64,
+    /// The most that it may take, as foreseen when it began.
+    pub estimate: Estimate,
+    /// What has become of its questions.
+    pub tally: Tally,
+    /// The question that was settled last.
+    pub position: Option<PastQuestion>,
+}
+
+/// A job has settled some of its questions.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct JudgementProgress {
+    /// The job.
+    pub id: JudgementId,
+    /// What became of the questions that were settled now.
+    pub tally: Tally,
+    /// The last of them; none if there were none left.
+    pub position: Option<PastQuestion>,
+    /// Whether none is left.
+    pub is_over: bool,
+}
+
+/// A verdict that was replaced, beside the one that stands now.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Replaced {
+    /// The version of the map that replaced it.
+    pub map_version: u64,
+    /// What was asked: `describe`, `information`, `merge` or `similarity`.
+    pub operation: String,
+    /// The class of the object.
+    pub class: String,
+    /// The texts that were judged; none of a crop.
+    pub texts: Vec<String>,
+    /// The crop's keyframe and detection; none of texts.
+    pub crop: Option<(String, u16)>,
+    /// What was said before, and by whom.
+    pub before: (String, String),
+    /// What is said now, and by whom.
+    pub after: (String, String),
+}

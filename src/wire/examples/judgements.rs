@@ -1,0 +1,55 @@
+//! Of asking a changed model again.
+
+use serde_json::{Value, json};
+
+/// A job to be counted first.
+pub fn judgement_body() -> Value {
+    json!({"asks": "texts", "preview": true})
+}
+
+/// What a job would take.
+pub fn judgement_preview() -> Value {
+    let mut preview = judgement();
+    let gone = ["id", "changed", "unchanged", "left", "replaced", "state"];
+    if let Some(members) = preview.as_object_mut() {
+        members.retain(|name, _| !gone.contains(&name.as_str()));
+    }
+    for (name, value) in [
+        ("state", json!("preview")),
+        ("changed", json!(0)),
+        ("unchanged", json!(0)),
+        ("left", json!(12)),
+        ("replaced", json!([])),
+    ] {
+        preview[name] = value;
+    }
+    preview
+}
+
+/// A job that is done.
+pub fn judgement() -> Value {
+    json!({
+        "id": "j-1",
+        "map_version": 420,
+        "state": "done",
+        "asks": "texts",
+        "questions": 12,
+        "calls_max": 22,
+        "cost_max_usd": 0.0184,
+        "changed": 1,
+        "unchanged": 11,
+        "gone": 0,
+        "failed": 0,
+        "left": 0,
+        "replaced": [{
+            "map_version": 414,
+            "operation": "similarity",
+            "class": "painting",
+            "texts": ["a portrait of a lady with a mysterious smile", "the famous portrait of mona lisa"],
+            "before": "3",
+            "source_before": "model:small",
+            "after": "5",
+            "source_after": "model:large"
+        }]
+    })
+}
