@@ -16,7 +16,7 @@ use crate::geometry::{Point3, Pose};
 use crate::model::anchor::Observation;
 use crate::model::bow::BowVector;
 use crate::model::change::{Change, Keyframe, Loop, Merge, MergeCause};
-use crate::model::ids::{AnchorSeq, KeyframeSeq, LoopId, MapId, SessionSeq};
+use crate::model::ids::{AnchorSeq, KeyframeSeq, LoopId, MapId, PointId, SessionSeq};
 use crate::model::key::KeySeq;
 use crate::model::keyframe::{Camera, Stamp};
 use crate::model::request::Digest;
@@ -214,7 +214,7 @@ pub(super) fn keyframe(row: &SqliteRow) -> Result<(Keyframe, BowVector), StoreEr
         stamp: Stamp { sec: row.try_get("stamp_sec")?, nanosec: row.try_get("stamp_nanosec")? },
         map_from_camera: pose(row.try_get("pose")?)?,
         camera: row.try_get::<Option<&[u8]>, _>("camera")?.map(camera).transpose()?,
-        observes: unpack(row.try_get("observes")?)?.into(),
+        observes: unpack::<PointId>(row.try_get("observes")?)?.into(),
         declared: declared.into_iter().map(|(other, shared)| (KeyframeSeq(other), shared)).collect(),
         bytes: row.try_get::<i64, _>("bytes")? as u64,
     };

@@ -6,6 +6,7 @@
 
 mod anchor;
 mod apply;
+mod covisibility;
 mod holders;
 mod objects;
 mod points;
@@ -16,6 +17,7 @@ mod votes;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 pub use anchor::{Anchor, Shape};
+pub use covisibility::Covisibility;
 pub use holders::Holders;
 pub use objects::{Description, Object, Objects};
 pub use points::{POINT_BYTES, Points};
@@ -23,7 +25,7 @@ pub use texts::{TextId, TextIndex};
 pub use verdicts::Verdicts;
 pub use votes::Votes;
 
-use super::covisibility::Covisibility;
+use super::covisibility::CovisibilityLists;
 use super::inverted_file::InvertedFile;
 use super::numbered::Numbered;
 use crate::model::change::{Keyframe, Loop};
@@ -50,7 +52,7 @@ pub struct MapIndex {
     bytes: u64,
     points: Points,
     holders: Holders,
-    covisibility: Covisibility,
+    lists: CovisibilityLists,
     /// The anchors each keyframe sees, ascending; anchors, not objects.
     seen_by: Numbered<BTreeSet<AnchorSeq>>,
     objects: Objects,
@@ -110,6 +112,12 @@ impl MapIndex {
         self.bytes + self.points.bytes() + self.objects.bytes()
     }
 
+    /// Bytes on the heap of its map points and words, which are nearly all of a large map; keyframes' own fields, anchors
+    /// and lists of neighbours are not among them.
+    pub fn heap_bytes(&self) -> usize {
+        self.points.heap_bytes() + self.inverted_file.heap_bytes()
+    }
+
     /// The number the next keyframe gets.
     pub fn next_keyframe(&self) -> KeyframeSeq {
         KeyframeSeq(self.next_keyframe)
@@ -146,8 +154,13 @@ impl MapIndex {
     }
 
     /// The covisibility graph.
-    pub fn covisibility(&self) -> &Covisibility {
-        &self.covisibility
+    pub fn covisibility(&self) -> Covisibility<'_> {
+        Covisibility::of(self)
+    }
+
+    /// What is kept of the covisibility graph.
+    pub fn covisibility_lists(&self) -> &CovisibilityLists {
+        &self.lists
     }
 
     /// The objects.
@@ -204,9 +217,6 @@ impl MapIndex {
 
     /// Does some keyframe that sees one object see what a keyframe of the other sees?
     pub fn objects_covisible(&self, a: &Object, b: &Object) -> bool {
-        let of_b = self.keyframes_of(b);
-        self.keyframes_of(a)
-            .into_iter()
-            .any(|keyframe| self.covisibility.with_itself(keyframe).any(|other| of_b.contains(&other)))
+        !self.covisibility().around(&self.keyframes_of(a)).is_disjoint(&self.keyframes_of(b))
     }
 }
