@@ -54,11 +54,20 @@ fn covisible(size: u32) {
     let keyframe = |number| NewKeyframe { observes: (1..=15).collect(), ..bare(number) };
     let insert = mean_of_last(size, |number| drop(ingest(&mut index, &keyframe(number))));
     let grown = process::resident_bytes().saturating_sub(before);
-    println!("{:>9.1} MB, {:>6} bytes a keyframe; insert {}", grown as f64 / 1e6, grown / u64::from(size), shown(insert));
+    println!(
+        "{:>9.1} MB, {:>6} bytes a keyframe; insert {}",
+        grown as f64 / 1e6,
+        grown / u64::from(size),
+        shown(insert)
+    );
 }
 
 /// Puts objects with these texts into a map, by these keyframes, and asks what texts like them match.
-fn texts(size: u32, text: &dyn Fn(u32) -> String, place: &dyn Fn(u32, &dyn Fn(u32) -> String) -> NewKeyframe) {
+fn texts(
+    size: u32,
+    text: &dyn Fn(u32) -> String,
+    place: &dyn Fn(u32, &dyn Fn(u32) -> String) -> NewKeyframe,
+) {
     let mut index = MapIndex::default();
     let seen = place(0, text).detections.len() as u32;
     let insert = mean_of_last(size.div_ceil(seen), |number| drop(ingest(&mut index, &place(number, text))));
@@ -68,10 +77,14 @@ fn texts(size: u32, text: &dyn Fn(u32) -> String, place: &dyn Fn(u32, &dyn Fn(u3
         let query = NewKeyframe { detections: detections.collect(), ..bare(u32::MAX) };
         print!("; a query of {asked} texts {}", shown(asking(&index, |index| Query::inline(index, &query))));
     }
-    let last = index.keyframe(index.next_keyframe()).or(index.keyframes().last()).map(|keyframe| keyframe.seq);
+    let last =
+        index.keyframe(index.next_keyframe()).or(index.keyframes().last()).map(|keyframe| keyframe.seq);
     let bow = BowVector::default();
     let stored = last.expect("a keyframe");
-    println!("; of a stored keyframe {}", shown(asking(&index, |index| Query::stored(index, stored, &bow).expect("it is stored"))));
+    println!(
+        "; of a stored keyframe {}",
+        shown(asking(&index, |index| Query::stored(index, stored, &bow).expect("it is stored")))
+    );
 }
 
 fn asking<'a>(index: &'a MapIndex, query: impl Fn(&'a MapIndex) -> Query<'a>) -> Duration {
@@ -101,7 +114,8 @@ fn apart(number: u32, text: &dyn Fn(u32) -> String) -> NewKeyframe {
 /// All keyframes see the same points, and each sees objects of its own.
 fn in_one_place(number: u32, text: &dyn Fn(u32) -> String) -> NewKeyframe {
     let first = number * DETECTIONS_OF_KEYFRAME;
-    let detections = (first..first + DETECTIONS_OF_KEYFRAME).map(|object| detection(object, text, f64::from(object) * 0.9));
+    let detections = (first..first + DETECTIONS_OF_KEYFRAME)
+        .map(|object| detection(object, text, f64::from(object) * 0.9));
     NewKeyframe { observes: (1..=20).collect(), detections: detections.collect(), ..bare(number) }
 }
 
@@ -123,7 +137,8 @@ fn bare(number: u32) -> NewKeyframe {
         id: format!("kf-{number}").parse().expect("an id"),
         session: "run".parse().expect("an id"),
         stamp: Stamp { sec: i64::from(number), nanosec: 0 },
-        map_from_camera: Pose::new([f64::from(number % 100_000) * 9.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).expect("a pose"),
+        map_from_camera: Pose::new([f64::from(number % 100_000) * 9.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0])
+            .expect("a pose"),
         camera: None,
         bow: BowVector::default(),
         vocabulary: None,

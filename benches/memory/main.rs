@@ -40,13 +40,15 @@ const ROWS: [(&str, Sends); 5] = [
 ];
 
 fn main() {
-    let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
+    let arguments: Vec<String> =
+        std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
     let number = |at: usize| arguments.get(at).and_then(|argument| argument.parse::<u32>().ok());
     match arguments.first().map(String::as_str) {
         Some("index") => of_index(ROWS[number(1).unwrap_or(0) as usize].1, number(2).unwrap_or(KEYFRAMES)),
         Some("server") => {
             let runtime = tokio::runtime::Runtime::new().expect("a runtime");
-            runtime.block_on(of_server(ROWS[number(1).unwrap_or(4) as usize].1, number(2).unwrap_or(KEYFRAMES)));
+            runtime
+                .block_on(of_server(ROWS[number(1).unwrap_or(4) as usize].1, number(2).unwrap_or(KEYFRAMES)));
         }
         Some("curves") => crowds::print_curves(),
         Some("crowd") => crowds::measure(&arguments[1], number(2).unwrap_or(1_000)),
@@ -98,7 +100,10 @@ async fn of_server(sends: Sends, keyframes: u32) {
     let options = || ServiceOptions::on(format!("sqlite://{}/memory.db", folder.path().display()));
     let map: MapId = "hotel".parse().expect("an id");
     let service = Service::open(options()).await.expect("a service");
-    service.put_map(map.clone(), MapProperties { metric: true, ..MapProperties::default() }, None).await.expect("a map");
+    service
+        .put_map(map.clone(), MapProperties { metric: true, ..MapProperties::default() }, None)
+        .await
+        .expect("a map");
     let before = process::resident_bytes();
     let mut robot = Robot::new(sends);
     let mut sent = 0;
@@ -118,7 +123,12 @@ async fn of_server(sends: Sends, keyframes: u32) {
     if sends.features > 0 {
         for query in 0..QUERIES {
             let keyframe = robot.id(query * (sent / QUERIES));
-            let query = LoopQuery { subject: Subject::Stored(keyframe), verify: Verify::Auto, max_wait_ms: 0, seed: 0 };
+            let query = LoopQuery {
+                subject: Subject::Stored(keyframe),
+                verify: Verify::Auto,
+                max_wait_ms: 0,
+                seed: 0,
+            };
             service.loop_query(&map, query).await.expect("an answer");
         }
         print_growth(before, sent, "and its caches, after 300 loop queries");

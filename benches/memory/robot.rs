@@ -9,7 +9,9 @@ use rand_chacha::ChaCha8Rng;
 use revisit::geometry::{Point3, Pose};
 use revisit::model::bow::BowVector;
 use revisit::model::ids::KeyframeId;
-use revisit::model::keyframe::{CLIENTS_VOCABULARY, Camera, Detection, Features, Keypoint, NewKeyframe, Stamp};
+use revisit::model::keyframe::{
+    CLIENTS_VOCABULARY, Camera, Detection, Features, Keypoint, NewKeyframe, Stamp,
+};
 
 const WORDS: usize = 700;
 const WORDS_IN_BUILDING: u32 = 60_000;
@@ -21,6 +23,8 @@ const SESSION: u32 = 1_000;
 const SIGHT: u32 = 8;
 /// Map points in the box of an object.
 const POINTS_OF_OBJECT: usize = 20;
+/// Numbers of the points of objects: apart from the others, of each object in a row.
+const FIRST_POINT_OF_OBJECT: i64 = 1 << 32;
 const DESCRIPTOR_BYTES: usize = 32;
 
 /// How much each keyframe brings beside its words.
@@ -62,9 +66,16 @@ impl Robot {
         let known = self.next_point;
         self.look();
         let centre = [f64::from(number % SESSION) * 0.4, f64::from(number / SESSION) * 3.0, 0.0];
-        let position = |id: i64| Point3::new(centre[0] + (id % 61) as f64 * 0.1, centre[1] + 1.5, (id % 23) as f64 * 0.1);
+        let position = |id: i64| {
+            Point3::new(centre[0] + (id % 61) as f64 * 0.1, centre[1] + 1.5, (id % 23) as f64 * 0.1)
+        };
         let mut observes = self.points.clone();
+        let objects: Vec<u32> = (0..self.sends.detections).map(|side| object(number, side)).collect();
+        observes.extend(objects.iter().flat_map(|object| points_of(*object)));
         observes.sort_unstable();
+        // The points of an object are placed as it comes into sight.
+        let placed = objects.iter().filter(|object| number == 0 || first_sight(**object) >= number);
+        let placed: Vec<i64> = placed.flat_map(|object| points_of(*object)).collect();
         NewKeyframe {
             id: self.id(number),
             session: format!("run-{}", number / SESSION).parse().expect("an id"),
@@ -74,9 +85,9 @@ impl Robot {
             bow: self.read(),
             vocabulary: Some(CLIENTS_VOCABULARY.into()),
             features: (self.sends.features > 0).then(|| self.features()),
-            map_points: (known..self.next_point).map(|id| (id, position(id))).collect(),
+            map_points: (known..self.next_point).chain(placed).map(|id| (id, position(id))).collect(),
             covisible: Vec::new(),
-            detections: (0..self.sends.detections).map(|side| self.detection(number, side, centre, &observes)).collect(),
+            detections: (0..self.sends.detections).map(|side| detection(number, side, centre)).collect(),
             observes,
         }
     }
@@ -84,7 +95,8 @@ impl Robot {
     fn look(&mut self) {
         self.points.shuffle(&mut self.rng);
         self.points.truncate((self.sends.points as f64 * POINTS_KEPT) as usize);
-        while self.points.len() < self.sends.points {
+        let of_objects = self.sends.detections as usize * POINTS_OF_OBJECT;
+        while self.points.len() + of_objects < self.sends.points {
             self.points.push(self.next_point);
             self.next_point += 1;
         }
@@ -103,22 +115,6 @@ impl Robot {
         BowVector::normalised(weighed.collect()).expect("distinct words")
     }
 
-    /// One of the objects on this side of the corridor: a plate of its own, seen by eight keyframes in a row.
-    fn detection(&self, number: u32, side: u32, centre: [f64; 3], observes: &[i64]) -> Detection {
-        let object = (number + side * SIGHT / 2) / SIGHT;
-        let at = f64::from((object * SIGHT) % SESSION) * 0.4;
-        Detection {
-            class: "door_number".to_owned(),
-            confidence: 0.9,
-            box_px: [100.0, 100.0, 160.0, 130.0],
-            map_points: observes.iter().copied().skip(side as usize * POINTS_OF_OBJECT).take(POINTS_OF_OBJECT).collect(),
-            position_in_session: Some(Point3::new(at, centre[1] + f64::from(side) * 40.0, 1.5)),
-            text: Some(format!("room {}{object:05}", side + 1)),
-            description: None,
-            crop: None,
-        }
-    }
-
     fn features(&mut self) -> Features {
         let count = self.sends.features;
         let keypoint = |rng: &mut ChaCha8Rng| Keypoint {
@@ -133,5 +129,35 @@ impl Robot {
             keypoints: (0..count).map(|_| keypoint(&mut self.rng)).collect(),
             map_points: (0..count).map(|feature| self.points.get(feature).copied()).collect(),
         }
+    }
+}
+
+/// The object that is in sight on this side of the corridor; it stays for eight keyframes.
+fn object(number: u32, side: u32) -> u32 {
+    (number + side * SIGHT / 2) / SIGHT * 2 + side
+}
+
+/// The first keyframe that sees an object.
+fn first_sight(object: u32) -> u32 {
+    (object / 2 * SIGHT).saturating_sub(object % 2 * SIGHT / 2)
+}
+
+fn points_of(object: u32) -> std::ops::Range<i64> {
+    let first = FIRST_POINT_OF_OBJECT + i64::from(object) * POINTS_OF_OBJECT as i64;
+    first..first + POINTS_OF_OBJECT as i64
+}
+
+/// A plate of its own on each side of the corridor.
+fn detection(number: u32, side: u32, centre: [f64; 3]) -> Detection {
+    let object = object(number, side);
+    Detection {
+        class: "door_number".to_owned(),
+        confidence: 0.9,
+        box_px: [100.0, 100.0, 160.0, 130.0],
+        map_points: points_of(object).collect(),
+        position_in_session: Some(Point3::new(centre[0], centre[1] + f64::from(side) * 2.0, 1.5)),
+        text: Some(format!("room {object:05}")),
+        description: None,
+        crop: None,
     }
 }
