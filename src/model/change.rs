@@ -9,6 +9,7 @@ use super::judged::{CropRead, ModelVerdict};
 use super::judgement::JudgementProgress;
 use super::keyframe::{Camera, Stamp};
 use super::map::MapProperties;
+use super::point_list::PointList;
 use crate::geometry::{Point3, Pose};
 
 /// A keyframe as the index keeps it: everything but the heavy parts (bag of words, features, crops).
@@ -27,7 +28,7 @@ pub struct Keyframe {
     /// The camera, if known.
     pub camera: Option<Camera>,
     /// The map points it observes, ascending.
-    pub observes: Box<[PointId]>,
+    pub observes: PointList,
     /// Covisible keyframes declared by the client, each with its number of shared points.
     pub declared: Box<[(KeyframeSeq, u32)]>,
     /// What it takes on disk, in bytes ([`super::keyframe::NewKeyframe::bytes`]).

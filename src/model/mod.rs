@@ -7,6 +7,7 @@
 //! | bag-of-words vector and its L1 score | [`bow`] |
 //! | observation of an anchor, outcome of a detection | [`anchor`] |
 //! | map and its settings | [`map`], [`settings`] |
+//! | map points in few bytes | [`point_list`], [`varint`] |
 //! | facts that decisions change | [`change`] |
 //! | what models said of anchors | [`judged`] |
 //! | jobs that ask a changed model again | [`judgement`] |
@@ -33,8 +34,10 @@ pub mod key;
 pub mod keyframe;
 pub mod loop_warning;
 pub mod map;
+pub mod point_list;
 pub mod report;
 pub mod request;
 pub mod roles;
 pub mod settings;
+pub mod varint;
 pub mod verdict;

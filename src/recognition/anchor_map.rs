@@ -128,8 +128,7 @@ impl Centre {
 
 /// Builds M_k.
 pub fn local_anchor_map(index: &MapIndex, centre: &Centre, places: &mut PlaceCounts) -> LocalAnchorMap {
-    let context: BTreeSet<KeyframeSeq> =
-        centre.covisible.iter().flat_map(|keyframe| index.covisibility().with_itself(*keyframe)).collect();
+    let context = index.covisibility().around(&centre.covisible);
     let roots: BTreeSet<AnchorSeq> =
         context.into_iter().flat_map(|keyframe| index.objects_seen_by(keyframe)).collect();
     let stored = roots.into_iter().filter_map(|root| stored_anchor(index, centre, root, places));

@@ -37,7 +37,7 @@ pub fn cull_keyframe(index: &mut MapIndex, keyframe: KeyframeSeq, bow: Arc<BowVe
 /// The session of a keyframe, and the map points that it or its detections name.
 fn points_of(index: &MapIndex, keyframe: KeyframeSeq) -> Option<(SessionSeq, BTreeSet<PointId>)> {
     let culled = index.keyframe(keyframe)?;
-    let mut points: BTreeSet<PointId> = culled.observes.iter().copied().collect();
+    let mut points: BTreeSet<PointId> = culled.observes.iter().collect();
     for anchor in index.anchors_seen_by(keyframe).filter_map(|anchor| index.anchor(anchor)) {
         let observed = anchor.observations.range((keyframe, 0)..=(keyframe, u16::MAX));
         points.extend(observed.flat_map(|(_, observation)| observation.map_points.iter()));
@@ -49,7 +49,7 @@ fn points_of(index: &MapIndex, keyframe: KeyframeSeq) -> Option<(SessionSeq, BTr
 /// one that was sent before anybody observed it waits for its first observer.
 fn is_orphan(index: &MapIndex, session: SessionSeq, id: PointId) -> bool {
     index.points().position(session, id).is_some()
-        && index.points().observers(session, id).is_empty()
+        && !index.points().is_observed(session, id)
         && index.holders().of(session, id).next().is_none()
 }
 

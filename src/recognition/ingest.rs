@@ -84,7 +84,7 @@ fn add_keyframe(record: &mut Recorder<'_>, new: &NewKeyframe) -> (KeyframeSeq, S
         stamp: new.stamp,
         map_from_camera: new.map_from_camera,
         camera: new.camera,
-        observes: new.observes.clone().into(),
+        observes: new.observes.as_slice().into(),
         declared: new.covisible.iter().filter_map(|(id, n)| Some((index.keyframe_seq(id)?, *n))).collect(),
         bytes: new.bytes(),
     };
@@ -226,7 +226,7 @@ pub(super) fn merge_all(
         let Some(root) = index.objects().root(anchor) else { return };
         let Some(object) = index.objects().get(root) else { return };
         let around = around(index, object);
-        let Some(merge) = matching::covisible_merge(index, root, around.into_iter()) else { return };
+        let Some(merge) = matching::covisible_merge(index, root, &around) else { return };
         let mut event = Event::of(EventKind::AnchorsMerged);
         (event.anchor, event.other) = (Some(merge.into), Some(merge.from));
         event.detail = Some("they match, their keyframes are covisible, and they stand close".into());

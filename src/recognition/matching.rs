@@ -14,15 +14,10 @@ use crate::model::ids::{AnchorSeq, KeyframeSeq};
 
 /// The first object that `root` must be merged with, among those that the keyframes covisible
 /// with `around` see.
-pub fn covisible_merge(
-    index: &MapIndex,
-    root: AnchorSeq,
-    around: impl Iterator<Item = KeyframeSeq>,
-) -> Option<Merge> {
+pub fn covisible_merge(index: &MapIndex, root: AnchorSeq, around: &BTreeSet<KeyframeSeq>) -> Option<Merge> {
     let object = index.objects().get(root)?;
     let text = index.texts().of(root)?;
-    let nearby: BTreeSet<AnchorSeq> = around
-        .flat_map(|keyframe| index.covisibility().with_itself(keyframe))
+    let nearby: BTreeSet<AnchorSeq> = (index.covisibility().around(around).into_iter())
         .flat_map(|keyframe| index.objects_seen_by(keyframe))
         .collect();
     let twin = nearby.into_iter().filter(|other| *other != root).find(|other| {
@@ -62,10 +57,6 @@ pub fn matches(index: &MapIndex, root: AnchorSeq) -> impl Iterator<Item = Anchor
 /// The objects that keyframes covisible with an object's own keyframes see.
 pub fn neighbourhood(index: &MapIndex, root: AnchorSeq) -> BTreeSet<AnchorSeq> {
     let Some(object) = index.objects().get(root) else { return BTreeSet::new() };
-    let keyframes: BTreeSet<KeyframeSeq> = index
-        .keyframes_of(object)
-        .into_iter()
-        .flat_map(|keyframe| index.covisibility().with_itself(keyframe))
-        .collect();
+    let keyframes = index.covisibility().around(&index.keyframes_of(object));
     keyframes.into_iter().flat_map(|keyframe| index.objects_seen_by(keyframe)).collect()
 }

@@ -8,7 +8,7 @@
 //! | §IV-C.1, object tracking | [`association`] | [`association::associate`] |
 //! | §IV-C.2, semantic anchor matching | [`matching`], [`index`] | [`matching::covisible_merge`], [`index::TextIndex`] |
 //! | §IV-C.2, merge on a confirmed loop | [`closing`] | [`closing::close_loop`], [`closing::revoke_loop`] |
-//! | §V, check 1: covisible keyframes | [`covisibility`] | [`covisibility::Covisibility`] |
+//! | §V, check 1: covisible keyframes | [`covisibility`] | [`index::Covisibility`] |
 //! | §V, check 2: bag of words | [`inverted_file`], [`places`], [`candidates`] | [`candidates::find_candidates`] |
 //! | §V, the funnel: checks 1 to 3 | [`loop_check`], [`screening`] | [`loop_check::screen`] |
 //! | §V-A, local anchor map | [`anchor_map`] | [`anchor_map::local_anchor_map`] |

@@ -41,6 +41,14 @@ impl<T> Numbered<T> {
         *slot = Some(Box::new(value));
     }
 
+    /// The value under a number, made by `value` if there is none.
+    pub fn get_or_insert_with(&mut self, number: usize, value: impl FnOnce() -> T) -> &mut T {
+        let page = self.page(number);
+        let slot = &mut page.slots[number % PAGE];
+        page.held += usize::from(slot.is_none());
+        slot.get_or_insert_with(|| Box::new(value()))
+    }
+
     /// Takes the value from under a number.
     pub fn remove(&mut self, number: usize) -> Option<T> {
         let place = self.pages.get_mut(number / PAGE)?;
@@ -86,10 +94,7 @@ impl<T> Numbered<T> {
 impl<T: Default> Numbered<T> {
     /// The value under a number, made if there is none.
     pub fn get_or_default(&mut self, number: usize) -> &mut T {
-        let page = self.page(number);
-        let slot = &mut page.slots[number % PAGE];
-        page.held += usize::from(slot.is_none());
-        slot.get_or_insert_default()
+        self.get_or_insert_with(number, T::default)
     }
 }
 

@@ -94,7 +94,7 @@ fn inline_covisible(index: &MapIndex, keyframe: &NewKeyframe) -> BTreeSet<Keyfra
         covisible.extend(
             index
                 .points()
-                .sharing(session, &keyframe.observes)
+                .sharing(session, keyframe.observes.iter().copied())
                 .into_iter()
                 .filter(|(_, n)| *n >= enough)
                 .map(|(k, _)| k),

@@ -40,10 +40,10 @@ impl Sight {
             positions_in_session: HashMap::new(),
             window: window(index, seq, keyframe.session),
         };
-        sight.learn(index, keyframe.session, &keyframe.observes);
+        sight.learn(index, keyframe.session, keyframe.observes.iter());
         for neighbour in sight.window.clone() {
             if let Some(neighbour) = index.keyframe(neighbour) {
-                sight.learn(index, keyframe.session, &neighbour.observes);
+                sight.learn(index, keyframe.session, neighbour.observes.iter());
             }
         }
         Some(sight)
@@ -59,14 +59,14 @@ impl Sight {
             window: Vec::new(),
         };
         if let Some(session) = index.session(&keyframe.session) {
-            sight.learn(index, session, &keyframe.observes);
+            sight.learn(index, session, keyframe.observes.iter().copied());
         }
         sight.positions_in_session.extend(keyframe.map_points.iter().copied());
         Some(sight)
     }
 
-    fn learn(&mut self, index: &MapIndex, session: SessionSeq, ids: &[PointId]) {
-        let placed = ids.iter().filter_map(|id| Some((*id, index.points().position(session, *id)?)));
+    fn learn(&mut self, index: &MapIndex, session: SessionSeq, ids: impl Iterator<Item = PointId>) {
+        let placed = ids.filter_map(|id| Some((id, index.points().position(session, id)?)));
         self.positions_in_session.extend(placed);
     }
 

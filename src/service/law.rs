@@ -422,7 +422,7 @@ fn pretty(loaded: &crate::recognition::index::MapIndex, live: &crate::recognitio
     assert_eq!(loaded.loops(), live.loops());
     assert_eq!(loaded.points(), live.points());
     assert_eq!(loaded.bytes(), live.bytes());
-    assert_eq!(loaded.covisibility(), live.covisibility());
+    assert_eq!(loaded.covisibility_lists(), live.covisibility_lists());
     for seq in (0..live.next_anchor().0).map(AnchorSeq) {
         assert_eq!(loaded.anchor(seq), live.anchor(seq));
     }

@@ -50,7 +50,7 @@ pub(super) async fn add_keyframe(
         .bind(keyframe.stamp.nanosec)
         .bind(pose_blob(&keyframe.map_from_camera))
         .bind(camera)
-        .bind(pack(keyframe.observes.iter().copied()))
+        .bind(pack(keyframe.observes.iter()))
         .bind(pack(rows.keyframe.map_points.iter().map(|(id, _)| *id)))
         .bind(pack(keyframe.declared.iter().map(|(other, shared)| (other.0, *shared))))
         .bind(pack(bow.words().iter().copied()))

@@ -76,7 +76,7 @@ async fn make_map(db: &mut SqliteConnection, map: MapKey) {
             stamp: new.stamp,
             map_from_camera: pose,
             camera: None,
-            observes: [].into(),
+            observes: Vec::new().into(),
             declared: [].into(),
             bytes: new.bytes(),
         };

@@ -40,7 +40,7 @@ pub(super) fn keyframe(keyframe: &Keyframe, index: &MapIndex) -> Result<(), Stor
     if !is_rotation || !pose.translation_m().iter().all(|part| part.is_finite()) {
         return fault(format!("the pose of keyframe {id} is none"));
     }
-    if !keyframe.observes.is_sorted_by(|a, b| a < b) {
+    if !keyframe.observes.iter().is_sorted_by(|a, b| a < b) {
         return fault(format!("the points of keyframe {id} are not in order"));
     }
     Ok(())

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::anchor::Anchor;
 use super::texts::TextIndex;
-use super::{Covisibility, MapIndex, Object};
+use super::{MapIndex, Object};
 use crate::model::anchor::{AnchorState, Observation};
 use crate::model::bow::BowVector;
 use crate::model::change::{Change, Keyframe, Loop, Merge, MergeCause};
@@ -157,7 +157,7 @@ impl MapIndex {
         let before = std::mem::replace(&mut self.properties, properties.clone()).settings;
         let now = self.properties.settings.clone();
         if before.covisibility_min_shared_points != now.covisibility_min_shared_points {
-            self.rebuild_covisibility();
+            self.list_neighbours();
         }
         // Only what a setting decides is derived anew: a description is changed in no time, whatever the map holds.
         let min_level = now.matching_min_similarity_level as u8;
@@ -183,65 +183,54 @@ impl MapIndex {
         touched.anchors.extend(objects.filter(|(_, object)| concerned(object)).map(|(root, _)| root));
     }
 
-    fn rebuild_covisibility(&mut self) {
-        self.covisibility = Covisibility::default();
-        let keyframes = std::mem::take(&mut self.keyframes);
-        for keyframe in keyframes.values() {
-            self.connect(keyframe);
+    /// Lists the neighbours by shared points anew; what clients declared and loops stay.
+    fn list_neighbours(&mut self) {
+        let mut lists = std::mem::take(&mut self.lists);
+        lists.clear_sharing();
+        for keyframe in self.keyframes.values() {
+            lists.add(keyframe.seq, &self.covisibility().counted(keyframe.seq));
         }
-        self.keyframes = keyframes;
-        for closed in std::mem::take(&mut self.loops) {
-            self.join_by_loop(&closed.1);
-            self.loops.insert(closed.0, closed.1);
-        }
+        self.lists = lists;
     }
 
     /// A confirmed loop makes its two keyframes covisible, as long as both are there.
     fn join_by_loop(&mut self, closed: &Loop) {
         if self.keyframe(closed.keyframe).is_some() && self.keyframe(closed.candidate).is_some() {
-            self.covisibility.join_by_loop(closed.keyframe, closed.candidate);
+            self.lists.join_by_loop(closed.keyframe, closed.candidate);
         }
     }
 
     fn add_keyframe(&mut self, keyframe: &Keyframe, bow: &BowVector) {
         self.reserve(keyframe.seq.0 + 1, 0);
-        self.points.observe(keyframe.session, &keyframe.observes, keyframe.seq);
-        self.connect(keyframe);
+        self.points.observe(keyframe.session, keyframe.observes.iter(), keyframe.seq);
         self.keyframe_by_id.insert(keyframe.id.clone(), keyframe.seq);
         self.inverted_file.insert(keyframe.seq.0, bow);
         self.seen_by.insert(keyframe.seq.index(), BTreeSet::new());
         self.bytes += keyframe.bytes;
         self.tally.add_keyframe(keyframe);
         self.keyframes.insert(keyframe.seq.index(), keyframe.clone());
-    }
-
-    /// The keyframe's covisibility: enough shared map points, and what its client declared.
-    fn connect(&mut self, keyframe: &Keyframe) {
-        let enough = self.properties.settings.covisibility_min_shared_points;
-        for (other, points) in self.points.sharing(keyframe.session, &keyframe.observes) {
-            if points >= enough {
-                self.covisibility.share_points(keyframe.seq, other, points);
-            }
-        }
+        let sharing = self.covisibility().counted(keyframe.seq);
+        self.lists.add(keyframe.seq, &sharing);
         for (other, points) in &keyframe.declared {
-            self.covisibility.declare(keyframe.seq, *other, *points);
+            self.lists.declare(keyframe.seq, *other, *points);
         }
     }
 
     fn remove_keyframe(&mut self, seq: KeyframeSeq, bow: &BowVector, touched: &mut Touched) {
+        let sharing = self.covisibility().sharing(seq).into_owned();
         let Some(keyframe) = self.keyframes.remove(seq.index()) else { return };
         self.keyframe_by_id.remove(&keyframe.id);
-        self.points.forget(keyframe.session, &keyframe.observes, seq);
+        self.points.forget(keyframe.session, keyframe.observes.iter(), seq);
         self.inverted_file.remove(seq.0, bow);
         self.bytes -= keyframe.bytes;
         self.tally.remove_keyframe(&keyframe);
         // What others declared about it is no fact of the map any more.
-        for neighbour in self.covisibility.neighbours(seq) {
+        for (neighbour, _) in self.lists.edges(seq) {
             if let Some(other) = self.keyframes.get_mut(neighbour.index()) {
                 other.declared = other.declared.iter().copied().filter(|(d, _)| *d != seq).collect();
             }
         }
-        self.covisibility.remove(seq);
+        self.lists.remove(seq, &sharing);
         for anchor in self.seen_by.remove(seq.index()).unwrap_or_default() {
             if let Some(anchor) = self.anchors.get_mut(anchor.index()) {
                 let gone = anchor.observations.extract_if(.., |(keyframe, _), _| *keyframe == seq);
@@ -281,7 +270,7 @@ impl MapIndex {
         let Some(closed) = self.loops.remove(id) else { return };
         self.bytes -= closed.bytes();
         self.forget_loop_of(&closed);
-        self.covisibility.part_by_loop(closed.keyframe, closed.candidate);
+        self.lists.part_by_loop(closed.keyframe, closed.candidate);
         let made: Vec<Merge> = self.objects.links_of_loop(id);
         debug_assert!(made.iter().all(|merge| merge.cause == MergeCause::Loop(id.clone())));
         self.unlink(&made, touched);

@@ -14,14 +14,8 @@ const MAP: u64 = 6 * 1024;
 /// A keyframe: its facts, its name twice, and its slots in the tables by number.
 const KEYFRAME: u64 = 700;
 
-/// A map point that a keyframe observes: in the keyframe's list, and in the point's list of observers.
-const OBSERVED_POINT: u64 = 8 + 8;
-
-/// A distinct map point of a session: its bucket in a table that is two thirds full, and its list of observers.
-const POINT: u64 = 150;
-
-/// Two keyframes that are covisible, told from one of them.
-const EDGE: u64 = 26;
+/// A keyframe in another one's list of neighbours, with what growing lists leave free.
+const NEIGHBOUR: u64 = 12;
 
 /// An anchor and the object that it belongs to: a dozen trees with few entries, each with room for eleven.
 const ANCHOR: u64 = 8_500;
@@ -41,7 +35,8 @@ const VERDICT: u64 = 400;
 /// Counts that no structure of the index keeps by itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Tally {
-    observed_points: u64,
+    /// Of the lists of points that keyframes observe.
+    observed_bytes: u64,
     observations: u64,
     anchor_points: u64,
 }
@@ -49,12 +44,12 @@ pub(super) struct Tally {
 impl Tally {
     /// Counts a keyframe that arrived.
     pub fn add_keyframe(&mut self, keyframe: &Keyframe) {
-        self.observed_points += keyframe.observes.len() as u64;
+        self.observed_bytes += keyframe.observes.heap_bytes() as u64;
     }
 
     /// Forgets a keyframe that is gone.
     pub fn remove_keyframe(&mut self, keyframe: &Keyframe) {
-        self.observed_points -= keyframe.observes.len() as u64;
+        self.observed_bytes -= keyframe.observes.heap_bytes() as u64;
     }
 
     /// Counts an observation of an anchor.
@@ -73,11 +68,11 @@ impl Tally {
 impl MapIndex {
     /// Returns about how much memory the index takes, in bytes. Its cost does not grow with the map.
     pub fn memory_bytes(&self) -> u64 {
-        let Tally { observed_points, observations, anchor_points } = self.tally;
+        let Tally { observed_bytes, observations, anchor_points } = self.tally;
         MAP + self.keyframe_count() as u64 * KEYFRAME
-            + observed_points * OBSERVED_POINT
-            + self.points.len() as u64 * POINT
-            + self.covisibility.edge_count() * EDGE
+            + observed_bytes
+            + self.points.heap_bytes() as u64
+            + self.lists.entry_count() * NEIGHBOUR
             + self.anchors_alone() * ANCHOR
             + observations * OBSERVATION
             + anchor_points * ANCHOR_POINT

@@ -6,6 +6,7 @@
 
 mod anchor;
 mod apply;
+mod covisibility;
 mod holders;
 mod memory;
 mod objects;
@@ -17,6 +18,7 @@ mod votes;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 pub use anchor::{Anchor, Shape};
+pub use covisibility::Covisibility;
 pub use holders::Holders;
 pub use objects::{Description, Object, Objects};
 pub use points::{POINT_BYTES, Points};
@@ -25,7 +27,7 @@ pub use verdicts::Verdicts;
 pub use votes::Votes;
 
 use self::memory::Tally;
-use super::covisibility::Covisibility;
+use super::covisibility::CovisibilityLists;
 use super::inverted_file::InvertedFile;
 use super::numbered::Numbered;
 use crate::model::change::{Keyframe, Loop};
@@ -54,7 +56,7 @@ pub struct MapIndex {
     bytes: u64,
     points: Points,
     holders: Holders,
-    covisibility: Covisibility,
+    lists: CovisibilityLists,
     /// The anchors each keyframe sees, ascending; anchors, not objects.
     seen_by: Numbered<BTreeSet<AnchorSeq>>,
     objects: Objects,
@@ -169,8 +171,13 @@ impl MapIndex {
     }
 
     /// The covisibility graph.
-    pub fn covisibility(&self) -> &Covisibility {
-        &self.covisibility
+    pub fn covisibility(&self) -> Covisibility<'_> {
+        Covisibility::of(self)
+    }
+
+    /// What is kept of the covisibility graph.
+    pub fn covisibility_lists(&self) -> &CovisibilityLists {
+        &self.lists
     }
 
     /// The objects.
@@ -227,9 +234,6 @@ impl MapIndex {
 
     /// Does some keyframe that sees one object see what a keyframe of the other sees?
     pub fn objects_covisible(&self, a: &Object, b: &Object) -> bool {
-        let of_b = self.keyframes_of(b);
-        self.keyframes_of(a)
-            .into_iter()
-            .any(|keyframe| self.covisibility.with_itself(keyframe).any(|other| of_b.contains(&other)))
+        !self.covisibility().around(&self.keyframes_of(a)).is_disjoint(&self.keyframes_of(b))
     }
 }
