@@ -11,12 +11,20 @@ const KEYS = "keys";
 /** What the examples of the document speak of. */
 const SAMPLES = { map: "tower", keyframe: "kf-120", anchor: "a-1", loop: "loop-1", id: "key-2", query: "$QUERY" };
 /** What is deleted is made for it, so that the rest of the page still finds what it speaks of. */
-const OWN_SAMPLES = { delete_map: { map: "annex" }, delete_keyframe: { keyframe: "kf-121" } };
+const OWN_SAMPLES = {
+  delete_map: { map: "annex" },
+  delete_keyframe: { keyframe: "kf-121" },
+  get_judgement: { id: "prompts-2" },
+  stop_judgement: { id: "prompts-2" },
+};
+const judged = [{ operation: "judge_again", body: { id: "prompts-2", asks: "texts" } }];
 
 /** What has to be there first: operations with bodies of their own. `keep` names the variable that keeps a member of the answer. */
 const BEFORE = {
   delete_map: [{ operation: "put_map", samples: { map: "annex" }, body: {} }],
   delete_keyframe: [{ operation: "put_keyframe", samples: { keyframe: "kf-121" }, body: smallest }],
+  get_judgement: judged,
+  stop_judgement: judged,
   get_loop_query: [{ operation: "query_loop", body: { keyframe: "kf-120" }, keep: { QUERY: "id" } }],
   revoke_key: [{ operation: "create_key", body: { name: "robots", actions: ["read", "write", "query"], maps: ["tower*"] } }],
 };

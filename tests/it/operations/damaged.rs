@@ -15,29 +15,29 @@ use crate::support::Server;
 const DAMAGES: &[(&str, &str, &str)] = &[
     (
         "update keyframes set pose = zeroblob(56) where map_key = 1 and keyframe = 2",
-        "",
+        "/anchors",
         "the pose of keyframe day-1:2",
     ),
-    ("update keyframes set pose = x'00' where map_key = 1 and keyframe = 2", "", "keyframe number 2"),
+    ("update keyframes set pose = x'00' where map_key = 1 and keyframe = 2", "/anchors", "keyframe number 2"),
     (
         "update keyframes set session = 9 where map_key = 1 and keyframe = 2",
-        "",
+        "/anchors",
         "keyframe day-1:2 belongs to no session",
     ),
     (
         "update keyframes set observes = x'02000000000000000100000000000000' where map_key = 1 and keyframe = 2",
-        "",
+        "/anchors",
         "not in order",
     ),
-    ("update maps set next_anchor = 1 where id = 'tower'", "", "is given next"),
+    ("update maps set next_anchor = 1 where id = 'tower'", "/anchors", "is given next"),
     (
         "update detections set class = 'lift' where map_key = 1 and keyframe = 0 and detection = 0",
-        "",
+        "/anchors",
         "of another class",
     ),
-    ("delete from anchors where map_key = 1 and anchor = 0", "", "feeds an anchor that is not there"),
-    ("delete from loops", "", "merged by loop loop-1"),
-    ("update map_points set x = 9e999 where map_key = 1 and point = 3", "", "map point 3"),
+    ("delete from anchors where map_key = 1 and anchor = 0", "/anchors", "feeds an anchor that is not there"),
+    ("delete from loops", "/anchors", "merged by loop loop-1"),
+    ("update map_points set x = 9e999 where map_key = 1 and point = 3", "/anchors", "map point 3"),
     (
         "update keyframe_features set keypoints = x'0011' where map_key = 1",
         "/keyframes/day-1:0",
@@ -111,7 +111,7 @@ async fn a_copy_of_a_damaged_database_is_kept_and_not_called_verified() {
     let told = revisit(&["restore", "--damaged", "--database", &url(&elsewhere), &kept_name]).well();
     assert!(told.contains("not verified") && told.contains("fault: map tower"), "{told}");
     let server = Process::start(&elsewhere);
-    assert_eq!(server.api().get("/v1/maps/tower").await.status, 500);
+    assert_eq!(server.api().get("/v1/maps/tower/anchors").await.status, 500);
     assert_eq!(server.api().get("/v1/maps/other/keyframes/kf-1").await.status, 200);
     drop(server);
 
