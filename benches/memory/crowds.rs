@@ -42,9 +42,9 @@ pub fn print_curves() {
 pub fn measure(curve: &str, size: u32) {
     match curve {
         "covisible" => covisible(size),
-        "place" => texts(size, &room, &in_one_place),
-        "rooms" => texts(size, &room, &apart),
-        _ => texts(size, &words, &apart),
+        "place" => texts(size, room, in_one_place),
+        "rooms" => texts(size, room, apart),
+        _ => texts(size, words, apart),
     }
 }
 
@@ -62,12 +62,11 @@ fn covisible(size: u32) {
     );
 }
 
+/// What the object of a number is called.
+type Naming = fn(u32) -> String;
+
 /// Puts objects with these texts into a map, by these keyframes, and asks what texts like them match.
-fn texts(
-    size: u32,
-    text: &dyn Fn(u32) -> String,
-    place: &dyn Fn(u32, &dyn Fn(u32) -> String) -> NewKeyframe,
-) {
+fn texts(size: u32, text: Naming, place: fn(u32, Naming) -> NewKeyframe) {
     let mut index = MapIndex::default();
     let seen = place(0, text).detections.len() as u32;
     let insert = mean_of_last(size.div_ceil(seen), |number| drop(ingest(&mut index, &place(number, text))));
@@ -92,7 +91,7 @@ fn asking<'a>(index: &'a MapIndex, query: impl Fn(&'a MapIndex) -> Query<'a>) ->
     for _ in 0..QUERIES {
         std::hint::black_box(screen(index, 1, &query(index), Verify::Auto));
     }
-    (process::cpu_time() - before) / QUERIES
+    process::cpu_time().saturating_sub(before) / QUERIES
 }
 
 fn mean_of_last(size: u32, mut insert: impl FnMut(u32)) -> Duration {
@@ -100,26 +99,26 @@ fn mean_of_last(size: u32, mut insert: impl FnMut(u32)) -> Duration {
     (0..size - measured).for_each(&mut insert);
     let before = process::cpu_time();
     (size - measured..size).for_each(insert);
-    (process::cpu_time() - before) / measured
+    process::cpu_time().saturating_sub(before) / measured
 }
 
 fn shown(time: Duration) -> String {
     format!("{:.3} ms", time.as_secs_f64() * 1e3)
 }
 
-fn apart(number: u32, text: &dyn Fn(u32) -> String) -> NewKeyframe {
+fn apart(number: u32, text: Naming) -> NewKeyframe {
     NewKeyframe { detections: vec![detection(number, text, f64::from(number) * 9.0)], ..bare(number) }
 }
 
 /// All keyframes see the same points, and each sees objects of its own.
-fn in_one_place(number: u32, text: &dyn Fn(u32) -> String) -> NewKeyframe {
+fn in_one_place(number: u32, text: Naming) -> NewKeyframe {
     let first = number * DETECTIONS_OF_KEYFRAME;
     let detections = (first..first + DETECTIONS_OF_KEYFRAME)
         .map(|object| detection(object, text, f64::from(object) * 0.9));
     NewKeyframe { observes: (1..=20).collect(), detections: detections.collect(), ..bare(number) }
 }
 
-fn detection(number: u32, text: &dyn Fn(u32) -> String, x: f64) -> Detection {
+fn detection(number: u32, text: Naming, x: f64) -> Detection {
     Detection {
         class: "sign".to_owned(),
         confidence: 0.9,

@@ -74,7 +74,8 @@ fn again(arguments: &[&str], name: &str) -> String {
     let output = Command::new(program).args(arguments).output().expect("a process");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let printed = String::from_utf8_lossy(&output.stdout);
-    printed.lines().map(|line| format!("  {name:<38}{line}\n")).collect()
+    let named: Vec<String> = printed.lines().map(|line| format!("  {name:<38}{line}")).collect();
+    named.join("\n") + "\n"
 }
 
 /// Grows an index by whole keyframes as ingest does, and prints the growth.
@@ -122,7 +123,7 @@ async fn of_server(sends: Sends, keyframes: u32) {
     print_growth(before, sent, "as written");
     if sends.features > 0 {
         for query in 0..QUERIES {
-            let keyframe = robot.id(query * (sent / QUERIES));
+            let keyframe = Robot::id(query * (sent / QUERIES));
             let query = LoopQuery {
                 subject: Subject::Stored(keyframe),
                 verify: Verify::Auto,

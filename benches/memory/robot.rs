@@ -52,7 +52,7 @@ impl Robot {
     }
 
     /// The name of a keyframe.
-    pub fn id(&self, number: u32) -> KeyframeId {
+    pub fn id(number: u32) -> KeyframeId {
         format!("run-{}-{:05}", number / SESSION, number).parse().expect("an id")
     }
 
@@ -77,7 +77,7 @@ impl Robot {
         let placed = objects.iter().filter(|object| number == 0 || first_sight(**object) >= number);
         let placed: Vec<i64> = placed.flat_map(|object| points_of(*object)).collect();
         NewKeyframe {
-            id: self.id(number),
+            id: Self::id(number),
             session: format!("run-{}", number / SESSION).parse().expect("an id"),
             stamp: Stamp { sec: i64::from(number), nanosec: 0 },
             map_from_camera: Pose::new(centre, [0.0, 0.0, 0.0, 1.0]).expect("a pose"),

@@ -47,7 +47,9 @@ mod tests {
         fn numbers_come_back_one_by_one(numbers in prop::collection::vec((any::<u64>(), 0..64_u32), 0..20)) {
             let numbers: Vec<u64> = numbers.into_iter().map(|(number, shift)| number >> shift).collect();
             let mut bytes = Vec::new();
-            numbers.iter().for_each(|number| write(*number, &mut bytes));
+            for number in &numbers {
+                write(*number, &mut bytes);
+            }
             let mut rest = &*bytes;
             for number in &numbers {
                 prop_assert_eq!(read(&mut rest), Some(*number));

@@ -26,7 +26,7 @@ pub struct Differing {
     query_identifier: String,
     candidate_identifier: String,
     /// How many characters differ, if the judge sees a conflict.
-    differing_characters: Option<usize>,
+    characters_apart: Option<usize>,
     /// The identifier that also hangs elsewhere in the other map.
     known: Option<String>,
 }
@@ -166,7 +166,7 @@ impl Differing {
             candidate: b.clone(),
             query_identifier,
             candidate_identifier,
-            differing_characters: conflict.map(|conflict| conflict.differing_characters),
+            characters_apart: conflict.map(|conflict| conflict.differing_characters),
             known,
         }
     }
@@ -203,7 +203,7 @@ impl Differing {
             return None;
         }
         let (here, there) = (&self.query_identifier, &self.candidate_identifier);
-        let unsure = self.differing_characters.filter(|characters| {
+        let unsure = self.characters_apart.filter(|characters| {
             !(self.query.sure && self.candidate.sure) && *characters < SURE_DIFFERENCE_CHARACTERS
         });
         let (reason, figures, detail) = if !settings.contradiction_veto {
@@ -211,7 +211,7 @@ impl Differing {
         } else if counts {
             let figures = Some((contradicting, ruling.agreement));
             (Outweighed, figures, format!("reads {here} where {there} hung, and what agrees weighs no less"))
-        } else if self.differing_characters.is_none() {
+        } else if self.characters_apart.is_none() {
             (NoConflict, None, self.judgement())
         } else if let Placement::Apart { measured, limit, told } = placement {
             (AnotherPlace, Some((*measured, *limit)), format!("{here} stands elsewhere than {there}: {told}"))

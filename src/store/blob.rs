@@ -46,7 +46,9 @@ impl<T: Packed, const N: usize> Packed for [T; N] {
     const BYTES: usize = N * T::BYTES;
 
     fn put(&self, to: &mut Vec<u8>) {
-        self.iter().for_each(|item| item.put(to));
+        for item in self {
+            item.put(to);
+        }
     }
 
     fn take(from: &[u8]) -> Option<Self> {

@@ -157,7 +157,9 @@ fn counted(mut observers: Vec<u32>) -> Vec<(KeyframeSeq, u32)> {
     };
     if ((high - low) as usize) < SPREAD * observers.len() {
         let mut counts = vec![0_u32; (high - low) as usize + 1];
-        observers.iter().for_each(|keyframe| counts[(keyframe - low) as usize] += 1);
+        for keyframe in &observers {
+            counts[(keyframe - low) as usize] += 1;
+        }
         let found = (low..=high).zip(counts).filter(|(_, count)| *count > 0);
         return found.map(|(keyframe, count)| (KeyframeSeq(keyframe), count)).collect();
     }

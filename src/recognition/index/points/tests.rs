@@ -89,7 +89,9 @@ proptest! {
             }
             for id in asked.iter().collect::<BTreeSet<_>>() {
                 let (_, observers) = table.get(&(session, *id)).cloned().unwrap_or_default();
-                observers.into_iter().for_each(|keyframe| *shared.entry(keyframe).or_default() += 1);
+                for keyframe in observers {
+                    *shared.entry(keyframe).or_default() += 1;
+                }
             }
             let found = points.sharing(session, asked.iter().copied());
             prop_assert_eq!(found, shared.into_iter().collect::<Vec<_>>());
