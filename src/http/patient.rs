@@ -21,7 +21,7 @@ use crate::config::limits::LimitArgs;
 use crate::wire::limits;
 
 /// The longest that a closed connection lingers.
-const LINGER: Duration = Duration::from_secs(5);
+const LINGER: Duration = Duration::from_secs(3);
 /// The longest that it lingers while its client sends nothing.
 const LINGER_SILENT: Duration = Duration::from_secs(1);
 /// The most that it reads meanwhile: the largest body.
