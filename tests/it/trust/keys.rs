@@ -1,25 +1,28 @@
 //! Keys: their life from the command line and over HTTP.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use reqwest::Method;
 use serde_json::{Value, json};
+use tokio::process::Command;
 
 use crate::support::{Answer, Server, keyframe};
 
-fn revisit(database: &Path, arguments: &[&str]) -> Output {
+/// Runs `revisit keys`. The test's own server keeps running meanwhile: stopped within a transaction, it would lock
+/// the database for as long as the command waits.
+async fn revisit(database: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_revisit"));
     for (name, _) in std::env::vars().filter(|(name, _)| name.starts_with("REVISIT_")) {
         command.env_remove(name);
     }
     let url = format!("sqlite://{}", database.display());
-    command.arg("keys").args(arguments).args(["--database", &url]).output().expect("the binary runs")
+    command.arg("keys").args(arguments).args(["--database", &url]).output().await.expect("the binary runs")
 }
 
 /// Makes a key on the command line; its secret is all that standard output says.
-fn create(database: &Path, arguments: &[&str]) -> String {
-    let made = revisit(database, &[&["create"], arguments].concat());
+async fn create(database: &Path, arguments: &[&str]) -> String {
+    let made = revisit(database, &[&["create"], arguments].concat()).await;
     assert!(made.status.success(), "{made:?}");
     String::from_utf8(made.stdout).expect("text").trim_end().to_owned()
 }
@@ -35,27 +38,28 @@ async fn a_key_made_beside_a_running_server_opens_it_and_closes_it_to_everybody_
     let server = Server::on(directory.path(), None, revisit::service::ModelChoice::None).await;
     server.get("/v1/maps").await.expect(200);
 
-    let secret = create(&database, &["--name", "fleet", "--maps", "hotel-*,lobby", "--rate-per-s", "500"]);
+    let secret =
+        create(&database, &["--name", "fleet", "--maps", "hotel-*,lobby", "--rate-per-s", "500"]).await;
     get(&server, "/v1/maps", &secret).await.expect(200);
     let refused = server.get("/v1/maps").await;
     assert_eq!(refused.header("www-authenticate"), "Bearer");
     refused.expect(401);
 
-    let listed = String::from_utf8(revisit(&database, &["list"]).stdout).expect("text");
+    let listed = String::from_utf8(revisit(&database, &["list"]).await.stdout).expect("text");
     assert!(listed.contains("key-1") && listed.contains("hotel-* lobby"), "{listed}");
     assert!(!listed.contains(&secret), "a secret is shown once");
-    assert!(revisit(&database, &["revoke", "key-1"]).status.success());
+    assert!(revisit(&database, &["revoke", "key-1"]).await.status.success());
     // The server glances at what other processes did; nothing opens it again.
     while get(&server, "/v1/maps", &secret).await.status != 401 {
         tokio::task::yield_now().await;
     }
     server.get("/v1/maps").await.expect(401);
-    let unknown = revisit(&database, &["revoke", "key-9"]);
+    let unknown = revisit(&database, &["revoke", "key-9"]).await;
     assert!(
         !unknown.status.success() && String::from_utf8_lossy(&unknown.stderr).contains("key-9"),
         "{unknown:?}"
     );
-    let elsewhere = revisit(&directory.path().join("none.db"), &["list"]);
+    let elsewhere = revisit(&directory.path().join("none.db"), &["list"]).await;
     assert!(!elsewhere.status.success(), "{elsewhere:?}");
     assert!(!directory.path().join("none.db").exists(), "looking makes no database");
 }
@@ -71,9 +75,7 @@ async fn a_key_made_beside_a_running_server_opens_it_also_in_a_flood_of_nonsense
         }
     }));
     let made = async {
-        let beside = database.clone();
-        let made = tokio::task::spawn_blocking(move || create(&beside, &["--actions", "read"])).await;
-        let secret = made.expect("a secret");
+        let secret = create(&database, &["--actions", "read"]).await;
         while get(&server, "/v1/maps", &secret).await.status != 200 {
             tokio::task::yield_now().await;
         }
@@ -88,7 +90,7 @@ async fn a_key_made_beside_a_running_server_opens_it_also_in_a_flood_of_nonsense
 async fn keys_outlive_a_restart_and_no_secret_is_in_the_database() {
     let directory = tempfile::tempdir().expect("a directory");
     let database = directory.path().join("test.db");
-    let secret = create(&database, &["--actions", "read,admin"]);
+    let secret = create(&database, &["--actions", "read,admin"]).await;
     let server = Server::on(directory.path(), None, revisit::service::ModelChoice::None).await;
     let keys = get(&server, "/v1/keys", &secret).await.expect(200);
     assert_eq!(keys["items"][0]["actions"], json!(["read", "admin"]));
