@@ -67,8 +67,17 @@ pub struct Committer {
 }
 
 impl Committer {
-    /// Starts the writer on its own connection.
-    pub(super) fn start(pool: SqlitePool, reserve: Reserve, lock: Option<Arc<DatabaseLock>>) -> Self {
+    /// Starts the writer on its own connection, in a thread of its own.
+    ///
+    /// A group is a chain of statements, each of which wakes the writer when it is done. On the runtime that answers
+    /// requests each of these waits behind the requests' tasks, so that a busy server committed slowly.
+    pub(super) fn start(
+        pool: SqlitePool,
+        reserve: Reserve,
+        lock: Option<Arc<DatabaseLock>>,
+    ) -> Result<Self, StoreError> {
+        let failed = |error: std::io::Error| StoreError::Database(format!("the writer's thread: {error}"));
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().map_err(failed)?;
         // Unbounded, because whoever plans holds the map's lock and must not wait here; the service
         // bounds how many requests plan at once.
         let (queue, jobs) = mpsc::unbounded_channel();
@@ -81,12 +90,13 @@ impl Committer {
             health: health.clone(),
             serves: lock.is_some(),
         };
-        tokio::spawn(async move {
-            writer.run(jobs).await;
+        let run = move || {
+            runtime.block_on(writer.run(jobs));
             // Nobody else may write before the last job has.
             drop(lock);
-        });
-        Self { queue, counters, health }
+        };
+        std::thread::Builder::new().name("writer".to_owned()).spawn(run).map_err(failed)?;
+        Ok(Self { queue, counters, health })
     }
 
     /// Why a write need not be decided now, if the disk is known to take none.
@@ -172,7 +182,7 @@ mod tests {
         let options = options.journal_mode(sqlx::sqlite::SqliteJournalMode::Wal);
         let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options).await.expect("a pool");
         schema::migrate(&pool).await.expect("a schema");
-        let committer = Committer::start(pool.clone(), Reserve::beside(&path), None);
+        let committer = Committer::start(pool.clone(), Reserve::beside(&path), None).expect("a writer");
         (pool, committer)
     }
 

@@ -181,7 +181,8 @@ impl Store {
             .max_lifetime(None)
             .connect_with(options.read_only(true).pragma("cache_size", READER_CACHE))
             .await?;
-        Ok(Self { readers, committer: Committer::start(writer, reserve, lock.clone()), files, lock })
+        let committer = Committer::start(writer, reserve, lock.clone())?;
+        Ok(Self { readers, committer, files, lock })
     }
 
     /// Where it lies.
