@@ -252,8 +252,7 @@ mod tests {
         let database = format!("sqlite://{}", folder.path().join("a.db").display());
         let service = Service::open(ServiceOptions::on(database)).await.unwrap();
         let limits = LimitArgs::of::<&str>(&[]).unwrap();
-        let mut app = App::new(service.clone(), limits, CancellationToken::new()).unwrap();
-        app.needs = Arc::new(needs);
+        let app = App::new(service.clone(), limits, CancellationToken::new()).unwrap().with_needs(needs);
         let done = async || "done";
         let router: Router = Router::new()
             .route("/v1/maps", get(done).delete(done))

@@ -56,6 +56,7 @@ pub mod untaken;
 pub mod watched;
 
 use std::io;
+use std::ops::Deref;
 use std::sync::Arc;
 
 use axum::extract::FromRef;
@@ -78,21 +79,24 @@ use untaken::AnswerMemory;
 
 /// What handlers work with.
 #[derive(Clone)]
-pub struct App {
+pub struct App(Arc<Parts>);
+
+/// What an app is made of.
+pub struct Parts {
     /// The use cases.
     pub service: Service,
     /// The counters.
-    pub metrics: Arc<Metrics>,
+    pub metrics: Metrics,
     /// The API document as JSON.
     pub document: Bytes,
     /// What each operation asks of who calls it.
-    pub needs: Arc<Needs>,
+    pub needs: Needs,
     /// Cancelled when the server is told to stop.
     pub stopping: CancellationToken,
     /// Loop checks that anchors have triggered and that nobody waits for.
     pub triggers: Arc<Semaphore>,
     /// How much at once, and how patient.
-    pub limits: Arc<LimitArgs>,
+    pub limits: LimitArgs,
     /// How slow a body may be.
     pub pace: Pace,
     /// The connections.
@@ -105,16 +109,24 @@ pub struct App {
     pub answers: Arc<AnswerMemory>,
 }
 
+impl Deref for App {
+    type Target = Parts;
+
+    fn deref(&self) -> &Parts {
+        &self.0
+    }
+}
+
 impl App {
     /// Creates an app around a service within limits, until `stopping` is cancelled. It fails without an API document,
     /// which says who may do what.
     pub fn new(service: Service, limits: LimitArgs, stopping: CancellationToken) -> io::Result<Self> {
         service.pressure().allow(limits.max_requests);
         let document = serde_json::to_vec(&document())?;
-        Ok(Self {
+        Ok(Self(Arc::new(Parts {
             service,
-            needs: Arc::new(Needs::of(&serde_json::from_slice(&document)?)),
-            metrics: Arc::new(Metrics::default()),
+            needs: Needs::of(&serde_json::from_slice(&document)?),
+            metrics: Metrics::default(),
             document: document.into(),
             stopping,
             triggers: Arc::new(Semaphore::new(routes::TRIGGERS_AT_ONCE)),
@@ -123,8 +135,16 @@ impl App {
             streams: Streams::new(limits.streams()),
             memory: Memory::new(limits.max_body_memory),
             answers: AnswerMemory::new(limits.max_answer_memory),
-            limits: Arc::new(limits),
-        })
+            limits,
+        })))
+    }
+
+    /// The same app with other needs.
+    #[cfg(test)]
+    pub fn with_needs(self, needs: Needs) -> Self {
+        let mut parts = Arc::into_inner(self.0).unwrap_or_else(|| unreachable!("nobody else has it yet"));
+        parts.needs = needs;
+        Self(Arc::new(parts))
     }
 }
 

@@ -16,7 +16,7 @@ use tokio::sync::Semaphore;
 use tokio::task::spawn_blocking;
 use tracing::Instrument as _;
 
-use super::{Service, ServiceError};
+use super::{Parts, Service, ServiceError};
 use crate::config::logging::in_span;
 use crate::model::ids::BackupId;
 use crate::model::keyframe::Stamp;
@@ -74,7 +74,7 @@ pub struct BackupMade {
 
 impl Service {
     /// The same service, which keeps up to `kept` backups in a folder.
-    pub fn with_backups(mut self, folder: PathBuf, kept: usize) -> Result<Self, ServiceError> {
+    pub fn with_backups(self, folder: PathBuf, kept: usize) -> Result<Self, ServiceError> {
         let failed = |error: std::io::Error| ServiceError::Internal(format!("{}: {error}", folder.display()));
         fs::create_dir_all(&folder).map_err(failed)?;
         let backups = Backups {
@@ -85,8 +85,7 @@ impl Service {
         };
         backups.sweep();
         backups.remember_newest(&backups.list()?);
-        self.backups = Some(Arc::new(backups));
-        Ok(self)
+        Ok(Self(Arc::new(Parts { backups: Some(Arc::new(backups)), ..Parts::clone(&self) })))
     }
 
     /// Takes a backup, or finds the one of this name. It is finished even if the client goes away.

@@ -9,7 +9,7 @@ use sqlx::sqlite::SqliteConnectOptions;
 use sqlx::{AssertSqlSafe, ConnectOptions as _, Executor as _};
 
 use super::live::Decision;
-use super::{Service, ServiceError, ServiceOptions};
+use super::{Parts, Service, ServiceError, ServiceOptions};
 use crate::config::models::ModelArgs;
 use crate::geometry::{Point3, Pose};
 use crate::model::bow::BowVector;
@@ -466,7 +466,7 @@ async fn with_roles(service: &Service, roles: Roles) -> Service {
     let models = [mute(false, roles.text), mute(true, roles.vision)];
     let models = Models::with(models, None, &ModelArgs::of(&[""; 0]).unwrap(), &service.store).await.unwrap();
     assert_eq!(models.roles(), roles);
-    Service { models: Some(Arc::new(models)), ..service.clone() }
+    Service(Arc::new(Parts { models: Some(Arc::new(models)), ..Parts::clone(service) }))
 }
 
 /// One id stands for one verdict, whichever models are configured: all that a verdict depends on is in its id.

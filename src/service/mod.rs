@@ -41,6 +41,7 @@ mod turns;
 mod words;
 mod worker;
 
+use std::ops::Deref;
 use std::sync::Arc;
 
 use tokio_util::sync::CancellationToken;
@@ -93,9 +94,13 @@ pub struct Stored<T> {
     pub value: T,
 }
 
-/// The service; clones share everything.
+/// The service; clones share everything. Every request makes some.
 #[derive(Clone, Debug)]
-pub struct Service {
+pub struct Service(Arc<Parts>);
+
+/// What a service is made of.
+#[derive(Clone, Debug)]
+pub struct Parts {
     store: Store,
     registry: Arc<Registry>,
     writes: Arc<Gate>,
@@ -113,6 +118,14 @@ pub struct Service {
     backups: Option<Arc<Backups>>,
 }
 
+impl Deref for Service {
+    type Target = Parts;
+
+    fn deref(&self) -> &Parts {
+        &self.0
+    }
+}
+
 impl Service {
     /// Opens the database and gets ready; maps are loaded when they are first asked for.
     pub async fn open(options: ServiceOptions) -> Result<Self, ServiceError> {
@@ -123,7 +136,7 @@ impl Service {
         let store = Store::open(&options.database).await?;
         let models = open_models(options.models, &store).await?.map(Arc::new);
         let registry = Arc::new(Registry::new(store.next_map_key().await?, options.map_memory));
-        let service = Self {
+        let service = Self(Arc::new(Parts {
             models: models.clone(),
             worker: Worker::new(),
             rejudging: Arc::default(),
@@ -138,7 +151,7 @@ impl Service {
             features: FeatureCache::new(vocabulary.clone()),
             vocabulary,
             backups: None,
-        };
+        }));
         service.glance_at_keys();
         if let Some(models) = models {
             service.worker.start(service.clone(), models.clone());

@@ -98,5 +98,5 @@ pub async fn get_metrics(State(app): State<App>) -> impl IntoResponse {
     )
 )]
 pub async fn get_document(State(app): State<App>) -> Response {
-    json_bytes(app.document)
+    json_bytes(app.document.clone())
 }
