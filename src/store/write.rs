@@ -11,7 +11,7 @@ use super::{StoreError, deferred, deletion, judgement_rows, key_rows, map_rows, 
 use crate::model::anchor::Outcome;
 use crate::model::change::{Change, Loop, Merge, MergeCause};
 use crate::model::event::Event;
-use crate::model::ids::{KeyframeId, KeyframeSeq, LoopId};
+use crate::model::ids::KeyframeSeq;
 
 /// Events of a map are kept up to this number, oldest out first.
 const EVENTS_KEPT: u64 = 100_000;
@@ -19,8 +19,14 @@ const EVENTS_KEPT: u64 = 100_000;
 /// How often old events are taken out.
 const EVENTS_SWEPT_EVERY: u64 = 256;
 
+/// Rows of events in a statement: not many, because a connection keeps a statement for each number of them.
+const EVENTS_PER_STATEMENT: usize = 16;
+
 /// Loop queries of a map are kept up to this number, oldest out first.
 const QUERIES_KEPT: i64 = 1_000;
+
+/// How many are taken out at a time.
+const QUERIES_SWEPT: i64 = 16;
 
 /// Does a job, within the transaction of its group.
 pub(super) async fn execute(db: &mut SqliteConnection, job: &Job) -> Result<(), StoreError> {
@@ -204,26 +210,26 @@ async fn add_loop(db: &mut SqliteConnection, map: MapKey, closed: &Loop) -> Resu
 }
 
 async fn tell(db: &mut SqliteConnection, map: MapKey, events: &[Event]) -> Result<(), StoreError> {
-    for event in events {
-        let insert = "insert into events (map_key, seq, kind, map_version, anchor, other, keyframe, candidate, loop_id, query, detail)
-            values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11)";
-        let query = sqlx::query(insert)
-            .bind(map)
-            .bind(event.seq as i64)
-            .bind(event.kind.as_str())
-            .bind(event.map_version as i64)
-            .bind(event.anchor.map(|anchor| anchor.0))
-            .bind(event.other.map(|anchor| anchor.0))
-            .bind(event.keyframe.as_ref().map(KeyframeId::as_str))
-            .bind(event.candidate.as_ref().map(KeyframeId::as_str))
-            .bind(event.loop_id.as_ref().map(LoopId::as_str))
-            .bind(&event.query)
-            .bind(&event.detail);
-        run(db, query).await?;
-        if event.seq.is_multiple_of(EVENTS_SWEPT_EVERY) {
-            let sweep = "delete from events where map_key = $1 and seq <= $2";
-            run(db, sqlx::query(sweep).bind(map).bind(event.seq.saturating_sub(EVENTS_KEPT) as i64)).await?;
-        }
+    // An arrival may tell of every anchor that it matches: row by row, each would be a way to the database and back.
+    for chunk in events.chunks(EVENTS_PER_STATEMENT) {
+        let mut insert = sqlx::QueryBuilder::<Sqlite>::new(
+            "insert into events (map_key, seq, kind, map_version, anchor, other, keyframe, candidate, loop_id, query, detail) ",
+        );
+        insert.push_values(chunk, |mut row, event| {
+            row.push_bind(map).push_bind(event.seq as i64).push_bind(event.kind.as_str());
+            row.push_bind(event.map_version as i64);
+            row.push_bind(event.anchor.map(|anchor| anchor.0)).push_bind(event.other.map(|anchor| anchor.0));
+            row.push_bind(event.keyframe.as_ref().map(|id| id.as_str().to_owned()));
+            row.push_bind(event.candidate.as_ref().map(|id| id.as_str().to_owned()));
+            row.push_bind(event.loop_id.as_ref().map(|id| id.as_str().to_owned()));
+            row.push_bind(event.query.clone()).push_bind(event.detail.clone());
+        });
+        // One statement for each number of rows, of which there are few.
+        insert.build().execute(&mut *db).await?;
+    }
+    for swept in events.iter().filter(|event| event.seq.is_multiple_of(EVENTS_SWEPT_EVERY)) {
+        let sweep = "delete from events where map_key = $1 and seq <= $2";
+        run(db, sqlx::query(sweep).bind(map).bind(swept.seq.saturating_sub(EVENTS_KEPT) as i64)).await?;
     }
     Ok(())
 }
@@ -240,6 +246,9 @@ async fn keep_query(
         select $1, $2, $3, $4 where exists (select 1 from maps where map_key = $1 and deleted = 0)
         on conflict (map_key, id) do update set kept = excluded.kept, body = excluded.body";
     run(db, sqlx::query(insert).bind(map).bind(id).bind(kept).bind(&body[..])).await?;
+    if kept % QUERIES_SWEPT != 0 {
+        return Ok(());
+    }
     let sweep = "delete from loop_queries where map_key = $1 and kept <= $2";
-    run(db, sqlx::query(sweep).bind(map).bind(kept - QUERIES_KEPT)).await
+    run(db, sqlx::query(sweep).bind(map).bind(kept - QUERIES_KEPT + QUERIES_SWEPT)).await
 }
