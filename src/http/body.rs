@@ -26,8 +26,8 @@ use crate::wire::read::{self, Decode};
 use crate::wire::survey::{TooMany, survey};
 use crate::wire::syntax::{self, Unreadable};
 
-/// Bodies up to this are decoded where they are: that takes less than a millisecond.
-const SMALL_BODY_BYTES: usize = 64 << 10;
+/// Bodies up to this are decoded where they are: that takes less than what a thread of its own costs.
+const SMALL_BODY_BYTES: usize = 8 << 10;
 /// Bodies up to this take memory without asking; keyframes mostly do.
 const UNCOUNTED_BYTES: usize = 256 << 10;
 /// How much more than allowed is read and thrown away, so that the client gets to see the answer: a connection closed

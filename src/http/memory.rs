@@ -32,7 +32,7 @@ impl Memory {
     pub fn new(mebibytes: usize) -> Self {
         let units = mebibytes.saturating_mul((1 << 20) / UNIT).min(Semaphore::MAX_PERMITS);
         let cores = std::thread::available_parallelism().map_or(2, usize::from);
-        Self { free: Arc::new(Semaphore::new(units)), readers: Arc::new(Semaphore::new(2 * cores)) }
+        Self { free: Arc::new(Semaphore::new(units)), readers: Arc::new(Semaphore::new(cores)) }
     }
 
     /// Takes more for a body, if there is any.
