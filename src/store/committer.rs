@@ -214,11 +214,14 @@ mod tests {
         assert!(matches!(committer.refuses(false), Some(StoreError::DiskFull)));
         assert!(committer.refuses(true).is_none(), "deletes are tried");
         committer.commit(Job::DeleteMap(1)).await.expect("a delete on a full disk");
+        sqlx::query("pragma user_version = 77").execute(&pool).await.expect("a pragma");
         pages_at_most(&pool, ROOM_FOR_ANYTHING).await;
         while committer.refuses(false).is_some() {
             tokio::task::yield_now().await; // The writer tries by itself.
         }
         committer.commit(map(key)).await.expect("a write, without a restart");
+        let events: i64 = sqlx::query_scalar("pragma user_version").fetch_one(&pool).await.expect("a pragma");
+        assert_eq!(events, 77, "numbers of events are not given again");
     }
 
     #[tokio::test]

@@ -5,15 +5,16 @@ use std::collections::HashMap;
 use sqlx::{Sqlite, SqliteConnection};
 
 use super::StoreError;
+use super::additions::Arrived;
 use super::blob::pack;
-use super::job::{MapKey, NewKeyframeRows};
+use super::job::{Batch, MapKey};
+use super::rows::write_rows;
 use super::write::run;
 use crate::geometry::{Point3, Pose};
 use crate::model::anchor::Outcome;
-use crate::model::bow::BowVector;
-use crate::model::change::Keyframe;
+use crate::model::change::Change;
 use crate::model::ids::{KeyframeSeq, PointId, SessionSeq};
-use crate::model::keyframe::{Features, NewKeyframe};
+use crate::model::keyframe::{Camera, Detection};
 
 /// SQLite takes at most 32,766 parameters; six for each point.
 const POINTS_PER_STATEMENT: usize = 512;
@@ -25,101 +26,105 @@ pub(super) fn pose_blob(pose: &Pose) -> Vec<u8> {
     pack(pose.translation_m().into_iter().chain(pose.rotation_xyzw()))
 }
 
-pub(super) async fn add_keyframe(
+/// Adds the rows of keyframes, and of their features.
+pub(super) async fn add_keyframes(
     db: &mut SqliteConnection,
-    map: MapKey,
-    keyframe: &Keyframe,
-    bow: &BowVector,
-    rows: &NewKeyframeRows,
+    arrived: &[Arrived<'_>],
 ) -> Result<(), StoreError> {
-    let camera = keyframe.camera.map(|camera| {
-        let mut blob = pack([camera.fx, camera.fy, camera.cx, camera.cy]);
-        blob.extend(pack([camera.width, camera.height]));
-        blob
-    });
-    let insert =
+    let head =
         "insert into keyframes (map_key, keyframe, id, session, stamp_sec, stamp_nanosec, pose, camera,
-            observes, sent_points, declared, bow_words, bow_weights, digest, bytes)
-        values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15)";
-    let query = sqlx::query(insert)
-        .bind(map)
-        .bind(keyframe.seq.0)
-        .bind(keyframe.id.as_str())
-        .bind(keyframe.session.0)
-        .bind(keyframe.stamp.sec)
-        .bind(keyframe.stamp.nanosec)
-        .bind(pose_blob(&keyframe.map_from_camera))
-        .bind(camera)
-        .bind(pack(keyframe.observes.iter()))
-        .bind(pack(rows.keyframe.map_points.iter().map(|(id, _)| *id)))
-        .bind(pack(keyframe.declared.iter().map(|(other, shared)| (other.0, *shared))))
-        .bind(pack(bow.words().iter().copied()))
-        .bind(pack(bow.weights().iter().copied()))
-        .bind(&rows.digest[..])
-        .bind(keyframe.bytes as i64);
-    run(db, query).await?;
-    match &rows.keyframe.features {
-        Some(features) => add_features(db, map, keyframe.seq, features).await,
-        None => Ok(()),
-    }
+            observes, sent_points, declared, bow_words, bow_weights, digest, bytes) ";
+    write_rows(db, head, "", arrived, |row, Arrived { map, keyframe, bow, rows }| {
+        row.push_bind(*map).push_bind(keyframe.seq.0).push_bind(keyframe.id.as_str().to_owned());
+        row.push_bind(keyframe.session.0).push_bind(keyframe.stamp.sec).push_bind(keyframe.stamp.nanosec);
+        row.push_bind(pose_blob(&keyframe.map_from_camera)).push_bind(keyframe.camera.map(camera_blob));
+        row.push_bind(pack(keyframe.observes.iter()));
+        row.push_bind(pack(rows.keyframe.map_points.iter().map(|(id, _)| *id)));
+        row.push_bind(pack(keyframe.declared.iter().map(|(other, shared)| (other.0, *shared))));
+        row.push_bind(pack(bow.words().iter().copied())).push_bind(pack(bow.weights().iter().copied()));
+        row.push_bind(rows.digest.to_vec()).push_bind(keyframe.bytes as i64);
+    })
+    .await?;
+    let with_features = |arrived: &'_ Arrived<'_>| arrived.rows.keyframe.features.is_some();
+    let arrived: Vec<&Arrived<'_>> = arrived.iter().filter(|arrived| with_features(arrived)).collect();
+    let head = "insert into keyframe_features (map_key, keyframe, descriptor_bytes, descriptors, keypoints, map_points) ";
+    write_rows(db, head, "", &arrived, |row, arrived| {
+        let Arrived { map, keyframe, rows, .. } = arrived;
+        let Some(features) = &rows.keyframe.features else { return };
+        let keypoints =
+            features.keypoints.iter().map(|k| ((k.u, k.v), (k.angle_deg.unwrap_or(f64::NAN), k.octave)));
+        row.push_bind(*map).push_bind(keyframe.seq.0).push_bind(features.descriptor_bytes as i64);
+        row.push_bind(features.descriptors.clone()).push_bind(pack(keypoints));
+        row.push_bind(pack(features.map_points.iter().map(|id| id.unwrap_or(-1))));
+    })
+    .await
 }
 
-async fn add_features(
-    db: &mut SqliteConnection,
-    map: MapKey,
-    keyframe: KeyframeSeq,
-    features: &Features,
-) -> Result<(), StoreError> {
-    let insert = "insert into keyframe_features (map_key, keyframe, descriptor_bytes, descriptors, keypoints, map_points)
-        values ($1, $2, $3, $4, $5, $6)";
-    let keypoints =
-        features.keypoints.iter().map(|k| ((k.u, k.v), (k.angle_deg.unwrap_or(f64::NAN), k.octave)));
-    let query = sqlx::query(insert)
-        .bind(map)
-        .bind(keyframe.0)
-        .bind(features.descriptor_bytes as i64)
-        .bind(&features.descriptors)
-        .bind(pack(keypoints))
-        .bind(pack(features.map_points.iter().map(|id| id.unwrap_or(-1))));
-    run(db, query).await
+fn camera_blob(camera: Camera) -> Vec<u8> {
+    let mut blob = pack([camera.fx, camera.fy, camera.cx, camera.cy]);
+    blob.extend(pack([camera.width, camera.height]));
+    blob
 }
 
-pub(super) async fn add_detections(
-    db: &mut SqliteConnection,
+/// A detection, and what became of it.
+#[derive(Clone, Copy)]
+pub(super) struct Detected<'j> {
     map: MapKey,
     keyframe: KeyframeSeq,
-    new: &NewKeyframe,
-    outcomes: &HashMap<(KeyframeSeq, u16), Outcome>,
-) -> Result<(), StoreError> {
-    for (number, detection) in new.detections.iter().enumerate() {
-        let number = number as u16;
-        let (outcome, anchor) = match outcomes.get(&(keyframe, number)) {
+    number: u16,
+    detection: &'j Detection,
+    outcome: &'static str,
+    anchor: Option<u32>,
+}
+
+/// Returns the detections of the keyframe that arrived with a batch.
+pub(super) fn detections(batch: &Batch) -> Result<Vec<Detected<'_>>, StoreError> {
+    let arrived = batch.changes.iter().find_map(|change| match change {
+        Change::KeyframeAdded(keyframe, _) => Some(keyframe.seq),
+        _ => None,
+    });
+    let (Some(keyframe), Some(rows)) = (arrived, &batch.new_keyframe) else { return Ok(Vec::new()) };
+    let outcomes: HashMap<u16, Outcome> = batch
+        .changes
+        .iter()
+        .filter_map(|change| match change {
+            Change::OutcomeSet(of, detection, outcome) => (*of == keyframe).then_some((*detection, *outcome)),
+            _ => None,
+        })
+        .collect();
+    let row = |(number, detection)| {
+        let (outcome, anchor) = match outcomes.get(&number) {
             Some(Outcome::Created(anchor)) => ("created", Some(anchor.0)),
             Some(Outcome::Observed(anchor)) => ("observed", Some(anchor.0)),
             Some(Outcome::Ignored(reason)) => (reason.as_str(), None),
             None => return Err(StoreError::corrupt("a detection without an outcome")),
         };
-        let insert =
-            "insert into detections (map_key, keyframe, detection, class, confidence, box_px, map_points,
-                position, text, description, outcome, anchor)
-            values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12)";
-        let query = sqlx::query(insert)
-            .bind(map)
-            .bind(keyframe.0)
-            .bind(number)
-            .bind(&detection.class)
-            .bind(detection.confidence)
-            .bind(pack(detection.box_px))
-            .bind(pack(detection.map_points.iter().copied()))
-            .bind(detection.position_in_session.map(|at| pack([at.x, at.y, at.z])))
-            .bind(&detection.text)
-            .bind(&detection.description)
-            .bind(outcome)
-            .bind(anchor);
-        run(db, query).await?;
+        Ok(Detected { map: batch.map, keyframe, number, detection, outcome, anchor })
+    };
+    (0..).zip(&rows.keyframe.detections).map(row).collect()
+}
+
+/// Adds the rows of detections, and of their crops.
+pub(super) async fn add_detections(
+    db: &mut SqliteConnection,
+    detections: &[Detected<'_>],
+) -> Result<(), StoreError> {
+    let head = "insert into detections (map_key, keyframe, detection, class, confidence, box_px, map_points,
+            position, text, description, outcome, anchor) ";
+    write_rows(db, head, "", detections, |row, detected| {
+        let Detected { map, keyframe, number, detection, outcome, anchor } = *detected;
+        row.push_bind(map).push_bind(keyframe.0).push_bind(number);
+        row.push_bind(detection.class.clone()).push_bind(detection.confidence);
+        row.push_bind(pack(detection.box_px)).push_bind(pack(detection.map_points.iter().copied()));
+        row.push_bind(detection.position_in_session.map(|at| pack([at.x, at.y, at.z])));
+        row.push_bind(detection.text.clone()).push_bind(detection.description.clone());
+        row.push_bind(outcome).push_bind(anchor);
+    })
+    .await?;
+    for Detected { map, keyframe, number, detection, .. } in detections {
         if let Some(crop) = &detection.crop {
             let insert = "insert into crops (map_key, keyframe, detection, media_type, bytes) values ($1, $2, $3, $4, $5)";
-            let query = sqlx::query(insert).bind(map).bind(keyframe.0).bind(number);
+            let query = sqlx::query(insert).bind(map).bind(keyframe.0).bind(*number);
             run(db, query.bind(crop.media_type).bind(&crop.bytes)).await?;
         }
     }

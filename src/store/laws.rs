@@ -1,5 +1,5 @@
 //! Laws of large changes: deferred and folded in slices, they leave what writing them at once leaves; and a deletion in slices
-//! leaves nothing of its map and everything of the others.
+//! leaves nothing of its map and everything of the others. Jobs that share a transaction leave what each of them leaves alone.
 
 use std::sync::Arc;
 
@@ -15,6 +15,7 @@ use crate::geometry::{Point3, Pose};
 use crate::model::anchor::Outcome;
 use crate::model::bow::BowVector;
 use crate::model::change::{Change, Keyframe};
+use crate::model::event::{Event, EventKind};
 use crate::model::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::model::keyframe::{Detection, NewKeyframe, Stamp};
 use crate::model::map::{MapFigures, MapProperties};
@@ -37,12 +38,21 @@ fn batch(map: MapKey, version: u64, changes: Vec<Change>) -> Batch {
     }
 }
 
-/// A map with keyframes of two sessions, each of which sees an anchor of its own at a position.
+async fn execute(db: &mut SqliteConnection, job: &Job) {
+    write::execute(db, std::iter::once(job)).await.unwrap();
+}
+
 async fn make_map(db: &mut SqliteConnection, map: MapKey) {
+    for job in map_jobs(map) {
+        execute(db, &job).await;
+    }
+}
+
+/// What makes a map with keyframes of two sessions, each of which sees an anchor of its own at a position.
+fn map_jobs(map: MapKey) -> Vec<Job> {
     let properties = Box::new(MapProperties::default());
     let id = format!("map-{map}").parse().unwrap();
-    let create = Job::CreateMap { key: map, id, properties, digest: [0; 32], owner: None };
-    write::execute(db, &create).await.unwrap();
+    let mut jobs = vec![Job::CreateMap { key: map, id, properties, digest: [0; 32], owner: None }];
     for seq in 0..KEYFRAMES {
         let session = SessionSeq(seq % 2);
         let pose = Pose::new([f64::from(seq), 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).unwrap();
@@ -90,8 +100,9 @@ async fn make_map(db: &mut SqliteConnection, map: MapKey) {
         changes.push(Change::PointSet(session, i64::from(seq), Point3::new(0.5, 0.5, f64::from(seq))));
         let rows = NewKeyframeRows { keyframe: Arc::new(new), digest: [seq as u8; 32] };
         let made = Batch { new_keyframe: Some(rows), ..batch(map, 2, changes) };
-        write::execute(db, &Job::Change(Box::new(made))).await.unwrap();
+        jobs.push(Job::Change(Box::new(made)));
     }
+    jobs
 }
 
 #[derive(Clone, Debug)]
@@ -182,9 +193,9 @@ async fn holds_after(steps: Vec<Step>) {
         }
         let changes = changes_of(&step, version);
         let direct = Job::Change(Box::new(batch(1, version, changes.clone())));
-        write::execute(&mut plain, &direct).await.unwrap();
+        execute(&mut plain, &direct).await;
         for job in deferred::staged(Job::Change(Box::new(batch(1, version, changes)))) {
-            write::execute(&mut sliced, &job).await.unwrap();
+            execute(&mut sliced, &job).await;
         }
         let expected = index_of(&mut plain, Order::Forwards).await;
         assert!(index_of(&mut sliced, Order::Forwards).await == expected, "after {step:?}");
@@ -193,6 +204,66 @@ async fn holds_after(steps: Vec<Step>) {
     while fold::fold_slice(&mut sliced, 7).await.unwrap() {}
     drop((plain, sliced));
     assert_eq!(rows_of(&in_slices).await, rows_of(&at_once).await);
+}
+
+/// What a fleet asks of two maps; each step is a few jobs.
+fn jobs_of(steps: &[(bool, Step)]) -> Vec<Job> {
+    let mut jobs = map_jobs(1);
+    jobs.extend(map_jobs(2));
+    for (number, (is_second, step)) in (3..).zip(steps) {
+        let map = if *is_second { 2 } else { 1 };
+        let event = |seq: u64| Event {
+            seq,
+            kind: EventKind::AnchorsMerged,
+            map_version: number,
+            anchor: Some(AnchorSeq(seq as u32)),
+            other: None,
+            keyframe: Some("kf-1".parse().unwrap()),
+            candidate: None,
+            loop_id: None,
+            query: None,
+            detail: None,
+        };
+        let query = |kept: i64| Job::KeepQuery {
+            map,
+            id: format!("q-{}", kept % 40),
+            kept,
+            body: vec![kept as u8; 3].into(),
+        };
+        match step {
+            Step::Fold(1) => jobs.push(Job::DeleteMap(map)),
+            Step::Fold(2..8) => {
+                let events = vec![event(number * 10), event(number * 10 + 1)];
+                jobs.push(Job::Tell(map, number * 10 + 2, events));
+            }
+            Step::Fold(queries) => {
+                jobs.extend((0..i64::from(*queries)).map(|n| query(number as i64 * 20 + n)));
+            }
+            step => {
+                let events = vec![event(number * 10)];
+                let batch = Batch { events, ..batch(map, number, changes_of(step, number)) };
+                jobs.extend(deferred::staged(Job::Change(Box::new(batch))));
+            }
+        }
+    }
+    jobs
+}
+
+/// Every row of every table that has rows of maps.
+async fn dump(db: &mut SqliteConnection) -> Vec<String> {
+    let select = r#"select 'select ' || group_concat('quote(' || c.name || ')', ' || " " || ') || ' from ' || m.name
+        from sqlite_schema m join pragma_table_info(m.name) c
+        where m.type = 'table' and exists (select 1 from pragma_table_info(m.name) k where k.name = 'map_key')
+        group by m.name order by m.name"#;
+    let selects: Vec<String> = sqlx::query_scalar(select).fetch_all(&mut *db).await.unwrap();
+    let mut rows = Vec::new();
+    for select in selects {
+        let select = sqlx::AssertSqlSafe(select.replace('"', "'"));
+        let mut of_table: Vec<String> = sqlx::query_scalar(select).fetch_all(&mut *db).await.unwrap();
+        of_table.sort();
+        rows.extend(of_table);
+    }
+    rows
 }
 
 fn wait<T>(future: impl Future<Output = T>) -> T {
@@ -208,6 +279,27 @@ proptest! {
     }
 
     #[test]
+    fn jobs_in_one_group_leave_what_they_leave_one_by_one(
+        steps in prop::collection::vec((any::<bool>(), any_step()), 1..25),
+        group in 2usize..60,
+    ) {
+        wait(async {
+            let ((_a, alone), (_b, together)) = (database().await, database().await);
+            let mut alone = alone.acquire().await.unwrap();
+            let mut together = together.acquire().await.unwrap();
+            for job in jobs_of(&steps) {
+                execute(&mut alone, &job).await;
+            }
+            for jobs in jobs_of(&steps).chunks(group) {
+                write::execute(&mut together, jobs.iter()).await.unwrap();
+            }
+            let expected = dump(&mut alone).await;
+            assert!(expected.len() > 30, "{expected:#?}");
+            assert_eq!(dump(&mut together).await, expected);
+        });
+    }
+
+    #[test]
     fn a_deletion_in_slices_of_any_size_leaves_nothing_of_its_map_and_all_of_the_others(
         rows in 1u32..40,
         stops_after in 0usize..8,
@@ -220,7 +312,7 @@ proptest! {
             make_map(&mut db, 2).await;
             let changes = changes_of(&Step::Forget { session: 0, points: (0..40).collect() }, 3);
             for job in deferred::staged(Job::Change(Box::new(batch(2, 3, changes)))) {
-                write::execute(&mut db, &job).await.unwrap();
+                execute(&mut db, &job).await;
             }
             deletion::mark_deleted(&mut db, 2).await.unwrap();
             for _ in 0..stops_after {
@@ -230,7 +322,7 @@ proptest! {
             let id = "map-2".parse().unwrap();
             assert!(load(&mut db, &id, Order::Forwards).await.unwrap().is_none());
             let create = Job::CreateMap { key: 3, id, properties: Box::default(), digest: [1; 32], owner: None };
-            write::execute(&mut db, &create).await.unwrap();
+            execute(&mut db, &create).await;
             // Its deferred changes reach no rows any more.
             assert!(!fold::fold_slice(&mut db, 1).await.unwrap());
             while deletion::remove_slice(&mut db, rows).await.unwrap() {}

@@ -7,6 +7,7 @@ use sqlx::{AssertSqlSafe, Row, SqliteConnection};
 
 use super::decode::{self, digest};
 use super::job::{Batch, MapKey};
+use super::rows::write_rows;
 use super::write::run;
 use super::{Store, StoreError};
 use crate::model::ids::MapId;
@@ -47,25 +48,31 @@ pub(super) async fn keep_event_numbers(db: &mut SqliteConnection, key: MapKey) -
     Ok(())
 }
 
-/// Writes a map's version after a batch, with what follows from its facts: its figures.
-pub(super) async fn advance(db: &mut SqliteConnection, batch: &Batch) -> Result<(), StoreError> {
-    let update = "update maps set version = $2, next_keyframe = $3, next_anchor = $4, next_event = $5,
-        keyframes = $6, anchors = $7, sessions = $8, loops = $9, bytes = $10, memory_bytes = $11
-        where map_key = $1";
-    let MapFigures { keyframes, anchors, sessions, loops, bytes } = batch.figures;
-    let query = sqlx::query(update)
-        .bind(batch.map)
-        .bind(batch.version as i64)
-        .bind(batch.next_keyframe.0)
-        .bind(batch.next_anchor.0)
-        .bind(batch.next_event as i64)
-        .bind(keyframes as i64)
-        .bind(anchors as i64)
-        .bind(sessions as i64)
-        .bind(loops as i64)
-        .bind(bytes as i64)
-        .bind(batch.memory_bytes as i64);
-    run(db, query).await
+/// Writes the number that [`keep_event_numbers`] keeps once more, and so a page of the database.
+pub(super) async fn rewrite_event_number(db: &mut SqliteConnection) -> Result<(), StoreError> {
+    let number: i64 = sqlx::query_scalar("pragma user_version").fetch_one(&mut *db).await?;
+    run(db, sqlx::query(AssertSqlSafe(format!("pragma user_version = {number}")))).await
+}
+
+/// Writes the versions of maps after a batch of each, with what follows from their facts: their figures.
+pub(super) async fn advance(
+    db: &mut SqliteConnection,
+    batches: impl Iterator<Item = &Batch>,
+) -> Result<(), StoreError> {
+    let batches: Vec<&Batch> = batches.collect();
+    let head = "update maps set version = column2, next_keyframe = column3, next_anchor = column4,
+        next_event = column5, keyframes = column6, anchors = column7, sessions = column8, loops = column9,
+        bytes = column10, memory_bytes = column11 from (";
+    write_rows(db, head, ") where maps.map_key = column1", &batches, |row, batch| {
+        let MapFigures { keyframes, anchors, sessions, loops, bytes } = batch.figures;
+        row.push_bind(batch.map).push_bind(batch.version as i64);
+        row.push_bind(batch.next_keyframe.0)
+            .push_bind(batch.next_anchor.0)
+            .push_bind(batch.next_event as i64);
+        row.push_bind(keyframes as i64).push_bind(anchors as i64).push_bind(sessions as i64);
+        row.push_bind(loops as i64).push_bind(bytes as i64).push_bind(batch.memory_bytes as i64);
+    })
+    .await
 }
 
 /// A map as its row shows it, without its index.

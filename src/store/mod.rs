@@ -18,6 +18,7 @@
 //! | copies of it, and back | [`backup`], [`restore`] |
 //! | is it whole? | [`check`], [`log`] |
 
+mod additions;
 pub mod backup;
 mod blob;
 pub mod check;
@@ -47,6 +48,7 @@ mod renewal;
 mod replaced_rows;
 mod reserve;
 pub mod restore;
+mod rows;
 mod schema;
 mod slices;
 mod transaction;

@@ -21,7 +21,7 @@ use super::lanes::Lanes;
 use super::reserve::Reserve;
 use super::slices::Slices;
 use super::transaction::Transaction;
-use super::write;
+use super::{map_rows, write};
 
 /// How often a disk that is not well is tried.
 const TRY_AGAIN_EVERY: Duration = Duration::from_millis(500);
@@ -210,11 +210,9 @@ impl Writer {
 
     async fn transact(&self, jobs: impl Iterator<Item = &Job>) -> Result<(), StoreError> {
         let mut transaction = Transaction::write(&self.pool).await?;
-        for job in jobs {
-            if let Err(error) = write::execute(&mut transaction, job).await {
-                transaction.roll_back().await;
-                return Err(error);
-            }
+        if let Err(error) = write::execute(&mut transaction, jobs).await {
+            transaction.roll_back().await;
+            return Err(error);
         }
         transaction.commit().await
     }
@@ -239,11 +237,13 @@ impl Writer {
     /// Writes a page and syncs it. A failed commit's place in the log is this one's: what was refused cannot come back.
     async fn write_something(&self) -> Result<(), StoreError> {
         let mut transaction = Transaction::write(&self.pool).await?;
-        if let Err(error) = sqlx::query("pragma user_version = 1").execute(&mut *transaction).await {
-            transaction.roll_back().await;
-            return Err(error.into());
+        match map_rows::rewrite_event_number(&mut transaction).await {
+            Ok(()) => transaction.commit().await,
+            Err(error) => {
+                transaction.roll_back().await;
+                Err(error)
+            }
         }
-        transaction.commit().await
     }
 
     /// What deletes have freed within the database's file, in bytes.
