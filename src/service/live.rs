@@ -153,14 +153,22 @@ impl LiveMap {
     }
 
     /// Decides under the lock, and queues what was decided, with the permit to write: it counts among the writes under
-    /// way until the disk has it, also when nobody waits for that. Blocks: not for async threads.
+    /// way until the disk has it, also when nobody waits for that. Blocks: not for async threads. `core` is its turn to compute.
     pub fn decide<T>(
         self: &Arc<Self>,
         store: &Store,
         permit: OwnedSemaphorePermit,
+        core: OwnedSemaphorePermit,
         decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError>,
     ) -> Result<Pending<T>, ServiceError> {
-        let mut state = self.state.write().map_err(|_| self.broke())?;
+        let (mut state, _core) = match self.state.try_write() {
+            Ok(state) => (state, Some(core)),
+            Err(_) => {
+                // Whoever waits for readers of one map keeps no core from the writes of others.
+                drop(core);
+                (self.state.write().map_err(|_| self.broke())?, None)
+            }
+        };
         self.exists()?;
         if self.is_broken() {
             return Err(StoreError::Superseded.into());

@@ -44,6 +44,7 @@ mod worker;
 use std::ops::Deref;
 use std::sync::Arc;
 
+use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 
 pub use backups::BackupMade;
@@ -105,6 +106,8 @@ pub struct Parts {
     registry: Arc<Registry>,
     writes: Arc<Gate>,
     reads: Arc<Gate>,
+    /// As many writes are decided at once as there are cores; more would only take turns on them.
+    deciding: Arc<Semaphore>,
     pressure: Arc<Pressure>,
     features: FeatureCache,
     vocabulary: Option<Arc<NamedVocabulary>>,
@@ -147,6 +150,7 @@ impl Service {
             registry,
             writes: Gate::new(WRITES_AT_ONCE, WAITING_MAX),
             reads: Gate::new(READS_PER_CORE * cores(), WAITING_MAX),
+            deciding: Arc::new(Semaphore::new(cores())),
             pressure: Arc::default(),
             features: FeatureCache::new(vocabulary.clone()),
             vocabulary,

@@ -6,7 +6,7 @@ use tokio::task::spawn_blocking;
 use tracing::Instrument as _;
 
 use super::live::{Decision, LiveMap, Pending, State};
-use super::{Service, ServiceError};
+use super::{Service, ServiceError, closed};
 use crate::config::logging::in_part;
 use crate::config::traces;
 use crate::recognition::index::MapIndex;
@@ -41,10 +41,12 @@ impl Service {
         };
         // One at a time takes a thread to wait for the map's lock; the others wait here, where waiting costs nothing.
         let _lane = live.lane.lock().await;
+        let core = self.deciding.clone().acquire_owned().await.map_err(|_| closed())?;
         let (deciding, store) = (live.clone(), self.store.clone());
-        let pending = spawn_blocking(in_part("decide", move || deciding.decide(&store, permit, decide)))
-            .await
-            .map_err(ServiceError::panicked)??;
+        let pending =
+            spawn_blocking(in_part("decide", move || deciding.decide(&store, permit, core, decide)))
+                .await
+                .map_err(ServiceError::panicked)??;
         self.registry.keep_to_budget();
         // Whatever was written, an anchor may lack something now.
         self.worker.wake();
