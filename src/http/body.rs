@@ -26,8 +26,11 @@ use crate::wire::read::{self, Decode};
 use crate::wire::survey::{TooMany, survey};
 use crate::wire::syntax::{self, Unreadable};
 
-/// Bodies up to this are decoded where they are: that takes less than what a thread of its own costs.
+/// Bodies up to this are decoded where they are: a thread costs more. A larger one keeps others waiting there, those above
+/// all who only want to hear that the server is busy.
 const SMALL_BODY_BYTES: usize = 8 << 10;
+/// Up to this a body is read without looking first at what it becomes in memory.
+const UNSURVEYED_BYTES: usize = 64 << 10;
 /// Bodies up to this take memory without asking; keyframes mostly do.
 const UNCOUNTED_BYTES: usize = 256 << 10;
 /// How much more than allowed is read and thrown away, so that the client gets to see the answer: a connection closed
@@ -135,12 +138,15 @@ impl Text {
         Self { bytes, encoding: Encoding::Identity, becomes_at_most, held: Held::default() }
     }
 
-    fn is_small(&self) -> bool {
-        self.encoding == Encoding::Identity && self.bytes.len() <= SMALL_BODY_BYTES
+    fn is_at_most(&self, bytes: usize) -> bool {
+        self.encoding == Encoding::Identity && self.bytes.len() <= bytes
     }
 
     /// Inflates and parses it, unless that would take too much memory.
     fn value(&mut self, memory: &Memory) -> Result<Value, Problem> {
+        if self.is_at_most(UNSURVEYED_BYTES) && self.becomes_at_most.is_none() {
+            return parsed(&self.bytes);
+        }
         if self.encoding != Encoding::Identity {
             self.inflate(memory)?;
         }
@@ -172,7 +178,7 @@ pub async fn decoded<T: Send + 'static>(
     app: &App,
     read: impl FnOnce(Value) -> Result<T, Problem> + Send + 'static,
 ) -> Result<T, Problem> {
-    if text.is_small() {
+    if text.is_at_most(SMALL_BODY_BYTES) {
         return parsed(&text.bytes).and_then(read);
     }
     let memory = app.memory.clone();
