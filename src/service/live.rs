@@ -161,13 +161,12 @@ impl LiveMap {
         core: OwnedSemaphorePermit,
         decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError>,
     ) -> Result<Pending<T>, ServiceError> {
-        let (mut state, _core) = match self.state.try_write() {
-            Ok(state) => (state, Some(core)),
-            Err(_) => {
-                // Whoever waits for readers of one map keeps no core from the writes of others.
-                drop(core);
-                (self.state.write().map_err(|_| self.broke())?, None)
-            }
+        let (mut state, _core) = if let Ok(state) = self.state.try_write() {
+            (state, Some(core))
+        } else {
+            // Whoever waits for readers of one map keeps no core from the writes of others.
+            drop(core);
+            (self.state.write().map_err(|_| self.broke())?, None)
         };
         self.exists()?;
         if self.is_broken() {
