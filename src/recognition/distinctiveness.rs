@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use super::anchor_map::Centre;
 use super::index::{MapIndex, TextId};
+use super::match_sets::{MatchSets, SetId};
 use crate::geometry::Point3;
 use crate::model::ids::{AnchorSeq, SessionSeq};
 use crate::semantics::{self, Text};
@@ -19,15 +20,17 @@ use crate::semantics::{self, Text};
 struct Guest {
     class: Box<str>,
     text: Arc<Text>,
-    /// The texts of the map that match its own.
-    matching: Vec<TextId>,
+    /// The set of texts of the map that match its own.
+    matching: SetId,
     centre_in_session: Point3,
 }
 
-/// The counts of one query; each text is counted once.
+/// The counts of one query; each set of texts is counted once. Where many texts match each other, they match the same.
 #[derive(Debug, Default)]
 pub struct PlaceCounts {
     by_text: HashMap<TextId, usize>,
+    by_set: HashMap<(SetId, Vec<bool>), usize>,
+    sets: MatchSets,
     guests: Vec<Guest>,
     /// The session the guests are in, unless the map does not know it.
     session: Option<SessionSeq>,
@@ -36,13 +39,14 @@ pub struct PlaceCounts {
 impl PlaceCounts {
     /// Counts for a query around this centre: what an inline keyframe sees stands somewhere, too.
     pub fn around(index: &MapIndex, centre: &Centre) -> Self {
-        let guests = centre.inline.iter().filter_map(|anchor| {
-            let text = anchor.text.clone()?;
-            let matching = index.texts().matching_text(&anchor.class, &text);
+        let mut counts = Self { session: centre.session, ..Self::default() };
+        for anchor in &centre.inline {
+            let Some(text) = anchor.text.clone() else { continue };
+            let matching = counts.sets.number(index.texts().matching_text(&anchor.class, &text));
             let (class, centre_in_session) = (anchor.class.clone(), anchor.centre_in_session);
-            Some(Guest { class, text, matching, centre_in_session })
-        });
-        Self { by_text: HashMap::new(), guests: guests.collect(), session: centre.session }
+            counts.guests.push(Guest { class, text, matching, centre_in_session });
+        }
+        counts
     }
 
     /// In how many places anchors stand that carry this text or one that matches it; at least 1.
@@ -50,22 +54,51 @@ impl PlaceCounts {
         if let Some(known) = self.by_text.get(&text) {
             return *known;
         }
-        let texts: Vec<TextId> = index.texts().matching(text).collect();
-        let count = self.count(index, &texts, |guest| guest.matching.contains(&text));
+        let set = self.sets.of(index.texts(), text);
+        let mut has_text: HashMap<SetId, bool> = HashMap::new();
+        let carries = self.guests.iter().map(|guest| {
+            let matching = self.sets.texts(guest.matching);
+            *has_text.entry(guest.matching).or_insert_with(|| matching.binary_search(&text).is_ok())
+        });
+        let carries = carries.collect();
+        let count = self.count_once(index, set, carries);
         self.by_text.insert(text, count);
         count
     }
 
     /// The same for a text that no object of the map carries.
-    pub fn of_guest(&self, index: &MapIndex, class: &str, text: &Text) -> usize {
+    pub fn of_guest(&mut self, index: &MapIndex, class: &str, text: &Text) -> usize {
         let min_level = index.properties().settings.matching_min_similarity_level;
         let alike = |guest: &Guest| {
             *guest.class == *class && u32::from(semantics::similarity_level(text, &guest.text).0) >= min_level
         };
-        self.count(index, &index.texts().matching_text(class, text), alike)
+        let carries = self.guests.iter().map(alike).collect();
+        // What the query sees was held against the map before. Capital letters count in the level alone.
+        let reads_alike = |guest: &&Guest| {
+            *guest.class == *class
+                && *guest.text == *text
+                && guest.text.information_level() == text.information_level()
+        };
+        let itself = self.guests.iter().find(reads_alike);
+        let set = match itself.map(|guest| guest.matching) {
+            Some(known) => known,
+            None => self.sets.number(index.texts().matching_text(class, text)),
+        };
+        self.count_once(index, set, carries)
     }
 
-    fn count(&self, index: &MapIndex, texts: &[TextId], carries: impl Fn(&Guest) -> bool) -> usize {
+    /// Counts the places of a set of texts and of the guests that carry one of them.
+    fn count_once(&mut self, index: &MapIndex, set: SetId, carries: Vec<bool>) -> usize {
+        let key = (set, carries);
+        if let Some(known) = self.by_set.get(&key) {
+            return *known;
+        }
+        let count = self.count(index, self.sets.texts(set), &key.1);
+        self.by_set.insert(key, count);
+        count
+    }
+
+    fn count(&self, index: &MapIndex, texts: &[TextId], carries: &[bool]) -> usize {
         let carriers: BTreeSet<AnchorSeq> =
             texts.iter().flat_map(|text| index.texts().objects(*text)).collect();
         let mut centres: BTreeMap<Option<SessionSeq>, Vec<Point3>> = BTreeMap::new();
@@ -76,7 +109,8 @@ impl PlaceCounts {
                 }
             }
         }
-        let guests = self.guests.iter().filter(|guest| carries(guest)).map(|guest| guest.centre_in_session);
+        let guests = self.guests.iter().zip(carries).filter(|(_, carries)| **carries);
+        let guests = guests.map(|(guest, _)| guest.centre_in_session);
         centres.entry(self.session).or_default().extend(guests);
         let radius_m = index.properties().settings.distinctive_place_radius_m;
         centres.values().map(|centres| places(centres, radius_m)).max().unwrap_or(1).max(1)
@@ -116,6 +150,11 @@ fn neighbourhood([x, y, z]: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Pose;
+    use crate::model::bow::BowVector;
+    use crate::model::keyframe::{Detection, NewKeyframe, Stamp};
+    use crate::recognition::ingest::ingest;
+    use crate::recognition::query::Query;
     use proptest::prelude::*;
 
     /// By the letter: each point is held against every place.
@@ -134,6 +173,78 @@ mod tests {
         fn cells_change_no_count(points in prop::collection::vec(prop::array::uniform3(-20.0..20.0f64), 0..60), radius_m in 0.1..10.0f64) {
             let points: Vec<Point3> = points.into_iter().map(Point3::from).collect();
             prop_assert_eq!(places(&points, radius_m), naive(&points, radius_m));
+        }
+    }
+
+    fn sign(number: usize, text: &str) -> NewKeyframe {
+        let detection = Detection {
+            class: "sign".to_owned(),
+            confidence: 0.9,
+            box_px: [0.0, 0.0, 10.0, 10.0],
+            map_points: Vec::new(),
+            position_in_session: Some(Point3::new(number as f64 * 1.7, 0.0, 0.0)),
+            text: Some(text.to_owned()),
+            description: None,
+            crop: None,
+        };
+        NewKeyframe {
+            id: format!("kf-{number}").parse().unwrap(),
+            session: "run".parse().unwrap(),
+            stamp: Stamp { sec: 0, nanosec: 0 },
+            map_from_camera: Pose::new([0.0; 3], [0.0, 0.0, 0.0, 1.0]).unwrap(),
+            camera: None,
+            bow: BowVector::default(),
+            vocabulary: None,
+            features: None,
+            map_points: Vec::new(),
+            observes: Vec::new(),
+            covisible: Vec::new(),
+            detections: vec![detection],
+        }
+    }
+
+    const TEXTS: [&str; 11] = [
+        "room 901 oak",
+        "room 901 glass",
+        "room 901 left",
+        "room 901 not glass",
+        "room 905",
+        "a red wooden boat on a lake",
+        "a red wooden boat on the lake at dawn",
+        "boat lake wooden stormy castle harbour windmill",
+        "boat lake wooden stormy castle harbour windmill sails",
+        "boat lake wooden stormy castle harbour windmill dogs",
+        "boat lake wooden stormy castle harbour dogs",
+    ];
+
+    proptest! {
+        #[test]
+        fn what_is_counted_once_is_what_each_text_counts_alone(
+            signs in prop::collection::vec(0..TEXTS.len(), 0..16),
+            asked in prop::collection::vec(0..TEXTS.len(), 0..6),
+        ) {
+            let mut index = MapIndex::default();
+            for (number, text) in signs.iter().enumerate() {
+                ingest(&mut index, &sign(number, TEXTS[*text]));
+            }
+            let mut query = sign(99, "");
+            query.detections = asked.iter().enumerate().map(|(at, text)| sign(at * 3, TEXTS[*text]).detections.remove(0)).collect();
+            let query = Query::inline(&index, &query);
+            let mut together = PlaceCounts::around(&index, &query.centre);
+            for id in index.texts().iter() {
+                let alone = PlaceCounts::around(&index, &query.centre).of_text(&index, id);
+                prop_assert_eq!(together.of_text(&index, id), alone);
+                let texts: Vec<TextId> = index.texts().matching(id).collect();
+                let carries = |guest: &Guest| {
+                    index.texts().matching_text(&guest.class, &guest.text).contains(&id)
+                };
+                let carries: Vec<bool> = together.guests.iter().map(carries).collect();
+                prop_assert_eq!(together.count(&index, &texts, &carries), alone);
+            }
+            for text in TEXTS.map(Text::parse) {
+                let alone = PlaceCounts::around(&index, &query.centre).of_guest(&index, "sign", &text);
+                prop_assert_eq!(together.of_guest(&index, "sign", &text), alone);
+            }
         }
     }
 

@@ -51,6 +51,7 @@ pub mod lacking;
 pub mod learning;
 pub mod loop_check;
 pub mod loop_warning;
+mod match_sets;
 pub mod matching;
 pub mod numbered;
 pub mod places;

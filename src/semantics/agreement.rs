@@ -77,6 +77,9 @@ impl<'a> Best<'a> {
 
 /// Compares two sets of identifiers; nothing if one is empty.
 pub fn agreement<'a>(a: &'a [Identifier], b: &'a [Identifier]) -> Option<Agreement<'a>> {
+    if a.is_empty() || b.is_empty() {
+        return None;
+    }
     let mut best_of_a = [Best { relation: Relation::Unrelated, counterpart: None }; MAX_IDENTIFIERS];
     let mut best_of_b = best_of_a;
     for (x, best_of_x) in a.iter().zip(&mut best_of_a) {

@@ -3,7 +3,7 @@
 use super::words::Word;
 
 /// A set of directions, one bit each.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Directions(u16);
 
 /// How the directions of two texts relate.

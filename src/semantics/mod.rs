@@ -16,6 +16,7 @@
 //! | left, right, arrows | `direction.rs` | `Directions` |
 //! | sets of words and their likeness | `words.rs` | `overlap`, `prefix` |
 //! | a parsed description | `text.rs` | [`Text::parse`] |
+//! | what decides about texts without a rare word in common | `profile.rs` | [`Profile`] |
 //! | InformationLevel | `information.rs` | [`information()`] |
 //! | do two sets of identifiers agree? | `agreement.rs` | [`conflict`] |
 //! | SimilarityLevel: the rules | `similarity.rs` | [`similarity()`], [`similarity_level`] |
@@ -35,6 +36,7 @@ mod information;
 mod keys;
 mod merge;
 mod normalise;
+mod profile;
 mod quantity;
 mod reading;
 mod reason;
@@ -56,10 +58,11 @@ pub use identifier::Identifier;
 pub use information::information;
 pub use merge::merge;
 pub use normalise::clean;
+pub use profile::Profile;
 pub use role::Role;
 pub use route::{
     Route, accepts_merge, bound_similarity, has_no_new_digits, information_is_open, likeness_percent,
     route_similarity, similarity_is_open,
 };
 pub use similarity::{Judgement, Source, similarity, similarity_level};
-pub use text::Text;
+pub use text::{Identity, Text};

@@ -71,6 +71,26 @@ impl Text {
         self.information.level
     }
 
+    /// Returns the identifiers and directions, if they alone decide whether this text and another that has an
+    /// identity, but reads differently, reach level 4. None where words decide as well.
+    ///
+    /// Equal values of different roles ("floor 9, room 9") make the order of two texts count, so they have none.
+    pub fn identity(&self) -> Option<Identity> {
+        let repeats = |(at, identifier): (usize, &Identifier)| {
+            self.identifiers[..at].iter().any(|before| before.value == identifier.value)
+        };
+        let decides = !self.identifiers.is_empty()
+            && self.negated.is_empty()
+            && self.information.level > 1
+            && !self.identifiers.iter().enumerate().any(repeats);
+        decides.then(|| Identity { identifiers: self.identifiers.clone(), directions: self.directions })
+    }
+
+    /// Whether the text has an identifier, but no identity.
+    pub fn is_undecided_by_identity(&self) -> bool {
+        !self.identifiers.is_empty() && self.identity().is_none()
+    }
+
     /// The words that tell one object from others.
     pub fn specific_words(&self) -> impl Iterator<Item = &str> {
         let specific = |word: &&Word| word.class == super::dictionary::Class::Specific;
@@ -81,6 +101,13 @@ impl Text {
     pub fn keys(&self) -> &[u64] {
         &self.keys
     }
+}
+
+/// The identifiers and directions of a text that is judged by these alone.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Identity {
+    identifiers: Vec<Identifier>,
+    directions: Directions,
 }
 
 /// "room 901, number 901" numbers one thing: the reading with a role stays.

@@ -10,7 +10,7 @@ const LEVEL_4_PERCENT: u32 = 70;
 const LEVEL_3_PERCENT: u32 = 40;
 
 /// A word that counts: its stem and its worth. Sorts most telling first, then by hash, the global order of the keys.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Word {
     /// What it is worth.
     pub class: Class,
@@ -31,7 +31,7 @@ impl Word {
     }
 
     /// What sets this text apart must weigh more than what all texts have.
-    fn weight(&self) -> u32 {
+    pub(super) fn weight(&self) -> u32 {
         if self.class == Class::Specific { 2 } else { 1 }
     }
 }
@@ -46,6 +46,11 @@ pub struct Overlap {
 }
 
 impl Overlap {
+    /// Adds the weight of further words, none of which is in both sets.
+    pub fn with_different(self, weight: u32) -> Overlap {
+        Overlap { all: self.all + weight, ..self }
+    }
+
     /// Weighted Jaccard likeness as a level, 1 to 5.
     pub fn level(self) -> u8 {
         let percent = self.common * 100;

@@ -22,7 +22,7 @@ pub use covisibility::Covisibility;
 pub use holders::Holders;
 pub use objects::{Description, Object, Objects};
 pub use points::{POINT_BYTES, Points};
-pub use texts::{TextId, TextIndex};
+pub use texts::{GroupId, IdentityId, TextId, TextIndex, WordGroups};
 pub use verdicts::Verdicts;
 pub use votes::Votes;
 

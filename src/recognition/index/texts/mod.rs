@@ -9,17 +9,25 @@
 //! their number; a text with too many therefore keeps none, and is judged anew when asked about (`matches.rs`).
 
 mod equality;
+mod identities;
+#[cfg(test)]
+mod laws;
 mod matches;
 #[cfg(test)]
 mod tests;
+mod word_groups;
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
+pub use self::identities::IdentityId;
+use self::identities::{Identities, Judging};
 use self::matches::{Matches, Verdict};
+pub use self::word_groups::{GroupId, WordGroups};
 use super::verdicts::Verdicts;
 use crate::model::ids::AnchorSeq;
 use crate::model::judged::{Finding, ModelVerdict};
+use crate::model::settings::Settings;
 use crate::semantics::{self, Source, Text};
 
 /// Texts that match from this level on share a blocking key. A map that asks for less pays with every text of
@@ -40,6 +48,15 @@ struct Node {
     text: Arc<Text>,
     objects: BTreeSet<AnchorSeq>,
     matches: Matches,
+    identity: Option<IdentityId>,
+}
+
+/// The texts that have a blocking key.
+#[derive(Clone, Debug, Default)]
+struct Sharing {
+    texts: Vec<TextId>,
+    /// The number of them that have an identifier and no identity, which may match one text of an identity and not another.
+    undecided: usize,
 }
 
 /// The texts of a map's valid objects, and what a model said of texts.
@@ -52,7 +69,8 @@ pub struct TextIndex {
     nodes: Vec<Option<Node>>,
     free: Vec<TextId>,
     by_text: HashMap<(Box<str>, Box<str>), TextId>,
-    by_key: HashMap<u64, Vec<TextId>>,
+    by_key: HashMap<u64, Sharing>,
+    identities: Identities,
     /// By specific word, for what a model may be asked about.
     by_word: HashMap<Box<str>, BTreeSet<TextId>>,
     text_of: HashMap<AnchorSeq, TextId>,
@@ -60,8 +78,10 @@ pub struct TextIndex {
 }
 
 impl Default for TextIndex {
+    /// The texts of a map with the settings that maps have by default.
     fn default() -> Self {
-        Self::new(0, Verdicts::default())
+        let min_level = Settings::default().matching_min_similarity_level;
+        Self::new(u8::try_from(min_level).unwrap_or(u8::MAX), Verdicts::default())
     }
 }
 
@@ -80,6 +100,7 @@ impl TextIndex {
             free: Vec::new(),
             by_text: HashMap::new(),
             by_key: HashMap::new(),
+            identities: Identities::default(),
             by_word: HashMap::new(),
             text_of: HashMap::new(),
             judged_pairs: 0,
@@ -195,8 +216,31 @@ impl TextIndex {
         let is_listed = listed.is_some();
         let others = listed.unwrap_or_else(|| self.partners(&node.class, &node.text));
         let others = self.by_age(others).into_iter().filter(move |other| *other != id);
-        std::iter::once(id)
-            .chain(others.filter(move |other| is_listed || self.judge(&node.text, *other).is_some()))
+        let judging = Judging::of(self, &node.text);
+        std::iter::once(id).chain(others.filter(move |other| is_listed || judging.matches(*other)))
+    }
+
+    /// Returns the texts that match this one, itself included, ascending by number.
+    pub fn matching_set(&self, id: TextId) -> Vec<TextId> {
+        let node = self.node(id);
+        let mut found: Vec<TextId> = if let Some(list) = node.matches.listed() {
+            list.keys().copied().collect()
+        } else {
+            let judging = Judging::of(self, &node.text);
+            let others = self.partners(&node.class, &node.text).into_iter();
+            others.filter(|other| *other != id && judging.matches(*other)).collect()
+        };
+        let at = found.partition_point(|other| *other < id);
+        found.insert(at, id);
+        found
+    }
+
+    /// Returns the identity of a text, if all texts of that identity match the same texts.
+    pub fn identity(&self, id: TextId) -> Option<IdentityId> {
+        let node = self.node(id);
+        let is_undecided = |key: &u64| self.by_key.get(key).is_some_and(|sharing| sharing.undecided > 0);
+        let decides = self.min_level >= COMPLETE_FROM_LEVEL && !node.text.keys().iter().any(is_undecided);
+        node.identity.filter(|_| decides)
     }
 
     /// The texts that match one that need not be in the index (an inline keyframe's).
@@ -205,10 +249,18 @@ impl TextIndex {
             return self.matching(id).collect();
         }
         let mut matching = self.candidates(class, text);
+        let judging = Judging::of(self, text);
         matching.retain(|other| {
-            self.counts(semantics::similarity_level(text, &self.node(*other).text)).is_some()
+            judging.by_identity(*other).unwrap_or_else(|| {
+                self.counts(semantics::similarity_level(text, &self.node(*other).text)).is_some()
+            })
         });
         self.by_age(matching)
+    }
+
+    /// Whether a text has too many matches to be listed.
+    pub fn is_crowded(&self, id: TextId) -> bool {
+        self.node(id).matches.is_crowded()
     }
 
     /// The objects that carry a text, oldest first.
@@ -240,7 +292,7 @@ impl TextIndex {
         if self.min_level < COMPLETE_FROM_LEVEL {
             return self.iter().filter(|id| &*self.node(*id).class == class).collect();
         }
-        let lists = text.keys().iter().filter_map(|key| self.by_key.get(key));
+        let lists = text.keys().iter().filter_map(|key| Some(&self.by_key.get(key)?.texts));
         let of_class = |id: &TextId| &*self.node(*id).class == class;
         let mut sharing: Vec<TextId> = lists.flatten().copied().filter(of_class).collect();
         sharing.sort_unstable();
@@ -306,14 +358,22 @@ impl TextIndex {
             }
         }
         for key in text.keys() {
-            self.by_key.entry(*key).or_default().push(id);
+            let sharing = self.by_key.entry(*key).or_default();
+            sharing.texts.push(id);
+            sharing.undecided += usize::from(text.is_undecided_by_identity());
         }
+        let identity = self.identities.join(class, text);
         for word in text.specific_words() {
             self.by_word.entry(word.into()).or_default().insert(id);
         }
         self.by_text.insert((class.into(), text.normalised().into()), id);
-        self.nodes[id.0] =
-            Some(Node { class: class.into(), text: text.clone(), objects: BTreeSet::new(), matches });
+        self.nodes[id.0] = Some(Node {
+            class: class.into(),
+            text: text.clone(),
+            objects: BTreeSet::new(),
+            matches,
+            identity,
+        });
         id
     }
 
@@ -326,10 +386,12 @@ impl TextIndex {
         }
         // Nobody carries the text any more: its matches are withdrawn with it.
         let Some(node) = self.nodes[id.0].take() else { return };
+        self.identities.leave(&node.class, &node.text);
         for key in node.text.keys() {
-            if let Some(list) = self.by_key.get_mut(key) {
-                list.retain(|listed| *listed != id);
-                if list.is_empty() {
+            if let Some(sharing) = self.by_key.get_mut(key) {
+                sharing.texts.retain(|listed| *listed != id);
+                sharing.undecided -= usize::from(node.text.is_undecided_by_identity());
+                if sharing.texts.is_empty() {
                     self.by_key.remove(key);
                 }
             }

@@ -10,7 +10,11 @@ use super::*;
 const CLASSES: [&str; 2] = ["sign", "plate"];
 
 /// Texts that share identifiers, words, or nothing; some read alike, some point elsewhere, some deny.
-const TEXTS: [&str; 16] = [
+const TEXTS: [&str; 20] = [
+    "floor 9 room 9 room 12 alpha",
+    "alpha 9",
+    "zeta 9",
+    "red boat lake, no dogs",
     "room 901",
     "room 901 alpha",
     "room 901 beta",
@@ -45,7 +49,7 @@ fn step() -> impl Strategy<Value = Step> {
     ]
 }
 
-fn similarity(class: &str, a: &str, b: &str, level: u8) -> ModelVerdict {
+pub(super) fn similarity(class: &str, a: &str, b: &str, level: u8) -> ModelVerdict {
     let (a, b) = (Text::parse(a), Text::parse(b));
     let mut pair = [a.normalised(), b.normalised()];
     pair.sort_unstable();
@@ -105,7 +109,7 @@ fn answers(index: &TextIndex) -> Answers {
 }
 
 /// The letter: every pair of texts of one class is judged.
-fn by_the_letter(index: &TextIndex, a: TextId, b: TextId) -> Option<(u8, Source)> {
+pub(super) fn by_the_letter(index: &TextIndex, a: TextId, b: TextId) -> Option<(u8, Source)> {
     let ((class_a, text_a), (class_b, text_b)) = (index.text(a), index.text(b));
     let verdict = index
         .verdicts()
@@ -134,6 +138,41 @@ proptest! {
             for b in few.iter().filter(|b| *b != a) {
                 prop_assert_eq!(few.level(a, b), by_the_letter(&few, a, b));
             }
+        }
+    }
+
+    #[test]
+    fn texts_of_one_identity_match_what_judging_every_pair_says(
+        steps in prop::collection::vec(step(), 0..80),
+        min_level in 1..=5u8,
+        listed_max in 0..4usize,
+    ) {
+        let mut index = TextIndex::listing(min_level, Verdicts::default(), listed_max);
+        for step in &steps {
+            take(&mut index, step);
+        }
+        let mut of_identity: HashMap<IdentityId, Vec<TextId>> = HashMap::new();
+        for a in index.iter() {
+            let matches = |b: &TextId| *b == a || by_the_letter(&index, a, *b).is_some();
+            let letter: Vec<TextId> = index.iter().filter(matches).collect();
+            let mut by_age: Vec<TextId> = index.matching(a).collect();
+            by_age.sort_unstable();
+            prop_assert_eq!(&index.matching_set(a), &letter);
+            prop_assert_eq!(&by_age, &letter);
+            if let Some(identity) = index.identity(a) {
+                prop_assert_eq!(of_identity.entry(identity).or_insert_with(|| letter.clone()), &letter);
+            }
+        }
+        for text in TEXTS.iter().chain(&["room 901 gamma", "room 901 not gamma", "room 901 right"]) {
+            let text = Text::parse(text);
+            let Some(class) = CLASSES.iter().find(|class| index.find(class, &text).is_none()) else { continue };
+            let is_match = |id: &TextId| {
+                let (of, theirs) = index.text(*id);
+                of == *class && semantics::similarity_level(&text, theirs).0 >= min_level
+            };
+            let mut found = index.matching_text(class, &text);
+            found.sort_unstable();
+            prop_assert_eq!(found, index.iter().filter(is_match).collect::<Vec<_>>());
         }
     }
 
@@ -168,10 +207,10 @@ fn indexes_that_differ_in_one_match_are_not_equal_whatever_they_list() {
     let with = |listed_max, verdict: Option<u8>| {
         let mut index = TextIndex::listing(4, Verdicts::default(), listed_max);
         for (object, text) in [9, 11, 12].into_iter().enumerate() {
-            take(&mut index, &Step::Set(object as u32, 0, text));
+            take(&mut index, &Step::Set(object as u32, 0, text + 4));
         }
         if let Some(level) = verdict {
-            take(&mut index, &Step::Judged(0, 9, 12, level));
+            take(&mut index, &Step::Judged(0, 13, 16, level));
         }
         index
     };
