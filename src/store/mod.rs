@@ -3,10 +3,10 @@
 //! | concept | file |
 //! |---|---|
 //! | opening, pragmas, migrations | this file, [`schema`] |
-//! | one writer, group commit | [`committer`], [`lanes`], [`writer`] |
+//! | one writer in a thread of its own, group commit | [`committer`], [`lanes`], [`writer`] |
 //! | large deletions and corrections, in slices | [`slices`], [`deletion`], [`deferred`], [`fold`] |
 //! | what it is asked to do, and what that costs | [`job`], [`cost`] |
-//! | from changes to rows | [`mod@write`], [`map_rows`], [`keyframe_rows`] |
+//! | from changes to rows, a group at a time | [`mod@write`], [`additions`], [`rows`], [`map_rows`], [`keyframe_rows`] |
 //! | from rows to changes, when a map is first asked for | [`load`], [`decode`], [`validate`] |
 //! | what models said, and what it cost | [`model_rows`] |
 //! | jobs that ask models again, and the verdicts they replaced | [`judgement_rows`], [`replaced_rows`] |
