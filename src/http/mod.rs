@@ -77,11 +77,11 @@ use seats::Seats;
 use streams::Streams;
 use untaken::AnswerMemory;
 
-/// What handlers work with.
+/// The state that handlers work with; clones share everything.
 #[derive(Clone)]
 pub struct App(Arc<Parts>);
 
-/// What an app is made of.
+/// The parts of an app.
 pub struct Parts {
     /// The use cases.
     pub service: Service,

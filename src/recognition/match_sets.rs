@@ -1,6 +1,6 @@
 //! The sets of matching texts that a query meets, each numbered once.
 //!
-//! Where thousands of texts match each other, most of them match the same set: what is counted for a set serves them all.
+//! Most texts of a crowd match the same set, so a count is made once for a set and not for each of its texts.
 
 use std::collections::HashMap;
 use std::sync::Arc;

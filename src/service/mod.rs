@@ -99,7 +99,7 @@ pub struct Stored<T> {
 #[derive(Clone, Debug)]
 pub struct Service(Arc<Parts>);
 
-/// What a service is made of.
+/// The parts of a service.
 #[derive(Clone, Debug)]
 pub struct Parts {
     store: Store,

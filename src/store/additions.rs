@@ -35,7 +35,7 @@ pub(super) struct KeptQuery<'j> {
     pub body: &'j [u8],
 }
 
-/// What is gathered.
+/// Rows gathered from the jobs of a group, not written yet.
 #[derive(Default)]
 pub(super) struct Additions<'j> {
     /// The last batch of each map.

@@ -48,7 +48,7 @@ async fn make_map(db: &mut SqliteConnection, map: MapKey) {
     }
 }
 
-/// What makes a map with keyframes of two sessions, each of which sees an anchor of its own at a position.
+/// Returns the jobs that make a map with keyframes of two sessions, each of which sees an anchor of its own at a position.
 fn map_jobs(map: MapKey) -> Vec<Job> {
     let properties = Box::new(MapProperties::default());
     let id = format!("map-{map}").parse().unwrap();
@@ -206,7 +206,7 @@ async fn holds_after(steps: Vec<Step>) {
     assert_eq!(rows_of(&in_slices).await, rows_of(&at_once).await);
 }
 
-/// What a fleet asks of two maps; each step is a few jobs.
+/// Returns the jobs of a fleet on two maps; each step is a few of them.
 fn jobs_of(steps: &[(bool, Step)]) -> Vec<Job> {
     let mut jobs = map_jobs(1);
     jobs.extend(map_jobs(2));

@@ -8,7 +8,7 @@ use super::StoreError;
 /// Rows of a statement. A connection keeps a statement for each number of rows, so there are few numbers.
 const SIZES: [usize; 3] = [32, 8, 1];
 
-/// Where a row's values go.
+/// A place for the values of a row.
 pub(super) type Row<'q> = Separated<'q, Sqlite, &'static str>;
 
 /// Writes rows with statements `head values (...), (...) tail`. In brackets the values are a table with the columns `column1`

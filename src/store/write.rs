@@ -18,7 +18,7 @@ pub(super) const EVENTS_SWEPT_EVERY: u64 = 256;
 /// Loop queries of a map are kept up to this number, oldest out first.
 pub(super) const QUERIES_KEPT: i64 = 1_000;
 
-/// How many are taken out at a time.
+/// Loop queries that are taken out at a time.
 pub(super) const QUERIES_SWEPT: i64 = 16;
 
 /// Does jobs in their order, within the transaction of their group.

@@ -7,7 +7,7 @@ use proptest::sample::subsequence;
 
 use super::*;
 
-/// What texts are made of; those of equal identifiers sort before or after others by their first word.
+/// Parts of texts; those of equal identifiers sort before or after others by their first word.
 const IDENTIFIERS: [&str; 16] = [
     "alpha", "zeta", "floor 9", "room 9", "9", "suite 12", "room 12", "12-15", "901-905", "room 903", "9O1",
     "0901", "901", "gate 7", "left", "not beta",
