@@ -3,21 +3,32 @@
 //! | requests worked on, of `--max-requests` | what is left out |
 //! |---|---|
 //! | half | background work rests: triggered loop checks are passed over, the models' worker takes no new jobs, and a loop query's `max_wait_ms` is not waited for |
-//! | three quarters | reads and questions are refused with 503; a map goes on being recorded |
-//! | all | writes are refused with 503, too |
+//! | three quarters | reads and questions beyond a quarter are refused with 503; a map goes on being recorded |
+//! | three quarters, all writes | writes are refused with 503, too: the last quarter is for reads and questions |
+//! | all | everything is refused with 503 |
+//!
+//! So neither kind can keep the other out: a fleet that writes more than can be stored still hears which keyframes are
+//! loops, and one that asks too much is still recorded.
 //!
 //! Nothing queues in front of this: who is refused hears it at once, and comes back. What is admitted waits for its turn
 //! at a [`super::gate`], which is bounded in number and time. Answers do not change under pressure: a verdict is the same
 //! bytes or a 503, never a cheaper verdict.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// How much is being worked on.
 #[derive(Debug)]
 pub struct Pressure {
-    working: AtomicUsize,
+    working: Mutex<Working>,
     most: AtomicUsize,
+}
+
+/// Requests worked on, by kind.
+#[derive(Clone, Copy, Debug, Default)]
+struct Working {
+    reads: usize,
+    writes: usize,
 }
 
 /// What a request is.
@@ -33,12 +44,37 @@ pub enum Kind {
 #[derive(Debug)]
 pub struct Turn {
     pressure: Arc<Pressure>,
+    kind: Kind,
     counts: AtomicBool,
 }
 
 impl Default for Pressure {
     fn default() -> Self {
-        Self { working: AtomicUsize::new(0), most: AtomicUsize::new(usize::MAX) }
+        Self { working: Mutex::default(), most: AtomicUsize::new(usize::MAX) }
+    }
+}
+
+impl Working {
+    fn all(self) -> usize {
+        self.reads + self.writes
+    }
+
+    fn of(&mut self, kind: Kind) -> &mut usize {
+        match kind {
+            Kind::Read => &mut self.reads,
+            Kind::Write => &mut self.writes,
+        }
+    }
+
+    /// Is there room for one more, if so many are worked on at most?
+    fn has_room(self, kind: Kind, most: usize) -> bool {
+        let quarter = most / 4;
+        let (all, three_quarters) = (self.all(), most - quarter);
+        let fits = match kind {
+            Kind::Read => all < three_quarters || self.reads < quarter,
+            Kind::Write => self.writes < three_quarters,
+        };
+        fits && all < most
     }
 }
 
@@ -50,26 +86,29 @@ impl Pressure {
 
     /// Begins to work on a request, unless there is too much.
     pub fn admit(self: &Arc<Self>, kind: Kind) -> Option<Turn> {
-        let most = self.most.load(Ordering::Relaxed);
-        let room = match kind {
-            Kind::Read => most - most / 4,
-            Kind::Write => most,
-        };
-        let more = |working: usize| (working < room).then_some(working + 1);
-        self.working.fetch_update(Ordering::Relaxed, Ordering::Relaxed, more).ok()?;
-        Some(Turn { pressure: self.clone(), counts: AtomicBool::new(true) })
+        let mut working = self.lock();
+        if !working.has_room(kind, self.most.load(Ordering::Relaxed)) {
+            return None;
+        }
+        *working.of(kind) += 1;
+        Some(Turn { pressure: self.clone(), kind, counts: AtomicBool::new(true) })
     }
 
     /// Requests worked on.
     pub fn working(&self) -> usize {
-        self.working.load(Ordering::Relaxed)
+        self.lock().all()
     }
 
     /// Is it time for background work to rest?
     pub fn is_high(&self) -> bool {
         let most = self.most.load(Ordering::Relaxed);
         // One request alone is no pressure, however small the limit.
-        self.working() > 1 && self.working() >= most / 2
+        let working = self.working();
+        working > 1 && working >= most / 2
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Working> {
+        self.working.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -77,7 +116,7 @@ impl Turn {
     /// It waits for its client, who may take long: it does not count meanwhile.
     pub fn pause(&self) {
         if self.counts.swap(false, Ordering::Relaxed) {
-            self.pressure.working.fetch_sub(1, Ordering::Relaxed);
+            *self.pressure.lock().of(self.kind) -= 1;
         }
     }
 
@@ -92,7 +131,7 @@ impl Turn {
     /// It is worked on again. It was admitted: there may be more than the limit for a moment.
     pub fn resume(&self) {
         if !self.counts.swap(true, Ordering::Relaxed) {
-            self.pressure.working.fetch_add(1, Ordering::Relaxed);
+            *self.pressure.lock().of(self.kind) += 1;
         }
     }
 }
@@ -107,20 +146,49 @@ impl Drop for Turn {
 mod tests {
     use super::*;
 
+    /// Admits as many of a kind as there is room for, at most eight.
+    fn admit(pressure: &Arc<Pressure>, kind: Kind) -> Vec<Turn> {
+        (0..8).map_while(|_| pressure.admit(kind)).collect()
+    }
+
     #[test]
     fn background_work_rests_first_then_reads_are_refused_and_writes_last() {
         let pressure = Arc::new(Pressure::default());
         pressure.allow(8);
         let mut turns: Vec<Turn> = (0..4).filter_map(|_| pressure.admit(Kind::Read)).collect();
         assert!(pressure.is_high());
-        turns.extend((0..2).filter_map(|_| pressure.admit(Kind::Read)));
-        assert!(pressure.admit(Kind::Read).is_none());
-        turns.extend((0..2).filter_map(|_| pressure.admit(Kind::Write)));
+        turns.extend(admit(&pressure, Kind::Read));
+        assert_eq!(turns.len(), 6);
+        turns.extend(admit(&pressure, Kind::Write));
         assert_eq!(turns.len(), 8);
-        assert!(pressure.admit(Kind::Write).is_none());
+        assert!(pressure.admit(Kind::Read).is_none());
         drop(turns);
         assert_eq!(pressure.working(), 0);
         assert!(!pressure.is_high());
+    }
+
+    #[test]
+    fn a_flood_of_writes_leaves_a_quarter_to_reads_and_no_more() {
+        let pressure = Arc::new(Pressure::default());
+        pressure.allow(8);
+        let writes = admit(&pressure, Kind::Write);
+        let reads = admit(&pressure, Kind::Read);
+        assert_eq!((writes.len(), reads.len()), (6, 2));
+        // Whatever ends, its place goes to its own kind.
+        drop(writes);
+        let writes = admit(&pressure, Kind::Write);
+        drop(reads);
+        let reads = admit(&pressure, Kind::Read);
+        assert_eq!((writes.len(), reads.len()), (6, 2));
+    }
+
+    #[test]
+    fn the_smallest_limit_lets_either_kind_in() {
+        let pressure = Arc::new(Pressure::default());
+        pressure.allow(1);
+        for kind in [Kind::Read, Kind::Write] {
+            assert_eq!(admit(&pressure, kind).len(), 1);
+        }
     }
 
     #[test]
