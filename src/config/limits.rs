@@ -18,9 +18,10 @@ pub struct LimitArgs {
     #[arg(long, env = "REVISIT_MAX_STREAMS", value_name = "N", value_parser = positive)]
     pub max_streams: Option<usize>,
     /// Requests worked on at once; one whose body is still arriving does not count. One more is answered 503 at once.
-    /// From half of them on background work rests, and reads may take three quarters of them
-    #[arg(long, env = "REVISIT_MAX_REQUESTS", value_name = "N", default_value_t = 256, value_parser = positive)]
-    pub max_requests: usize,
+    /// From half of them on background work rests; reads may take three quarters of them, and so may writes
+    /// [default: 256 for each core]
+    #[arg(long, env = "REVISIT_MAX_REQUESTS", value_name = "N", value_parser = positive)]
+    pub max_requests: Option<usize>,
     /// Memory for large bodies that are being received and read, in MiB; one that does not fit is answered 503
     #[arg(long, env = "REVISIT_MAX_BODY_MEMORY", value_name = "MIB", default_value_t = 512, value_parser = positive)]
     pub max_body_memory: usize,
@@ -71,6 +72,13 @@ impl LimitArgs {
     pub fn streams(&self) -> (usize, usize) {
         let of_a_key = self.max_streams.unwrap_or((self.max_connections / 4).max(1));
         (of_a_key, of_a_key.max(self.max_connections / 2))
+    }
+
+    /// Requests worked on at once. A core answers some 600 mixed requests a second, so 256 of them keep the last one waiting
+    /// for less than the second after which a refused client comes back.
+    pub fn requests(&self) -> usize {
+        let cores = std::thread::available_parallelism().map_or(2, usize::from);
+        self.max_requests.unwrap_or(256 * cores)
     }
 
     /// These flags, as a command line would give them; for tests and benchmarks.

@@ -121,7 +121,7 @@ impl App {
     /// Creates an app around a service within limits, until `stopping` is cancelled. It fails without an API document,
     /// which says who may do what.
     pub fn new(service: Service, limits: LimitArgs, stopping: CancellationToken) -> io::Result<Self> {
-        service.pressure().allow(limits.max_requests);
+        service.pressure().allow(limits.requests());
         let document = serde_json::to_vec(&document())?;
         Ok(Self(Arc::new(Parts {
             service,

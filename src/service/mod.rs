@@ -81,7 +81,8 @@ const WRITES_AT_ONCE: usize = 512;
 /// keep those waiting who need it for a moment.
 const READS_PER_CORE: usize = 2;
 
-/// At most so many wait for either; the pressure of requests bounds them first, unless the operator allows many.
+/// At most so many wait for either; the pressure of requests bounds them first, unless the operator or many cores
+/// allow more.
 const WAITING_MAX: usize = 1024;
 
 /// A write's result, and whether it was made now or had been before.
