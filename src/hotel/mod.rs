@@ -17,7 +17,7 @@
 //! | how it did | [`score`], [`absolute_pose_error`], [`results`], [`curve`] |
 //! | for a person | [`tables`], [`figures`], [`explain`], [`tum`], [`paper`] |
 //! | a tour for `revisit replay` | [`recording`] |
-//! | randomness | [`chance`] |
+//! | randomness, and which worlds may be looked at | [`chance`], [`seeds`] |
 //! | is it realistic? | [`realism`] |
 //!
 //! # How real is it?
@@ -61,6 +61,7 @@ pub mod robot;
 pub mod route;
 pub mod scenario;
 pub mod score;
+pub mod seeds;
 pub mod sensor;
 pub mod signs;
 pub mod tables;

@@ -44,15 +44,18 @@ enum Experiment {
 /// truth comes from the simulator and never reaches it.
 #[derive(Args, Clone, Debug)]
 struct HotelArgs {
-    /// So many random worlds under each kind of noise, instead of the paper's sequences
-    #[arg(long, value_name = "N")]
+    /// So many random worlds under each kind of noise, instead of the paper's sequences; at most 1,000
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000))]
     worlds: Option<u64>,
+    /// With --worlds: those that are kept for reporting, seeds from 1,000,000 on; nothing is tuned on them
+    #[arg(long, requires = "worlds")]
+    held_out: bool,
     /// none, reader, missed, repeated, wording, fleet, mixed (reader to wording at once); all is reader, missed, repeated,
     /// wording and fleet, one at a time, pooled
     #[arg(long, value_name = "LEVEL", default_value = "all", value_parser = noise_kinds)]
     noise: NoiseKinds,
     /// This one random world, with what was answered at each keyframe that was wrong or missed
-    #[arg(long, value_name = "SEED", conflicts_with = "worlds")]
+    #[arg(long, value_name = "SEED", conflicts_with = "worlds", value_parser = clap::value_parser!(u64).range(..1_000))]
     world: Option<u64>,
     /// Write a tour as a recording for `revisit replay` instead of driving it: that of --world, or of SE2 00 (.ndjson, .gz
     /// or .zst)

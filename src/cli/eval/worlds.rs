@@ -11,6 +11,7 @@ use crate::hotel::noise::NoiseKind;
 use crate::hotel::results::{ArmResult, WorldResult};
 use crate::hotel::scenario::Scenario;
 use crate::hotel::score::Outcome;
+use crate::hotel::seeds;
 use crate::hotel::tables;
 use crate::hotel::texture::Patterns;
 use crate::hotel::trial::drive;
@@ -18,8 +19,11 @@ use crate::hotel::trial::drive;
 /// So many worlds under each kind of noise.
 pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result<(), Failure> {
     let kinds = &args.noise.0;
-    let worlds: Vec<(NoiseKind, u64)> =
-        kinds.iter().flat_map(|kind| (0..count).map(|seed| (*kind, seed))).collect();
+    let (seeds, name) =
+        if args.held_out { (seeds::HELD_OUT, "held-out") } else { (seeds::DEVELOPMENT, "development") };
+    let of =
+        |kind: &NoiseKind| seeds.clone().take(count as usize).map(|seed| (*kind, seed)).collect::<Vec<_>>();
+    let worlds: Vec<(NoiseKind, u64)> = kinds.iter().flat_map(of).collect();
     let bar = progress_bar(worlds.len() as u64);
     let results: Vec<WorldResult> = futures_util::stream::iter(worlds)
         .map(|(kind, seed)| {
@@ -38,7 +42,7 @@ pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result
     files::write_worlds(&args.output, &results)?;
     let table = tables::noise_table(&results, &WORLD_ARMS);
     let failures = tables::failures(&results);
-    Ok(write_out(&format!("{count} worlds for each kind of noise\n\n{table}\n{failures}"))?)
+    Ok(write_out(&format!("{count} {name} worlds for each kind of noise\n\n{table}\n{failures}"))?)
 }
 
 async fn drive_world(client: &Client, kind: NoiseKind, seed: u64) -> Result<WorldResult, Failure> {

@@ -29,6 +29,8 @@ pub(super) struct Answered {
     pub reason: Option<Reason>,
     /// The keyframe named best.
     best: Option<String>,
+    /// Every keyframe that the answer calls a loop.
+    loops: Vec<String>,
     /// What the answer is about: the best, or the one that came nearest to it.
     pub leading: Option<Figures>,
     /// Of the candidates that are true, the one that came nearest.
@@ -67,6 +69,7 @@ impl Answered {
             verdict: answer.verdict,
             reason: answer.reason.clone().or_else(|| leading.and_then(|candidate| candidate.reason.clone())),
             best: answer.best.clone(),
+            loops: answer.loops.clone(),
             leading: leading.map(Figures::of),
             nearest_true: true_ones.max_by(|a, b| a.nearness(b)).map(Figures::of),
             bow_best: bow_best(&answer.candidates),
@@ -114,6 +117,16 @@ impl Answered {
     pub fn is_false_loop(&self) -> bool {
         let best = self.service().and_then(|marked| marked.best);
         best.is_some_and(|best| !best.correct)
+    }
+
+    /// Any of the loops said is not true, whether or not the best is scored.
+    pub fn has_wrong_loop(&self) -> bool {
+        let labels = self.labels.as_ref();
+        let best = self.best.iter().filter(|_| self.verdict == Verdict::Loop);
+        labels.is_some_and(|labels| {
+            let known = |id: &String| labels.truth.contains(id) || labels.ignore.contains(id);
+            !self.loops.iter().chain(best).all(known)
+        })
     }
 
     /// A loop was said that is true.
@@ -210,6 +223,22 @@ mod tests {
         check(&[], &["c"], "loop", Some("c"), None);
         check(&["a"], &["c"], "loop", Some("a"), Some((true, Some(true))));
         check(&["a"], &["c"], "loop", None, Some((true, Some(false))));
+    }
+
+    #[test]
+    fn a_wrong_loop_is_told_beside_a_right_best_and_where_nothing_is_scored() {
+        let wrong = |truth: &[&str], ignore: &[&str], best: &str, loops: &[&str]| {
+            let mut said = answer("loop", Some(best), &[]);
+            said["loops"] = json!(loops);
+            answered(truth, ignore, said).has_wrong_loop()
+        };
+        assert!(!wrong(&["a"], &["i"], "a", &["a", "i"]));
+        assert!(wrong(&["a"], &[], "a", &["a", "b"]));
+        assert!(wrong(&[], &["i"], "i", &["i", "b"]), "not scored, and wrong all the same");
+        assert!(wrong(&[], &[], "b", &["b"]));
+        let said = serde_json::from_value(json!({"id": "q", "verdict": "loop", "best": "b", "loops": ["b"]}));
+        let unlabelled = Answered::new("m", "q", None, &said.expect("an answer"));
+        assert!(!unlabelled.has_wrong_loop(), "nobody knows");
     }
 
     #[test]

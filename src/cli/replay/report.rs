@@ -34,6 +34,8 @@ pub(super) struct Report {
     pub ignored: usize,
     /// Queries not scored: the recording does not say what is true.
     pub unlabelled: usize,
+    /// Queries, scored or not, whose `loops` name a keyframe that is neither true nor to be ignored.
+    pub loops_wrong: usize,
     pub bow_only: BowOnly,
     /// How far the transformations of true loops are off, with `--frames`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -94,6 +96,7 @@ impl Report {
             undecided: count(|query| query.verdict == Verdict::Undecided),
             ignored: count(Answered::is_ignored),
             unlabelled: count(|query| query.labels.is_none()),
+            loops_wrong: count(Answered::has_wrong_loop),
             bow_only: bow_only(&bow_alone),
             transform_errors: played.frames.errors(),
             reasons: Reasons::of(queries),

@@ -74,6 +74,7 @@ fn write_verdicts(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
     let (no_loop, undecided) = (report.no_loop, report.undecided);
     let loops = report.queries - no_loop - undecided;
     writeln!(f, "\nverdicts  {loops} loop, {no_loop} no_loop, {undecided} undecided")?;
+    writeln!(f, "          {} of all queries, scored or not, name a wrong loop", report.loops_wrong)?;
     if let Some(errors) = &report.transform_errors {
         let (t, r) = (errors.translation_m, errors.rotation_deg);
         writeln!(

@@ -188,6 +188,7 @@ BoW alone, best F1 (score >= 0.100)          3        1      0.333    0.333
 BoW alone, no false loop                                     1.000    0.000
 
 verdicts  4 loop, 1 no_loop, 1 undecided
+          1 of all queries, scored or not, name a wrong loop
 latency   query p50 1.2 ms, p99 3.0 ms; keyframe write p50 2.0 ms, p99 4.0 ms
 
 why not a loop                         queries  candidates
