@@ -251,7 +251,7 @@ fn similarities(
             return;
         }
         let (class, text) = texts.text(id);
-        if !text.identifiers().is_empty() {
+        if !text.is_told_by_words() {
             continue;
         }
         let key = (class.into(), text.normalised().into());
@@ -282,7 +282,7 @@ fn similarities(
 pub fn nearest(index: &MapIndex, id: TextId) -> Vec<TextId> {
     let texts = index.texts();
     let (class, text) = texts.text(id);
-    if !text.identifiers().is_empty() {
+    if !text.is_told_by_words() {
         return Vec::new();
     }
     let candidates = match texts.of_class(class, SMALL_CLASS) {

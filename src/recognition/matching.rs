@@ -49,6 +49,7 @@ pub fn matches(index: &MapIndex, root: AnchorSeq) -> impl Iterator<Item = Anchor
     texts
         .of(root)
         .into_iter()
+        .filter(move |text| texts.with_itself(texts.text(*text).1).is_some())
         .flat_map(move |text| texts.matching(text))
         .flat_map(move |text| texts.objects(text))
         .filter(move |other| *other != root)

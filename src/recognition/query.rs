@@ -80,6 +80,7 @@ impl<'a> Query<'a> {
             self.centre.inline.iter().filter_map(|anchor| Some((&anchor.class, anchor.text.as_ref()?)));
         texts
             .filter(|(_, text)| u32::from(text.information_level()) >= valid)
+            .filter(|(_, text)| index.texts().with_itself(text).is_some())
             .flat_map(|(class, text)| index.texts().matching_text(class, text))
             .collect()
     }

@@ -3,7 +3,7 @@
 use super::dictionary::{self, Class};
 use super::identifier::Identifier;
 use super::normalise::bare;
-use super::role::{self, Role};
+use super::role::Role;
 use super::text::Text;
 use super::words::Word;
 
@@ -17,6 +17,8 @@ const MAX_WORDS_OF_CAPITAL_NAME: usize = 3;
 pub struct Information {
     /// 1 to 5.
     pub level: u8,
+    /// Whether it only numbers parts of a building that hold many objects: "Level 5".
+    pub is_container_alone: bool,
     name: Option<String>,
 }
 
@@ -50,9 +52,12 @@ pub fn assess(
     negated: &[Word],
 ) -> Information {
     let name = proper_name(clean);
+    let is_container_alone = !identifiers.is_empty()
+        && identifiers.iter().all(|identifier| identifier.role.is_container())
+        && is_uninformative(normalised, words, negated);
     let level = match () {
         // A container alone tells the floor and not the object on it (`contract.md` §8.14).
-        () if is_container_alone(identifiers, words) => 4,
+        () if is_container_alone => 4,
         () if !identifiers.is_empty() => {
             let with_word = !words.is_empty() || identifiers.iter().any(|i| i.role != Role::Neutral);
             if with_word { 5 } else { 4 }
@@ -62,20 +67,11 @@ pub fn assess(
         () if specific(words).next().is_some() => 3,
         () => 2,
     };
-    Information { level, name }
+    Information { level, is_container_alone, name }
 }
 
 fn specific(words: &[Word]) -> impl Iterator<Item = &Word> {
     words.iter().filter(|word| word.class < Class::Generic)
-}
-
-/// Whether a text only numbers parts of a building that hold many objects: "Level 5".
-fn is_container_alone(identifiers: &[Identifier], words: &[Word]) -> bool {
-    let names_container =
-        |word: &Word| role::role_of(&word.text).is_some_and(|(role, _)| role.is_container());
-    !identifiers.is_empty()
-        && identifiers.iter().all(|identifier| identifier.role.is_container())
-        && words.iter().all(names_container)
 }
 
 /// Empty, or a confession of not knowing with nothing but generic words beside it.

@@ -3,13 +3,15 @@
 use super::identifier::Identifier;
 use super::words::{self, Word};
 
-/// Keys of a text: of its identifiers if it has any, else of its most telling words.
-pub fn of_text(identifiers: &[Identifier], words: &[Word]) -> Vec<u64> {
-    // An identifier on one side only never gives level 4, so these two kinds need not meet.
-    let mut keys: Vec<u64> = if identifiers.is_empty() {
+/// Keys of a text: of its own identifiers if it has any, else of its most telling words, else of the floor or building.
+pub fn of_text(identifiers: &[Identifier], own: &[Identifier], words: &[Word]) -> Vec<u64> {
+    // What is on one side only never gives level 4, so these kinds need not meet.
+    let mut keys: Vec<u64> = if !own.is_empty() {
+        own.iter().map(|identifier| identifier.look_alike).collect()
+    } else if !words.is_empty() {
         words::prefix(words).iter().map(|word| hash(b'w', &word.text)).collect()
     } else {
-        identifiers.iter().map(|identifier| identifier.look_alike).collect()
+        identifiers.iter().map(|identifier| hash(b'c', &identifier.value)).collect()
     };
     keys.sort_unstable();
     keys.dedup();

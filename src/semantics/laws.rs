@@ -91,6 +91,11 @@ fn sign() -> impl Strategy<Value = String> {
     prop::collection::vec(part, 0..8).prop_map(|parts| parts.join(" "))
 }
 
+/// A part of a building that holds many objects.
+fn container() -> impl Strategy<Value = &'static str> {
+    prop::sample::select(vec!["level 5", "floor 3", "3rd floor", "wing B", "building 7", "zone 4", "9F"])
+}
+
 fn any_text() -> impl Strategy<Value = String> {
     prop_oneof![6 => sign(), 1 => any::<String>(), 1 => "[ -~]{0,40}"]
 }
@@ -135,8 +140,28 @@ proptest! {
     #[test]
     fn an_informative_text_is_like_itself(text in any_text()) {
         let text = Text::parse(&text);
-        let expected = if text.information_level() >= 2 { (5, Source::Identical) } else { (1, Source::Lexical) };
+        let expected = match () {
+            () if text.information.is_container_alone => (3, Source::Identifiers),
+            () if text.information_level() >= 2 => (5, Source::Identical),
+            () => (1, Source::Lexical),
+        };
         prop_assert_eq!(similarity_level(&text, &text), expected);
+    }
+
+    #[test]
+    fn a_shared_container_never_lifts_a_pair((a, b) in pair(), container in container()) {
+        // Neither may number anything, nor say "floor" itself: beside "level 5" that says nothing more.
+        let is_plain = |part: &&str| !part.contains(char::is_numeric) && !["floor", "F", "階"].contains(part);
+        let [a, b] = [a, b].map(|text| text.split(' ').filter(is_plain).collect::<Vec<_>>().join(" "));
+        let [of_a, of_b] = [&a, &b].map(|text| Text::parse(text));
+        let without = similarity_level(&of_a, &of_b).0;
+        let [of_a, of_b] = [&a, &b].map(|text| Text::parse(&format!("{text}, {container}")));
+        // "Room B" and "Turing 3rd" number an object.
+        if of_a.has_own_identifier() || of_b.has_own_identifier() {
+            return Ok(());
+        }
+        let with = similarity_level(&of_a, &of_b).0;
+        prop_assert!(with <= without.max(3), "{} without {}, {} with it: {:?} {:?}", without, container, with, of_a, of_b);
     }
 
     #[test]

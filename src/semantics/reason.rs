@@ -18,6 +18,9 @@ pub fn sentence(a: &Text, b: &Text, evidence: &Evidence<'_>) -> String {
         Evidence::Identical => format!("both say \"{}\"", quoted(a)),
         Evidence::Identifiers(agreement) => of_identifiers(agreement),
         Evidence::OneIdentifier(only) => format!("only one of them has an identifier, {}", only.phrase()),
+        Evidence::Container(container) => {
+            format!("both are of {}, and nothing says which object of it", container.phrase())
+        }
         Evidence::Denied(word) => format!("one denies \"{}\", the other states it", word.text),
         Evidence::DifferentNegations => "they deny different things".to_owned(),
         Evidence::Directions => of_directions(&a.directions.phrase(), &b.directions.phrase()),

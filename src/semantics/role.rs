@@ -55,6 +55,11 @@ pub fn role_of(word: &str) -> Option<(Role, bool)> {
     })
 }
 
+/// Whether a word names a part of a building that holds many objects: "floor", "wing".
+pub fn names_container(word: &str) -> bool {
+    role_of(word).is_some_and(|(role, _)| role.is_container())
+}
+
 /// The role that Han, Kana or Hangul straight after a number give it, as in 901号室, and the length of those characters.
 pub fn role_of_suffix(run: &str) -> Option<(Role, usize)> {
     SUFFIXES

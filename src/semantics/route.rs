@@ -3,6 +3,7 @@
 //! A model is asked only about texts that tell objects apart by words. Where a text has an identifier, the identifier
 //! decides: no model is asked, and none could raise the pair.
 
+use super::agreement::{Agreement, agreement};
 use super::direction::Bearing;
 use super::similarity::{Judgement, Source, similarity};
 use super::text::Text;
@@ -41,10 +42,20 @@ pub fn route_similarity(a: &Text, b: &Text) -> Route {
 
 /// May a model be asked whether two texts describe the same object?
 ///
-/// Not where a text says nothing or has an identifier, and not where they point opposite ways.
+/// Not where a text says nothing or has an identifier of its own, not where they are on different floors, and not where
+/// they point opposite ways.
 pub fn similarity_is_open(a: &Text, b: &Text) -> bool {
-    [a, b].iter().all(|text| text.information_level() > 1 && text.identifiers().is_empty())
+    [a, b].iter().all(|text| text.is_told_by_words())
+        && containers_agree(a, b)
         && a.directions.bearing(b.directions) != Bearing::Clash
+}
+
+/// Whether two texts name the same floors, wings and buildings, or neither names any.
+fn containers_agree(a: &Text, b: &Text) -> bool {
+    match agreement(a.identifiers(), b.identifiers()) {
+        Some(agreement) => matches!(agreement, Agreement::Agree { .. }),
+        None => a.identifiers().is_empty() && b.identifiers().is_empty(),
+    }
 }
 
 /// What a model's SimilarityLevel is worth: nothing where the question was not its own.
@@ -103,6 +114,8 @@ mod tests {
             ("", "a red boat", 1),
             ("arrow left pool", "arrow right pool", 2),
             ("a boat at sea", "painting 12", 1),
+            ("Level 5", "Level 5", 3),
+            ("museum shop, level 5", "gift store, level 4", 1),
         ] {
             let Route::Decided(judgement) = route(a, b) else { panic!("{a} | {b} is open") };
             assert_eq!(judgement.level, level, "{a} | {b}");
@@ -110,6 +123,7 @@ mod tests {
         for (a, b) in [
             ("a portrait of a smiling lady", "the Mona Lisa"),
             ("a boat on a stormy sea", "a ship in a storm"),
+            ("museum shop, level 5", "gift store, level 5"),
         ] {
             assert!(matches!(route(a, b), Route::Open(_)), "{a} | {b} is decided");
         }

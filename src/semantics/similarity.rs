@@ -69,8 +69,10 @@ pub enum Evidence<'t> {
     Identical,
     /// What the identifiers say.
     Identifiers(Agreement<'t>),
-    /// Only one text has an identifier.
+    /// Only one text has an identifier of its own.
     OneIdentifier(&'t Identifier),
+    /// They share a floor, wing or building, and nothing that says which object of it.
+    Container(&'t Identifier),
     /// One text denies a word that the other states.
     Denied(&'t Word),
     /// They deny different things.
@@ -89,7 +91,7 @@ impl Evidence<'_> {
     fn source(&self) -> Source {
         match self {
             Evidence::Identical => Source::Identical,
-            Evidence::Identifiers(_) => Source::Identifiers,
+            Evidence::Identifiers(_) | Evidence::Container(_) => Source::Identifiers,
             _ => Source::Lexical,
         }
     }
@@ -103,6 +105,9 @@ fn in_order<'t>(a: &'t Text, b: &'t Text) -> (&'t Text, &'t Text) {
 fn judge<'t>(a: &'t Text, b: &'t Text) -> (u8, Evidence<'t>) {
     if let Some(text) = [a, b].into_iter().find(|text| text.information_level() == 1) {
         return (1, Evidence::Uninformative(text));
+    }
+    if let Some(container) = container_alone(a).or_else(|| container_alone(b)) {
+        return judge_container(a, b, container);
     }
     if a == b {
         return (5, Evidence::Identical);
@@ -118,13 +123,58 @@ fn judge<'t>(a: &'t Text, b: &'t Text) -> (u8, Evidence<'t>) {
     if bearing == Bearing::Clash {
         return (2, Evidence::Directions);
     }
-    let (level, evidence) = match (agreement, a.identifiers.first().or(b.identifiers.first())) {
-        (Some(agreement), _) => (level_of(&agreement), Evidence::Identifiers(agreement)),
-        (None, Some(only)) => return (level_with_one_identifier(a, b, only), Evidence::OneIdentifier(only)),
-        (None, None) => level_of_words(a, b),
+    let (level, evidence) = match (agreement, a.own.first(), b.own.first()) {
+        (Some(agreement), Some(_), Some(_)) => judge_identifiers(a, b, agreement),
+        (None, Some(only), None)
+        | (None, None, Some(only))
+        | (Some(_), Some(only), None)
+        | (Some(_), None, Some(only)) => {
+            return (level_with_one_identifier(a, b, only), Evidence::OneIdentifier(only));
+        }
+        (agreement, ..) => judge_words(a, b, agreement),
     };
     // An arrow sign to room 901 is not the door of room 901.
     if bearing == Bearing::OneSided && level > 3 { (3, Evidence::Directions) } else { (level, evidence) }
+}
+
+/// The floor or building that a text numbers, if it says nothing else.
+fn container_alone(text: &Text) -> Option<&Identifier> {
+    text.identifiers.first().filter(|_| text.information.is_container_alone)
+}
+
+/// "Level 5" never says which object of level 5: level 3 with its equal, 1 with another (`contract.md` §8.14).
+fn judge_container<'t>(a: &'t Text, b: &'t Text, container: &'t Identifier) -> (u8, Evidence<'t>) {
+    let agreement = agreement(&a.identifiers, &b.identifiers);
+    let both_alone = container_alone(a).is_some() && container_alone(b).is_some();
+    match agreement {
+        Some(conflict @ Agreement::Conflict(..)) => (1, Evidence::Identifiers(conflict)),
+        Some(Agreement::Agree { .. }) if both_alone => (3, Evidence::Container(container)),
+        Some(differ @ Agreement::RolesDiffer(..)) => (2, Evidence::Identifiers(differ)),
+        Some(_) => (2, Evidence::Container(container)),
+        None => (level_with_one_identifier(a, b, container).min(2), Evidence::OneIdentifier(container)),
+    }
+}
+
+/// The objects' own identifiers decide; those of the parts of a building around them lift nothing.
+fn judge_identifiers<'t>(a: &'t Text, b: &'t Text, all: Agreement<'t>) -> (u8, Evidence<'t>) {
+    match agreement(&a.own, &b.own) {
+        // "9" may be the floor of "901, 9F".
+        Some(Agreement::Conflict(..)) => (level_of(&all).min(2), Evidence::Identifiers(all)),
+        Some(Agreement::Agree { .. }) | None => (level_of(&all), Evidence::Identifiers(all)),
+        Some(own) => (level_of(&own), Evidence::Identifiers(own)),
+    }
+}
+
+/// What remains without the containers must agree; a container that only one text names leaves it open at most.
+fn judge_words<'t>(a: &'t Text, b: &'t Text, containers: Option<Agreement<'t>>) -> (u8, Evidence<'t>) {
+    let (level, evidence) = level_of_words(a, b);
+    let has_containers = !a.identifiers.is_empty() || !b.identifiers.is_empty();
+    let at_most = match &containers {
+        Some(agreement) => level_of(agreement),
+        None if has_containers => 3,
+        None => 5,
+    };
+    (level.min(at_most), evidence)
 }
 
 /// A word that `a` denies and `b` states.

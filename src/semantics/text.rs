@@ -7,7 +7,7 @@ use super::identifier::Identifier;
 use super::information::{self, Information};
 use super::reading::{self, Mention, What};
 use super::words::Word;
-use super::{keys, normalise, token};
+use super::{keys, normalise, role, token};
 
 /// Identifiers kept of one text, so that comparing two hostile texts stays cheap.
 pub const MAX_IDENTIFIERS: usize = 32;
@@ -20,6 +20,8 @@ pub const MAX_IDENTIFIERS: usize = 32;
 pub struct Text {
     normalised: String,
     pub(super) identifiers: Vec<Identifier>,
+    /// Those of `identifiers` that number the object itself and not the floor, wing or building around it.
+    pub(super) own: Vec<Identifier>,
     /// Sorted, without duplicates.
     pub(super) words: Vec<Word>,
     /// Those of `words` that a "no" or "not" bears on.
@@ -47,13 +49,19 @@ impl Text {
             }
         }
         for set in [&mut words, &mut negated] {
+            if identifiers.iter().any(|identifier| identifier.role.is_container()) {
+                // The "level" of "Level 5" is in its identifier.
+                set.retain(|word| !role::names_container(&word.text));
+            }
             set.sort_unstable();
             set.dedup();
         }
         let directions = Directions::among(&words);
         let information = information::assess(&clean, &normalised, &identifiers, &words, &negated);
-        let keys = keys::of_text(&identifiers, &words);
-        Text { normalised, identifiers, words, negated, directions, information, keys }
+        let own: Vec<Identifier> =
+            identifiers.iter().filter(|identifier| !identifier.role.is_container()).cloned().collect();
+        let keys = keys::of_text(&identifiers, &own, &words);
+        Text { normalised, identifiers, own, words, negated, directions, information, keys }
     }
 
     /// The canonical form; equal forms are identical descriptions.
@@ -79,7 +87,7 @@ impl Text {
         let repeats = |(at, identifier): (usize, &Identifier)| {
             self.identifiers[..at].iter().any(|before| before.value == identifier.value)
         };
-        let decides = !self.identifiers.is_empty()
+        let decides = !self.own.is_empty()
             && self.negated.is_empty()
             && self.information.level > 1
             && !self.identifiers.iter().enumerate().any(repeats);
@@ -89,6 +97,16 @@ impl Text {
     /// Whether the text has an identifier, but no identity.
     pub fn is_undecided_by_identity(&self) -> bool {
         !self.identifiers.is_empty() && self.identity().is_none()
+    }
+
+    /// Whether it numbers the object itself: "room 901", "HUB 10", but not "Level 5" nor "kitchen, wing B".
+    pub fn has_own_identifier(&self) -> bool {
+        !self.own.is_empty()
+    }
+
+    /// Whether words tell the object: it says something, has no identifier of its own, and more than a floor or building.
+    pub fn is_told_by_words(&self) -> bool {
+        self.own.is_empty() && self.information.level > 1 && !self.information.is_container_alone
     }
 
     /// The words that tell one object from others.

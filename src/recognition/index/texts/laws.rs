@@ -12,9 +12,9 @@ const IDENTIFIERS: [&str; 16] = [
     "alpha", "zeta", "floor 9", "room 9", "9", "suite 12", "room 12", "12-15", "901-905", "room 903", "9O1",
     "0901", "901", "gate 7", "left", "not beta",
 ];
-const WORDS: [&str; 16] = [
+const WORDS: [&str; 18] = [
     "boat", "lake", "wooden", "stormy", "castle", "harbour", "windmill", "red", "blue", "2 kg", "3 kg",
-    "left", "not dogs", "dogs", "sails", "beta",
+    "left", "not dogs", "dogs", "sails", "beta", "floor 9", "floor 8",
 ];
 
 fn texts(parts: &'static [&'static str], most: usize) -> impl Strategy<Value = Vec<String>> {

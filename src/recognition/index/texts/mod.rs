@@ -197,16 +197,21 @@ impl TextIndex {
 
     /// Do two texts of the map match, and who says so?
     pub fn level(&self, a: TextId, b: TextId) -> Option<(u8, Source)> {
-        if a == b {
-            return Some((5, Source::Identical));
-        }
         let (of_a, of_b) = (self.node(a), self.node(b));
+        if a == b {
+            return self.with_itself(&of_a.text);
+        }
         match (of_a.matches.listed(), of_b.matches.listed()) {
             (Some(list), _) => list.get(&b).cloned(),
             (None, Some(list)) => list.get(&a).cloned(),
             (None, None) if of_a.class == of_b.class => self.judge(&of_a.text, b),
             (None, None) => None,
         }
+    }
+
+    /// The verdict on a text that is read twice alike: "Level 5" is no match even then.
+    pub fn with_itself(&self, text: &Text) -> Option<(u8, Source)> {
+        self.counts(semantics::similarity_level(text, text))
     }
 
     /// The texts that match this one: itself, then the others in the order of their oldest objects.
