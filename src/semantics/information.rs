@@ -2,6 +2,7 @@
 
 use super::dictionary::{self, Class};
 use super::identifier::Identifier;
+use super::noise::is_one_symbol;
 use super::normalise::bare;
 use super::role::Role;
 use super::text::Text;
@@ -62,7 +63,7 @@ pub fn assess(
             let with_word = !words.is_empty() || identifiers.iter().any(|i| i.role != Role::Neutral);
             if with_word { 5 } else { 4 }
         }
-        () if is_uninformative(normalised, words, negated) => 1,
+        () if is_uninformative(normalised, words, negated) || is_one_symbol(normalised) => 1,
         () if name.is_some() || specific(words).count() >= ENOUGH_SPECIFIC_WORDS => 4,
         () if specific(words).next().is_some() => 3,
         () => 2,

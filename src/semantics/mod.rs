@@ -12,6 +12,7 @@
 //! | worth of a word | `dictionary.rs` | `class_of` |
 //! | room, floor, gate, ... | `role.rs` | [`Role`], `role_of` |
 //! | identifier, look-alikes, ranges | `identifier.rs` | [`Identifier`] |
+//! | what a reader makes of a wall | `noise.rs` | `is_noise_number`, `is_one_symbol` |
 //! | measures, dates, prices, counts | `quantity.rs` | `tokens_at` |
 //! | left, right, arrows | `direction.rs` | `Directions` |
 //! | sets of words and their likeness | `words.rs` | `overlap`, `prefix` |
@@ -35,6 +36,7 @@ mod identifier;
 mod information;
 mod keys;
 mod merge;
+mod noise;
 mod normalise;
 mod profile;
 mod quantity;

@@ -4,6 +4,7 @@ use super::around::{self, Around};
 use super::dictionary::{self, Class};
 use super::direction;
 use super::identifier::Identifier;
+use super::noise;
 use super::normalise::bare;
 use super::quantity;
 use super::role::{self, Role};
@@ -153,13 +154,6 @@ impl Reader<'_> {
             let number = around::number_word(word).unwrap_or_default().to_owned();
             self.identifier(Role::Floor, &number, at, at + 2);
             return 2;
-        } else if word.len() == 1
-            && word.is_ascii()
-            && (at == 0 || self.tokens[at].after_break)
-            && self.around.ends_phrase(at)
-        {
-            // A plaque that says "A".
-            self.identifier(Role::Neutral, word, at, at + 1);
         } else if dictionary::negates(word) {
             self.negation = Some(at);
         } else if self.around.is_location(at) {
@@ -216,6 +210,9 @@ impl Reader<'_> {
         // "No 5" numbers, it does not deny.
         if self.negation.is_some_and(|no| no + 1 == first || (no >= first && no < end)) {
             self.negation = None;
+        }
+        if role == Role::Neutral && noise::is_noise_number(code) {
+            return;
         }
         let what = What::Identifier(Identifier::new(role, code));
         self.mentions.push(Mention { what, first, end });
