@@ -75,6 +75,7 @@ const BRIEF = {
   anchors_displaced: "signs in two places",
   odometry_disagrees_with_transform: "odometry differs",
   not_distinctive: "signs hang everywhere",
+  no_witness: "signs alone are not enough",
   covisible: "same place as now",
 };
 
@@ -86,7 +87,7 @@ function brief({ reason, anchors: figures, geometry: { status, inliers }, bow })
 }
 
 const ADDS_DETAIL = ["no_anchors", "contradiction", "no_features", "llm_pending", "llm_unavailable",
-  "not_described", "odometry_disagrees_with_transform", "not_distinctive"];
+  "not_described", "odometry_disagrees_with_transform", "not_distinctive", "no_witness"];
 
 /** The reason for a person, with what was measured and asked. The server's own sentence follows where it adds to it. */
 export function why({ code, measured, limit, detail }) {
@@ -110,6 +111,7 @@ export function why({ code, measured, limit, detail }) {
     anchors_displaced:
       `Signs that hang once would hang in two places if this were a loop. They weigh ${m}, what agrees ${l}.`,
     odometry_disagrees_with_transform: "The robot knows from its own tracking that it is somewhere else.",
+    no_witness: "Whatever agrees are texts without an identifier, which may hang in many places: nothing else says that it is this one.",
     not_distinctive: "Whatever agrees hangs in several places: it could be any of them.",
   };
   const own = sentences[code];
@@ -135,7 +137,7 @@ function appearance({ bow: { score, common_words: words, reference_score: refere
 
 const STOPPED_BY_ANCHORS = {
   score_below_threshold: "fail", contradiction: "fail", anchors_disagree_with_transform: "fail",
-  anchors_displaced: "fail", not_distinctive: "open", no_anchors: "open", llm_pending: "open", llm_unavailable: "open",
+  anchors_displaced: "fail", not_distinctive: "open", no_witness: "open", no_anchors: "open", llm_pending: "open", llm_unavailable: "open",
   not_described: "open",
 };
 

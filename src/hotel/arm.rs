@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 pub enum Arm {
     /// Revisit as it comes.
     Ours,
-    /// The paper's method to the letter: the four switches of ours off.
+    /// The paper's method to the letter: every switch of ours off.
     Paper,
     /// Bag of words and Sim3 without anchors, which is what ORB-SLAM3 does.
     BagOfWords,
@@ -44,6 +44,7 @@ impl Arm {
                 "distinctive_weights": false,
                 "contradiction_veto": false,
                 "aligned_anchors": false,
+                "single_text_needs_witness": false,
             }),
             Self::BagOfWords => {
                 json!({"without_anchors": "geometry", "candidates_max": 3, "aligned_anchors": false})

@@ -194,8 +194,8 @@ impl Field for WithoutAnchors {
 
 macro_rules! settings {
     ($($name:ident: $type:ty = $kind:ident { $default:expr $(, $min:expr, $max:expr)? }, $doc:literal;)*) => {
-        /// A map's settings. With `one_to_one`, `distinctive_weights`, `contradiction_veto` and
-        /// `aligned_anchors` off and the rest at their defaults, this is the paper's method to
+        /// A map's settings. With `one_to_one`, `distinctive_weights`, `contradiction_veto`,
+        /// `aligned_anchors` and `single_text_needs_witness` off and the rest at their defaults, this is the paper's method to
         /// the letter.
         #[derive(Clone, Debug, PartialEq)]
         pub struct Settings {
@@ -274,6 +274,8 @@ settings! {
         "ours: two different, sure identifiers of one class at the same relative place speak against the loop";
     aligned_anchors: bool = Switch { true },
         "ours: once Sim3 has given a transform, matched anchors must agree with it";
+    single_text_needs_witness: bool = Switch { true },
+        "ours: a text without an identifier and with fewer than three specific words closes a loop only beside a matched identifier, along unbroken odometry, or under geometry on map points";
     without_anchors: WithoutAnchors = Policy { WithoutAnchors::Undecided },
         "the verdict when either local anchor map is empty, which §V-B leaves open (0/0): undecided, reject or geometry";
     association_position_radius_m: f64 = Number { 0.75, 0.0, 1000.0 },

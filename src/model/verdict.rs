@@ -73,6 +73,8 @@ pub enum ReasonCode {
     Contradiction,
     /// Everything that agrees hangs in several places: it could be any of them.
     NotDistinctive,
+    /// Only texts without an identifier agree, and nothing else says that it is this place.
+    NoWitness,
     /// Geometry had to verify, and features are missing.
     NoFeatures,
     /// No transformation explains enough features.
@@ -100,6 +102,7 @@ impl ReasonCode {
             Self::ScoreBelowThreshold => "score_below_threshold",
             Self::Contradiction => "contradiction",
             Self::NotDistinctive => "not_distinctive",
+            Self::NoWitness => "no_witness",
             Self::NoFeatures => "no_features",
             Self::TooFewInliers => "too_few_inliers",
             Self::AnchorsDisagreeWithTransform => "anchors_disagree_with_transform",

@@ -81,6 +81,13 @@ impl Compared {
         self.total_weight > 0.0
     }
 
+    /// How far apart the two anchors of a matched pair stand at most, in metres, where both maps are in one frame; none
+    /// if nothing matches.
+    pub fn largest_distance_m(&self) -> Option<f64> {
+        let apart_m = |pair: &Pair| (pair.query.centre_in_session - pair.candidate.centre_in_session).norm();
+        self.matched.iter().map(apart_m).reduce(f64::max)
+    }
+
     /// Takes the comparison again under the transformation.
     pub fn under(&self, candidate_from_query: &Sim3, settings: &Settings) -> Aligned<'_> {
         let apart_m = |query: &LocalAnchor, candidate: &LocalAnchor| {

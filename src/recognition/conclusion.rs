@@ -52,9 +52,20 @@ fn conclude_candidate(
         Ok(verification) => {
             candidate.geometry = evidence::geometry(&verification);
             judge_geometry(screening, screened, &verification, &mut candidate);
+            // A view without map points may be that of another floor.
+            let is_witness = verification.model == Model::Sim3;
+            let needs_witness = screened.standing == Standing::NeedsWitness;
+            if needs_witness && !is_witness && candidate.decision == CandidateDecision::Loop {
+                candidate.decision = CandidateDecision::Undecided;
+                candidate.reason = Some(evidence::no_witness());
+            }
         }
         Err(missing) => {
             candidate.geometry = evidence::geometry_skipped(missing);
+            if screened.standing == Standing::NeedsWitness {
+                candidate.decision = CandidateDecision::Undecided;
+                candidate.reason = Some(evidence::no_witness());
+            }
             if screening.verify == Verify::Geometry || screened.standing == Standing::AskGeometry {
                 candidate.decision = CandidateDecision::Undecided;
                 candidate.reason = Some(evidence::geometry_missing(missing));
@@ -153,7 +164,7 @@ fn judge_geometry(
     }
     let contradicting: f64 = aligned.contradictions.iter().fold(0.0, |sum, pair| sum + pair.weight());
     let min_similarity = settings.anchor_map_min_similarity;
-    let agreed = screened.standing == Standing::AnchorsAgree;
+    let agreed = matches!(screened.standing, Standing::AnchorsAgree | Standing::NeedsWitness);
     let reason = if contradicting > aligned.agreement {
         evidence::contradicted(&aligned.contradictions, contradicting, aligned.agreement)
     } else if agreed && aligned.similarity <= min_similarity {

@@ -174,6 +174,13 @@ pub(super) fn not_distinctive(places: usize) -> Reason {
     Reason { code: ReasonCode::NotDistinctive, measured, limit, detail }
 }
 
+pub(super) fn no_witness() -> Reason {
+    let detail = "all that agrees are texts without an identifier, which may hang in many places; \
+        nothing else says that it is this one"
+        .to_owned();
+    Reason { code: ReasonCode::NoWitness, measured: None, limit: None, detail }
+}
+
 pub(super) fn pending(comparison: &Comparison<'_>, code: ReasonCode) -> Reason {
     let detail = format!(
         "not described yet: {}; at best S would be {:.3}",

@@ -16,6 +16,7 @@ use super::screening::{Screened, Screening, Standing};
 use super::sight::Sight;
 use super::standing_in::{AtWorst, at_worst, awaited, model_is_missed};
 use super::tracked_path::TrackedPaths;
+use super::witness::{lacks_witness, odometry_agrees};
 use crate::model::change::Loop;
 use crate::model::settings::Settings;
 use crate::model::settings::WithoutAnchors;
@@ -64,16 +65,26 @@ fn closed_loops(index: &MapIndex, query: &Query<'_>) -> Vec<ClosedLoop> {
     closed.map(|closed| ClosedLoop { id: closed.id.clone(), keyframe: other(closed) }).collect()
 }
 
-/// What odometry knows of the candidates that geometry is to look at.
+/// What odometry knows of the candidates that geometry is to look at, or that need a witness.
 fn with_tracked_paths(index: &MapIndex, query: &Query<'_>, mut candidates: Vec<Screened>) -> Vec<Screened> {
-    let waits = |screened: &Screened| screened.standing != Standing::Stopped && screened.sight.is_some();
+    let checks_transform = index.properties().settings.aligned_anchors;
+    let waits = |screened: &Screened| match screened.standing {
+        Standing::Stopped => false,
+        Standing::NeedsWitness => true,
+        Standing::AnchorsAgree | Standing::AskGeometry => checks_transform && screened.sight.is_some(),
+    };
     if let Some(keyframe) = query.keyframe
-        && index.properties().settings.aligned_anchors
         && candidates.iter().any(waits)
     {
         let paths = TrackedPaths::from(index, keyframe);
         for screened in candidates.iter_mut().filter(|screened| waits(screened)) {
-            screened.path = paths.to(index, keyframe, screened.keyframe);
+            let path = paths.to(index, keyframe, screened.keyframe);
+            if screened.standing == Standing::NeedsWitness
+                && path.is_some_and(|path| odometry_agrees(&path, &screened.compared))
+            {
+                screened.standing = Standing::AnchorsAgree;
+            }
+            screened.path = path.filter(|_| checks_transform);
         }
     }
     candidates
@@ -151,6 +162,9 @@ pub(super) fn judge_anchors(
         return match (worst.filter(turns), comparison.least_places()) {
             (Some(worst), _) => Err((Undecided, evidence::awaited(&worst, missing))),
             (None, Some(places)) if places > 1 => Err((Undecided, evidence::not_distinctive(places))),
+            _ if settings.single_text_needs_witness && lacks_witness(comparison) => {
+                Ok(Standing::NeedsWitness)
+            }
             _ => Ok(Standing::AnchorsAgree),
         };
     }

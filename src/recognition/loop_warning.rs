@@ -44,6 +44,11 @@ pub fn loop_warning(index: &MapIndex, closed: &Loop) -> Option<LoopWarning> {
                 "there are no anchors to compare, and the loop names no query whose geometry verified it";
             warning(LoopWarningCode::NotSupported, detail.to_owned())
         }
+        Ok(Standing::NeedsWitness) if closed.query.is_none() => {
+            let detail =
+                "only texts without an identifier agree, and the loop names no query that found a witness";
+            warning(LoopWarningCode::NotSupported, detail.to_owned())
+        }
         Ok(_) => None,
         Err((_, reason)) if reason.code == ReasonCode::Contradiction => {
             let detail = format!("the anchors around the two contradict each other: {}", reason.detail);

@@ -20,6 +20,7 @@
 //! | ours: why a differing identifier did not count | [`difference`] | [`difference::find_differing`] |
 //! | ours: what speaks against a loop that a client closes | [`loop_warning`] | [`loop_warning::loop_warning`] |
 //! | ours: anchors under the transformation | [`alignment`] | [`alignment::Compared::under`] |
+//! | ours: what a text without an identifier needs besides | [`witness`] | [`witness::lacks_witness`] |
 //! | ours: odometry over short ways | [`tracked_path`] | [`tracked_path::TrackedPath`] |
 //!
 //! Beside the paper: [`query`] is the keyframe that is asked about, [`sight`] and [`features`] are what geometry
@@ -63,3 +64,4 @@ pub mod sight;
 pub mod standing_in;
 pub mod tracked_path;
 pub mod verification;
+pub mod witness;

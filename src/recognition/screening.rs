@@ -16,6 +16,8 @@ pub enum Standing {
     Stopped,
     /// The anchors say that the two places are one.
     AnchorsAgree,
+    /// The anchors agree by texts alone that hang in many places: geometry on map points must witness.
+    NeedsWitness,
     /// There are no anchors, and the map's settings leave it to geometry alone.
     AskGeometry,
 }

@@ -9,7 +9,7 @@ use super::text::Text;
 use super::words::Word;
 
 /// From this many specific words on, a text without identifier or name is worth an anchor.
-const ENOUGH_SPECIFIC_WORDS: usize = 3;
+pub const ENOUGH_SPECIFIC_WORDS: usize = 3;
 /// An all-capitals text longer than this is a sentence in capitals, and its words are no names.
 const MAX_WORDS_OF_CAPITAL_NAME: usize = 3;
 

@@ -4,12 +4,13 @@
 const NUMBER_DIGITS_MAX: usize = 6;
 const ZERO_PERCENT: usize = 80;
 
-/// Whether a bare number is what a railing, dots or a window frame look like: "0", "000", "00000000010".
+/// Whether a bare number is what a railing, dots or a window frame look like: "0", "000", "00-0", "00000000010".
 pub fn is_noise_number(code: &str) -> bool {
+    let is_digits = !code.is_empty() && code.bytes().all(|byte| byte.is_ascii_digit());
     let zeros = code.bytes().filter(|digit| *digit == b'0').count();
-    let is_number = !code.is_empty() && code.bytes().all(|byte| byte.is_ascii_digit());
     let nearly_all = code.len() > NUMBER_DIGITS_MAX && zeros * 100 >= ZERO_PERCENT * code.len();
-    is_number && (zeros == code.len() || nearly_all)
+    let only_zeros = zeros > 0 && code.bytes().all(|byte| matches!(byte, b'0' | b'-' | b'.'));
+    only_zeros || (is_digits && nearly_all)
 }
 
 /// Whether a text is one symbol, such as a dot or an arrow. One letter is no word, and so tells nothing either.
@@ -24,11 +25,11 @@ mod tests {
 
     #[test]
     fn numbers_of_zeros_are_noise_and_every_other_number_is_one() {
-        for code in ["0", "00", "000", "0000000", "00000000010", "0000100", "0800000"] {
+        for code in ["0", "00", "000", "0000000", "00000000010", "0000100", "0800000", "0-00", "0.0"] {
             assert!(is_noise_number(code), "{code}");
         }
         // Of the last, four zeros of six digits or five of seven; and six digits may be any number.
-        for code in ["3", "10", "11", "222", "100", "100000", "0100020", "0.0", "A0", ""] {
+        for code in ["3", "10", "11", "222", "100", "100000", "0100020", "0.02", "10-0", "A0", ""] {
             assert!(!is_noise_number(code), "{code}");
         }
     }

@@ -4,7 +4,7 @@ use std::hash::{Hash, Hasher};
 
 use super::direction::Directions;
 use super::identifier::Identifier;
-use super::information::{self, Information};
+use super::information::{self, ENOUGH_SPECIFIC_WORDS, Information};
 use super::reading::{self, Mention, What};
 use super::words::Word;
 use super::{keys, normalise, role, token};
@@ -107,6 +107,11 @@ impl Text {
     /// Whether words tell the object: it says something, has no identifier of its own, and more than a floor or building.
     pub fn is_told_by_words(&self) -> bool {
         self.own.is_empty() && self.information.level > 1 && !self.information.is_container_alone
+    }
+
+    /// Whether it may hang in many places: no identifier of its own, and too few specific words for a description.
+    pub fn needs_witness(&self) -> bool {
+        self.own.is_empty() && self.specific_words().count() < ENOUGH_SPECIFIC_WORDS
     }
 
     /// The words that tell one object from others.

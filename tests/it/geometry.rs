@@ -161,6 +161,25 @@ async fn another_room_with_the_same_plate_is_refused_by_geometry_and_by_nothing_
 }
 
 #[tokio::test]
+async fn geometry_on_map_points_is_a_witness_of_a_text_without_an_identifier() {
+    let shot = |room, pose, session, features| {
+        Shot::of(room, pose).plates(&[("Be Updated", [0.5, 0.0, 3.0])]).body(session, features)
+    };
+    let check = async |room: u64, features: bool, verify: &str, expected: [&str; 3]| {
+        let candidate = shot(1, Pose::identity(), "a", true);
+        let query = shot(room, query_pose(), "b", features);
+        let (verdict, found) = asked(&candidate, &query, json!({}), verify).await;
+        let code = found["reason"]["code"].as_str().unwrap_or("none");
+        let status = found["geometry"]["status"].as_str().unwrap();
+        assert_eq!([verdict.as_str(), status, code], expected, "{verify}: {found:#}");
+    };
+    check(1, true, "auto", ["loop", "verified", "none"]).await;
+    check(1, true, "anchors", ["undecided", "skipped", "no_witness"]).await;
+    check(1, false, "auto", ["undecided", "skipped", "no_witness"]).await;
+    check(2, true, "auto", ["no_loop", "failed", "too_few_inliers"]).await;
+}
+
+#[tokio::test]
 async fn without_anchors_geometry_decides_only_where_the_map_says_so() {
     let candidate = Shot::of(1, Pose::identity());
     let check = async |room: u64, features: bool, policy: &str, expected: [&str; 2]| {

@@ -62,7 +62,7 @@ async fn signs_that_hang_at_every_door_say_nothing_and_doors_in_a_row_are_told_a
     let candidates = ours.asked.iter().flat_map(|asked| &asked.answer.candidates);
     let reasons: BTreeSet<&str> =
         candidates.filter_map(|candidate| Some(candidate.reason.as_ref()?.code.as_str())).collect();
-    for code in ["not_distinctive", "odometry_disagrees_with_transform", "contradiction"] {
+    for code in ["score_below_threshold", "odometry_disagrees_with_transform", "contradiction"] {
         assert!(reasons.contains(code), "{code} is not among {reasons:?}");
     }
     let paper = counts(&drive_through(&course, Arm::Paper).await).0;

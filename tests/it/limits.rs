@@ -108,8 +108,8 @@ async fn when_all_seats_are_at_work_a_newcomer_is_told_to_come_back() {
 }
 
 /// So many requests are being worked on.
-fn work(service: &revisit::service::Service, count: usize) -> Vec<Turn> {
-    (0..count).map(|_| service.pressure().admit(Kind::Write).expect("room")).collect()
+fn work(service: &revisit::service::Service, kind: Kind, count: usize) -> Vec<Turn> {
+    (0..count).map(|_| service.pressure().admit(kind).expect("room")).collect()
 }
 
 #[tokio::test]
@@ -118,12 +118,12 @@ async fn under_pressure_reads_are_refused_first_then_writes_and_health_never() {
     let put = async |id: &str| server.put_keyframe(&format!("{MAP}/keyframes/{id}")).await;
     let ask = json!({"keyframe": "kf-1"});
 
-    let turns = work(&service, 6);
+    let turns = work(&service, Kind::Read, 6);
     refused(&server.get(MAP).await);
     refused(&server.post(&format!("{MAP}/loop-queries"), &ask).await);
     put("kf-1").await.expect(201);
 
-    let more = work(&service, 2);
+    let more = work(&service, Kind::Write, 2);
     refused(&put("kf-2").await);
     refused(&server.delete(MAP).await);
     let large = vec![b' '; 900_000];
@@ -141,6 +141,11 @@ async fn under_pressure_reads_are_refused_first_then_writes_and_health_never() {
     }
 
     drop((turns, more));
+    // Writes take three quarters at most: they keep no question out.
+    let turns = work(&service, Kind::Write, 6);
+    refused(&put("kf-2").await);
+    server.post(&format!("{MAP}/loop-queries"), &ask).await.expect(200);
+    drop(turns);
     put("kf-2").await.expect(201);
     server.get(&format!("{MAP}/keyframes/kf-3")).await.expect(404);
     server.post(&format!("{MAP}/loop-queries"), &ask).await.expect(200);

@@ -7,14 +7,19 @@ use clap::builder::BoolishValueParser;
 use serde_json::{Map, Value};
 
 /// What this project adds to the paper's method; switched off, the service is the paper's.
-const SWITCHES_OF_OURS: [&str; 4] =
-    ["one_to_one", "distinctive_weights", "contradiction_veto", "aligned_anchors"];
+const SWITCHES_OF_OURS: [&str; 5] = [
+    "one_to_one",
+    "distinctive_weights",
+    "contradiction_veto",
+    "aligned_anchors",
+    "single_text_needs_witness",
+];
 
 /// The settings to change, on the command line.
 #[derive(Args, Clone, Debug, Default)]
 pub struct Overrides {
-    /// The paper's method to the letter: one_to_one, distinctive_weights, contradiction_veto and
-    /// aligned_anchors off
+    /// The paper's method to the letter: one_to_one, distinctive_weights, contradiction_veto,
+    /// aligned_anchors and single_text_needs_witness off
     #[arg(long, env = "REVISIT_PAPER", value_parser = BoolishValueParser::new())]
     pub paper: bool,
     /// Change a setting of every map of the recording; repeatable, and stronger than --paper
@@ -98,11 +103,12 @@ mod tests {
     }
 
     #[test]
-    fn the_paper_is_the_four_switches_off_and_set_is_stronger() {
+    fn the_paper_is_every_switch_off_and_set_is_stronger() {
         assert_eq!(
             applied(true, &["one_to_one=true"], json!({})),
             json!({"settings": {"one_to_one": true, "distinctive_weights": false,
-                "contradiction_veto": false, "aligned_anchors": false}}),
+                "contradiction_veto": false, "aligned_anchors": false,
+                "single_text_needs_witness": false}}),
         );
     }
 

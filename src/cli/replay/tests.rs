@@ -222,7 +222,7 @@ async fn the_settings_of_every_map_can_be_changed() {
     let (requests, _) =
         play(RECORDING, &["--paper", "--set", "candidates_max=5,without_anchors=reject"]).await;
     let expected = json!({"settings": {"candidates_max": 5, "without_anchors": "reject", "one_to_one": false,
-        "distinctive_weights": false, "contradiction_veto": false, "aligned_anchors": false}});
+        "distinctive_weights": false, "contradiction_veto": false, "aligned_anchors": false, "single_text_needs_witness": false}});
     assert_eq!(requests[0].1, expected);
 }
 

@@ -11,7 +11,8 @@ use revisit::service::ModelChoice;
 async fn lobbies(server: &Server) {
     server.put("/v1/maps/m", &json!({})).await.expect(201);
     for (name, sec, x, colour) in [("kf-1", 1, 0.0, [255, 0, 0]), ("kf-2", 90, 50.0, [0, 0, 255])] {
-        let painting = described("painting", [x + 1.0, 0.0, 2.0], "a portrait of Ada Lovelace");
+        let painting =
+            described("painting", [x + 1.0, 0.0, 2.0], "a portrait of Ada Lovelace with an umbrella");
         let plate = crop("door_number", [x, 0.0, 1.0], colour);
         put(server, "m", name, &keyframe(sec, x, &[painting, plate])).await;
     }

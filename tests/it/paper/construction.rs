@@ -44,7 +44,7 @@ async fn states_like(scene: &Scene, state: &str) -> usize {
 
 #[tokio::test]
 async fn a_sign_becomes_evidence_when_the_bar_comes_down() {
-    let scene = Scene::new().await;
+    let scene = Scene::with(json!({"single_text_needs_witness": false})).await;
     for id in ["kf-1", "kf-9"] {
         scene.put(id, keyframe().sees([door("EXIT", [0.0, 0.0, 1.0])])).await;
     }

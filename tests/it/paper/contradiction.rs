@@ -159,7 +159,7 @@ async fn an_anchor_contradicts_one_other_at_most() {
 #[tokio::test]
 async fn contradicting_weights_are_distinctive_too() {
     // 910 hangs at 2 places, 901 at one: 1 + 1/2. What agrees weighs 0.8 + 0.8: it outweighs.
-    let scene = Scene::new().await;
+    let scene = Scene::with(json!({"single_text_needs_witness": false})).await;
     let agreeing = [thing("poster", NAMES[0]).at([1.25, 0.0, 0.0])];
     pass(&scene, "candidate", &["910"], &agreeing).await;
     pass(&scene, "query", &["901"], &agreeing).await;

@@ -6,7 +6,8 @@ use super::scene::{Scene, close_to, door, keyframe, thing};
 
 /// A map in which EXIT is a valid description.
 async fn with_signs(settings: Value) -> Scene {
-    Scene::with(super::scene::merged(json!({"description_min_information_level": 2}), &settings)).await
+    let base = json!({"description_min_information_level": 2, "single_text_needs_witness": false});
+    Scene::with(super::scene::merged(base, &settings)).await
 }
 
 /// Something with this text hangs 2 m from a keyframe of its own, at each of these x.
@@ -99,6 +100,18 @@ async fn a_sign_at_every_door_makes_no_loop_of_two_rooms() {
     check("at two doors only", json!({}), ["901", "902"], 0, 1.0 / 3.0).await;
     // The door is one of a kind wherever it is seen, but here it is seen 10 m from itself: p = 2 for both.
     check("the same door, by a map that has drifted by 10 m", json!({}), ["901", "901"], 22, 1.0).await;
+}
+
+#[tokio::test]
+async fn what_agrees_and_hangs_in_several_places_is_undecided() {
+    let scene = Scene::new().await;
+    hang(&scene, "here", "door_number", "901", [0.0, 10.0]).await;
+    let sight = || [door("901", [0.0, 0.0, 2.0])];
+    scene.put("query", keyframe().session("there").words(&[(99, 1.0)]).sees(sight())).await;
+    let found = scene.compare("query", "here-door_number-901-0").await;
+    let reason = &found["reason"];
+    assert_eq!((&found["verdict"], &reason["code"]), (&json!("undecided"), &json!("not_distinctive")));
+    assert_eq!((&reason["measured"], &reason["limit"]), (&json!(2.0), &json!(1.0)));
 }
 
 #[tokio::test]

@@ -17,6 +17,7 @@
 //! | §5 differing identifiers that are no contradictions | `differences.rs` |
 //! | §5 verdicts: what is missing, and which checks run; §8.11 | `verdicts.rs` |
 //! | §8.14 the built-in judge's levels | `levels.rs` |
+//! | §8.14 texts that need a witness | `witness.rs` |
 //! | sessions: two robots, or two days | `sessions.rs` |
 //! | §6 poses, and culling | `correction.rs` |
 //! | §5 an inline keyframe | `inline.rs` |
@@ -45,3 +46,4 @@ mod strictness;
 mod tracking;
 mod verdicts;
 mod votes;
+mod witness;
