@@ -39,13 +39,7 @@ impl Arm {
     pub fn settings(self) -> Value {
         match self {
             Self::Ours => json!({}),
-            Self::Paper => json!({
-                "one_to_one": false,
-                "distinctive_weights": false,
-                "contradiction_veto": false,
-                "aligned_anchors": false,
-                "single_text_needs_witness": false,
-            }),
+            Self::Paper => json!({"method": "paper"}),
             Self::BagOfWords => {
                 json!({"without_anchors": "geometry", "candidates_max": 3, "aligned_anchors": false})
             }

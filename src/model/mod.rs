@@ -6,7 +6,7 @@
 //! | keyframe, camera, features, detection as sent | [`keyframe`] |
 //! | bag-of-words vector and its L1 score | [`bow`] |
 //! | observation of an anchor, outcome of a detection | [`anchor`] |
-//! | map and its settings | [`map`], [`settings`] |
+//! | map, its settings, and those that make a method | [`map`], [`settings`], [`method`] |
 //! | map points in few bytes | [`point_list`], [`varint`] |
 //! | facts that decisions change | [`change`] |
 //! | what models said of anchors | [`judged`] |
@@ -34,6 +34,7 @@ pub mod key;
 pub mod keyframe;
 pub mod loop_warning;
 pub mod map;
+pub mod method;
 pub mod point_list;
 pub mod report;
 pub mod request;

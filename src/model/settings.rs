@@ -194,9 +194,7 @@ impl Field for WithoutAnchors {
 
 macro_rules! settings {
     ($($name:ident: $type:ty = $kind:ident { $default:expr $(, $min:expr, $max:expr)? }, $doc:literal;)*) => {
-        /// A map's settings. With `one_to_one`, `distinctive_weights`, `contradiction_veto`,
-        /// `aligned_anchors` and `single_text_needs_witness` off and the rest at their defaults, this is the paper's method to
-        /// the letter.
+        /// A map's settings; [`super::method::Method`] tells the paper's from ours.
         #[derive(Clone, Debug, PartialEq)]
         pub struct Settings {
             $(#[doc = $doc] pub $name: $type,)*
@@ -274,6 +272,8 @@ settings! {
         "ours: two different, sure identifiers of one class at the same relative place speak against the loop";
     aligned_anchors: bool = Switch { true },
         "ours: once Sim3 has given a transform, matched anchors must agree with it";
+    undecided_min_score_ratio: f64 = Number { 0.3, 0.0, 1000.0 },
+        "ours: a candidate without anchors that agree, whose BoW score is below this share of reference_score, does not make the answer undecided; 0 = off";
     single_text_needs_witness: bool = Switch { true },
         "ours: a text without an identifier and with fewer than three specific words closes a loop only beside a matched identifier, along unbroken odometry, or under geometry on map points";
     without_anchors: WithoutAnchors = Policy { WithoutAnchors::Undecided },

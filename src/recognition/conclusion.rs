@@ -182,13 +182,27 @@ fn judge_geometry(
     candidate.reason = Some(reason);
 }
 
+/// Whether an undecided candidate looks too little alike for what it lacks to matter: nothing that is on its way, such as a
+/// description, could turn it, and a client would wait or ask again for nothing.
+fn is_far(screening: &Screening, candidate: &Candidate) -> bool {
+    let lacks_all = candidate
+        .reason
+        .as_ref()
+        .is_some_and(|reason| matches!(reason.code, ReasonCode::NoAnchors | ReasonCode::NoFeatures));
+    let agrees = candidate.anchors.as_ref().is_some_and(|anchors| !anchors.matches.is_empty());
+    let least = screening.settings.undecided_min_score_ratio * candidate.bow.reference_score;
+    lacks_all && !agrees && candidate.bow.score < least
+}
+
 fn answer(screening: &Screening, candidates: Vec<Candidate>) -> Verdict {
     let of = |decision| candidates.iter().filter(move |c: &&Candidate| c.decision == decision);
     let loops: Vec<_> = of(CandidateDecision::Loop).map(|candidate| candidate.keyframe.clone()).collect();
     let nothing_to_compare = candidates.is_empty() && screening.empty_bow;
     let decision = if !loops.is_empty() {
         Decision::Loop
-    } else if nothing_to_compare || of(CandidateDecision::Undecided).next().is_some() {
+    } else if nothing_to_compare
+        || of(CandidateDecision::Undecided).any(|candidate| !is_far(screening, candidate))
+    {
         Decision::Undecided
     } else {
         Decision::NoLoop

@@ -7,6 +7,7 @@ use utoipa::openapi::{RefOr, Schema};
 use utoipa::{PartialSchema, ToSchema};
 
 use super::read::{self, Decode, Node};
+use crate::model::method::Method;
 use crate::model::settings::{Setting, SettingError, SettingKind, SettingValue, Settings, WithoutAnchors};
 
 /// The settings of a map, by name; in a request only those to be set.
@@ -14,18 +15,25 @@ use crate::model::settings::{Setting, SettingError, SettingKind, SettingValue, S
 #[serde(transparent)]
 pub struct MapSettings(pub Map<String, Value>);
 
+/// The name under which a request chooses a method; an answer shows the settings that it stands for.
+const METHOD: &str = "method";
+
 /// Settings to be set, checked one by one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ChosenSettings(pub Vec<(String, SettingValue)>);
 
 impl Decode for ChosenSettings {
     fn decode(node: &Node<'_>) -> Option<Self> {
-        let names: Vec<&str> = Settings::TABLE.iter().map(|row| row.name).collect();
+        let names: Vec<&str> = Settings::TABLE.iter().map(|row| row.name).chain([METHOD]).collect();
         let object = node.object(&names)?;
+        let method = object.optional(METHOD, |node| node.choice(&Method::NAMES, Method::from_name));
         let read: Vec<_> =
             Settings::TABLE.iter().map(|row| object.optional(row.name, |node| setting(node, row))).collect();
-        let chosen: Option<Vec<_>> = read.into_iter().collect();
-        chosen.map(|chosen| Self(chosen.into_iter().flatten().collect()))
+        let named: Option<Vec<_>> = read.into_iter().collect();
+        let of_method = method?.into_iter().flat_map(Method::settings);
+        let of_method = of_method.map(|(name, value)| (name.to_owned(), value));
+        // What is named in the same body comes later, and so wins.
+        Some(Self(of_method.chain(named?.into_iter().flatten()).collect()))
     }
 }
 
@@ -77,6 +85,14 @@ impl PartialSchema for MapSettings {
                 "Every threshold of the method; the defaults are the paper's, where it has one.",
             ))
             .additional_properties(Some(AdditionalProperties::FreeForm(false)));
+        let method = ObjectBuilder::new()
+            .schema_type(SchemaType::Type(Type::String))
+            .enum_values(Some(Method::NAMES))
+            .write_only(true)
+            .description(Some(
+                "In a request: sets every setting that tells the paper's method, to the letter, from ours; a setting named beside it wins. An answer shows the settings",
+            ));
+        let object = object.property(METHOD, method);
         Settings::TABLE.iter().fold(object, |object, row| object.property(row.name, row_schema(row))).into()
     }
 }

@@ -6,20 +6,10 @@ use clap::Args;
 use clap::builder::BoolishValueParser;
 use serde_json::{Map, Value};
 
-/// What this project adds to the paper's method; switched off, the service is the paper's.
-const SWITCHES_OF_OURS: [&str; 5] = [
-    "one_to_one",
-    "distinctive_weights",
-    "contradiction_veto",
-    "aligned_anchors",
-    "single_text_needs_witness",
-];
-
 /// The settings to change, on the command line.
 #[derive(Args, Clone, Debug, Default)]
 pub struct Overrides {
-    /// The paper's method to the letter: one_to_one, distinctive_weights, contradiction_veto,
-    /// aligned_anchors and single_text_needs_witness off
+    /// The paper's method to the letter: the setting method=paper
     #[arg(long, env = "REVISIT_PAPER", value_parser = BoolishValueParser::new())]
     pub paper: bool,
     /// Change a setting of every map of the recording; repeatable, and stronger than --paper
@@ -53,10 +43,9 @@ impl FromStr for Setting {
 impl Overrides {
     /// Every changed setting with its value.
     pub(super) fn changes(&self) -> Map<String, Value> {
-        let switches: &[&str] = if self.paper { &SWITCHES_OF_OURS } else { &[] };
-        let off = switches.iter().map(|name| ((*name).to_owned(), Value::Bool(false)));
+        let method = self.paper.then(|| ("method".to_owned(), Value::String("paper".to_owned())));
         let set = self.settings.iter().map(|setting| (setting.name.clone(), setting.value.clone()));
-        off.chain(set).collect()
+        method.into_iter().chain(set).collect()
     }
 
     /// Changes the settings in the body of a map.
@@ -103,12 +92,10 @@ mod tests {
     }
 
     #[test]
-    fn the_paper_is_every_switch_off_and_set_is_stronger() {
+    fn the_paper_is_a_method_and_what_is_set_goes_beside_it() {
         assert_eq!(
             applied(true, &["one_to_one=true"], json!({})),
-            json!({"settings": {"one_to_one": true, "distinctive_weights": false,
-                "contradiction_veto": false, "aligned_anchors": false,
-                "single_text_needs_witness": false}}),
+            json!({"settings": {"method": "paper", "one_to_one": true}}),
         );
     }
 

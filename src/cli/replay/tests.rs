@@ -221,8 +221,8 @@ async fn nothing_accepted_is_null_in_json_and_not_a_number_in_the_table() {
 async fn the_settings_of_every_map_can_be_changed() {
     let (requests, _) =
         play(RECORDING, &["--paper", "--set", "candidates_max=5,without_anchors=reject"]).await;
-    let expected = json!({"settings": {"candidates_max": 5, "without_anchors": "reject", "one_to_one": false,
-        "distinctive_weights": false, "contradiction_veto": false, "aligned_anchors": false, "single_text_needs_witness": false}});
+    let expected = json!({"settings": {"candidates_max": 5, "without_anchors": "reject",
+        "method": "paper"}});
     assert_eq!(requests[0].1, expected);
 }
 

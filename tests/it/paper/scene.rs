@@ -23,8 +23,7 @@ pub(super) struct Scene {
 
 /// The settings with which the service is the paper's method to the letter, and some more.
 pub(super) fn to_the_letter(more: &Value) -> Value {
-    let off = json!({"one_to_one": false, "distinctive_weights": false, "contradiction_veto": false, "aligned_anchors": false, "single_text_needs_witness": false});
-    merged(off, more)
+    merged(json!({"method": "paper"}), more)
 }
 
 /// An object with the members of another put in.

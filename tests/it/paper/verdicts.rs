@@ -53,6 +53,53 @@ async fn where_either_local_map_is_empty_a_setting_decides() {
 }
 
 #[tokio::test]
+async fn a_candidate_that_looks_far_less_alike_than_the_neighbours_leaves_nothing_undecided() {
+    let check = async |what: &str, settings: Value, sights: Vec<Sight>, expected: [&str; 2]| {
+        let scene = Scene::with(settings).await;
+        // Of the candidate's words a fifth is the query's: 0.2 of what the neighbour scores.
+        scene.put("candidate", keyframe().words(&[(1, 0.2), (9, 0.8)]).sees(sights.clone())).await;
+        scene.put("neighbour", keyframe().words(&[(1, 1.0)])).await;
+        scene.put("query", keyframe().words(&[(1, 1.0)]).covisible(&["neighbour"]).sees(sights)).await;
+        let answer = scene.ask("query").await;
+        let of_candidate = &answer["candidates"][0]["verdict"];
+        assert_eq!([&answer["verdict"], of_candidate], [&json!(expected[0]), &json!(expected[1])], "{what}");
+        close_to(what, &answer["candidates"][0]["bow"]["reference_score"], 1.0);
+    };
+    check("0.2 of 1, and 0.3 asked", json!({}), vec![], ["no_loop", "undecided"]).await;
+    let ratio = json!({"undecided_min_score_ratio": 0.2});
+    check("0.2 asked", ratio, vec![], ["undecided", "undecided"]).await;
+    check("the paper's letter", to_the_letter(&json!({})), vec![], ["undecided", "undecided"]).await;
+    // Something agrees, and could be told to be this one.
+    let slogan = vec![thing("sign", "Be Updated").at(AHEAD)];
+    check("what agrees counts", json!({}), slogan, ["undecided", "undecided"]).await;
+}
+
+#[tokio::test]
+async fn the_papers_method_is_one_setting_and_what_is_named_beside_it_wins() {
+    let scene = Scene::with(json!({"method": "paper", "one_to_one": true})).await;
+    let shown = async || scene.get("").await["settings"].clone();
+    let paper = shown().await;
+    assert_eq!(
+        (&paper["one_to_one"], &paper["contradiction_veto"]),
+        (&json!(true), &json!(false)),
+        "{paper}"
+    );
+    assert_eq!(
+        (&paper["undecided_min_score_ratio"], &paper["method"]),
+        (&json!(0.0), &json!(null)),
+        "{paper}"
+    );
+    scene.set(json!({"method": "revisit"})).await;
+    let ours = shown().await;
+    assert_eq!(
+        (&ours["contradiction_veto"], &ours["undecided_min_score_ratio"]),
+        (&json!(true), &json!(0.3))
+    );
+    let answer = scene.server.put("/v1/maps/other", &json!({"settings": {"method": "papers"}})).await;
+    assert_eq!(answer.expect(422)["errors"][0]["pointer"], "/settings/method");
+}
+
+#[tokio::test]
 async fn an_answer_is_undecided_if_any_candidate_is_and_none_is_a_loop() {
     let scene = Scene::new().await;
     scene.put("query", keyframe().sees(plate())).await;

@@ -1,0 +1,67 @@
+//! Methods: settings that belong together, under one name.
+
+use super::settings::{SettingValue, Settings};
+
+/// The settings that make a map follow a method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Revisit's: the defaults.
+    Revisit,
+    /// The paper's, to the letter: every switch of ours off.
+    Paper,
+}
+
+/// What is ours, and its value in the paper's method.
+const PAPER: [(&str, SettingValue); 7] = [
+    ("anchor_map_min_similarity", SettingValue::Number(0.3)),
+    ("one_to_one", SettingValue::Switch(false)),
+    ("distinctive_weights", SettingValue::Switch(false)),
+    ("contradiction_veto", SettingValue::Switch(false)),
+    ("aligned_anchors", SettingValue::Switch(false)),
+    ("single_text_needs_witness", SettingValue::Switch(false)),
+    ("undecided_min_score_ratio", SettingValue::Number(0.0)),
+];
+
+impl Method {
+    /// The names in the contract.
+    pub const NAMES: [&'static str; 2] = ["revisit", "paper"];
+
+    /// The method of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        match name {
+            "revisit" => Some(Self::Revisit),
+            "paper" => Some(Self::Paper),
+            _ => None,
+        }
+    }
+
+    /// The settings that tell the methods apart, with their values in this one.
+    pub fn settings(self) -> impl Iterator<Item = (&'static str, SettingValue)> {
+        let defaults = Settings::default();
+        PAPER.into_iter().map(move |(name, paper)| match self {
+            Self::Paper => (name, paper),
+            Self::Revisit => (name, defaults.get(name).unwrap_or(paper)),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_method_names_settings_that_there_are_and_every_switch_is_one_of_ours() {
+        let mut settings = Settings::default();
+        for (name, value) in Method::Paper.settings() {
+            assert_eq!(settings.set(name, value), Ok(()), "{name}");
+        }
+        for row in Settings::TABLE {
+            let is_on = settings.get(row.name) == Some(SettingValue::Switch(true));
+            assert!(!is_on, "{} is not the paper's", row.name);
+        }
+        for (name, value) in Method::Revisit.settings() {
+            assert_eq!(settings.set(name, value), Ok(()), "{name}");
+        }
+        assert_eq!(settings, Settings::default());
+    }
+}
