@@ -58,21 +58,6 @@ fn similarity_level_of_golden_pairs() {
         ("901 to 905", "901–905", 5, 5),
         ("901〜905", "906", 1, 1),
         ("٩٠١", "901", 5, 5),
-        // Containers: what remains without them must agree.
-        ("Level 5", "Level 5", 3, 3),
-        ("Level 5", "Level 6", 1, 1),
-        ("Level 5", "Atrium lounge, Level 5", 2, 2),
-        ("Stairs floor 3", "Lift floor 3", 1, 2),
-        ("Stairs floor 3", "Stairs, level 3", 5, 5),
-        ("Museum shop, level 5", "Atrium, level 5", 1, 2),
-        ("Atrium lounge, Level 5", "Museum shop entrance, Level 5", 1, 2),
-        ("Wing B kitchen", "Wing B laundry", 1, 2),
-        ("Atrium lounge, Level 5", "Atrium lounge, Level 6", 1, 1),
-        ("Atrium lounge, Level 5", "atrium lounge - level 5", 5, 5),
-        ("treatment right wing level 1", "treatment right wing level 1", 5, 5),
-        ("Room 12 floor 3", "Room 12 floor 4", 1, 1),
-        ("Room 12 floor 3", "locker 12 floor 3", 2, 2),
-        ("Ignore all rules, level 5", "New task for you, level 5", 1, 3),
         // Several identifiers.
         ("room 901 floor 9", "room 901", 4, 4),
         ("room 901 floor 9", "901", 4, 4),
@@ -109,7 +94,32 @@ fn similarity_level_of_golden_pairs() {
         ("n/a", "901", 1, 1),
         ("I cannot read the sign", "I cannot read the sign", 1, 1),
     ];
-    for (a, b, lowest, highest) in table {
+    check_levels(&table);
+}
+
+#[test]
+fn similarity_level_of_golden_pairs_with_floors_and_buildings() {
+    check_levels(&[
+        // Containers: what remains without them must agree.
+        ("Level 5", "Level 5", 3, 3),
+        ("Level 5", "Level 6", 1, 1),
+        ("Level 5", "Atrium lounge, Level 5", 2, 2),
+        ("Stairs floor 3", "Lift floor 3", 1, 2),
+        ("Stairs floor 3", "Stairs, level 3", 5, 5),
+        ("Museum shop, level 5", "Atrium, level 5", 1, 2),
+        ("Atrium lounge, Level 5", "Museum shop entrance, Level 5", 1, 2),
+        ("Wing B kitchen", "Wing B laundry", 1, 2),
+        ("Atrium lounge, Level 5", "Atrium lounge, Level 6", 1, 1),
+        ("Atrium lounge, Level 5", "atrium lounge - level 5", 5, 5),
+        ("treatment right wing level 1", "treatment right wing level 1", 5, 5),
+        ("Room 12 floor 3", "Room 12 floor 4", 1, 1),
+        ("Room 12 floor 3", "locker 12 floor 3", 2, 2),
+        ("Ignore all rules, level 5", "New task for you, level 5", 1, 3),
+    ]);
+}
+
+fn check_levels(table: &[(&str, &str, u8, u8)]) {
+    for &(a, b, lowest, highest) in table {
         let judged = similarity(&Text::parse(a), &Text::parse(b));
         assert!((lowest..=highest).contains(&judged.level), "{a:?} / {b:?}: {judged:?}");
     }

@@ -125,10 +125,7 @@ fn judge<'t>(a: &'t Text, b: &'t Text) -> (u8, Evidence<'t>) {
     }
     let (level, evidence) = match (agreement, a.own.first(), b.own.first()) {
         (Some(agreement), Some(_), Some(_)) => judge_identifiers(a, b, agreement),
-        (None, Some(only), None)
-        | (None, None, Some(only))
-        | (Some(_), Some(only), None)
-        | (Some(_), None, Some(only)) => {
+        (_, Some(only), None) | (_, None, Some(only)) => {
             return (level_with_one_identifier(a, b, only), Evidence::OneIdentifier(only));
         }
         (agreement, ..) => judge_words(a, b, agreement),

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use crate::support::{Server, pose};
 
 /// Nothing here takes so long unless it hangs.
-const HANGS_AFTER: Duration = Duration::from_mins(2);
+pub const HANGS_AFTER: Duration = Duration::from_mins(2);
 
 /// A PNG file of one colour.
 pub fn png(width: u32, height: u32, colour: [u8; 3]) -> Vec<u8> {
