@@ -28,7 +28,7 @@ mod tests {
         for code in ["0", "00", "000", "0000000", "00000000010", "0000100", "0800000", "0-00", "0.0"] {
             assert!(is_noise_number(code), "{code}");
         }
-        // Of the last, four zeros of six digits or five of seven; and six digits may be any number.
+        // Six digits may be any number, and five zeros of seven digits are 71 %.
         for code in ["3", "10", "11", "222", "100", "100000", "0100020", "0.02", "10-0", "A0", ""] {
             assert!(!is_noise_number(code), "{code}");
         }
