@@ -75,6 +75,7 @@ const BRIEF = {
   anchors_displaced: "signs in two places",
   odometry_disagrees_with_transform: "odometry differs",
   not_distinctive: "signs hang everywhere",
+  tracked_only: "the same passage",
   no_witness: "signs alone are not enough",
   covisible: "same place as now",
 };
@@ -111,6 +112,7 @@ export function why({ code, measured, limit, detail }) {
     anchors_displaced:
       `Signs that hang once would hang in two places if this were a loop. They weigh ${m}, what agrees ${l}.`,
     odometry_disagrees_with_transform: "The robot knows from its own tracking that it is somewhere else.",
+    tracked_only: "Whatever agrees was seen in this same passage: it was tracked, and shows no return.",
     no_witness: "Whatever agrees are texts without an identifier, which may hang in many places: nothing else says that it is this one.",
     not_distinctive: "Whatever agrees hangs in several places: it could be any of them.",
   };
@@ -137,7 +139,7 @@ function appearance({ bow: { score, common_words: words, reference_score: refere
 
 const STOPPED_BY_ANCHORS = {
   score_below_threshold: "fail", contradiction: "fail", anchors_disagree_with_transform: "fail",
-  anchors_displaced: "fail", not_distinctive: "open", no_witness: "open", no_anchors: "open", llm_pending: "open", llm_unavailable: "open",
+  anchors_displaced: "fail", not_distinctive: "open", no_witness: "open", tracked_only: "open", no_anchors: "open", llm_pending: "open", llm_unavailable: "open",
   not_described: "open",
 };
 

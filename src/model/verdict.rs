@@ -75,6 +75,8 @@ pub enum ReasonCode {
     NotDistinctive,
     /// Only texts without an identifier agree, and nothing else says that it is this place.
     NoWitness,
+    /// All that agrees was tracked in this same passage, and geometry could not verify a return.
+    TrackedOnly,
     /// Geometry had to verify, and features are missing.
     NoFeatures,
     /// No transformation explains enough features.
@@ -103,6 +105,7 @@ impl ReasonCode {
             Self::Contradiction => "contradiction",
             Self::NotDistinctive => "not_distinctive",
             Self::NoWitness => "no_witness",
+            Self::TrackedOnly => "tracked_only",
             Self::NoFeatures => "no_features",
             Self::TooFewInliers => "too_few_inliers",
             Self::AnchorsDisagreeWithTransform => "anchors_disagree_with_transform",

@@ -54,17 +54,24 @@ fn conclude_candidate(
             judge_geometry(screening, screened, &verification, &mut candidate);
             // A view without map points may be that of another floor.
             let is_witness = verification.model == Model::Sim3;
-            let needs_witness = screened.standing == Standing::NeedsWitness;
-            if needs_witness && !is_witness && candidate.decision == CandidateDecision::Loop {
+            if lacks_witness(screened.standing)
+                && !is_witness
+                && candidate.decision == CandidateDecision::Loop
+            {
                 candidate.decision = CandidateDecision::Undecided;
                 candidate.reason = Some(evidence::no_witness());
             }
         }
         Err(missing) => {
             candidate.geometry = evidence::geometry_skipped(missing);
-            if screened.standing == Standing::NeedsWitness {
+            let reason = match screened.standing {
+                Standing::TrackedOnly { .. } => Some(evidence::tracked_only()),
+                Standing::NeedsWitness => Some(evidence::no_witness()),
+                _ => None,
+            };
+            if reason.is_some() {
                 candidate.decision = CandidateDecision::Undecided;
-                candidate.reason = Some(evidence::no_witness());
+                candidate.reason = reason;
             }
             if screening.verify == Verify::Geometry || screened.standing == Standing::AskGeometry {
                 candidate.decision = CandidateDecision::Undecided;
@@ -73,6 +80,11 @@ fn conclude_candidate(
         }
     }
     candidate
+}
+
+/// Whether nothing but texts that need a witness agrees.
+fn lacks_witness(standing: Standing) -> bool {
+    matches!(standing, Standing::NeedsWitness | Standing::TrackedOnly { has_witness: false })
 }
 
 /// Runs geometry on one candidate, or tells what is missing for it.
@@ -164,7 +176,7 @@ fn judge_geometry(
     }
     let contradicting: f64 = aligned.contradictions.iter().fold(0.0, |sum, pair| sum + pair.weight());
     let min_similarity = settings.anchor_map_min_similarity;
-    let agreed = matches!(screened.standing, Standing::AnchorsAgree | Standing::NeedsWitness);
+    let agreed = screened.standing != Standing::AskGeometry;
     let reason = if contradicting > aligned.agreement {
         evidence::contradicted(&aligned.contradictions, contradicting, aligned.agreement)
     } else if agreed && aligned.similarity <= min_similarity {

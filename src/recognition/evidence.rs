@@ -181,6 +181,13 @@ pub(super) fn no_witness() -> Reason {
     Reason { code: ReasonCode::NoWitness, measured: None, limit: None, detail }
 }
 
+pub(super) fn tracked_only() -> Reason {
+    let detail =
+        "all that agrees was seen in this same passage: it was tracked, and no return is shown by it"
+            .to_owned();
+    Reason { code: ReasonCode::TrackedOnly, measured: None, limit: None, detail }
+}
+
 pub(super) fn pending(comparison: &Comparison<'_>, code: ReasonCode) -> Reason {
     let detail = format!(
         "not described yet: {}; at best S would be {:.3}",

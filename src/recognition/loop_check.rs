@@ -3,6 +3,8 @@
 //! Checks 1 to 3 need the map and run under its lock ([`screen`]); what passes them and has features waits for
 //! geometry, which needs descriptors from disk and no map ([`super::conclusion`]).
 
+use std::collections::BTreeSet;
+
 use super::alignment::Compared;
 use super::anchor_map::{Centre, LocalAnchorMap, local_anchor_map};
 use super::candidates::{Proposal, Proposals, find_candidates};
@@ -11,6 +13,7 @@ use super::difference::find_differing;
 use super::distinctiveness::PlaceCounts;
 use super::evidence;
 use super::index::MapIndex;
+use super::passage::is_tracked_only;
 use super::query::Query;
 use super::screening::{Screened, Screening, Standing};
 use super::sight::Sight;
@@ -71,7 +74,9 @@ fn with_tracked_paths(index: &MapIndex, query: &Query<'_>, mut candidates: Vec<S
     let waits = |screened: &Screened| match screened.standing {
         Standing::Stopped => false,
         Standing::NeedsWitness => true,
-        Standing::AnchorsAgree | Standing::AskGeometry => checks_transform && screened.sight.is_some(),
+        Standing::AnchorsAgree | Standing::TrackedOnly { .. } | Standing::AskGeometry => {
+            checks_transform && screened.sight.is_some()
+        }
     };
     if let Some(keyframe) = query.keyframe
         && candidates.iter().any(waits)
@@ -126,7 +131,20 @@ fn check_candidate(
         () if index.model_away() => ReasonCode::LlmUnavailable,
         () => ReasonCode::LlmPending,
     };
-    let mut screened = match judge_anchors(&comparison, settings, worst, missing) {
+    let is_tracked_only = || {
+        let around = |covisible: &BTreeSet<_>| index.covisibility().around(covisible);
+        let of_candidate = index.covisibility().with_itself(proposal.keyframe).collect();
+        is_tracked_only(index, &comparison, &around(&query.centre.covisible), &around(&of_candidate))
+    };
+    let standing = judge_anchors(&comparison, settings, worst, missing).map(|standing| match standing {
+        Standing::AnchorsAgree | Standing::NeedsWitness
+            if settings.tracked_loops_need_geometry && is_tracked_only() =>
+        {
+            Standing::TrackedOnly { has_witness: standing == Standing::AnchorsAgree }
+        }
+        other => other,
+    });
+    let mut screened = match standing {
         Err((decision, reason)) => Screened::stopped(proposal.keyframe, candidate, decision, reason),
         Ok(standing) => Screened {
             keyframe: proposal.keyframe,

@@ -20,6 +20,7 @@
 //! | ours: why a differing identifier did not count | [`difference`] | [`difference::find_differing`] |
 //! | ours: what speaks against a loop that a client closes | [`loop_warning`] | [`loop_warning::loop_warning`] |
 //! | ours: anchors under the transformation | [`alignment`] | [`alignment::Compared::under`] |
+//! | ours: the sightings of one drive past an object | [`passage`] | [`passage::is_tracked_only`] |
 //! | ours: what a text without an identifier needs besides | [`witness`] | [`witness::lacks_witness`] |
 //! | ours: odometry over short ways | [`tracked_path`] | [`tracked_path::TrackedPath`] |
 //!
@@ -55,6 +56,7 @@ pub mod loop_warning;
 mod match_sets;
 pub mod matching;
 pub mod numbered;
+pub mod passage;
 pub mod places;
 pub mod query;
 pub mod recorder;

@@ -18,6 +18,12 @@ pub enum Standing {
     AnchorsAgree,
     /// The anchors agree by texts alone that hang in many places: geometry on map points must witness.
     NeedsWitness,
+    /// What agrees was tracked from the candidate to the query in one passage: geometry must say that it is a return, and
+    /// for texts that need a witness, geometry on map points.
+    TrackedOnly {
+        /// Something besides such texts agrees.
+        has_witness: bool,
+    },
     /// There are no anchors, and the map's settings leave it to geometry alone.
     AskGeometry,
 }
