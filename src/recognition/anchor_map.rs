@@ -14,6 +14,7 @@ use crate::geometry::{Bearing, Point3, Pose};
 use crate::model::anchor::AnchorState;
 use crate::model::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
 use crate::model::keyframe::NewKeyframe;
+use crate::model::settings::Settings;
 use crate::model::verdict::AnchorName;
 use crate::semantics::Text;
 
@@ -109,8 +110,18 @@ pub struct InlineAnchor {
     pub text: Option<Arc<Text>>,
     /// Did a model or a person describe it?
     pub described: bool,
+    /// The confidence of the detection.
+    pub confidence: f64,
     /// Where it stands, in the session's frame.
     pub centre_in_session: Point3,
+}
+
+impl InlineAnchor {
+    /// InformationLevel of what was read, 1 where the reader was not confident; none if nothing was.
+    pub fn information_level(&self, settings: &Settings) -> Option<u8> {
+        let is_doubtful = !self.described && self.confidence < settings.reading_min_confidence;
+        self.text.as_ref().map(|text| if is_doubtful { 1 } else { text.information_level() })
+    }
 }
 
 impl Centre {
@@ -170,12 +181,11 @@ fn inline_anchor(
     inline: &InlineAnchor,
     places: &mut PlaceCounts,
 ) -> LocalAnchor {
-    let level = inline.text.as_ref().map(|text| u32::from(text.information_level()));
+    let settings = &index.properties().settings;
+    let level = inline.information_level(settings).map(u32::from);
     let state = match level {
         None => AnchorState::Pending,
-        Some(level) if level >= index.properties().settings.description_min_information_level => {
-            AnchorState::Valid
-        }
+        Some(level) if level >= settings.description_min_information_level => AnchorState::Valid,
         Some(_) => AnchorState::Uninformative,
     };
     let text = inline.text.as_ref().filter(|_| state == AnchorState::Valid);
@@ -238,6 +248,7 @@ pub fn inline_centre(
                     class: detection.class.as_str().into(),
                     text: detection.reading().map(|reading| Arc::new(Text::parse(reading))),
                     described: detection.description.is_some(),
+                    confidence: detection.confidence,
                     centre_in_session,
                 });
             }

@@ -75,11 +75,15 @@ impl<'a> Query<'a> {
 
     /// The texts of the map that match what the query sees and no object of the map is.
     pub fn inline_texts(&self, index: &MapIndex) -> Vec<TextId> {
-        let valid = index.properties().settings.description_min_information_level;
-        let texts =
-            self.centre.inline.iter().filter_map(|anchor| Some((&anchor.class, anchor.text.as_ref()?)));
+        let settings = &index.properties().settings;
+        let is_valid = |level: u8| u32::from(level) >= settings.description_min_information_level;
+        let valid = self
+            .centre
+            .inline
+            .iter()
+            .filter(|anchor| anchor.information_level(settings).is_some_and(is_valid));
+        let texts = valid.filter_map(|anchor| Some((&anchor.class, anchor.text.as_ref()?)));
         texts
-            .filter(|(_, text)| u32::from(text.information_level()) >= valid)
             .filter(|(_, text)| index.texts().with_itself(text).is_some())
             .flat_map(|(class, text)| index.texts().matching_text(class, text))
             .collect()

@@ -82,8 +82,11 @@ impl Object {
             }
             (None, None) => None,
         };
+        let is_doubtful = by_hand.is_none()
+            && votes.elected().is_some_and(|elected| elected.is_doubtful(settings.reading_min_confidence));
         if let Some(description) = &mut description {
-            description.information_level = verdicts.information_level(class, &description.text);
+            description.information_level =
+                if is_doubtful { 1 } else { verdicts.information_level(class, &description.text) };
         }
         let state = match &description {
             None => AnchorState::Pending,

@@ -38,7 +38,7 @@ pub struct Votes {
 }
 
 /// The reading that won.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Elected<'a> {
     /// As last read.
     pub text: &'a str,
@@ -46,6 +46,15 @@ pub struct Elected<'a> {
     pub count: usize,
     /// Did a model or a person say so at least once?
     pub described: bool,
+    /// The summed confidence of these detections.
+    pub weight: f64,
+}
+
+impl Elected<'_> {
+    /// Whether it was read once only, by a reader that was not confident: dots and window frames are read so, too.
+    pub fn is_doubtful(&self, min_confidence: f64) -> bool {
+        !self.described && self.count == 1 && self.weight < min_confidence
+    }
 }
 
 impl Votes {
@@ -96,7 +105,8 @@ impl Votes {
     /// The reading with the most weight; of equals, the newest.
     pub fn elected(&self) -> Option<Elected<'_>> {
         let best = self.tallies.values().max_by_key(|tally| tally.rank())?;
-        Some(Elected { text: &best.text, count: best.count, described: best.described })
+        let weight = best.units as f64 / UNITS_PER_CONFIDENCE;
+        Some(Elected { text: &best.text, count: best.count, described: best.described, weight })
     }
 
     /// Is this, in normal form, one of the readings?
