@@ -3,8 +3,6 @@
 //! Checks 1 to 3 need the map and run under its lock ([`screen`]); what passes them and has features waits for
 //! geometry, which needs descriptors from disk and no map ([`super::conclusion`]).
 
-use std::collections::BTreeSet;
-
 use super::alignment::Compared;
 use super::anchor_map::{Centre, LocalAnchorMap, local_anchor_map};
 use super::candidates::{Proposal, Proposals, find_candidates};
@@ -132,9 +130,9 @@ fn check_candidate(
         () => ReasonCode::LlmPending,
     };
     let is_tracked_only = || {
-        let around = |covisible: &BTreeSet<_>| index.covisibility().around(covisible);
-        let of_candidate = index.covisibility().with_itself(proposal.keyframe).collect();
-        is_tracked_only(index, &comparison, &around(&query.centre.covisible), &around(&of_candidate))
+        // What is not stored is where the newest of its neighbours is.
+        let query = query.keyframe.or(query.centre.covisible.last().copied());
+        query.is_some_and(|query| is_tracked_only(index, &comparison, query, proposal.keyframe))
     };
     let standing = judge_anchors(&comparison, settings, worst, missing).map(|standing| match standing {
         Standing::AnchorsAgree | Standing::NeedsWitness

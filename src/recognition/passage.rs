@@ -12,37 +12,32 @@ use super::comparison::Comparison;
 use super::index::MapIndex;
 use crate::model::ids::{AnchorSeq, KeyframeSeq};
 
-/// Whether all that agrees are objects which a candidate saw in the very passage that the query is in.
-///
-/// `around_query` and `around_candidate` are the keyframes whose anchors the two local anchor maps hold.
+/// Whether all that agrees are objects of which the two keyframes are in one passage.
 pub fn is_tracked_only(
     index: &MapIndex,
     comparison: &Comparison<'_>,
-    around_query: &BTreeSet<KeyframeSeq>,
-    around_candidate: &BTreeSet<KeyframeSeq>,
+    query: KeyframeSeq,
+    candidate: KeyframeSeq,
 ) -> bool {
-    let is_tracked = |root: AnchorSeq| {
-        let meets = |passage: &Vec<KeyframeSeq>, around: &BTreeSet<KeyframeSeq>| {
-            passage.iter().any(|sighting| around.contains(sighting))
-        };
-        let passages = passages(index, root);
-        passages.iter().any(|passage| meets(passage, around_query) && meets(passage, around_candidate))
-    };
     comparison.matches.iter().all(|pair| match (&pair.query.name, &pair.candidate.name) {
-        (LocalName::Object(a), LocalName::Object(b)) => a == b && is_tracked(*a),
+        (LocalName::Object(a), LocalName::Object(b)) => a == b && share_passage(index, *a, query, candidate),
         _ => false,
     })
 }
 
-/// The passages of an object, each with the keyframes that saw it.
-fn passages(index: &MapIndex, root: AnchorSeq) -> Vec<Vec<KeyframeSeq>> {
-    let Some(object) = index.objects().get(root) else { return Vec::new() };
-    let mut sightings: Vec<_> = (index.keyframes_of(object).into_iter())
-        .filter_map(|seq| Some((index.keyframe(seq)?.session, seq)))
-        .collect();
-    sightings.sort_unstable();
-    let same = |a: &(_, KeyframeSeq), b: &(_, KeyframeSeq)| a.0 == b.0 && are_joined(index, a.1, b.1);
-    sightings.chunk_by(same).map(|passage| passage.iter().map(|(_, seq)| *seq).collect()).collect()
+/// Whether two keyframes are in one passage of an object; either may see it, or be next to one that does.
+fn share_passage(index: &MapIndex, root: AnchorSeq, a: KeyframeSeq, b: KeyframeSeq) -> bool {
+    let Some(object) = index.objects().get(root) else { return false };
+    let mut sightings = index.keyframes_of(object);
+    sightings.extend([a, b]);
+    let session = |seq: KeyframeSeq| index.keyframe(seq).map(|keyframe| keyframe.session);
+    let (Some(own), (first, last)) = (session(a), (a.min(b), a.max(b))) else { return false };
+    if session(b) != Some(own) {
+        return false;
+    }
+    let between: Vec<KeyframeSeq> =
+        sightings.range(first..=last).copied().filter(|seq| session(*seq) == Some(own)).collect();
+    between.windows(2).all(|pair| are_joined(index, pair[0], pair[1]))
 }
 
 /// Whether a chain joins a sighting and the next one of the session, with little driven between them.

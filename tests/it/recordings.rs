@@ -34,10 +34,10 @@ fn replay(path: &Path, more: &[&str]) -> Value {
 fn no_two_floors_of_a_real_tower_are_taken_for_one() {
     let Some(path) = recording("tower") else { return };
     let score = replay(&path, &[]);
-    // In 19 queries the local anchor map shares a plaque with a true keyframe's. In five of them the camera has
-    // turned by more than pi/3 between the two, which §V-B does not take for a match.
+    // In 19 queries the local anchor map shares a plaque with a true keyframe's. In nine of them it is the plaque that was
+    // tracked a moment ago, which shows no return.
     assert_eq!(score["accepted"], score["correct"], "{:#}", score["false_loops"]);
-    assert!(score["accepted"].as_u64().unwrap() >= 14, "{score:#}");
+    assert!(score["accepted"].as_u64().unwrap() >= 10, "{score:#}");
     assert!(score["bow_only"]["precision"].as_f64().unwrap() < 0.25);
     assert_eq!(score["queries"], 124);
 }
@@ -47,10 +47,10 @@ fn of_what_an_ordinary_reader_reads_on_nine_floors_few_loops_are_wrong() {
     let Some(path) = recording("floors") else { return };
     let score = replay(&path, &[]);
     let count = |name: &str| score[name].as_u64().unwrap();
-    // What is left hangs on a board that floors 4 and 5 have in common ("HUB04"); 26 of 57 were wrong before letters,
-    // railings and slogans were told from texts. The bar of the project is none wrong, and 30 right.
-    assert!(count("correct") >= 27, "{score:#}");
-    assert!(count("accepted") - count("correct") <= 4 && count("loops_wrong") <= 13, "{score:#}");
+    // What is left is a board that floors 4 and 5 have in common ("HUB04"), and plates cut by the frame (".02"); 26 of 57 were
+    // wrong before letters, railings, slogans and unsure readings were told from texts. The bar of the project is none.
+    assert!(count("correct") >= 45, "{score:#}");
+    assert!(count("accepted") - count("correct") <= 7 && count("loops_wrong") <= 11, "{score:#}");
 }
 
 #[test]

@@ -132,7 +132,7 @@ async fn covisible_anchors_that_match_merge_if_their_boxes_touch_or_their_centre
 
 #[tokio::test]
 async fn a_merged_anchor_has_the_keyframes_the_points_and_the_readings_of_both_and_a_new_box() {
-    let scene = Scene::new().await;
+    let scene = Scene::with(json!({"reading_min_confidence": 0.5})).await;
     let stored = scene.put("kf-1", first(thing("door_number", "room 901").confidence(0.5))).await;
     let older = stored["detections"][0]["anchor"].clone();
     let again = second(thing("door_number", "901").confidence(0.75)).covisible(&["kf-1"]);

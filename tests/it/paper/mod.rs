@@ -18,6 +18,7 @@
 //! | §5 verdicts: what is missing, and which checks run; §8.11 | `verdicts.rs` |
 //! | §8.14 the built-in judge's levels | `levels.rs` |
 //! | §8.14 texts that need a witness | `witness.rs` |
+//! | §8.10 one passage, §8.14 unsure readings | `passage.rs` |
 //! | sessions: two robots, or two days | `sessions.rs` |
 //! | §6 poses, and culling | `correction.rs` |
 //! | §5 an inline keyframe | `inline.rs` |
@@ -39,6 +40,7 @@ mod levels;
 mod local_map;
 mod matching;
 mod overview;
+mod passage;
 mod repeat;
 mod scene;
 mod sessions;

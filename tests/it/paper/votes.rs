@@ -106,7 +106,7 @@ async fn a_description_by_hand_stands_whatever_is_read_and_can_be_taken_back() {
 
 #[tokio::test]
 async fn when_the_vote_turns_its_matches_are_withdrawn_and_judged_again() {
-    let scene = Scene::new().await;
+    let scene = Scene::with(json!({"reading_min_confidence": 0.25})).await;
     // Two other passages: room 901, and room 907.
     scene.put("at-901", keyframe().at([30.0, 0.0, 0.0]).sees([door("901", [30.0, 0.0, 2.0])])).await;
     scene.put("at-907", keyframe().at([60.0, 0.0, 0.0]).sees([door("907", [60.0, 0.0, 2.0])])).await;
