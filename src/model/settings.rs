@@ -274,8 +274,8 @@ settings! {
         "ours: once Sim3 has given a transform, matched anchors must agree with it";
     undecided_min_score_ratio: f64 = Number { 0.3, 0.0, 1000.0 },
         "ours: a candidate without anchors that agree, whose BoW score is below this share of reference_score, does not make the answer undecided; 0 = off";
-    reading_min_confidence: f64 = Number { 0.8, 0.0, 1.0 },
-        "ours: a text that a detection of less confidence read tells nothing until the anchor is read alike again";
+    reading_min_confidence: f64 = Number { 0.0, 0.0, 1.0 },
+        "ours: a text of fewer than three specific words that a detection of less confidence read tells nothing until the anchor is read alike again; 0 = off";
     tracked_loops_need_geometry: bool = Switch { true },
         "ours: where all that agrees was tracked through this same passage, only verified geometry makes a loop";
     single_text_needs_witness: bool = Switch { true },

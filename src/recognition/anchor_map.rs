@@ -119,8 +119,12 @@ pub struct InlineAnchor {
 impl InlineAnchor {
     /// InformationLevel of what was read, 1 where the reader was not confident; none if nothing was.
     pub fn information_level(&self, settings: &Settings) -> Option<u8> {
-        let is_doubtful = !self.described && self.confidence < settings.reading_min_confidence;
-        self.text.as_ref().map(|text| if is_doubtful { 1 } else { text.information_level() })
+        let is_unsure = !self.described && self.confidence < settings.reading_min_confidence;
+        let level = |text: &Arc<Text>| match () {
+            () if is_unsure && !text.is_described() => 1,
+            () => text.information_level(),
+        };
+        self.text.as_ref().map(level)
     }
 }
 

@@ -111,7 +111,12 @@ impl Text {
 
     /// Whether it may hang in many places: no identifier of its own, and too few specific words for a description.
     pub fn needs_witness(&self) -> bool {
-        self.own.is_empty() && self.specific_words().count() < ENOUGH_SPECIFIC_WORDS
+        self.own.is_empty() && !self.is_described()
+    }
+
+    /// Whether it has as many specific words as a description; no dots or window frames are read so.
+    pub fn is_described(&self) -> bool {
+        self.specific_words().count() >= ENOUGH_SPECIFIC_WORDS
     }
 
     /// The words that tell one object from others.

@@ -48,9 +48,9 @@ fn of_what_an_ordinary_reader_reads_on_nine_floors_few_loops_are_wrong() {
     let score = replay(&path, &[]);
     let count = |name: &str| score[name].as_u64().unwrap();
     // What is left is a board that floors 4 and 5 have in common ("HUB04"), and plates cut by the frame (".02"); 26 of 57 were
-    // wrong before letters, railings, slogans and unsure readings were told from texts. The bar of the project is none.
-    assert!(count("correct") >= 45, "{score:#}");
-    assert!(count("accepted") - count("correct") <= 7 && count("loops_wrong") <= 11, "{score:#}");
+    // wrong before letters, railings, slogans and tracked plates were told from texts. The bar of the project is none.
+    assert!(count("correct") >= 49, "{score:#}");
+    assert!(count("accepted") - count("correct") <= 9 && count("loops_wrong") <= 13, "{score:#}");
 }
 
 #[test]

@@ -82,9 +82,10 @@ impl Object {
             }
             (None, None) => None,
         };
-        let is_doubtful = by_hand.is_none()
+        let is_unsure = by_hand.is_none()
             && votes.elected().is_some_and(|elected| elected.is_doubtful(settings.reading_min_confidence));
         if let Some(description) = &mut description {
+            let is_doubtful = is_unsure && !description.text.is_described();
             description.information_level =
                 if is_doubtful { 1 } else { verdicts.information_level(class, &description.text) };
         }
