@@ -125,6 +125,7 @@ fn detection(number: u32, text: Naming, x: f64) -> Detection {
         box_px: [100.0, 100.0, 160.0, 130.0],
         map_points: Vec::new(),
         position_in_session: Some(Point3::new(x, 2.0, 0.0)),
+        range_assumed: false,
         text: Some(text(number)),
         description: None,
         crop: None,

@@ -156,6 +156,7 @@ fn detection(number: u32, side: u32, centre: [f64; 3]) -> Detection {
         box_px: [100.0, 100.0, 160.0, 130.0],
         map_points: points_of(object).collect(),
         position_in_session: Some(Point3::new(centre[0], centre[1] + f64::from(side) * 2.0, 1.5)),
+        range_assumed: false,
         text: Some(format!("room {object:05}")),
         description: None,
         crop: None,

@@ -120,6 +120,7 @@ fn keyframe(name: String, x: f64, seen: usize, at: [f64; 3], covisible: &[String
             box_px: [0.0, 0.0, 40.0, 40.0],
             map_points: Vec::new(),
             position_in_session: Some(Point3::new(at[0], at[1], at[2])),
+            range_assumed: false,
             text: None,
             description: Some(text),
             crop: None,

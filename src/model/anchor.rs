@@ -17,6 +17,8 @@ pub struct Observation {
     pub map_points: Box<[PointId]>,
     /// Where the object stands, in the keyframe's session's frame.
     pub position_in_session: Option<Point3>,
+    /// Whether nothing measured the distance of that position.
+    pub range_assumed: bool,
     /// What was read.
     pub reading: Option<Box<str>>,
     /// Did a model or a person describe it, rather than a reader of characters?

@@ -93,6 +93,8 @@ pub struct Detection {
     pub map_points: Vec<PointId>,
     /// Where the object stands, in the session's frame, in metres: serves where it has no map points.
     pub position_in_session: Option<Point3>,
+    /// Whether nothing measured the distance of that position: only its bearing holds then.
+    pub range_assumed: bool,
     /// What a reader made of it.
     pub text: Option<String>,
     /// What a model or a person made of it; wins over `text`.

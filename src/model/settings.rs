@@ -8,8 +8,10 @@ use std::f64::consts::FRAC_PI_3;
 
 use thiserror::Error;
 
+use crate::semantics::{Numbering, PatternError};
+
 /// What a setting's value is.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum SettingValue {
     /// A real number; its unit is in the setting's name.
     Number(f64),
@@ -19,10 +21,12 @@ pub enum SettingValue {
     Switch(bool),
     /// What to do when a local anchor map is empty.
     Policy(WithoutAnchors),
+    /// Regular expressions.
+    Patterns(Vec<String>),
 }
 
 /// The values a setting takes, and where it starts.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum SettingKind {
     /// A real number in `[min, max]`.
     Number {
@@ -52,10 +56,15 @@ pub enum SettingKind {
         /// Where it starts.
         default: WithoutAnchors,
     },
+    /// Regular expressions, as [`Numbering::given`] takes them.
+    Patterns {
+        /// Where it starts.
+        default: Vec<String>,
+    },
 }
 
 /// One row of the table of settings.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Setting {
     /// The setting's name, with its unit.
     pub name: &'static str,
@@ -82,6 +91,9 @@ pub enum SettingError {
         /// The largest value allowed.
         max: f64,
     },
+    /// A pattern is none.
+    #[error("{0}")]
+    Pattern(PatternError),
 }
 
 /// What a candidate gets when either local anchor map is empty: §V-B leaves 0/0 open.
@@ -114,26 +126,26 @@ impl WithoutAnchors {
 /// Ties one field's type to its kind of setting.
 trait Field: Sized {
     const EXPECTED: &'static str;
-    fn read(self) -> SettingValue;
-    fn accept(kind: SettingKind, value: SettingValue) -> Result<Self, SettingError>;
+    fn read(&self) -> SettingValue;
+    fn accept(kind: &SettingKind, value: SettingValue) -> Result<Self, SettingError>;
 }
 
 impl Field for f64 {
     const EXPECTED: &'static str = "a number";
 
-    fn read(self) -> SettingValue {
-        SettingValue::Number(self)
+    fn read(&self) -> SettingValue {
+        SettingValue::Number(*self)
     }
 
-    fn accept(kind: SettingKind, value: SettingValue) -> Result<Self, SettingError> {
+    fn accept(kind: &SettingKind, value: SettingValue) -> Result<Self, SettingError> {
         let value = match value {
             SettingValue::Number(number) => number,
             SettingValue::Count(count) => f64::from(count),
             _ => return Err(SettingError::Type(Self::EXPECTED)),
         };
         match kind {
-            SettingKind::Number { min, max, .. } if !(min..=max).contains(&value) => {
-                Err(SettingError::Range { min, max })
+            SettingKind::Number { min, max, .. } if !(*min..=*max).contains(&value) => {
+                Err(SettingError::Range { min: *min, max: *max })
             }
             _ => Ok(value),
         }
@@ -143,12 +155,12 @@ impl Field for f64 {
 impl Field for u32 {
     const EXPECTED: &'static str = "a whole number";
 
-    fn read(self) -> SettingValue {
-        SettingValue::Count(self)
+    fn read(&self) -> SettingValue {
+        SettingValue::Count(*self)
     }
 
-    fn accept(kind: SettingKind, value: SettingValue) -> Result<Self, SettingError> {
-        let SettingKind::Count { min, max, .. } = kind else {
+    fn accept(kind: &SettingKind, value: SettingValue) -> Result<Self, SettingError> {
+        let SettingKind::Count { min, max, .. } = *kind else {
             return Err(SettingError::Type(Self::EXPECTED));
         };
         let range = SettingError::Range { min: f64::from(min), max: f64::from(max) };
@@ -165,11 +177,11 @@ impl Field for u32 {
 impl Field for bool {
     const EXPECTED: &'static str = "true or false";
 
-    fn read(self) -> SettingValue {
-        SettingValue::Switch(self)
+    fn read(&self) -> SettingValue {
+        SettingValue::Switch(*self)
     }
 
-    fn accept(_: SettingKind, value: SettingValue) -> Result<Self, SettingError> {
+    fn accept(_: &SettingKind, value: SettingValue) -> Result<Self, SettingError> {
         match value {
             SettingValue::Switch(switch) => Ok(switch),
             _ => Err(SettingError::Type(Self::EXPECTED)),
@@ -180,13 +192,31 @@ impl Field for bool {
 impl Field for WithoutAnchors {
     const EXPECTED: &'static str = "\"undecided\", \"reject\" or \"geometry\"";
 
-    fn read(self) -> SettingValue {
-        SettingValue::Policy(self)
+    fn read(&self) -> SettingValue {
+        SettingValue::Policy(*self)
     }
 
-    fn accept(_: SettingKind, value: SettingValue) -> Result<Self, SettingError> {
+    fn accept(_: &SettingKind, value: SettingValue) -> Result<Self, SettingError> {
         match value {
             SettingValue::Policy(policy) => Ok(policy),
+            _ => Err(SettingError::Type(Self::EXPECTED)),
+        }
+    }
+}
+
+impl Field for Vec<String> {
+    const EXPECTED: &'static str = "a list of regular expressions";
+
+    fn read(&self) -> SettingValue {
+        SettingValue::Patterns(self.clone())
+    }
+
+    fn accept(_: &SettingKind, value: SettingValue) -> Result<Self, SettingError> {
+        match value {
+            SettingValue::Patterns(patterns) => match Numbering::given(&patterns) {
+                Ok(_) => Ok(patterns),
+                Err(error) => Err(SettingError::Pattern(error)),
+            },
             _ => Err(SettingError::Type(Self::EXPECTED)),
         }
     }
@@ -219,7 +249,7 @@ macro_rules! settings {
             /// The value of a setting by name.
             pub fn get(&self, name: &str) -> Option<SettingValue> {
                 match name {
-                    $(stringify!($name) => Some(Field::read(self.$name)),)*
+                    $(stringify!($name) => Some(Field::read(&self.$name)),)*
                     _ => None,
                 }
             }
@@ -228,7 +258,7 @@ macro_rules! settings {
             pub fn set(&mut self, name: &str, value: SettingValue) -> Result<(), SettingError> {
                 let row = Self::TABLE.iter().find(|row| row.name == name).ok_or(SettingError::Unknown)?;
                 match name {
-                    $(stringify!($name) => self.$name = Field::accept(row.kind, value)?,)*
+                    $(stringify!($name) => self.$name = Field::accept(&row.kind, value)?,)*
                     _ => return Err(SettingError::Unknown),
                 }
                 Ok(())
@@ -274,8 +304,12 @@ settings! {
         "ours: once Sim3 has given a transform, matched anchors must agree with it";
     undecided_min_score_ratio: f64 = Number { 0.3, 0.0, 1000.0 },
         "ours: a candidate without anchors that agree, whose BoW score is below this share of reference_score, does not make the answer undecided; 0 = off";
-    reading_min_confidence: f64 = Number { 0.0, 0.0, 1.0 },
-        "ours: a text of fewer than three specific words that a detection of less confidence read tells nothing until the anchor is read alike again; 0 = off";
+    reading_min_confidence: f64 = Number { 0.8, 0.0, 1.0 },
+        "ours: a text of fewer than three specific words that a detection of less confidence read tells nothing until another keyframe of the map reads it alike; 0 = off";
+    identifier_patterns: Vec<String> = Patterns { Vec::new() },
+        "ours: regular expressions of this building's own numbers, at most 16 of 256 bytes; a text that one matches whole, whatever its case, is an identifier, and no other text is one; empty: see learned_identifiers";
+    learned_identifiers: bool = Switch { true },
+        "ours: learns for each class how the building writes its numbers, from ten values that were read alike in two keyframes or more each; from then on no other text of the class is an identifier";
     tracked_loops_need_geometry: bool = Switch { true },
         "ours: where all that agrees was tracked through this same passage, only verified geometry makes a loop";
     single_text_needs_witness: bool = Switch { true },
@@ -326,6 +360,9 @@ mod tests {
         );
         check("one_to_one", SettingValue::Count(1), Err(SettingError::Type("true or false")));
         check("sigma", SettingValue::Count(1), Err(SettingError::Unknown));
+        let pattern = |pattern: &str| SettingValue::Patterns(vec![pattern.to_owned()]);
+        check("identifier_patterns", pattern(r"\d\.\d\d"), Ok(()));
+        check("identifier_patterns", pattern(""), Err(SettingError::Pattern(PatternError::Length(0))));
         check(
             "anchor_map_min_similarity",
             SettingValue::Number(f64::NAN),

@@ -81,11 +81,11 @@ impl Compared {
         self.total_weight > 0.0
     }
 
-    /// How far apart the two anchors of a matched pair stand at most, in metres, where both maps are in one frame; none
-    /// if nothing matches.
+    /// The largest distance between the two anchors of a matched pair, in metres, where both maps are in one frame; none if
+    /// nothing matches whose distances were measured.
     pub fn largest_distance_m(&self) -> Option<f64> {
         let apart_m = |pair: &Pair| (pair.query.centre_in_session - pair.candidate.centre_in_session).norm();
-        self.matched.iter().map(apart_m).reduce(f64::max)
+        self.matched.iter().filter(|pair| pair.is_measured()).map(apart_m).reduce(f64::max)
     }
 
     /// Takes the comparison again under the transformation.
@@ -95,7 +95,11 @@ impl Compared {
         };
         let limit_m = settings.anchor_map_max_distance_difference_m;
         let stands: Vec<bool> = (self.matched.iter())
-            .map(|pair| !settings.aligned_anchors || apart_m(&pair.query, &pair.candidate) <= limit_m)
+            .map(|pair| {
+                !settings.aligned_anchors
+                    || !pair.is_measured()
+                    || apart_m(&pair.query, &pair.candidate) <= limit_m
+            })
             .collect();
         let standing =
             || self.matched.iter().zip(&stands).filter(|(_, stands)| **stands).map(|(pair, _)| pair);
@@ -114,7 +118,8 @@ impl Compared {
         let (query, candidate): (Vec<_>, Vec<_>) =
             (self.unmatched_of_query.iter().collect(), self.unmatched_of_candidate.iter().collect());
         let contradictions = if settings.contradiction_veto {
-            contradict(&query, &candidate, |a, b| apart_m(a, b) <= SAME_PLACE_M)
+            let is_measured = |a: &LocalAnchor, b: &LocalAnchor| !(a.range_assumed || b.range_assumed);
+            contradict(&query, &candidate, |a, b| is_measured(a, b) && apart_m(a, b) <= SAME_PLACE_M)
         } else {
             Vec::new()
         };
@@ -146,6 +151,11 @@ impl Pair {
             agreement: matched.agreement(),
             places: matched.places,
         }
+    }
+
+    /// Whether both distances were measured, so that a transformation may be held against them.
+    fn is_measured(&self) -> bool {
+        !(self.query.range_assumed || self.candidate.range_assumed)
     }
 
     /// How far the nearer of the two is from its camera.
@@ -204,6 +214,7 @@ mod tests {
             text_id: None,
             sure: true,
             centre_in_session: centre,
+            range_assumed: false,
             bearing: Bearing::of(&centre, &Pose::identity()),
             weight: 1.0 / centre.coords.norm() / places as f64,
             places,

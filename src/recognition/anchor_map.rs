@@ -14,7 +14,6 @@ use crate::geometry::{Bearing, Point3, Pose};
 use crate::model::anchor::AnchorState;
 use crate::model::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
 use crate::model::keyframe::NewKeyframe;
-use crate::model::settings::Settings;
 use crate::model::verdict::AnchorName;
 use crate::semantics::Text;
 
@@ -58,7 +57,9 @@ pub struct LocalAnchor {
     pub centre_in_session: Point3,
     /// Where it stands as seen from the central keyframe: theta_m and d_m of §V-B.
     pub bearing: Bearing,
-    /// Its weight in Eq. (2): 1/d, divided by the number of places it stands at if the map's
+    /// Whether nothing measured d_m: theta_m alone counts.
+    pub range_assumed: bool,
+    /// Its weight in Eq. (2): 1/d, or 1 where d was assumed, divided by the number of places it stands at if the map's
     /// settings ask for distinctive weights.
     pub weight: f64,
     /// The number of places it stands at; 1 unless the map's settings ask for distinctive weights.
@@ -110,21 +111,19 @@ pub struct InlineAnchor {
     pub text: Option<Arc<Text>>,
     /// Did a model or a person describe it?
     pub described: bool,
-    /// The confidence of the detection.
-    pub confidence: f64,
+    /// Whether the reader was not confident, and nothing else of the map was read alike.
+    pub doubtful: bool,
     /// Where it stands, in the session's frame.
     pub centre_in_session: Point3,
+    /// Whether nothing measured how far that is.
+    pub range_assumed: bool,
 }
 
 impl InlineAnchor {
-    /// InformationLevel of what was read, 1 where the reader was not confident; none if nothing was.
-    pub fn information_level(&self, settings: &Settings) -> Option<u8> {
-        let is_unsure = !self.described && self.confidence < settings.reading_min_confidence;
-        let level = |text: &Arc<Text>| match () {
-            () if is_unsure && !text.is_described() => 1,
-            () => text.information_level(),
-        };
-        self.text.as_ref().map(level)
+    /// InformationLevel of what was read, 1 where that is doubtful; none if nothing was.
+    pub fn information_level(&self) -> Option<u8> {
+        let text = self.text.as_ref()?;
+        Some(if self.doubtful { 1 } else { text.information_level() })
     }
 }
 
@@ -160,7 +159,8 @@ fn stored_anchor(
 ) -> Option<LocalAnchor> {
     let object = index.objects().get(root)?;
     // An anchor seen only in another session's frame cannot be placed around this keyframe.
-    let centre_in_session = object.aabb(centre.session?)?.centre();
+    let shape = object.shapes.get(&centre.session?)?;
+    let (centre_in_session, range_assumed) = (shape.aabb?.centre(), shape.range_assumed);
     let text_id = index.texts().of(root);
     let bearing = Bearing::of(&centre_in_session, &centre.map_from_camera);
     let places = places_at(index, || text_id.map_or(1, |text| places.of_text(index, text)));
@@ -174,7 +174,8 @@ fn stored_anchor(
         sure: object.description.as_ref().is_some_and(|description| description.sure),
         centre_in_session,
         bearing,
-        weight: weight(index, &bearing, places),
+        range_assumed,
+        weight: weight(index, &bearing, range_assumed, places),
         places,
     })
 }
@@ -186,7 +187,7 @@ fn inline_anchor(
     places: &mut PlaceCounts,
 ) -> LocalAnchor {
     let settings = &index.properties().settings;
-    let level = inline.information_level(settings).map(u32::from);
+    let level = inline.information_level().map(u32::from);
     let state = match level {
         None => AnchorState::Pending,
         Some(level) if level >= settings.description_min_information_level => AnchorState::Valid,
@@ -210,13 +211,18 @@ fn inline_anchor(
         sure: inline.described,
         centre_in_session: inline.centre_in_session,
         bearing,
-        weight: weight(index, &bearing, places),
+        range_assumed: inline.range_assumed,
+        weight: weight(index, &bearing, inline.range_assumed, places),
         places,
     }
 }
 
-/// 1/d of §V-B, bounded by the least distance; (1/d)/p with distinctive weights (`contract.md` §8.6).
-fn weight(index: &MapIndex, bearing: &Bearing, places: usize) -> f64 {
+/// 1/d of §V-B, bounded by the least distance, and 1 where d was assumed (`contract.md` §4); divided by p with distinctive
+/// weights (§8.6).
+fn weight(index: &MapIndex, bearing: &Bearing, range_assumed: bool, places: usize) -> f64 {
+    if range_assumed {
+        return 1.0 / places as f64;
+    }
     let least_m = index.properties().settings.anchor_map_min_distance_m;
     1.0 / bearing.distance_m().max(least_m) / places as f64
 }
@@ -238,6 +244,7 @@ pub fn inline_centre(
     let sent: BTreeMap<_, _> = keyframe.map_points.iter().copied().collect();
     let position = |id: PointId| sent.get(&id).copied().or_else(|| index.points().position(session?, id));
     let associations = associate(index, session, covisible.iter().copied(), &keyframe.detections, position);
+    let min_confidence = index.properties().settings.reading_min_confidence;
     let (mut inline, mut seen) = (Vec::new(), BTreeSet::new());
     for (number, (detection, association)) in keyframe.detections.iter().zip(associations).enumerate() {
         match association {
@@ -247,13 +254,21 @@ pub fn inline_centre(
                 let placed = detection.map_points.iter().filter_map(|id| position(*id));
                 let centre = crate::geometry::Aabb::around(placed).map(|aabb| aabb.centre());
                 let Some(centre_in_session) = centre.or(detection.position_in_session) else { continue };
+                let range_assumed = centre.is_none() && detection.range_assumed;
+                let class = detection.class.as_str();
+                let numbering = index.readings().numbering(class);
+                let text = detection.reading().map(|reading| Text::under(reading, numbering));
+                let described = detection.description.is_some();
+                let unsure = !described && detection.confidence < min_confidence;
+                let is_alone = |text: &Text| !text.is_described() && !index.readings().is_known(class, text);
                 inline.push(InlineAnchor {
                     detection: number,
-                    class: detection.class.as_str().into(),
-                    text: detection.reading().map(|reading| Arc::new(Text::parse(reading))),
-                    described: detection.description.is_some(),
-                    confidence: detection.confidence,
+                    class: class.into(),
+                    doubtful: unsure && text.as_ref().is_some_and(is_alone),
+                    text: text.map(Arc::new),
+                    described,
                     centre_in_session,
+                    range_assumed,
                 });
             }
         }

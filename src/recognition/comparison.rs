@@ -191,6 +191,7 @@ impl Matcher<'_> {
         }
         let pairs = of_query.iter().flat_map(|a| of_candidate.iter().map(move |b| (*a, *b)));
         pairs
+            .filter(|(a, b)| !(a.range_assumed || b.range_assumed))
             .filter(|(a, b)| !same_relative_place(a, b, self.settings))
             .filter_map(|(a, b)| self.alike(a, b))
             .filter(|pair| pair.places == 1)
@@ -211,12 +212,14 @@ impl Matcher<'_> {
 fn places_if_one(query: &LocalAnchor, candidate: &LocalAnchor, is_one_frame: bool, radius_m: f64) -> usize {
     let places = query.places.max(candidate.places);
     let apart_m = (query.centre_in_session - candidate.centre_in_session).norm();
-    if is_one_frame && apart_m > radius_m { (places - 1).max(1) } else { places }
+    let is_measured = !(query.range_assumed || candidate.range_assumed);
+    if is_one_frame && is_measured && apart_m > radius_m { (places - 1).max(1) } else { places }
 }
 
-/// |theta_i - theta_j| < pi/3 and |d_i - d_j| < 1, strictly.
+/// |theta_i - theta_j| < pi/3 and |d_i - d_j| < 1, strictly; the angle alone where a distance was assumed.
 pub(super) fn same_relative_place(a: &LocalAnchor, b: &LocalAnchor, settings: &Settings) -> bool {
-    a.bearing.distance_difference_m(&b.bearing) < settings.anchor_map_max_distance_difference_m
+    let assumed = a.range_assumed || b.range_assumed;
+    (assumed || a.bearing.distance_difference_m(&b.bearing) < settings.anchor_map_max_distance_difference_m)
         && a.bearing.angle_difference_rad(&b.bearing) < settings.anchor_map_max_angle_difference_rad
 }
 

@@ -116,6 +116,7 @@ fn differs(a: &LocalAnchor, b: &LocalAnchor, texts: &TextIndex, settings: &Setti
 fn deviation(a: &LocalAnchor, b: &LocalAnchor, settings: &Settings) -> f64 {
     let distance =
         a.bearing.distance_difference_m(&b.bearing) / settings.anchor_map_max_distance_difference_m;
+    let distance = if a.range_assumed || b.range_assumed { 0.0 } else { distance };
     let angle = a.bearing.angle_difference_rad(&b.bearing) / settings.anchor_map_max_angle_difference_rad;
     // A limit of 0 lets nothing stand at the same place; 0/0 is then the nearest there is.
     [distance, angle].into_iter().filter(|share| !share.is_nan()).fold(0.0, f64::max)
@@ -130,7 +131,7 @@ pub fn relative_placement(a: &LocalAnchor, b: &LocalAnchor, settings: &Settings)
     let limit_m = settings.anchor_map_max_distance_difference_m;
     let angle_rad = a.bearing.angle_difference_rad(&b.bearing);
     let limit_rad = settings.anchor_map_max_angle_difference_rad;
-    if distance_m >= limit_m {
+    if distance_m >= limit_m && !a.range_assumed && !b.range_assumed {
         let told =
             format!("{distance_m:.2} m nearer or farther, and less than {limit_m:.2} m is the same place");
         Placement::Apart { measured: distance_m, limit: limit_m, told }

@@ -22,7 +22,8 @@ struct Guest {
     text: Arc<Text>,
     /// The set of texts of the map that match its own.
     matching: SetId,
-    centre_in_session: Point3,
+    /// None where nothing measured how far it is.
+    centre_in_session: Option<Point3>,
 }
 
 /// The counts of one query; each set of texts is counted once. Where many texts match each other, they match the same.
@@ -43,7 +44,8 @@ impl PlaceCounts {
         for anchor in &centre.inline {
             let Some(text) = anchor.text.clone() else { continue };
             let matching = counts.sets.number(index.texts().matching_text(&anchor.class, &text));
-            let (class, centre_in_session) = (anchor.class.clone(), anchor.centre_in_session);
+            let centre_in_session = (!anchor.range_assumed).then_some(anchor.centre_in_session);
+            let class = anchor.class.clone();
             counts.guests.push(Guest { class, text, matching, centre_in_session });
         }
         counts
@@ -104,13 +106,14 @@ impl PlaceCounts {
         let mut centres: BTreeMap<Option<SessionSeq>, Vec<Point3>> = BTreeMap::new();
         for object in carriers.into_iter().filter_map(|root| index.objects().get(root)) {
             for (session, shape) in &object.shapes {
-                if let Some(aabb) = shape.aabb {
+                // Where nothing measured a distance, nothing tells two places apart.
+                if let Some(aabb) = shape.aabb.filter(|_| !shape.range_assumed) {
                     centres.entry(Some(*session)).or_default().push(aabb.centre());
                 }
             }
         }
         let guests = self.guests.iter().zip(carries).filter(|(_, carries)| **carries);
-        let guests = guests.map(|(guest, _)| guest.centre_in_session);
+        let guests = guests.filter_map(|(guest, _)| guest.centre_in_session);
         centres.entry(self.session).or_default().extend(guests);
         let radius_m = index.properties().settings.distinctive_place_radius_m;
         centres.values().map(|centres| places(centres, radius_m)).max().unwrap_or(1).max(1)
@@ -183,6 +186,7 @@ mod tests {
             box_px: [0.0, 0.0, 10.0, 10.0],
             map_points: Vec::new(),
             position_in_session: Some(Point3::new(number as f64 * 1.7, 0.0, 0.0)),
+            range_assumed: false,
             text: Some(text.to_owned()),
             description: None,
             crop: None,

@@ -145,6 +145,7 @@ fn observation(keyframe: KeyframeSeq, number: u16, detection: &Detection) -> Obs
         confidence: detection.confidence,
         map_points: detection.map_points.clone().into(),
         position_in_session: detection.position_in_session,
+        range_assumed: detection.range_assumed,
         reading: detection.reading().map(Into::into),
         described: detection.description.is_some(),
         crop_area_px: detection.crop.as_ref().map(|_| (x1 - x0) * (y1 - y0)),

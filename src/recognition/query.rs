@@ -77,11 +77,8 @@ impl<'a> Query<'a> {
     pub fn inline_texts(&self, index: &MapIndex) -> Vec<TextId> {
         let settings = &index.properties().settings;
         let is_valid = |level: u8| u32::from(level) >= settings.description_min_information_level;
-        let valid = self
-            .centre
-            .inline
-            .iter()
-            .filter(|anchor| anchor.information_level(settings).is_some_and(is_valid));
+        let valid =
+            self.centre.inline.iter().filter(|anchor| anchor.information_level().is_some_and(is_valid));
         let texts = valid.filter_map(|anchor| Some((&anchor.class, anchor.text.as_ref()?)));
         texts
             .filter(|(_, text)| index.texts().with_itself(text).is_some())

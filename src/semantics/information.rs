@@ -28,6 +28,9 @@ pub fn information(text: &Text) -> (u8, String) {
     let level = text.information_level();
     let reason = match (text.identifiers.first(), &text.information.name) {
         _ if text.normalised().is_empty() => "the text is empty".to_owned(),
+        _ if level == 1 && !text.foreign.is_empty() => {
+            format!("{} is not how this building writes its numbers", text.foreign[0].as_str())
+        }
         _ if level == 1 => format!("\"{}\" says nothing about the object", text.normalised()),
         (Some(identifier), _) if level == 5 => {
             format!("{} is an identifier with another word", identifier.as_str())

@@ -12,6 +12,7 @@
 //! | worth of a word | `dictionary.rs` | `class_of` |
 //! | room, floor, gate, ... | `role.rs` | [`Role`], `role_of` |
 //! | identifier, look-alikes, ranges | `identifier.rs` | [`Identifier`] |
+//! | which numbers are the building's own | `numbering.rs` | [`Numbering`] |
 //! | what a reader makes of a wall | `noise.rs` | `is_noise_number`, `is_one_symbol` |
 //! | measures, dates, prices, counts | `quantity.rs` | `tokens_at` |
 //! | left, right, arrows | `direction.rs` | `Directions` |
@@ -38,6 +39,7 @@ mod keys;
 mod merge;
 mod noise;
 mod normalise;
+mod numbering;
 mod profile;
 mod quantity;
 mod reading;
@@ -60,6 +62,7 @@ pub use identifier::Identifier;
 pub use information::information;
 pub use merge::merge;
 pub use normalise::clean;
+pub use numbering::{Numbering, PatternError, Shape};
 pub use profile::Profile;
 pub use role::Role;
 pub use route::{

@@ -2,6 +2,7 @@
 
 use super::agreement::{Agreement, Extra};
 use super::identifier::{Identifier, Relation};
+use super::role::Role;
 use super::similarity::Evidence;
 use super::text::Text;
 use super::words::{self, Word};
@@ -18,6 +19,9 @@ pub fn sentence(a: &Text, b: &Text, evidence: &Evidence<'_>) -> String {
         Evidence::Identical => format!("both say \"{}\"", quoted(a)),
         Evidence::Identifiers(agreement) => of_identifiers(agreement),
         Evidence::OneIdentifier(only) => format!("only one of them has an identifier, {}", only.phrase()),
+        Evidence::Container(number) if number.role == Role::Bare => {
+            format!("{} is not how this building writes its numbers", number.as_str())
+        }
         Evidence::Container(container) => {
             format!("both are of {}, and nothing says which object of it", container.phrase())
         }

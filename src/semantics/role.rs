@@ -16,12 +16,15 @@ pub enum Role {
     Named(String),
     /// No word tells: a bare number, compatible with every role.
     Neutral,
+    /// A bare number where the building writes its own otherwise (`numbering.rs`): another one is not it, and it names nothing.
+    Bare,
 }
 
 impl Role {
     /// Can identifiers of these roles name the same thing?
     pub fn is_compatible(&self, other: &Role) -> bool {
         match (self, other) {
+            (Role::Bare, _) | (_, Role::Bare) => self == other,
             (Role::Neutral, _)
             | (_, Role::Neutral)
             | (Role::Named(_), Role::Room)
@@ -30,9 +33,9 @@ impl Role {
         }
     }
 
-    /// Whether it numbers a part of a building that holds many objects.
+    /// Whether it numbers a part of a building that holds many objects, or names nothing at all.
     pub fn is_container(&self) -> bool {
-        matches!(self, Role::Floor | Role::Place("building" | "wing" | "zone" | "section"))
+        matches!(self, Role::Floor | Role::Bare | Role::Place("building" | "wing" | "zone" | "section"))
     }
 
     /// The English name, empty for [`Role::Neutral`].
@@ -42,7 +45,7 @@ impl Role {
             Role::Floor => "floor",
             Role::Place(name) => name,
             Role::Named(name) => name,
-            Role::Neutral => "",
+            Role::Neutral | Role::Bare => "",
         }
     }
 }

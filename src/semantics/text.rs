@@ -1,10 +1,13 @@
 //! A parsed description: parsed once, compared often.
 
+use std::collections::BTreeSet;
 use std::hash::{Hash, Hasher};
 
+use super::dictionary::Class;
 use super::direction::Directions;
 use super::identifier::Identifier;
 use super::information::{self, ENOUGH_SPECIFIC_WORDS, Information};
+use super::numbering::{Numbering, Sorted};
 use super::reading::{self, Mention, What};
 use super::words::Word;
 use super::{keys, normalise, role, token};
@@ -22,6 +25,9 @@ pub struct Text {
     pub(super) identifiers: Vec<Identifier>,
     /// Those of `identifiers` that number the object itself and not the floor, wing or building around it.
     pub(super) own: Vec<Identifier>,
+    /// Numbers and codes that are none of the building's.
+    pub(super) foreign: Vec<Identifier>,
+    gist: Box<str>,
     /// Sorted, without duplicates.
     pub(super) words: Vec<Word>,
     /// Those of `words` that a "no" or "not" bears on.
@@ -35,10 +41,20 @@ impl Text {
     /// Parses a description. Any text will do; only the first 256 tokens and
     /// 32 identifiers count.
     pub fn parse(raw: &str) -> Text {
+        Text::under(raw, None)
+    }
+
+    /// Parses a description in a building whose numbering may be known.
+    pub fn under(raw: &str, numbering: Option<&Numbering>) -> Text {
         let clean = normalise::clean(raw);
         let normalised = normalise::fold(&clean);
         let mentions = reading::read(&token::tokenise(&normalised));
-        let identifiers = identifiers_of(&mentions);
+        let found = identifiers_of(&mentions);
+        let gist = gist(&normalised, &found);
+        let Sorted { identifiers, foreign } = match numbering {
+            Some(numbering) => numbering.sort(&normalised, found),
+            None => Sorted { identifiers: found, foreign: Vec::new() },
+        };
         let (mut words, mut negated) = (Vec::new(), Vec::new());
         for mention in mentions {
             if let What::Word { word, negated: denied } = mention.what {
@@ -58,15 +74,27 @@ impl Text {
         }
         let directions = Directions::among(&words);
         let information = information::assess(&clean, &normalised, &identifiers, &words, &negated);
+        // It names nothing here, and is still a difference: "Turing 12" is not "Turing 14".
+        words.extend(
+            foreign.iter().map(|number| Word::of_class(Class::Quantity, number.value.to_lowercase())),
+        );
+        words.sort_unstable();
+        words.dedup();
         let own: Vec<Identifier> =
             identifiers.iter().filter(|identifier| !identifier.role.is_container()).cloned().collect();
         let keys = keys::of_text(&identifiers, &own, &words);
-        Text { normalised, identifiers, own, words, negated, directions, information, keys }
+        Text { normalised, identifiers, own, foreign, gist, words, negated, directions, information, keys }
     }
 
     /// The canonical form; equal forms are identical descriptions.
     pub fn normalised(&self) -> &str {
         &self.normalised
+    }
+
+    /// The part that two readings share that are alike: the identifiers as written if there are any, else the canonical form.
+    /// No numbering changes it.
+    pub fn gist(&self) -> &str {
+        &self.gist
     }
 
     /// The identifiers, sorted, without duplicates.
@@ -104,9 +132,13 @@ impl Text {
         !self.own.is_empty()
     }
 
-    /// Whether words tell the object: it says something, has no identifier of its own, and more than a floor or building.
+    /// Whether words tell the object: it says something, has no identifier of its own nor a number that is none of the
+    /// building's, and more than a floor or building.
     pub fn is_told_by_words(&self) -> bool {
-        self.own.is_empty() && self.information.level > 1 && !self.information.is_container_alone
+        self.own.is_empty()
+            && self.foreign.is_empty()
+            && self.information.level > 1
+            && !self.information.is_container_alone
     }
 
     /// Whether it may hang in many places: no identifier of its own, and too few specific words for a description.
@@ -121,7 +153,7 @@ impl Text {
 
     /// The words that tell one object from others.
     pub fn specific_words(&self) -> impl Iterator<Item = &str> {
-        let specific = |word: &&Word| word.class == super::dictionary::Class::Specific;
+        let specific = |word: &&Word| word.class == Class::Specific;
         self.words.iter().filter(specific).map(|word| word.text.as_str())
     }
 
@@ -136,6 +168,17 @@ impl Text {
 pub struct Identity {
     identifiers: Vec<Identifier>,
     directions: Directions,
+}
+
+/// The gist of a text with these identifiers.
+fn gist(normalised: &str, identifiers: &[Identifier]) -> Box<str> {
+    let own = identifiers.iter().filter(|identifier| !identifier.role.is_container());
+    let written: BTreeSet<&str> = own.map(Identifier::as_str).collect();
+    if written.is_empty() {
+        normalised.into()
+    } else {
+        written.into_iter().collect::<Vec<_>>().join(" ").into()
+    }
 }
 
 /// "room 901, number 901" numbers one thing: the reading with a role stays.

@@ -201,6 +201,7 @@ fn detection(seen: &Seen) -> Detection {
         position_in_session: seen
             .position
             .map(|(x, z)| Point3::new(f64::from(x) * 0.4, 0.1, f64::from(z) * 0.7)),
+        range_assumed: seen.crop,
         text: seen.text.map(|text| TEXTS[usize::from(text)].to_owned()),
         description: None,
         crop: seen.crop.then(|| Crop { media_type: "image/png", bytes: vec![seen.confidence] }),
@@ -339,7 +340,7 @@ async fn send(service: &Service, map: &MapId, request: Request) -> Result<(), Se
             service.change(&live, decide).await.map(drop)
         }
         Request::Patch(setting) => {
-            let (name, value) = SETTINGS[usize::from(setting)];
+            let (name, value) = SETTINGS[usize::from(setting)].clone();
             let patch = MapPatch { settings: vec![(name.to_owned(), value)], ..MapPatch::default() };
             service.patch_map(map, patch).await.map(drop)
         }

@@ -73,6 +73,7 @@ pub(super) fn observation(row: &SqliteRow, has_crop: bool) -> Result<Observation
         confidence: row.try_get("confidence")?,
         map_points: map_points.into(),
         position_in_session: row.try_get::<Option<&[u8]>, _>("position")?.map(point).transpose()?,
+        range_assumed: row.try_get("range_assumed")?,
         reading: description.or(text).map(Into::into),
         described: description.is_some(),
         crop_area_px: has_crop.then_some((x1 - x0) * (y1 - y0)),

@@ -110,13 +110,14 @@ pub(super) async fn add_detections(
     detections: &[Detected<'_>],
 ) -> Result<(), StoreError> {
     let head = "insert into detections (map_key, keyframe, detection, class, confidence, box_px, map_points,
-            position, text, description, outcome, anchor) ";
+            position, range_assumed, text, description, outcome, anchor) ";
     write_rows(db, head, "", detections, |row, detected| {
         let Detected { map, keyframe, number, detection, outcome, anchor } = *detected;
         row.push_bind(map).push_bind(keyframe.0).push_bind(number);
         row.push_bind(detection.class.clone()).push_bind(detection.confidence);
         row.push_bind(pack(detection.box_px)).push_bind(pack(detection.map_points.iter().copied()));
         row.push_bind(detection.position_in_session.map(|at| pack([at.x, at.y, at.z])));
+        row.push_bind(detection.range_assumed);
         row.push_bind(detection.text.clone()).push_bind(detection.description.clone());
         row.push_bind(outcome).push_bind(anchor);
     })

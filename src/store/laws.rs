@@ -74,6 +74,7 @@ fn map_jobs(map: MapKey) -> Vec<Job> {
                 box_px: [0.0, 0.0, 9.0, 9.0],
                 map_points: Vec::new(),
                 position_in_session: Some(Point3::new(f64::from(seq), 1.0, 1.0)),
+                range_assumed: false,
                 text: Some(format!("room {seq}")),
                 description: None,
                 crop: None,

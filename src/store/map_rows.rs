@@ -168,7 +168,7 @@ pub(super) async fn set_properties(
     let defaults = Settings::default();
     for row in Settings::TABLE {
         let (value, default) = (properties.settings.get(row.name), defaults.get(row.name));
-        if let Some(value) = value.filter(|_| value != default) {
+        if let Some(value) = value.filter(|value| Some(value) != default.as_ref()) {
             let insert = "insert into map_settings (map_key, name, value) values ($1, $2, $3)";
             run(db, sqlx::query(insert).bind(map).bind(row.name).bind(setting_text(value))).await?;
         }
@@ -183,6 +183,7 @@ fn setting_text(value: SettingValue) -> String {
         SettingValue::Count(count) => count.to_string(),
         SettingValue::Switch(switch) => switch.to_string(),
         SettingValue::Policy(policy) => policy.as_str().to_owned(),
+        SettingValue::Patterns(patterns) => serde_json::json!(patterns).to_string(),
     }
 }
 
@@ -227,5 +228,6 @@ fn setting(name: &str, text: &str) -> Option<SettingValue> {
         SettingKind::Count { .. } => SettingValue::Count(text.parse().ok()?),
         SettingKind::Switch { .. } => SettingValue::Switch(text.parse().ok()?),
         SettingKind::Policy { .. } => SettingValue::Policy(WithoutAnchors::from_name(text)?),
+        SettingKind::Patterns { .. } => SettingValue::Patterns(serde_json::from_str(text).ok()?),
     })
 }

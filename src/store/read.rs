@@ -258,6 +258,7 @@ pub(super) fn detection(row: &SqliteRow) -> Result<DetectionRow, StoreError> {
         box_px: unpack_array(row.try_get("box_px")?)?,
         map_points: unpack(row.try_get("map_points")?)?,
         position_in_session: row.try_get::<Option<&[u8]>, _>("position")?.map(point).transpose()?,
+        range_assumed: row.try_get("range_assumed")?,
         text: row.try_get("text")?,
         description: row.try_get("description")?,
         crop: None,

@@ -21,6 +21,7 @@ const MIGRATIONS: &[Step] = &[
     (5, "slices", include_str!("../../migrations/sqlite/0005_slices.sql")),
     (6, "judgements", include_str!("../../migrations/sqlite/0006_judgements.sql")),
     (7, "figures", include_str!("../../migrations/sqlite/0007_figures.sql")),
+    (8, "ranges", include_str!("../../migrations/sqlite/0008_ranges.sql")),
 ];
 
 /// The newest schema that this program knows.

@@ -84,6 +84,10 @@ pub const VOCABULARY_CHARS: usize = 128;
 /// Bytes of a crop, decoded.
 pub const CROP_BYTES: usize = 4 << 20;
 
+/// Regular expressions of one list.
+pub const PATTERNS: usize = 16;
+/// Characters of a regular expression.
+pub const PATTERN_CHARS: usize = 256;
 /// Classes that a map may name.
 pub const ANCHOR_CLASSES: usize = 256;
 /// Keyframes, and map points, of one correction of poses.

@@ -6,9 +6,11 @@ use utoipa::openapi::schema::{AdditionalProperties, ObjectBuilder, SchemaType, T
 use utoipa::openapi::{RefOr, Schema};
 use utoipa::{PartialSchema, ToSchema};
 
+use super::limits;
 use super::read::{self, Decode, Node};
 use crate::model::method::Method;
 use crate::model::settings::{Setting, SettingError, SettingKind, SettingValue, Settings, WithoutAnchors};
+use crate::semantics::Numbering;
 
 /// The settings of a map, by name; in a request only those to be set.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, serde::Deserialize)]
@@ -45,13 +47,22 @@ fn setting(node: &Node<'_>, row: &Setting) -> Option<(String, SettingValue)> {
         SettingKind::Policy { .. } => {
             SettingValue::Policy(node.choice(&WithoutAnchors::NAMES, WithoutAnchors::from_name)?)
         }
+        SettingKind::Patterns { .. } => SettingValue::Patterns(node.list(limits::PATTERNS, pattern)?),
     };
-    match Settings::default().set(row.name, value) {
+    match Settings::default().set(row.name, value.clone()) {
         Ok(()) => Some((row.name.to_owned(), value)),
         Err(error @ SettingError::Range { min, max }) => {
             node.refuse(error.to_string(), format!("[{min}, {max}]"))
         }
         Err(error) => node.refuse(error.to_string(), row.doc),
+    }
+}
+
+fn pattern(node: &Node<'_>) -> Option<String> {
+    let pattern = node.text(limits::PATTERN_CHARS)?;
+    match Numbering::given(std::slice::from_ref(&pattern)) {
+        Ok(_) => Some(pattern),
+        Err(error) => node.refuse(error.to_string(), "a regular expression of 1 to 256 bytes"),
     }
 }
 
@@ -68,6 +79,7 @@ fn json_of(value: SettingValue) -> Value {
         SettingValue::Count(count) => json!(count),
         SettingValue::Switch(switch) => json!(switch),
         SettingValue::Policy(policy) => json!(policy.as_str()),
+        SettingValue::Patterns(patterns) => json!(patterns),
     }
 }
 
@@ -117,5 +129,8 @@ fn row_schema(row: &Setting) -> ObjectBuilder {
             .schema_type(SchemaType::Type(Type::String))
             .enum_values(Some(WithoutAnchors::NAMES))
             .default(Some(json!(default.as_str()))),
+        SettingKind::Patterns { .. } => {
+            schema.schema_type(SchemaType::Type(Type::Array)).default(Some(json!([])))
+        }
     }
 }

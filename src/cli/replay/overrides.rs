@@ -15,6 +15,9 @@ pub struct Overrides {
     /// Change a setting of every map of the recording; repeatable, and stronger than --paper
     #[arg(long = "set", env = "REVISIT_SET", value_name = "NAME=VALUE", value_delimiter = ',')]
     pub settings: Vec<Setting>,
+    /// Take every distance for a guess: `"range":"assumed"` on each detection
+    #[arg(long, env = "REVISIT_ASSUMED_RANGES", value_parser = BoolishValueParser::new())]
+    pub assumed_ranges: bool,
 }
 
 /// One `name=value`.
@@ -48,6 +51,17 @@ impl Overrides {
         method.into_iter().chain(set).collect()
     }
 
+    /// Changes the detections of a keyframe.
+    pub(super) fn apply_to_keyframe(&self, body: &mut Map<String, Value>) {
+        let Some(Value::Array(detections)) = body.get_mut("detections").filter(|_| self.assumed_ranges)
+        else {
+            return;
+        };
+        for detection in detections.iter_mut().filter_map(Value::as_object_mut) {
+            detection.insert("range".to_owned(), Value::String("assumed".to_owned()));
+        }
+    }
+
     /// Changes the settings in the body of a map.
     pub(super) fn apply(&self, body: &mut Map<String, Value>) {
         let changes = self.changes();
@@ -70,7 +84,7 @@ mod tests {
 
     fn applied(paper: bool, set: &[&str], body: Value) -> Value {
         let settings = set.iter().map(|text| text.parse().expect("name=value"));
-        let overrides = Overrides { paper, settings: settings.collect() };
+        let overrides = Overrides { paper, settings: settings.collect(), assumed_ranges: false };
         let Value::Object(mut body) = body else { panic!("a body is an object") };
         overrides.apply(&mut body);
         Value::Object(body)

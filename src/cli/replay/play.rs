@@ -129,7 +129,8 @@ impl Player {
         Ok(())
     }
 
-    async fn keyframe(&mut self, map: &str, id: &str, body: Body) -> Result<(), ClientError> {
+    async fn keyframe(&mut self, map: &str, id: &str, mut body: Body) -> Result<(), ClientError> {
+        self.overrides.apply_to_keyframe(&mut body);
         self.played.frames.saw(map, id, &body);
         let body = Value::Object(body);
         let start = Instant::now();

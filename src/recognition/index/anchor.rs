@@ -34,6 +34,8 @@ pub struct Shape {
     pub map_points: BTreeSet<PointId>,
     /// The box around everything that has a position (§IV-B).
     pub aabb: Option<Aabb>,
+    /// Whether a position is in it of which nothing measured the distance.
+    pub range_assumed: bool,
 }
 
 impl Shape {
@@ -41,6 +43,7 @@ impl Shape {
     pub fn join(&mut self, other: &Self) {
         self.map_points.extend(&other.map_points);
         self.aabb = grown(self.aabb, corners(other.aabb));
+        self.range_assumed |= other.range_assumed;
     }
 
     fn add(&mut self, observation: &Observation, session: SessionSeq, points: &Points) {
@@ -52,6 +55,7 @@ impl Shape {
         } else {
             // A detection's place is its map points; `position` serves where it has none.
             self.aabb = grown(self.aabb, observation.position_in_session);
+            self.range_assumed |= observation.range_assumed && observation.position_in_session.is_some();
         }
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::anchor::Anchor;
+use super::objects::Judging;
 use super::texts::TextIndex;
 use super::{MapIndex, Object};
 use crate::model::anchor::{AnchorState, Observation};
@@ -21,6 +22,8 @@ struct Touched {
     stale: BTreeSet<AnchorSeq>,
     /// Every object: a setting that decides about all of them changed.
     all: bool,
+    /// The rules of the numbering: every text is to be parsed anew.
+    rules: bool,
 }
 
 impl MapIndex {
@@ -109,10 +112,12 @@ impl MapIndex {
             }
             Change::LoopRemoved(id) => self.remove_loop(id, touched),
             Change::CropRead(read) => {
-                if let Some(anchor) = self.anchor_mut(read.anchor)
+                if let Some(anchor) = self.anchors.get_mut(read.anchor.index())
                     && let Some(observation) = anchor.observations.get_mut(&(read.keyframe, read.detection))
                 {
+                    self.readings.remove(&anchor.class, read.anchor, observation);
                     observation.crop_reading = Some(read.reading.clone());
+                    self.readings.add(&anchor.class, read.anchor, observation);
                     touched.stale.insert(read.anchor);
                 }
             }
@@ -136,9 +141,14 @@ impl MapIndex {
         if touched.all {
             touched.anchors.extend(self.anchors.iter().map(|(seq, _)| AnchorSeq(seq as u32)));
         }
-        let settings = &self.properties.settings;
-        let (gone, standing) =
-            self.objects.regroup(&touched.anchors, &self.anchors, settings, self.texts.verdicts());
+        touched.anchors.extend(self.readings.take_touched());
+        self.renumber(&mut touched);
+        let judging = Judging {
+            settings: &self.properties.settings,
+            verdicts: self.texts.verdicts(),
+            readings: &self.readings,
+        };
+        let (gone, standing) = self.objects.regroup(&touched.anchors, &self.anchors, &judging);
         for root in gone {
             self.texts.set(root, "", None);
         }
@@ -150,6 +160,20 @@ impl MapIndex {
             let valid = object.description.as_ref().filter(|_| object.state == AnchorState::Valid);
             let class = self.anchors.get(root.index()).map_or("", |anchor| &anchor.class);
             self.texts.set(root, class, valid.map(|description| &description.text));
+        }
+    }
+
+    /// Where a class's numbering has changed, its texts are other texts.
+    fn renumber(&mut self, touched: &mut Touched) {
+        let changed = self.readings.relearn();
+        if changed.is_empty() && !touched.rules {
+            return;
+        }
+        let concerned = |anchor: &Anchor| touched.rules || changed.contains(&anchor.class);
+        for (seq, _) in self.anchors.iter().filter(|(_, anchor)| concerned(anchor)) {
+            let seq = AnchorSeq(seq as u32);
+            self.texts.set(seq, "", None);
+            touched.anchors.insert(seq);
         }
     }
 
@@ -165,6 +189,12 @@ impl MapIndex {
             let verdicts = std::mem::take(&mut self.texts).into_verdicts();
             self.texts = TextIndex::new(min_level, verdicts);
             touched.all = true;
+        }
+        if (&before.identifier_patterns, before.learned_identifiers)
+            != (&now.identifier_patterns, now.learned_identifiers)
+        {
+            self.readings.set_rules(&now);
+            touched.rules = true;
         }
         touched.all |= before != now;
     }
@@ -231,12 +261,16 @@ impl MapIndex {
             }
         }
         self.lists.remove(seq, &sharing);
-        for anchor in self.seen_by.remove(seq.index()).unwrap_or_default() {
-            if let Some(anchor) = self.anchors.get_mut(anchor.index()) {
+        for holder in self.seen_by.remove(seq.index()).unwrap_or_default() {
+            if let Some(anchor) = self.anchors.get_mut(holder.index()) {
+                let class = anchor.class.clone();
                 let gone = anchor.observations.extract_if(.., |(keyframe, _), _| *keyframe == seq);
-                gone.for_each(|(_, observation)| self.tally.remove_observation(&observation));
+                for (_, observation) in gone {
+                    self.tally.remove_observation(&observation);
+                    self.readings.remove(&class, holder, &observation);
+                }
             }
-            touched.stale.insert(anchor);
+            touched.stale.insert(holder);
         }
     }
 
@@ -248,6 +282,7 @@ impl MapIndex {
         self.holders.hold(session, &observation.map_points, seq);
         anchor.observe(observation.clone(), session, &self.points);
         self.tally.add_observation(observation);
+        self.readings.add(&anchor.class, seq, observation);
         self.seen_by.get_or_default(observation.keyframe.index()).insert(seq);
         touched.anchors.insert(seq);
     }
@@ -255,7 +290,10 @@ impl MapIndex {
     fn remove_anchor(&mut self, seq: AnchorSeq, touched: &mut Touched) {
         let Some(anchor) = self.anchors.remove(seq.index()) else { return };
         self.holders.release(&anchor.shapes, seq);
-        anchor.observations.values().for_each(|observation| self.tally.remove_observation(observation));
+        for observation in anchor.observations.values() {
+            self.tally.remove_observation(observation);
+            self.readings.remove(&anchor.class, seq, observation);
+        }
         for keyframe in anchor.keyframes() {
             if let Some(seen) = self.seen_by.get_mut(keyframe.index()) {
                 seen.remove(&seq);

@@ -11,6 +11,7 @@ mod holders;
 mod memory;
 mod objects;
 mod points;
+mod readings;
 mod texts;
 mod verdicts;
 mod votes;
@@ -22,11 +23,13 @@ pub use covisibility::Covisibility;
 pub use holders::Holders;
 pub use objects::{Description, Object, Objects};
 pub use points::{POINT_BYTES, Points};
+pub use readings::Readings;
 pub use texts::{GroupId, IdentityId, TextId, TextIndex, WordGroups};
 pub use verdicts::Verdicts;
 pub use votes::Votes;
 
 use self::memory::Tally;
+use self::objects::Judging;
 use super::covisibility::CovisibilityLists;
 use super::inverted_file::InvertedFile;
 use super::numbered::Numbered;
@@ -60,6 +63,7 @@ pub struct MapIndex {
     /// The anchors each keyframe sees, ascending; anchors, not objects.
     seen_by: Numbered<BTreeSet<AnchorSeq>>,
     objects: Objects,
+    readings: Readings,
     /// What a model said of texts is a fact among them.
     texts: TextIndex,
     inverted_file: InvertedFile,
@@ -185,6 +189,11 @@ impl MapIndex {
         &self.objects
     }
 
+    /// What was read of the anchors, and the numbering that follows.
+    pub fn readings(&self) -> &Readings {
+        &self.readings
+    }
+
     /// The texts of valid objects, and which of them match.
     pub fn texts(&self) -> &TextIndex {
         &self.texts
@@ -223,8 +232,12 @@ impl MapIndex {
     /// An anchor as if it were no part of a larger object.
     pub fn anchor_alone(&self, seq: AnchorSeq) -> Option<Object> {
         self.anchor(seq)?;
-        let settings = &self.properties.settings;
-        Some(Object::of(vec![seq], &self.anchors, settings, self.verdicts()))
+        Some(Object::of(vec![seq], &self.anchors, &self.judging()))
+    }
+
+    /// What descriptions are judged by.
+    fn judging(&self) -> Judging<'_> {
+        Judging { settings: &self.properties.settings, verdicts: self.verdicts(), readings: &self.readings }
     }
 
     /// An object's class.

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::anchor::{Anchor, Shape};
+use super::readings::Readings;
 use super::verdicts::Verdicts;
 use super::votes::Votes;
 use crate::geometry::Aabb;
@@ -12,7 +13,15 @@ use crate::model::change::{Merge, MergeCause};
 use crate::model::ids::{AnchorSeq, LoopId, SessionSeq};
 use crate::model::settings::Settings;
 use crate::recognition::numbered::Numbered;
-use crate::semantics::Text;
+use crate::semantics::{Numbering, Text};
+
+/// What descriptions are judged by.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Judging<'a> {
+    pub settings: &'a Settings,
+    pub verdicts: &'a Verdicts,
+    pub readings: &'a Readings,
+}
 
 /// A reading counts as sure when it was read alike this often (`contract.md` §8.7).
 const SURE_READINGS: usize = 2;
@@ -54,12 +63,8 @@ impl Object {
     }
 
     /// Derives the object from its anchors; `members` oldest first, never empty.
-    pub(super) fn of(
-        members: Vec<AnchorSeq>,
-        anchors: &Numbered<Anchor>,
-        settings: &Settings,
-        verdicts: &Verdicts,
-    ) -> Self {
+    pub(super) fn of(members: Vec<AnchorSeq>, anchors: &Numbered<Anchor>, judging: &Judging<'_>) -> Self {
+        let Judging { settings, verdicts, readings } = *judging;
         let mut votes = Votes::default();
         let mut shapes: BTreeMap<SessionSeq, Shape> = BTreeMap::new();
         let mut by_hand = None;
@@ -72,20 +77,22 @@ impl Object {
         }
         let class = members.first().and_then(|first| anchors.get(first.index()));
         let class = class.map_or("", |anchor| &anchor.class);
+        let numbering = readings.numbering(class);
         let mut description = match (by_hand, votes.elected()) {
-            (Some(raw), _) => Some(Description::new(raw, true, true)),
+            (Some(raw), _) => Some(Description::new(raw, numbering, true, true)),
             (None, Some(elected)) => {
                 let agree = elected.count >= settings.agreeing_reads as usize;
                 let sure = (elected.described && agree) || elected.count >= SURE_READINGS;
                 let merged = votes.to_merge().and_then(|(a, b)| verdicts.merged(class, a, b));
-                Some(Description::new(merged.unwrap_or(elected.text), false, sure))
+                Some(Description::new(merged.unwrap_or(elected.text), numbering, false, sure))
             }
             (None, None) => None,
         };
         let is_unsure = by_hand.is_none()
             && votes.elected().is_some_and(|elected| elected.is_doubtful(settings.reading_min_confidence));
         if let Some(description) = &mut description {
-            let is_doubtful = is_unsure && !description.text.is_described();
+            let text = &description.text;
+            let is_doubtful = is_unsure && !text.is_described() && !readings.is_alike(class, text);
             description.information_level =
                 if is_doubtful { 1 } else { verdicts.information_level(class, &description.text) };
         }
@@ -101,8 +108,8 @@ impl Object {
 }
 
 impl Description {
-    fn new(raw: &str, by_hand: bool, sure: bool) -> Self {
-        let text = Arc::new(Text::parse(raw));
+    fn new(raw: &str, numbering: Option<&Numbering>, by_hand: bool, sure: bool) -> Self {
+        let text = Arc::new(Text::under(raw, numbering));
         let information_level = text.information_level();
         Self { raw: raw.into(), text, by_hand, sure, information_level }
     }
@@ -206,8 +213,7 @@ impl Objects {
         &mut self,
         touched: &BTreeSet<AnchorSeq>,
         anchors: &Numbered<Anchor>,
-        settings: &Settings,
-        verdicts: &Verdicts,
+        judging: &Judging<'_>,
     ) -> (BTreeSet<AnchorSeq>, BTreeSet<AnchorSeq>) {
         let before: BTreeSet<AnchorSeq> = touched.iter().filter_map(|anchor| self.root(*anchor)).collect();
         let mut open: BTreeSet<AnchorSeq> = touched.clone();
@@ -228,7 +234,7 @@ impl Objects {
                 open.remove(member);
                 self.root_of.insert(*member, root);
             }
-            let object = Object::of(members.into_iter().collect(), anchors, settings, verdicts);
+            let object = Object::of(members.into_iter().collect(), anchors, judging);
             self.by_root.insert(root, object);
             after.insert(root);
         }

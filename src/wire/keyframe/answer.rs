@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::RangeName;
+use super::detection::ASSUMED;
 use super::{BowShape, CameraShape, CovisibleShape, FeaturesShape, PointsShape};
 use crate::geometry::Point3;
 use crate::model::anchor::{AnchorState, Outcome};
@@ -106,6 +108,10 @@ pub struct DetectionView {
     /// Where the object stands in the session's frame, in metres.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position: Option<[f64; 3]>,
+    /// `assumed` if nothing measured the distance of `position`; else left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<RangeName>, inline)]
+    pub range: Option<String>,
     /// What a reader made of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub text: Option<String>,
@@ -209,6 +215,7 @@ impl From<(Detection, (Outcome, Option<AnchorState>))> for DetectionView {
             box_px: detection.box_px,
             map_points: detection.map_points,
             position: detection.position_in_session.map(|point| point.coords.into()),
+            range: detection.range_assumed.then(|| ASSUMED.to_owned()),
             text: detection.text,
             description: detection.description,
             has_crop: detection.crop.is_some(),

@@ -8,8 +8,13 @@ use crate::wire::base64;
 use crate::wire::limits;
 use crate::wire::read::{Decode, Node};
 
-const FIELDS: [&str; 8] =
-    ["class", "confidence", "box", "map_points", "position", "text", "description", "crop"];
+const FIELDS: [&str; 9] =
+    ["class", "confidence", "box", "map_points", "position", "range", "text", "description", "crop"];
+
+/// The distance of `position` was guessed, say from the height that letters have as a rule.
+pub const ASSUMED: &str = "assumed";
+/// How the distance of `position` was come by.
+const RANGES: [&str; 2] = ["measured", ASSUMED];
 
 /// Reads one of `detections`.
 pub fn decode(node: &Node<'_>) -> Option<Detection> {
@@ -20,6 +25,7 @@ pub fn decode(node: &Node<'_>) -> Option<Detection> {
     let map_points =
         body.optional("map_points", |node| node.list(limits::MAP_POINTS, |point| point.whole(limits::POINT)));
     let position = body.optional("position", Point3::decode);
+    let range = body.optional("range", |node| node.choice(&RANGES, |name| Some(name == ASSUMED)));
     let text = body.optional("text", |node| node.text(limits::TEXT_CHARS));
     let description = body.optional("description", |node| node.text(limits::TEXT_CHARS));
     let crop = body.optional("crop", crop);
@@ -29,6 +35,7 @@ pub fn decode(node: &Node<'_>) -> Option<Detection> {
         box_px: box_px?,
         map_points: ascending(map_points?.unwrap_or_default()),
         position_in_session: position?,
+        range_assumed: range?.unwrap_or_default(),
         text: said(text?),
         description: said(description?),
         crop: crop?,

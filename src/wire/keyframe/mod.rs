@@ -202,6 +202,16 @@ pub struct CovisibleShape {
     pub shared: u32,
 }
 
+/// How the distance of a position was come by.
+#[derive(ToSchema)]
+#[schema(rename_all = "snake_case")]
+pub enum RangeName {
+    /// By depth, stereo, a laser or map points.
+    Measured,
+    /// By a guess.
+    Assumed,
+}
+
 /// An object detected in a keyframe.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -225,6 +235,11 @@ pub struct DetectionShape {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Position>, inline)]
     pub position: Option<[f64; 3]>,
+    /// `assumed` if nothing measured the distance of `position`, say where it rests on the height that letters have as a rule:
+    /// then only its bearing counts. Left out, it was measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<RangeName>, inline)]
+    pub range: Option<String>,
     /// What a reader made of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_length = 4096)]

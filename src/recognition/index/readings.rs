@@ -1,0 +1,184 @@
+//! Readings alike: which texts two keyframes or more of the map have read, and the numbering that follows (`contract.md` §8.14).
+//!
+//! A misreading is seldom made twice, so what was read alike in two keyframes is what hangs there. It need not be by one
+//! anchor: a plate read today and a year ago is read alike.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::sync::Arc;
+
+use crate::model::anchor::Observation;
+use crate::model::ids::{AnchorSeq, KeyframeSeq};
+use crate::model::settings::Settings;
+use crate::semantics::{Numbering, Shape, Text};
+
+/// A detection that read a text, and the anchor it feeds; ascending, so by keyframe first.
+type Sighting = (KeyframeSeq, u16, AnchorSeq);
+
+/// The readings of one class.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct OfClass {
+    /// By gist.
+    sightings: HashMap<Box<str>, Vec<Sighting>>,
+    /// By shape, the number of values that were read alike.
+    alike: BTreeMap<Shape, usize>,
+    /// Learned from these.
+    numbering: Option<Arc<Numbering>>,
+}
+
+/// The readings of a map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Readings {
+    by_class: HashMap<Box<str>, OfClass>,
+    /// The operator's patterns, for every class.
+    given: Option<Arc<Numbering>>,
+    learns: bool,
+    /// The classes whose numbering may have changed since [`Self::relearn`].
+    open: BTreeSet<Box<str>>,
+    /// The anchors that something they read is now, or no longer, read alike.
+    touched: BTreeSet<AnchorSeq>,
+}
+
+impl Default for Readings {
+    fn default() -> Self {
+        let mut readings = Self {
+            by_class: HashMap::new(),
+            given: None,
+            learns: false,
+            open: BTreeSet::new(),
+            touched: BTreeSet::new(),
+        };
+        readings.set_rules(&Settings::default());
+        readings
+    }
+}
+
+impl Readings {
+    /// Whether a text was read in two keyframes or more.
+    pub fn is_alike(&self, class: &str, text: &Text) -> bool {
+        self.sightings(class, text).is_some_and(is_alike)
+    }
+
+    /// Whether some keyframe has read a text.
+    pub fn is_known(&self, class: &str, text: &Text) -> bool {
+        self.sightings(class, text).is_some()
+    }
+
+    /// The numbering of a class: the operator's, or the learned one if enough is known.
+    pub fn numbering(&self, class: &str) -> Option<&Numbering> {
+        self.given.as_deref().or_else(|| self.by_class.get(class)?.numbering.as_deref())
+    }
+
+    /// Each class that has readings with its numbering, by name.
+    pub fn numberings(&self) -> BTreeMap<&str, &Numbering> {
+        let classes = self.by_class.keys();
+        classes.filter_map(|class| Some((&**class, self.numbering(class)?))).collect()
+    }
+
+    fn sightings(&self, class: &str, text: &Text) -> Option<&[Sighting]> {
+        self.by_class.get(class)?.sightings.get(text.gist()).map(Vec::as_slice)
+    }
+
+    /// Takes the rules of the map's settings.
+    pub(super) fn set_rules(&mut self, settings: &Settings) {
+        let patterns = &settings.identifier_patterns;
+        // Settings hold nothing but patterns that were taken.
+        let given = if patterns.is_empty() { None } else { Numbering::given(patterns).ok() };
+        self.given = given.map(Arc::new);
+        self.learns = settings.learned_identifiers;
+        self.open.extend(self.by_class.keys().cloned());
+    }
+
+    /// A detection that feeds an anchor has been read.
+    pub(super) fn add(&mut self, class: &str, anchor: AnchorSeq, observation: &Observation) {
+        for reading in readings(observation) {
+            self.change(class, &reading, |sightings| {
+                let sighting = (observation.keyframe, observation.detection, anchor);
+                if let Err(at) = sightings.binary_search(&sighting) {
+                    sightings.insert(at, sighting);
+                }
+            });
+        }
+    }
+
+    /// The detection is gone, or is about to be read anew.
+    pub(super) fn remove(&mut self, class: &str, anchor: AnchorSeq, observation: &Observation) {
+        for reading in readings(observation) {
+            self.change(class, &reading, |sightings| {
+                let sighting = (observation.keyframe, observation.detection, anchor);
+                if let Ok(at) = sightings.binary_search(&sighting) {
+                    sightings.remove(at);
+                }
+            });
+        }
+    }
+
+    fn change(&mut self, class: &str, text: &Text, change: impl FnOnce(&mut Vec<Sighting>)) {
+        if !self.by_class.contains_key(class) {
+            self.by_class.insert(class.into(), OfClass::default());
+        }
+        let Some(of_class) = self.by_class.get_mut(class) else { return };
+        let sightings = of_class.sightings.entry(text.gist().into()).or_default();
+        let before = is_alike(sightings);
+        // Few on the way from one keyframe to two; those of a text that hangs everywhere stay untouched.
+        let concerned: Vec<AnchorSeq> =
+            if before { Vec::new() } else { sightings.iter().map(|(.., anchor)| *anchor).collect() };
+        change(sightings);
+        let now = is_alike(sightings);
+        if before != now {
+            self.touched.extend(concerned);
+            self.touched.extend(sightings.iter().map(|(.., anchor)| *anchor));
+            if let Some(shape) = Shape::of(text.gist()) {
+                let values = of_class.alike.entry(shape.clone()).or_default();
+                *values = if now { *values + 1 } else { *values - 1 };
+                if *values == 0 {
+                    of_class.alike.remove(&shape);
+                }
+                self.open.insert(class.into());
+            }
+        }
+        if of_class.sightings.get(text.gist()).is_some_and(Vec::is_empty) {
+            of_class.sightings.remove(text.gist());
+            if of_class.sightings.is_empty() {
+                self.open.insert(class.into());
+            }
+        }
+    }
+
+    /// Takes the anchors that are to be described anew.
+    pub(super) fn take_touched(&mut self) -> BTreeSet<AnchorSeq> {
+        std::mem::take(&mut self.touched)
+    }
+
+    /// Learns the numbering of each class anew where that may have changed. Returns the classes whose numbering is another.
+    pub(super) fn relearn(&mut self) -> BTreeSet<Box<str>> {
+        let mut changed = BTreeSet::new();
+        for class in std::mem::take(&mut self.open) {
+            let Some(of_class) = self.by_class.get_mut(&class) else { continue };
+            let learns = self.learns && self.given.is_none();
+            let learned = if learns { Numbering::learned(&of_class.alike) } else { None };
+            let is_empty = of_class.sightings.is_empty();
+            let is_another = learned.as_ref() != of_class.numbering.as_deref();
+            of_class.numbering = learned.map(Arc::new);
+            if is_empty {
+                self.by_class.remove(&class);
+            }
+            if is_another {
+                changed.insert(class);
+            }
+        }
+        changed
+    }
+}
+
+fn is_alike(sightings: &[Sighting]) -> bool {
+    let [first, .., last] = sightings else { return false };
+    first.0 != last.0
+}
+
+/// What an observation was read as: by the client, by a model, or both.
+fn readings(observation: &Observation) -> impl Iterator<Item = Text> {
+    let by_client = observation.reading.as_deref();
+    let by_model = observation.crop_reading.as_ref().map(|read| &*read.text);
+    let by_model = by_model.filter(|text| by_client != Some(text));
+    by_client.into_iter().chain(by_model).map(Text::parse)
+}
