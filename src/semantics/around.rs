@@ -2,6 +2,7 @@
 
 use super::dictionary::{self, Class};
 use super::direction;
+use super::frame;
 use super::identifier;
 use super::role::{self, Role};
 use super::token::{Kind, Token};
@@ -90,7 +91,7 @@ impl Around<'_> {
     /// another numbered thing: "building A room 5".
     pub fn spelt_number(&self, at: usize) -> Option<String> {
         let word = self.bare[at].as_str();
-        let ends = self.ends_phrase(at);
+        let ends = self.ends_phrase(at) || frame::begins_position(&self.bare[at + 1..]);
         let ends = ends
             || (self.bare.get(at + 1).is_some_and(|next| role::role_of(next).is_some())
                 && self.tokens.get(at + 2).is_some_and(|t| t.kind == Kind::Code && !t.after_break));

@@ -1,9 +1,9 @@
 //! What a word is worth: proper to one object, descriptive, generic, or mere grammar.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::LazyLock;
 
-use super::role;
+use super::{generic, role};
 
 /// The worth of a word, most telling first. The order is also the global token order of the blocking keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -22,9 +22,19 @@ pub enum Class {
     Function,
 }
 
-/// Class of a [`stem`].
+/// Class of a [`stem`], also of a misread one.
 pub fn class_of(stem: &str) -> Class {
-    CLASSES.get(stem).copied().unwrap_or(Class::Specific)
+    listed(generic::misread(stem).unwrap_or(stem)).unwrap_or(Class::Specific)
+}
+
+/// Class of a stem as written, if the dictionary has it.
+pub fn listed(stem: &str) -> Option<Class> {
+    CLASSES.get(stem).copied()
+}
+
+/// Whether a stem is a colour, material or number: what a thing has one of.
+pub fn is_look(stem: &str) -> bool {
+    class_of(stem) == Class::Colour || LOOKS.split_whitespace().any(|look| look == stem)
 }
 
 /// Without the plural, and without a possessive.
@@ -39,7 +49,8 @@ pub fn stem(word: &str) -> String {
 
 /// Is this a "no" or "not"?
 pub fn negates(word: &str) -> bool {
-    NEGATIONS.split_whitespace().any(|n| n == word)
+    static WORDS: LazyLock<HashSet<&str>> = LazyLock::new(|| NEGATIONS.split_whitespace().collect());
+    WORDS.contains(word)
 }
 
 /// Does this word say that the writer could not tell?
@@ -53,7 +64,9 @@ pub fn is_unsure_when_negated(stem: &str) -> bool {
 }
 
 const NEGATIONS: &str = "no not none never without cannot can't don't doesn't isn't aren't won't non nor unable \
-    prohibited forbidden kein keine keinen nicht ohne verboten pas sans interdit interdite sin prohibido prohibida 禁止";
+    prohibited forbidden kein keine keinen nicht ohne verboten pas sans interdit interdite sin prohibido prohibida vietato vietata divieto proibido proibida \
+    verboden forbudt forbjudet zakaz zakazan yasak yasaktir запрещено запрещен воспрещен воспрещено απαγορευεται ممنوع אסור dilarang \
+    禁止 严禁 嚴禁 请勿 請勿 금지 ห้าม";
 
 const UNSURE: &str = "unknown unclear unsure uncertain illegible unreadable unrecognizable unrecognisable indistinct \
     undefined undetermined unidentified indiscernible blurry blurred nothing null nil nan na unleserlich unbekannt \
@@ -64,15 +77,16 @@ const PERCEPTION: &str = "know read see tell say determine identify recognize re
 
 const FUNCTION: &str = "a an the of on in at to from by for with within into onto and or as is are was were be been being it its \
     this that these those there here has have had do does can could may might will would which who what where when \
-    i you he she we they me my your his her their our us some any each one only also very near next beside behind above \
-    below under over between against during through across around along inside outside off out \
-    read reading say saying show showing shown display displayed displaying depict depicting depicted feature featuring \
+    i you he she we they me my your his her their our us some any each one only also very near next beside besides adjacent alongside opposite behind above \
+    below beneath underneath atop upon among amid toward towards under over between against during through across around along inside outside off out \
+    read reading say saying show showing shown display displayed displaying depict depicting depicted portray portraying \
+    portrayed illustrate illustrating illustrated represent representing represented include including included feature featuring \
     featured mark marked labeled labelled titled called numbered written painted printed engraved mounted hung hanging \
     attached located placed seen see visible indicate indicating appear bearing contain containing state stating like \
     am since est anno circa copyright established please be sorry because if then \
     der die das den dem des ein eine einen einem einer eines und oder im am an auf mit von vom zu zum zur fur bei aus \
     le la les l un une du de d et ou en au aux avec dans sur pour par ce cette \
-    el los las unos unas y o del al con para por lo este esta n° number num no nr numero nummer zimmernummer raumnummer \
+    el los las unos unas y o del al con para por lo este esta di il della delle dello degli dei dos das uma em het een van voor och med til for n° number num no nr numero nummer zimmernummer raumnummer \
     の は が を に で と へ も из и в на с";
 
 const GENERIC: &str = "exit push pull toilet restroom washroom bathroom wc lavatory men women man woman ladies gents lady gent \
@@ -81,7 +95,8 @@ const GENERIC: &str = "exit push pull toilet restroom washroom bathroom wc lavat
     notice wet smoking entry enter entrance reception lobby corridor hallway hall private staff authorized authorised \
     personnel open closed close welcome information info wifi please keep wait waiting area parking \
     sign signage signpost plate plaque label board panel poster painting picture image photo photograph print artwork \
-    portrait landscape drawing canvas frame framed wall door doorway window ceiling ground floor object item thing \
+    portrait landscape drawing canvas frame framed sketch illustration depiction mural watercolor watercolour snapshot engraving etching fresco \
+    tapestry placard pintura dipinto immagine schilderij afbeelding peinture affiche dessin imagen quadro foto inscription caption lettering wall door doorway window ceiling ground floor object item thing \
     text word letter character font digit symbol logo icon arrow background foreground view scene closeup \
     do slide press button switch light handle knob lock key room meeting conference office kitchen storage \
     left right up down upstairs downstairs top bottom north south east west nord norte sud sued ost ouest oeste straight ahead back forward side corner middle center centre \
@@ -106,6 +121,10 @@ const DESCRIPTIVE: &str = "big large small little tall short long wide narrow th
     several many few two three four five six seven eight nine ten bold italic handwritten capital different same other \
     another main abstract";
 
+/// Materials and numbers, of which a thing has one as it has one colour.
+const LOOKS: &str = "wooden wood metal metallic steel brass bronze glass plastic paper stone brick concrete marble leather fabric \
+    ceramic golden two three four five six seven eight nine ten";
+
 static CLASSES: LazyLock<HashMap<String, Class>> = LazyLock::new(|| {
     let lists = [
         (Class::Descriptive, DESCRIPTIVE),
@@ -113,7 +132,7 @@ static CLASSES: LazyLock<HashMap<String, Class>> = LazyLock::new(|| {
         (Class::Generic, GENERIC),
         (Class::Function, FUNCTION),
     ];
-    let roles = role::words().map(|word| (stem(word), Class::Generic));
+    let roles = role::words().chain(generic::words()).map(|word| (stem(word), Class::Generic));
     // Later lists win: "no" of "no. 5" is grammar before it is anything else.
     let words = lists
         .into_iter()

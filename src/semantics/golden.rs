@@ -118,6 +118,141 @@ fn similarity_level_of_golden_pairs_with_floors_and_buildings() {
     ]);
 }
 
+#[test]
+fn a_frame_counts_neither_for_nor_against() {
+    check_levels(&[
+        (
+            "A framed picture showing a wooden bridge with a glass vase",
+            "A painting of a wooden bridge at a glass vase",
+            4,
+            5,
+        ),
+        ("at a glass vase", "at a blue vase", 1, 3),
+        (
+            "a painting of a wooden bridge at a glass vase",
+            "a painting of a wooden bridge at a blue vase",
+            1,
+            3,
+        ),
+        ("a framed picture showing a wooden bridge", "a painting of a wooden boat", 1, 3),
+        ("a painting of a wooden bridge", "a painting of a wooden boat", 1, 3),
+        ("a poster on the wall showing a bridge", "a bridge", 4, 5),
+        ("there is a red boat on a lake in front of a wall", "a picture of a red boat on a lake", 4, 5),
+        ("a portrait of a smiling lady", "smiling lady, oil on canvas", 4, 5),
+        ("a sign that says exit", "EXIT", 4, 5),
+        ("a picture of Level 5", "Level 5", 3, 3),
+        ("a painting", "a painting", 5, 5),
+        ("a painting of a boat", "a painting", 1, 1),
+        ("two boats at a harbour with gulls", "three boats at a harbour with gulls", 1, 3),
+        ("a blue and white vase beside a tall bridge", "a white vase beside a tall bridge", 4, 5),
+        ("photo booth", "ticket booth", 1, 3),
+    ]);
+}
+
+#[test]
+fn the_information_level_does_not_depend_on_the_frame() {
+    for text in [
+        "a wooden bridge",
+        "boat",
+        "a red boat on a lake",
+        "Sunflowers in a vase",
+        "the Mona Lisa",
+        "Turing",
+        "TURING",
+        "a Turing machine",
+        "an exit",
+        "room 901",
+        "901",
+        "Gate A",
+        "Level 5",
+        "HUB 10",
+        "H",
+        "000",
+        "unknown",
+        "no entry",
+    ] {
+        let level = Text::parse(text).information_level();
+        for framed in [
+            format!("a picture of {text}"),
+            format!("A framed painting showing {text}"),
+            format!("there is {text} in front of"),
+            format!("A PHOTOGRAPH OF {text} ON THE WALL"),
+        ] {
+            assert_eq!(Text::parse(&framed).information_level(), level, "{framed}");
+        }
+    }
+    for (frame, level) in
+        [("a painting", 2), ("a framed picture on the wall", 2), ("in front of", 2), ("at the", 1)]
+    {
+        assert_eq!(Text::parse(frame).information_level(), level, "{frame}");
+    }
+}
+
+#[test]
+fn generic_words_are_generic_in_every_language_and_misread() {
+    for text in [
+        "SALIDA DE EMERGENCIA",
+        "EMERGENCY EXIT",
+        "PROHIBIDO FUMAR",
+        "ASCENSOR",
+        "Issue de secours",
+        "Notausgang freihalten",
+        "USCITA DI EMERGENZA",
+        "SAÍDA",
+        "Nooduitgang",
+        "Sortida d'emergència",
+        "Wyjście ewakuacyjne",
+        "ÚNIKOVÝ VÝCHOD",
+        "Nödutgång",
+        "NØDUDGANG",
+        "Nødutgang",
+        "Hätäuloskäynti",
+        "ACİL ÇIKIŞ",
+        "ΕΞΟΔΟΣ ΚΙΝΔΥΝΟΥ",
+        "ЗАПАСНЫЙ ВЫХОД",
+        "مخرج الطوارئ",
+        "יציאת חירום",
+        "आपातकालीन निकास",
+        "紧急出口",
+        "緊急出口",
+        "非常口",
+        "비상구",
+        "ทางออกฉุกเฉิน",
+        "LỐI THOÁT HIỂM",
+        "Pintu keluar darurat",
+        "禁止吸烟",
+        "Thang máy",
+        "ห้องน้ำ",
+        "Rauchen verboten",
+        // An arrow or a pictogram read as a letter, and a worn sign.
+        "CSALIDA",
+        "SALIDA→",
+        "&'SALIDA→",
+        "←EXIT",
+        "EXITC",
+        "S'SALIDA",
+        "EMERGENCA",
+        "EMERCENCY",
+        "SAL1DA",
+        "SALlDA",
+    ] {
+        assert_eq!(Text::parse(text).information_level(), 2, "{text}");
+    }
+    for text in
+        ["Exeter", "Lifton", "Alida", "Dalida", "Salina", "CASTELLANA", "Robert", "Penang", "Library Corner"]
+    {
+        assert_eq!(Text::parse(text).information_level(), 4, "{text}");
+    }
+    check_levels(&[
+        ("CSALIDA", "salida", 5, 5),
+        ("SAL1DA DE EMERGENCA", "Salida de emergencia", 5, 5),
+        ("Salida 3", "exit 3", 5, 5),
+        ("Salida1", "exit 1", 5, 5),
+        ("Sortie", "sortie", 5, 5),
+        ("立入禁止", "立入", 2, 2),
+    ]);
+}
+
 fn check_levels(table: &[(&str, &str, u8, u8)]) {
     for &(a, b, lowest, highest) in table {
         let judged = similarity(&Text::parse(a), &Text::parse(b));

@@ -1,6 +1,7 @@
 //! InformationLevel, §IV-A.2: how much a text tells about one object.
 
 use super::dictionary::{self, Class};
+use super::frame;
 use super::identifier::Identifier;
 use super::noise::is_one_symbol;
 use super::normalise::bare;
@@ -55,7 +56,7 @@ pub fn assess(
     words: &[Word],
     negated: &[Word],
 ) -> Information {
-    let name = proper_name(clean);
+    let name = proper_name(clean, words);
     let is_container_alone = !identifiers.is_empty()
         && identifiers.iter().all(|identifier| identifier.role.is_container())
         && is_uninformative(normalised, words, negated);
@@ -92,15 +93,21 @@ fn is_uninformative(normalised: &str, words: &[Word], negated: &[Word]) -> bool 
 /// A capitalised word outside the dictionary: "Mona Lisa", "Turing".
 ///
 /// Capitals that open a sentence prove nothing, so the first word counts only if no other word of the text is specific.
-/// In a short text all in capitals (TURING) they count, as signs are written so; EXIT is in the dictionary.
-fn proper_name(clean: &str) -> Option<String> {
-    let words: Vec<&str> =
+/// In a short text all in capitals (TURING) they count, as signs are written so; EXIT is in the dictionary. A frame
+/// around it makes no difference.
+fn proper_name(clean: &str, read: &[Word]) -> Option<String> {
+    let all: Vec<&str> =
         clean.split(|c: char| !(c.is_alphanumeric() || c == '\'')).filter(|word| !word.is_empty()).collect();
+    let words = frame::framed(&all);
+    // A word of a generic phrase is generic there: "Thang máy" is a lift.
+    let is_generic =
+        |stem: &str| read.binary_search(&Word::of_class(Class::Generic, stem.to_owned())).is_ok();
     let is_specific = |word: &str| {
         let stem = dictionary::stem(&bare(word));
         dictionary::class_of(&stem) == Class::Specific
             && !dictionary::is_unsure(&stem)
             && !dictionary::negates(&stem)
+            && !is_generic(&stem)
     };
     let is_letters =
         |word: &str| word.chars().nth(1).is_some() && word.chars().all(|c| c.is_alphabetic() || c == '\'');

@@ -32,6 +32,10 @@ fn sign() -> impl Strategy<Value = String> {
         "the",
         "and",
         "painting",
+        "framed",
+        "picture",
+        "showing",
+        "glass",
         "of",
         "red",
         "blue",
@@ -199,6 +203,18 @@ proptest! {
         prop_assert_eq!(conflict(&a, &b).is_some(), excluded);
         let (there, back) = (conflict(&a, &b), conflict(&b, &a));
         prop_assert_eq!(there.map(|c| (c.a, c.b)), back.map(|c| (c.b, c.a)));
+    }
+
+    #[test]
+    fn a_frame_changes_no_information_level(text in sign()) {
+        let level = Text::parse(&text).information_level();
+        // A frame around nothing is a generic text, and a frame makes two symbols of one.
+        if level > 1 {
+            for frame in ["a picture of", "A framed painting showing", "there is"] {
+                let framed = Text::parse(&format!("{frame} {text}"));
+                prop_assert_eq!(framed.information_level(), level, "{} {}: {:?}", frame, text, framed);
+            }
+        }
     }
 
     #[test]

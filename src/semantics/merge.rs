@@ -2,10 +2,13 @@
 
 use std::collections::BTreeSet;
 
+use super::dictionary;
+use super::frame;
 use super::identifier::Identifier;
 use super::reading::{self, Mention, What};
 use super::role::{self, Role};
 use super::text::Text;
+use super::token::Token;
 use super::words::Word;
 use super::{normalise, token};
 
@@ -61,8 +64,7 @@ impl<'t> Part<'t> {
 
     fn says_all_of(&self, other: &Part<'_>) -> bool {
         let identifiers = other.text.identifiers.iter().all(|identifier| self.identifies(identifier));
-        let words =
-            other.text.words.iter().all(|word| other.is_mere_role(word) || self.text.words.contains(word));
+        let words = other.text.words.iter().all(|word| other.is_mere_role(word) || self.says(word, false));
         identifiers && words && other.text.negated.iter().all(|word| self.text.negated.contains(word))
     }
 
@@ -93,7 +95,17 @@ impl<'t> Part<'t> {
     }
 
     fn says(&self, word: &Word, negated: bool) -> bool {
-        if negated { self.text.negated.contains(word) } else { self.text.words.contains(word) }
+        if negated {
+            self.text.negated.contains(word)
+        } else {
+            self.text.words.contains(word) || self.frames(word)
+        }
+    }
+
+    /// The "painting" of "a painting of a boat" is said, though it does not count.
+    fn frames(&self, word: &Word) -> bool {
+        let is_word = |token: &Token<'_>| dictionary::stem(&normalise::bare(token.text)) == word.text;
+        frame::is_noun(&word.text) && token::tokenise(self.text.normalised()).iter().any(is_word)
     }
 
     /// The phrases of `other` that say something new, as written there; neighbours stay together.

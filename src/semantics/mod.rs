@@ -10,6 +10,9 @@
 //! | which tokens are identifiers, which are words | `reading.rs` | `read` |
 //! | the role and spelling of a number, by the tokens around it | `around.rs` | `Around` |
 //! | worth of a word | `dictionary.rs` | `class_of` |
+//! | words on the signs of every building, also misread | `generic.rs` | `misread` |
+//! | words that only frame a description | `frame.rs` | `Frame` |
+//! | colour, material and number of a thing | `looks.rs` | `Looks` |
 //! | room, floor, gate, ... | `role.rs` | [`Role`], `role_of` |
 //! | identifier, look-alikes, ranges | `identifier.rs` | [`Identifier`] |
 //! | which numbers are the building's own | `numbering.rs` | [`Numbering`] |
@@ -32,10 +35,13 @@ mod agreement;
 mod around;
 mod dictionary;
 mod direction;
+mod frame;
+mod generic;
 mod hostile;
 mod identifier;
 mod information;
 mod keys;
+mod looks;
 mod merge;
 mod noise;
 mod normalise;

@@ -4,6 +4,7 @@
 
 use super::dictionary::Class;
 use super::direction::{Bearing, Directions};
+use super::looks::Looks;
 use super::text::Text;
 use super::words::{self, Word};
 
@@ -14,6 +15,7 @@ pub struct Profile {
     rare_weight: u32,
     negated: Vec<Word>,
     directions: Directions,
+    looks: Looks,
 }
 
 impl Text {
@@ -31,6 +33,8 @@ impl Text {
             words: self.words.iter().filter(counts).cloned().collect(),
             negated: self.negated.clone(),
             directions: self.directions,
+            // Looks of a rare thing clash only where both texts have that rare word.
+            looks: self.looks.of(is_frequent),
         })
     }
 
@@ -49,6 +53,7 @@ impl Profile {
         }
         let overlap =
             words::overlap(&self.words, &other.words).with_different(self.rare_weight + other.rare_weight);
-        overlap.level() >= level && !overlap.colours_clash() && !overlap.quantities_differ()
+        let looks_clash = self.looks.clash(&other.looks).is_some();
+        overlap.level() >= level && !overlap.colours_clash() && !overlap.quantities_differ() && !looks_clash
     }
 }

@@ -3,6 +3,8 @@
 use super::around::{self, Around};
 use super::dictionary::{self, Class};
 use super::direction;
+use super::frame::Frame;
+use super::generic;
 use super::identifier::Identifier;
 use super::noise;
 use super::normalise::bare;
@@ -46,8 +48,10 @@ pub enum What {
 /// Reads the tokens of a normalised text.
 pub fn read(tokens: &[Token<'_>]) -> Vec<Mention> {
     let bare: Vec<String> = tokens.iter().map(|token| bare(token.text)).collect();
+    let words: Vec<&str> = bare.iter().map(String::as_str).collect();
     let mut reader = Reader {
         tokens,
+        frame: Frame::of(&words, |at| tokens[at].after_break),
         bare: &bare,
         around: Around { tokens, bare: &bare },
         mentions: Vec::new(),
@@ -64,6 +68,7 @@ pub fn read(tokens: &[Token<'_>]) -> Vec<Mention> {
 struct Reader<'t> {
     tokens: &'t [Token<'t>],
     bare: &'t [String],
+    frame: Frame,
     around: Around<'t>,
     mentions: Vec<Mention>,
     /// Token of a "no" that still waits for its word.
@@ -111,6 +116,10 @@ impl Reader<'_> {
             self.word(Word::new(code.to_owned()), at, at + 1);
             return 1;
         }
+        if let Some(word) = generic::misread_code(code).filter(|_| role.is_none()) {
+            self.word(Word::new(word.to_owned()), at, at + 1);
+            return 1;
+        }
         let first = role.as_ref().map_or(at, |(_, first)| *first);
         if let Some((range, len)) = self.around.spelt_range(at) {
             let role = role.map_or(Role::Neutral, |(role, _)| role);
@@ -140,6 +149,13 @@ impl Reader<'_> {
     fn letters(&mut self, at: usize, role: Option<(Role, usize)>) -> usize {
         let bare = self.bare;
         let word = bare[at].as_str();
+        let phrase = generic::phrase(&bare[at..]);
+        if phrase > 0 && !self.tokens[at + 1..at + phrase].iter().any(|token| token.after_break) {
+            for (i, word) in bare[at..at + phrase].iter().enumerate() {
+                self.word(Word::of_class(Class::Generic, dictionary::stem(word)), at + i, at + i + 1);
+            }
+            return phrase;
+        }
         if let Some((role, first)) = &role
             && let Some(number) = self.around.letter_and_number(at)
         {
@@ -160,7 +176,12 @@ impl Reader<'_> {
             // Where the thing hangs, not where it points; and left of it is not right of it.
             let place = Word::of_class(Class::Descriptive, format!("at {}", dictionary::stem(word)));
             self.word(place, at, at + 1);
-        } else if (word.len() > 1 || !word.is_ascii()) && !self.around.is_particle(at) {
+        } else if self.frame.is_empty_at(at) {
+            self.word(Word::of_class(Class::Generic, dictionary::stem(word)), at, at + 1);
+        } else if (word.len() > 1 || !word.is_ascii())
+            && !self.frame.leaves_out(at)
+            && !self.around.is_particle(at)
+        {
             self.word(Word::new(dictionary::stem(word)), at, at + 1);
         }
         1
@@ -177,6 +198,14 @@ impl Reader<'_> {
             self.negation = Some(at);
         } else if dictionary::class_of(run) != Class::Specific || run.chars().nth(2).is_none() {
             self.word(Word::new(run.to_owned()), at, at + 1);
+        } else if let Some(words) = generic::split(run) {
+            for word in words.into_iter().take(MAX_TOKENS) {
+                if dictionary::negates(word) {
+                    self.negation = Some(at);
+                } else {
+                    self.word(Word::new(word.to_owned()), at, at + 1);
+                }
+            }
         } else {
             let starts: Vec<usize> = run.char_indices().map(|(start, _)| start).chain([run.len()]).collect();
             for pair in starts.windows(3).take(MAX_TOKENS) {

@@ -29,6 +29,7 @@ pub fn sentence(a: &Text, b: &Text, evidence: &Evidence<'_>) -> String {
         Evidence::DifferentNegations => "they deny different things".to_owned(),
         Evidence::Directions => of_directions(&a.directions.phrase(), &b.directions.phrase()),
         Evidence::Colours => "they name different colours".to_owned(),
+        Evidence::Looks(thing) => format!("they state different looks of \"{thing}\""),
         Evidence::Quantities => "they state different quantities".to_owned(),
         Evidence::Words => of_words(&a.words, &b.words),
     }

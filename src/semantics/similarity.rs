@@ -81,6 +81,8 @@ pub enum Evidence<'t> {
     Directions,
     /// They name different colours.
     Colours,
+    /// They state different looks of this thing: a glass vase, a blue vase.
+    Looks(&'t str),
     /// They state different quantities.
     Quantities,
     /// The likeness of the words.
@@ -208,13 +210,13 @@ fn level_with_one_identifier(a: &Text, b: &Text, only: &Identifier) -> u8 {
     }
 }
 
-fn level_of_words<'t>(a: &Text, b: &Text) -> (u8, Evidence<'t>) {
+fn level_of_words<'t>(a: &'t Text, b: &'t Text) -> (u8, Evidence<'t>) {
     let overlap = words::overlap(&a.words, &b.words);
     let (at_most, evidence) = match () {
         () if a.negated != b.negated => (2, Evidence::DifferentNegations),
         () if overlap.colours_clash() => (2, Evidence::Colours),
         () if overlap.quantities_differ() => (3, Evidence::Quantities),
-        () => (5, Evidence::Words),
+        () => a.looks.clash(&b.looks).map_or((5, Evidence::Words), |thing| (3, Evidence::Looks(thing))),
     };
     let level = overlap.level();
     if level > at_most { (at_most, evidence) } else { (level, Evidence::Words) }

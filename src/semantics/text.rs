@@ -7,6 +7,7 @@ use super::dictionary::Class;
 use super::direction::Directions;
 use super::identifier::Identifier;
 use super::information::{self, ENOUGH_SPECIFIC_WORDS, Information};
+use super::looks::Looks;
 use super::numbering::{Numbering, Sorted};
 use super::reading::{self, Mention, What};
 use super::words::Word;
@@ -33,6 +34,7 @@ pub struct Text {
     /// Those of `words` that a "no" or "not" bears on.
     pub(super) negated: Vec<Word>,
     pub(super) directions: Directions,
+    pub(super) looks: Looks,
     pub(super) information: Information,
     keys: Vec<u64>,
 }
@@ -48,7 +50,9 @@ impl Text {
     pub fn under(raw: &str, numbering: Option<&Numbering>) -> Text {
         let clean = normalise::clean(raw);
         let normalised = normalise::fold(&clean);
-        let mentions = reading::read(&token::tokenise(&normalised));
+        let tokens = token::tokenise(&normalised);
+        let mentions = reading::read(&tokens);
+        let looks = Looks::among(&mentions, &tokens);
         let found = identifiers_of(&mentions);
         let gist = gist(&normalised, &found);
         let Sorted { identifiers, foreign } = match numbering {
@@ -83,7 +87,19 @@ impl Text {
         let own: Vec<Identifier> =
             identifiers.iter().filter(|identifier| !identifier.role.is_container()).cloned().collect();
         let keys = keys::of_text(&identifiers, &own, &words);
-        Text { normalised, identifiers, own, foreign, gist, words, negated, directions, information, keys }
+        Text {
+            normalised,
+            identifiers,
+            own,
+            foreign,
+            gist,
+            words,
+            negated,
+            directions,
+            looks,
+            information,
+            keys,
+        }
     }
 
     /// The canonical form; equal forms are identical descriptions.

@@ -107,7 +107,9 @@ fn joins(joiner: char, before: &str, after: &str) -> bool {
 }
 
 fn is_letter_or_digit(c: char) -> bool {
-    c.is_alphanumeric() || ('\u{300}'..='\u{36f}').contains(&c)
+    // Marks of Devanagari, Thai and Arabic stand inside their words.
+    let is_mark = matches!(c, '\u{300}'..='\u{36f}' | '\u{64b}'..='\u{65f}' | '\u{93c}' | '\u{94d}' | '\u{e47}'..='\u{e4e}');
+    c.is_alphanumeric() || is_mark
 }
 
 fn is_ideograph(c: char) -> bool {

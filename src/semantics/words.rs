@@ -3,6 +3,7 @@
 use std::cmp::Ordering;
 
 use super::dictionary::{self, Class};
+use super::generic;
 use super::keys;
 
 /// Likeness, in percent, from which two texts without identifiers reach levels 4 and 3.
@@ -20,9 +21,10 @@ pub struct Word {
 }
 
 impl Word {
-    /// The word of this stem.
+    /// The word of this stem, or the generic word it is a misreading of.
     pub fn new(stem: String) -> Word {
-        Word::of_class(dictionary::class_of(&stem), stem)
+        let meant = generic::misread(&stem).map_or(stem, str::to_owned);
+        Word::of_class(dictionary::listed(&meant).unwrap_or(Class::Specific), meant)
     }
 
     /// A word whose class the dictionary cannot tell.
