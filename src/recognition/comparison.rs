@@ -7,9 +7,10 @@
 
 use std::collections::BTreeSet;
 
-use super::anchor_map::{LocalAnchor, LocalAnchorMap};
+use super::anchor_map::{LocalAnchor, LocalAnchorMap, LocalName};
 use super::assignment::assign;
 use super::contradiction::{Contradiction, contradict, unmatched};
+use super::dispute::disputed;
 use super::index::TextIndex;
 use crate::model::anchor::AnchorState;
 use crate::model::settings::Settings;
@@ -28,6 +29,8 @@ pub struct Matched<'a> {
     pub source: Source,
     /// In how many places it hangs, were the two one object.
     pub places: usize,
+    /// Whether either reading is in doubt by what is read around it.
+    pub is_disputed: bool,
 }
 
 impl Matched<'_> {
@@ -111,7 +114,8 @@ pub fn compare<'a>(
     let of_query: Vec<&LocalAnchor> = query.valid().collect();
     let of_candidate: Vec<&LocalAnchor> = candidate.valid().collect();
     let is_one_frame = query.session.is_some() && query.session == candidate.session;
-    let matcher = Matcher { is_one_frame, texts, settings };
+    let disputed = [disputed(query), disputed(candidate)];
+    let matcher = Matcher { is_one_frame, texts, settings, disputed };
     let matches = matcher.matching_pairs(&of_query, &of_candidate);
     let elsewhere = matcher.elsewhere(&of_query, &of_candidate);
     let total_weight = total(of_query.iter().chain(&of_candidate).map(|anchor| anchor.weight));
@@ -160,6 +164,8 @@ struct Matcher<'m> {
     is_one_frame: bool,
     texts: &'m TextIndex,
     settings: &'m Settings,
+    /// The disputed anchors, those of the query's map first.
+    disputed: [BTreeSet<LocalName>; 2],
 }
 
 impl Matcher<'_> {
@@ -202,7 +208,9 @@ impl Matcher<'_> {
         let (level, source) = similar(query, candidate, self.texts, self.settings)?;
         let radius_m = self.settings.distinctive_place_radius_m;
         let places = places_if_one(query, candidate, self.is_one_frame, radius_m);
-        Some(Matched { query, candidate, level, source, places })
+        let [of_query, of_candidate] = &self.disputed;
+        let is_disputed = of_query.contains(&query.name) || of_candidate.contains(&candidate.name);
+        Some(Matched { query, candidate, level, source, places, is_disputed })
     }
 }
 

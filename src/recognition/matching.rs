@@ -8,7 +8,7 @@
 
 use std::collections::BTreeSet;
 
-use super::index::{MapIndex, Object};
+use super::index::{MapIndex, Object, Shape};
 use crate::model::change::{Merge, MergeCause};
 use crate::model::ids::{AnchorSeq, KeyframeSeq};
 
@@ -27,13 +27,24 @@ pub fn covisible_merge(index: &MapIndex, root: AnchorSeq, around: &BTreeSet<Keyf
     Some(Merge { into: root.min(twin), from: root.max(twin), cause: MergeCause::Covisible })
 }
 
-/// Do the two boxes touch, or are their centres near, in a frame that both have?
+/// Whether the two boxes touch, or their centres are near, in a frame that both have. Where nothing measured a distance no
+/// place can be compared: then the same number in covisible keyframes is the same plate.
 fn close(index: &MapIndex, a: &Object, b: &Object) -> bool {
     let radius_m = index.properties().settings.association_position_radius_m;
+    let is_numbered = |object: &Object| {
+        object.description.as_ref().is_some_and(|description| description.text.has_own_identifier())
+    };
+    let near = |of_a: &Shape, of_b: &Shape| {
+        let Some((box_a, box_b)) = of_a.aabb.zip(of_b.aabb) else { return false };
+        let is_guessed = of_a.range_assumed || of_b.range_assumed;
+        (is_guessed && is_numbered(a) && is_numbered(b))
+            || box_a.touches(&box_b)
+            || (box_a.centre() - box_b.centre()).norm() <= radius_m
+    };
     a.shapes
         .iter()
-        .filter_map(|(session, shape)| Some((shape.aabb?, b.aabb(*session)?)))
-        .any(|(of_a, of_b)| of_a.touches(&of_b) || (of_a.centre() - of_b.centre()).norm() <= radius_m)
+        .filter_map(|(session, shape)| Some((shape, b.shapes.get(session)?)))
+        .any(|(of_a, of_b)| near(of_a, of_b))
 }
 
 /// The objects that match `root` though no keyframe of theirs is covisible with one of its own:

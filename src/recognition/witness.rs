@@ -17,7 +17,7 @@ const DRIFT_SHARE: f64 = 0.05;
 /// Whether all that agrees are pairs of texts that need a witness.
 pub fn lacks_witness(comparison: &Comparison<'_>) -> bool {
     let needs = |anchor: &LocalAnchor| anchor.text.as_ref().is_some_and(|text| text.needs_witness());
-    comparison.matches.iter().all(|pair| needs(pair.query) && needs(pair.candidate))
+    comparison.matches.iter().all(|pair| (needs(pair.query) && needs(pair.candidate)) || pair.is_disputed)
 }
 
 /// Whether odometry has every matched pair at one place.

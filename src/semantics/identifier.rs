@@ -58,6 +58,13 @@ impl Identifier {
         &self.written
     }
 
+    /// The digits before the first separator, if there is one: the floor of "9.02".
+    pub fn first_part(&self) -> Option<&str> {
+        let (first, rest) = self.written.split_once(['.', '-', ':', '/'])?;
+        let is_number = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
+        (is_number(first) && rest.starts_with(|c: char| c.is_ascii_digit())).then_some(first)
+    }
+
     /// As people say it, with the role: `room 901`.
     pub fn phrase(&self) -> String {
         format!("{} {}", self.role.as_str(), self.written).trim_start().to_owned()
