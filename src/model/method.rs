@@ -12,7 +12,7 @@ pub enum Method {
 }
 
 /// Each setting of ours with its value in the paper's method.
-const PAPER: [(&str, SettingValue); 11] = [
+const PAPER: [(&str, SettingValue); 12] = [
     ("anchor_map_min_similarity", SettingValue::Number(0.3)),
     ("one_to_one", SettingValue::Switch(false)),
     ("distinctive_weights", SettingValue::Switch(false)),
@@ -21,6 +21,7 @@ const PAPER: [(&str, SettingValue); 11] = [
     ("reading_min_confidence", SettingValue::Number(0.0)),
     ("identifier_patterns", SettingValue::Patterns(Vec::new())),
     ("learned_identifiers", SettingValue::Switch(false)),
+    ("company", SettingValue::Switch(false)),
     ("tracked_loops_need_geometry", SettingValue::Switch(false)),
     ("single_text_needs_witness", SettingValue::Switch(false)),
     ("undecided_min_score_ratio", SettingValue::Number(0.0)),

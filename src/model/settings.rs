@@ -310,6 +310,8 @@ settings! {
         "ours: regular expressions of this building's own numbers, at most 16 of 256 bytes; a text that one matches whole, whatever its case, is an identifier, and no other text is one; empty: see learned_identifiers";
     learned_identifiers: bool = Switch { true },
         "ours: learns for each class how the building writes its numbers, from ten values that were read alike in two keyframes or more each; from then on no other text of the class is an identifier";
+    company: bool = Switch { true },
+        "ours: a text beside which different numbers hang at the same offset, less than 1 m apart, hangs in two places";
     tracked_loops_need_geometry: bool = Switch { true },
         "ours: where all that agrees was tracked through this same passage, only verified geometry makes a loop";
     single_text_needs_witness: bool = Switch { true },

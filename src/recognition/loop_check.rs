@@ -6,6 +6,7 @@
 use super::alignment::Compared;
 use super::anchor_map::{Centre, LocalAnchorMap, local_anchor_map};
 use super::candidates::{Proposal, Proposals, find_candidates};
+use super::company::Companies;
 use super::comparison::{Comparison, compare};
 use super::difference::find_differing;
 use super::distinctiveness::PlaceCounts;
@@ -32,17 +33,24 @@ pub fn screen(index: &MapIndex, map_version: u64, query: &Query<'_>, verify: Ver
     let proposals = find_candidates(index, query, &mut places);
     // Check 3: the local anchor maps.
     let around_query = local_anchor_map(index, &query.centre, &mut places);
+    let settings = &index.properties().settings;
+    let mut companies = Companies::default();
     let candidates: Vec<Screened> = (proposals.candidates.iter())
         .filter_map(|proposal| {
             let centre = Centre::stored(index, proposal.keyframe)?;
             let around_candidate = local_anchor_map(index, &centre, &mut places);
-            check_candidate(index, &proposals, *proposal, query, &around_query, &around_candidate, verify)
+            let maps = [&around_query, &around_candidate];
+            let mut comparison = compare(&around_query, &around_candidate, index.texts(), settings);
+            if settings.company {
+                companies.weigh(index, &mut comparison, maps, &mut places);
+            }
+            check_candidate(index, &proposals, *proposal, query, maps, comparison, verify)
         })
         .collect();
     let candidates = with_tracked_paths(index, query, candidates);
     Screening {
         map_version,
-        settings: index.properties().settings.clone(),
+        settings: settings.clone(),
         metric: index.properties().metric,
         verify,
         empty_bow: query.bow.is_empty(),
@@ -98,8 +106,8 @@ fn check_candidate(
     proposals: &Proposals,
     proposal: Proposal,
     query: &Query<'_>,
-    around_query: &LocalAnchorMap,
-    around_candidate: &LocalAnchorMap,
+    [around_query, around_candidate]: [&LocalAnchorMap; 2],
+    comparison: Comparison<'_>,
     verify: Verify,
 ) -> Option<Screened> {
     let settings = &index.properties().settings;
@@ -117,7 +125,6 @@ fn check_candidate(
         let reason = evidence::reason(ReasonCode::BowBelowReference, bow.score, min_score);
         return Some(Screened::stopped(proposal.keyframe, candidate, CandidateDecision::Rejected, reason));
     }
-    let comparison = compare(around_query, around_candidate, index.texts(), settings);
     let stood_in = model_is_missed(index, around_query, around_candidate);
     let differing = find_differing(around_query, around_candidate, &comparison, index.texts(), settings);
     candidate.anchors = Some(evidence::anchors(&comparison, &differing, settings));

@@ -21,6 +21,7 @@
 //! | ours: what speaks against a loop that a client closes | [`loop_warning`] | [`loop_warning::loop_warning`] |
 //! | ours: anchors under the transformation | [`alignment`] | [`alignment::Compared::under`] |
 //! | ours: the sightings of one drive past an object | [`passage`] | [`passage::is_tracked_only`] |
+//! | ours: texts beside which different signs hang | [`company`] | [`company::Companies::weigh`] |
 //! | ours: which readings disagree with those around them | [`dispute`] | [`dispute::disputed`] |
 //! | ours: what a text without an identifier needs besides | [`witness`] | [`witness::lacks_witness`] |
 //! | ours: odometry over short ways | [`tracked_path`] | [`tracked_path::TrackedPath`] |
@@ -36,6 +37,7 @@ pub mod assignment;
 pub mod association;
 pub mod candidates;
 pub mod closing;
+pub mod company;
 pub mod comparison;
 pub mod conclusion;
 pub mod contradiction;
