@@ -167,7 +167,7 @@ export class Details {
       anchor.has_crop && this.crop(anchor.id, signal),
       facts(["Described", anchor.description && source],
         ["Identifiers", anchor.identifiers.length > 0 && anchor.identifiers.map((text) => [sign(text), " "])],
-        ["Tells", anchor.description && `level ${anchor.information_level} of 5`],
+        ["Tells", anchor.description && `level ${anchor.information_level} of 5: ${anchor.information_reason ?? ""}`],
         ["Stands at", places.length > 0 ? places : "not known yet"], ["Map points", number(anchor.map_points, 0)],
         ["Goes by", anchor.merged_into && refs.anchor(anchor.merged_into)],
         ["Also", anchor.merged_from.length > 0 && anchor.merged_from.map((id) => [refs.anchor(id), " "])]),

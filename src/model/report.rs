@@ -88,6 +88,10 @@ pub struct AnchorReport {
     pub identifiers: Vec<String>,
     /// InformationLevel of the description, 1 to 5.
     pub information_level: u8,
+    /// One sentence for a person that says why it has that level, if it has a description.
+    pub information_reason: Option<String>,
+    /// How the building writes its numbers on signs of this class, if that is known.
+    pub numbering: Vec<String>,
     /// The distinct readings, heaviest first.
     pub readings: Vec<ReadingReport>,
     /// Two readings by models or people that cannot be of one object.

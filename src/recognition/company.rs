@@ -66,12 +66,12 @@ impl Companies {
         places: &mut PlaceCounts,
     ) -> bool {
         let [of_query, of_candidate] = [company(pair[0], maps[0]), company(pair[1], maps[1])];
-        if differ(index, &of_query, &of_candidate) {
-            return true;
-        }
-        // Beside the same sign it is the same text, whatever hangs elsewhere.
+        // Beside the same sign it is the same text, whatever else hangs there or was misread.
         if agree(index, &of_query, &of_candidate) {
             return false;
+        }
+        if differ(index, &of_query, &of_candidate) {
+            return true;
         }
         // Another view of the same two may show what these hide.
         let carriers = pair[1].text_id.map(|text| index.texts().objects(text).take(CARRIERS_MAX));

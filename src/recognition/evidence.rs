@@ -175,8 +175,8 @@ pub(super) fn not_distinctive(places: usize) -> Reason {
 }
 
 pub(super) fn no_witness() -> Reason {
-    let detail = "all that agrees are texts without an identifier, which may hang in many places; \
-        nothing else says that it is this one"
+    let detail = "all that agrees are texts without an identifier, which may hang in many places, or numbers read once \
+        that no plate around them bears out; nothing else says that it is this one"
         .to_owned();
     Reason { code: ReasonCode::NoWitness, measured: None, limit: None, detail }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::model::ids::AnchorSeq;
 use crate::model::report::{AnchorMatchReport, AnchorReport};
-use crate::recognition::index::{MapIndex, Object};
+use crate::recognition::index::{Description, MapIndex, Object};
 use crate::recognition::matching;
 use crate::semantics::{self, Source};
 
@@ -29,6 +29,10 @@ pub(super) fn anchor(index: &MapIndex, seq: AnchorSeq) -> Option<AnchorReport> {
             .map(|d| d.text.identifiers().iter().map(|identifier| identifier.as_str().to_owned()).collect())
             .unwrap_or_default(),
         information_level: description.map_or(1, |description| description.information_level),
+        information_reason: description.map(|description| information_reason(index, object, description)),
+        numbering: (index.readings().numbering(index.class_of(object)).into_iter())
+            .flat_map(|numbering| numbering.shown().map(str::to_owned))
+            .collect(),
         readings: object.votes.report(),
         disagreement: object.votes.disagreement(),
         keyframes: index.keyframes_of(object).into_iter().filter_map(named).collect(),
@@ -45,6 +49,17 @@ pub(super) fn anchor(index: &MapIndex, seq: AnchorSeq) -> Option<AnchorReport> {
         version: index.anchor(seq)?.version,
         has_crop: best_crop(index, object).is_some(),
     })
+}
+
+/// Why a description has its InformationLevel.
+fn information_reason(index: &MapIndex, object: &Object, description: &Description) -> String {
+    let (level, reason) = semantics::information(&description.text);
+    let by_model = index.verdicts().information(index.class_of(object), &description.text);
+    match () {
+        () if description.information_level == level => reason,
+        () if by_model == Some(description.information_level) => "a model judged so".to_owned(),
+        () => "it was read once, by a reader that was not confident, and never alike again".to_owned(),
+    }
 }
 
 fn matches(index: &MapIndex, root: AnchorSeq, object: &Object) -> (Vec<AnchorMatchReport>, usize) {

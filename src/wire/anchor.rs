@@ -35,6 +35,13 @@ pub struct AnchorView {
     /// InformationLevel of the description, 1 (says nothing) to 5 (an identifier in context).
     #[schema(minimum = 1, maximum = 5)]
     pub information_level: u8,
+    /// One sentence for a person that says why it has that level; left out without a description.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub information_reason: Option<String>,
+    /// How the building writes its numbers on signs of this class, given or learned: patterns, or shapes such as `#.99`, in
+    /// which `#` is a run of digits of any length and `9` one digit; left out while it is not known.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub numbering: Vec<String>,
     /// The distinct readings with their votes, heaviest first.
     pub readings: Vec<ReadingView>,
     /// Two readings by models or people that cannot be of one object, such as "901 is not 910"; left out if there are none.
@@ -219,6 +226,8 @@ impl From<AnchorReport> for AnchorView {
             description_source: anchor.description_source.to_owned(),
             identifiers: anchor.identifiers,
             information_level: anchor.information_level,
+            information_reason: anchor.information_reason,
+            numbering: anchor.numbering,
             readings: anchor.readings.into_iter().map(ReadingView::from).collect(),
             disagreement: anchor.disagreement,
             keyframes: anchor.keyframes.iter().map(ToString::to_string).collect(),

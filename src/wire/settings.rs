@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use serde_json::{Map, Value, json};
-use utoipa::openapi::schema::{AdditionalProperties, ObjectBuilder, SchemaType, Type};
+use utoipa::openapi::schema::{AdditionalProperties, ArrayBuilder, ObjectBuilder, SchemaType, Type};
 use utoipa::openapi::{RefOr, Schema};
 use utoipa::{PartialSchema, ToSchema};
 
@@ -109,9 +109,9 @@ impl PartialSchema for MapSettings {
     }
 }
 
-fn row_schema(row: &Setting) -> ObjectBuilder {
+fn row_schema(row: &Setting) -> RefOr<Schema> {
     let schema = ObjectBuilder::new().description(Some(row.doc));
-    match row.kind {
+    let schema = match row.kind {
         SettingKind::Number { default, min, max } => schema
             .schema_type(SchemaType::Type(Type::Number))
             .minimum(Some(min))
@@ -129,8 +129,16 @@ fn row_schema(row: &Setting) -> ObjectBuilder {
             .schema_type(SchemaType::Type(Type::String))
             .enum_values(Some(WithoutAnchors::NAMES))
             .default(Some(json!(default.as_str()))),
-        SettingKind::Patterns { .. } => {
-            schema.schema_type(SchemaType::Type(Type::Array)).default(Some(json!([])))
-        }
-    }
+        SettingKind::Patterns { .. } => return patterns_schema(row.doc),
+    };
+    schema.into()
+}
+
+fn patterns_schema(doc: &'static str) -> RefOr<Schema> {
+    let pattern = ObjectBuilder::new()
+        .schema_type(SchemaType::Type(Type::String))
+        .min_length(Some(1))
+        .max_length(Some(limits::PATTERN_CHARS));
+    let list = ArrayBuilder::new().items(pattern).max_items(Some(limits::PATTERNS));
+    list.description(Some(doc)).default(Some(json!([]))).into()
 }

@@ -147,6 +147,7 @@ fn a_keyframe_is_held_to_the_document() {
 fn a_map_is_held_to_the_document_with_every_setting() {
     let mut body = examples::map_body();
     body["settings"] = json!(MapSettings::from(&Settings::default()));
+    body["settings"]["identifier_patterns"] = json!(["[0-9]+"]);
     check("MapBody", &body, &faults::<MapProperties>);
     check("MapPatchBody", &body, &faults::<MapPatch>);
 }

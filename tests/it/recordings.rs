@@ -43,23 +43,35 @@ fn no_two_floors_of_a_real_tower_are_taken_for_one() {
 }
 
 #[test]
-fn of_what_an_ordinary_reader_reads_on_nine_floors_few_loops_are_wrong() {
+fn of_what_an_ordinary_reader_reads_on_nine_floors_no_loop_is_wrong() {
     let Some(path) = recording("floors") else { return };
-    let score = replay(&path, &[]);
-    let count = |name: &str| score[name].as_u64().unwrap();
-    // What is left is a board that floors 4 and 5 have in common ("HUB04"), and plates cut by the frame (".02"); 26 of 57 were
-    // wrong before letters, railings, slogans and tracked plates were told from texts. The bar of the project is none.
-    assert!(count("correct") >= 49, "{score:#}");
-    assert!(count("accepted") - count("correct") <= 9 && count("loops_wrong") <= 13, "{score:#}");
+    // Half of the plates are misread, and logos, railings and slogans are read as well: 26 of 57 loops were wrong before the
+    // map learned how the building writes its numbers.
+    for (more, right) in [(&[][..], 38), (&["--assumed-ranges"], 70)] {
+        let score = replay(&path, more);
+        let count = |name: &str| score[name].as_u64().unwrap();
+        assert!(count("correct") >= right, "{more:?}: {score:#}");
+        assert_eq!(
+            (count("accepted") - count("correct"), count("loops_wrong")),
+            (0, 0),
+            "{more:?}: {score:#}"
+        );
+    }
 }
 
 #[test]
-fn directory_boards_that_hang_on_two_floors_leave_most_loops_right() {
+fn of_directory_boards_that_hang_on_two_floors_one_loop_is_wrong() {
     let Some(path) = recording("tower_boards") else { return };
-    for reading in [&[][..], &["--paper"]] {
-        let score = replay(&path, reading);
-        let precision = score["precision"].as_f64().unwrap();
-        // Hard on purpose: "HUB 04" hangs on floor 4 and on floor 5. See the README for both readings' figures.
-        assert!(precision > score["bow_only"]["precision"].as_f64().unwrap(), "{score:#}");
-    }
+    let score = replay(&path, &[]);
+    // "HUB 04" hangs on floor 4 and on floor 5, and the first query on floor 5 sees nothing else.
+    assert!(score["correct"].as_u64().unwrap() >= 10, "{score:#}");
+    assert!(score["loops_wrong"].as_u64().unwrap() <= 1, "{score:#}");
+}
+
+#[test]
+fn the_papers_reading_of_directory_boards_is_better_than_words_alone() {
+    let Some(path) = recording("tower_boards") else { return };
+    let score = replay(&path, &["--paper"]);
+    let precision = score["precision"].as_f64().unwrap();
+    assert!(precision > score["bow_only"]["precision"].as_f64().unwrap(), "{score:#}");
 }

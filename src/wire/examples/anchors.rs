@@ -14,6 +14,7 @@ pub fn anchor() -> Value {
         "description_source": "readings",
         "identifiers": ["901"],
         "information_level": 4,
+        "information_reason": "901 is an identifier",
         "readings": [{"text": "901", "weight": 2.79, "count": 3}, {"text": "907", "weight": 0.4, "count": 1}],
         "keyframes": ["kf-119", "kf-120"],
         "box": bounds,

@@ -117,7 +117,7 @@ async fn what_contradicts_must_outweigh_what_agrees() {
     // 901 against 910 a metre ahead: 1 + 1. Room 905 on the right, at some distance, agrees.
     let check = async |what: &str, distance_m: f64, contradicted: bool| {
         let agreeing = [door("905", [distance_m, 0.0, 0.0])];
-        let scene = Scene::new().await;
+        let scene = Scene::with(json!({"company": false})).await;
         pass(&scene, "candidate", &["910"], &agreeing).await;
         pass(&scene, "query", &["901"], &agreeing).await;
         let found = scene.compare("query", "candidate").await;
@@ -159,7 +159,7 @@ async fn an_anchor_contradicts_one_other_at_most() {
 #[tokio::test]
 async fn contradicting_weights_are_distinctive_too() {
     // 910 hangs at 2 places, 901 at one: 1 + 1/2. What agrees weighs 0.8 + 0.8: it outweighs.
-    let scene = Scene::with(json!({"single_text_needs_witness": false})).await;
+    let scene = Scene::with(json!({"single_text_needs_witness": false, "company": false})).await;
     let agreeing = [thing("poster", NAMES[0]).at([1.25, 0.0, 0.0])];
     pass(&scene, "candidate", &["910"], &agreeing).await;
     pass(&scene, "query", &["901"], &agreeing).await;

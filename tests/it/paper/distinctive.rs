@@ -87,7 +87,9 @@ async fn signs_and_doors(settings: Value, doors: [&str; 2], more_signs: usize) -
 #[tokio::test]
 async fn a_sign_at_every_door_makes_no_loop_of_two_rooms() {
     let check = async |what: &str, settings: Value, doors: [&str; 2], more_signs: usize, expected: f64| {
-        let veto = |settings: Value| super::scene::merged(json!({"contradiction_veto": false}), &settings);
+        let veto = |settings: Value| {
+            super::scene::merged(json!({"contradiction_veto": false, "company": false}), &settings)
+        };
         let found = signs_and_doors(veto(settings), doors, more_signs).await;
         close_to(what, &found["anchors"]["similarity"], expected);
         assert_eq!(found["verdict"], if expected > 0.3 { "loop" } else { "rejected" }, "{what}");

@@ -39,6 +39,7 @@ mod inline;
 mod levels;
 mod local_map;
 mod matching;
+mod numbering;
 mod overview;
 mod passage;
 mod repeat;

@@ -184,7 +184,7 @@ async fn what_is_not_described_yet_can_outweigh_a_contradiction() {
     // 901 against 910 a metre ahead contradict by 1 + 1. Beside them, 0.2 m away, hangs 905, which the query has seen and
     // nobody has read: 5 + 5 once it is, and S = 10 / 12.
     let beside = [0.2, 0.0, 0.0];
-    let scene = Scene::new().await;
+    let scene = Scene::with(json!({"company": false})).await;
     scene.put("candidate", keyframe().sees([door("910", AHEAD), door("905", beside)])).await;
     scene.put("query", keyframe().sees([door("901", AHEAD), unread(beside)])).await;
     let before = scene.compare("query", "candidate").await;
