@@ -74,7 +74,7 @@ fn closed_loops(index: &MapIndex, query: &Query<'_>) -> Vec<ClosedLoop> {
     closed.map(|closed| ClosedLoop { id: closed.id.clone(), keyframe: other(closed) }).collect()
 }
 
-/// What odometry knows of the candidates that geometry is to look at, or that need a witness.
+/// Adds where odometry has the candidates that geometry is to look at, or that need a witness.
 fn with_tracked_paths(index: &MapIndex, query: &Query<'_>, mut candidates: Vec<Screened>) -> Vec<Screened> {
     let checks_transform = index.properties().settings.aligned_anchors;
     let waits = |screened: &Screened| match screened.standing {

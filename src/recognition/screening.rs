@@ -18,7 +18,7 @@ pub enum Standing {
     AnchorsAgree,
     /// The anchors agree by texts alone that hang in many places: geometry on map points must witness.
     NeedsWitness,
-    /// What agrees was tracked from the candidate to the query in one passage: geometry must say that it is a return, and
+    /// All that agrees was tracked from the candidate to the query in one passage: geometry must say that it is a return, and
     /// for texts that need a witness, geometry on map points.
     TrackedOnly {
         /// Something besides such texts agrees.

@@ -164,7 +164,7 @@ fn judge_identifiers<'t>(a: &'t Text, b: &'t Text, all: Agreement<'t>) -> (u8, E
     }
 }
 
-/// What remains without the containers must agree; a container that only one text names leaves it open at most.
+/// Judges the words: they must agree without the containers; a container that only one text names leaves it open at most.
 fn judge_words<'t>(a: &'t Text, b: &'t Text, containers: Option<Agreement<'t>>) -> (u8, Evidence<'t>) {
     let (level, evidence) = level_of_words(a, b);
     let has_containers = !a.identifiers.is_empty() || !b.identifiers.is_empty();
