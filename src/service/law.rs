@@ -39,6 +39,8 @@ enum Request {
         covisible: Option<u8>,
         detections: Vec<Seen>,
     },
+    /// A keyframe that reads as many numbers of one shape as make a numbering once a second one does.
+    Plates(u8),
     Cull(u8),
     Correct {
         session: u8,
@@ -102,7 +104,9 @@ const TEXTS: [&str; 12] = [
     "",
 ];
 const CLASSES: [&str; 2] = ["door_number", "sign"];
-const SETTINGS: [(&str, SettingValue); 6] = [
+const SETTINGS: [(&str, SettingValue); 8] = [
+    ("learned_identifiers", SettingValue::Switch(false)),
+    ("reading_min_confidence", SettingValue::Number(0.4)),
     ("agreeing_reads", SettingValue::Count(2)),
     ("covisibility_min_shared_points", SettingValue::Count(2)),
     ("covisibility_min_shared_points", SettingValue::Count(4)),
@@ -152,13 +156,14 @@ fn any_request() -> impl Strategy<Value = Request> {
     });
     prop_oneof![
         10 => put,
+        3 => (0u8..14).prop_map(Request::Plates),
         2 => (0u8..14).prop_map(Request::Cull),
         2 => correct,
         3 => confirm,
         1 => (0u8..4).prop_map(Request::Revoke),
         1 => (0u32..10, prop::option::of(0u8..11)).prop_map(|(anchor, text)| Request::Describe(anchor, text)),
         1 => (0u32..10).prop_map(Request::DeleteAnchor),
-        1 => (0u8..6).prop_map(Request::Patch),
+        1 => (0u8..8).prop_map(Request::Patch),
         3 => (0u32..10, 0u8..4, 0u8..12, any::<bool>(), any::<bool>()).prop_map(
             |(anchor, observation, text, described, degraded)| Request::ReadCrop {
                 anchor,
@@ -208,6 +213,39 @@ fn detection(seen: &Seen) -> Detection {
     }
 }
 
+/// A numbered plate, far from all that is there.
+fn plate(number: u8) -> Detection {
+    Detection {
+        class: CLASSES[1].to_owned(),
+        confidence: 0.9,
+        box_px: [1.0, 2.0, 30.0, 40.0],
+        map_points: Vec::new(),
+        position_in_session: Some(Point3::new(100.0 + 10.0 * f64::from(number), 0.0, 0.0)),
+        range_assumed: false,
+        text: Some(format!("7.{number:02}")),
+        description: None,
+        crop: None,
+    }
+}
+
+/// A keyframe that brings nothing.
+fn bare(name: u8) -> NewKeyframe {
+    NewKeyframe {
+        id: keyframe_id(name),
+        session: "robot-0".parse().unwrap(),
+        stamp: Stamp { sec: i64::from(name), nanosec: 5 },
+        map_from_camera: Pose::new([f64::from(name) * 0.1, 0.2, 0.3], [0.0, 0.6, 0.0, 0.8]).unwrap(),
+        camera: None,
+        bow: BowVector::default(),
+        vocabulary: None,
+        features: None,
+        map_points: Vec::new(),
+        observes: Vec::new(),
+        covisible: Vec::new(),
+        detections: Vec::new(),
+    }
+}
+
 #[expect(clippy::too_many_lines, reason = "one arm for each kind of request")]
 async fn send(service: &Service, map: &MapId, request: Request) -> Result<(), ServiceError> {
     match request {
@@ -219,14 +257,9 @@ async fn send(service: &Service, map: &MapId, request: Request) -> Result<(), Se
             words.sort_by_key(|(word, _)| *word);
             words.dedup_by_key(|(word, _)| *word);
             let keyframe = NewKeyframe {
-                id: keyframe_id(name),
                 session: format!("robot-{session}").parse().unwrap(),
-                stamp: Stamp { sec: i64::from(name), nanosec: 5 },
-                map_from_camera: Pose::new([f64::from(name) * 0.1, 0.2, 0.3], [0.0, 0.6, 0.0, 0.8]).unwrap(),
-                camera: None,
                 bow: BowVector::normalised(words).unwrap(),
                 vocabulary: Some(CLIENTS_VOCABULARY.into()),
-                features: None,
                 map_points: points.iter().filter(|id| **id % 3 != 0).map(|id| (*id, point(*id))).collect(),
                 observes: points,
                 covisible: covisible
@@ -235,7 +268,12 @@ async fn send(service: &Service, map: &MapId, request: Request) -> Result<(), Se
                     .into_iter()
                     .collect(),
                 detections: detections.iter().map(detection).collect(),
+                ..bare(name)
             };
+            service.put_keyframe(map, keyframe, [name; 32]).await.map(drop)
+        }
+        Request::Plates(name) => {
+            let keyframe = NewKeyframe { detections: (0..10).map(plate).collect(), ..bare(name) };
             service.put_keyframe(map, keyframe, [name; 32]).await.map(drop)
         }
         Request::Cull(name) => service.delete_keyframe(map, &keyframe_id(name)).await.map(drop),
@@ -427,6 +465,7 @@ fn pretty(loaded: &crate::recognition::index::MapIndex, live: &crate::recognitio
     for seq in (0..live.next_anchor().0).map(AnchorSeq) {
         assert_eq!(loaded.anchor(seq), live.anchor(seq));
     }
+    assert_eq!(loaded.readings(), live.readings());
     assert_eq!(loaded.verdicts(), live.verdicts());
     assert_eq!(loaded.model_away(), live.model_away());
     assert_eq!(loaded.objects(), live.objects());
