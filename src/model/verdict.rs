@@ -205,6 +205,8 @@ pub struct AnchorEvidence {
     pub pending: usize,
     /// The pairs that match.
     pub matches: Vec<MatchEvidence>,
+    /// Whether one of them hangs in one place only.
+    pub is_distinctive: bool,
     /// The pairs that contradict.
     pub contradictions: Vec<ContradictionEvidence>,
     /// The pairs whose identifiers differ without stopping the candidate, heaviest first.

@@ -17,7 +17,8 @@ use crate::model::verdict::{
     GeometryEvidence, GeometryFigures, GeometryStatus, MatchEvidence, Reason, ReasonCode,
 };
 
-/// Loops first, then undecided, then rejected; each by inliers, then S, then score, then the smallest id.
+/// Loops first, then undecided, then rejected; each by inliers, then S, then score, then the smallest id (`contract.md` §5).
+/// Where all that agrees hangs in several places, S says nothing of which, and counts as 0.
 pub(super) fn best_first(a: &Candidate, b: &Candidate) -> Ordering {
     let rank = |candidate: &Candidate| match candidate.decision {
         CandidateDecision::Loop => 0,
@@ -25,7 +26,10 @@ pub(super) fn best_first(a: &Candidate, b: &Candidate) -> Ordering {
         CandidateDecision::Rejected => 2,
     };
     let similarity =
-        |candidate: &Candidate| candidate.anchors.as_ref().map_or(0.0, |anchors| anchors.similarity);
+        |candidate: &Candidate| match candidate.anchors.as_ref().filter(|anchors| anchors.is_distinctive) {
+            Some(anchors) => anchors.similarity,
+            None => 0.0,
+        };
     let inliers =
         |candidate: &Candidate| candidate.geometry.figures.as_ref().map_or(0, |figures| figures.inliers);
     (rank(a).cmp(&rank(b)))
@@ -72,6 +76,7 @@ pub(super) fn anchors(
                 weight: pair.weight(),
             })
             .collect(),
+        is_distinctive: comparison.least_places() == Some(1),
         contradictions: comparison.contradictions.iter().map(contradiction).collect(),
         differences: differing.iter().filter_map(explain).collect(),
     }
@@ -91,6 +96,7 @@ pub(super) fn align(anchors: &mut AnchorEvidence, aligned: &Aligned<'_>) {
     let mut stands = aligned.stands.iter();
     anchors.matches.retain(|_| stands.next().copied().unwrap_or(false));
     anchors.similarity = aligned.similarity;
+    anchors.is_distinctive = aligned.least_places == Some(1);
     anchors.contradictions = aligned.contradictions.iter().map(contradiction).collect();
     anchors.differences.clone_from(&aligned.differences);
 }
