@@ -21,10 +21,11 @@ const TEXTS_ASKED: [u32; 2] = [10, 500];
 /// Keyframes whose detections share one place of `room`.
 const DETECTIONS_OF_KEYFRAME: u32 = 250;
 
-const CURVES: [(&str, &str, &[u32]); 4] = [
+const CURVES: [(&str, &str, &[u32]); 5] = [
     ("covisible", "n keyframes that see the same 15 map points", &[1_000, 4_000, 10_000]),
     ("words", "n anchors, \"a red wooden boat on a stormy lake, NAME NAME\"", &[1_000, 10_000, 100_000]),
     ("rooms", "n anchors, \"room 901 NAME\"", &[1_000, 10_000, 100_000]),
+    ("numbering", "n anchors, \"7.04\" and so on", &[1_000, 10_000]),
     ("place", "n anchors of one place, \"room 901 NAME\"", &[500, 1_000, 2_000]),
 ];
 
@@ -42,6 +43,7 @@ pub fn print_curves() {
 pub fn measure(curve: &str, size: u32) {
     match curve {
         "covisible" => covisible(size),
+        "numbering" => numbering(size),
         "place" => texts(size, room, in_one_place),
         "rooms" => texts(size, room, apart),
         _ => texts(size, words, apart),
@@ -59,6 +61,31 @@ fn covisible(size: u32) {
         grown as f64 / 1e6,
         grown / u64::from(size),
         shown(insert)
+    );
+}
+
+/// Measures the write with which a map learns a numbering, and so parses every text of the class anew.
+fn numbering(size: u32) {
+    // Nine of ten values have been read alike.
+    const ALIKE: u32 = 9;
+    let plate = |number: u32| format!("{}.{:02}", number / 100, number % 100);
+    let mut index = MapIndex::default();
+    let mut insert = |number: u32, plate_number: u32| {
+        let sight = detection(number, |_| String::new(), f64::from(number) * 9.0);
+        let sight = Detection { text: Some(plate(plate_number)), ..sight };
+        let before = process::cpu_time();
+        ingest(&mut index, &NewKeyframe { detections: vec![sight], ..bare(number) });
+        process::cpu_time().saturating_sub(before)
+    };
+    (0..size).for_each(|number| drop(insert(number, number + 100)));
+    let before = (0..ALIKE).map(|number| insert(size + number, number + 100)).max().unwrap_or_default();
+    let learning = insert(size + ALIKE, ALIKE + 100);
+    let after = insert(size + ALIKE + 1, ALIKE + 101);
+    println!(
+        "a write before at most {}; that learns {}; after {}",
+        shown(before),
+        shown(learning),
+        shown(after)
     );
 }
 
