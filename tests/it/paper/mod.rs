@@ -36,6 +36,7 @@ mod differences;
 mod distinctive;
 mod equation;
 mod inline;
+mod letter;
 mod levels;
 mod local_map;
 mod matching;
