@@ -21,6 +21,8 @@ use crate::semantics;
 const SAME_OFFSET_M: f64 = 1.0;
 /// Neighbours of a text that are compared, the nearest first.
 const NEIGHBOURS_MAX: usize = 16;
+/// Pairs of one comparison whose company is looked at, so that a hall full of plates costs no more than a corridor.
+const PAIRS_MAX: usize = 16;
 /// Anchors of a text whose company is looked at, the oldest first.
 const CARRIERS_MAX: usize = 8;
 /// A text right above or below the camera has no heading, in metres.
@@ -50,7 +52,7 @@ impl Companies {
         maps: [&LocalAnchorMap; 2],
         places: &mut PlaceCounts,
     ) {
-        for pair in comparison.matches.iter_mut().filter(|pair| pair.places == 1) {
+        for pair in comparison.matches.iter_mut().filter(|pair| pair.places == 1).take(PAIRS_MAX) {
             if !self.differs(index, [pair.query, pair.candidate], maps, places) {
                 return;
             }
@@ -115,18 +117,17 @@ fn company(text: &LocalAnchor, map: &LocalAnchorMap) -> Vec<Neighbour> {
             && !anchor.range_assumed
             && anchor.text.as_ref().is_some_and(|text| !text.identifiers().is_empty())
     };
-    let neighbour = |sign: &LocalAnchor| {
-        let from_text = in_camera(sign) - at;
-        let across = cos.mul_add(from_text.x, -sin * from_text.z);
-        let along = sin.mul_add(from_text.x, cos * from_text.z);
-        Neighbour { sign: sign.clone(), offset: Vector3::new(across, from_text.y, along) }
-    };
-    let mut found: Vec<Neighbour> = map.valid().filter(is_numbered).map(neighbour).collect();
-    found.sort_by(|a, b| {
-        a.offset.norm().total_cmp(&b.offset.norm()).then_with(|| a.sign.name.cmp(&b.sign.name))
+    let from_text = |sign: &LocalAnchor| in_camera(sign) - at;
+    let mut signs: Vec<(f64, &LocalAnchor)> =
+        map.valid().filter(is_numbered).map(|sign| (from_text(sign).norm(), sign)).collect();
+    signs.sort_by(|(a, x), (b, y)| a.total_cmp(b).then_with(|| x.name.cmp(&y.name)));
+    let nearest = signs.into_iter().take(NEIGHBOURS_MAX).map(|(_, sign)| {
+        let offset = from_text(sign);
+        let across = cos.mul_add(offset.x, -sin * offset.z);
+        let along = sin.mul_add(offset.x, cos * offset.z);
+        Neighbour { sign: sign.clone(), offset: Vector3::new(across, offset.y, along) }
     });
-    found.truncate(NEIGHBOURS_MAX);
-    found
+    nearest.collect()
 }
 
 /// Whether a sign of one company differs from the one at its place in the other, and neither is anywhere in the other.
