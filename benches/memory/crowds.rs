@@ -77,7 +77,9 @@ fn numbering(size: u32) {
         ingest(&mut index, &NewKeyframe { detections: vec![sight], ..bare(number) });
         process::cpu_time().saturating_sub(before)
     };
-    (0..size).for_each(|number| drop(insert(number, number + 100)));
+    for number in 0..size {
+        insert(number, number + 100);
+    }
     let before = (0..ALIKE).map(|number| insert(size + number, number + 100)).max().unwrap_or_default();
     let learning = insert(size + ALIKE, ALIKE + 100);
     let after = insert(size + ALIKE + 1, ALIKE + 101);
