@@ -1,0 +1,138 @@
+"""Client to be awaited."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import AsyncIterable, AsyncIterator, Iterable
+from types import TracebackType
+from typing import Any
+
+import httpx
+
+from . import bulk
+from .call import Call, segment
+from .client import unreachable
+from .events import EventParser
+from .models import BulkLine, Event
+from .operations import AsyncOperations
+from .problems import ProblemError, problem_of
+from .retries import Retries
+from .settings import DEFAULT_URL, EVENTS_SILENCE_S, TIMEOUT_S, http_settings
+
+
+class AsyncClient(AsyncOperations):
+    """The same as `Client`, with operations to be awaited."""
+
+    def __init__(
+        self,
+        url: str = DEFAULT_URL,
+        *,
+        key: str | None = None,
+        timeout_s: float = TIMEOUT_S,
+        retries: Retries | None = None,
+        compress: bool = True,
+    ) -> None:
+        self._http = httpx.AsyncClient(**http_settings(url, key, timeout_s))
+        self._retries = retries or Retries()
+        self._compress = compress
+
+    async def put_keyframes(
+        self, map: str, items: Iterable[bulk.Item] | AsyncIterable[bulk.Item]
+    ) -> AsyncIterator[BulkLine]:
+        """Store keyframes from any iterable, plain or asynchronous; yield the outcome of each, in order."""
+        if isinstance(items, AsyncIterable):
+            part: list[bulk.Item] = []
+            before = 0
+            async for item in items:
+                part.append(item)
+                if len(part) >= bulk.MAX_BATCH_ITEMS:
+                    async for line in self._put_batches(map, part, before):
+                        yield line
+                    before, part = before + len(part), []
+            async for line in self._put_batches(map, part, before):
+                yield line
+            return
+        async for line in self._put_batches(map, items, 0):
+            yield line
+
+    async def _put_batches(self, map: str, items: Iterable[bulk.Item], before: int) -> AsyncIterator[BulkLine]:
+        for body in bulk.batches(items):
+            lines = bulk.lines_of(await self._call(bulk.call_of(map, body)), before)
+            for line in lines:
+                yield line
+            before += len(lines)
+
+    async def listen(
+        self, map: str, *, since: int = 0, stop_when_idle_s: float | None = None
+    ) -> AsyncIterator[Event]:
+        """Yield the events of a map after number `since`, for ever, and resume where the stream breaks.
+
+        With `stop_when_idle_s` the iterator ends once nothing happened for that long.
+        """
+        parser, attempt, broken_since = EventParser(since), 0, time.monotonic()
+        silence_s = EVENTS_SILENCE_S if stop_when_idle_s is None else min(stop_when_idle_s, EVENTS_SILENCE_S)
+        path = f"/v1/maps/{segment(map)}/events"
+        last_event = time.monotonic()
+        while True:
+            try:
+                timeout = httpx.Timeout(TIMEOUT_S, read=silence_s)
+                headers = {"last-event-id": str(parser.last), "accept": "text/event-stream"}
+                async with self._http.stream("GET", path, headers=headers, timeout=timeout) as response:
+                    if response.status_code >= 400:
+                        await response.aread()
+                        raise problem_of(response)
+                    async for line in response.aiter_lines():
+                        attempt, broken_since = 0, time.monotonic()
+                        event = parser.line(line)
+                        if event is not None:
+                            yield event
+                            last_event = time.monotonic()
+                        elif stop_when_idle_s is not None and time.monotonic() - last_event >= stop_when_idle_s:
+                            return
+                failure: Exception = httpx.RemoteProtocolError("the stream ended")
+            except (httpx.TransportError, ProblemError) as error:
+                failure = error
+            parser.broken()
+            if stop_when_idle_s is not None and time.monotonic() - last_event >= stop_when_idle_s:
+                return
+            await self._wait(attempt, broken_since, failure, repeatable=True)
+            attempt += 1
+
+    async def close(self) -> None:
+        """Close all connections."""
+        await self._http.aclose()
+
+    async def __aenter__(self) -> AsyncClient:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        await self.close()
+
+    async def _call(self, call: Call) -> Any:
+        content, headers = call.content(self._compress)
+        begun, attempt = time.monotonic(), 0
+        while True:
+            try:
+                response = await self._http.request(
+                    call.method, call.path, params=call.params(), headers=headers, content=content
+                )
+                if response.status_code < 400:
+                    return call.decode(response.content)
+                failure: Exception = problem_of(response)
+            except httpx.TransportError as error:
+                failure = error
+            await self._wait(attempt, begun, failure, call.repeatable)
+            attempt += 1
+
+    async def _wait(self, attempt: int, begun: float, failure: Exception, repeatable: bool) -> None:
+        """Wait before the next try, or raise the failure where none is left."""
+        delay = self._retries.delay(attempt, time.monotonic() - begun, failure, repeatable)
+        if delay is not None:
+            await asyncio.sleep(delay)
+        elif isinstance(failure, ProblemError):
+            raise failure
+        else:
+            raise unreachable(self._http.base_url, failure) from failure

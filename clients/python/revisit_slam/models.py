@@ -1,0 +1,1614 @@
+"""Shapes of requests and answers. Made from the API document by tools/generate.py: do not edit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+
+from .open_enum import OpenEnum
+
+
+class AnchorState(OpenEnum):
+    """How far an anchor's description is: not described yet, telling enough to be matched, or too little."""
+
+    PENDING = "pending"
+    VALID = "valid"
+    UNINFORMATIVE = "uninformative"
+
+
+class CandidateVerdict(OpenEnum):
+    """`loop`: passed every check that could run. `rejected`: a check stopped it. `undecided`: what is
+    missing could turn it.
+    """
+
+    LOOP = "loop"
+    REJECTED = "rejected"
+    UNDECIDED = "undecided"
+
+
+class DetectionRange(OpenEnum):
+    """Values of `range` in Detection."""
+
+    MEASURED = "measured"
+    ASSUMED = "assumed"
+
+
+class DifferenceReason(OpenEnum):
+    """`not_sure`: an identifier was not read alike twice, and only one character differs. `another_place`:
+    the two do not stand at the same relative place. `known_elsewhere`: one of the two also hangs
+    elsewhere in the other map. `no_conflict`: the judge sees none, as between look-alike characters.
+    `paired_otherwise`: one of the two contradicts another anchor already. `outweighed`: it counts, and
+    what agrees weighs no less. `veto_off`: the map's settings leave contradictions out.
+    """
+
+    NOT_SURE = "not_sure"
+    ANOTHER_PLACE = "another_place"
+    KNOWN_ELSEWHERE = "known_elsewhere"
+    NO_CONFLICT = "no_conflict"
+    PAIRED_OTHERWISE = "paired_otherwise"
+    OUTWEIGHED = "outweighed"
+    VETO_OFF = "veto_off"
+
+
+class EventKind(OpenEnum):
+    """The kinds of events."""
+
+    ANCHOR_DESCRIBED = "anchor_described"
+    ANCHORS_MATCHED = "anchors_matched"
+    ANCHORS_MERGED = "anchors_merged"
+    LOOP_FOUND = "loop_found"
+    LOOP_CONFIRMED = "loop_confirmed"
+    LOOP_REVOKED = "loop_revoked"
+
+
+class GeometryModel(OpenEnum):
+    """A model of the relation between two views."""
+
+    SIM3 = "sim3"
+    SE3 = "se3"
+    ESSENTIAL = "essential"
+    HOMOGRAPHY = "homography"
+    ROTATION = "rotation"
+
+
+class GeometryStatus(OpenEnum):
+    """`verified`, `failed`, or `skipped` with its reason."""
+
+    VERIFIED = "verified"
+    FAILED = "failed"
+    SKIPPED = "skipped"
+
+
+class JudgementAsks(OpenEnum):
+    """`all` (the default), `texts` (levels and merged texts), or `crops` (descriptions of crops)."""
+
+    ALL = "all"
+    TEXTS = "texts"
+    CROPS = "crops"
+
+
+class JudgementState(OpenEnum):
+    """`preview`: only counted. `running`. `waiting`: running, while no model can be asked (none is
+    configured, it is away, or the day's budget is spent). `done`. `stopped`: by DELETE.
+    """
+
+    PREVIEW = "preview"
+    RUNNING = "running"
+    WAITING = "waiting"
+    DONE = "done"
+    STOPPED = "stopped"
+
+
+class KeyBodyActions(OpenEnum):
+    """Values of `actions` in KeyBody."""
+
+    READ = "read"
+    WRITE = "write"
+    QUERY = "query"
+    ADMIN = "admin"
+
+
+class LoopWarningCode(OpenEnum):
+    """`anchors_contradict`: sure identifiers around the two contradict each other, and outweigh what
+    agrees. `not_supported`: a loop query about the two would not answer `loop`. `already_covisible`:
+    the two are covisible without it.
+    """
+
+    ANCHORS_CONTRADICT = "anchors_contradict"
+    NOT_SUPPORTED = "not_supported"
+    ALREADY_COVISIBLE = "already_covisible"
+
+
+class MatchKind(OpenEnum):
+    """`revisit`: none of the two anchors' keyframes are covisible, the robot has come back. `covisible`:
+    some are.
+    """
+
+    REVISIT = "revisit"
+    COVISIBLE = "covisible"
+
+
+class OutcomeName(OpenEnum):
+    """What can become of a detection: it founds an anchor, is one more sight of a known one, or feeds
+    none.
+    """
+
+    CREATED = "created"
+    OBSERVED = "observed"
+    IGNORED = "ignored"
+
+
+class SettingsGeometryAcceptance(OpenEnum):
+    """Values of `geometry_acceptance` in Settings."""
+
+    SIGNIFICANCE = "significance"
+    COUNT = "count"
+
+
+class SettingsGeometryModels(OpenEnum):
+    """Values of `geometry_models` in Settings."""
+
+    AUTO = "auto"
+    SIM3 = "sim3"
+
+
+class SettingsMethod(OpenEnum):
+    """Values of `method` in Settings."""
+
+    REVISIT = "revisit"
+    PAPER = "paper"
+
+
+class SettingsWithoutAnchors(OpenEnum):
+    """Values of `without_anchors` in Settings."""
+
+    UNDECIDED = "undecided"
+    REJECT = "reject"
+    GEOMETRY = "geometry"
+
+
+class Verdict(OpenEnum):
+    """`loop`: a candidate passed every check that could run. `no_loop`: none did. `undecided`: what is
+    missing could turn the answer.
+    """
+
+    LOOP = "loop"
+    NO_LOOP = "no_loop"
+    UNDECIDED = "undecided"
+
+
+class Verify(OpenEnum):
+    """`auto` (the default): geometry where both keyframes have the features for it, else the anchors
+    decide. `anchors`: never geometry. `geometry`: it must verify.
+    """
+
+    AUTO = "auto"
+    ANCHORS = "anchors"
+    GEOMETRY = "geometry"
+
+
+class Anchor(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A semantic anchor with all that was derived about it."""
+
+    id: str
+    """Its id, given by the service."""
+    class_: str = msgspec.field(name="class")
+    """Its class."""
+    state: AnchorState
+    """How far its description is."""
+    description_source: str
+    """Who described it: `readings` (the vote over all readings) or `operator`."""
+    identifiers: list[str]
+    """The identifiers found in the description, such as a room's number."""
+    information_level: int
+    """InformationLevel of the description, 1 (says nothing) to 5 (an identifier in context)."""
+    readings: list[Reading]
+    """The distinct readings with their votes, heaviest first."""
+    keyframes: list[str]
+    """The keyframes that saw it, in order of arrival."""
+    frames: list[AnchorFrame]
+    """Its box in the frame of each session that saw it, oldest session first."""
+    map_points: int
+    """How many distinct map points it has."""
+    matches: list[AnchorMatch]
+    """The anchors that match it, oldest first; at most 100 of `matches_total`."""
+    matches_total: int
+    """How many anchors match it in all."""
+    merged_from: list[str]
+    """The anchors that go by its name."""
+    has_crop: bool
+    """Is there a crop at `.../crop`?"""
+    version: int
+    """Grows with each fact about this anchor; the `etag` of its answers, wanted by `if-match`."""
+    map_version: int | None = None
+    """The map's version; left out inside a list, which says it once."""
+    description: str | None = None
+    """Its description, if it has one."""
+    information_reason: str | None = None
+    """One sentence for a person that says why it has that level; left out without a description."""
+    numbering: list[str] | None = None
+    """How the building writes its numbers on signs of this class, given or learned: patterns, or shapes
+    such as `#.99`, in which `#` is a run of digits of any length and `9` one digit; left out while it
+    is not known.
+    """
+    disagreement: str | None = None
+    """Two readings by models or people that cannot be of one object, such as '901 is not 910'; left out if
+    there are none.
+    """
+    box: Box | None = None
+    """Its box in the frame of the oldest session that saw it; left out while its place is unknown."""
+    center: list[float] | None = None
+    """The box's centre, `[x,y,z]` in metres, in the same frame."""
+    merged_into: str | None = None
+    """The anchor whose name it goes by since they became one."""
+
+
+class AnchorFigures(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Figures of the comparison of the two local anchor maps."""
+
+    similarity: float
+    """S of Eq. (2)."""
+    threshold: float
+    """What S must exceed."""
+    in_query: int
+    """Valid anchors in the query's local map."""
+    in_candidate: int
+    """Valid anchors in the candidate's local map."""
+    pending: int
+    """Anchors of both maps that nothing has described yet."""
+    matches: list[Match]
+    """The pairs that match."""
+    contradictions: list[Contradiction]
+    """The pairs that contradict."""
+    differences: list[Difference]
+    """Of the nearest signs, the pairs whose identifiers differ without stopping the candidate, each with
+    why; heaviest first.
+    """
+
+
+class AnchorFrame(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """An anchor's place in one session's frame."""
+
+    session: str
+    """The session whose frame it is."""
+    box: Box
+    """The anchor's box in that frame."""
+    center: list[float]
+    """The box's centre, `[x,y,z]` in metres."""
+
+
+class AnchorList(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Anchors, oldest first."""
+
+    map_version: int
+    """The map's version."""
+    items: list[Anchor]
+    """The items of this part."""
+    next_cursor: str | None
+    """Where the next part starts; null after the last one."""
+
+
+class AnchorMatch(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Another anchor with the same meaning."""
+
+    anchor: str
+    """The other anchor."""
+    level: int
+    """SimilarityLevel of the two descriptions, 1 (different objects) to 5 (the same)."""
+    source: str
+    """Who judged: `identical`, `identifiers`, `lexical`, `operator` or `model:<name>`."""
+    kind: MatchKind
+    """Were the two seen apart, so that the robot has come back?"""
+    reason: str
+    """One sentence for a person."""
+
+
+class AnchorPatchBody(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A description by hand."""
+
+    description: str | None
+    """The description that stands from now on, whatever is read; null takes an earlier one back."""
+
+
+class Backup(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A backup: whole, verified, and on disk."""
+
+    id: str
+    """Its id; the file is called `ID.db`."""
+    created: Time
+    """When it was asked for, since 1970: every write acknowledged before is in it."""
+    bytes: int
+    """Its size in bytes."""
+    sha256: str
+    """The SHA-256 of the file, in hexadecimal."""
+    schema: int
+    """The version of its schema."""
+    maps: int
+    """Maps in it."""
+    keyframes: int
+    """Keyframes in it."""
+    anchors: int
+    """Anchors in it, merged ones too."""
+    removed: list[str] | None = None
+    """Older backups that were removed to make room for it; in the answer to the request that took it only."""
+
+
+class BackupBody(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A backup to be taken."""
+
+    id: str | None = None
+    """Its id; the server finds one if it is left out."""
+
+
+class BackupList(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Backups, the newest first."""
+
+    items: list[Backup]
+    """The items of this part."""
+    next_cursor: str | None
+    """Where the next part starts; null after the last one."""
+
+
+class BagOfWords(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A bag of words: two lists in parallel, in any order."""
+
+    words: list[int]
+    """The words, none twice."""
+    weights: list[float]
+    """Their weights, without unit; normalised to sum to one on arrival."""
+    vocabulary: str | None = None
+    """Whose words these are, such as a vocabulary's fingerprint. Words of two vocabularies do not go into
+    one map.
+    """
+
+
+class BowFigures(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Figures of the bag-of-words check."""
+
+    score: float
+    """DBoW2's L1 score, 0 to 1."""
+    common_words: int
+    """How many words the two keyframes share."""
+    reference_score: float
+    """The lowest score of the query against its covisible keyframes, 0 without any."""
+
+
+class Box(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """An axis-aligned box, in metres; it may be flat."""
+
+    min: list[float]
+    """The corner with the smallest `[x,y,z]`."""
+    max: list[float]
+    """The corner with the largest `[x,y,z]`."""
+
+
+class BulkItem(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """One line of a bulk request: a keyframe with its id."""
+
+    stamp: Time
+    """When it was taken."""
+    pose: Transform
+    """`map_from_camera` in the session's frame, in metres; the camera looks along z, x is right and y
+    down.
+    """
+    id: str
+    """An id, made by the client."""
+    session: str | None = None
+    """One robot's run: its own frame and its own numbering of map points."""
+    camera: Camera | None = None
+    """The undistorted pinhole camera."""
+    bow: BagOfWords | None = None
+    """The bag of words; left out or empty for a blank wall."""
+    features: Features | None = None
+    """Binary features."""
+    map_points: MapPoints | None = None
+    """Map points new or moved; the order does not matter, and answers list them by number."""
+    observes: list[int] | None = None
+    """Map points observed, besides those of `features.map_points`; the order does not matter."""
+    covisible: list[CovisibleKeyframe] | None = None
+    """Covisible keyframes known to the client, also across sessions; each must exist."""
+    detections: list[Detection] | None = None
+    """The objects detected in it."""
+
+
+class BulkLine(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """What became of one line of a bulk request."""
+
+    line: int
+    """The line's number in the request, from 1, blank lines counted."""
+    status: int
+    """The HTTP status that a request of its own would have got."""
+    id: str | None = None
+    """The keyframe's id; left out where the line has none that can be read."""
+    idempotent_replayed: bool | None = None
+    """Was the same keyframe stored before?"""
+    map_version: int | None = None
+    """The map's version after it."""
+    covisible: int | None = None
+    """How many keyframes are covisible with it."""
+    detections: list[DetectionOutcome] | None = None
+    """What became of its detections, in their order."""
+    problem: Problem | None = None
+    """Why it was refused."""
+
+
+class Camera(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A pinhole camera; keypoints and boxes are undistorted too."""
+
+    fx: float
+    """Focal length along x, in pixels."""
+    fy: float
+    """Focal length along y, in pixels."""
+    cx: float
+    """Principal point, x, in pixels."""
+    cy: float
+    """Principal point, y, in pixels."""
+    width: int
+    """Image width, in pixels."""
+    height: int
+    """Image height, in pixels."""
+
+
+class Candidate(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A keyframe that was compared with the query."""
+
+    keyframe: str
+    """The candidate."""
+    verdict: CandidateVerdict
+    """What became of it."""
+    bow: BowFigures
+    """Bag of words."""
+    geometry: Geometry
+    """Geometry."""
+    anchors: AnchorFigures | None = None
+    """Local anchor maps, if it came so far."""
+    reason: Reason | None = None
+    """The check that stopped it; left out for a loop."""
+
+
+class ConfirmedLoop(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A confirmed loop of the keyframe that was asked about."""
+
+    loop: str
+    """The loop."""
+    keyframe: str
+    """The keyframe at its other end."""
+
+
+class Contradiction(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A pair of anchors whose sure identifiers exclude each other at the same relative place."""
+
+    query_anchor: str
+    """The anchor of the query's local map."""
+    candidate_anchor: str
+    """The anchor of the candidate's local map."""
+    reason: str
+    """One sentence for a person."""
+    weight: float
+    """The pair's two weights together, in 1/m."""
+
+
+class CovisibleKeyframe(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A covisible keyframe as a client declares it."""
+
+    keyframe: str
+    """The other keyframe; it must exist."""
+    shared: int
+    """How many map points the two share; it counts whatever it is."""
+
+
+class CovisibleList(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Covisible keyframes; this list comes in one part."""
+
+    map_version: int
+    """The map's version."""
+    items: list[CovisibleView]
+    """The items of this part."""
+    next_cursor: str | None
+    """Where the next part starts; null after the last one."""
+
+
+class CovisibleView(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A keyframe that is covisible with another."""
+
+    keyframe: str
+    """The other keyframe."""
+    shared: int
+    """How many map points they share: by observation, or as declared."""
+
+
+class Detection(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """An object detected in a keyframe."""
+
+    class_: str = msgspec.field(name="class")
+    """The object's class, such as `door_number`; printable."""
+    confidence: float
+    """The detector's confidence."""
+    box: list[float]
+    """`[x0,y0,x1,y1]` in pixels, x0 <= x1 and y0 <= y1; it may reach out of the image."""
+    map_points: list[int] | None = None
+    """The map points that the box covers: the object's place."""
+    position: list[float] | None = None
+    """Where the object stands in the session's frame, in metres; serves where it has no map points."""
+    range: DetectionRange | None = None
+    """How the distance of a position was come by."""
+    text: str | None = None
+    """What a reader made of it."""
+    description: str | None = None
+    """What a model or a person made of it; wins over `text`."""
+    crop: str | None = None
+    """The image inside the box, PNG or JPEG of at most 4 MiB, in base64."""
+
+
+class DetectionOutcome(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """What became of a detection."""
+
+    outcome: OutcomeName
+    """What became of it."""
+    anchor: str | None = None
+    """The anchor that it feeds."""
+    reason: str | None = None
+    """Why it was ignored: `class_not_anchored`, `no_place` or `anchor_deleted`."""
+    state: AnchorState | None = None
+    """How far the anchor's description is."""
+
+
+class DetectionView(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A detection as stored; its crop is read through its anchor."""
+
+    class_: str = msgspec.field(name="class")
+    """The object's class."""
+    confidence: float
+    """The detector's confidence, 0 to 1."""
+    box: list[float]
+    """`[x0,y0,x1,y1]`, in pixels."""
+    map_points: list[int]
+    """The map points that the box covers, ascending."""
+    has_crop: bool
+    """Did a crop come with it?"""
+    outcome: OutcomeName
+    """What became of it."""
+    position: list[float] | None = None
+    """Where the object stands in the session's frame, in metres."""
+    range: DetectionRange | None = None
+    """How the distance of a position was come by."""
+    text: str | None = None
+    """What a reader made of it."""
+    description: str | None = None
+    """What a model or a person made of it."""
+    anchor: str | None = None
+    """The anchor that it feeds."""
+    reason: str | None = None
+    """Why it was ignored."""
+    state: AnchorState | None = None
+    """How far the anchor's description is."""
+
+
+class Difference(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A pair of anchors of one class whose identifiers differ without stopping the candidate, and why."""
+
+    query_anchor: str
+    """The anchor of the query's local map."""
+    candidate_anchor: str
+    """The anchor of the candidate's local map."""
+    query_identifier: str
+    """The identifier on the query's anchor."""
+    candidate_identifier: str
+    """The identifier on the candidate's anchor."""
+    reason: DifferenceReason
+    """Why it did not count as a contradiction, or not enough."""
+    detail: str
+    """One sentence for a person."""
+    measured: float | None = None
+    """What was measured: characters for `not_sure`, metres or radians for `another_place`, weights in 1/m
+    for `outweighed`.
+    """
+    limit: float | None = None
+    """What it was compared with, in the same unit."""
+
+
+class Event(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """One event: the `data` of a server-sent event whose `id` is `seq`. It is flat; what a kind does not
+    speak of is left out.
+    """
+
+    seq: int
+    """Its number in its map, growing by one."""
+    event: EventKind
+    """What happened."""
+    map_version: int
+    """The map's version in which it happened."""
+    anchor: str | None = None
+    """The anchor it is about; of two that merged, the one whose name both go by."""
+    other: str | None = None
+    """The other anchor."""
+    keyframe: str | None = None
+    """The keyframe that came back."""
+    candidate: str | None = None
+    """The keyframe it came back to."""
+    loop: str | None = None
+    """The loop it is about."""
+    query: str | None = None
+    """The loop query that found it."""
+    detail: str | None = None
+    """The description, or one sentence for a person."""
+
+
+class Fault(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """One fault of a request."""
+
+    pointer: str
+    """JSON pointer into the body (`/detections/0/box`), a query parameter (`?limit`), a part of the path
+    (`{map}`) or a header (`if-match:`).
+    """
+    detail: str
+    """What is wrong."""
+    got: str | None = None
+    """What was sent, shortened."""
+    limit: str | None = None
+    """What would have been allowed."""
+
+
+class Features(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Binary features: three lists in parallel."""
+
+    descriptor_bytes: int
+    """Bytes of one descriptor: 32 for ORB, 64 for BRISK."""
+    descriptors: str
+    """The descriptors one after the other, in base64."""
+    keypoints: list[list[float]]
+    """One for each descriptor: `[u,v]`, `[u,v,octave]` or `[u,v,octave,angle_deg]`, in pixels, pyramid
+    level and degrees.
+    """
+    map_points: list[int] | None = None
+    """The map point that each feature observes, -1 for none; left out if none does."""
+
+
+class Geometry(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """What geometric verification found."""
+
+    status: GeometryStatus
+    """How far it came."""
+    reason: str | None = None
+    """Why it was skipped or failed, for a person."""
+    model: GeometryModel | None = None
+    """The model that was looked for. Where too few points are triangulated the images alone are compared,
+    by the simplest model that explains nearly as much as the others.
+    """
+    matches: int | None = None
+    """Descriptor matches; for `sim3` and `se3` between features with triangulated map points on both
+    sides.
+    """
+    hypotheses: int | None = None
+    """Samples that RANSAC drew."""
+    inliers: int | None = None
+    """Matches that the final transformation explains, after the guided search."""
+    log10_false_alarms: float | None = None
+    """The decimal logarithm of the number of false alarms: how often matches placed at random in the
+    images would give a model with as many inliers. At most -6 is significant.
+    """
+    mean_reprojection_error_px: float | None = None
+    """The inliers' mean reprojection error in both images, in pixels."""
+    candidate_from_query: Similarity | None = None
+    """Maps points of the query's camera frame into the candidate's camera frame. For `essential` and
+    `homography` the translation's length is not known and given as 1; for `rotation` nothing of the
+    translation is known, and it is given as 0. A homography that leaves two motions has none.
+    """
+    covariance: list[float] | None = None
+    """The covariance of `candidate_from_query` where `sim3` or `se3` is verified, row by row: x, y, z in
+    metres and the rotation about X, Y, Z in radians, in the candidate's camera frame, as ROS writes it.
+    It says how the inliers scatter; drift that all of them share does not show in it.
+    """
+
+
+class Health(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """How the server is."""
+
+    status: str
+    """`alive` or `ready`; a server that is not ready answers a problem."""
+
+
+class Judgement(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A job that asks again, as it stands."""
+
+    map_version: int
+    """The map's version."""
+    state: JudgementState
+    """How it stands."""
+    asks: JudgementAsks
+    """Which verdicts it asks for again."""
+    questions: int
+    """Questions that other models or prompts answered than those configured now, as counted when the job
+    began.
+    """
+    calls_max: int
+    """The most calls of models that they may take; answers that are kept take none."""
+    cost_max_usd: float
+    """The most that these calls may cost, in US dollars."""
+    changed: int
+    """Questions answered otherwise than before."""
+    unchanged: int
+    """Questions answered as before."""
+    gone: int
+    """Questions about something that the map no longer holds."""
+    failed: int
+    """Questions that the model did not answer, though it answered others; their verdicts stand."""
+    left: int
+    """Questions that are left."""
+    replaced: list[ReplacedVerdict]
+    """Verdicts that were replaced by others since the job began, the newest first, at most 100 of them."""
+    id: str | None = None
+    """Its id; left out of a preview."""
+
+
+class JudgementBody(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A job to be started, or to be counted first."""
+
+    id: str | None = None
+    """Its id; the server finds one if it is left out."""
+    asks: JudgementAsks | None = None
+    """Which verdicts to ask for again."""
+    preview: bool | None = None
+    """Only counts the questions and what they may cost, and starts nothing."""
+
+
+class KeyBody(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A key to be made."""
+
+    actions: list[KeyBodyActions]
+    """What it may do, at least one."""
+    name: str | None = None
+    """Whose it is, for people."""
+    maps: list[str] | None = None
+    """The maps that exist for it: ids in which `*` stands for any characters. Left out: every map."""
+    expires: Time | None = None
+    """From when on it is no longer good. Left out: never."""
+    rate_per_s: int | None = None
+    """Requests a second; a second's worth may come at once, and a bulk line counts as a request. Left out:
+    any number.
+    """
+    model_daily_calls: int | None = None
+    """Calls of models a day (UTC) for the maps it makes and the texts it asks about. Left out: any number."""
+    model_daily_usd: float | None = None
+    """What these calls may cost, in US dollars. Left out: any sum."""
+
+
+class KeyList(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Keys, in order of creation, revoked ones among them."""
+
+    items: list[KeyView]
+    """The items of this part."""
+    next_cursor: str | None
+    """Where the next part starts; null after the last one."""
+
+
+class KeyView(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A key, without its secret."""
+
+    id: str
+    """Its id, `key-7`."""
+    name: str
+    """Whose it is."""
+    actions: list[KeyBodyActions]
+    """What it may do."""
+    maps: list[str]
+    """The maps that exist for it."""
+    created: Time
+    """When it was made."""
+    expires: Time | None = None
+    """From when on it is no longer good; left out if it does not expire."""
+    revoked: Time | None = None
+    """When it was revoked; left out while it is good."""
+    rate_per_s: int | None = None
+    """Requests a second."""
+    model_daily_calls: int | None = None
+    """Calls of models a day."""
+    model_daily_usd: float | None = None
+    """What these calls may cost, in US dollars."""
+    secret: str | None = None
+    """What to send as `authorization: Bearer <secret>`. Told once, when the key is made, and kept nowhere."""
+    notice: str | None = None
+    """What changes from now on, if this is the server's first key."""
+
+
+class Keyframe(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A keyframe to be stored, or asked about without being stored. Only `stamp` and `pose` are required."""
+
+    stamp: Time
+    """When it was taken."""
+    pose: Transform
+    """`map_from_camera` in the session's frame, in metres; the camera looks along z, x is right and y
+    down.
+    """
+    session: str | None = None
+    """One robot's run: its own frame and its own numbering of map points."""
+    camera: Camera | None = None
+    """The undistorted pinhole camera."""
+    bow: BagOfWords | None = None
+    """The bag of words; left out or empty for a blank wall."""
+    features: Features | None = None
+    """Binary features."""
+    map_points: MapPoints | None = None
+    """Map points new or moved; the order does not matter, and answers list them by number."""
+    observes: list[int] | None = None
+    """Map points observed, besides those of `features.map_points`; the order does not matter."""
+    covisible: list[CovisibleKeyframe] | None = None
+    """Covisible keyframes known to the client, also across sessions; each must exist."""
+    detections: list[Detection] | None = None
+    """The objects detected in it."""
+
+
+class KeyframeAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A keyframe is stored."""
+
+    keyframe: str
+    """Its id."""
+    map_version: int
+    """The map's version after it."""
+    covisible: int
+    """How many keyframes are covisible with it."""
+    detections: list[DetectionOutcome]
+    """What became of its detections, in their order."""
+    loop: LoopAnswer | None = None
+    """The answer to the loop query, if the request asked it."""
+
+
+class KeyframeLine(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A line of the list of keyframes."""
+
+    id: str
+    """Its id."""
+    session: str
+    """Its session."""
+    stamp: Time
+    """When it was taken."""
+    pose: Transform
+    """`map_from_camera` in the session's frame, in metres, as last corrected."""
+    covisible: int
+    """How many keyframes are covisible with it."""
+    anchors: list[str]
+    """The anchors it sees."""
+
+
+class KeyframeList(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Keyframes, in order of arrival."""
+
+    map_version: int
+    """The map's version."""
+    items: list[KeyframeLine]
+    """The items of this part."""
+    next_cursor: str | None
+    """Where the next part starts; null after the last one."""
+
+
+class KeyframeView(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A keyframe as it stands now: what was sent, as last corrected, and what became of it."""
+
+    id: str
+    """Its id."""
+    map_version: int
+    """The map's version."""
+    session: str
+    """Its session."""
+    stamp: Time
+    """When it was taken."""
+    pose: Transform
+    """`map_from_camera` in the session's frame, in metres, as last corrected."""
+    bow: BagOfWords
+    """The bag of words, words ascending, weights summing to one."""
+    map_points: MapPoints
+    """The map points it brought, at their present positions."""
+    observes: list[int]
+    """Every map point it observes, ascending."""
+    covisible: list[CovisibleKeyframe]
+    """The covisible keyframes that its client declared; all of them are listed at `.../covisible`."""
+    covisible_total: int
+    """How many keyframes are covisible with it, by shared points or by declaration."""
+    detections: list[DetectionView]
+    """Its detections, each with what became of it."""
+    camera: Camera | None = None
+    """The camera."""
+    features: Features | None = None
+    """The features."""
+
+
+class LevelAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """SimilarityLevel or InformationLevel."""
+
+    level: int
+    """1 to 5. Similarity: 1 different objects, 5 the same. Information: 1 says nothing, 5 an identifier in
+    context.
+    """
+    source: str
+    """Who judged: `identical`, `identifiers`, `lexical`, `operator` or `model:<name>`."""
+    reason: str
+    """One sentence for a person."""
+    cached: bool
+    """Did the answer come from a cache of model answers?"""
+    degraded: bool
+    """Did the built-in judge stand in because a model was away?"""
+
+
+class LocalAnchor(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """An anchor as seen from a central keyframe."""
+
+    anchor: str
+    """The anchor."""
+    class_: str = msgspec.field(name="class")
+    """Its class."""
+    state: AnchorState
+    """How far its description is; only valid ones count in S."""
+    bearing: list[float]
+    """Unit vector towards its centre in the camera's frame, `[x,y,z]`: right, down, forward."""
+    distance_m: float
+    """Its distance, in metres."""
+    weight: float
+    """Its weight in Eq. (2), in 1/m."""
+    description: str | None = None
+    """Its description, if it has one."""
+
+
+class LocalAnchorMap(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """The local anchor map M_k of §V-A."""
+
+    keyframe: str
+    """The central keyframe."""
+    map_version: int
+    """The map's version."""
+    anchors: list[LocalAnchor]
+    """The anchors that the keyframe and those covisible with it see."""
+
+
+class LoopAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """The answer to 'is this keyframe a loop?'. The same map version, keyframe, settings and seed give the
+    same bytes.
+    """
+
+    id: str
+    """The query's id, derived from what was asked, so that it repeats too."""
+    map_version: int
+    """The map's version that was asked."""
+    verdict: Verdict
+    """The answer."""
+    best: str | None
+    """The keyframe to close the loop with; null unless the verdict is `loop`."""
+    loops: list[str]
+    """Every keyframe that passed, best first."""
+    degraded: bool
+    """Did a stand-in judge because a model was away?"""
+    excluded_covisible: int
+    """How many keyframes are no candidates because they are covisible with the query."""
+    closed: list[ConfirmedLoop]
+    """The loops of this keyframe that are confirmed already, by id, at most 100."""
+    candidates: list[Candidate]
+    """The candidates: loops first, then undecided, then rejected, each best first."""
+    keyframe: str | None = None
+    """The keyframe that was asked about; left out for an inline one."""
+    reason: Reason | None = None
+    """Why, where no candidate says it: `no_candidates`, `empty_bow`, or `already_closed` where the loop is
+    confirmed and no other is left.
+    """
+
+
+class LoopBody(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A loop that the client closed."""
+
+    id: str
+    """Its id."""
+    keyframe: str
+    """The keyframe that came back."""
+    candidate: str
+    """The keyframe it came back to."""
+    query: str | None = None
+    """The id of the loop query that found it."""
+
+
+class LoopClosed(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A loop is closed."""
+
+    id: str
+    """Its id."""
+    map_version: int
+    """The map's version after it."""
+    merged: list[Merge]
+    """The pairs of anchors that became one."""
+    warnings: list[LoopWarning]
+    """What speaks against it, as the map stood before it. The client decides: it is closed all the same,
+    and can be revoked. A retry (200) is answered without them.
+    """
+
+
+class LoopList(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Confirmed loops, oldest first."""
+
+    map_version: int
+    """The map's version."""
+    items: list[LoopView]
+    """The items of this part."""
+    next_cursor: str | None
+    """Where the next part starts; null after the last one."""
+
+
+class LoopQueryBody(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A loop query: about a stored keyframe, or about one sent along and not stored. Exactly one of
+    `keyframe` and `inline`.
+    """
+
+    keyframe: str | None = None
+    """The id of a stored keyframe."""
+    inline: Keyframe | None = None
+    """A keyframe that is not stored."""
+    verify: Verify | None = None
+    """Which checks must run."""
+    max_wait_ms: int | None = None
+    """How long to wait for models that are still judging, in milliseconds."""
+    seed: int | None = None
+    """The seed of what is drawn at random."""
+
+
+class LoopRevoked(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A loop is revoked."""
+
+    id: str
+    """Its id."""
+    map_version: int
+    """The map's version after it."""
+    split: list[Merge]
+    """The pairs of anchors that are two again."""
+
+
+class LoopView(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A confirmed loop."""
+
+    id: str
+    """Its id."""
+    keyframe: str
+    """The keyframe that came back."""
+    candidate: str
+    """The keyframe it came back to."""
+    merged: list[Merge]
+    """The pairs of anchors that it made one."""
+    query: str | None = None
+    """The loop query that found it."""
+
+
+class LoopWarning(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """What speaks against a loop that was confirmed."""
+
+    code: LoopWarningCode
+    """Which kind."""
+    detail: str
+    """One sentence for a person."""
+
+
+class MapBody(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A map to be made."""
+
+    description: str | None = None
+    """Free text for people."""
+    metric: bool | None = None
+    """Are its lengths metres? Then the scale between two sessions is 1."""
+    anchor_classes: list[str] | None = None
+    """The classes of which anchors are made; empty means every class."""
+    settings: Settings | None = None
+    """The settings that differ from their defaults."""
+
+
+class MapList(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Maps, by id."""
+
+    items: list[MapView]
+    """The items of this part."""
+    next_cursor: str | None
+    """Where the next part starts; null after the last one."""
+
+
+class MapPatchBody(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """What is to change about a map; what is left out stays as it is."""
+
+    description: str | None = None
+    """Free text for people."""
+    metric: bool | None = None
+    """Are its lengths metres?"""
+    anchor_classes: list[str] | None = None
+    """The classes of which anchors are made from now on; empty means every class."""
+    settings: Settings | None = None
+    """The settings to be set; the others stay as they are."""
+
+
+class MapPoints(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Positions of map points: two lists in parallel."""
+
+    ids: list[int]
+    """The points' numbers in their session, none twice."""
+    positions: list[list[float]]
+    """`[x,y,z]` of each in the session's frame, in metres."""
+
+
+class MapVersion(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """The map's version after a write that has nothing else to tell."""
+
+    map_version: int
+    """Grows by one with each write to the map."""
+
+
+class MapView(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A map at one version."""
+
+    id: str
+    """Its id."""
+    map_version: int
+    """Grows by one with each write to the map."""
+    description: str
+    """Free text for people."""
+    metric: bool
+    """Are its lengths metres?"""
+    anchor_classes: list[str]
+    """The classes of which anchors are made, sorted; empty means every class."""
+    settings: Settings
+    """Every setting in force."""
+    keyframes: int
+    """How many keyframes it holds."""
+    anchors: int
+    """How many anchors it holds, merged ones counted once."""
+    sessions: int
+    """How many sessions have written to it."""
+    loops: int
+    """How many confirmed loops it holds."""
+    bytes: int
+    """What its facts take on disk, in bytes: keyframes with their words, features, detections, texts and
+    crops, map points with a position (once each, however often sent), sessions, and loops with what
+    they merge.
+    """
+    vocabulary: str | None = None
+    """The vocabulary its words belong to: a fingerprint, a name that a client gave, or `client`; left out
+    while it has none.
+    """
+
+
+class Match(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A pair of anchors that match."""
+
+    query_anchor: str
+    """The anchor of the query's local map; `inline-0` is the first detection of an inline keyframe."""
+    candidate_anchor: str
+    """The anchor of the candidate's local map."""
+    level: int
+    """SimilarityLevel of the two descriptions, 1 to 5."""
+    source: str
+    """Who judged."""
+    angle_difference_rad: float
+    """Angle between the two bearings, in radians."""
+    distance_difference_m: float
+    """Difference of the two distances, in metres."""
+    weight: float
+    """The pair's two weights together, as Eq. (2) adds them, in 1/m."""
+
+
+class Merge(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A pair of anchors."""
+
+    into: str
+    """The older anchor, by whose name both go."""
+    from_: str = msgspec.field(name="from")
+    """The newer anchor."""
+
+
+class MergeAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """MergeText: one description out of two."""
+
+    text: str
+    """The description."""
+    source: str
+    """Who merged: `lexical` or `model:<name>`."""
+    cached: bool
+    """Did the answer come from a cache of model answers?"""
+    degraded: bool
+    """Did the built-in judge stand in because a model was away?"""
+
+
+class OneText(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A description of an object."""
+
+    text: str
+    """The description."""
+    class_: str | None = msgspec.field(default=None, name="class")
+    """The object's class."""
+
+
+class PoseList(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Keyframes and their poses: two lists in parallel."""
+
+    ids: list[str]
+    """The keyframes, none twice."""
+    poses: list[Transform]
+    """`map_from_camera` of each in the session's frame, in metres."""
+
+
+class PosesAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Poses and points are corrected."""
+
+    map_version: int
+    """The map's version after it."""
+    keyframes: int
+    """How many keyframes were corrected."""
+    map_points: int
+    """How many map points were corrected."""
+
+
+class PosesBody(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Corrected poses and map points of one session; all of it is taken over, or nothing."""
+
+    session: str | None = None
+    """The session."""
+    keyframes: PoseList | None = None
+    """Its keyframes with their corrected poses."""
+    map_points: MapPoints | None = None
+    """Its map points at their corrected positions."""
+
+
+class Problem(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Why a request was refused, or failed."""
+
+    type: str
+    """Where the kind of problem is explained."""
+    title: str
+    """The kind of problem in a few words."""
+    status: int
+    """The HTTP status."""
+    detail: str
+    """What happened this time."""
+    code: str
+    """The kind of problem, for programs."""
+    request_id: str
+    """The request's id, as in the header `x-request-id` and in the server's log."""
+    errors: list[Fault]
+    """Every fault of the request at once; empty where the request itself is not at fault."""
+
+
+class Quaternion(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A rotation as a unit quaternion, without unit; a norm more than 1 % off one is refused."""
+
+    x: float
+    """Imaginary part, i."""
+    y: float
+    """Imaginary part, j."""
+    z: float
+    """Imaginary part, k."""
+    w: float
+    """Real part."""
+
+
+class Reading(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A distinct reading of an anchor."""
+
+    text: str
+    """The text, as last read."""
+    weight: float
+    """The sum of its detections' confidences."""
+    count: int
+    """How many detections read it."""
+
+
+class Reason(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """The check that decided, with what it measured and what it asked for."""
+
+    code: str
+    """A word for programs, such as `score_below_threshold` or `contradiction`."""
+    detail: str
+    """One sentence for a person."""
+    measured: float | None = None
+    """What was measured, in the check's own unit."""
+    limit: float | None = None
+    """What it was held against."""
+
+
+class ReplacedVerdict(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A verdict that was replaced, beside the one that stands now."""
+
+    map_version: int
+    """The version of the map that replaced it: earlier answers rest on the verdict before."""
+    operation: str
+    """What was asked: `similarity`, `information`, `merge` or `describe`."""
+    class_: str = msgspec.field(name="class")
+    """The class of the objects."""
+    texts: list[str]
+    """The texts that were judged, in normal form; none of a crop."""
+    before: str
+    """The level or the text that was replaced."""
+    source_before: str
+    """Who gave it."""
+    after: str
+    """The level or the text that stands now."""
+    source_after: str
+    """Who gave it."""
+    keyframe: str | None = None
+    """The keyframe of a crop."""
+    detection: int | None = None
+    """The detection of a crop."""
+
+
+class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Every threshold of the method; the defaults are the paper's, where it has one."""
+
+    method: SettingsMethod | None = None
+    """In a request: sets every setting that tells the paper's method, to the letter, from ours; a setting
+    named beside it wins. An answer shows the settings
+    """
+    association_min_point_share: float | None = None
+    """sigma of §IV-C.1: the least share of a detection's map points that an anchor's box must cover"""
+    covisibility_min_shared_points: int | None = None
+    """keyframes of a session that share at least this many map points are covisible (ORB-SLAM's
+    covisibility graph)
+    """
+    description_min_information_level: int | None = None
+    """§IV-B: an anchor is valid when its description's InformationLevel is no smaller"""
+    description_min_crop_area_px: float | None = None
+    """§IV-B: a model describes a crop whose box has at least this area, in square pixels; a smaller one
+    only once description_refresh_s have passed
+    """
+    description_refresh_s: float | None = None
+    """§IV-B: an anchor not described for this long, by the clock of its keyframes, is described again, in
+    seconds
+    """
+    agreeing_reads: int | None = None
+    """ours: a model reads an anchor's crops until so many reads agree; fewer alike are not sure by
+    themselves
+    """
+    matching_min_similarity_level: int | None = None
+    """§IV-C.2: two anchors match when their descriptions' SimilarityLevel is no smaller"""
+    candidates_max: int | None = None
+    """§V, check 2: how many places each channel brings; a place is the best keyframe of a covisible group"""
+    anchor_map_max_angle_difference_rad: float | None = None
+    """§V-B: matching anchors differ by less than this in bearing, in radians"""
+    anchor_map_max_distance_difference_m: float | None = None
+    """§V-B: matching anchors differ by less than this in distance, in metres"""
+    anchor_map_min_similarity: float | None = None
+    """§V-B: two local anchor maps match when S of Eq. (2) is greater"""
+    anchor_map_min_distance_m: float | None = None
+    """bounds the weight 1/d of §V-B: a nearer anchor weighs as if it stood at this distance, in metres"""
+    one_to_one: bool | None = None
+    """ours: an anchor matches at most one of the other map (assignment by maximum weight), which keeps 0
+    <= S <= 1; off is the paper's Eq. (2)
+    """
+    distinctive_weights: bool | None = None
+    """ours: an anchor whose description stands in p places weighs (1/d)/p"""
+    distinctive_place_radius_m: float | None = None
+    """ours: anchors farther apart than this stand in different places, in metres"""
+    contradiction_veto: bool | None = None
+    """ours: two different, sure identifiers of one class at the same relative place speak against the loop"""
+    aligned_anchors: bool | None = None
+    """ours: once Sim3 has given a transform, matched anchors must agree with it"""
+    undecided_min_score_ratio: float | None = None
+    """ours: a candidate without anchors that agree, whose BoW score is below this share of
+    reference_score, does not make the answer undecided; 0 = off
+    """
+    reading_min_confidence: float | None = None
+    """ours: a text of fewer than three specific words that a detection of less confidence read tells
+    nothing until another keyframe of the map reads it alike; 0 = off
+    """
+    identifier_patterns: list[str] | None = None
+    """ours: regular expressions of this building's own numbers, at most 16 of 256 bytes; a text that one
+    matches whole, whatever its case, is an identifier, and no other text is one; empty: see
+    learned_identifiers
+    """
+    learned_identifiers: bool | None = None
+    """ours: learns for each class how the building writes its numbers, from ten values that were read
+    alike in two keyframes or more each; from then on no other text of the class is an identifier
+    """
+    company: bool | None = None
+    """ours: a text beside which different numbers hang at the same offset, less than 1 m apart, hangs in
+    two places
+    """
+    odometry_max_drift_share: float | None = None
+    """ours: along an unbroken chain of a session's keyframes odometry is off by at most this share of the
+    way; no transformation may contradict it, and two sightings are two places only if it can tell; 0 =
+    off
+    """
+    odometry_slack_m: float | None = None
+    """ours: how far a transformation may be off odometry on any way, in metres"""
+    tracked_loops_need_geometry: bool | None = None
+    """ours: where all that agrees was tracked through this same passage, only verified geometry makes a
+    loop
+    """
+    single_text_needs_witness: bool | None = None
+    """ours: a text without an identifier and with fewer than three specific words closes a loop only
+    beside a matched identifier, along unbroken odometry, or under geometry on map points
+    """
+    near_miss_neighbours: bool | None = None
+    """ours: where a candidate reaches half of geometry_min_inliers, its covisible keyframes are checked as
+    candidates in its stead
+    """
+    neighbours_vouch: bool | None = None
+    """ours: where there are no anchors, or all that agrees hangs in several places, it is a loop if
+    geometry on map points verifies it and the anchors around its neighbours agree or a confirmed loop
+    joins them
+    """
+    without_anchors: SettingsWithoutAnchors | None = None
+    """the verdict when either local anchor map is empty, which §V-B leaves open (0/0): undecided, reject
+    or geometry
+    """
+    association_position_radius_m: float | None = None
+    """ours: a detection with a position and no map points joins an anchor within this distance, in metres;
+    also the distance at which covisible anchors that match are merged
+    """
+    candidates_min_score_ratio: float | None = None
+    """ours: a bag-of-words candidate must score at least this share of reference_score; 0 is off"""
+    geometry_min_matches: int | None = None
+    """ORB-SLAM: the fewest descriptor matches with which a transformation is estimated; with fewer
+    geometry is skipped and rejects nothing
+    """
+    geometry_min_inliers: int | None = None
+    """ORB-SLAM: the fewest inliers of a verified transformation, where geometry_acceptance is count"""
+    geometry_alone_min_inliers: int | None = None
+    """ours: the fewest inliers with which geometry alone (without_anchors: geometry) closes a loop where
+    no map point is projected: a homography, a rotation or an essential matrix proves a view, and not a
+    place
+    """
+    rival_min_ratio: float | None = None
+    """ours: what geometry alone verifies is a loop only if it has this many times the inliers of the best
+    candidate that is known to be another place; 0 = off
+    """
+    geometry_models: SettingsGeometryModels | None = None
+    """ours: auto verifies by a similarity where enough points are triangulated, else by an essential
+    matrix, a homography or a rotation, whichever the two images allow; sim3 is the letter: a similarity
+    or nothing
+    """
+    geometry_acceptance: SettingsGeometryAcceptance | None = None
+    """ours: significance accepts inliers that matches placed at random would give less than once in a
+    million candidates (log10 of the number of false alarms at most -6; Moisan and Stival 2004); count
+    is the letter: geometry_min_inliers, 60 % of which, and an eighth of the matches, have near
+    descriptors and points on both sides
+    """
+
+
+class Similarity(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A similarity transformation: scale, then rotate, then translate."""
+
+    scale: float
+    """Without unit; 1 on metric maps."""
+    translation: Vector3
+    """In metres."""
+    rotation: Quaternion
+    """A unit quaternion."""
+
+
+class TextPair(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Two descriptions of objects of one class."""
+
+    a: str
+    """One description."""
+    b: str
+    """The other description."""
+    class_: str | None = msgspec.field(default=None, name="class")
+    """The objects' class."""
+
+
+class Time(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A moment on the robot's clock, as ROS `builtin_interfaces/Time`."""
+
+    sec: int
+    """Whole seconds."""
+    nanosec: int
+    """Nanoseconds within the second."""
+
+
+class Transcript(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """One dialogue about one crop, and what came of it."""
+
+    keyframe: str
+    """The keyframe that brought the crop."""
+    detection: int
+    """Which of its detections."""
+    text: str
+    """The description; empty if nothing could be made of the crop."""
+    source: str
+    """Who described it: `model:<name>`, or a reader of characters such as `tesseract`."""
+    degraded: bool
+    """Did a reader stand in because a model was away? It is described again then."""
+    steps: list[TranscriptStep]
+    """Questions and answers, in their order."""
+
+
+class TranscriptList(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """The dialogues about an anchor's crops."""
+
+    map_version: int
+    """The map's version."""
+    anchor: str
+    """The anchor."""
+    items: list[Transcript]
+    """The dialogues, the newest keyframe's first; at most 32."""
+
+
+class TranscriptStep(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """One question and its answer."""
+
+    speaker: str
+    """Who answered."""
+    question: str
+    """What was asked."""
+    answer: str
+    """What was answered."""
+
+
+class Transform(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A rigid transformation, as ROS `geometry_msgs/Transform`."""
+
+    translation: Vector3
+    """In metres."""
+    rotation: Quaternion
+    """A unit quaternion."""
+
+
+class Usage(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Calls of language models since the database was made, by operation and model."""
+
+    calls: int
+    """Calls."""
+    input_tokens: int
+    """Tokens sent."""
+    output_tokens: int
+    """Tokens received."""
+    cost_usd: float
+    """Cost in US dollars."""
+    cache_hits: int
+    """Questions answered from the cache."""
+    items: list[UsageItem]
+    """The same by operation and model."""
+    detail: str
+    """One sentence for a person."""
+    calls_today: int | None = None
+    """Calls since midnight UTC; with models only."""
+    cost_usd_today: float | None = None
+    """Cost since midnight UTC, in US dollars; with models only."""
+    daily_calls: int | None = None
+    """The most calls of a day; left out without such a limit."""
+    daily_usd: float | None = None
+    """The most that a day may cost, in US dollars; left out without such a limit."""
+    away: bool | None = None
+    """Is a model away, or the day's budget spent? With models only."""
+
+
+class UsageItem(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Calls of one model for one operation."""
+
+    operation: str
+    """`similarity`, `information`, `merge` or `describe`."""
+    model: str
+    """The model's name."""
+    calls: int
+    """Calls."""
+    input_tokens: int
+    """Tokens sent."""
+    output_tokens: int
+    """Tokens received."""
+    cost_usd: float
+    """Cost in US dollars."""
+    cache_hits: int
+    """Questions answered from the cache."""
+
+
+class Vector3(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A vector, in metres."""
+
+    x: float
+    """Along x, in metres."""
+    y: float
+    """Along y, in metres."""
+    z: float
+    """Along z, in metres."""
+
+
+class Version(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """What runs."""
+
+    name: str
+    """The program."""
+    version: str
+    """Its version."""
+    sqlite: str
+    """The version of SQLite inside it."""
+    vocabulary: str | None
+    """The vocabulary with which it computes bags of words; null while it has none."""

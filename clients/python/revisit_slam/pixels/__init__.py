@@ -1,0 +1,1 @@
+"""From photographs to keyframes: features, words, rotations and signs."""

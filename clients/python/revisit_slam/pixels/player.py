@@ -1,0 +1,147 @@
+"""Player: posts keyframes, asks each right after it arrived, and keeps the answers."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..client import Client
+from ..models import Candidate, LoopAnswer
+from .frames import Frame
+from .keyframes import Keyframe, Options, keyframes
+from .recording import Recording
+from .signs import SIGN_CLASS, Sign
+from .truth import Score, Truth
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A keyframe that was sent: its signs with their anchors, and the verdict."""
+
+    frame: Frame
+    signs: list[tuple[Sign, str | None]]
+    answer: LoopAnswer | None
+
+
+@dataclass
+class Run:
+    """All that came of a run."""
+
+    score: Score = field(default_factory=Score)
+    seen: dict[str, Seen] = field(default_factory=dict)
+    # Each anchor's first sighting: the keyframe and the sign.
+    anchors: dict[str, tuple[str, Sign]] = field(default_factory=dict)
+
+    def text_of(self, anchor: str) -> str:
+        """Return the text read at an anchor."""
+        return self.anchors[anchor][1].text if anchor in self.anchors else anchor
+
+    def loops(self) -> list[tuple[Seen, Candidate]]:
+        """Return the accepted queries with their best candidate."""
+        found = []
+        for seen in self.seen.values():
+            if seen.answer is not None and seen.answer.verdict == "loop":
+                best = next((c for c in seen.answer.candidates if c.keyframe == seen.answer.best), None)
+                if best is not None:
+                    found.append((seen, best))
+        return found
+
+    def rejected(self) -> list[tuple[Seen, Candidate]]:
+        """Return look-alikes that were rejected or left open: contradictions first, then by likeness; one a pair of videos."""
+        pairs = [
+            (seen, candidate)
+            for seen in self.seen.values()
+            if seen.answer is not None
+            for candidate in seen.answer.candidates
+            if candidate.verdict != "loop" and candidate.reason is not None and candidate.keyframe in self.seen
+        ]
+        pairs.sort(key=lambda pair: (_rank(pair[1]), -_likeness(pair[1]), pair[0].frame.id, pair[1].keyframe))
+        chosen, taken = [], set()
+        for seen, candidate in pairs:
+            key = (seen.frame.video, self.seen[candidate.keyframe].frame.video)
+            if key not in taken:
+                taken.add(key)
+                chosen.append((seen, candidate))
+        return chosen
+
+    def reasons(self) -> dict[str, int]:
+        """Return how many queries ended for which reason, most first."""
+        counts: dict[str, int] = {}
+        for seen in self.seen.values():
+            if seen.answer is None or seen.answer.verdict == "loop":
+                continue
+            code = deciding_reason(seen.answer)
+            counts[code] = counts.get(code, 0) + 1
+        return dict(sorted(counts.items(), key=lambda item: (-item[1], item[0])))
+
+
+def _rank(candidate: Candidate) -> int:
+    return 0 if candidate.anchors is not None and candidate.anchors.contradictions else 1
+
+
+def _likeness(candidate: Candidate) -> float:
+    # Left out by servers for candidates that words did not propose.
+    return candidate.bow.score if candidate.bow is not None else 0.0
+
+
+def deciding_reason(answer: LoopAnswer) -> str:
+    """Return the code of the reason why an answer is not a loop."""
+    if answer.reason is not None:
+        return answer.reason.code
+    same = [c for c in answer.candidates if c.reason is not None and c.verdict == answer.verdict]
+    same = same or [c for c in answer.candidates if c.reason is not None]
+    return same[0].reason.code if same and same[0].reason is not None else str(answer.verdict)
+
+
+def play(
+    frames: list[Frame],
+    options: Options,
+    map_id: str,
+    *,
+    client: Client | None = None,
+    recording: Recording | None = None,
+    truth: Truth | None = None,
+    settings: dict[str, Any] | None = None,
+    names: bool = False,
+    progress: Callable[[int, int, int], None] | None = None,
+) -> Run:
+    """Play photographs to a server, a recording, or both."""
+    begun = time.monotonic()
+    run = Run()
+    body: dict[str, Any] = {"description": "Photographs, by revisit-play", "metric": True}
+    if not names:
+        body["anchor_classes"] = [SIGN_CLASS]
+    if settings:
+        body["settings"] = settings
+    if recording is not None:
+        recording.map(map_id, body)
+    if client is not None:
+        client.put_map(map_id, body)
+    done = {frame.id: number for number, frame in enumerate(frames, 1)}
+    for keyframe in keyframes(frames, options):
+        id = keyframe.frame.id
+        if recording is not None:
+            recording.keyframe(id, keyframe.body)
+            recording.query(id, truth.lists(id, run.seen) if truth is not None else None)
+        run.seen[id] = _send(client, map_id, keyframe, run)
+        answer = run.seen[id].answer
+        if answer is not None:
+            run.score.count(truth, id, answer.verdict, answer.best, answer.loops)
+        if progress is not None:
+            progress(done[id], len(frames), run.score.accepted)
+    run.score.seconds = round(time.monotonic() - begun, 1)
+    return run
+
+
+def _send(client: Client | None, map_id: str, keyframe: Keyframe, run: Run) -> Seen:
+    if client is None:
+        return Seen(keyframe.frame, [(sign, None) for sign in keyframe.signs], None)
+    answer = client.put_keyframe(map_id, keyframe.frame.id, keyframe.body, query="loop")
+    anchors: Iterable[str | None] = (outcome.anchor for outcome in answer.detections)
+    signs = list(zip(keyframe.signs, anchors))
+    for sign, anchor in signs:
+        if anchor is not None:
+            run.anchors.setdefault(anchor, (keyframe.frame.id, sign))
+    return Seen(keyframe.frame, signs, answer.loop)

@@ -1,0 +1,67 @@
+"""Table: what a run found, for a terminal."""
+
+from __future__ import annotations
+
+from ..models import Candidate
+from .player import Run, Seen
+from .truth import Truth
+
+MAX_LOOPS = 200
+MAX_REJECTED = 20
+
+
+def evidence(run: Run, candidate: Candidate) -> str:
+    """Return the texts that a candidate's decision rests on."""
+    parts = []
+    if candidate.anchors is not None:
+        agreed = {run.text_of(match.query_anchor) for match in candidate.anchors.matches}
+        if agreed:
+            parts.append("both read " + ", ".join(sorted(agreed)))
+        parts += sorted({contradiction.reason for contradiction in candidate.anchors.contradictions})
+    if candidate.geometry.status == "verified":
+        parts.append(f"{candidate.geometry.inliers} inliers")
+    return "; ".join(parts)
+
+
+def table(run: Run, truth: Truth | None) -> str:
+    """Return the table of loops, of look-alikes that are none, and of reasons."""
+    lines = []
+    loops = run.loops()
+    if loops:
+        lines.append("loops:")
+        rows = [(seen.frame.id, best.keyframe, mark(truth, seen, best), evidence(run, best)) for seen, best in loops]
+        lines += _columns(("photograph", "same place as", "truth" if truth else "", "because"), rows[:MAX_LOOPS])
+        if len(rows) > MAX_LOOPS:
+            lines.append(f"  ... and {len(rows) - MAX_LOOPS} more")
+    rejected = run.rejected()[:MAX_REJECTED]
+    if rejected:
+        lines.append("look-alikes that are no loop, or not for certain:")
+        rows = [
+            (seen.frame.id, candidate.keyframe, str(candidate.verdict), candidate.reason.detail if candidate.reason else "")
+            for seen, candidate in rejected
+        ]
+        lines += _columns(("photograph", "looks like", "", "why not"), rows)
+    reasons = run.reasons()
+    if reasons:
+        lines.append("why the others are no loop: " + ", ".join(f"{code} {count}" for code, count in reasons.items()))
+    score = run.score
+    lines.append(f"{score.queries} photographs asked, {score.accepted} loops, {score.seconds} s")
+    if truth is not None:
+        lines.append(f"right {score.right}, wrong {score.wrong}, answers that name a wrong place {score.loops_wrong}")
+    return "\n".join(lines)
+
+
+def mark(truth: Truth | None, seen: Seen, best: Candidate) -> str:
+    """Return right, wrong or near for a loop; near is the same passage."""
+    if truth is None:
+        return ""
+    if truth.right(seen.frame.id, best.keyframe):
+        return "right"
+    return "near" if truth.same_floor(seen.frame.id, best.keyframe) else "WRONG"
+
+
+def _columns(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
+    widths = [max(len(row[column]) for row in [head, *rows]) for column in range(len(head))]
+    return [
+        "  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths) if width).rstrip() for row in [head, *rows]
+    ]

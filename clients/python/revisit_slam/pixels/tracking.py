@@ -1,0 +1,96 @@
+"""Tracking: which photographs belong to one session, how the camera turned, and which overlap.
+
+Photographs alone measure no distance: a pose is the rotation between overlapping pictures, with translation zero.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .camera import Camera
+from .features import Features
+from .frames import Frame
+from .overlap import Overlap, overlap
+
+# The view is lost where fewer inliers than this join the picture with each of the last few.
+MIN_INLIERS = 15
+LOOK_BACK = 3
+
+
+@dataclass(frozen=True)
+class Tracked:
+    """A photograph's place in its session."""
+
+    frame: Frame
+    features: Features
+    camera: Camera
+    session: str
+    session_from_camera: np.ndarray
+    covisible: list[tuple[str, int]] = field(default_factory=list)
+    overlaps: list[tuple[str, Overlap]] = field(default_factory=list)
+
+
+class Tracker:
+    """Joins each photograph to the last ones of its video, or begins a session."""
+
+    def __init__(self) -> None:
+        self._recent: deque[Tracked] = deque(maxlen=LOOK_BACK)
+        self._sessions: dict[str, int] = {}
+
+    def look(self, frame: Frame, features: Features, camera: Camera) -> Tracked:
+        """Place a photograph; it counts as seen only once `keep` is called with the answer."""
+        joined = []
+        for older in reversed(self._recent):
+            if older.frame.video == frame.video and older.camera == camera:
+                found = overlap(features, older.features, camera)
+                if found.inliers >= MIN_INLIERS:
+                    joined.append((older, found))
+        if not joined:
+            count = self._sessions.get(frame.video, 0) + 1
+            return Tracked(frame, features, camera, session_name(frame.video, count), np.eye(3))
+        # The strongest join gives the rotation; ties go to the nearest picture.
+        older, best = max(joined, key=lambda pair: pair[1].inliers)
+        return Tracked(
+            frame,
+            features,
+            camera,
+            older.session,
+            older.session_from_camera @ best.older_from_newer,
+            [(other.frame.id, found.inliers) for other, found in joined if other.session == older.session],
+            [(other.frame.id, found) for other, found in joined if other.session == older.session],
+        )
+
+    def keep(self, tracked: Tracked) -> None:
+        """Make a photograph one that later ones may overlap."""
+        if not tracked.covisible:
+            self._sessions[tracked.frame.video] = self._sessions.get(tracked.frame.video, 0) + 1
+        self._recent.append(tracked)
+
+
+def session_name(video: str, count: int) -> str:
+    """Return the name of the n-th session of a video, within what the API allows."""
+    plain = "".join(letter if letter.isalnum() and letter.isascii() or letter in "._:-" else "_" for letter in video)
+    return f"{plain[:100] or 'video'}-{count}"
+
+
+def quaternion(rotation: np.ndarray) -> dict[str, float]:
+    """Return a rotation matrix as x, y, z, w."""
+    m = rotation
+    squares = np.array(
+        [1 + m[0, 0] - m[1, 1] - m[2, 2], 1 - m[0, 0] + m[1, 1] - m[2, 2], 1 - m[0, 0] - m[1, 1] + m[2, 2], 1 + np.trace(m)]
+    )
+    largest = int(np.argmax(squares))
+    if largest == 3:
+        q = np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1], squares[3]])
+    elif largest == 0:
+        q = np.array([squares[0], m[0, 1] + m[1, 0], m[0, 2] + m[2, 0], m[2, 1] - m[1, 2]])
+    elif largest == 1:
+        q = np.array([m[0, 1] + m[1, 0], squares[1], m[1, 2] + m[2, 1], m[0, 2] - m[2, 0]])
+    else:
+        q = np.array([m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], squares[2], m[1, 0] - m[0, 1]])
+    q = q / np.linalg.norm(q)
+    # 0.0 is added so that no -0.0 is written.
+    return {axis: round(float(value), 9) + 0.0 for axis, value in zip("xyzw", q)}

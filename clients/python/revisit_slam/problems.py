@@ -1,0 +1,74 @@
+"""Errors of the client: refusals of the server, and a server that cannot be reached."""
+
+from __future__ import annotations
+
+import httpx
+import msgspec
+
+from .errors import RevisitError
+from .models import Fault, Problem
+
+__all__ = ["ProblemError", "RevisitError", "ServerUnreachable", "problem_of", "retry_after"]
+
+
+class ServerUnreachable(RevisitError):
+    """No answer came, after all retries."""
+
+
+class ProblemError(RevisitError):
+    """A refusal of the server, with its `code`, every fault in `errors`, and the whole `problem`."""
+
+    def __init__(self, problem: Problem, retry_after_s: float | None = None) -> None:
+        self.problem = problem
+        self.retry_after_s = retry_after_s
+        faults = "; ".join(_line(fault) for fault in problem.errors)
+        super().__init__(f"{problem.status} {problem.code}: {problem.detail}" + (f" ({faults})" if faults else ""))
+
+    @property
+    def status(self) -> int:
+        """HTTP status."""
+        return self.problem.status
+
+    @property
+    def code(self) -> str:
+        """Name of the problem, such as `not_found`."""
+        return self.problem.code
+
+    @property
+    def errors(self) -> list[Fault]:
+        """Every fault of the request: pointer, detail, got and limit."""
+        return self.problem.errors
+
+
+def _line(fault: Fault) -> str:
+    line = f"{fault.pointer}: {fault.detail}"
+    if fault.got is not None:
+        line += f", got {fault.got}"
+    return line if fault.limit is None else f"{line}, limit {fault.limit}"
+
+
+def problem_of(response: httpx.Response) -> ProblemError:
+    """Return the problem of an answer >= 400; a proxy's answer without one becomes one with code `http_<status>`."""
+    try:
+        problem = msgspec.json.decode(response.content, type=Problem)
+    except msgspec.DecodeError:
+        status = response.status_code
+        detail = response.text[:200] or response.reason_phrase
+        problem = Problem(
+            type="about:blank",
+            title=response.reason_phrase,
+            status=status,
+            detail=detail,
+            code=f"http_{status}",
+            request_id=response.headers.get("x-request-id", ""),
+            errors=[],
+        )
+    return ProblemError(problem, retry_after(response))
+
+
+def retry_after(response: httpx.Response) -> float | None:
+    """Return the seconds of `retry-after`, if it has any."""
+    try:
+        return max(float(response.headers["retry-after"]), 0.0)
+    except (KeyError, ValueError):
+        return None

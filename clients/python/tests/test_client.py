@@ -1,0 +1,180 @@
+"""The client against the real server."""
+
+import asyncio
+import inspect
+import subprocess
+import sys
+import threading
+from http.server import BaseHTTPRequestHandler, HTTPServer
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from revisit_slam import AsyncClient, Client, ProblemError, Retries, Server, ServerUnreachable, models
+from samples import keyframe
+
+TOOLS = Path(__file__).resolve().parents[1] / "tools"
+DOCUMENT = Path(__file__).resolve().parents[3] / "openapi" / "openapi.yaml"
+
+
+@pytest.mark.skipif(not DOCUMENT.exists(), reason="outside the checkout")
+def test_generated_files_are_those_of_the_document() -> None:
+    done = subprocess.run([sys.executable, TOOLS / "generate.py", "--check"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def test_every_operation_of_the_running_server_is_a_method(client: Client) -> None:
+    for path, methods in client.get_document()["paths"].items():
+        for operation in methods.values():
+            name = operation["operationId"]
+            assert hasattr(Client, name) and hasattr(AsyncClient, name), (name, path)
+
+
+def test_a_loop_is_found_and_its_look_alike_rejected(client: Client, map_id: str) -> None:
+    client.put_keyframe(map_id, "kf-1", keyframe(1, "901"))
+    asked = client.put_keyframe(map_id, "kf-2", keyframe(90, "Room 901", 5.0), query="loop")
+    assert asked.loop is not None and asked.loop.verdict == models.Verdict.LOOP and asked.loop.best == "kf-1"
+    other = client.query_loop(map_id, {"inline": keyframe(120, "910", 15.0)})
+    assert other.verdict == "no_loop"
+    assert {candidate.reason.code for candidate in other.candidates if candidate.reason} == {"contradiction"}
+    closed = client.confirm_loop(map_id, {"id": "l-1", "keyframe": "kf-2", "candidate": "kf-1"})
+    assert [merge.from_ for merge in closed.merged]
+    assert client.get_keyframe(map_id, "kf-2").detections[0].text == "Room 901"
+    assert client.list_loops(map_id).items[0].candidate == "kf-1"
+    assert client.revoke_loop(map_id, "l-1").split
+
+
+def test_a_struct_and_a_dict_are_the_same_body(client: Client, map_id: str) -> None:
+    plain = keyframe(1, "901")
+    client.put_keyframe(map_id, "kf-1", plain)
+    typed = msgspec.convert(plain, models.Keyframe)
+    assert client.put_keyframe(map_id, "kf-1", typed).keyframe == "kf-1"
+    assert client.get_map(map_id).keyframes == 1
+
+
+def test_a_refusal_names_every_fault(client: Client, map_id: str) -> None:
+    bad = keyframe(1)
+    del bad["stamp"]
+    bad["pose"]["rotation"]["w"] = 0
+    with pytest.raises(ProblemError) as raised:
+        client.put_keyframe(map_id, "kf-1", bad)
+    assert raised.value.code == "invalid" and raised.value.status == 422
+    assert {fault.pointer for fault in raised.value.errors} == {"/stamp", "/pose/rotation"}
+    with pytest.raises(ProblemError) as missing:
+        client.get_map("nowhere")
+    assert missing.value.code == "not_found"
+
+
+def test_an_etag_guards_a_description(client: Client, map_id: str) -> None:
+    anchor = client.put_keyframe(map_id, "kf-1", keyframe(1, "901")).detections[0].anchor
+    assert anchor is not None
+    version = client.get_anchor(map_id, anchor).version
+    changed = client.patch_anchor(map_id, anchor, {"description": "Room 902"}, if_match=f'"{version}"')
+    assert changed.description == "Room 902"
+    with pytest.raises(ProblemError) as raised:
+        client.patch_anchor(map_id, anchor, {"description": "Room 903"}, if_match=f'"{version}"')
+    assert raised.value.status == 412
+
+
+def test_bulk_takes_a_generator_and_tells_of_each_item(client: Client, map_id: str) -> None:
+    items = ({"id": f"kf-{number}", **keyframe(number)} for number in range(600))
+    lines = list(client.put_keyframes(map_id, items))
+    assert [line.status for line in lines] == [201] * 600
+    assert [line.line for line in lines] == list(range(1, 601))
+    again = list(client.put_keyframes(map_id, [{"id": "kf-7", **keyframe(8)}, {"id": "kf-8", **keyframe(8)}]))
+    assert [line.status for line in again] == [409, 200]
+    assert again[0].problem is not None and again[0].problem.code == "keyframe_exists"
+
+
+def test_events_arrive_in_order_and_resume(client: Client, map_id: str) -> None:
+    anchors = [
+        client.put_keyframe(map_id, f"kf-{number}", keyframe(number, f"90{number}", 20.0 * number)).detections[0].anchor
+        for number in range(5)
+    ]
+    first = list(client.listen(map_id, stop_when_idle_s=1.0))
+    assert [event.anchor for event in first if event.event == "anchor_described"] == anchors
+    rest = list(client.listen(map_id, since=first[2].seq, stop_when_idle_s=1.0))
+    assert [event.seq for event in rest] == [event.seq for event in first[3:]]
+
+
+def test_events_resume_when_the_server_comes_back(tmp_path: Path) -> None:
+    database = tmp_path / "revisit.db"
+    with Server(database) as running:
+        port = running.url.rsplit(":", 1)[1]
+        with Client(running.url) as client:
+            client.put_map("m", {})
+            first = client.put_keyframe("m", "kf-1", keyframe(1, "901")).detections[0].anchor
+            seen = client.listen("m")
+            assert next(seen).anchor == first
+            running.stop()
+            with Server(database, listen=f"127.0.0.1:{port}"):
+                second = client.put_keyframe("m", "kf-2", keyframe(2, "917", 40.0)).detections[0].anchor
+                assert next(seen).anchor == second
+
+
+def test_the_async_client_does_the_same(server: Server, map_id: str) -> None:
+    async def drive() -> tuple[list[int], list[str], str]:
+        async with AsyncClient(server.url) as client:
+            async def items():  # type: ignore[no-untyped-def]
+                for number in range(3):
+                    yield {"id": f"kf-{number}", **keyframe(number, f"90{number}", 20.0 * number)}
+
+            lines = [line.status async for line in client.put_keyframes(map_id, items())]
+            events = [event.event async for event in client.listen(map_id, stop_when_idle_s=1.0)]
+            try:
+                await client.get_map("nowhere")
+            except ProblemError as problem:
+                return lines, events, problem.code
+            raise AssertionError("a map that is not there")
+
+    assert asyncio.run(drive()) == ([201] * 3, ["anchor_described"] * 3, "not_found")
+
+
+def test_sync_and_async_have_the_same_signatures() -> None:
+    for name, method in inspect.getmembers(Client, inspect.isfunction):
+        if name.startswith("_") or name == "once":
+            continue
+        ours, theirs = inspect.signature(method), inspect.signature(getattr(AsyncClient, name))
+        assert list(ours.parameters) == list(theirs.parameters), name
+
+
+class Busy(BaseHTTPRequestHandler):
+    """Answers 503 twice, then a version with words of a newer server."""
+
+    asked = 0
+
+    def do_GET(self) -> None:
+        Busy.asked += 1
+        if Busy.asked <= 2:
+            self.send_response(503)
+            self.send_header("retry-after", "0.05")
+            self.send_header("content-length", "0")
+            self.end_headers()
+            return
+        body = b'{"verdict":"maybe","id":"q-1","map_version":1,"best":null,"loops":[],"degraded":false,'
+        body += b'"excluded_covisible":0,"closed":[],"candidates":[],"weather":"fine"}'
+        self.send_response(200)
+        self.send_header("content-length", str(len(body)))
+        self.end_headers()
+        self.wfile.write(body)
+
+    def log_message(self, *_: object) -> None:
+        pass
+
+
+def test_a_busy_server_is_asked_again_and_unknown_values_are_read() -> None:
+    busy = HTTPServer(("127.0.0.1", 0), Busy)
+    threading.Thread(target=busy.serve_forever, daemon=True).start()
+    with Client(f"http://127.0.0.1:{busy.server_port}", key="secret") as client:
+        answer = client.get_loop_query("m", "q-1")
+    busy.shutdown()
+    assert Busy.asked == 3
+    assert answer.verdict == "maybe" and not answer.verdict.known
+    assert models.Verdict.LOOP.known
+
+
+def test_a_server_that_is_not_there_is_one_clear_error() -> None:
+    with Client("http://127.0.0.1:9", retries=Retries(total_s=0)) as client, pytest.raises(ServerUnreachable) as raised:
+        client.readyz()
+    assert "127.0.0.1:9" in str(raised.value)
