@@ -65,6 +65,7 @@ const BRIEF = {
   score_below_threshold: "signs differ",
   contradiction: "signs contradict",
   no_anchors: "nothing to compare",
+  neighbours_vouch: "its neighbours return here",
   llm_pending: "descriptions pending",
   llm_unavailable: "model away",
   not_described: "signs not described",
@@ -74,6 +75,7 @@ const BRIEF = {
   anchors_disagree_with_transform: "signs misplaced",
   anchors_displaced: "signs in two places",
   odometry_disagrees_with_transform: "odometry differs",
+  ambiguous_places: "looks like two places",
   not_distinctive: "signs hang everywhere",
   tracked_only: "the same passage",
   no_witness: "signs alone are not enough",
@@ -87,7 +89,7 @@ function brief({ reason, anchors: figures, geometry: { status, inliers }, bow })
   return figures ? `S = ${number(figures.similarity)}` : `BoW ${number(bow.score, 3)}`;
 }
 
-const ADDS_DETAIL = ["no_anchors", "contradiction", "no_features", "llm_pending", "llm_unavailable",
+const ADDS_DETAIL = ["no_anchors", "neighbours_vouch", "contradiction", "no_features", "llm_pending", "llm_unavailable",
   "not_described", "odometry_disagrees_with_transform", "not_distinctive", "no_witness"];
 
 /** The reason for a person, with what was measured and asked. The server's own sentence follows where it adds to it. */
@@ -99,6 +101,7 @@ export function why({ code, measured, limit, detail }) {
     empty_bow: "It has no words (a blank wall?), and no anchor speaks for any place.",
     covisible: "It sees the same points as this keyframe: the present place, not a return.",
     bow_below_reference: `It looks less alike (${m}) than this map asks for (${l}).`,
+    neighbours_vouch: `It is a loop: the anchors near it leave it open, but its neighbours return here, and geometry verifies the view with ${m} inliers.`,
     no_anchors: "There are no anchors to compare.",
     llm_pending: "Anchors are not described yet, and their descriptions could turn the answer. Ask again in a while.",
     llm_unavailable: "The language model is away, and its word could turn the answer. Ask again in a while.",
@@ -112,6 +115,7 @@ export function why({ code, measured, limit, detail }) {
     anchors_displaced:
       `Signs that hang once would hang in two places if this were a loop. They weigh ${m}, what agrees ${l}.`,
     odometry_disagrees_with_transform: "The robot knows from its own tracking that it is somewhere else.",
+    ambiguous_places: `Geometry alone speaks for it, and nearly as much for another place: ${m} inliers, and ${l} are needed.`,
     tracked_only: "Whatever agrees was seen in this same passage: it was tracked, and shows no return.",
     no_witness: "Whatever agrees are texts without an identifier, which may hang in many places: nothing else says that it is this one.",
     not_distinctive: "Whatever agrees hangs in several places: it could be any of them.",

@@ -62,7 +62,7 @@ pub fn align(pairs: &[(Point3, Point3)], scale: Scale) -> Result<Sim3, Degenerat
     if from_spread <= 0.0 || to_spread <= 0.0 {
         return Err(Degenerate::Coincident);
     }
-    let rotation = rotation(&(cross / (from_spread * to_spread).sqrt()))?;
+    let rotation = best_rotation(&(cross / (from_spread * to_spread).sqrt()))?;
     let scale = match scale {
         Scale::Fixed => 1.0,
         // sum(to . R from) / sum(|from|^2), where sum(to . R from) is the trace of R cross.
@@ -74,8 +74,8 @@ pub fn align(pairs: &[(Point3, Point3)], scale: Scale) -> Result<Sim3, Degenerat
     Ok(Sim3::from_parts(scale, rotation, to_mean - rotation * from_mean * scale))
 }
 
-/// The rotation that maximises the sum of `to . R from`, from the normalised sum of `from to^T`.
-fn rotation(cross: &Matrix3<f64>) -> Result<UnitQuaternion<f64>, Degenerate> {
+/// Returns the rotation that maximises the sum of `to . R from`, from the normalised sum of `from to^T`.
+pub fn best_rotation(cross: &Matrix3<f64>) -> Result<UnitQuaternion<f64>, Degenerate> {
     let s = cross;
     let (yz, zx, xy) = (s.m23 - s.m32, s.m31 - s.m13, s.m12 - s.m21);
     #[rustfmt::skip]

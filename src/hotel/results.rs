@@ -1,5 +1,7 @@
 //! Results: an experiment's figures, for tables and as JSON.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use super::arm::Arm;
@@ -48,6 +50,8 @@ pub struct ArmResult {
     pub wrong: Vec<String>,
     /// Those that had a true loop and no answer.
     pub missed: Vec<String>,
+    /// The reason codes of the right candidates at those, each with how often it decided.
+    pub lost_by: BTreeMap<String, u64>,
     /// The counts again, to be pooled.
     #[serde(skip)]
     pub counts: [Counts; 2],
@@ -152,6 +156,10 @@ impl ArmResult {
             let those = driven.asked.iter().filter(|asked| asked.scored.outcome == outcome);
             those.map(|asked| super::explain::keyframe_id(asked.keyframe)).collect()
         };
+        let mut lost_by = BTreeMap::new();
+        for code in driven.asked.iter().filter_map(|asked| asked.lost_by.clone()) {
+            *lost_by.entry(code).or_default() += 1;
+        }
         Self {
             arm: driven.arm.name(),
             by_query: Accuracy::of(&counts[0]),
@@ -160,6 +168,7 @@ impl ArmResult {
             optimised: driven.closed,
             wrong: with(Outcome::Wrong),
             missed: with(Outcome::Missed),
+            lost_by,
             counts,
         }
     }

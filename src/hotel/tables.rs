@@ -1,5 +1,6 @@
 //! Tables: the paper's Tables II and III beside what was measured, and one row for each kind of noise.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use super::arm::Arm;
@@ -131,6 +132,26 @@ pub fn noise_table(results: &[WorldResult], arms: &[Arm]) -> String {
         row("pooled", *arm, pooled(results.iter().map(|result| result.arms.as_slice()), *arm));
     }
     text.push_str("\nin brackets Wilson's interval at 95 %\n");
+    text
+}
+
+/// Returns the true loops that ours did not find, by the reason of the right candidate that came farthest.
+pub fn losses<'a>(results: impl Iterator<Item = &'a [ArmResult]>) -> String {
+    let (mut by_code, mut there): (BTreeMap<&str, u64>, u64) = (BTreeMap::new(), 0);
+    for ours in results.filter_map(|arms| arm_of(arms, Arm::Ours)) {
+        there += ours.by_query.recall.whole;
+        for (code, count) in &ours.lost_by {
+            *by_code.entry(code).or_default() += count;
+        }
+    }
+    let mut rows: Vec<(&str, u64)> = by_code.into_iter().collect();
+    rows.sort_by_key(|(code, count)| (std::cmp::Reverse(*count), *code));
+    let lost: u64 = rows.iter().map(|(_, count)| count).sum();
+    let mut text =
+        format!("ours did not find {lost} of {there} true loops, by the reason of the right candidate:\n");
+    for (code, count) in rows {
+        let _ = writeln!(text, "  {code:34} {count:>6}  {:>5.1} %", 100.0 * count as f64 / there as f64);
+    }
     text
 }
 

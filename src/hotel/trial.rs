@@ -69,6 +69,8 @@ pub struct Asked {
     pub ranked: Option<Ranked>,
     /// How it is scored.
     pub scored: Scored,
+    /// Why a loop that was there was not found: the reason of the right candidate that came farthest.
+    pub lost_by: Option<String>,
     /// What the server said.
     pub answer: LoopAnswer,
 }
@@ -127,7 +129,9 @@ pub async fn drive(
         let is_revisit = course.is_revisit(*keyframe);
         let scored = Scored { visit, is_revisit, has_truth, outcome, inliers };
         let ranked = ranked(arm, &answer, answerable, |keyframe| find(&robots, keyframe));
-        let this = Asked { keyframe: *keyframe, best, ranked, scored, answer };
+        let lost_by =
+            (outcome == Outcome::Missed).then(|| lost_by(&answer, answerable, |id| find(&robots, id)));
+        let this = Asked { keyframe: *keyframe, best, ranked, scored, lost_by, answer };
         told(&this);
         asked.push(this);
     }
@@ -196,6 +200,20 @@ fn ranked(
     let keyframe = find(&first.keyframe)?;
     let is_right = answerable.truth.contains(&keyframe);
     (is_right || !answerable.ignore.contains(&keyframe)).then(|| Ranked { score: score(first), is_right })
+}
+
+/// Returns the reason code of the first right candidate, which is the best of those that failed; `not_a_candidate` if the
+/// answer has none.
+fn lost_by(
+    answer: &LoopAnswer,
+    answerable: &Answerable,
+    find: impl Fn(&str) -> Option<KeyframeIndex>,
+) -> String {
+    let is_right =
+        |candidate: &&Candidate| find(&candidate.keyframe).is_some_and(|key| answerable.truth.contains(&key));
+    let right = answer.candidates.iter().find(is_right);
+    let reason = right.and_then(|candidate| candidate.reason.as_ref());
+    reason.map_or_else(|| String::from("not_a_candidate"), |reason| reason.code.clone())
 }
 
 fn outcome(answer: &LoopAnswer, best: Option<KeyframeIndex>, answerable: &Answerable) -> Outcome {

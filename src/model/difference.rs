@@ -26,7 +26,7 @@ pub struct DifferenceEvidence {
 /// Why a differing identifier did not count as a contradiction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DifferenceReason {
-    /// An identifier may be misread: it was not read alike twice, and too few characters differ.
+    /// Geometry found the place, and an identifier may be misread: only one passage read it.
     NotSure,
     /// The two do not stand at the same relative place.
     AnotherPlace,

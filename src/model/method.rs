@@ -12,7 +12,7 @@ pub enum Method {
 }
 
 /// Each setting of ours with its value in the paper's method.
-const PAPER: [(&str, SettingValue); 12] = [
+const PAPER: [(&str, SettingValue); 18] = [
     ("anchor_map_min_similarity", SettingValue::Number(0.3)),
     ("one_to_one", SettingValue::Switch(false)),
     ("distinctive_weights", SettingValue::Switch(false)),
@@ -22,9 +22,15 @@ const PAPER: [(&str, SettingValue); 12] = [
     ("identifier_patterns", SettingValue::Patterns(Vec::new())),
     ("learned_identifiers", SettingValue::Switch(false)),
     ("company", SettingValue::Switch(false)),
+    ("odometry_max_drift_share", SettingValue::Number(0.0)),
     ("tracked_loops_need_geometry", SettingValue::Switch(false)),
     ("single_text_needs_witness", SettingValue::Switch(false)),
+    ("near_miss_neighbours", SettingValue::Switch(false)),
+    ("neighbours_vouch", SettingValue::Switch(false)),
     ("undecided_min_score_ratio", SettingValue::Number(0.0)),
+    ("rival_min_ratio", SettingValue::Number(0.0)),
+    ("geometry_models", SettingValue::Choice("sim3")),
+    ("geometry_acceptance", SettingValue::Choice("count")),
 ];
 
 impl Method {

@@ -90,7 +90,7 @@ pub struct AnchorReport {
     pub information_level: u8,
     /// One sentence for a person that says why it has that level, if it has a description.
     pub information_reason: Option<String>,
-    /// How the building writes its numbers on signs of this class, if that is known.
+    /// The patterns or shapes of the building's numbers on signs of this class, if that is known.
     pub numbering: Vec<String>,
     /// The distinct readings, heaviest first.
     pub readings: Vec<ReadingReport>,

@@ -19,8 +19,8 @@ pub enum SettingValue {
     Count(u32),
     /// On or off.
     Switch(bool),
-    /// What to do when a local anchor map is empty.
-    Policy(WithoutAnchors),
+    /// One of the setting's names.
+    Choice(&'static str),
     /// Regular expressions.
     Patterns(Vec<String>),
 }
@@ -51,10 +51,12 @@ pub enum SettingKind {
         /// Where it starts.
         default: bool,
     },
-    /// One of [`WithoutAnchors::NAMES`].
-    Policy {
+    /// One of several names.
+    Choice {
         /// Where it starts.
-        default: WithoutAnchors,
+        default: &'static str,
+        /// The names.
+        names: &'static [&'static str],
     },
     /// Regular expressions, as [`Numbering::given`] takes them.
     Patterns {
@@ -96,31 +98,78 @@ pub enum SettingError {
     Pattern(PatternError),
 }
 
-/// What a candidate gets when either local anchor map is empty: §V-B leaves 0/0 open.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum WithoutAnchors {
-    /// The anchors cannot tell: `undecided`.
-    #[default]
-    Undecided,
-    /// No semantic agreement, no loop.
-    Reject,
-    /// Geometry alone decides.
-    Geometry,
+/// Makes an enum whose values have names.
+macro_rules! choices {
+    ($(#[$doc:meta])* $type:ident, $expected:literal, $($(#[$of_value:meta])* $value:ident = $name:literal,)*) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        pub enum $type {
+            $($(#[$of_value])* $value,)*
+        }
+
+        impl $type {
+            /// The values' names.
+            pub const NAMES: &'static [&'static str] = &[$($name,)*];
+
+            /// Returns the value's name.
+            pub const fn as_str(self) -> &'static str {
+                Self::NAMES[self as usize]
+            }
+
+            /// Returns the value of a name.
+            pub fn from_name(name: &str) -> Option<Self> {
+                [$(Self::$value,)*].into_iter().find(|value| value.as_str() == name)
+            }
+        }
+
+        impl Field for $type {
+            const EXPECTED: &'static str = $expected;
+
+            fn read(&self) -> SettingValue {
+                SettingValue::Choice(self.as_str())
+            }
+
+            fn accept(_: &SettingKind, value: SettingValue) -> Result<Self, SettingError> {
+                match value {
+                    SettingValue::Choice(name) => Self::from_name(name),
+                    _ => None,
+                }
+                .ok_or(SettingError::Type(Self::EXPECTED))
+            }
+        }
+    };
 }
 
-impl WithoutAnchors {
-    /// The values' names.
-    pub const NAMES: [&'static str; 3] = ["undecided", "reject", "geometry"];
+choices! {
+    /// The decision on a candidate when either local anchor map is empty: §V-B leaves 0/0 open.
+    WithoutAnchors, "\"undecided\", \"reject\" or \"geometry\"",
+    /// The anchors cannot tell: `undecided`.
+    #[default]
+    Undecided = "undecided",
+    /// No semantic agreement, no loop.
+    Reject = "reject",
+    /// Geometry alone decides.
+    Geometry = "geometry",
+}
 
-    /// The value's name.
-    pub fn as_str(self) -> &'static str {
-        Self::NAMES[self as usize]
-    }
+choices! {
+    /// Which geometric models may verify a candidate.
+    GeometryModels, "\"auto\" or \"sim3\"",
+    /// A similarity where points are triangulated, else what two images allow.
+    #[default]
+    Auto = "auto",
+    /// A similarity and nothing else, as ORB-SLAM.
+    Sim3 = "sim3",
+}
 
-    /// The value of a name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        [Self::Undecided, Self::Reject, Self::Geometry].into_iter().find(|p| p.as_str() == name)
-    }
+choices! {
+    /// The rule by which inliers are enough.
+    GeometryAcceptance, "\"significance\" or \"count\"",
+    /// Chance does not explain as many.
+    #[default]
+    Significance = "significance",
+    /// There are `geometry_min_inliers`, as in ORB-SLAM.
+    Count = "count",
 }
 
 /// Ties one field's type to its kind of setting.
@@ -189,21 +238,6 @@ impl Field for bool {
     }
 }
 
-impl Field for WithoutAnchors {
-    const EXPECTED: &'static str = "\"undecided\", \"reject\" or \"geometry\"";
-
-    fn read(&self) -> SettingValue {
-        SettingValue::Policy(*self)
-    }
-
-    fn accept(_: &SettingKind, value: SettingValue) -> Result<Self, SettingError> {
-        match value {
-            SettingValue::Policy(policy) => Ok(policy),
-            _ => Err(SettingError::Type(Self::EXPECTED)),
-        }
-    }
-}
-
 impl Field for Vec<String> {
     const EXPECTED: &'static str = "a list of regular expressions";
 
@@ -220,6 +254,15 @@ impl Field for Vec<String> {
             _ => Err(SettingError::Type(Self::EXPECTED)),
         }
     }
+}
+
+macro_rules! setting_kind {
+    (Choice, $type:ty, $default:expr) => {
+        SettingKind::Choice { default: <$type>::as_str($default), names: <$type>::NAMES }
+    };
+    ($kind:ident, $type:ty, $default:expr $(, $min:expr, $max:expr)?) => {
+        SettingKind::$kind { default: $default $(, min: $min, max: $max)? }
+    };
 }
 
 macro_rules! settings {
@@ -242,7 +285,7 @@ macro_rules! settings {
                 $(Setting {
                     name: stringify!($name),
                     doc: $doc,
-                    kind: SettingKind::$kind { default: $default $(, min: $min, max: $max)? },
+                    kind: setting_kind!($kind, $type, $default $(, $min, $max)?),
                 },)*
             ];
 
@@ -312,20 +355,36 @@ settings! {
         "ours: learns for each class how the building writes its numbers, from ten values that were read alike in two keyframes or more each; from then on no other text of the class is an identifier";
     company: bool = Switch { true },
         "ours: a text beside which different numbers hang at the same offset, less than 1 m apart, hangs in two places";
+    odometry_max_drift_share: f64 = Number { 0.05, 0.0, 1000.0 },
+        "ours: along an unbroken chain of a session's keyframes odometry is off by at most this share of the way; no transformation may contradict it, and two sightings are two places only if it can tell; 0 = off";
+    odometry_slack_m: f64 = Number { 1.0, 0.0, 1e6 },
+        "ours: how far a transformation may be off odometry on any way, in metres";
     tracked_loops_need_geometry: bool = Switch { true },
         "ours: where all that agrees was tracked through this same passage, only verified geometry makes a loop";
     single_text_needs_witness: bool = Switch { true },
         "ours: a text without an identifier and with fewer than three specific words closes a loop only beside a matched identifier, along unbroken odometry, or under geometry on map points";
-    without_anchors: WithoutAnchors = Policy { WithoutAnchors::Undecided },
+    near_miss_neighbours: bool = Switch { true },
+        "ours: where a candidate reaches half of geometry_min_inliers, its covisible keyframes are checked as candidates in its stead";
+    neighbours_vouch: bool = Switch { true },
+        "ours: where there are no anchors, or all that agrees hangs in several places, it is a loop if geometry on map points verifies it and the anchors around its neighbours agree or a confirmed loop joins them";
+    without_anchors: WithoutAnchors = Choice { WithoutAnchors::Undecided },
         "the verdict when either local anchor map is empty, which §V-B leaves open (0/0): undecided, reject or geometry";
     association_position_radius_m: f64 = Number { 0.75, 0.0, 1000.0 },
         "ours: a detection with a position and no map points joins an anchor within this distance, in metres; also the distance at which covisible anchors that match are merged";
     candidates_min_score_ratio: f64 = Number { 0.0, 0.0, 1000.0 },
         "ours: a bag-of-words candidate must score at least this share of reference_score; 0 is off";
     geometry_min_matches: u32 = Count { 20, 3, 100_000 },
-        "ORB-SLAM: the fewest descriptor matches with which a Sim3 is estimated";
+        "ORB-SLAM: the fewest descriptor matches with which a transformation is estimated; with fewer geometry is skipped and rejects nothing";
     geometry_min_inliers: u32 = Count { 20, 3, 100_000 },
-        "ORB-SLAM: the fewest inliers of a verified Sim3";
+        "ORB-SLAM: the fewest inliers of a verified transformation, where geometry_acceptance is count";
+    geometry_alone_min_inliers: u32 = Count { 100, 3, 100_000 },
+        "ours: the fewest inliers with which geometry alone (without_anchors: geometry) closes a loop where no map point is projected: a homography, a rotation or an essential matrix proves a view, and not a place";
+    rival_min_ratio: f64 = Number { 2.0, 0.0, 1000.0 },
+        "ours: what geometry alone verifies is a loop only if it has this many times the inliers of the best candidate that is known to be another place; 0 = off";
+    geometry_models: GeometryModels = Choice { GeometryModels::Auto },
+        "ours: auto verifies by a similarity where enough points are triangulated, else by an essential matrix, a homography or a rotation, whichever the two images allow; sim3 is the letter: a similarity or nothing";
+    geometry_acceptance: GeometryAcceptance = Choice { GeometryAcceptance::Significance },
+        "ours: significance accepts inliers that matches placed at random would give less than once in a million candidates (log10 of the number of false alarms at most -6; Moisan and Stival 2004); count is the letter: geometry_min_inliers, 60 % of which, and an eighth of the matches, have near descriptors and points on both sides";
 }
 
 #[cfg(test)]

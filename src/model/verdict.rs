@@ -61,6 +61,8 @@ pub enum ReasonCode {
     BowBelowReference,
     /// Either local anchor map is empty.
     NoAnchors,
+    /// The anchors near leave it open; its neighbours return to this place, and geometry has verified the view.
+    NeighboursVouch,
     /// Anchors not described yet could turn the answer.
     LlmPending,
     /// The same, and the model that could describe them is away.
@@ -85,8 +87,10 @@ pub enum ReasonCode {
     AnchorsDisagreeWithTransform,
     /// Under the verified transformation signs that hang once would hang in two places.
     AnchorsDisplaced,
-    /// The verified transformation contradicts the robot's own tracking over a short way.
+    /// The verified transformation contradicts the robot's own tracking.
     OdometryDisagreesWithTransform,
+    /// Geometry alone speaks for it, and nearly as much for a candidate that is known to be another place.
+    AmbiguousPlaces,
 }
 
 impl ReasonCode {
@@ -98,6 +102,7 @@ impl ReasonCode {
             Self::EmptyBow => "empty_bow",
             Self::BowBelowReference => "bow_below_reference",
             Self::NoAnchors => "no_anchors",
+            Self::NeighboursVouch => "neighbours_vouch",
             Self::LlmPending => "llm_pending",
             Self::LlmUnavailable => "llm_unavailable",
             Self::NotDescribed => "not_described",
@@ -111,6 +116,7 @@ impl ReasonCode {
             Self::AnchorsDisagreeWithTransform => "anchors_disagree_with_transform",
             Self::AnchorsDisplaced => "anchors_displaced",
             Self::OdometryDisagreesWithTransform => "odometry_disagrees_with_transform",
+            Self::AmbiguousPlaces => "ambiguous_places",
         }
     }
 }
@@ -224,11 +230,10 @@ pub struct GeometryEvidence {
     pub figures: Option<GeometryFigures>,
 }
 
-/// What geometric verification found.
+/// The figures of a geometric verification.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GeometryFigures {
-    /// What was looked for: `sim3`, or `essential` where nothing is triangulated (the translation's length is then unknown
-    /// and given as 1).
+    /// The model: `sim3`, `se3`, `essential`, `homography` or `rotation`.
     pub model: &'static str,
     /// Descriptor matches between points with positions on both sides.
     pub matches: u32,
@@ -236,13 +241,17 @@ pub struct GeometryFigures {
     pub hypotheses: u32,
     /// Matches that the final transformation explains, after the guided search.
     pub inliers: u32,
+    /// The decimal logarithm of the number of false alarms: how often chance explains as many.
+    pub log10_false_alarms: Option<f64>,
     /// The inliers' mean reprojection error in both images, in pixels.
     pub mean_reprojection_error_px: Option<f64>,
     /// Maps points of the query's camera frame into the candidate's, in metres.
     pub candidate_from_query: Option<Sim3>,
+    /// The covariance of a verified similarity, 6 by 6.
+    pub covariance: Option<[f64; 36]>,
 }
 
-/// How far geometric verification came.
+/// The status of a geometric verification.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GeometryStatus {
     /// It did not run.

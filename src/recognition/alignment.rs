@@ -12,6 +12,8 @@ use super::anchor_map::{LocalAnchor, LocalName};
 use super::comparison::{Comparison, Matched, equation_2};
 use super::contradiction::{Contradiction, contradict};
 use super::difference::{Differing, Placement, Ruling};
+use super::index::{Certainty, MapIndex};
+use super::passage::settle;
 use crate::geometry::{Point3, Sim3};
 use crate::model::difference::DifferenceEvidence;
 use crate::model::settings::Settings;
@@ -64,8 +66,16 @@ pub struct Aligned<'a> {
 
 impl Compared {
     /// Keeps what a comparison found.
-    pub fn of(comparison: &Comparison<'_>, differing: Vec<Differing>) -> Self {
-        let own = |anchors: &[&LocalAnchor]| anchors.iter().copied().cloned().collect();
+    pub fn of(index: &MapIndex, comparison: &Comparison<'_>, mut differing: Vec<Differing>) -> Self {
+        let settled = |anchor: &LocalAnchor| {
+            let mut anchor = anchor.clone();
+            settle(index, &mut anchor);
+            anchor
+        };
+        let own = |anchors: &[&LocalAnchor]| anchors.iter().copied().map(settled).collect();
+        for pair in &mut differing {
+            pair.settle(index);
+        }
         Self {
             matched: comparison.matches.iter().map(Pair::of).collect(),
             elsewhere: comparison.elsewhere.iter().map(Pair::of).collect(),
@@ -115,16 +125,19 @@ impl Compared {
         } else {
             0.0
         };
-        let (query, candidate): (Vec<_>, Vec<_>) =
-            (self.unmatched_of_query.iter().collect(), self.unmatched_of_candidate.iter().collect());
+        // Geometry has found the place: only what is sure speaks against it.
+        let is_sure = |anchor: &&LocalAnchor| anchor.certainty == Certainty::Sure;
+        let query: Vec<_> = self.unmatched_of_query.iter().filter(is_sure).collect();
+        let candidate: Vec<_> = self.unmatched_of_candidate.iter().filter(is_sure).collect();
         let contradictions = if settings.contradiction_veto {
-            let is_measured = |a: &LocalAnchor, b: &LocalAnchor| !(a.range_assumed || b.range_assumed);
-            contradict(&query, &candidate, |a, b| is_measured(a, b) && apart_m(a, b) <= SAME_PLACE_M)
+            let same_place =
+                |a: &LocalAnchor, b: &LocalAnchor| a.is_measured_with(b) && apart_m(a, b) <= SAME_PLACE_M;
+            contradict(&query, &candidate, same_place, |_| true)
         } else {
             Vec::new()
         };
         let agreement = sum(|pair| pair.agreement);
-        let ruling = Ruling { contradictions: &contradictions, agreement };
+        let ruling = Ruling { contradictions: &contradictions, agreement, must_be_sure: true };
         let explain = |pair: &Differing| {
             let placement = placement(apart_m(pair.query(), pair.candidate()));
             pair.explain(&placement, ruling, settings)
@@ -155,7 +168,7 @@ impl Pair {
 
     /// Whether both distances were measured, so that a transformation may be held against them.
     fn is_measured(&self) -> bool {
-        !(self.query.range_assumed || self.candidate.range_assumed)
+        self.query.is_measured_with(&self.candidate)
     }
 
     /// How far the nearer of the two is from its camera.
@@ -212,7 +225,7 @@ mod tests {
             description: None,
             text: None,
             text_id: None,
-            sure: true,
+            certainty: Certainty::Sure,
             centre_in_session: centre,
             range_assumed: false,
             bearing: Bearing::of(&centre, &Pose::identity()),

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use super::association::{Association, associate};
 use super::distinctiveness::PlaceCounts;
-use super::index::{MapIndex, TextId};
+use super::index::{Certainty, MapIndex, TextId};
 use crate::geometry::{Bearing, Point3, Pose};
 use crate::model::anchor::AnchorState;
 use crate::model::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
@@ -51,8 +51,8 @@ pub struct LocalAnchor {
     pub text: Option<Arc<Text>>,
     /// The same as a text of the map, if it is one.
     pub text_id: Option<TextId>,
-    /// Are its identifiers sure by themselves (`contract.md` §8.7)?
-    pub sure: bool,
+    /// The certainty of its text, but for passages ([`super::passage::is_sure`]).
+    pub certainty: Certainty,
     /// Its centre, in the frame of the central keyframe's session.
     pub centre_in_session: Point3,
     /// Where it stands as seen from the central keyframe: theta_m and d_m of §V-B.
@@ -64,6 +64,13 @@ pub struct LocalAnchor {
     pub weight: f64,
     /// The number of places it stands at; 1 unless the map's settings ask for distinctive weights.
     pub places: usize,
+}
+
+impl LocalAnchor {
+    /// Whether the distances of both were measured, so that these may be compared.
+    pub fn is_measured_with(&self, other: &Self) -> bool {
+        !(self.range_assumed || other.range_assumed)
+    }
 }
 
 /// The anchors around one keyframe, ordered by name.
@@ -79,6 +86,14 @@ impl LocalAnchorMap {
     /// The anchors that take part in Eq. (2).
     pub fn valid(&self) -> impl Iterator<Item = &LocalAnchor> {
         self.anchors.iter().filter(|anchor| anchor.state == AnchorState::Valid)
+    }
+
+    /// Returns the `most` heaviest valid anchors that are wanted, by weight; the nearest ones are the heaviest.
+    pub fn heaviest(&self, most: usize, is_wanted: impl Fn(&LocalAnchor) -> bool) -> Vec<&LocalAnchor> {
+        let mut anchors: Vec<&LocalAnchor> = self.valid().filter(|anchor| is_wanted(anchor)).collect();
+        anchors.sort_by(|a, b| b.weight.total_cmp(&a.weight).then_with(|| a.name.cmp(&b.name)));
+        anchors.truncate(most);
+        anchors
     }
 
     /// How many anchors nothing has described yet.
@@ -171,7 +186,10 @@ fn stored_anchor(
         description: object.description.as_ref().map(|description| description.raw.clone()),
         text: object.description.as_ref().map(|description| description.text.clone()),
         text_id,
-        sure: object.description.as_ref().is_some_and(|description| description.sure),
+        certainty: object
+            .description
+            .as_ref()
+            .map_or(Certainty::ReadOnce, |description| description.certainty),
         centre_in_session,
         bearing,
         range_assumed,
@@ -208,7 +226,7 @@ fn inline_anchor(
         description: inline.text.as_ref().map(|text| text.normalised().into()),
         text: inline.text.clone(),
         text_id,
-        sure: inline.described,
+        certainty: if inline.described { Certainty::Sure } else { Certainty::ReadOnce },
         centre_in_session: inline.centre_in_session,
         bearing,
         range_assumed: inline.range_assumed,

@@ -20,8 +20,11 @@ use crate::model::ids::{AnchorSeq, KeyframeSeq};
 /// to nothing about which, and a thousand EXIT signs must not cost a thousand looks.
 const MAX_REVISITS_PER_ANCHOR: usize = 64;
 
+/// Keyframes of a place that a near miss asks, so that a query costs no more than so many verifications a place.
+const NEAR_MISS_NEIGHBOURS: usize = 5;
+
 /// A candidate of either channel.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Proposal {
     /// The keyframe.
     pub keyframe: KeyframeSeq,
@@ -30,6 +33,8 @@ pub struct Proposal {
     /// Did bag of words bring it? Then it must score its share of the reference; one that only anchors
     /// propose need not.
     pub by_words: bool,
+    /// Other keyframes of the place, covisible with it, by score; where a near miss asks them.
+    pub neighbours: Vec<(KeyframeSeq, Score)>,
 }
 
 /// The candidates, and the reference score.
@@ -39,6 +44,13 @@ pub struct Proposals {
     pub candidates: Vec<Proposal>,
     /// The lowest score of the query against its covisible keyframes; 0 without any (`contract.md` §8.9).
     pub reference_score: f64,
+}
+
+impl Proposals {
+    /// Whether a keyframe is a candidate.
+    pub fn has(&self, keyframe: KeyframeSeq) -> bool {
+        self.candidates.iter().any(|candidate| candidate.keyframe == keyframe)
+    }
 }
 
 thread_local! {
@@ -58,7 +70,13 @@ pub fn find_candidates(index: &MapIndex, query: &Query<'_>, places: &mut PlaceCo
         let mut candidates = by_words(index, query, &scores, place_scratch);
         for keyframe in by_anchors(index, query, &scores, places, place_scratch) {
             if candidates.iter().all(|known| known.keyframe != keyframe) {
-                candidates.push(Proposal { keyframe, score: scores.get(keyframe.0), by_words: false });
+                let score = scores.get(keyframe.0);
+                candidates.push(Proposal { keyframe, score, by_words: false, neighbours: Vec::new() });
+            }
+        }
+        if index.properties().settings.near_miss_neighbours && query.sight.is_some() {
+            for candidate in &mut candidates {
+                candidate.neighbours = best_neighbours(index, query, candidate.keyframe, &scores);
             }
         }
         Proposals { candidates, reference_score }
@@ -77,7 +95,10 @@ fn by_words(
     let near = |keyframe| neighbours(index, keyframe);
     let best = best_places(scores, limits, excluded, by_id(index), near, scratch);
     best.into_iter()
-        .map(|(keyframe, score)| Proposal { keyframe: KeyframeSeq(keyframe), score, by_words: true })
+        .map(|(keyframe, score)| {
+            let keyframe = KeyframeSeq(keyframe);
+            Proposal { keyframe, score, by_words: true, neighbours: Vec::new() }
+        })
         .collect()
 }
 
@@ -149,6 +170,28 @@ fn other_passages(index: &MapIndex, query: &Query<'_>, object: &Object) -> BTree
     members
         .flat_map(|(member, anchor)| anchor.keyframes().filter(move |keyframe| elsewhere(member, keyframe)))
         .collect()
+}
+
+/// Returns the keyframes of a candidate's place that look most like the query, and share a word with it.
+fn best_neighbours(
+    index: &MapIndex,
+    query: &Query<'_>,
+    candidate: KeyframeSeq,
+    scores: &Scores<'_>,
+) -> Vec<(KeyframeSeq, Score)> {
+    let near = index.covisibility().neighbours(candidate).filter(|other| !query.excludes(*other));
+    let scored = near.map(|other| (other, scores.get(other.0)));
+    let mut scored: Vec<_> = scored.filter(|(_, score)| score.units() > 0).collect();
+    let best_first = |a: &(KeyframeSeq, Score), b: &(KeyframeSeq, Score)| {
+        b.1.units().cmp(&a.1.units()).then_with(|| by_id(index)(a.0.0, b.0.0))
+    };
+    // Thousands of keyframes may see one place.
+    if scored.len() > NEAR_MISS_NEIGHBOURS {
+        scored.select_nth_unstable_by(NEAR_MISS_NEIGHBOURS, best_first);
+        scored.truncate(NEAR_MISS_NEIGHBOURS);
+    }
+    scored.sort_by(best_first);
+    scored
 }
 
 /// The numbers of the keyframes covisible with one.

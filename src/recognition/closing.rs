@@ -76,7 +76,7 @@ fn matched_objects(index: &MapIndex, closed: &Loop) -> Vec<(AnchorSeq, AnchorSeq
     let query = local_anchor_map(index, &query, &mut places);
     let candidate = local_anchor_map(index, &candidate, &mut places);
     let settings = Settings { one_to_one: true, ..index.properties().settings.clone() };
-    let comparison = compare(&query, &candidate, index.texts(), &settings);
+    let comparison = compare(&query, &candidate, index, &settings);
     let pairs = comparison.matches.iter().filter_map(|pair| match (pair.query.name, pair.candidate.name) {
         (LocalName::Object(a), LocalName::Object(b)) => Some((a, b)),
         _ => None,

@@ -11,10 +11,16 @@ use super::anchor_map::{LocalAnchor, LocalAnchorMap, LocalName};
 use super::assignment::assign;
 use super::contradiction::{Contradiction, contradict, unmatched};
 use super::dispute::disputed;
-use super::index::TextIndex;
+use super::index::{MapIndex, TextIndex};
+use super::passage::is_sure;
+use super::sighting::Sighting;
 use crate::model::anchor::AnchorState;
+use crate::model::ids::{KeyframeSeq, SessionSeq};
 use crate::model::settings::Settings;
 use crate::semantics::{self, Source};
+
+/// What an inline keyframe sees is held against stored anchors by its place alone.
+static NOWHERE: BTreeSet<KeyframeSeq> = BTreeSet::new();
 
 /// A pair of anchors with x(i, j) = 1.
 #[derive(Clone, Debug)]
@@ -102,20 +108,26 @@ impl Comparison<'_> {
     pub fn contradicting_weight(&self) -> f64 {
         total(self.contradictions.iter().map(Contradiction::weight))
     }
+
+    /// The weight of everything that surely contradicts.
+    pub fn surely_contradicting_weight(&self) -> f64 {
+        total(self.contradictions.iter().filter(|pair| pair.is_sure).map(Contradiction::weight))
+    }
 }
 
 /// Compares the local anchor map of the query with that of a candidate.
 pub fn compare<'a>(
     query: &'a LocalAnchorMap,
     candidate: &'a LocalAnchorMap,
-    texts: &TextIndex,
+    index: &MapIndex,
     settings: &Settings,
 ) -> Comparison<'a> {
+    let texts = index.texts();
     let of_query: Vec<&LocalAnchor> = query.valid().collect();
     let of_candidate: Vec<&LocalAnchor> = candidate.valid().collect();
-    let is_one_frame = query.session.is_some() && query.session == candidate.session;
+    let session = query.session.filter(|session| candidate.session == Some(*session));
     let disputed = [disputed(query), disputed(candidate)];
-    let matcher = Matcher { is_one_frame, texts, settings, disputed };
+    let matcher = Matcher { index, session, settings, disputed };
     let matches = matcher.matching_pairs(&of_query, &of_candidate);
     let elsewhere = matcher.elsewhere(&of_query, &of_candidate);
     let total_weight = total(of_query.iter().chain(&of_candidate).map(|anchor| anchor.weight));
@@ -125,7 +137,8 @@ pub fn compare<'a>(
     let unmatched_of_query = unmatched(&of_query, &of_candidate, texts, settings);
     let unmatched_of_candidate = unmatched(&of_candidate, &of_query, texts, settings);
     let contradictions = if settings.contradiction_veto {
-        contradict(&unmatched_of_query, &unmatched_of_candidate, |a, b| same_relative_place(a, b, settings))
+        let same_place = |a: &LocalAnchor, b: &LocalAnchor| same_relative_place(a, b, settings);
+        contradict(&unmatched_of_query, &unmatched_of_candidate, same_place, |a| is_sure(index, a))
     } else {
         Vec::new()
     };
@@ -160,9 +173,9 @@ pub(super) fn equation_2(matching_weight: f64, total_weight: f64) -> f64 {
 
 /// What deciding on a pair needs.
 struct Matcher<'m> {
-    /// Are the two maps in one session's frame?
-    is_one_frame: bool,
-    texts: &'m TextIndex,
+    index: &'m MapIndex,
+    /// The session whose frame both maps are in, if it is one.
+    session: Option<SessionSeq>,
     settings: &'m Settings,
     /// The disputed anchors, those of the query's map first.
     disputed: [BTreeSet<LocalName>; 2],
@@ -197,7 +210,7 @@ impl Matcher<'_> {
         }
         let pairs = of_query.iter().flat_map(|a| of_candidate.iter().map(move |b| (*a, *b)));
         pairs
-            .filter(|(a, b)| !(a.range_assumed || b.range_assumed))
+            .filter(|(a, b)| a.is_measured_with(b))
             .filter(|(a, b)| !same_relative_place(a, b, self.settings))
             .filter_map(|(a, b)| self.alike(a, b))
             .filter(|pair| pair.places == 1)
@@ -205,29 +218,37 @@ impl Matcher<'_> {
     }
 
     fn alike<'a>(&self, query: &'a LocalAnchor, candidate: &'a LocalAnchor) -> Option<Matched<'a>> {
-        let (level, source) = similar(query, candidate, self.texts, self.settings)?;
-        let radius_m = self.settings.distinctive_place_radius_m;
-        let places = places_if_one(query, candidate, self.is_one_frame, radius_m);
+        let (level, source) = similar(query, candidate, self.index.texts(), self.settings)?;
+        let places = self.places_if_one(query, candidate);
         let [of_query, of_candidate] = &self.disputed;
         let is_disputed = of_query.contains(&query.name) || of_candidate.contains(&candidate.name);
         Some(Matched { query, candidate, level, source, places, is_disputed })
     }
-}
 
-/// In how many places what two anchors show hangs, were the two one object: one place fewer than counted, if the frame
-/// has them apart. A plate seen again after metres of drift hangs in one place; an exit sign seen at a second door as well,
-/// until there is a third.
-fn places_if_one(query: &LocalAnchor, candidate: &LocalAnchor, is_one_frame: bool, radius_m: f64) -> usize {
-    let places = query.places.max(candidate.places);
-    let apart_m = (query.centre_in_session - candidate.centre_in_session).norm();
-    let is_measured = !(query.range_assumed || candidate.range_assumed);
-    if is_one_frame && is_measured && apart_m > radius_m { (places - 1).max(1) } else { places }
+    /// In how many places what two anchors show hangs, were the two one object: one place fewer than counted, if the
+    /// frame has them in two. A plate seen again after metres of drift hangs in one place; an exit sign seen at a second
+    /// door as well, until there is a third.
+    fn places_if_one(&self, query: &LocalAnchor, candidate: &LocalAnchor) -> usize {
+        let places = query.places.max(candidate.places);
+        if places == 1 || !query.is_measured_with(candidate) {
+            return places;
+        }
+        let sighting = |anchor: &LocalAnchor| match (anchor.name, self.session) {
+            (LocalName::Object(root), Some(session)) => Sighting::of(self.index, root, session),
+            (LocalName::Inline(_), Some(_)) => Some(Sighting::inline(anchor.centre_in_session, &NOWHERE)),
+            (_, None) => None,
+        };
+        match sighting(query).zip(sighting(candidate)) {
+            Some((a, b)) if !a.may_be_at(&b, self.index) && !a.shares_map_with(&b, self.index) => places - 1,
+            _ => places,
+        }
+    }
 }
 
 /// |theta_i - theta_j| < pi/3 and |d_i - d_j| < 1, strictly; the angle alone where a distance was assumed.
 pub(super) fn same_relative_place(a: &LocalAnchor, b: &LocalAnchor, settings: &Settings) -> bool {
-    let assumed = a.range_assumed || b.range_assumed;
-    (assumed || a.bearing.distance_difference_m(&b.bearing) < settings.anchor_map_max_distance_difference_m)
+    (!a.is_measured_with(b)
+        || a.bearing.distance_difference_m(&b.bearing) < settings.anchor_map_max_distance_difference_m)
         && a.bearing.angle_difference_rad(&b.bearing) < settings.anchor_map_max_angle_difference_rad
 }
 

@@ -1,26 +1,18 @@
 //! The last step of §V and the answer: geometry on what passed the anchors, the anchors under its transformation,
 //! and the best of what is left.
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::collections::BTreeSet;
 
 use super::evidence;
-use super::features::MatchableFeatures;
+use super::features::FeatureSet;
+use super::geometry_check::{Checked, Seeing, check_geometry};
+use super::passage::Returning;
+use super::rivals::{Concluded, Seen, settle_rivals};
 use super::screening::{Screened, Screening, Standing};
-use super::sight::Sight;
-use super::verification::essential::verify_essential;
-use super::verification::{Limits, Model, Status, Verification, View, verify};
-use crate::model::ids::KeyframeSeq;
-use crate::model::verdict::{Candidate, CandidateDecision, Decision, ReasonCode, Verdict, Verify};
-
-/// The features that were read for a query.
-#[derive(Clone, Debug, Default)]
-pub struct FeatureSet {
-    /// The query's own, if it is not stored.
-    pub inline: Option<Arc<MatchableFeatures>>,
-    /// Those of the map's keyframes.
-    pub stored: BTreeMap<KeyframeSeq, Arc<MatchableFeatures>>,
-}
+use super::verification::{Failure, Status, Verification};
+use crate::model::verdict::{
+    Candidate, CandidateDecision, Decision, GeometryStatus, Reason, ReasonCode, Verdict, Verify,
+};
 
 /// Concludes a query. Pure, and without the map: the same arguments give the same answer, on any thread.
 pub fn conclude(screening: Screening, features: &FeatureSet, seed: u64) -> Verdict {
@@ -29,9 +21,14 @@ pub fn conclude(screening: Screening, features: &FeatureSet, seed: u64) -> Verdi
         None => features.inline.as_ref(),
     };
     let asked = screening.sight.as_ref().zip(of_query.map(AsRef::as_ref));
-    let mut candidates: Vec<Candidate> = (screening.candidates.iter())
+    let mut concluded: Vec<Concluded> = (screening.candidates.iter())
         .map(|screened| conclude_candidate(&screening, screened, asked, features, seed))
         .collect();
+    settle_rivals(&screening.candidates, &mut concluded, &screening.settings);
+    let mut candidates: Vec<Candidate> = concluded.into_iter().map(|one| one.candidate).collect();
+    // One keyframe may stand in for two places that it is covisible with.
+    let mut known = BTreeSet::new();
+    candidates.retain(|candidate| known.insert(candidate.keyframe.clone()));
     candidates.sort_by(evidence::best_first);
     answer(&screening, candidates)
 }
@@ -39,111 +36,147 @@ pub fn conclude(screening: Screening, features: &FeatureSet, seed: u64) -> Verdi
 fn conclude_candidate(
     screening: &Screening,
     screened: &Screened,
-    asked: Option<(&Sight, &MatchableFeatures)>,
+    asked: Option<Seeing<'_>>,
     features: &FeatureSet,
     seed: u64,
-) -> Candidate {
+) -> Concluded {
     let mut candidate = screened.candidate.clone();
-    if screened.standing == Standing::Stopped {
-        return candidate;
+    let is_stopped = screened.standing == Standing::Stopped;
+    if is_stopped && !screened.rivalry.is_rival {
+        return Concluded { candidate, view: None };
     }
-    let found = screened.sight.as_ref().zip(features.stored.get(&screened.keyframe).map(AsRef::as_ref));
-    match run_geometry(screening, asked, found, features, seed) {
-        Ok(verification) => {
-            candidate.geometry = evidence::geometry(&verification);
-            judge_geometry(screening, screened, &verification, &mut candidate);
-            // A view without map points may be that of another floor.
-            let is_witness = verification.model == Model::Sim3;
-            if lacks_witness(screened.standing)
-                && !is_witness
-                && candidate.decision == CandidateDecision::Loop
-            {
-                candidate.decision = CandidateDecision::Undecided;
-                candidate.reason = Some(evidence::no_witness());
+    let checked = check_geometry(screening, screened, asked, features, seed);
+    let is_near_miss = checked.as_ref().is_ok_and(Checked::is_near_miss);
+    let view = checked.as_ref().ok().map(|checked| seen(screened, &checked.verification));
+    if !is_stopped {
+        decide(screening, screened, checked, &mut candidate);
+    }
+    if is_near_miss && candidate.decision != CandidateDecision::Loop {
+        let asked = |neighbour| conclude_candidate(screening, neighbour, asked, features, seed);
+        if let Some(mut found) = screened.neighbours.iter().map(asked).find(is_verified_loop) {
+            found.candidate.geometry.reason = Some(evidence::stands_in(&candidate));
+            return found;
+        }
+    }
+    Concluded { candidate, view }
+}
+
+/// Whether a neighbour may stand in for what geometry rejected: geometry on map points, and not its anchors alone, has found
+/// the place.
+fn is_verified_loop(neighbour: &Concluded) -> bool {
+    let Concluded { candidate, view } = neighbour;
+    candidate.decision == CandidateDecision::Loop
+        && candidate.geometry.status == GeometryStatus::Verified
+        && view.is_some_and(|view| view.query_in_session.is_some())
+}
+
+/// Returns what geometry found, to be held against rivals.
+fn seen(screened: &Screened, verification: &Verification) -> Seen {
+    let metric = verification.candidate_from_query.filter(|_| verification.model.is_metric());
+    let query_in_session = metric.zip(screened.sight.as_ref()).and_then(|(found, sight)| sight.place(&found));
+    Seen { inliers: verification.inliers, query_in_session }
+}
+
+/// Decides on a candidate that passed the anchors by what geometry found, or by what is missing for it.
+fn decide(
+    screening: &Screening,
+    screened: &Screened,
+    checked: Result<Checked, &'static str>,
+    candidate: &mut Candidate,
+) {
+    let (missing, skipped) = match checked {
+        Ok(checked) if checked.verification.status != Status::Skipped => {
+            candidate.geometry = evidence::geometry(&checked.verification);
+            judge_geometry(screening, screened, &checked.verification, candidate);
+            if candidate.decision == CandidateDecision::Loop && !checked.verification.model.is_metric() {
+                judge_view(screened, candidate);
             }
+            judge_vouched(screened, &checked.verification, candidate);
+            return;
+        }
+        Ok(checked) => {
+            candidate.geometry = evidence::geometry(&checked.verification);
+            let why = checked.verification.failure.map_or_else(String::new, |failure| failure.to_string());
+            (why, Some(checked))
         }
         Err(missing) => {
             candidate.geometry = evidence::geometry_skipped(missing);
-            let reason = match screened.standing {
-                Standing::TrackedOnly { .. } => Some(evidence::tracked_only()),
-                Standing::NeedsWitness => Some(evidence::no_witness()),
-                _ => None,
-            };
-            if reason.is_some() {
-                candidate.decision = CandidateDecision::Undecided;
-                candidate.reason = reason;
-            }
-            if screening.verify == Verify::Geometry || screened.standing == Standing::AskGeometry {
-                candidate.decision = CandidateDecision::Undecided;
-                candidate.reason = Some(evidence::geometry_missing(missing));
+            (missing.to_owned(), None)
+        }
+    };
+    // A check that cannot run rejects nothing: where it need not, the anchors decide.
+    if let Some(reason) = &screened.contradicted {
+        reject(candidate, reason.clone());
+        return;
+    }
+    match screened.standing {
+        Standing::Vouched => leave_unvouched(screened, candidate),
+        _ if screening.verify == Verify::Geometry || screened.standing == Standing::AskGeometry => {
+            leave_undecided(candidate, evidence::geometry_missing(&missing));
+        }
+        Standing::TrackedOnly { .. } => leave_undecided(candidate, evidence::tracked_only()),
+        Standing::NeedsWitness => leave_undecided(candidate, evidence::no_witness()),
+        Standing::Stopped | Standing::AnchorsAgree | Standing::AskGeometry => {
+            // Two views of one sign have something in common; one from behind the wall has not.
+            if let Some((matches, limit)) = skipped.and_then(|checked| unseen(screened, &checked)) {
+                leave_undecided(candidate, evidence::too_few_matches(matches, limit));
             }
         }
     }
-    candidate
+}
+
+/// Returns the matches and their limit where so few match that the two need not see one place, whatever their anchors say.
+fn unseen(screened: &Screened, checked: &Checked) -> Option<(u32, u32)> {
+    let is_open = checked.are_triangulated || screened.identifier != Returning::InView;
+    match checked.verification.failure {
+        Some(Failure::TooFewMatches { matches, limit }) if is_open => Some((matches, limit)),
+        _ => None,
+    }
+}
+
+/// A view without map points may be that of another floor: it makes nothing sure, and witnesses nothing.
+fn judge_view(screened: &Screened, candidate: &mut Candidate) {
+    if let Some(reason) = &screened.contradicted {
+        reject(candidate, reason.clone());
+    } else if lacks_witness(screened.standing) {
+        leave_undecided(candidate, evidence::no_witness());
+    }
+}
+
+fn reject(candidate: &mut Candidate, reason: Reason) {
+    candidate.decision = CandidateDecision::Rejected;
+    candidate.reason = Some(reason);
+}
+
+fn leave_undecided(candidate: &mut Candidate, reason: Reason) {
+    candidate.decision = CandidateDecision::Undecided;
+    candidate.reason = Some(reason);
+}
+
+/// Says that neighbours vouch for what geometry on map points verifies, and takes back what it does not.
+fn judge_vouched(screened: &Screened, verification: &Verification, candidate: &mut Candidate) {
+    let Some(vouched) = &screened.vouched else { return };
+    if verification.status == Status::Verified && verification.model.is_metric() {
+        if candidate.decision == CandidateDecision::Loop {
+            candidate.reason = Some(evidence::neighbours_vouch(vouched.by, verification.inliers));
+        }
+    } else {
+        leave_unvouched(screened, candidate);
+    }
+}
+
+/// Decides as if nobody vouched.
+fn leave_unvouched(screened: &Screened, candidate: &mut Candidate) {
+    if let Some(vouched) = &screened.vouched {
+        let (decision, reason) = vouched.otherwise.clone();
+        candidate.decision = decision;
+        candidate.reason = Some(reason);
+    }
 }
 
 /// Whether nothing but texts that need a witness agrees.
 fn lacks_witness(standing: Standing) -> bool {
     matches!(standing, Standing::NeedsWitness | Standing::TrackedOnly { has_witness: false })
-}
-
-/// Runs geometry on one candidate, or tells what is missing for it.
-fn run_geometry(
-    screening: &Screening,
-    asked: Option<(&Sight, &MatchableFeatures)>,
-    found: Option<(&Sight, &MatchableFeatures)>,
-    features: &FeatureSet,
-    seed: u64,
-) -> Result<Verification, &'static str> {
-    if screening.verify == Verify::Anchors {
-        return Err("the query asks for anchors alone");
-    }
-    let (query_sight, query) = asked.ok_or("the query has no features or no camera")?;
-    let (candidate_sight, candidate) = found.ok_or("the candidate has no features or no camera")?;
-    let limits = limits(screening);
-    let query_points = query_sight.points_in_camera(query);
-    let candidate_points = candidate_sight.points_in_camera(candidate);
-    let min_matches = limits.min_matches as usize;
-    if query.keypoints.len() < min_matches || candidate.keypoints.len() < min_matches {
-        return Err("one of the two has fewer features than geometry_min_matches");
-    }
-    let triangulated = |points: &[Option<_>]| points.iter().flatten().count() >= min_matches;
-    if !triangulated(&query_points) || !triangulated(&candidate_points) {
-        // Monocular, before scale: directions alone can confirm the place.
-        let query = view(query_sight, query, &query_points);
-        let candidate = view(candidate_sight, candidate, &candidate_points);
-        return Ok(verify_essential(&query, &candidate, &limits, seed));
-    }
-    let window: Vec<_> = (candidate_sight.window.iter())
-        .filter_map(|seq| Some((*seq, features.stored.get(seq)?.as_ref())))
-        .collect();
-    let landmarks = candidate_sight.landmarks(candidate, &window, (query_sight, query));
-    let query = view(query_sight, query, &query_points);
-    let candidate = view(candidate_sight, candidate, &candidate_points);
-    Ok(verify(&query, &candidate, &landmarks, &limits, seed))
-}
-
-fn limits(screening: &Screening) -> Limits {
-    Limits {
-        min_matches: screening.settings.geometry_min_matches,
-        min_inliers: screening.settings.geometry_min_inliers,
-        fixed_scale: screening.metric,
-        ..Limits::default()
-    }
-}
-
-fn view<'a>(
-    sight: &Sight,
-    features: &'a MatchableFeatures,
-    points_in_camera: &'a [Option<crate::geometry::Point3>],
-) -> View<'a> {
-    View {
-        camera: sight.camera,
-        keypoints: &features.keypoints,
-        descriptors: &features.descriptors,
-        nodes: features.nodes.as_deref(),
-        points_in_camera,
-    }
 }
 
 /// What geometry found decides, and then the anchors under its transformation.
@@ -154,19 +187,34 @@ fn judge_geometry(
     candidate: &mut Candidate,
 ) {
     let settings = &screening.settings;
+    let is_metric = verification.model.is_metric();
     if verification.status == Status::Failed {
-        candidate.decision = CandidateDecision::Rejected;
-        candidate.reason = Some(evidence::too_few_inliers(verification, settings));
+        let reason = evidence::too_few_inliers(verification, settings);
+        if is_metric || screened.identifier == Returning::No {
+            reject(candidate, reason);
+        } else if screening.verify == Verify::Geometry {
+            leave_undecided(candidate, reason);
+        }
         return;
     }
+    let alone = settings.geometry_alone_min_inliers;
+    if screened.standing == Standing::AskGeometry && !is_metric {
+        if verification.inliers < alone {
+            leave_undecided(candidate, evidence::too_few_alone(verification, alone));
+            return;
+        }
+        // The next frame of one drive shows the same view.
+        if screened.is_here {
+            leave_undecided(candidate, evidence::tracked_only());
+            return;
+        }
+    }
     // A translation of unknown length puts nothing anywhere.
-    let is_metric = verification.model == Model::Sim3;
     let metric_transform = verification.candidate_from_query.filter(|_| is_metric);
     if let Some((path, transform)) = screened.path.zip(metric_transform)
-        && let Some(discrepancy) = path.discrepancy(&transform)
+        && let Some(discrepancy) = path.discrepancy(&transform, &screening.settings)
     {
-        candidate.decision = CandidateDecision::Rejected;
-        candidate.reason = Some(evidence::disagrees_with_odometry(discrepancy, path.length_m));
+        reject(candidate, evidence::disagrees_with_odometry(discrepancy, path.length_m));
         return;
     }
     let Some(transform) = metric_transform.filter(|_| screened.compared.has_anchors()) else { return };
@@ -184,14 +232,12 @@ fn judge_geometry(
     } else if contradicting + aligned.displaced > aligned.agreement {
         evidence::displaced(contradicting + aligned.displaced, aligned.agreement)
     } else if let Some(places) = aligned.least_places.filter(|places| agreed && *places > 1) {
-        candidate.decision = CandidateDecision::Undecided;
-        candidate.reason = Some(evidence::not_distinctive(places));
+        leave_undecided(candidate, evidence::not_distinctive(places));
         return;
     } else {
         return;
     };
-    candidate.decision = CandidateDecision::Rejected;
-    candidate.reason = Some(reason);
+    reject(candidate, reason);
 }
 
 /// Whether an undecided candidate looks too little alike for what it lacks to matter: nothing that is on its way, such as a

@@ -2,7 +2,8 @@
 //!
 //! Room 910's plate where room 901's hung is evidence against the loop, which the paper does not
 //! use. Taking *any* contradiction as a veto costs half the recall once plates are misread, so
-//! only sure identifiers count, and only if together they outweigh what agrees.
+//! identifiers that are not sure count only where geometry cannot run, and contradictions only if
+//! together they outweigh what agrees.
 
 use super::anchor_map::LocalAnchor;
 use super::assignment::assign;
@@ -11,10 +12,6 @@ use super::index::TextIndex;
 use crate::model::settings::Settings;
 use crate::semantics;
 
-/// A single reading is sure only against an identifier that differs in at least this many
-/// characters: one character is easily misread, two hardly ever.
-pub(super) const SURE_DIFFERENCE_CHARACTERS: usize = 2;
-
 /// A pair of anchors that cannot be the same object, though they stand at the same relative place.
 #[derive(Clone, Copy, Debug)]
 pub struct Contradiction<'a> {
@@ -22,6 +19,8 @@ pub struct Contradiction<'a> {
     pub query: &'a LocalAnchor,
     /// The anchor of the candidate's map.
     pub candidate: &'a LocalAnchor,
+    /// Whether both identifiers are sure.
+    pub is_sure: bool,
 }
 
 impl Contradiction<'_> {
@@ -57,23 +56,25 @@ pub fn unmatched<'a>(
 }
 
 /// The contradicting pairs among unmatched anchors, one-to-one, by maximum weight; `same_place` tells
-/// which anchors stand at the same place.
+/// which anchors stand at the same place, `is_sure` what each is surely called.
 pub fn contradict<'a>(
     query: &[&'a LocalAnchor],
     candidate: &[&'a LocalAnchor],
     same_place: impl Fn(&LocalAnchor, &LocalAnchor) -> bool,
+    is_sure: impl Fn(&LocalAnchor) -> bool,
 ) -> Vec<Contradiction<'a>> {
     let pairs = assign(query.len(), candidate.len(), |i, j| {
         let (a, b) = (query[i], candidate[j]);
-        (same_place(a, b) && surely_differ(a, b)).then_some(a.weight + b.weight)
+        (same_place(a, b) && differ(a, b)).then_some(a.weight + b.weight)
     });
-    pairs.into_iter().map(|(i, j)| Contradiction { query: query[i], candidate: candidate[j] }).collect()
+    let contradiction = |(i, j): (usize, usize)| {
+        let (query, candidate) = (query[i], candidate[j]);
+        Contradiction { query, candidate, is_sure: is_sure(query) && is_sure(candidate) }
+    };
+    pairs.into_iter().map(contradiction).collect()
 }
 
-fn surely_differ(a: &LocalAnchor, b: &LocalAnchor) -> bool {
+fn differ(a: &LocalAnchor, b: &LocalAnchor) -> bool {
     let (Some(of_a), Some(of_b)) = (a.text.as_deref(), b.text.as_deref()) else { return false };
-    a.class == b.class
-        && semantics::conflict(of_a, of_b).is_some_and(|conflict| {
-            (a.sure && b.sure) || conflict.differing_characters >= SURE_DIFFERENCE_CHARACTERS
-        })
+    a.class == b.class && semantics::conflict(of_a, of_b).is_some()
 }

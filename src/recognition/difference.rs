@@ -6,14 +6,15 @@ use std::collections::BTreeSet;
 
 use super::anchor_map::{LocalAnchor, LocalAnchorMap, LocalName};
 use super::comparison::{Comparison, same_relative_place, similar};
-use super::contradiction::{Contradiction, SURE_DIFFERENCE_CHARACTERS};
-use super::index::TextIndex;
+use super::contradiction::Contradiction;
+use super::index::{Certainty, MapIndex, TextIndex};
+use super::passage::{SURE_PASSAGES, settle};
 use crate::model::difference::{DifferenceEvidence, DifferenceReason};
 use crate::model::settings::Settings;
 use crate::semantics;
 
-/// Anchors of each map that are compared, so that a hall full of plates costs no more than a corridor.
-const COMPARED_MAX: usize = 16;
+/// Anchors of each map that an explanation looks at, so that a hall full of plates costs no more than a corridor.
+pub const EXPLAINED_MAX: usize = 16;
 
 /// Differences listed for one candidate.
 pub const DIFFERENCES_MAX: usize = 8;
@@ -25,8 +26,8 @@ pub struct Differing {
     candidate: LocalAnchor,
     query_identifier: String,
     candidate_identifier: String,
-    /// How many characters differ, if the judge sees a conflict.
-    characters_apart: Option<usize>,
+    /// Whether the judge sees a conflict.
+    is_conflict: bool,
     /// The identifier that also hangs elsewhere in the other map.
     known: Option<String>,
 }
@@ -54,6 +55,8 @@ pub struct Ruling<'a> {
     pub contradictions: &'a [Contradiction<'a>],
     /// The weight of what agrees with this place.
     pub agreement: f64,
+    /// Whether only sure identifiers count: geometry has found the place.
+    pub must_be_sure: bool,
 }
 
 impl Ruling<'_> {
@@ -70,9 +73,9 @@ pub fn find_differing(
     texts: &TextIndex,
     settings: &Settings,
 ) -> Vec<Differing> {
-    let of_query = heaviest(query, comparison.matches.iter().map(|pair| pair.query.name).collect());
+    let of_query = unmatched(query, comparison.matches.iter().map(|pair| pair.query.name).collect());
     let of_candidate =
-        heaviest(candidate, comparison.matches.iter().map(|pair| pair.candidate.name).collect());
+        unmatched(candidate, comparison.matches.iter().map(|pair| pair.candidate.name).collect());
     let counted = |a: &LocalAnchor, b: &LocalAnchor| {
         let mut pairs = comparison.contradictions.iter();
         pairs.any(|pair| pair.query.name == a.name && pair.candidate.name == b.name)
@@ -94,14 +97,10 @@ pub fn find_differing(
 }
 
 /// Returns the heaviest anchors that bear an identifier and match nothing, by weight.
-fn heaviest(map: &LocalAnchorMap, matched: BTreeSet<LocalName>) -> Vec<&LocalAnchor> {
+fn unmatched(map: &LocalAnchorMap, matched: BTreeSet<LocalName>) -> Vec<&LocalAnchor> {
     let has_identifier =
-        |anchor: &&LocalAnchor| anchor.text.as_ref().is_some_and(|text| !text.identifiers().is_empty());
-    let mut anchors: Vec<&LocalAnchor> =
-        map.valid().filter(|anchor| !matched.contains(&anchor.name)).filter(has_identifier).collect();
-    anchors.sort_by(|a, b| b.weight.total_cmp(&a.weight).then_with(|| a.name.cmp(&b.name)));
-    anchors.truncate(COMPARED_MAX);
-    anchors
+        |anchor: &LocalAnchor| anchor.text.as_ref().is_some_and(|text| !text.identifiers().is_empty());
+    map.heaviest(EXPLAINED_MAX, |anchor| !matched.contains(&anchor.name) && has_identifier(anchor))
 }
 
 /// Whether the two bear different identifiers; if these are no conflict, only at the same relative place.
@@ -116,7 +115,7 @@ fn differs(a: &LocalAnchor, b: &LocalAnchor, texts: &TextIndex, settings: &Setti
 fn deviation(a: &LocalAnchor, b: &LocalAnchor, settings: &Settings) -> f64 {
     let distance =
         a.bearing.distance_difference_m(&b.bearing) / settings.anchor_map_max_distance_difference_m;
-    let distance = if a.range_assumed || b.range_assumed { 0.0 } else { distance };
+    let distance = if a.is_measured_with(b) { distance } else { 0.0 };
     let angle = a.bearing.angle_difference_rad(&b.bearing) / settings.anchor_map_max_angle_difference_rad;
     // A limit of 0 lets nothing stand at the same place; 0/0 is then the nearest there is.
     [distance, angle].into_iter().filter(|share| !share.is_nan()).fold(0.0, f64::max)
@@ -131,7 +130,7 @@ pub fn relative_placement(a: &LocalAnchor, b: &LocalAnchor, settings: &Settings)
     let limit_m = settings.anchor_map_max_distance_difference_m;
     let angle_rad = a.bearing.angle_difference_rad(&b.bearing);
     let limit_rad = settings.anchor_map_max_angle_difference_rad;
-    if distance_m >= limit_m && !a.range_assumed && !b.range_assumed {
+    if distance_m >= limit_m && a.is_measured_with(b) {
         let told =
             format!("{distance_m:.2} m nearer or farther, and less than {limit_m:.2} m is the same place");
         Placement::Apart { measured: distance_m, limit: limit_m, told }
@@ -167,7 +166,7 @@ impl Differing {
             candidate: b.clone(),
             query_identifier,
             candidate_identifier,
-            characters_apart: conflict.map(|conflict| conflict.differing_characters),
+            is_conflict: conflict.is_some(),
             known,
         }
     }
@@ -180,6 +179,12 @@ impl Differing {
     /// The anchor of the candidate's map.
     pub fn candidate(&self) -> &LocalAnchor {
         &self.candidate
+    }
+
+    /// Settles how surely the two are called, for what comes after without the map.
+    pub fn settle(&mut self, index: &MapIndex) {
+        settle(index, &mut self.query);
+        settle(index, &mut self.candidate);
     }
 
     fn weight(&self) -> f64 {
@@ -204,15 +209,14 @@ impl Differing {
             return None;
         }
         let (here, there) = (&self.query_identifier, &self.candidate_identifier);
-        let unsure = self.characters_apart.filter(|characters| {
-            !(self.query.sure && self.candidate.sure) && *characters < SURE_DIFFERENCE_CHARACTERS
-        });
+        let is_sure = |anchor: &LocalAnchor| anchor.certainty == Certainty::Sure;
+        let is_unsure = ruling.must_be_sure && !(is_sure(&self.query) && is_sure(&self.candidate));
         let (reason, figures, detail) = if !settings.contradiction_veto {
             (VetoOff, None, String::from("the map's settings leave contradictions out"))
         } else if counts {
             let figures = Some((contradicting, ruling.agreement));
             (Outweighed, figures, format!("reads {here} where {there} hung, and what agrees weighs no less"))
-        } else if self.characters_apart.is_none() {
+        } else if !self.is_conflict {
             (NoConflict, None, self.judgement())
         } else if let Placement::Apart { measured, limit, told } = placement {
             (AnotherPlace, Some((*measured, *limit)), format!("{here} stands elsewhere than {there}: {told}"))
@@ -220,9 +224,8 @@ impl Differing {
             let detail =
                 format!("{known} also hangs elsewhere in the other map: another view, not another place");
             (KnownElsewhere, None, detail)
-        } else if let Some(characters) = unsure {
-            let figures = Some((characters as f64, SURE_DIFFERENCE_CHARACTERS as f64));
-            (NotSure, figures, self.uncertainty())
+        } else if is_unsure {
+            (NotSure, Some((1.0, SURE_PASSAGES as f64)), self.uncertainty())
         } else {
             let detail = format!("{here} or {there} contradicts another sign already, and each counts once");
             (PairedOtherwise, None, detail)
@@ -246,11 +249,12 @@ impl Differing {
 
     fn uncertainty(&self) -> String {
         let (here, there) = (&self.query_identifier, &self.candidate_identifier);
-        let unsure = match (self.query.sure, self.candidate.sure) {
-            (false, false) => format!("neither {here} nor {there} was read alike twice"),
-            (false, true) => format!("{here} was not read alike twice"),
-            (true, _) => format!("{there} was not read alike twice"),
+        let is_sure = |anchor: &LocalAnchor| anchor.certainty == Certainty::Sure;
+        let unsure = match (is_sure(&self.query), is_sure(&self.candidate)) {
+            (false, false) => format!("neither {here} nor {there} was read alike in two passages"),
+            (false, true) => format!("{here} was not read alike in two passages"),
+            (true, _) => format!("{there} was not read alike in two passages"),
         };
-        format!("{unsure}, and a single character is easily misread")
+        format!("{unsure}: one bad angle misreads the same way twice, and geometry has found the place")
     }
 }

@@ -8,6 +8,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::anchor_map::{LocalAnchor, LocalAnchorMap, LocalName};
+use super::index::Certainty;
 
 /// The anchors of a local map whose reading is in doubt.
 pub fn disputed(map: &LocalAnchorMap) -> BTreeSet<LocalName> {
@@ -21,7 +22,8 @@ pub fn disputed(map: &LocalAnchorMap) -> BTreeSet<LocalName> {
     let stands_alone = |anchor: &LocalAnchor, part: &str| {
         around.get(&(&*anchor.class, part)) == Some(&1) && of_class.get(&*anchor.class) > Some(&1)
     };
-    let alone = plates().filter(|(anchor, part)| !anchor.sure && stands_alone(anchor, part));
+    let alone = plates()
+        .filter(|(anchor, part)| anchor.certainty == Certainty::ReadOnce && stands_alone(anchor, part));
     alone.map(|(anchor, _)| anchor.name).collect()
 }
 

@@ -4,6 +4,7 @@
 //! speaks as loudly as a door number that hangs once; on generated hotels that drops precision to
 //! 79 %. A description that stands in p places weighs 1/p. Places are counted within one
 //! session's frame, since frames of different sessions cannot be compared; the largest count stands.
+//! [`Sighting`] tells whether two may be one place.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
@@ -11,9 +12,13 @@ use std::sync::Arc;
 use super::anchor_map::Centre;
 use super::index::{MapIndex, TextId};
 use super::match_sets::{MatchSets, SetId};
+use super::sighting::Sighting;
 use crate::geometry::Point3;
-use crate::model::ids::{AnchorSeq, SessionSeq};
+use crate::model::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::semantics::{self, Text};
+
+/// Counting ends at this number of places: what hangs in more says next to nothing of any.
+const PLACES_MAX: usize = 64;
 
 /// An anchor of an inline keyframe, which stands somewhere although the map does not have it.
 #[derive(Clone, Debug)]
@@ -35,12 +40,15 @@ pub struct PlaceCounts {
     guests: Vec<Guest>,
     /// The session the guests are in, unless the map does not know it.
     session: Option<SessionSeq>,
+    /// The keyframes covisible with the guests.
+    covisible: BTreeSet<KeyframeSeq>,
 }
 
 impl PlaceCounts {
     /// Counts for a query around this centre: what an inline keyframe sees stands somewhere, too.
     pub fn around(index: &MapIndex, centre: &Centre) -> Self {
-        let mut counts = Self { session: centre.session, ..Self::default() };
+        let (session, covisible) = (centre.session, centre.covisible.clone());
+        let mut counts = Self { session, covisible, ..Self::default() };
         for anchor in &centre.inline {
             let Some(text) = anchor.text.clone() else { continue };
             let matching = counts.sets.number(index.texts().matching_text(&anchor.class, &text));
@@ -103,51 +111,45 @@ impl PlaceCounts {
     fn count(&self, index: &MapIndex, texts: &[TextId], carries: &[bool]) -> usize {
         let carriers: BTreeSet<AnchorSeq> =
             texts.iter().flat_map(|text| index.texts().objects(*text)).collect();
-        let mut centres: BTreeMap<Option<SessionSeq>, Vec<Point3>> = BTreeMap::new();
-        for object in carriers.into_iter().filter_map(|root| index.objects().get(root)) {
-            for (session, shape) in &object.shapes {
+        let mut sightings: BTreeMap<Option<SessionSeq>, Vec<Sighting<'_>>> = BTreeMap::new();
+        for root in carriers {
+            for session in index.objects().get(root).into_iter().flat_map(|object| object.shapes.keys()) {
                 // Where nothing measured a distance, nothing tells two places apart.
-                if let Some(aabb) = shape.aabb.filter(|_| !shape.range_assumed) {
-                    centres.entry(Some(*session)).or_default().push(aabb.centre());
-                }
+                let sighting = Sighting::of(index, root, *session);
+                sightings.entry(Some(*session)).or_default().extend(sighting);
             }
         }
         let guests = self.guests.iter().zip(carries).filter(|(_, carries)| **carries);
         let guests = guests.filter_map(|(guest, _)| guest.centre_in_session);
-        centres.entry(self.session).or_default().extend(guests);
-        let radius_m = index.properties().settings.distinctive_place_radius_m;
-        centres.values().map(|centres| places(centres, radius_m)).max().unwrap_or(1).max(1)
+        let guests = guests.map(|centre| Sighting::inline(centre, &self.covisible));
+        sightings.entry(self.session).or_default().extend(guests);
+        sightings.values().map(|sightings| places(index, sightings)).max().unwrap_or(1).max(1)
     }
 }
 
-/// How many of the points lie more than `radius_m` apart, taken greedily in their order. Points are
-/// sorted into cells as wide as the radius, so that each is held against its neighbourhood alone.
-fn places(points: &[Point3], radius_m: f64) -> usize {
-    if radius_m <= 0.0 {
-        let distinct: BTreeSet<[u64; 3]> = points.iter().map(|p| [p.x, p.y, p.z].map(f64::to_bits)).collect();
-        return distinct.len();
-    }
-    let mut cells: HashMap<[i64; 3], Vec<Point3>> = HashMap::new();
-    let mut places = 0;
-    for point in points {
-        let cell = [point.x, point.y, point.z].map(|x| (x / radius_m).floor() as i64);
-        let taken = neighbourhood(cell)
-            .filter_map(|cell| cells.get(&cell))
-            .flatten()
-            .any(|place| (place - point).norm() <= radius_m);
-        if !taken {
-            cells.entry(cell).or_default().push(*point);
-            places += 1;
+/// Counts the places of sightings in one session, taken greedily in their order: each is held against the first sighting of
+/// each place alone.
+fn places(index: &MapIndex, sightings: &[Sighting<'_>]) -> usize {
+    let mut firsts: Vec<&Sighting<'_>> = Vec::new();
+    let mut seen_by: BTreeSet<KeyframeSeq> = BTreeSet::new();
+    let mut has_guest = false;
+    for sighting in sightings {
+        if firsts.iter().any(|first| first.may_be_at(sighting, index)) {
+            continue;
+        }
+        // What one local anchor map holds is one place; all that an inline keyframe sees is in one.
+        let is_guest = sighting.is_inline();
+        if (is_guest && has_guest) || !sighting.around(index).is_disjoint(&seen_by) {
+            continue;
+        }
+        seen_by.append(&mut sighting.keyframes(index));
+        has_guest |= is_guest;
+        firsts.push(sighting);
+        if firsts.len() == PLACES_MAX {
+            break;
         }
     }
-    places
-}
-
-fn neighbourhood([x, y, z]: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
-    let around = |at: i64| [at.saturating_sub(1), at, at.saturating_add(1)];
-    around(x).into_iter().flat_map(move |x| {
-        around(y).into_iter().flat_map(move |y| around(z).into_iter().map(move |z| [x, y, z]))
-    })
+    firsts.len()
 }
 
 #[cfg(test)]
@@ -159,25 +161,6 @@ mod tests {
     use crate::recognition::ingest::ingest;
     use crate::recognition::query::Query;
     use proptest::prelude::*;
-
-    /// By the letter: each point is held against every place.
-    fn naive(points: &[Point3], radius_m: f64) -> usize {
-        let mut places: Vec<Point3> = Vec::new();
-        for point in points {
-            if places.iter().all(|place| (place - point).norm() > radius_m) {
-                places.push(*point);
-            }
-        }
-        places.len()
-    }
-
-    proptest! {
-        #[test]
-        fn cells_change_no_count(points in prop::collection::vec(prop::array::uniform3(-20.0..20.0f64), 0..60), radius_m in 0.1..10.0f64) {
-            let points: Vec<Point3> = points.into_iter().map(Point3::from).collect();
-            prop_assert_eq!(places(&points, radius_m), naive(&points, radius_m));
-        }
-    }
 
     fn sign(number: usize, text: &str) -> NewKeyframe {
         let detection = Detection {
@@ -250,11 +233,5 @@ mod tests {
                 prop_assert_eq!(together.of_guest(&index, "sign", &text), alone);
             }
         }
-    }
-
-    #[test]
-    fn exactly_the_radius_apart_is_one_place() {
-        let points = [[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [6.1, 0.0, 0.0]].map(Point3::from);
-        assert_eq!(places(&points, 3.0), 2);
     }
 }

@@ -3,13 +3,14 @@
 use std::cmp::Ordering;
 
 use super::alignment::Aligned;
-use super::candidates::Proposal;
 use super::comparison::Comparison;
 use super::contradiction::Contradiction;
 use super::difference::{Differing, Ruling, relative_placement};
 use super::standing_in::AtWorst;
 use super::tracked_path::Discrepancy;
 use super::verification::{Failure, Status, Verification};
+use super::vouching::Voucher;
+use crate::model::bow::Score;
 use crate::model::counted::counted;
 use crate::model::settings::Settings;
 use crate::model::verdict::{
@@ -18,7 +19,7 @@ use crate::model::verdict::{
 };
 
 /// Loops first, then undecided, then rejected; each by inliers, then S, then score, then the smallest id (`contract.md` §5).
-/// Where all that agrees hangs in several places, S says nothing of which, and counts as 0.
+/// S counts as 0 where all that agrees hangs in several places, for it says nothing of which.
 pub(super) fn best_first(a: &Candidate, b: &Candidate) -> Ordering {
     let rank = |candidate: &Candidate| match candidate.decision {
         CandidateDecision::Loop => 0,
@@ -39,12 +40,8 @@ pub(super) fn best_first(a: &Candidate, b: &Candidate) -> Ordering {
         .then_with(|| a.keyframe.cmp(&b.keyframe))
 }
 
-pub(super) fn bow(proposal: Proposal, reference_score: f64) -> BowEvidence {
-    BowEvidence {
-        score: proposal.score.value(),
-        common_words: proposal.score.common_words(),
-        reference_score,
-    }
+pub(super) fn bow(score: Score, reference_score: f64) -> BowEvidence {
+    BowEvidence { score: score.value(), common_words: score.common_words(), reference_score }
 }
 
 pub(super) fn anchors(
@@ -52,7 +49,8 @@ pub(super) fn anchors(
     differing: &[Differing],
     settings: &Settings,
 ) -> AnchorEvidence {
-    let ruling = Ruling { contradictions: &comparison.contradictions, agreement: comparison.agreement() };
+    let (contradictions, agreement) = (&comparison.contradictions, comparison.agreement());
+    let ruling = Ruling { contradictions, agreement, must_be_sure: false };
     let explain = |pair: &Differing| {
         let placement = relative_placement(pair.query(), pair.candidate(), settings);
         pair.explain(&placement, ruling, settings)
@@ -110,6 +108,7 @@ pub(super) fn geometry(verification: &Verification) -> GeometryEvidence {
         status: match verification.status {
             Status::Verified => GeometryStatus::Verified,
             Status::Failed => GeometryStatus::Failed,
+            Status::Skipped => GeometryStatus::Skipped,
         },
         reason: verification.failure.map(|failure| failure.to_string()),
         figures: Some(GeometryFigures {
@@ -117,20 +116,65 @@ pub(super) fn geometry(verification: &Verification) -> GeometryEvidence {
             matches: verification.matches,
             hypotheses: verification.hypotheses,
             inliers: verification.inliers,
+            log10_false_alarms: verification.log10_false_alarms,
             mean_reprojection_error_px: verification.mean_reprojection_error_px,
             candidate_from_query: verification.candidate_from_query,
+            covariance: verification.covariance.filter(|_| verification.status == Status::Verified),
         }),
     }
 }
 
+pub(super) fn stands_in(near_miss: &Candidate) -> String {
+    let inliers = near_miss.geometry.figures.as_ref().map_or(0, |figures| figures.inliers);
+    format!("stands in for {}, of the same place, which has {inliers} inliers", near_miss.keyframe)
+}
+
 pub(super) fn too_few_inliers(verification: &Verification, settings: &Settings) -> Reason {
     let (measured, limit) = match verification.failure {
-        Some(Failure::TooFewMatches { matches, limit }) => (matches, limit),
+        Some(Failure::TooFewInliers { inliers, limit }) => (inliers, limit),
+        Some(Failure::TooFewSureInliers { sure, limit }) => (sure, limit),
         _ => (verification.inliers, settings.geometry_min_inliers),
     };
     let detail = verification.failure.map_or_else(String::new, |failure| failure.to_string());
     let (measured, limit) = (Some(f64::from(measured)), Some(f64::from(limit)));
     Reason { code: ReasonCode::TooFewInliers, measured, limit, detail }
+}
+
+pub(super) fn too_few_matches(matches: u32, limit: u32) -> Reason {
+    let detail = format!(
+        "{matches} descriptors match, and {limit} are needed for geometry: nothing shows that the two views are of one place"
+    );
+    let (measured, limit) = (Some(f64::from(matches)), Some(f64::from(limit)));
+    Reason { code: ReasonCode::TooFewInliers, measured, limit, detail }
+}
+
+pub(super) fn too_few_alone(verification: &Verification, limit: u32) -> Reason {
+    let inliers = verification.inliers;
+    let detail = format!(
+        "{inliers} inliers without map points or anchors prove a view and not a place: {limit} needed"
+    );
+    let (measured, limit) = (Some(f64::from(inliers)), Some(f64::from(limit)));
+    Reason { code: ReasonCode::TooFewInliers, measured, limit, detail }
+}
+
+pub(super) fn ambiguous_places(inliers: u32, of_rival: u32, min_ratio: f64) -> Reason {
+    let detail = format!(
+        "geometry alone speaks for it, with {inliers} inliers, and for another place with {of_rival}: \
+         {min_ratio} times as many would tell the two apart"
+    );
+    let (measured, limit) = (Some(f64::from(inliers)), Some(min_ratio * f64::from(of_rival)));
+    Reason { code: ReasonCode::AmbiguousPlaces, measured, limit, detail }
+}
+
+pub(super) fn neighbours_vouch(by: Voucher, inliers: u32) -> Reason {
+    let voucher = match by {
+        Voucher::Anchors => "the anchors around the neighbours of both agree",
+        Voucher::ConfirmedLoop => "a confirmed loop joins its neighbours with this place",
+    };
+    let detail =
+        format!("the anchors near it leave it open; {voucher}, and geometry on map points verifies the view");
+    let measured = Some(f64::from(inliers));
+    Reason { code: ReasonCode::NeighboursVouch, measured, limit: None, detail }
 }
 
 pub(super) fn reason(code: ReasonCode, measured: f64, limit: f64) -> Reason {

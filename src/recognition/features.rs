@@ -1,7 +1,10 @@
 //! A keyframe's features, ready to be matched: descriptors packed, points by number.
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
 use crate::geometry::hamming::PackedDescriptors;
-use crate::model::ids::PointId;
+use crate::model::ids::{KeyframeSeq, PointId};
 use crate::model::keyframe::{Features, Keypoint};
 
 /// Features as the verification reads them; the lists run in parallel. Immutable like the keyframe they belong to.
@@ -15,6 +18,15 @@ pub struct MatchableFeatures {
     pub map_points: Vec<Option<PointId>>,
     /// The vocabulary's node of each; `None` without a vocabulary.
     pub nodes: Option<Vec<u32>>,
+}
+
+/// The features that were read for a query.
+#[derive(Clone, Debug, Default)]
+pub struct FeatureSet {
+    /// The query's own, if it is not stored.
+    pub inline: Option<Arc<MatchableFeatures>>,
+    /// Those of the map's keyframes.
+    pub stored: BTreeMap<KeyframeSeq, Arc<MatchableFeatures>>,
 }
 
 impl MatchableFeatures {

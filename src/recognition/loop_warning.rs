@@ -3,12 +3,12 @@
 //! The client decides, and may know more: its own geometry, or a query of an earlier version. So nothing is refused. Bag of
 //! words and geometry are left out, because their data lie on disk.
 
+use super::anchor_check::judge_anchors;
 use super::anchor_map::{Centre, local_anchor_map};
 use super::comparison::compare;
 use super::distinctiveness::PlaceCounts;
 use super::index::MapIndex;
-use super::loop_check::judge_anchors;
-use super::screening::Standing;
+use super::screening::{Passed, Standing};
 use super::standing_in::at_worst;
 use crate::model::change::Loop;
 use crate::model::loop_warning::{LoopWarning, LoopWarningCode};
@@ -33,18 +33,22 @@ pub fn loop_warning(index: &MapIndex, closed: &Loop) -> Option<LoopWarning> {
     let around_query = local_anchor_map(index, &query, &mut places);
     let around_candidate = local_anchor_map(index, &candidate, &mut places);
     let settings = &index.properties().settings;
-    let comparison = compare(&around_query, &around_candidate, index.texts(), settings);
+    let comparison = compare(&around_query, &around_candidate, index, settings);
     let worst =
         index.model_away().then(|| at_worst(index, &around_query, &around_candidate, &comparison)).flatten();
     // A warning does not depend on what the server has configured, only on the map.
     let missing = if index.model_away() { ReasonCode::LlmUnavailable } else { ReasonCode::NotDescribed };
     match judge_anchors(&comparison, settings, worst, missing) {
-        Ok(Standing::AskGeometry) if closed.query.is_none() => {
+        Ok(Passed { contradicted: Some(reason), .. }) if closed.query.is_none() => {
+            let detail = format!("the anchors around the two contradict each other: {}", reason.detail);
+            warning(LoopWarningCode::AnchorsContradict, detail)
+        }
+        Ok(Passed { standing: Standing::AskGeometry, .. }) if closed.query.is_none() => {
             let detail =
                 "there are no anchors to compare, and the loop names no query whose geometry verified it";
             warning(LoopWarningCode::NotSupported, detail.to_owned())
         }
-        Ok(Standing::NeedsWitness) if closed.query.is_none() => {
+        Ok(Passed { standing: Standing::NeedsWitness, .. }) if closed.query.is_none() => {
             let detail =
                 "only texts without an identifier agree, and the loop names no query that found a witness";
             warning(LoopWarningCode::NotSupported, detail.to_owned())

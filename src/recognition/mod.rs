@@ -11,20 +11,26 @@
 //! | §V, check 1: covisible keyframes | [`covisibility`] | [`index::Covisibility`] |
 //! | §V, check 2: bag of words | [`inverted_file`], [`places`], [`candidates`] | [`candidates::find_candidates`] |
 //! | §V, the funnel: checks 1 to 3 | [`loop_check`], [`screening`] | [`loop_check::screen`] |
+//! | §V, check 3: the local anchor maps | [`anchor_check`] | [`anchor_check::AnchorCheck`] |
 //! | §V-A, local anchor map | [`anchor_map`] | [`anchor_map::local_anchor_map`] |
 //! | §V-B, Eq. (1) and (2) | [`comparison`], [`assignment`] | [`comparison::compare`] |
 //! | §V, the last step: similarity transformation | [`verification`] | [`verification::verify`] |
+//! | geometry on one pair of keyframes | [`geometry_check`] | [`geometry_check::check_geometry`] |
 //! | §V, the answer | [`conclusion`] | [`conclusion::conclude`] |
 //! | ours: distinctive weights | [`distinctiveness`] | [`distinctiveness::PlaceCounts`] |
 //! | ours: contradiction veto | [`contradiction`] | [`contradiction::contradict`] |
 //! | ours: why a differing identifier did not count | [`difference`] | [`difference::find_differing`] |
+//! | ours: why S is low | [`low_score`] | [`low_score::explain_low_score`] |
+//! | ours: whether two sightings may be one place (8.6) | [`sighting`] | [`sighting::Sighting::may_be_at`] |
 //! | ours: what speaks against a loop that a client closes | [`loop_warning`] | [`loop_warning::loop_warning`] |
 //! | ours: anchors under the transformation | [`alignment`] | [`alignment::Compared::under`] |
 //! | ours: the sightings of one drive past an object | [`passage`] | [`passage::is_tracked_only`] |
 //! | ours: texts beside which different signs hang | [`company`] | [`company::Companies::weigh`] |
 //! | ours: which readings disagree with those around them | [`dispute`] | [`dispute::disputed`] |
 //! | ours: what a text without an identifier needs besides | [`witness`] | [`witness::lacks_witness`] |
-//! | ours: odometry over short ways | [`tracked_path`] | [`tracked_path::TrackedPath`] |
+//! | ours: what returns where its neighbours do | [`vouching`] | [`vouching::widened`] |
+//! | ours: geometry proves a view, not a place (8.19) | [`rivals`] | [`rivals::find_rivals`] |
+//! | ours: odometry against a transformation (8.15) | [`tracked_path`] | [`tracked_path::TrackedPath`] |
 //!
 //! Beside the paper: [`query`] is the keyframe that is asked about, [`sight`] and [`features`] are what geometry
 //! needs to know of it, [`evidence`] turns figures into a
@@ -32,6 +38,7 @@
 //! [`numbered`] keeps what has a dense number.
 
 pub mod alignment;
+pub mod anchor_check;
 pub mod anchor_map;
 pub mod assignment;
 pub mod association;
@@ -50,6 +57,7 @@ pub mod dispute;
 pub mod distinctiveness;
 pub mod evidence;
 pub mod features;
+pub mod geometry_check;
 pub mod index;
 pub mod ingest;
 pub mod inverted_file;
@@ -57,6 +65,7 @@ pub mod lacking;
 pub mod learning;
 pub mod loop_check;
 pub mod loop_warning;
+pub mod low_score;
 mod match_sets;
 pub mod matching;
 pub mod numbered;
@@ -65,9 +74,12 @@ pub mod places;
 pub mod query;
 pub mod recorder;
 pub mod rejudging;
+pub mod rivals;
 pub mod screening;
 pub mod sight;
+pub mod sighting;
 pub mod standing_in;
 pub mod tracked_path;
 pub mod verification;
+pub mod vouching;
 pub mod witness;

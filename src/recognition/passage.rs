@@ -7,10 +7,26 @@
 
 use std::collections::BTreeSet;
 
-use super::anchor_map::LocalName;
-use super::comparison::Comparison;
-use super::index::MapIndex;
+use super::anchor_map::{LocalAnchor, LocalName};
+use super::comparison::{Comparison, Matched};
+use super::index::{Certainty, MapIndex, Object};
+use super::query::Query;
 use crate::model::ids::{AnchorSeq, KeyframeSeq};
+use crate::semantics::Text;
+
+/// The passages in which a text must be read alike to be sure: they see it from where each drove, and do not err alike.
+pub const SURE_PASSAGES: usize = 2;
+
+/// The way in which two keyframes know an identifier that matches and was not merely tracked through this same passage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Returning {
+    /// None matches.
+    No,
+    /// It is around them: a covisible keyframe sees it.
+    Around,
+    /// Both see it themselves.
+    InView,
+}
 
 /// Whether all that agrees are objects of which the two keyframes are in one passage.
 pub fn is_tracked_only(
@@ -19,10 +35,80 @@ pub fn is_tracked_only(
     query: KeyframeSeq,
     candidate: KeyframeSeq,
 ) -> bool {
-    comparison.matches.iter().all(|pair| match (&pair.query.name, &pair.candidate.name) {
+    comparison.matches.iter().all(|pair| is_tracked(index, pair, query, candidate))
+}
+
+/// Whether a matched pair is one object of which the two keyframes are in one passage.
+pub fn is_tracked(index: &MapIndex, pair: &Matched<'_>, query: KeyframeSeq, candidate: KeyframeSeq) -> bool {
+    match (&pair.query.name, &pair.candidate.name) {
         (LocalName::Object(a), LocalName::Object(b)) => a == b && share_passage(index, *a, query, candidate),
         _ => false,
-    })
+    }
+}
+
+/// Returns how an identifier that matches is known, unless it was merely tracked from the candidate to the query (`contract.md`
+/// §8.13).
+pub fn returning_identifier(
+    index: &MapIndex,
+    comparison: &Comparison<'_>,
+    query: &Query<'_>,
+    nearest: Option<KeyframeSeq>,
+    candidate: KeyframeSeq,
+) -> Returning {
+    let names =
+        |anchor: &LocalAnchor| anchor.text.as_ref().is_some_and(|text| !text.identifiers().is_empty());
+    let tracked = |pair: &Matched<'_>| nearest.is_some_and(|query| is_tracked(index, pair, query, candidate));
+    let returns = |pair: &&Matched<'_>| {
+        names(pair.query) && names(pair.candidate) && !pair.is_disputed && !tracked(pair)
+    };
+    let seen_by_candidate = index.objects_seen_by(candidate);
+    let sees = |anchor: &LocalAnchor, seen: &BTreeSet<AnchorSeq>| match anchor.name {
+        LocalName::Object(root) => seen.contains(&root),
+        LocalName::Inline(_) => true,
+    };
+    let in_view =
+        |pair: &Matched<'_>| sees(pair.query, &query.seen) && sees(pair.candidate, &seen_by_candidate);
+    let known = |pair| if in_view(pair) { Returning::InView } else { Returning::Around };
+    comparison.matches.iter().filter(returns).map(known).max().unwrap_or(Returning::No)
+}
+
+/// Whether what an anchor is called is sure: described by a model or by hand, or read alike in two passages.
+pub fn is_sure(index: &MapIndex, anchor: &LocalAnchor) -> bool {
+    match (anchor.certainty, anchor.name) {
+        (Certainty::Sure, _) => true,
+        (Certainty::ReadAlike, LocalName::Object(root)) => passages_read_alike(index, root) >= SURE_PASSAGES,
+        _ => false,
+    }
+}
+
+/// Settles what is known of an anchor, for what comes after without the map.
+pub fn settle(index: &MapIndex, anchor: &mut LocalAnchor) {
+    if is_sure(index, anchor) {
+        anchor.certainty = Certainty::Sure;
+    }
+}
+
+/// Counts the passages in which an object was read as it is called; counting ends where it is enough.
+pub fn passages_read_alike(index: &MapIndex, root: AnchorSeq) -> usize {
+    let Some(object) = index.objects().get(root) else { return 0 };
+    let alike = read_alike(index, object);
+    let Some((first, last)) = alike.first().zip(alike.last()) else { return 0 };
+    let session = |seq: &KeyframeSeq| index.keyframe(*seq).map(|keyframe| keyframe.session);
+    // What joins the first of a session to the last joins all between them.
+    let are_of_one = alike.iter().all(|seq| session(seq) == session(first));
+    1 + usize::from(!are_of_one || !share_passage(index, root, *first, *last))
+}
+
+/// Returns the keyframes that read an object as it is called, ascending.
+fn read_alike(index: &MapIndex, object: &Object) -> BTreeSet<KeyframeSeq> {
+    let Some(description) = &object.description else { return BTreeSet::new() };
+    let is_alike = |reading: &str| Text::parse(reading).normalised() == description.text.normalised();
+    let anchors = object.members.iter().filter_map(|member| index.anchor(*member));
+    let alike = anchors.flat_map(|anchor| anchor.observations.values()).filter(|observation| {
+        let by_model = observation.crop_reading.as_ref().map(|read| &*read.text);
+        observation.reading.as_deref().into_iter().chain(by_model).any(is_alike)
+    });
+    alike.map(|observation| observation.keyframe).collect()
 }
 
 /// Whether two keyframes are in one passage of an object; either may see it, or be next to one that does.

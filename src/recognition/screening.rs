@@ -1,15 +1,17 @@
-//! What is left of a query after checks 1 to 3: candidates that are decided, and those that wait for geometry.
+//! A query after checks 1 to 3: candidates that are decided, and those that wait for geometry.
 
 use std::collections::BTreeSet;
 
 use super::alignment::Compared;
+use super::passage::Returning;
 use super::sight::Sight;
 use super::tracked_path::TrackedPath;
+use super::vouching::{Vouched, Voucher};
 use crate::model::ids::KeyframeSeq;
 use crate::model::settings::Settings;
-use crate::model::verdict::{Candidate, CandidateDecision, ClosedLoop, Reason, Verify};
+use crate::model::verdict::{Candidate, CandidateDecision, ClosedLoop, Reason, ReasonCode, Verify};
 
-/// How a candidate stands after check 3.
+/// The standing of a candidate after check 3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Standing {
     /// A check stopped it.
@@ -24,8 +26,28 @@ pub enum Standing {
         /// Something besides such texts agrees.
         has_witness: bool,
     },
+    /// Its anchors leave it open, and neighbours vouch for it: geometry on map points must verify the view.
+    Vouched,
     /// There are no anchors, and the map's settings leave it to geometry alone.
     AskGeometry,
+}
+
+/// A candidate that check 3 lets pass.
+#[derive(Clone, Debug)]
+pub struct Passed {
+    /// Its standing.
+    pub standing: Standing,
+    /// Identifiers that are not sure contradict the place: it is rejected where geometry cannot run (`contract.md` §8.7).
+    pub contradicted: Option<Reason>,
+}
+
+/// A candidate's part among those that geometry alone may take for each other (`contract.md` §8.19).
+#[derive(Clone, Debug, Default)]
+pub struct Rivalry {
+    /// The candidates that are known to be another place; looked for where geometry alone may make this one a loop.
+    pub rivals: Vec<KeyframeSeq>,
+    /// Whether it is a rival of another candidate: geometry looks at it, though a check stopped it.
+    pub is_rival: bool,
 }
 
 /// A candidate after check 3.
@@ -35,13 +57,25 @@ pub struct Screened {
     pub keyframe: KeyframeSeq,
     /// The evidence so far.
     pub candidate: Candidate,
-    /// How it stands.
+    /// Its standing.
     pub standing: Standing,
-    /// What the comparison found, to be held against a transformation.
+    /// Why it is rejected where geometry cannot run.
+    pub contradicted: Option<Reason>,
+    /// The voucher for it, where its own anchors leave it open.
+    pub vouched: Option<Vouched>,
+    /// Which other candidates look like it, and are not it.
+    pub rivalry: Rivalry,
+    /// Other keyframes of its place, covisible with it, that passed the anchors: they are looked at where it is a near miss.
+    pub neighbours: Vec<Screened>,
+    /// Whether the session's own poses have the query at the candidate's place: what looks alike there is no return.
+    pub is_here: bool,
+    /// Whether an identifier matches that was not merely tracked through this same passage.
+    pub identifier: Returning,
+    /// The comparison's findings, to be held against a transformation.
     pub compared: Compared,
-    /// How it hangs together with the query by odometry, if it does.
+    /// The unbroken odometry chain to the query, if there is one.
     pub path: Option<TrackedPath>,
-    /// What geometry needs to know of it.
+    /// Its geometry: camera, pose and map points.
     pub sight: Option<Sight>,
     /// Did the built-in judge stand in for a model that is away?
     pub stood_in: bool,
@@ -60,11 +94,51 @@ impl Screened {
             keyframe,
             candidate,
             standing: Standing::Stopped,
+            contradicted: None,
+            vouched: None,
+            rivalry: Rivalry::default(),
+            neighbours: Vec::new(),
+            is_here: false,
+            identifier: Returning::No,
             compared: Compared::default(),
             path: None,
             sight: None,
             stood_in: false,
         }
+    }
+}
+
+impl Screened {
+    /// Returns the decision and the reason of a candidate that its anchors neither bear out nor speak against: there are
+    /// none, or all that agrees hangs in several places.
+    pub(super) fn left_open(&self) -> Option<(CandidateDecision, Reason)> {
+        let reason = self.candidate.reason.clone().filter(|_| self.standing == Standing::Stopped)?;
+        let is_open = matches!(reason.code, ReasonCode::NoAnchors | ReasonCode::NotDistinctive);
+        is_open.then_some((self.candidate.decision, reason))
+    }
+
+    /// Whether geometry will look at it, so that the keyframes around it may be asked.
+    pub(super) fn may_be_near_miss(&self) -> bool {
+        self.standing != Standing::Stopped && self.sight.is_some()
+    }
+
+    /// Adds the neighbours that passed the anchors. Their guided search does with the window that is read for this one.
+    pub(super) fn add_neighbours(&mut self, mut neighbours: Vec<Self>) {
+        neighbours.retain(Self::may_be_near_miss);
+        let mut read: BTreeSet<KeyframeSeq> = neighbours.iter().map(|neighbour| neighbour.keyframe).collect();
+        read.insert(self.keyframe);
+        read.extend(self.sight.iter().flat_map(|sight| sight.window.iter().copied()));
+        for sight in neighbours.iter_mut().filter_map(|neighbour| neighbour.sight.as_mut()) {
+            sight.window.retain(|keyframe| read.contains(keyframe));
+        }
+        self.neighbours = neighbours;
+    }
+
+    /// Returns the candidate with somebody to vouch for it; `otherwise` is what it is without.
+    pub(super) fn vouched(mut self, by: Voucher, otherwise: (CandidateDecision, Reason)) -> Self {
+        self.candidate.decision = CandidateDecision::Loop;
+        self.candidate.reason = None;
+        Self { standing: Standing::Vouched, vouched: Some(Vouched { by, otherwise }), ..self }
     }
 }
 
@@ -81,7 +155,7 @@ pub struct Screening {
     pub verify: Verify,
     /// Has the query no words?
     pub empty_bow: bool,
-    /// How many keyframes were left out as covisible.
+    /// The number of keyframes left out as covisible.
     pub excluded_covisible: usize,
     /// The query's loops that are confirmed already, by id.
     pub closed: Vec<ClosedLoop>,
@@ -89,7 +163,7 @@ pub struct Screening {
     pub degraded: bool,
     /// The query's number, if it is stored.
     pub query: Option<KeyframeSeq>,
-    /// What geometry needs to know of the query.
+    /// The query's geometry: camera, pose and map points.
     pub sight: Option<Sight>,
     /// The candidates.
     pub candidates: Vec<Screened>,
@@ -99,13 +173,16 @@ impl Screening {
     /// The candidates that geometry is to look at.
     pub fn waiting(&self) -> impl Iterator<Item = &Screened> {
         let runs = self.sight.is_some() && self.verify != Verify::Anchors;
-        self.candidates.iter().filter(move |c| runs && c.standing != Standing::Stopped && c.sight.is_some())
+        let is_looked_at =
+            |c: &Screened| (c.standing != Standing::Stopped || c.rivalry.is_rival) && c.sight.is_some();
+        self.candidates.iter().filter(move |c| runs && is_looked_at(c))
     }
 
     /// The keyframes whose features geometry will read, ascending; none if it has nothing to do.
     pub fn wanted_features(&self) -> BTreeSet<KeyframeSeq> {
         let mut wanted = BTreeSet::new();
-        for screened in self.waiting() {
+        for screened in self.waiting().flat_map(|screened| [screened].into_iter().chain(&screened.neighbours))
+        {
             wanted.insert(screened.keyframe);
             wanted.extend(screened.sight.iter().flat_map(|sight| sight.window.iter().copied()));
         }

@@ -1,4 +1,4 @@
-//! What geometry needs to know of a keyframe and its surroundings, taken from the index at one version.
+//! A keyframe and its surroundings as geometry needs them, taken from the index at one version.
 //!
 //! Features lie on disk and are read after the map's lock is released; poses and point positions may move
 //! meanwhile. A sight keeps them as they were, so that a verdict speaks of one version of the map.
@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, HashMap};
 use super::features::MatchableFeatures;
 use super::index::MapIndex;
 use super::verification::Landmark;
-use crate::geometry::{Point3, Pose};
+use crate::geometry::{Point3, Pose, Sim3};
 use crate::model::ids::{KeyframeSeq, PointId, SessionSeq};
 use crate::model::keyframe::{Camera, NewKeyframe};
 
@@ -25,11 +25,17 @@ pub struct Sight {
     session: Option<SessionSeq>,
     session_from_camera: Pose,
     positions_in_session: HashMap<PointId, Point3>,
-    /// The covisible keyframes of its session whose points join the guided search.
+    /// The covisible keyframes of its session whose points join the guided search, those that share most first.
     pub window: Vec<KeyframeSeq>,
 }
 
 impl Sight {
+    /// Returns the session, and where in its frame a transformation puts a query.
+    pub fn place(&self, candidate_from_query: &Sim3) -> Option<(SessionSeq, Point3)> {
+        let in_camera = Point3::from(candidate_from_query.translation_m());
+        Some((self.session?, self.session_from_camera.transform(&in_camera)))
+    }
+
     /// Of a keyframe of the map, with its window; `None` if its client did not tell the camera.
     pub fn stored(index: &MapIndex, seq: KeyframeSeq) -> Option<Self> {
         let keyframe = index.keyframe(seq)?;
@@ -86,11 +92,11 @@ impl Sight {
     pub fn landmarks<'a>(
         &self,
         own: &MatchableFeatures,
-        window: &'a [(KeyframeSeq, &'a MatchableFeatures)],
+        window: impl Iterator<Item = &'a MatchableFeatures>,
         query: (&Self, &MatchableFeatures),
     ) -> Vec<Landmark<'a>> {
         let mut seen: BTreeMap<PointId, Vec<&'a [u64]>> = BTreeMap::new();
-        for (_, features) in window {
+        for features in window {
             for (feature, id) in features.map_points.iter().enumerate() {
                 if let Some(id) = id {
                     seen.entry(*id).or_default().push(features.descriptors.get(feature));

@@ -11,22 +11,22 @@ use super::dictionary::{self, Class};
 use super::normalise::bare;
 use super::role;
 
-/// What a picture is made as: a frame unless it stands before a noun or number of its own ("photo booth", "painting 12").
+/// Media of pictures: a frame unless it stands before a noun or number of its own ("photo booth", "painting 12").
 const MEDIA: &str = "picture painting photo photograph poster print image drawing artwork portrait canvas sketch illustration \
     depiction mural watercolor watercolour snapshot engraving etching fresco tapestry view scene closeup frame \
     bild gemalde foto tableau peinture affiche dessin cuadro pintura imagen quadro dipinto immagine schilderij afbeelding";
 
-/// What carries a text: a frame before a verb ("a sign that reads exit"), else a thing ("a sign with a red border").
+/// Things that carry a text: a frame before a verb ("a sign that reads exit"), else a thing ("a sign with a red border").
 const CARRIERS: &str = "sign signage plate plaque label board panel placard notice";
 
 /// The verbs and links that make a frame of a carrier.
 const READS: &str = "that which read reading say saying show showing display displaying indicate indicating state stating \
     bearing labeled labelled marked titled";
 
-/// What stands between a verb and the text itself: "with the text exit".
+/// Nouns between a verb and the text itself: "with the text exit".
 const TEXTS: &str = "text word inscription caption lettering";
 
-/// Where an object is in the picture, after a preposition: "in front of", "on the wall".
+/// Positions of an object in the picture, after a preposition: "in front of", "on the wall".
 const POSITIONS: &str = "front back wall background foreground middle center centre distance top";
 
 const PREPOSITIONS: [&str; 8] = ["in", "on", "at", "against", "from", "to", "onto", "near"];

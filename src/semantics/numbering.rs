@@ -24,7 +24,7 @@ const MISREAD_LEN_MAX: usize = 12;
 /// The separators of a number.
 const SEPARATORS: [char; 4] = ['.', '-', ':', '/'];
 
-/// How a number is written: runs of digits and the separators between them.
+/// The way a number is written: runs of digits and the separators between them.
 ///
 /// `#` is the first run, of any length, for it counts floors or all rooms. Every other run keeps its length: "7.04" and
 /// "10.01" are both `#.99`.

@@ -13,7 +13,7 @@ use super::words::NamedVocabulary;
 use crate::config::logging::in_span;
 use crate::model::ids::KeyframeSeq;
 use crate::model::keyframe::Features;
-use crate::recognition::conclusion::FeatureSet;
+use crate::recognition::features::FeatureSet;
 use crate::recognition::features::MatchableFeatures;
 use crate::recognition::verification::descriptor_matching::NO_NODE;
 use crate::store::{MapKey, Store, StoreError};

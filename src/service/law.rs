@@ -431,8 +431,20 @@ async fn holds_after(requests: Vec<Request>) {
     assert_eq!(listed.vocabulary.as_deref(), loaded.index.vocabulary());
     let figures = loaded.figures;
     drop(live);
+    let database = folder.path().join("law.db");
+    until_folded(&database).await;
     service.close().await;
-    assert_eq!(counted_by_the_migration(&folder.path().join("law.db")).await, figures);
+    assert_eq!(counted_by_the_migration(&database).await, figures);
+}
+
+/// Waits until no change is deferred, for the migration counts rows.
+async fn until_folded(database: &std::path::Path) {
+    let options = SqliteConnectOptions::new().filename(database).read_only(true);
+    let mut db = options.connect().await.unwrap();
+    let deferred = "select exists (select 1 from deferred_changes)";
+    while sqlx::query_scalar::<_, bool>(deferred).fetch_one(&mut db).await.unwrap() {
+        tokio::task::yield_now().await;
+    }
 }
 
 /// The figures of the only map as the migration that made them counts them for the maps it finds.

@@ -15,7 +15,7 @@ use crate::model::key::KeySeq;
 use crate::model::map::{MapFigures, MapProperties};
 use crate::model::report::MapReport;
 use crate::model::request::Digest;
-use crate::model::settings::{SettingKind, SettingValue, Settings, WithoutAnchors};
+use crate::model::settings::{SettingKind, SettingValue, Settings};
 
 /// A new map. Its events are numbered from above those of every map that was deleted, so that a client that resumes with a
 /// number of a deleted map is recognised. The greatest number that a deleted map would have given next is SQLite's
@@ -182,7 +182,7 @@ fn setting_text(value: SettingValue) -> String {
         SettingValue::Number(number) => format!("{number:?}"),
         SettingValue::Count(count) => count.to_string(),
         SettingValue::Switch(switch) => switch.to_string(),
-        SettingValue::Policy(policy) => policy.as_str().to_owned(),
+        SettingValue::Choice(name) => name.to_owned(),
         SettingValue::Patterns(patterns) => serde_json::json!(patterns).to_string(),
     }
 }
@@ -227,7 +227,9 @@ fn setting(name: &str, text: &str) -> Option<SettingValue> {
         SettingKind::Number { .. } => SettingValue::Number(text.parse().ok()?),
         SettingKind::Count { .. } => SettingValue::Count(text.parse().ok()?),
         SettingKind::Switch { .. } => SettingValue::Switch(text.parse().ok()?),
-        SettingKind::Policy { .. } => SettingValue::Policy(WithoutAnchors::from_name(text)?),
+        SettingKind::Choice { names, .. } => {
+            SettingValue::Choice(names.iter().copied().find(|name| *name == text)?)
+        }
         SettingKind::Patterns { .. } => SettingValue::Patterns(serde_json::from_str(text).ok()?),
     })
 }

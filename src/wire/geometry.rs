@@ -16,11 +16,11 @@ pub struct GeometryView {
     /// Why it was skipped or failed, for a person.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
-    /// What was looked for: `sim3`, a similarity from triangulated points; or `essential`, from directions alone, where
-    /// too few are triangulated: the translation's length is then unknown and given as 1.
+    /// The model that was looked for. Where too few points are triangulated the images alone are compared, by the simplest model that
+    /// explains nearly as much as the others.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub model: Option<String>,
-    /// Descriptor matches between features with triangulated map points on both sides.
+    pub model: Option<GeometryModel>,
+    /// Descriptor matches; for `sim3` and `se3` between features with triangulated map points on both sides.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub matches: Option<u32>,
     /// Samples that RANSAC drew.
@@ -29,12 +29,53 @@ pub struct GeometryView {
     /// Matches that the final transformation explains, after the guided search.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inliers: Option<u32>,
+    /// The decimal logarithm of the number of false alarms: how often matches placed at random in the images would give a
+    /// model with as many inliers. At most -6 is significant.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub log10_false_alarms: Option<f64>,
     /// The inliers' mean reprojection error in both images, in pixels.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_reprojection_error_px: Option<f64>,
-    /// Maps points of the query's camera frame into the candidate's camera frame.
+    /// Maps points of the query's camera frame into the candidate's camera frame. For `essential` and `homography` the
+    /// translation's length is not known and given as 1; for `rotation` nothing of the translation is known, and it is given
+    /// as 0. A homography that leaves two motions has none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub candidate_from_query: Option<Similarity>,
+    /// The covariance of `candidate_from_query` where `sim3` or `se3` is verified, row by row: x, y, z in metres and the
+    /// rotation about X, Y, Z in radians, in the candidate's camera frame, as ROS writes it. It says how the inliers
+    /// scatter; drift that all of them share does not show in it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(min_items = 36, max_items = 36)]
+    pub covariance: Option<Vec<f64>>,
+}
+
+/// A model of the relation between two views.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum GeometryModel {
+    /// A similarity of points that are triangulated on both sides.
+    Sim3,
+    /// The same with scale 1, on metric maps.
+    Se3,
+    /// Directions alone: the camera moved in a scene with depth.
+    Essential,
+    /// A flat or far scene.
+    Homography,
+    /// The camera has only turned.
+    Rotation,
+}
+
+impl GeometryModel {
+    fn from_name(name: &str) -> Option<Self> {
+        Some(match name {
+            "sim3" => Self::Sim3,
+            "se3" => Self::Se3,
+            "essential" => Self::Essential,
+            "homography" => Self::Homography,
+            "rotation" => Self::Rotation,
+            _ => return None,
+        })
+    }
 }
 
 /// `verified`, `failed`, or `skipped` with its reason.
@@ -71,14 +112,16 @@ impl From<&GeometryEvidence> for GeometryView {
         Self {
             status,
             reason: geometry.reason.clone(),
-            model: figures.map(|figures| figures.model.to_owned()),
+            model: figures.and_then(|figures| GeometryModel::from_name(figures.model)),
             matches: number(|figures| figures.matches),
             hypotheses: number(|figures| figures.hypotheses),
             inliers: number(|figures| figures.inliers),
+            log10_false_alarms: figures.and_then(|f| f.log10_false_alarms).map(rounded),
             mean_reprojection_error_px: figures.and_then(|f| f.mean_reprojection_error_px).map(rounded),
             candidate_from_query: figures
                 .and_then(|figures| figures.candidate_from_query)
                 .map(Similarity::from),
+            covariance: figures.and_then(|figures| figures.covariance).map(|of| of.to_vec()),
         }
     }
 }

@@ -9,7 +9,7 @@ use utoipa::{PartialSchema, ToSchema};
 use super::limits;
 use super::read::{self, Decode, Node};
 use crate::model::method::Method;
-use crate::model::settings::{Setting, SettingError, SettingKind, SettingValue, Settings, WithoutAnchors};
+use crate::model::settings::{Setting, SettingError, SettingKind, SettingValue, Settings};
 use crate::semantics::Numbering;
 
 /// The settings of a map, by name; in a request only those to be set.
@@ -44,8 +44,9 @@ fn setting(node: &Node<'_>, row: &Setting) -> Option<(String, SettingValue)> {
         SettingKind::Number { .. } => SettingValue::Number(node.number(f64::MIN..=f64::MAX)?),
         SettingKind::Count { min, max, .. } => SettingValue::Count(node.count(min.into()..=max.into())?),
         SettingKind::Switch { .. } => SettingValue::Switch(read::switch(node)?),
-        SettingKind::Policy { .. } => {
-            SettingValue::Policy(node.choice(&WithoutAnchors::NAMES, WithoutAnchors::from_name)?)
+        SettingKind::Choice { names, .. } => {
+            let named = |text: &str| names.iter().copied().find(|name| *name == text);
+            SettingValue::Choice(node.choice(names, named)?)
         }
         SettingKind::Patterns { .. } => SettingValue::Patterns(node.list(limits::PATTERNS, pattern)?),
     };
@@ -78,7 +79,7 @@ fn json_of(value: SettingValue) -> Value {
         SettingValue::Number(number) => json!(number),
         SettingValue::Count(count) => json!(count),
         SettingValue::Switch(switch) => json!(switch),
-        SettingValue::Policy(policy) => json!(policy.as_str()),
+        SettingValue::Choice(name) => json!(name),
         SettingValue::Patterns(patterns) => json!(patterns),
     }
 }
@@ -125,10 +126,10 @@ fn row_schema(row: &Setting) -> RefOr<Schema> {
         SettingKind::Switch { default } => {
             schema.schema_type(SchemaType::Type(Type::Boolean)).default(Some(json!(default)))
         }
-        SettingKind::Policy { default } => schema
+        SettingKind::Choice { default, names } => schema
             .schema_type(SchemaType::Type(Type::String))
-            .enum_values(Some(WithoutAnchors::NAMES))
-            .default(Some(json!(default.as_str()))),
+            .enum_values(Some(names.iter().copied()))
+            .default(Some(json!(default))),
         SettingKind::Patterns { .. } => return patterns_schema(row.doc),
     };
     schema.into()

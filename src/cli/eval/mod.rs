@@ -23,6 +23,7 @@ use super::serve::hotel_server;
 use crate::client::Client;
 use crate::hotel::arm::Arm;
 use crate::hotel::noise::NoiseKind;
+use crate::hotel::paper::{PrintedSequence, SEQUENCES};
 
 /// Run an experiment.
 #[derive(Args, Debug)]
@@ -44,6 +45,9 @@ enum Experiment {
 /// truth comes from the simulator and never reaches it.
 #[derive(Args, Clone, Debug)]
 struct HotelArgs {
+    /// Only these of the paper's sequences, as SE1-00 or SE2-05, with commas between them
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', conflicts_with_all = ["worlds", "world", "record"], value_parser = sequence)]
+    sequences: Vec<PrintedSequence>,
     /// So many random worlds under each kind of noise, instead of the paper's sequences; at most 1,000
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000))]
     worlds: Option<u64>,
@@ -67,6 +71,12 @@ struct HotelArgs {
     /// Drive so many sequences or worlds at a time
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u16).range(1..=64))]
     jobs: u16,
+}
+
+fn sequence(name: &str) -> Result<PrintedSequence, String> {
+    let wanted = name.to_uppercase().replace('-', " ");
+    let found = SEQUENCES.into_iter().find(|sequence| sequence.name() == wanted);
+    found.ok_or_else(|| String::from("SE1-00 to SE1-05 and SE2-00 to SE2-05"))
 }
 
 /// What `--noise` names.

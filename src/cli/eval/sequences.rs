@@ -14,11 +14,12 @@ use crate::hotel::tables;
 use crate::hotel::texture::Patterns;
 use crate::hotel::trial::{self, absolute_pose_error_m, drive};
 
-/// Drives them all, prints the tables and writes the files.
+/// Drives those that are asked for, all twelve if none is, prints the tables and writes the files.
 pub(super) async fn run(args: &HotelArgs, client: &Client) -> Result<(), Failure> {
     // A sequence is counted as so many steps; how many keyframes it will have is not known before it is planned.
-    let bar = progress_bar((SEQUENCES.len() * Arm::ALL.len()) as u64);
-    let drives: Vec<Driven12> = futures_util::stream::iter(SEQUENCES)
+    let asked = if args.sequences.is_empty() { SEQUENCES.to_vec() } else { args.sequences.clone() };
+    let bar = progress_bar((asked.len() * Arm::ALL.len()) as u64);
+    let drives: Vec<Driven12> = futures_util::stream::iter(asked)
         .map(|printed| drive_sequence(client, printed, &bar))
         .buffered(usize::from(args.jobs))
         .try_collect()
@@ -27,10 +28,11 @@ pub(super) async fn run(args: &HotelArgs, client: &Client) -> Result<(), Failure
     let results: Vec<SequenceResult> = drives.iter().map(|driven| driven.result.clone()).collect();
     files::write_sequences(&args.output, &drives)?;
     let text = format!(
-        "{}\n{}\n{}\nwritten to {}: figure6.svg, precision-recall.svg, trajectories/*.tum, results.json\n",
+        "{}\n{}\n{}\n{}\nwritten to {}: figure6.svg, precision-recall.svg, trajectories/*.tum, results.json\n",
         tables::table_2(&results),
         tables::confusion(&results),
         tables::table_3(&results),
+        tables::losses(results.iter().map(|result| result.arms.as_slice())),
         args.output.display()
     );
     Ok(write_out(&text)?)

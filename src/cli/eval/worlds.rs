@@ -42,7 +42,8 @@ pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result
     files::write_worlds(&args.output, &results)?;
     let table = tables::noise_table(&results, &WORLD_ARMS);
     let failures = tables::failures(&results);
-    Ok(write_out(&format!("{count} {name} worlds for each kind of noise\n\n{table}\n{failures}"))?)
+    let losses = tables::losses(results.iter().map(|result| result.arms.as_slice()));
+    Ok(write_out(&format!("{count} {name} worlds for each kind of noise\n\n{table}\n{failures}\n{losses}"))?)
 }
 
 async fn drive_world(client: &Client, kind: NoiseKind, seed: u64) -> Result<WorldResult, Failure> {

@@ -58,6 +58,7 @@ impl MapIndex {
             Change::PoseSet(seq, pose) => {
                 if let Some(keyframe) = self.keyframes.get_mut(seq.index()) {
                     keyframe.map_from_camera = *pose;
+                    self.retrack(*seq);
                 }
             }
             Change::PointSet(session, id, position) => {
@@ -163,7 +164,7 @@ impl MapIndex {
         }
     }
 
-    /// Where a class's numbering has changed, its texts are other texts.
+    /// Withdraws the texts of classes whose numbering has changed, and has their objects derived anew.
     fn renumber(&mut self, touched: &mut Touched) {
         let changed = self.readings.relearn();
         if changed.is_empty() && !touched.rules {
@@ -221,6 +222,7 @@ impl MapIndex {
             lists.add(keyframe.seq, &self.covisibility().counted(keyframe.seq));
         }
         self.lists = lists;
+        self.retrack_all();
     }
 
     /// A confirmed loop makes its two keyframes covisible, as long as both are there.
@@ -241,6 +243,7 @@ impl MapIndex {
         self.keyframes.insert(keyframe.seq.index(), keyframe.clone());
         let sharing = self.covisibility().counted(keyframe.seq);
         self.lists.add(keyframe.seq, &sharing);
+        self.track(keyframe.seq);
         for (other, points) in &keyframe.declared {
             self.lists.declare(keyframe.seq, *other, *points);
         }
@@ -248,6 +251,7 @@ impl MapIndex {
 
     fn remove_keyframe(&mut self, seq: KeyframeSeq, bow: &BowVector, touched: &mut Touched) {
         let sharing = self.covisibility().sharing(seq).into_owned();
+        self.untrack(seq);
         let Some(keyframe) = self.keyframes.remove(seq.index()) else { return };
         self.keyframe_by_id.remove(&keyframe.id);
         self.points.forget(keyframe.session, keyframe.observes.iter(), seq);

@@ -103,7 +103,8 @@ impl<'a> Covisibility<'a> {
         touched.collect()
     }
 
-    fn joins_by_points(self, a: KeyframeSeq, b: KeyframeSeq) -> bool {
+    /// Whether the two share enough map points.
+    pub fn joins_by_points(self, a: KeyframeSeq, b: KeyframeSeq) -> bool {
         let is_in =
             |list: &[Neighbour], wanted| list.binary_search_by_key(&wanted, |(other, _)| *other).is_ok();
         match (self.index.lists.listed(a), self.index.lists.listed(b)) {

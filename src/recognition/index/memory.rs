@@ -11,8 +11,8 @@ use crate::model::change::Keyframe;
 /// An index that holds nothing, with the locks and queues of a map in memory.
 const MAP: u64 = 6 * 1024;
 
-/// A keyframe: its facts, its name twice, and its slots in the tables by number.
-const KEYFRAME: u64 = 700;
+/// A keyframe: its facts, its name twice, its slots in the tables by number, and its step in the odometer.
+const KEYFRAME: u64 = 740;
 
 /// A keyframe in another one's list of neighbours, with what growing lists leave free.
 const NEIGHBOUR: u64 = 12;
@@ -20,8 +20,8 @@ const NEIGHBOUR: u64 = 12;
 /// An anchor and the object that it belongs to: a dozen trees with few entries, each with room for eleven.
 const ANCHOR: u64 = 8_500;
 
-/// An observation of an anchor, with its reading.
-const OBSERVATION: u64 = 400;
+/// An observation of an anchor, with its reading, which the list of readings alike keeps as well.
+const OBSERVATION: u64 = 450;
 
 /// A map point of an observation: in it, in the anchor's shape, in the object's, and among the holders of the point.
 const ANCHOR_POINT: u64 = 170;

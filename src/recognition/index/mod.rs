@@ -10,6 +10,7 @@ mod covisibility;
 mod holders;
 mod memory;
 mod objects;
+mod odometer;
 mod points;
 mod readings;
 mod texts;
@@ -21,7 +22,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 pub use anchor::{Anchor, Shape};
 pub use covisibility::Covisibility;
 pub use holders::Holders;
-pub use objects::{Description, Object, Objects};
+pub use objects::{Certainty, Description, Object, Objects};
+pub use odometer::{Milestone, Odometer};
 pub use points::{POINT_BYTES, Points};
 pub use readings::Readings;
 pub use texts::{GroupId, IdentityId, TextId, TextIndex, WordGroups};
@@ -60,6 +62,7 @@ pub struct MapIndex {
     points: Points,
     holders: Holders,
     lists: CovisibilityLists,
+    odometer: Odometer,
     /// The anchors each keyframe sees, ascending; anchors, not objects.
     seen_by: Numbered<BTreeSet<AnchorSeq>>,
     objects: Objects,
@@ -189,7 +192,7 @@ impl MapIndex {
         &self.objects
     }
 
-    /// What was read of the anchors, and the numbering that follows.
+    /// The readings of the anchors, and the numbering that follows.
     pub fn readings(&self) -> &Readings {
         &self.readings
     }
@@ -235,7 +238,7 @@ impl MapIndex {
         Some(Object::of(vec![seq], &self.anchors, &self.judging()))
     }
 
-    /// What descriptions are judged by.
+    /// Borrows all that descriptions are judged by.
     fn judging(&self) -> Judging<'_> {
         Judging { settings: &self.properties.settings, verdicts: self.verdicts(), readings: &self.readings }
     }

@@ -15,7 +15,7 @@ use crate::model::settings::Settings;
 use crate::recognition::numbered::Numbered;
 use crate::semantics::{Numbering, Text};
 
-/// What descriptions are judged by.
+/// All that descriptions are judged by.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Judging<'a> {
     pub settings: &'a Settings,
@@ -23,10 +23,18 @@ pub(super) struct Judging<'a> {
     pub readings: &'a Readings,
 }
 
-/// A reading counts as sure when it was read alike this often (`contract.md` §8.7).
-const SURE_READINGS: usize = 2;
+/// The certainty of an object's text (`contract.md` §8.7).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Certainty {
+    /// It was read once, or never twice alike.
+    ReadOnce,
+    /// It was read alike twice or more; in one passage, one bad angle misreads the same way twice.
+    ReadAlike,
+    /// It was described by a model or by hand, or read alike in two passages.
+    Sure,
+}
 
-/// What an object is called, and how well that is known.
+/// The text of an object, and its certainty.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Description {
     /// As last read, or as the operator wrote it.
@@ -35,8 +43,8 @@ pub struct Description {
     pub text: Arc<Text>,
     /// Did an operator set it?
     pub by_hand: bool,
-    /// Is an identifier in it sure by itself: read alike at least twice, or described by a model or by hand?
-    pub sure: bool,
+    /// Its certainty, but for passages, which depend on where the robot drove.
+    pub certainty: Certainty,
     /// InformationLevel, 1 to 5, by the built-in judge or by a model.
     pub information_level: u8,
 }
@@ -79,12 +87,16 @@ impl Object {
         let class = class.map_or("", |anchor| &anchor.class);
         let numbering = readings.numbering(class);
         let mut description = match (by_hand, votes.elected()) {
-            (Some(raw), _) => Some(Description::new(raw, numbering, true, true)),
+            (Some(raw), _) => Some(Description::new(raw, numbering, true, Certainty::Sure)),
             (None, Some(elected)) => {
                 let agree = elected.count >= settings.agreeing_reads as usize;
-                let sure = (elected.described && agree) || elected.count >= SURE_READINGS;
+                let certainty = match elected.count {
+                    _ if elected.described && agree => Certainty::Sure,
+                    0 | 1 => Certainty::ReadOnce,
+                    _ => Certainty::ReadAlike,
+                };
                 let merged = votes.to_merge().and_then(|(a, b)| verdicts.merged(class, a, b));
-                Some(Description::new(merged.unwrap_or(elected.text), numbering, false, sure))
+                Some(Description::new(merged.unwrap_or(elected.text), numbering, false, certainty))
             }
             (None, None) => None,
         };
@@ -108,10 +120,10 @@ impl Object {
 }
 
 impl Description {
-    fn new(raw: &str, numbering: Option<&Numbering>, by_hand: bool, sure: bool) -> Self {
+    fn new(raw: &str, numbering: Option<&Numbering>, by_hand: bool, certainty: Certainty) -> Self {
         let text = Arc::new(Text::under(raw, numbering));
         let information_level = text.information_level();
-        Self { raw: raw.into(), text, by_hand, sure, information_level }
+        Self { raw: raw.into(), text, by_hand, certainty, information_level }
     }
 }
 

@@ -68,12 +68,6 @@ impl Readings {
         self.given.as_deref().or_else(|| self.by_class.get(class)?.numbering.as_deref())
     }
 
-    /// Each class that has readings with its numbering, by name.
-    pub fn numberings(&self) -> BTreeMap<&str, &Numbering> {
-        let classes = self.by_class.keys();
-        classes.filter_map(|class| Some((&**class, self.numbering(class)?))).collect()
-    }
-
     fn sightings(&self, class: &str, text: &Text) -> Option<&[Sighting]> {
         self.by_class.get(class)?.sightings.get(text.gist()).map(Vec::as_slice)
     }
@@ -175,7 +169,7 @@ fn is_alike(sightings: &[Sighting]) -> bool {
     first.0 != last.0
 }
 
-/// What an observation was read as: by the client, by a model, or both.
+/// The texts that an observation was read as: by the client, by a model, or both.
 fn readings(observation: &Observation) -> impl Iterator<Item = Text> {
     let by_client = observation.reading.as_deref();
     let by_model = observation.crop_reading.as_ref().map(|read| &*read.text);

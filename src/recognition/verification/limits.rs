@@ -5,6 +5,7 @@
 
 use super::correspondence::Depth;
 use crate::geometry::pinhole::MIN_DEPTH;
+use crate::model::settings::{GeometryAcceptance, GeometryModels};
 
 /// Every threshold. [`Limits::default`] is what the service uses.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +15,14 @@ pub struct Limits {
     pub min_matches: u32,
     /// `geometry_min_inliers`: the fewest inliers at the very end, after guided search and refinement (ORB-SLAM3: 20).
     pub min_inliers: u32,
+    /// `geometry_models`: which models may verify.
+    pub models: GeometryModels,
+    /// `geometry_acceptance`: by significance, or by count.
+    pub acceptance: GeometryAcceptance,
+    /// The decimal logarithm of the most false alarms that verify a candidate ([`super::significance`]): one in a million.
+    /// A query verifies twenty candidates or so, so that one in fifty thousand queries has a false alarm under the
+    /// background model.
+    pub max_log10_false_alarms: f64,
     /// The inliers that must be beyond doubt.
     pub sure: SureLimits,
     /// Is the scale 1, the map being metric?
@@ -110,6 +119,9 @@ impl Limits {
     pub const DEFAULT: Self = Self {
         min_matches: 20,
         min_inliers: 20,
+        models: GeometryModels::Auto,
+        acceptance: GeometryAcceptance::Significance,
+        max_log10_false_alarms: -6.0,
         sure: SureLimits { share: 0.6, share_of_matches: 0.125, max_distance: 55.0 / 256.0 },
         fixed_scale: true,
         matching: MatchingLimits {
@@ -135,11 +147,17 @@ impl Limits {
         guided: GuidedLimits { radius: 4.0, max_distance: 75.0 / 256.0, rounds: 2 },
     };
 
-    /// How many inliers must be sure, of so many matches; always more than the three that any transformation explains.
+    /// Returns how many inliers must be sure among this many matches, and at least a share of `min_inliers`.
     pub fn min_sure_inliers(&self, matches: u32) -> u32 {
         let least = (f64::from(self.min_inliers) * self.sure.share).ceil();
+        self.min_sure_share(matches).max(least as u32)
+    }
+
+    /// Returns how many inliers must be sure among this many matches; always more than the three that any transformation
+    /// explains.
+    pub fn min_sure_share(&self, matches: u32) -> u32 {
         let of_matches = (f64::from(matches) * self.sure.share_of_matches).ceil();
-        (least.max(of_matches) as u32).max(4)
+        (of_matches as u32).max(4)
     }
 
     /// The depth of a point in its own camera; `None` behind it.
@@ -147,12 +165,14 @@ impl Limits {
         (metres > MIN_DEPTH).then(|| Depth { metres, inverse_sigma: (metres * self.depth_sigma).recip() })
     }
 
+    /// Returns what a keypoint's position scatters by at an octave, in pixels.
+    pub fn keypoint_sigma_px(&self, octave: u8) -> f64 {
+        (0..octave).fold(self.keypoint_sigma_px, |sigma_px, _| sigma_px * self.octave_factor)
+    }
+
     /// The variance sigma^2(octave) of what a projected landmark and its keypoint are apart, in square pixels.
     pub fn variance_px2(&self, octave: u8) -> f64 {
-        let mut sigma_px = self.keypoint_sigma_px;
-        for _ in 0..octave {
-            sigma_px *= self.octave_factor;
-        }
+        let sigma_px = self.keypoint_sigma_px(octave);
         sigma_px * sigma_px + self.landmark_sigma_px * self.landmark_sigma_px
     }
 }

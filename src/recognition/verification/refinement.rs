@@ -18,8 +18,8 @@ const FIRST_DAMPING: f64 = 1e-4;
 const MAX_DAMPING: f64 = 1e6;
 
 /// Rotation, translation, logarithm of the scale.
-type Step = SVector<f64, 7>;
-type Information = SMatrix<f64, 7, 7>;
+pub(super) type Step = SVector<f64, 7>;
+pub(super) type Information = SMatrix<f64, 7, 7>;
 
 /// Refines `candidate_from_query` on the pairs at `places`. With a fixed scale, the scale stays as it is.
 pub fn refine(
@@ -62,6 +62,20 @@ pub fn refine(
 /// What the pairs at `places` cost under a transformation: Huber's sum over the squared errors of both images and depths.
 pub fn cost(candidate_from_query: &Sim3, pairs: &[Correspondence], places: &[u32], cameras: &Cameras) -> f64 {
     Problem { pairs, places, cameras }.cost(candidate_from_query)
+}
+
+/// Returns the normal matrix and the gradient of one pair: of a rotation, a translation and a logarithm of the scale in the
+/// candidate's frame.
+pub(super) fn linearised(
+    candidate_from_query: &Sim3,
+    pair: &Correspondence,
+    cameras: &Cameras,
+) -> (Information, Step) {
+    let problem = Problem { pairs: std::slice::from_ref(pair), places: &[0], cameras };
+    let NormalEquations { mut information, gradient, .. } = problem.linearise(candidate_from_query, false);
+    // Only the lower triangle was summed.
+    information.fill_upper_triangle_with_lower_triangle();
+    (information, gradient)
 }
 
 /// The transformation moved by a small step in the candidate's frame.

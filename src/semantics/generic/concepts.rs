@@ -4,7 +4,7 @@
 
 use self::Reading::{Drawn, Plain};
 
-/// How a word of a concept is read.
+/// Ways in which a word of a concept is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reading {
     /// It stands beside a pictogram or an arrow, and may be misread.

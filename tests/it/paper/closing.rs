@@ -120,7 +120,7 @@ async fn a_loop_that_the_map_speaks_against_is_closed_with_a_warning() {
     scene.put("901-next", keyframe().covisible(&["901"])).await;
     for (keyframe, candidate, code, says) in [
         ("901-again", "901", None, ""),
-        ("904", "901", Some("not_supported"), "score_below_threshold"),
+        ("904", "901", Some("anchors_contradict"), "reads 904 where 901"),
         // A loop makes 904 stand around 901, too: either of the two contradicts.
         ("910", "901", Some("anchors_contradict"), "reads 910 where 90"),
         ("blank", "901", Some("not_supported"), "no_anchors"),

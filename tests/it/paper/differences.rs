@@ -21,7 +21,6 @@ async fn a_differing_identifier_says_why_it_is_no_contradiction() {
     let plate = |text: &str| door(text, AHEAD);
     // What is read, the setting, and the reason with its figures.
     for (query, candidate, settings, reason, figures) in [
-        (vec![plate("104")], vec![plate("107")], json!({}), "not_sure", Some((1.0, 2.0))),
         (
             vec![plate("104")],
             vec![door("110", [0.0, 0.0, 2.5])],
@@ -98,4 +97,22 @@ async fn differences_are_few_and_the_nearest_signs_come_first() {
     assert_eq!(differences.len(), 8);
     assert_eq!(differences[0]["query_identifier"], "1000");
     assert_eq!(differences[0]["candidate_identifier"], "5001");
+}
+
+#[tokio::test]
+async fn a_low_score_names_the_anchor_and_what_failed() {
+    let settings = json!({"contradiction_veto": false});
+    for (query, candidate, said) in [
+        (door("901", AHEAD), door("901", [0.0, 0.0, 2.5]), "“901” is in both, but 1.50 m nearer or farther"),
+        (door("901", AHEAD), door("901", [1.0, 0.0, 0.0]), "“901” is in both, but 1.57 rad aside"),
+        (door("901", AHEAD), door("910", AHEAD), "nothing that is read in one is read in the other"),
+    ] {
+        let (found, _) = between(settings.clone(), &[query], &[candidate]).await;
+        let reason = &found["reason"];
+        assert_eq!(reason["code"], "score_below_threshold", "{found:#}");
+        assert!(
+            reason["detail"].as_str().unwrap_or_default().contains(said),
+            "{reason:#} does not say {said}"
+        );
+    }
 }

@@ -122,3 +122,49 @@ async fn the_weight_of_a_pair_is_the_sum_of_the_two_distinctive_weights() {
     // p = 4: 1/4 + 1/4.
     close_to("weight", &found["anchors"]["matches"][0]["weight"], 0.5);
 }
+
+/// A drive along x, a metre a keyframe, whose neighbours share twenty points; with an EXIT two metres ahead at each of `signs`,
+/// `drift_m` farther on than it stands.
+async fn drive(scene: &Scene, signs: &[(usize, f64)]) {
+    let last = signs.last().map_or(0, |(at, _)| *at);
+    for at in 0..=last {
+        let x = at as f64;
+        let sees = signs.iter().filter(|(sign, _)| *sign == at);
+        let sees = sees.map(|(_, stands)| thing("sign", "EXIT").at([*stands, 0.0, 2.0])).collect::<Vec<_>>();
+        let first_point = 20 * at as i64;
+        let way = keyframe().at([x, 0.0, 0.0]).stamp(at).observes(first_point..first_point + 40);
+        scene.put(&format!("drive-{at}"), way.words(&[(99, 1.0)]).sees(sees)).await;
+    }
+}
+
+#[tokio::test]
+async fn a_second_place_needs_more_than_odometry_may_have_drifted() {
+    let check = async |what: &str, settings: Value, signs: &[(usize, f64)], places: f64| {
+        let scene = with_signs(settings).await;
+        drive(&scene, signs).await;
+        let distance = ((signs[0].1).powi(2) + 4.0).sqrt();
+        close_to(what, &json!(weight(&scene, "drive-0").await), 1.0 / distance / places);
+    };
+    // After 20 m odometry may be off by 5 % of them: 3 + 1 m.
+    check("4 m apart after 20 m", json!({}), &[(0, 0.0), (20, 4.0)], 1.0).await;
+    check("4.01 m apart after 20 m", json!({}), &[(0, 0.0), (20, 4.01)], 2.0).await;
+    let off = json!({"odometry_max_drift_share": 0});
+    check("without drift only the radius counts", off, &[(0, 0.0), (20, 4.0)], 2.0).await;
+    // The third is held against the first alone: 3 + 1.5 m after 30 m.
+    check("never from one to the next", json!({}), &[(0, 0.0), (20, 4.0), (30, 5.0)], 2.0).await;
+}
+
+#[tokio::test]
+async fn what_one_local_anchor_map_holds_is_one_place() {
+    // A room with two doors, 3.5 m apart, that bear its number; and the same from two keyframes that see nothing in common.
+    let check = async |what: &str, covisible: &[&str], places: f64| {
+        let scene = Scene::new().await;
+        scene.put("one", keyframe().sees([door("901", [0.0, 0.0, 2.0])])).await;
+        let other = keyframe().at([3.5, 0.0, 0.0]).covisible(covisible);
+        scene.put("other", other.sees([door("901", [3.5, 0.0, 2.0])])).await;
+        let map = scene.local_map("one").await;
+        close_to(what, &map[0]["weight"], 0.5 / places);
+    };
+    check("in one local anchor map", &["one"], 1.0).await;
+    check("in two", &[], 2.0).await;
+}

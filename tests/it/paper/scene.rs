@@ -212,6 +212,11 @@ impl Keyframe {
         self.set("session", json!(session))
     }
 
+    /// It was taken then.
+    pub(super) fn stamp(self, sec: usize) -> Self {
+        self.set("stamp", json!({"sec": sec, "nanosec": 0}))
+    }
+
     /// It stands there, not turned.
     pub(super) fn at(self, place: [f64; 3]) -> Self {
         self.set("pose", support::pose(place))

@@ -41,13 +41,13 @@ async fn odometry_over_an_unbroken_chain_is_a_witness_if_it_has_the_two_at_one_p
     let check = async |what: &str, chain: bool, ahead_m: f64, back_m: f64, verdict: &str| {
         let scene = Scene::new().await;
         let sees = |x: f64| [thing("sign", "Be Updated").at([x, 0.0, 1.0])];
-        scene.put("candidate", on_the_way(0.0, 0).sees(sees(0.0))).await;
+        scene.put("candidate", on_the_way(0.0, 0).stamp(0).sees(sees(0.0))).await;
         // So many that neither end's local anchor map holds what the other sees.
         for (number, x) in [0.5 * ahead_m, ahead_m, back_m].into_iter().enumerate() {
             let first_point = if chain || number != 1 { 15 * (number as i64 + 1) } else { 1_000 };
-            scene.put(&format!("between-{number}"), on_the_way(x, first_point)).await;
+            scene.put(&format!("between-{number}"), on_the_way(x, first_point).stamp(number + 1)).await;
         }
-        scene.put("query", on_the_way(back_m, 60).sees(sees(back_m))).await;
+        scene.put("query", on_the_way(back_m, 60).stamp(4).sees(sees(back_m))).await;
         let found = scene.compare("query", "candidate").await;
         let reason = if verdict == "loop" { json!(null) } else { json!("no_witness") };
         assert_eq!((&found["verdict"], &found["reason"]["code"]), (&json!(verdict), &reason), "{what}");
@@ -58,4 +58,20 @@ async fn odometry_over_an_unbroken_chain_is_a_witness_if_it_has_the_two_at_one_p
     check("a little farther", true, 2.0, 1.2, "undecided").await;
     check("another poster", true, 2.0, 4.0, "undecided").await;
     check("the chain is broken", false, 2.0, 0.9, "undecided").await;
+}
+
+#[tokio::test]
+async fn a_confirmed_loop_that_joins_the_passages_is_a_witness() {
+    let scene = Scene::new().await;
+    let sees = || [poster("Be Updated")];
+    scene.put("monday-1", keyframe().session("monday").sees(sees())).await;
+    scene.put("monday-2", keyframe().session("monday").words(&[(7, 1.0)]).covisible(&["monday-1"])).await;
+    scene.put("tuesday-1", keyframe().session("tuesday").sees(sees())).await;
+    let tuesday_2 = keyframe().session("tuesday").words(&[(8, 1.0)]).covisible(&["tuesday-1"]);
+    scene.put("tuesday-2", tuesday_2).await;
+    let alone = scene.compare("tuesday-1", "monday-1").await;
+    assert_eq!(alone["reason"]["code"], "no_witness", "{alone:#}");
+    scene.close("somebody-knows", "tuesday-2", "monday-2").await;
+    let joined = scene.compare("tuesday-1", "monday-1").await;
+    assert_eq!(joined["verdict"], "loop", "{joined:#}");
 }

@@ -1,0 +1,84 @@
+//! Geometry on one pair of keyframes: what it needs, by which numbers it is accepted, and what came out.
+
+use super::features::{FeatureSet, MatchableFeatures};
+use super::screening::{Screened, Screening, Standing};
+use super::sight::Sight;
+use super::verification::{Failure, Limits, Verification, View, verify_by_any_model};
+use crate::geometry::Point3;
+use crate::model::settings::GeometryAcceptance;
+use crate::model::verdict::Verify;
+
+/// A keyframe that geometry can look at.
+pub type Seeing<'a> = (&'a Sight, &'a MatchableFeatures);
+
+/// The outcome of geometry between the query and one candidate.
+#[derive(Clone, Debug)]
+pub struct Checked {
+    /// The outcome.
+    pub verification: Verification,
+    /// Both keyframes have enough map points with positions for a similarity to be found.
+    pub are_triangulated: bool,
+}
+
+impl Checked {
+    /// Whether a similarity failed that has at least half of the inliers that verify. Enough of them, of which too few are
+    /// sure, say that the two cameras stand in one room, and their neighbours would say no more.
+    pub fn is_near_miss(&self) -> bool {
+        let is_half =
+            |failure| matches!(failure, Failure::TooFewInliers { inliers, limit } if 2 * inliers >= limit);
+        self.verification.model.is_metric() && self.verification.failure.is_some_and(is_half)
+    }
+}
+
+/// Runs geometry on one candidate, or tells what is missing for it.
+pub fn check_geometry(
+    screening: &Screening,
+    screened: &Screened,
+    asked: Option<Seeing<'_>>,
+    features: &FeatureSet,
+    seed: u64,
+) -> Result<Checked, &'static str> {
+    if screening.verify == Verify::Anchors {
+        return Err("the query asks for anchors alone");
+    }
+    let found = screened.sight.as_ref().zip(features.stored.get(&screened.keyframe).map(AsRef::as_ref));
+    let query = asked.ok_or("the query has no features or no camera")?;
+    let candidate = found.ok_or("the candidate has no features or no camera")?;
+    let min_matches = screening.settings.geometry_min_matches as usize;
+    if [query, candidate].iter().any(|(_, features)| features.keypoints.len() < min_matches) {
+        return Err("one of the two has fewer features than geometry_min_matches");
+    }
+    let window = candidate.0.window.iter().filter_map(|seq| features.stored.get(seq).map(AsRef::as_ref));
+    let landmarks = candidate.0.landmarks(candidate.1, window, query);
+    let points = [query, candidate].map(|(sight, features)| sight.points_in_camera(features));
+    let are_triangulated = points.iter().all(|points| points.iter().flatten().count() >= min_matches);
+    let limits = limits(screening, screened.standing, are_triangulated);
+    let (query, candidate) = (view(query, &points[0]), view(candidate, &points[1]));
+    let verification = verify_by_any_model(&query, &candidate, &landmarks, &limits, seed);
+    Ok(Checked { verification, are_triangulated })
+}
+
+/// Significance says that two views are of one thing, and no more: where nothing else speaks for the place, and where map
+/// points let a similarity be found, the letter's numbers count (`contract.md` §8.19).
+fn limits(screening: &Screening, standing: Standing, are_triangulated: bool) -> Limits {
+    let settings = &screening.settings;
+    let by_count = are_triangulated || standing == Standing::AskGeometry;
+    Limits {
+        min_matches: settings.geometry_min_matches,
+        min_inliers: settings.geometry_min_inliers,
+        models: settings.geometry_models,
+        acceptance: if by_count { GeometryAcceptance::Count } else { settings.geometry_acceptance },
+        fixed_scale: screening.metric,
+        ..Limits::default()
+    }
+}
+
+fn view<'a>((sight, features): Seeing<'a>, points_in_camera: &'a [Option<Point3>]) -> View<'a> {
+    View {
+        camera: sight.camera,
+        keypoints: &features.keypoints,
+        descriptors: &features.descriptors,
+        nodes: features.nodes.as_deref(),
+        points_in_camera,
+    }
+}

@@ -1,0 +1,8 @@
+//! §V, the last step, over HTTP: planted rooms, planted motions, and what the service makes of them.
+
+mod alone;
+mod anchors;
+mod images;
+mod neighbours;
+mod scene;
+mod transformation;

@@ -1,0 +1,119 @@
+//! The planted transformation is found, and what it is not is refused.
+
+use revisit::geometry::Pose;
+use serde_json::{Value, json};
+
+use super::scene::{DOOR, POINTS, Shot, ask, asked, map, number, off, pose, query_pose, store};
+
+#[tokio::test]
+async fn the_same_room_is_verified_and_the_planted_transformation_found() {
+    let candidate = Shot::of(1, Pose::identity()).plates(&[DOOR]);
+    let mut query = Shot::of(1, query_pose()).plates(&[DOOR]);
+    // The second robot's frame lies elsewhere and is turned.
+    query.session_from_world = pose([10.0, -3.0, 2.0], 70.0);
+    let (verdict, found) = asked(&candidate.body("a", true), &query.body("b", true), json!({}), "auto").await;
+    assert_eq!((verdict.as_str(), &found["geometry"]["status"]), ("loop", &json!("verified")), "{found:#}");
+    assert!(number(&found["geometry"]["inliers"]) >= 20.0, "{found:#}");
+    let transform = &found["geometry"]["candidate_from_query"];
+    let (metres, degrees) = off(transform, &query_pose());
+    assert!(metres < 0.01 && degrees < 0.2, "{metres} m, {degrees} degrees");
+    assert_eq!(number(&transform["scale"]), 1.0);
+    assert_eq!(found["geometry"]["model"], "se3");
+    assert!(number(&found["geometry"]["log10_false_alarms"]) < -6.0);
+    let covariance = found["geometry"]["covariance"].as_array().expect("a full transform has one");
+    assert!(covariance.len() == 36 && (0..6).all(|i| number(&covariance[i * 7]) > 0.0), "{covariance:?}");
+}
+
+#[tokio::test]
+async fn another_room_with_the_same_plate_is_refused_by_geometry_and_by_nothing_else() {
+    let candidate = Shot::of(1, Pose::identity()).plates(&[DOOR]);
+    let query = Shot::of(2, query_pose()).looking_like(1).plates(&[DOOR]);
+    let check = async |features: bool, verify: &str, expected: [&str; 3]| {
+        let (verdict, found) =
+            asked(&candidate.body("a", true), &query.body("b", features), json!({}), verify).await;
+        let code = found["reason"]["code"].as_str().unwrap_or("none");
+        let status = found["geometry"]["status"].as_str().unwrap();
+        assert_eq!([verdict.as_str(), status, code], expected, "{verify}: {found:#}");
+    };
+    check(true, "auto", ["no_loop", "failed", "too_few_inliers"]).await;
+    check(true, "geometry", ["no_loop", "failed", "too_few_inliers"]).await;
+    check(true, "anchors", ["loop", "skipped", "none"]).await;
+    check(false, "auto", ["loop", "skipped", "none"]).await;
+    check(false, "geometry", ["undecided", "skipped", "no_features"]).await;
+    // With nothing to compare geometry cannot run, and rejects nothing; map points of both would have matched, so it is open.
+    let query = Shot::of(2, query_pose()).plates(&[DOOR]);
+    for (verify, expected) in [("auto", "undecided"), ("geometry", "undecided")] {
+        let (verdict, found) =
+            asked(&candidate.body("a", true), &query.body("b", true), json!({}), verify).await;
+        let said = (verdict.as_str(), found["geometry"]["status"].as_str().unwrap());
+        assert_eq!(said, (expected, "skipped"), "{found:#}");
+    }
+}
+
+#[tokio::test]
+async fn the_best_loop_is_the_one_with_most_inliers() {
+    let server = map(json!({"without_anchors": "geometry"}), true).await;
+    for (id, points) in [("a-few", 45), ("b-most", POINTS)] {
+        let mut shot = Shot::of(1, Pose::identity());
+        shot.points = points;
+        store(&server, id, &shot.body(id, true)).await;
+    }
+    store(&server, "query", &Shot::of(1, query_pose()).body("q", true)).await;
+    let answer = ask(&server, "auto").await;
+    assert_eq!(answer["loops"], json!(["b-most", "a-few"]), "{answer:#}");
+}
+
+#[tokio::test]
+async fn a_map_without_metres_finds_the_scale_and_settings_gate() {
+    let server = map(json!({"without_anchors": "geometry"}), false).await;
+    let mut candidate = Shot::of(1, Pose::identity());
+    // The first robot's unit is half a metre: its numbers are twice as large.
+    candidate.unit_m = 0.5;
+    store(&server, "candidate", &candidate.body("a", true)).await;
+    store(&server, "query", &Shot::of(1, query_pose()).body("b", true)).await;
+    let found = ask(&server, "auto").await["candidates"][0].clone();
+    assert_eq!(found["verdict"], "loop", "{found:#}");
+    let scale = number(&found["geometry"]["candidate_from_query"]["scale"]);
+    assert!((scale - 2.0).abs() < 0.02, "{scale}");
+    let counted = json!({"settings": {"geometry_min_inliers": 1000, "geometry_acceptance": "count"}});
+    server.patch("/v1/maps/m", &counted).await.expect(200);
+    let found = ask(&server, "auto").await["candidates"][0].clone();
+    assert_eq!(
+        (&found["reason"]["code"], number(&found["reason"]["limit"])),
+        (&json!("too_few_inliers"), 1000.0)
+    );
+}
+
+#[tokio::test]
+async fn a_thousand_times_the_same_question_from_eight_clients_gets_the_same_bytes() {
+    let server = map(json!({}), true).await;
+    store(&server, "candidate", &Shot::of(1, Pose::identity()).plates(&[DOOR]).body("a", true)).await;
+    store(&server, "query", &Shot::of(1, query_pose()).plates(&[DOOR]).body("b", true)).await;
+    let question = json!({"keyframe": "query", "seed": 7});
+    let first = server
+        .request(reqwest::Method::POST, "/v1/maps/m/loop-queries")
+        .json(&question)
+        .send()
+        .await
+        .unwrap();
+    let timing = first.headers()["server-timing"].to_str().unwrap().to_owned();
+    assert!(["screen", "features", "geometry"].iter().all(|step| timing.contains(step)), "{timing}");
+    let first = first.bytes().await.unwrap();
+    let clients = (0..8).map(|_| {
+        let (request, first) =
+            (server.request(reqwest::Method::POST, "/v1/maps/m/loop-queries"), first.clone());
+        let request = request.json(&question);
+        tokio::spawn(async move {
+            for _ in 0..125 {
+                let answer = request.try_clone().unwrap().send().await.unwrap();
+                assert_eq!(answer.bytes().await.unwrap(), first);
+            }
+        })
+    });
+    for client in clients.collect::<Vec<_>>() {
+        client.await.unwrap();
+    }
+    let other =
+        server.post("/v1/maps/m/loop-queries", &json!({"keyframe": "query", "seed": 8})).await.expect(200);
+    assert_ne!(other["id"], serde_json::from_slice::<Value>(&first).unwrap()["id"]);
+}
