@@ -121,6 +121,17 @@ class Server:
                 return int(line.split()[1])
         return 0
 
+    @contextlib.contextmanager
+    def paused(self):
+        """Stops every thread of the server for as long as the block takes. The signal alone is not enough: until the
+        kernel has stopped the last thread, one may still checkpoint and write on, and a copy of the files be torn."""
+        os.kill(self.process.pid, signal.SIGSTOP)
+        os.waitpid(self.process.pid, os.WUNTRACED)
+        try:
+            yield
+        finally:
+            os.kill(self.process.pid, signal.SIGCONT)
+
     def kill(self):
         """SIGKILL; one that is dead already died of itself."""
         if not self.alive():
