@@ -377,6 +377,8 @@ settings! {
         "ORB-SLAM: the fewest descriptor matches with which a transformation is estimated; with fewer geometry is skipped and rejects nothing";
     geometry_min_inliers: u32 = Count { 20, 3, 100_000 },
         "ORB-SLAM: the fewest inliers of a verified transformation, where geometry_acceptance is count";
+    geometry_landmark_sigma_px: f64 = Number { 3.35, 0.0, 100.0 },
+        "ours: what the error of a map point's own place adds to that of a keypoint, standard deviation in pixels at any octave; 0 = the letter: keypoints alone scatter";
     geometry_alone_min_inliers: u32 = Count { 100, 3, 100_000 },
         "ours: the fewest inliers with which geometry alone (without_anchors: geometry) closes a loop where no map point is projected: a homography, a rotation or an essential matrix proves a view, and not a place";
     rival_min_ratio: f64 = Number { 2.0, 0.0, 1000.0 },

@@ -67,6 +67,7 @@ fn limits(screening: &Screening, standing: Standing, are_triangulated: bool) -> 
         min_matches: settings.geometry_min_matches,
         min_inliers: settings.geometry_min_inliers,
         models: settings.geometry_models,
+        landmark_sigma_px: settings.geometry_landmark_sigma_px,
         acceptance: if by_count { GeometryAcceptance::Count } else { settings.geometry_acceptance },
         fixed_scale: screening.metric,
         ..Limits::default()

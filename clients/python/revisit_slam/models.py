@@ -1441,6 +1441,10 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     """
     geometry_min_inliers: int | None = None
     """ORB-SLAM: the fewest inliers of a verified transformation, where geometry_acceptance is count"""
+    geometry_landmark_sigma_px: float | None = None
+    """ours: what the error of a map point's own place adds to that of a keypoint, standard deviation in
+    pixels at any octave; 0 = the letter: keypoints alone scatter
+    """
     geometry_alone_min_inliers: int | None = None
     """ours: the fewest inliers with which geometry alone (without_anchors: geometry) closes a loop where
     no map point is projected: a homography, a rotation or an essential matrix proves a view, and not a

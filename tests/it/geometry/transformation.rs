@@ -84,6 +84,27 @@ async fn a_map_without_metres_finds_the_scale_and_settings_gate() {
     );
 }
 
+/// An inlier is off by less than sqrt(9.21 (1 + 3.35^2)) = 10.6 px, and by the letter by less than sqrt(9.21) = 3.03 px.
+#[tokio::test]
+async fn map_points_a_hands_breadth_off_are_inliers_unless_keypoints_alone_scatter() {
+    let server = map(json!({"without_anchors": "geometry"}), true).await;
+    store(&server, "candidate", &Shot::of(1, Pose::identity()).body("a", true)).await;
+    let mut query = Shot::of(1, query_pose()).body("b", true);
+    let keypoints = query["features"]["keypoints"].as_array_mut().expect("keypoints");
+    for (at, keypoint) in keypoints.iter_mut().enumerate() {
+        let turn = at as f64 * 2.4;
+        keypoint[0] = json!(number(&keypoint[0]) + 6.0 * turn.cos());
+        keypoint[1] = json!(number(&keypoint[1]) + 6.0 * turn.sin());
+    }
+    store(&server, "query", &query).await;
+    for (sigma_px, expected) in [(3.35, "verified"), (0.0, "failed"), (3.35, "verified")] {
+        let settings = json!({"settings": {"geometry_landmark_sigma_px": sigma_px}});
+        server.patch("/v1/maps/m", &settings).await.expect(200);
+        let found = ask(&server, "auto").await["candidates"][0].clone();
+        assert_eq!(found["geometry"]["status"], expected, "{sigma_px} px: {found:#}");
+    }
+}
+
 #[tokio::test]
 async fn a_thousand_times_the_same_question_from_eight_clients_gets_the_same_bytes() {
     let server = map(json!({}), true).await;
