@@ -1,5 +1,7 @@
 //! Document: the API document, made of the routes themselves.
 
+use serde_json::json;
+use utoipa::openapi::extensions::ExtensionsBuilder;
 use utoipa::openapi::path::{Operation, Parameter, PathItem};
 use utoipa::openapi::schema::{Object, OneOf, SchemaType, Type};
 use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityRequirement, SecurityScheme};
@@ -8,6 +10,7 @@ use utoipa::{Modify, OpenApi};
 
 use super::access::SCHEME;
 use super::{refusals, routes};
+use crate::recognition::constants::{CONSTANTS, Constant};
 use crate::wire::event::EventView;
 use crate::wire::problem::ProblemView;
 
@@ -18,7 +21,8 @@ use crate::wire::problem::ProblemView;
         description = "Semantic place recognition: is this keyframe a loop?\n\nIds are made by clients, writing is \
             `PUT` by id, and a retry is harmless. Every answer of 400 and above is `application/problem+json` and \
             lists every fault of the request at once. Lengths are metres, angles radians, image coordinates pixels. \
-            An optional field is left out, never null.",
+            An optional field is left out, never null. Numbers that decide verdicts are a map's settings, or constants, which \
+            this document lists under `x-constants`.",
         license(name = "MIT OR Apache-2.0", identifier = "MIT OR Apache-2.0")
     ),
     tags(
@@ -74,7 +78,17 @@ pub fn document() -> utoipa::openapi::OpenApi {
             }
         }
     });
+    document.extensions = Some(ExtensionsBuilder::new().add("x-constants", constants()).build());
     document
+}
+
+/// The numbers that decide verdicts and are no settings.
+fn constants() -> Vec<serde_json::Value> {
+    let shown = |constant: &Constant| {
+        let Constant { name, value, unit, doc } = constant;
+        json!({"name": name, "value": value, "unit": unit, "description": doc})
+    };
+    CONSTANTS.iter().map(shown).collect()
 }
 
 /// Does the operation name an action that a key must have?

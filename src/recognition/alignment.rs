@@ -19,10 +19,10 @@ use crate::model::difference::DifferenceEvidence;
 use crate::model::settings::Settings;
 
 /// Under a transformation, anchors this near to each other stand at the same place, in metres (`contract.md` §8.7).
-const SAME_PLACE_M: f64 = 0.75;
+pub(super) const SAME_PLACE_M: f64 = 0.75;
 
 /// Far anchors stand where the transformation puts them only as well as it turns: this share of their distance.
-const TURNING_SHARE: f64 = 0.15;
+pub(super) const TURNING_SHARE: f64 = 0.15;
 
 /// A pair of anchors of one description.
 #[derive(Clone, Debug)]

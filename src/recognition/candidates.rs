@@ -18,10 +18,10 @@ use crate::model::ids::{AnchorSeq, KeyframeSeq};
 
 /// An anchor that stands in more places than this proposes only the oldest of them: it says next
 /// to nothing about which, and a thousand EXIT signs must not cost a thousand looks.
-const MAX_REVISITS_PER_ANCHOR: usize = 64;
+pub(super) const MAX_REVISITS_PER_ANCHOR: usize = 64;
 
 /// Keyframes of a place that a near miss asks, so that a query costs no more than so many verifications a place.
-const NEAR_MISS_NEIGHBOURS: usize = 5;
+pub(super) const NEAR_MISS_NEIGHBOURS: usize = 5;
 
 /// A candidate of either channel.
 #[derive(Clone, Debug, PartialEq)]

@@ -18,13 +18,13 @@ use crate::model::ids::AnchorSeq;
 use crate::semantics;
 
 /// Two offsets this near are one, in metres.
-const SAME_OFFSET_M: f64 = 1.0;
+pub(super) const SAME_OFFSET_M: f64 = 1.0;
 /// Neighbours of a text that are compared, the nearest first.
-const NEIGHBOURS_MAX: usize = 16;
+pub(super) const NEIGHBOURS_MAX: usize = 16;
 /// Pairs of one comparison whose company is looked at, so that a hall full of plates costs no more than a corridor.
-const PAIRS_MAX: usize = 16;
+pub(super) const PAIRS_MAX: usize = 16;
 /// Anchors of a text whose company is looked at, the oldest first.
-const CARRIERS_MAX: usize = 8;
+pub(super) const CARRIERS_MAX: usize = 8;
 /// A text right above or below the camera has no heading, in metres.
 const LEAST_HORIZONTAL_M: f64 = 1e-3;
 

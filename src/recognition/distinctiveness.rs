@@ -18,7 +18,7 @@ use crate::model::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::semantics::{self, Text};
 
 /// Counting ends at this number of places: what hangs in more says next to nothing of any.
-const PLACES_MAX: usize = 64;
+pub(super) const PLACES_MAX: usize = 64;
 
 /// An anchor of an inline keyframe, which stands somewhere although the map does not have it.
 #[derive(Clone, Debug)]

@@ -12,16 +12,16 @@ use crate::semantics::{self, Text};
 
 /// A text is judged with at most so many others: those most like it. Together with the identifiers, which need no
 /// model, this keeps the number of calls in proportion to the anchors, not to their pairs.
-const NEIGHBOURS_JUDGED: usize = 6;
+pub(super) const NEIGHBOURS_JUDGED: usize = 6;
 
 /// A class with so few texts is small enough to ask about texts that share no word: "a smiling lady", "the Mona Lisa".
-const SMALL_CLASS: usize = 32;
+pub(super) const SMALL_CLASS: usize = 32;
 
 /// A word in more texts than this tells none of them apart.
-const WIDESPREAD: usize = 256;
+pub(super) const WIDESPREAD: usize = 256;
 
 /// A crop replaces the one described before when its area is so many times as large.
-const BETTER_CROP: f64 = 2.0;
+pub(super) const BETTER_CROP: f64 = 2.0;
 
 /// Something a model could give.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

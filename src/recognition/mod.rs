@@ -35,7 +35,7 @@
 //! Beside the paper: [`query`] is the keyframe that is asked about, [`sight`] and [`features`] are what geometry
 //! needs to know of it, [`evidence`] turns figures into a
 //! verdict, [`recorder`] keeps changes, [`correction`] moves poses and points, [`describing`] takes a description by hand, [`standing_in`] tells where a model is missed, [`culling`] removes,
-//! [`numbered`] keeps what has a dense number.
+//! [`numbered`] keeps what has a dense number, [`constants`] lists every number that decides and is no setting.
 
 pub mod alignment;
 pub mod anchor_check;
@@ -47,6 +47,7 @@ pub mod closing;
 pub mod company;
 pub mod comparison;
 pub mod conclusion;
+pub mod constants;
 pub mod contradiction;
 pub mod correction;
 pub mod covisibility;

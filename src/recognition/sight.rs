@@ -14,7 +14,7 @@ use crate::model::keyframe::{Camera, NewKeyframe};
 
 /// Keyframes covisible with a candidate whose points join the guided search, those that share most
 /// first. ORB-SLAM3 takes ten as well.
-const WINDOW_KEYFRAMES: usize = 10;
+pub(super) const WINDOW_KEYFRAMES: usize = 10;
 
 /// A keyframe as geometry sees it.
 #[derive(Clone, Debug)]

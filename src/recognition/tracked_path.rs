@@ -12,9 +12,9 @@ use crate::model::ids::KeyframeSeq;
 use crate::model::settings::Settings;
 
 /// The heading of a tracked robot drifts by no more than this, in radians a metre: far more than any odometry that works.
-const MAX_TURN_RAD_PER_M: f64 = 0.05;
+pub(super) const MAX_TURN_RAD_PER_M: f64 = 0.05;
 /// And this much it may be off on any way, in radians: what a transformation between far views errs by.
-const TURN_SLACK_RAD: f64 = 0.35;
+pub(super) const TURN_SLACK_RAD: f64 = 0.35;
 
 /// The unbroken way from the candidate to the query, and where odometry has the two.
 #[derive(Clone, Copy, Debug, PartialEq)]

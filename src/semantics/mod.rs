@@ -65,10 +65,11 @@ mod laws;
 pub use agreement::{Conflict, conflict};
 pub use hostile::addresses_a_model;
 pub use identifier::Identifier;
-pub use information::information;
+pub use information::{ENOUGH_SPECIFIC_WORDS, information};
 pub use merge::merge;
+pub use noise::{NUMBER_DIGITS_MAX, ZERO_PERCENT};
 pub use normalise::clean;
-pub use numbering::{Numbering, PatternError, Shape};
+pub use numbering::{LEARNED_FROM_VALUES, Numbering, PatternError, Shape};
 pub use profile::Profile;
 pub use role::Role;
 pub use route::{

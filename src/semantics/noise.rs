@@ -1,8 +1,9 @@
 //! Noise: what a reader makes of a wall without a text on it (`contract.md` §8.14).
 
 /// A longer number that is nearly all zeros is a railing or a row of lamps.
-const NUMBER_DIGITS_MAX: usize = 6;
-const ZERO_PERCENT: usize = 80;
+pub const NUMBER_DIGITS_MAX: usize = 6;
+/// The share of zeros, in per cent, from which it is.
+pub const ZERO_PERCENT: usize = 80;
 
 /// Whether a bare number is what a railing, dots or a window frame look like: "0", "000", "00-0", "00000000010".
 pub fn is_noise_number(code: &str) -> bool {

@@ -12,7 +12,7 @@ use super::identifier::Identifier;
 use super::role::Role;
 
 /// A shape is learned from so many values, each read alike in two keyframes or more.
-const LEARNED_FROM_VALUES: usize = 10;
+pub const LEARNED_FROM_VALUES: usize = 10;
 /// Patterns that an operator may give.
 const PATTERNS_MAX: usize = 16;
 /// Bytes of one pattern.

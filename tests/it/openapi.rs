@@ -127,3 +127,20 @@ fn operation_ids_are_unique_and_parameters_bounded() {
         }
     }
 }
+
+#[test]
+fn it_lists_the_numbers_that_decide_and_are_no_settings() {
+    let document = json();
+    let constants = document["x-constants"].as_array().expect("a list");
+    let value = |name: &str| {
+        let found = constants.iter().find(|constant| constant["name"] == name);
+        found.unwrap_or_else(|| panic!("no {name}"))["value"].as_f64()
+    };
+    assert_eq!(value("alignment.same_place_m"), Some(0.75));
+    assert_eq!(value("similarity.max_chi_square"), Some(9.21));
+    assert_eq!(value("numbering.values"), Some(10.0));
+    for constant in constants {
+        let text = |field: &str| constant[field].as_str().is_some_and(|text| !text.is_empty());
+        assert!(text("unit") && text("description"), "{constant}");
+    }
+}

@@ -4,10 +4,10 @@ use super::descriptor_matching::Match;
 use crate::model::keyframe::Keypoint;
 
 /// Bins of 12 degrees (ORB-SLAM's `HISTO_LENGTH`).
-const BINS: usize = 30;
+pub(in crate::recognition) const BINS: usize = 30;
 
 /// The fullest bins are kept (ORB-SLAM: 3, so that a peak across a border survives).
-const BINS_KEPT: usize = 3;
+pub(in crate::recognition) const BINS_KEPT: usize = 3;
 
 /// Keeps the matches in the fullest bins of the rotation from query to candidate. Does nothing if a keypoint of a
 /// match has no orientation.

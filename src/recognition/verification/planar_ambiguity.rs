@@ -11,9 +11,9 @@ use super::refinement::{cost, refine};
 use crate::geometry::Sim3;
 
 /// A patch is flat if its thickness is below this share of its narrower side.
-const MAX_THICKNESS_SHARE: f64 = 0.35;
+pub(in crate::recognition) const MAX_THICKNESS_SHARE: f64 = 0.35;
 /// Tilts below this, in radians, are hardly two.
-const MIN_TILT_RAD: f64 = 0.05;
+pub(in crate::recognition) const MIN_TILT_RAD: f64 = 0.05;
 
 /// The transformation that sees the same points tilted the other way, refined on them, if it explains them better.
 pub fn better_tilted(

@@ -20,7 +20,7 @@ use std::f64::consts::LN_10;
 use super::outcome::Failure;
 
 /// Features this near show one thing, in pixels: half the width of ORB's patch (31 pixels at octave 0).
-const CELL_PX: f64 = 16.0;
+pub(in crate::recognition) const CELL_PX: f64 = 16.0;
 
 /// Cells are counted from this far outside the image, in cells: keypoints may lie outside.
 const CELLS_MAX: f64 = 1e6;

@@ -11,7 +11,7 @@ use crate::geometry::Sim3;
 
 /// The largest singular value must exceed the smallest by this factor: else the camera has turned, as far as can be told,
 /// and every normal fits. A move by a fiftieth of the plane's distance makes it 1.02.
-const MIN_STRETCH: f64 = 1.02;
+pub(in crate::recognition) const MIN_STRETCH: f64 = 1.02;
 
 /// Returns `candidate_from_query` of a homography between ray planes, if the rays that it explains leave one motion.
 pub fn motion_of(candidate_from_query: &Matrix3<f64>, query_rays: &[Vector3<f64>]) -> Option<Sim3> {

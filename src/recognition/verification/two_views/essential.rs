@@ -16,7 +16,7 @@ use crate::geometry::Sim3;
 
 /// Below this median angle, in radians (half a degree), between the rays of one point after the best rotation, the camera
 /// has only turned, and the translation is noise.
-const MIN_PARALLAX_RAD: f64 = 0.0087;
+pub(in crate::recognition) const MIN_PARALLAX_RAD: f64 = 0.0087;
 
 /// Steps of the refinement; it converges in two or three.
 const STEPS: u32 = 3;

@@ -14,7 +14,7 @@ use super::eight_points::normalisation;
 use super::pairs::{RayPair, TwoViews};
 
 /// The height of a triangle of three of the four points over its longest side, as a share of that side, must exceed this.
-const MIN_HEIGHT: f64 = 0.05;
+pub(in crate::recognition) const MIN_HEIGHT: f64 = 0.05;
 
 /// The second smallest eigenvalue of the normal matrix must exceed this share of the largest: else several maps fit alike.
 const MIN_SHARE: f64 = 1e-9;

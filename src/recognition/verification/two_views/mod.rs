@@ -40,7 +40,7 @@ use pairs::TwoViews;
 use rotation::Rotation;
 
 /// The simpler model is preferred if it has more than this share of the two scores (ORB-SLAM: 0.45 in the paper).
-const MIN_RATIO: f64 = 0.45;
+pub(in crate::recognition) const MIN_RATIO: f64 = 0.45;
 
 /// Verifies one candidate by its image alone. The same values give the same bits.
 pub fn verify_two_views(query: &View, candidate: &View, limits: &Limits, seed: u64) -> Verification {

@@ -14,7 +14,7 @@ use crate::geometry::Sim3;
 use crate::geometry::absolute_orientation::best_rotation;
 
 /// The sine of the least angle between the two rays of a sample, about two degrees: nearer ones leave the roll open.
-const MIN_SINE: f64 = 0.035;
+pub(in crate::recognition) const MIN_SINE: f64 = 0.035;
 
 /// A rotation between two cameras.
 #[derive(Clone, Copy, Debug)]
