@@ -332,10 +332,10 @@ pub const CONSTANTS: &[Constant] = &[
         "ours: how far a transformation's turn may be off odometry on any way",
     ),
     constant(
-        "odometry.max_turn_rad_per_m",
-        tracked_path::MAX_TURN_RAD_PER_M,
-        "rad/m",
-        "ours: what is added to it a metre of the way",
+        "odometry.turn_per_drift_share",
+        tracked_path::TURN_PER_DRIFT_SHARE,
+        "rad",
+        "ours: what is added to it for each whole of odometry_max_drift_share: a heading that scatters moves the place by its share of the way over the root of three",
     ),
     constant(
         "alignment.same_place_m",

@@ -11,9 +11,10 @@ use crate::geometry::{Pose, Sim3};
 use crate::model::ids::KeyframeSeq;
 use crate::model::settings::Settings;
 
-/// The heading of a tracked robot drifts by no more than this, in radians a metre: far more than any odometry that works.
-pub(super) const MAX_TURN_RAD_PER_M: f64 = 0.05;
-/// And this much it may be off on any way, in radians: what a transformation between far views errs by.
+/// Who is off by a share s of the way L cannot be turned by much more than s. A heading that scatters along the way is off by
+/// sqrt(3) s at its end where it has moved the place by s L; this times s, in radians, is allowed.
+pub(super) const TURN_PER_DRIFT_SHARE: f64 = 2.0;
+/// And this much the heading may be off on any way, in radians: what a transformation between far views errs by.
 pub(super) const TURN_SLACK_RAD: f64 = 0.35;
 
 /// The unbroken way from the candidate to the query, and where odometry has the two.
@@ -67,7 +68,7 @@ impl TrackedPath {
             return Some(Discrepancy::Metres { off, limit });
         }
         let off = candidate_from_query.rotation().angle_to(&odometry.rotation);
-        let limit = MAX_TURN_RAD_PER_M.mul_add(self.length_m, TURN_SLACK_RAD);
+        let limit = TURN_PER_DRIFT_SHARE.mul_add(settings.odometry_max_drift_share, TURN_SLACK_RAD);
         (off > limit).then_some(Discrepancy::Radians { off, limit })
     }
 }
