@@ -72,3 +72,25 @@ impl TrackedPath {
         (off > limit).then_some(Discrepancy::Radians { off, limit })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::UnitQuaternion;
+
+    #[test]
+    fn who_is_off_by_a_twentieth_of_the_way_cannot_be_turned_round_however_long_it_is() {
+        let settings = Settings::default();
+        let turned = |rad: f64, length_m: f64| {
+            let path = TrackedPath { length_m, candidate_from_query: Pose::identity() };
+            let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), rad);
+            path.discrepancy(&Sim3::from_parts(1.0, turn, Vector3::zeros()), &settings)
+        };
+        // 0.35 + 2 * 0.05 rad.
+        for length_m in [0.0, 50.0, 5_000.0] {
+            assert_eq!(turned(0.44, length_m), None, "{length_m} m");
+            assert!(matches!(turned(0.46, length_m), Some(Discrepancy::Radians { .. })), "{length_m} m");
+            assert!(matches!(turned(2.1, length_m), Some(Discrepancy::Radians { .. })), "{length_m} m");
+        }
+    }
+}
