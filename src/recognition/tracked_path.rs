@@ -11,8 +11,8 @@ use crate::geometry::{Pose, Sim3};
 use crate::model::ids::KeyframeSeq;
 use crate::model::settings::Settings;
 
-/// Who is off by a share s of the way L cannot be turned by much more than s. A heading that scatters along the way is off by
-/// sqrt(3) s at its end where it has moved the place by s L; this times s, in radians, is allowed.
+/// The turn that is allowed for each whole of the drift share s, in radians. A heading that scatters along a way of length L
+/// is off by sqrt(3) s radians at its end where it has moved the place by s L.
 pub(super) const TURN_PER_DRIFT_SHARE: f64 = 2.0;
 /// And this much the heading may be off on any way, in radians: what a transformation between far views errs by.
 pub(super) const TURN_SLACK_RAD: f64 = 0.35;

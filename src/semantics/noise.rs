@@ -2,7 +2,7 @@
 
 /// A longer number that is nearly all zeros is a railing or a row of lamps.
 pub const NUMBER_DIGITS_MAX: usize = 6;
-/// The share of zeros, in per cent, from which it is.
+/// The share of zeros, in per cent, from which a longer number is noise.
 pub const ZERO_PERCENT: usize = 80;
 
 /// Whether a bare number is what a railing, dots or a window frame look like: "0", "000", "00-0", "00000000010".

@@ -66,5 +66,5 @@ async fn signs_that_hang_at_every_door_say_nothing_and_doors_in_a_row_are_told_a
         assert!(reasons.contains(code), "{code} is not among {reasons:?}");
     }
     let paper = counts(&drive_through(&course, Arm::Paper).await).0;
-    assert!(paper.right < paper.accepted, "the world is too easy: {paper:?}");
+    assert!(paper.precision() < 0.9, "the world is too easy: {paper:?}");
 }

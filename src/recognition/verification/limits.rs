@@ -31,8 +31,9 @@ pub struct Limits {
     pub matching: MatchingLimits,
     /// What a keypoint's position scatters by at octave 0, in pixels (ORB-SLAM: 1).
     pub keypoint_sigma_px: f64,
-    /// `geometry_landmark_sigma_px`: what the place of its landmark in the map adds to that, in pixels, at any octave. Landmarks of real maps are a hand's
-    /// breadth off, and two maps drift: between two maps of `euroc` most true pairs are lost with 0, nearly none from 3 on.
+    /// `geometry_landmark_sigma_px`: the error of a map point's own place, in pixels, at any octave; it adds to that of the
+    /// keypoint. Landmarks of real maps are a hand's breadth off, and two maps drift: between two maps of `euroc` most true
+    /// pairs are lost with 0, nearly none from 3 on.
     pub landmark_sigma_px: f64,
     /// How much more a keypoint scatters from octave to octave: the scale factor of ORB's image pyramid, 1.2.
     pub octave_factor: f64,
