@@ -10,8 +10,8 @@ use super::StoreError;
 use super::job::MapKey;
 use super::write::run;
 
-/// Bytes of blobs that one slice removes; a single row may have more. Their pages are read one by one.
-const SLICE_BLOB_BYTES: i64 = 4 << 20;
+/// Bytes of blobs that one step removes; a single row may have more. Their pages are read one by one.
+const STEP_BLOB_BYTES: i64 = 4 << 20;
 
 /// A table of which a map's rows are removed in slices.
 struct Table {
@@ -88,14 +88,14 @@ pub(super) async fn mark_deleted(db: &mut SqliteConnection, map: MapKey) -> Resu
 }
 
 /// Removes about this many rows of a deleted map, in the caller's transaction. Returns whether there may be more.
-pub(super) async fn remove_slice(db: &mut SqliteConnection, rows: u32) -> Result<bool, StoreError> {
+pub(super) async fn remove_rows(db: &mut SqliteConnection, rows: u32) -> Result<bool, StoreError> {
     let select = "select map_key from maps where deleted = 1 order by map_key limit 1";
     let Some(map) = sqlx::query_scalar::<_, MapKey>(select).fetch_optional(&mut *db).await? else {
         return Ok(false);
     };
     let mut left = i64::from(rows);
     for table in TABLES {
-        left -= remove_rows(db, map, table, left).await?;
+        left -= remove_rows_of(db, map, table, left).await?;
         if left <= 0 {
             return Ok(true);
         }
@@ -105,8 +105,8 @@ pub(super) async fn remove_slice(db: &mut SqliteConnection, rows: u32) -> Result
     Ok(true)
 }
 
-/// Removes rows of one table. Returns how many, or all that were left where their blobs used up the slice.
-async fn remove_rows(
+/// Removes rows of one table. Returns how many, or all that were left where their blobs used up the step.
+async fn remove_rows_of(
     db: &mut SqliteConnection,
     map: MapKey,
     table: &Table,
@@ -121,7 +121,7 @@ async fn remove_rows(
     Ok(if within < left && removed > 0 { left } else { removed })
 }
 
-/// How many of the next rows have blobs that fit into a slice: at least one.
+/// How many of the next rows have blobs that fit into a step: at least one.
 async fn rows_within(
     db: &mut SqliteConnection,
     map: MapKey,
@@ -136,7 +136,7 @@ async fn rows_within(
     let mut total = 0;
     let fit = bytes.iter().take_while(|bytes| {
         total += **bytes;
-        total <= SLICE_BLOB_BYTES
+        total <= STEP_BLOB_BYTES
     });
     let fit = fit.count();
     Ok(if fit == bytes.len() { left } else { fit.max(1) as i64 })

@@ -1,6 +1,6 @@
 //! Folding: deferred changes are brought into the rows that they change, in slices.
 //!
-//! Each slice is one transaction that writes some entries and notes how far it has come.
+//! Each step writes some entries and notes how far it has come, in the transaction of its slice.
 
 use sqlx::SqliteConnection;
 
@@ -29,7 +29,7 @@ struct Next {
 }
 
 /// Folds about this many entries, in the caller's transaction. Returns whether there were any.
-pub(super) async fn fold_slice(db: &mut SqliteConnection, entries: u32) -> Result<bool, StoreError> {
+pub(super) async fn fold_entries(db: &mut SqliteConnection, entries: u32) -> Result<bool, StoreError> {
     let mut left = entries;
     while left > 0 {
         let Some(next) = next(db).await? else { break };
