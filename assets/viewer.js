@@ -237,11 +237,21 @@ function cover(content) {
   if (content === null) canvas.resize();
 }
 
+/** What the map has learned of its building: how it writes its numbers, and the views that it has twice. */
+function learned({ numbering, twins }) {
+  const shapes = Object.entries(numbering).map(([kind, of]) =>
+    el("span", { title: `How the building writes its numbers, learned from ${kind}` }, "numbers ", el("b", {}, of.join(", "))));
+  const pairs = twins.map(({ keyframe, candidate }) => `${keyframe} and ${candidate}`).join("; ");
+  const views = el("span", { title: `Geometry alone closes no loop here: ${pairs}` }, el("b", {}, number(twins.length, 0)),
+    twins.length === 1 ? " view twice" : " views twice");
+  return twins.length > 0 ? [...shapes, views] : shapes;
+}
+
 function redraw() {
   const { meta, scene } = state;
   fill(at("figures"), [[meta.keyframes, "keyframe"], [meta.anchors, "anchor"], [meta.sessions, "session"], [meta.loops, "loop"]]
     .map(([n, one]) => el("span", {}, el("b", {}, number(n, 0)), ` ${n === 1 ? one : `${one}s`}`)),
-  el("span", {}, "version ", el("b", {}, meta.map_version)));
+  el("span", {}, "version ", el("b", {}, meta.map_version)), learned(meta));
   at("figures").title = meta.description;
   fill(at("sessions"), sessionOptions(scene));
   lay();
