@@ -985,6 +985,10 @@ class LoopAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The candidates: loops first, then undecided, then rejected, each best first."""
     keyframe: str | None = None
     """The keyframe that was asked about; left out for an inline one."""
+    has_twins: bool | None = None
+    """Has the map shown one view in two places, so that geometry alone closes no loop in it (see the map's
+    `twins`)? Left out where it has not.
+    """
     reason: Reason | None = None
     """Why, where no candidate says it: `no_candidates`, `empty_bow`, or `already_closed` where the loop is
     confirmed and no other is left.
@@ -1160,6 +1164,15 @@ class MapView(msgspec.Struct, kw_only=True, omit_defaults=True):
     """What its facts take on disk, in bytes: keyframes with their words, features, detections, texts and
     crops, map points with a position (once each, however often sent), sessions, and loops with what
     they merge.
+    """
+    numbering: dict[str, list[str]]
+    """By class, how the building writes its numbers, as learned from ten values or more: `#` stands for
+    the first run of digits, a `9` for each digit of the others (`#.99` for 7.04 and 10.01). Patterns
+    that were given stand in `settings`.
+    """
+    twins: list[Twins]
+    """The views that this map has in two places; while there is one, geometry alone closes no loop
+    (`twin_guard`). Looked for where `without_anchors` is `geometry`.
     """
     vocabulary: str | None = None
     """The vocabulary its words belong to: a fingerprint, a name that a client gave, or `client`; left out
@@ -1454,6 +1467,10 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     """ours: what geometry alone verifies is a loop only if it has this many times the inliers of the best
     candidate that is known to be another place; 0 = off
     """
+    twin_guard: bool | None = None
+    """ours: once geometry has verified two keyframes of this map around which different signs hang,
+    geometry alone (without_anchors: geometry) closes no loop in it, while they hang there
+    """
     geometry_models: SettingsGeometryModels | None = None
     """ours: auto verifies by a similarity where enough points are triangulated, else by an essential
     matrix, a homography or a rotation, whichever the two images allow; sim3 is the letter: a similarity
@@ -1544,6 +1561,19 @@ class Transform(msgspec.Struct, kw_only=True, omit_defaults=True):
     """In metres."""
     rotation: Quaternion
     """A unit quaternion."""
+
+
+class Twins(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Two keyframes of one view, by geometry, around which different signs hang."""
+
+    keyframe: str
+    """The keyframe that was written last."""
+    candidate: str
+    """The keyframe that it was taken for."""
+    anchor: str
+    """A sign around the first."""
+    candidate_anchor: str
+    """The sign that hangs in its place around the second."""
 
 
 class Usage(msgspec.Struct, kw_only=True, omit_defaults=True):
