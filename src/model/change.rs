@@ -73,6 +73,19 @@ pub struct Loop {
     pub query: Option<String>,
 }
 
+/// Two keyframes of one view, by geometry, around which different signs hang (`contract.md` §8.16).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Twins {
+    /// The keyframe that was written last.
+    pub keyframe: KeyframeSeq,
+    /// The keyframe that it was taken for.
+    pub candidate: KeyframeSeq,
+    /// A sign around the first.
+    pub anchor: AnchorSeq,
+    /// The sign that hangs in its place around the second.
+    pub candidate_anchor: AnchorSeq,
+}
+
 impl Merge {
     /// What it takes on disk, in bytes.
     pub fn bytes(&self) -> u64 {
@@ -134,6 +147,10 @@ pub enum Change {
     LoopAdded(Loop),
     /// A loop was revoked, with its merges and its covisibility.
     LoopRemoved(LoopId),
+    /// Geometry verified a pair of keyframes that the anchors contradict.
+    TwinsFound(Twins),
+    /// Such a pair is none any more.
+    TwinsWithdrawn(Twins),
     /// A model read a detection's crop (a fact about the anchor that the detection feeds).
     CropRead(Box<CropRead>),
     /// A model judged texts of this map.

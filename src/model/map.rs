@@ -1,5 +1,9 @@
 //! A map: what one building's robots share.
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::ids::{AnchorSeq, KeyframeId};
 use super::settings::Settings;
 
 /// What a client says of a map.
@@ -35,4 +39,26 @@ impl MapProperties {
     pub fn anchors_class(&self, class: &str) -> bool {
         self.anchor_classes.is_empty() || self.anchor_classes.iter().any(|c| c == class)
     }
+}
+
+/// What a map has learned of its building, as its row shows it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Learned {
+    /// By class, the shapes of the building's numbers ([`crate::semantics::Numbering`]); without what an operator gave.
+    pub numbering: Arc<BTreeMap<Box<str>, Vec<String>>>,
+    /// The views that it has twice.
+    pub twins: Vec<NamedTwins>,
+}
+
+/// [`super::change::Twins`] by their names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamedTwins {
+    /// The keyframe that was written last.
+    pub keyframe: KeyframeId,
+    /// The keyframe that it was taken for.
+    pub candidate: KeyframeId,
+    /// A sign around the first.
+    pub anchor: AnchorSeq,
+    /// The sign that hangs in its place around the second.
+    pub candidate_anchor: AnchorSeq,
 }

@@ -12,7 +12,7 @@ pub enum Method {
 }
 
 /// Each setting of ours with its value in the paper's method.
-const PAPER: [(&str, SettingValue); 19] = [
+const PAPER: [(&str, SettingValue); 20] = [
     ("anchor_map_min_similarity", SettingValue::Number(0.3)),
     ("one_to_one", SettingValue::Switch(false)),
     ("distinctive_weights", SettingValue::Switch(false)),
@@ -29,6 +29,7 @@ const PAPER: [(&str, SettingValue); 19] = [
     ("neighbours_vouch", SettingValue::Switch(false)),
     ("undecided_min_score_ratio", SettingValue::Number(0.0)),
     ("rival_min_ratio", SettingValue::Number(0.0)),
+    ("twin_guard", SettingValue::Switch(false)),
     ("geometry_landmark_sigma_px", SettingValue::Number(0.0)),
     ("geometry_models", SettingValue::Choice("sim3")),
     ("geometry_acceptance", SettingValue::Choice("count")),

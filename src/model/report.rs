@@ -4,7 +4,7 @@ use super::anchor::{AnchorState, Outcome};
 use super::ids::{AnchorSeq, BackupId, JudgementId, KeyframeId, LoopId, MapId, SessionId};
 use super::judgement::{Asks, Estimate, JobState, Replaced, Tally};
 use super::keyframe::{NewKeyframe, Stamp};
-use super::map::MapProperties;
+use super::map::{Learned, MapProperties};
 use crate::geometry::{Aabb, Pose};
 
 /// A map at one version.
@@ -28,6 +28,8 @@ pub struct MapReport {
     pub loops: usize,
     /// What its keyframes take on disk, in bytes.
     pub bytes: u64,
+    /// What it has learned of its building; nothing in a map that was last written to by a version that did not say so.
+    pub learned: Learned,
 }
 
 /// What ingest made of one keyframe.

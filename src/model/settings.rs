@@ -383,6 +383,8 @@ settings! {
         "ours: the fewest inliers with which geometry alone (without_anchors: geometry) closes a loop where no map point is projected: a homography, a rotation or an essential matrix proves a view, and not a place";
     rival_min_ratio: f64 = Number { 2.0, 0.0, 1000.0 },
         "ours: what geometry alone verifies is a loop only if it has this many times the inliers of the best candidate that is known to be another place; 0 = off";
+    twin_guard: bool = Switch { true },
+        "ours: once geometry has verified two keyframes of this map around which different signs hang, geometry alone (without_anchors: geometry) closes no loop in it, while they hang there";
     geometry_models: GeometryModels = Choice { GeometryModels::Auto },
         "ours: auto verifies by a similarity where enough points are triangulated, else by an essential matrix, a homography or a rotation, whichever the two images allow; sim3 is the letter: a similarity or nothing";
     geometry_acceptance: GeometryAcceptance = Choice { GeometryAcceptance::Significance },

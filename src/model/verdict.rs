@@ -91,6 +91,8 @@ pub enum ReasonCode {
     OdometryDisagreesWithTransform,
     /// Geometry alone speaks for it, and nearly as much for a candidate that is known to be another place.
     AmbiguousPlaces,
+    /// Geometry alone speaks for it, in a map that has shown one view in two places.
+    TwinsKnown,
 }
 
 impl ReasonCode {
@@ -117,6 +119,7 @@ impl ReasonCode {
             Self::AnchorsDisplaced => "anchors_displaced",
             Self::OdometryDisagreesWithTransform => "odometry_disagrees_with_transform",
             Self::AmbiguousPlaces => "ambiguous_places",
+            Self::TwinsKnown => "twins_known",
         }
     }
 }
@@ -303,6 +306,8 @@ pub struct Verdict {
     pub loops: Vec<KeyframeId>,
     /// Did a stand-in judge because a model was away?
     pub degraded: bool,
+    /// Whether the map has shown one view in two places, so that geometry alone closes no loop in it.
+    pub has_twins: bool,
     /// How many keyframes were left out because they are covisible with the query (check 1).
     pub excluded_covisible: usize,
     /// The query's loops that are confirmed already, by id, at most [`CLOSED_MAX`].

@@ -92,6 +92,7 @@ fn decide(
                 judge_view(screened, candidate);
             }
             judge_vouched(screened, &checked.verification, candidate);
+            judge_twins(screening, screened, &checked.verification, candidate);
             return;
         }
         Ok(checked) => {
@@ -140,6 +141,19 @@ fn judge_view(screened: &Screened, candidate: &mut Candidate) {
         reject(candidate, reason.clone());
     } else if lacks_witness(screened.standing) {
         leave_undecided(candidate, evidence::no_witness());
+    }
+}
+
+/// Geometry alone closes no loop in a map that has shown one view in two places (`contract.md` §8.16).
+fn judge_twins(
+    screening: &Screening,
+    screened: &Screened,
+    verification: &Verification,
+    candidate: &mut Candidate,
+) {
+    let is_alone = screened.standing == Standing::AskGeometry;
+    if screening.twins > 0 && is_alone && candidate.decision == CandidateDecision::Loop {
+        leave_undecided(candidate, evidence::twins_known(verification.inliers));
     }
 }
 
@@ -276,6 +290,7 @@ fn answer(screening: &Screening, candidates: Vec<Candidate>) -> Verdict {
         best: loops.first().cloned(),
         loops,
         degraded: screening.degraded,
+        has_twins: screening.twins > 0,
         excluded_covisible: screening.excluded_covisible,
         closed: screening.closed.clone(),
         reason,

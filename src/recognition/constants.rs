@@ -8,7 +8,7 @@ use super::verification::two_views::consensus::{ImageModel as _, SCORE_CHI_SQUAR
 use super::verification::two_views::essential::{Essential, MIN_PARALLAX_RAD};
 use super::verification::two_views::{MIN_RATIO, decomposition, homography, rotation};
 use super::verification::{orientation, planar_ambiguity, significance};
-use super::{alignment, candidates, company, distinctiveness, lacking, passage, sight, tracked_path};
+use super::{alignment, candidates, company, distinctiveness, lacking, passage, sight, tracked_path, twins};
 use crate::geometry::pinhole::MIN_DEPTH;
 use crate::semantics;
 
@@ -108,6 +108,12 @@ pub const CONSTANTS: &[Constant] = &[
         passage::SURE_PASSAGES as f64,
         "1",
         "ours: passages in which a text must be read alike to be sure",
+    ),
+    constant(
+        "twins.kept_max",
+        twins::KEPT_MAX as f64,
+        "pairs",
+        "ours: twins of a map that are kept; none is looked for beyond",
     ),
     constant("company.same_offset_m", company::SAME_OFFSET_M, "m", "ours: two offsets this near are one"),
     constant(

@@ -166,6 +166,14 @@ pub(super) fn ambiguous_places(inliers: u32, of_rival: u32, min_ratio: f64) -> R
     Reason { code: ReasonCode::AmbiguousPlaces, measured, limit, detail }
 }
 
+pub(super) fn twins_known(inliers: u32) -> Reason {
+    let detail = format!(
+        "geometry alone speaks for it, with {inliers} inliers, and this map shows one view in two places: \
+         see the map's twins"
+    );
+    Reason { code: ReasonCode::TwinsKnown, measured: Some(f64::from(inliers)), limit: None, detail }
+}
+
 pub(super) fn neighbours_vouch(by: Voucher, inliers: u32) -> Reason {
     let voucher = match by {
         Voucher::Anchors => "the anchors around the neighbours of both agree",

@@ -13,9 +13,8 @@ use super::screening::{Screened, Screening, Standing};
 use super::tracked_path::TrackedPath;
 use super::witness::{loop_joins, odometry_agrees};
 use crate::model::bow::Score;
-use crate::model::change::Loop;
 use crate::model::ids::KeyframeSeq;
-use crate::model::verdict::{CLOSED_MAX, Candidate, CandidateDecision, ClosedLoop, ReasonCode, Verify};
+use crate::model::verdict::{Candidate, CandidateDecision, ReasonCode, Verify};
 
 /// Runs checks 1 to 3 at this version of the map. Pure: the same arguments give the same answer.
 pub fn screen(index: &MapIndex, map_version: u64, query: &Query<'_>, verify: Verify) -> Screening {
@@ -48,30 +47,7 @@ pub fn screen(index: &MapIndex, map_version: u64, query: &Query<'_>, verify: Ver
     if verify != Verify::Anchors && query.sight.is_some() {
         find_rivals(index, &mut candidates, &mut counts.places);
     }
-    Screening {
-        map_version,
-        settings: settings.clone(),
-        metric: index.properties().metric,
-        verify,
-        empty_bow: query.bow.is_empty(),
-        excluded_covisible: query.covisible().count(),
-        closed: closed_loops(index, query),
-        degraded: candidates.iter().any(|candidate| candidate.stood_in),
-        query: query.keyframe,
-        sight: query.sight.clone(),
-        candidates,
-    }
-}
-
-/// Returns the confirmed loops of the query's keyframe.
-fn closed_loops(index: &MapIndex, query: &Query<'_>) -> Vec<ClosedLoop> {
-    let Some(own) = query.keyframe else { return Vec::new() };
-    let other = |closed: &Loop| {
-        let is_start = closed.keyframe == own;
-        if is_start { closed.candidate_id.clone() } else { closed.keyframe_id.clone() }
-    };
-    let closed = index.loops_of(own).take(CLOSED_MAX);
-    closed.map(|closed| ClosedLoop { id: closed.id.clone(), keyframe: other(closed) }).collect()
+    Screening::of_candidates(index, map_version, query, verify, candidates)
 }
 
 /// Adds where odometry has a candidate, and lets it agree if odometry or a confirmed loop bears it out.
@@ -93,7 +69,7 @@ fn borne_out(index: &MapIndex, query: &Query<'_>, mut screened: Screened) -> Scr
 }
 
 /// Returns a candidate before check 3; none if its keyframe was culled.
-fn unchecked(
+pub(super) fn unchecked(
     index: &MapIndex,
     keyframe: KeyframeSeq,
     score: Score,

@@ -30,6 +30,7 @@
 //! | ours: what a text without an identifier needs besides | [`witness`] | [`witness::lacks_witness`] |
 //! | ours: what returns where its neighbours do | [`vouching`] | [`vouching::widened`] |
 //! | ours: geometry proves a view, not a place (8.19) | [`rivals`] | [`rivals::find_rivals`] |
+//! | ours: one view in two places (8.16) | [`twins`] | [`twins::suspects`] |
 //! | ours: odometry against a transformation (8.15) | [`tracked_path`] | [`tracked_path::TrackedPath`] |
 //!
 //! Beside the paper: [`query`] is the keyframe that is asked about, [`sight`] and [`features`] are what geometry
@@ -81,6 +82,7 @@ pub mod sight;
 pub mod sighting;
 pub mod standing_in;
 pub mod tracked_path;
+pub mod twins;
 pub mod verification;
 pub mod vouching;
 pub mod witness;

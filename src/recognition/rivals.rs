@@ -6,6 +6,7 @@
 
 use super::anchor_map::{Centre, LocalAnchor, LocalAnchorMap, local_anchor_map};
 use super::comparison::compare;
+use super::contradiction::Contradiction;
 use super::distinctiveness::PlaceCounts;
 use super::evidence;
 use super::index::{Certainty, MapIndex};
@@ -67,17 +68,31 @@ impl Place {
         odometry_has_apart(index, self.keyframe, other.keyframe) || self.is_contradicted_by(other, index)
     }
 
-    /// Whether different identifiers, each read alike twice or described, stand at the same relative place around the two.
     fn is_contradicted_by(&self, other: &Self, index: &MapIndex) -> bool {
-        let Some((own, other)) = self.around.as_ref().zip(other.around.as_ref()) else { return false };
-        let comparison = compare(own, other, index, &index.properties().settings);
-        let is_known = |anchor: &LocalAnchor| anchor.certainty > Certainty::ReadOnce;
-        let contradicting = comparison.contradictions.iter();
-        let weight = contradicting
-            .filter(|pair| is_known(pair.query) && is_known(pair.candidate))
-            .fold(0.0, |sum, pair| sum + pair.weight());
-        weight > comparison.agreement()
+        let around = self.around.as_ref().zip(other.around.as_ref());
+        around.is_some_and(|(own, other)| known_contradiction(own, other, index).is_some())
     }
+}
+
+/// Returns the heaviest pair of different identifiers, each read alike twice or described, that stand at the same relative
+/// place around two keyframes, if such pairs outweigh what agrees.
+pub(super) fn known_contradiction<'a>(
+    own: &'a LocalAnchorMap,
+    other: &'a LocalAnchorMap,
+    index: &MapIndex,
+) -> Option<(&'a LocalAnchor, &'a LocalAnchor)> {
+    let comparison = compare(own, other, index, &index.properties().settings);
+    let is_known = |anchor: &LocalAnchor| anchor.certainty > Certainty::ReadOnce;
+    let known =
+        || comparison.contradictions.iter().filter(|pair| is_known(pair.query) && is_known(pair.candidate));
+    let weight = known().fold(0.0, |sum, pair| sum + pair.weight());
+    if weight <= comparison.agreement() {
+        return None;
+    }
+    let names = |pair: &Contradiction<'_>| (pair.query.name, pair.candidate.name);
+    let heaviest =
+        known().max_by(|a, b| a.weight().total_cmp(&b.weight()).then_with(|| names(b).cmp(&names(a))));
+    heaviest.map(|pair| (pair.query, pair.candidate))
 }
 
 /// Whether the two are farther apart than odometry can be wrong on the way between them, and than one place is wide.

@@ -3,13 +3,18 @@
 use std::collections::BTreeSet;
 
 use super::alignment::Compared;
+use super::index::MapIndex;
 use super::passage::Returning;
+use super::query::Query;
 use super::sight::Sight;
 use super::tracked_path::TrackedPath;
 use super::vouching::{Vouched, Voucher};
+use crate::model::change::Loop;
 use crate::model::ids::KeyframeSeq;
 use crate::model::settings::Settings;
-use crate::model::verdict::{Candidate, CandidateDecision, ClosedLoop, Reason, ReasonCode, Verify};
+use crate::model::verdict::{
+    CLOSED_MAX, Candidate, CandidateDecision, ClosedLoop, Reason, ReasonCode, Verify,
+};
 
 /// The standing of a candidate after check 3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -161,6 +166,9 @@ pub struct Screening {
     pub closed: Vec<ClosedLoop>,
     /// Did the built-in judge stand in for a model that is away, about any candidate?
     pub degraded: bool,
+    /// The pairs of keyframes of this map that geometry verified and the anchors contradict (`contract.md` §8.16); 0 where the
+    /// map's settings do not mind.
+    pub twins: usize,
     /// The query's number, if it is stored.
     pub query: Option<KeyframeSeq>,
     /// The query's geometry: camera, pose and map points.
@@ -170,6 +178,31 @@ pub struct Screening {
 }
 
 impl Screening {
+    /// A query with these candidates.
+    pub(super) fn of_candidates(
+        index: &MapIndex,
+        map_version: u64,
+        query: &Query<'_>,
+        verify: Verify,
+        candidates: Vec<Screened>,
+    ) -> Self {
+        let settings = &index.properties().settings;
+        Self {
+            map_version,
+            settings: settings.clone(),
+            metric: index.properties().metric,
+            verify,
+            empty_bow: query.bow.is_empty(),
+            excluded_covisible: query.covisible().count(),
+            closed: closed_loops(index, query),
+            degraded: candidates.iter().any(|candidate| candidate.stood_in),
+            twins: if settings.twin_guard { index.twins().count() } else { 0 },
+            query: query.keyframe,
+            sight: query.sight.clone(),
+            candidates,
+        }
+    }
+
     /// The candidates that geometry is to look at.
     pub fn waiting(&self) -> impl Iterator<Item = &Screened> {
         let runs = self.sight.is_some() && self.verify != Verify::Anchors;
@@ -191,4 +224,15 @@ impl Screening {
         }
         wanted
     }
+}
+
+/// Returns the confirmed loops of the query's keyframe.
+fn closed_loops(index: &MapIndex, query: &Query<'_>) -> Vec<ClosedLoop> {
+    let Some(own) = query.keyframe else { return Vec::new() };
+    let other = |closed: &Loop| {
+        let is_start = closed.keyframe == own;
+        if is_start { closed.candidate_id.clone() } else { closed.keyframe_id.clone() }
+    };
+    let closed = index.loops_of(own).take(CLOSED_MAX);
+    closed.map(|closed| ClosedLoop { id: closed.id.clone(), keyframe: other(closed) }).collect()
 }

@@ -57,9 +57,14 @@ impl Service {
         description: Option<String>,
     ) -> Result<(u64, AnchorReport), ServiceError> {
         let live = self.live(map).await?;
+        let (service, of_map) = (self.clone(), live.clone());
         let decide = move |index: &mut MapIndex| {
             check_version(index, anchor, expected)?;
-            let decided = describe(index, anchor, description.map(Into::into));
+            let mut decided = describe(index, anchor, description.map(Into::into));
+            let newest = index.anchor(anchor).and_then(|anchor| anchor.keyframes().max());
+            if let Some(keyframe) = newest {
+                service.add_twins(&of_map, index, (keyframe, None), &mut decided);
+            }
             // It may have become one with an older anchor.
             let anchor = index.objects().root(anchor).unwrap_or(anchor);
             Ok(Decision::Changed(find(index, anchor)?, decided, None))

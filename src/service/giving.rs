@@ -32,7 +32,15 @@ impl Service {
         let Some(Asked { answer, degraded }) = self.ask(live, models, lack).await? else { return Ok(()) };
         match answer {
             // A reader's word is better than none until the model is back.
-            Answer::Reading(read) => self.learn(live, move |index| learn_reading(index, read)).await?,
+            Answer::Reading(read) => {
+                let (service, of_map, keyframe) = (self.clone(), live.clone(), read.keyframe);
+                let learn = move |index: &mut MapIndex| {
+                    let mut learned = learn_reading(index, read)?;
+                    service.add_twins(&of_map, index, (keyframe, None), &mut learned.decided);
+                    Some(learned)
+                };
+                self.learn(live, learn).await?;
+            }
             // A verdict of the built-in judge in the model's place is not kept.
             Answer::Verdict(_) if degraded => {}
             Answer::Verdict(verdict) => {

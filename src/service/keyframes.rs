@@ -110,7 +110,7 @@ impl Service {
         digest: Digest,
         manner: Manner,
     ) -> Result<Begun<Put>, ServiceError> {
-        let quotas = self.quotas;
+        let (quotas, service, of_map) = (self.quotas, self.clone(), live.clone());
         let decide = move |index: &mut MapIndex| {
             if let Some(seq) = index.keyframe_seq(&keyframe.id) {
                 return Ok(Decision::Unchanged(Put::Exists(seq)));
@@ -122,7 +122,9 @@ impl Service {
             }
             check_vocabulary(index, &keyframe)?;
             check_keyframe(&quotas, index, &keyframe)?;
-            let ingested = ingest(index, &keyframe);
+            let mut ingested = ingest(index, &keyframe);
+            let arrived = (ingested.keyframe, Some(&*keyframe));
+            service.add_twins(&of_map, index, arrived, &mut ingested.decided);
             let mut report = report(index, &keyframe.id, ingested.keyframe, &ingested.outcomes);
             report.revisits = ingested.revisits;
             let rows = NewKeyframeRows { keyframe, digest };

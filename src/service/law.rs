@@ -425,6 +425,7 @@ async fn holds_after(requests: Vec<Request>) {
         pretty(&backwards.index, &state.index);
         // What lists of maps show, without an index.
         assert_eq!(loaded.figures, state.index.figures());
+        assert_eq!(loaded.learned, Some(state.index.learned()));
     }
     let listed = service.get_map(&map).await.unwrap();
     assert_eq!((listed.version, &listed.properties), (loaded.version, loaded.index.properties()));

@@ -191,6 +191,7 @@ impl LiveMap {
             next_anchor: state.index.next_anchor(),
             next_event: state.next_event,
             figures: state.index.figures(),
+            learned: state.index.learned(),
             memory_bytes,
             changes: decided.changes,
             new_keyframe,

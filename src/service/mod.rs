@@ -38,6 +38,7 @@ mod rejudging;
 mod reports;
 mod stats;
 mod turns;
+mod twins;
 mod words;
 mod worker;
 

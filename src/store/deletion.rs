@@ -59,6 +59,7 @@ const TABLES: &[Table] = &[
     without_rowid("anchor_merges", "into_anchor, from_anchor, loop_id"),
     without_rowid("anchors", "anchor"),
     without_rowid("loops", "id"),
+    without_rowid("twins", "keyframe, candidate, anchor, candidate_anchor"),
     without_rowid("events", "seq"),
     with_blobs("loop_queries", "id", "length(body)"),
     without_rowid("model_verdicts", "operation, class, a, b"),

@@ -11,7 +11,7 @@ use crate::model::ids::{AnchorSeq, JudgementId, KeyframeSeq, MapId};
 use crate::model::judgement::Judgement;
 use crate::model::key::KeySeq;
 use crate::model::keyframe::NewKeyframe;
-use crate::model::map::{MapFigures, MapProperties};
+use crate::model::map::{Learned, MapFigures, MapProperties};
 use crate::model::request::Digest;
 
 /// A map's key in the database.
@@ -32,6 +32,8 @@ pub struct Batch {
     pub next_event: u64,
     /// How much the map holds after it.
     pub figures: MapFigures,
+    /// What the map has learned of its building after it.
+    pub learned: Learned,
     /// What the map's index takes in memory after it, in bytes.
     pub memory_bytes: u64,
     /// The changes, in their order.

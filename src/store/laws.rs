@@ -18,7 +18,7 @@ use crate::model::change::{Change, Keyframe};
 use crate::model::event::{Event, EventKind};
 use crate::model::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::model::keyframe::{Detection, NewKeyframe, Stamp};
-use crate::model::map::{MapFigures, MapProperties};
+use crate::model::map::{Learned, MapFigures, MapProperties};
 use crate::recognition::index::MapIndex;
 
 const KEYFRAMES: u32 = 6;
@@ -31,6 +31,7 @@ fn batch(map: MapKey, version: u64, changes: Vec<Change>) -> Batch {
         next_anchor: AnchorSeq(KEYFRAMES),
         next_event: 1,
         figures: MapFigures::default(),
+        learned: Learned::default(),
         memory_bytes: 0,
         changes,
         new_keyframe: None,

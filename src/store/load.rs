@@ -12,13 +12,13 @@ use sqlx::sqlite::SqliteRow;
 use super::decode;
 use super::job::MapKey;
 use super::validate::{self, AnchorClasses};
-use super::{Store, StoreError, deferred, map_rows, model_rows};
+use super::{Store, StoreError, deferred, map_rows, model_rows, twin_rows};
 use crate::geometry::Point3;
 use crate::model::bow::BowVector;
 use crate::model::change::{Change, Keyframe, Merge, MergeCause};
 use crate::model::ids::{AnchorSeq, KeyframeSeq, MapId, SessionSeq};
 use crate::model::key::KeySeq;
-use crate::model::map::MapFigures;
+use crate::model::map::{Learned, MapFigures};
 use crate::model::request::Digest;
 use crate::recognition::index::MapIndex;
 
@@ -42,6 +42,8 @@ pub struct Loaded {
     pub owner: Option<KeySeq>,
     /// How much it holds, as its row says.
     pub figures: MapFigures,
+    /// What it has learned, as its row says; `None` if nothing was written to it since rows say so.
+    pub learned: Option<Learned>,
     /// Everything derived from its facts.
     pub index: MapIndex,
 }
@@ -124,6 +126,7 @@ async fn load_rows(db: &mut Db, id: &MapId, order: Order) -> Result<Option<Loade
             index.apply(&reversed(model_rows::verdicts(db, key).await?));
         }
     }
+    index.apply(&twin_rows::all(db, key).await?);
     // On top of the rows, in their order.
     deferred::apply(db, key, &mut index).await?;
     let next_kept =
@@ -136,6 +139,7 @@ async fn load_rows(db: &mut Db, id: &MapId, order: Order) -> Result<Option<Loade
         owner: row.try_get::<Option<i64>, _>("owner")?.map(KeySeq),
         digest: decode::digest(&row)?,
         figures: map_rows::figures(&row)?,
+        learned: map_rows::learned(&row)?,
         index,
     }))
 }

@@ -10,9 +10,9 @@ use super::job::{Batch, MapKey};
 use super::rows::write_rows;
 use super::write::run;
 use super::{Store, StoreError};
-use crate::model::ids::MapId;
+use crate::model::ids::{AnchorSeq, MapId};
 use crate::model::key::KeySeq;
-use crate::model::map::{MapFigures, MapProperties};
+use crate::model::map::{Learned, MapFigures, MapProperties, NamedTwins};
 use crate::model::report::MapReport;
 use crate::model::request::Digest;
 use crate::model::settings::{SettingKind, SettingValue, Settings};
@@ -28,10 +28,10 @@ pub(super) async fn create(
     digest: &Digest,
     owner: Option<KeySeq>,
 ) -> Result<(), StoreError> {
-    let insert = "insert into maps (map_key, id, description, metric, version, next_keyframe, next_anchor, next_event, digest, owner)
-        select $1, $2, '', 0, 1, 0, 0, user_version + 1, $3, $4 from pragma_user_version";
+    let insert = "insert into maps (map_key, id, description, metric, version, next_keyframe, next_anchor, next_event, digest, owner, learned)
+        select $1, $2, '', 0, 1, 0, 0, user_version + 1, $3, $4, $5 from pragma_user_version";
     let query = sqlx::query(insert).bind(key).bind(id.as_str()).bind(&digest[..]);
-    run(db, query.bind(owner.map(|owner| owner.0))).await?;
+    run(db, query.bind(owner.map(|owner| owner.0)).bind(learned_text(&Learned::default()))).await?;
     set_properties(db, key, properties).await
 }
 
@@ -62,7 +62,7 @@ pub(super) async fn advance(
     let batches: Vec<&Batch> = batches.collect();
     let head = "update maps set version = column2, next_keyframe = column3, next_anchor = column4,
         next_event = column5, keyframes = column6, anchors = column7, sessions = column8, loops = column9,
-        bytes = column10, memory_bytes = column11 from (";
+        bytes = column10, memory_bytes = column11, learned = column12 from (";
     write_rows(db, head, ") where maps.map_key = column1", &batches, |row, batch| {
         let MapFigures { keyframes, anchors, sessions, loops, bytes } = batch.figures;
         row.push_bind(batch.map).push_bind(batch.version as i64);
@@ -71,6 +71,7 @@ pub(super) async fn advance(
             .push_bind(batch.next_event as i64);
         row.push_bind(keyframes as i64).push_bind(anchors as i64).push_bind(sessions as i64);
         row.push_bind(loops as i64).push_bind(bytes as i64).push_bind(batch.memory_bytes as i64);
+        row.push_bind(learned_text(&batch.learned));
     })
     .await
 }
@@ -135,6 +136,7 @@ fn map_row(row: &SqliteRow) -> Result<MapRow, StoreError> {
         sessions: sessions as usize,
         loops: loops as usize,
         bytes,
+        learned: learned(row)?.unwrap_or_default(),
     };
     Ok(MapRow { report, digest: digest(row)? })
 }
@@ -149,6 +151,38 @@ pub(super) fn figures(row: &SqliteRow) -> Result<MapFigures, StoreError> {
         loops: figure("loops")?,
         bytes: figure("bytes")?,
     })
+}
+
+fn learned_text(learned: &Learned) -> String {
+    let Learned { numbering, twins } = learned;
+    let pair = |twins: &NamedTwins| {
+        let NamedTwins { keyframe, candidate, anchor, candidate_anchor } = twins;
+        (keyframe.as_str().to_owned(), candidate.as_str().to_owned(), anchor.0, candidate_anchor.0)
+    };
+    let twins: Vec<_> = twins.iter().map(pair).collect();
+    serde_json::json!({"numbering": **numbering, "twins": twins}).to_string()
+}
+
+/// Returns what a map's row says that it has learned; `None` if its last write was before rows said so.
+pub(super) fn learned(row: &SqliteRow) -> Result<Option<Learned>, StoreError> {
+    #[derive(serde::Deserialize)]
+    struct Row {
+        numbering: BTreeMap<Box<str>, Vec<String>>,
+        twins: Vec<(String, String, u32, u32)>,
+    }
+    let Some(text) = row.try_get::<Option<&str>, _>("learned")? else { return Ok(None) };
+    let unread = |error: serde_json::Error| StoreError::corrupt(error.to_string());
+    let Row { numbering, twins } = serde_json::from_str(text).map_err(unread)?;
+    let named = |(keyframe, candidate, anchor, other): (String, String, u32, u32)| {
+        Ok(NamedTwins {
+            keyframe: decode::id(&keyframe)?,
+            candidate: decode::id(&candidate)?,
+            anchor: AnchorSeq(anchor),
+            candidate_anchor: AnchorSeq(other),
+        })
+    };
+    let twins = twins.into_iter().map(named).collect::<Result<_, StoreError>>()?;
+    Ok(Some(Learned { numbering: numbering.into(), twins }))
 }
 
 /// A map's properties, in place of those it had.

@@ -52,6 +52,7 @@ mod rows;
 mod schema;
 mod slices;
 mod transaction;
+mod twin_rows;
 mod validate;
 mod write;
 mod writer;

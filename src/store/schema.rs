@@ -22,6 +22,7 @@ const MIGRATIONS: &[Step] = &[
     (6, "judgements", include_str!("../../migrations/sqlite/0006_judgements.sql")),
     (7, "figures", include_str!("../../migrations/sqlite/0007_figures.sql")),
     (8, "ranges", include_str!("../../migrations/sqlite/0008_ranges.sql")),
+    (9, "learned", include_str!("../../migrations/sqlite/0009_learned.sql")),
 ];
 
 /// The newest schema that this program knows.

@@ -1,12 +1,14 @@
 //! Map: what a client says of a map, and what it reads of it (`contract.md` §3).
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::limits;
 use super::read::{self, Decode, Node};
 use super::settings::{ChosenSettings, MapSettings};
-use crate::model::map::MapProperties;
+use crate::model::map::{MapProperties, NamedTwins};
 use crate::model::report::MapReport;
 use crate::model::request::MapPatch;
 use crate::model::settings::Settings;
@@ -86,6 +88,28 @@ pub struct MapView {
     /// What its facts take on disk, in bytes: keyframes with their words, features, detections, texts and crops, map points
     /// with a position (once each, however often sent), sessions, and loops with what they merge.
     pub bytes: u64,
+    /// By class, how the building writes its numbers, as learned from ten values or more: `#` stands for the first run of
+    /// digits, a `9` for each digit of the others (`#.99` for 7.04 and 10.01). Patterns that were given stand in `settings`.
+    #[schema(value_type = BTreeMap<String, Vec<String>>)]
+    pub numbering: BTreeMap<Box<str>, Vec<String>>,
+    /// The views that this map has in two places; while there is one, geometry alone closes no loop (`twin_guard`). Looked
+    /// for where `without_anchors` is `geometry`.
+    #[schema(max_items = 8)]
+    pub twins: Vec<TwinsView>,
+}
+
+/// Two keyframes of one view, by geometry, around which different signs hang.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = Twins)]
+pub struct TwinsView {
+    /// The keyframe that was written last.
+    pub keyframe: String,
+    /// The keyframe that it was taken for.
+    pub candidate: String,
+    /// A sign around the first.
+    pub anchor: String,
+    /// The sign that hangs in its place around the second.
+    pub candidate_anchor: String,
 }
 
 /// The map's version after a write that has nothing else to tell.
@@ -152,6 +176,19 @@ impl From<MapReport> for MapView {
             sessions: map.sessions,
             loops: map.loops,
             bytes: map.bytes,
+            numbering: (*map.learned.numbering).clone(),
+            twins: map.learned.twins.into_iter().map(TwinsView::from).collect(),
+        }
+    }
+}
+
+impl From<NamedTwins> for TwinsView {
+    fn from(twins: NamedTwins) -> Self {
+        Self {
+            keyframe: twins.keyframe.to_string(),
+            candidate: twins.candidate.to_string(),
+            anchor: twins.anchor.public(),
+            candidate_anchor: twins.candidate_anchor.public(),
         }
     }
 }

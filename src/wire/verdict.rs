@@ -31,6 +31,10 @@ pub struct LoopAnswer {
     pub loops: Vec<String>,
     /// Did a stand-in judge because a model was away?
     pub degraded: bool,
+    /// Has the map shown one view in two places, so that geometry alone closes no loop in it (see the map's `twins`)? Left
+    /// out where it has not.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub has_twins: bool,
     /// How many keyframes are no candidates because they are covisible with the query.
     pub excluded_covisible: usize,
     /// The loops of this keyframe that are confirmed already, by id, at most 100.
@@ -192,6 +196,7 @@ impl LoopAnswer {
             best: verdict.best.as_ref().map(ToString::to_string),
             loops: verdict.loops.iter().map(ToString::to_string).collect(),
             degraded: verdict.degraded,
+            has_twins: verdict.has_twins,
             excluded_covisible: verdict.excluded_covisible,
             closed: verdict.closed.iter().map(ClosedView::from).collect(),
             reason: verdict.reason.as_ref().map(ReasonView::from),

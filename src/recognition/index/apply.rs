@@ -123,6 +123,12 @@ impl MapIndex {
                 }
             }
             Change::Judged(verdict) => self.judge(verdict, touched),
+            Change::TwinsFound(twins) => {
+                self.twins.insert(*twins);
+            }
+            Change::TwinsWithdrawn(twins) => {
+                self.twins.remove(twins);
+            }
             Change::ModelAway(away) => self.model_away = *away,
         }
     }

@@ -14,6 +14,7 @@ mod odometer;
 mod points;
 mod readings;
 mod texts;
+mod twins;
 mod verdicts;
 mod votes;
 
@@ -35,7 +36,7 @@ use self::objects::Judging;
 use super::covisibility::CovisibilityLists;
 use super::inverted_file::InvertedFile;
 use super::numbered::Numbered;
-use crate::model::change::{Keyframe, Loop};
+use crate::model::change::{Keyframe, Loop, Twins};
 use crate::model::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, SessionId, SessionSeq};
 use crate::model::map::{MapFigures, MapProperties};
 
@@ -70,6 +71,7 @@ pub struct MapIndex {
     /// What a model said of texts is a fact among them.
     texts: TextIndex,
     inverted_file: InvertedFile,
+    twins: BTreeSet<Twins>,
     /// What [`Self::memory_bytes`] counts with.
     tally: Tally,
 }

@@ -31,6 +31,8 @@ pub struct Readings {
     by_class: HashMap<Box<str>, OfClass>,
     /// The operator's patterns, for every class.
     given: Option<Arc<Numbering>>,
+    /// By class, the learned shapes as they are shown.
+    learned: Arc<BTreeMap<Box<str>, Vec<String>>>,
     learns: bool,
     /// The classes whose numbering may have changed since [`Self::relearn`].
     open: BTreeSet<Box<str>>,
@@ -43,6 +45,7 @@ impl Default for Readings {
         let mut readings = Self {
             by_class: HashMap::new(),
             given: None,
+            learned: Arc::default(),
             learns: false,
             open: BTreeSet::new(),
             touched: BTreeSet::new(),
@@ -66,6 +69,11 @@ impl Readings {
     /// The numbering of a class: the operator's, or the learned one if enough is known.
     pub fn numbering(&self, class: &str) -> Option<&Numbering> {
         self.given.as_deref().or_else(|| self.by_class.get(class)?.numbering.as_deref())
+    }
+
+    /// The learned shapes by class; none where an operator gave patterns.
+    pub fn learned(&self) -> Arc<BTreeMap<Box<str>, Vec<String>>> {
+        self.learned.clone()
     }
 
     fn sightings(&self, class: &str, text: &Text) -> Option<&[Sighting]> {
@@ -152,11 +160,17 @@ impl Readings {
             let learned = if learns { Numbering::learned(&of_class.alike) } else { None };
             let is_empty = of_class.sightings.is_empty();
             let is_another = learned.as_ref() != of_class.numbering.as_deref();
-            of_class.numbering = learned.map(Arc::new);
+            of_class.numbering = learned.clone().map(Arc::new);
             if is_empty {
                 self.by_class.remove(&class);
             }
             if is_another {
+                let shown = learned.map(|numbering| numbering.shown().map(str::to_owned).collect());
+                let of_all = Arc::make_mut(&mut self.learned);
+                match shown {
+                    Some(shapes) => drop(of_all.insert(class.clone(), shapes)),
+                    None => drop(of_all.remove(&class)),
+                }
                 changed.insert(class);
             }
         }

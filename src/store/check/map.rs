@@ -37,6 +37,9 @@ pub(super) async fn check(db: &mut SqliteConnection, id: &MapId) -> MapCheck {
             found.anchors = loaded.index.objects().len() as u64;
             found.loops = loaded.index.loops().len() as u64;
             figure_faults(loaded.figures, loaded.index.figures(), &mut found.faults);
+            if loaded.learned.as_ref().is_some_and(|shown| *shown != loaded.index.learned()) {
+                found.faults.push("its numbering or twins, as shown, are not those of its facts".to_owned());
+            }
             if let Err(error) = law(&mut *db, id, &loaded, &mut found.faults).await {
                 found.faults.push(format!("told backwards: {}", error.fault()));
             }

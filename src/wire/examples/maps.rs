@@ -33,7 +33,7 @@ pub fn map() -> Value {
         "anchors": 24,
         "sessions": 2,
         "loops": 1,
-        "bytes": 5_242_880
+        "bytes": 5_242_880, "numbering": {"door_number": ["#.99"]}, "twins": []
     })
 }
 

@@ -6,3 +6,4 @@ mod images;
 mod neighbours;
 mod scene;
 mod transformation;
+mod twins;
