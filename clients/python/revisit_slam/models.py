@@ -1458,6 +1458,10 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     """ours: what the error of a map point's own place adds to that of a keypoint, standard deviation in
     pixels at any octave; 0 = the letter: keypoints alone scatter
     """
+    geometry_resection: bool | None = None
+    """ours: where a keyframe's points are farther off in its own image than half of them should be, its
+    camera's pose among them is taken from the image (motion-only bundle adjustment)
+    """
     geometry_alone_min_inliers: int | None = None
     """ours: the fewest inliers with which geometry alone (without_anchors: geometry) closes a loop where
     no map point is projected: a homography, a rotation or an essential matrix proves a view, and not a
