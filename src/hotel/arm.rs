@@ -42,7 +42,7 @@ impl Arm {
             Self::Paper => json!({"method": "paper"}),
             Self::BagOfWords => {
                 json!({"without_anchors": "geometry", "candidates_max": 3, "aligned_anchors": false,
-                    "odometry_max_drift_share": 0, "geometry_models": "sim3", "geometry_acceptance": "count", "rival_min_ratio": 0, "twin_guard": false,
+                    "odometry_max_drift_share": 0, "geometry_models": "sim3", "geometry_acceptance": "count", "rival_min_ratio": 0, "twin_guard": false, "geometry_resection": false,
                     "near_miss_neighbours": false, "neighbours_vouch": false})
             }
         }

@@ -12,7 +12,7 @@ pub enum Method {
 }
 
 /// Each setting of ours with its value in the paper's method.
-const PAPER: [(&str, SettingValue); 20] = [
+const PAPER: [(&str, SettingValue); 21] = [
     ("anchor_map_min_similarity", SettingValue::Number(0.3)),
     ("one_to_one", SettingValue::Switch(false)),
     ("distinctive_weights", SettingValue::Switch(false)),
@@ -31,6 +31,7 @@ const PAPER: [(&str, SettingValue); 20] = [
     ("rival_min_ratio", SettingValue::Number(0.0)),
     ("twin_guard", SettingValue::Switch(false)),
     ("geometry_landmark_sigma_px", SettingValue::Number(0.0)),
+    ("geometry_resection", SettingValue::Switch(false)),
     ("geometry_models", SettingValue::Choice("sim3")),
     ("geometry_acceptance", SettingValue::Choice("count")),
 ];

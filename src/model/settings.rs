@@ -379,6 +379,8 @@ settings! {
         "ORB-SLAM: the fewest inliers of a verified transformation, where geometry_acceptance is count";
     geometry_landmark_sigma_px: f64 = Number { 3.35, 0.0, 100.0 },
         "ours: what the error of a map point's own place adds to that of a keypoint, standard deviation in pixels at any octave; 0 = the letter: keypoints alone scatter";
+    geometry_resection: bool = Switch { true },
+        "ours: where a keyframe's points are farther off in its own image than half of them should be, its camera's pose among them is taken from the image (motion-only bundle adjustment)";
     geometry_alone_min_inliers: u32 = Count { 100, 3, 100_000 },
         "ours: the fewest inliers with which geometry alone (without_anchors: geometry) closes a loop where no map point is projected: a homography, a rotation or an essential matrix proves a view, and not a place";
     rival_min_ratio: f64 = Number { 2.0, 0.0, 1000.0 },

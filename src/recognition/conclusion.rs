@@ -87,7 +87,7 @@ fn decide(
     let (missing, skipped) = match checked {
         Ok(checked) if checked.verification.status != Status::Skipped => {
             candidate.geometry = evidence::geometry(&checked.verification);
-            judge_geometry(screening, screened, &checked.verification, candidate);
+            judge_geometry(screening, screened, &checked, candidate);
             if candidate.decision == CandidateDecision::Loop && !checked.verification.model.is_metric() {
                 judge_view(screened, candidate);
             }
@@ -194,13 +194,8 @@ fn lacks_witness(standing: Standing) -> bool {
 }
 
 /// What geometry found decides, and then the anchors under its transformation.
-fn judge_geometry(
-    screening: &Screening,
-    screened: &Screened,
-    verification: &Verification,
-    candidate: &mut Candidate,
-) {
-    let settings = &screening.settings;
+fn judge_geometry(screening: &Screening, screened: &Screened, checked: &Checked, candidate: &mut Candidate) {
+    let (settings, verification) = (&screening.settings, &checked.verification);
     let is_metric = verification.model.is_metric();
     if verification.status == Status::Failed {
         let reason = evidence::too_few_inliers(verification, settings);
@@ -232,7 +227,7 @@ fn judge_geometry(
         return;
     }
     let Some(transform) = metric_transform.filter(|_| screened.compared.has_anchors()) else { return };
-    let aligned = screened.compared.under(&transform, settings);
+    let aligned = screened.compared.under(&checked.between_poses(&transform), settings);
     if let Some(anchors) = &mut candidate.anchors {
         evidence::align(anchors, &aligned);
     }

@@ -7,7 +7,7 @@ use super::verification::limits::Limits;
 use super::verification::two_views::consensus::{ImageModel as _, SCORE_CHI_SQUARE};
 use super::verification::two_views::essential::{Essential, MIN_PARALLAX_RAD};
 use super::verification::two_views::{MIN_RATIO, decomposition, homography, rotation};
-use super::verification::{orientation, planar_ambiguity, significance};
+use super::verification::{orientation, planar_ambiguity, resection, significance};
 use super::{alignment, candidates, company, distinctiveness, lacking, passage, sight, tracked_path, twins};
 use crate::geometry::pinhole::MIN_DEPTH;
 use crate::semantics;
@@ -108,6 +108,24 @@ pub const CONSTANTS: &[Constant] = &[
         passage::SURE_PASSAGES as f64,
         "1",
         "ours: passages in which a text must be read alike to be sure",
+    ),
+    constant(
+        "resection.points_min",
+        resection::MIN_POINTS as f64,
+        "points",
+        "ours: the fewest points of a keyframe that say where its camera stands (geometry_resection)",
+    ),
+    constant(
+        "resection.median_chi_square_max",
+        resection::MAX_MEDIAN_CHI_SQUARE,
+        "1",
+        "the median of chi-square with two degrees of freedom: a keyframe whose points are off by less in its own image keeps its pose",
+    ),
+    constant(
+        "resection.refined_on_medians",
+        resection::REFINED_ON_MEDIANS,
+        "1",
+        "ours: points of up to so many times the median squared error fix the camera's pose",
     ),
     constant(
         "twins.kept_max",

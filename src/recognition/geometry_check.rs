@@ -3,8 +3,9 @@
 use super::features::{FeatureSet, MatchableFeatures};
 use super::screening::{Screened, Screening, Standing};
 use super::sight::Sight;
-use super::verification::{Failure, Limits, Verification, View, verify_by_any_model};
-use crate::geometry::Point3;
+use super::verification::resection::resection;
+use super::verification::{Failure, Landmark, Limits, Verification, View, verify_by_any_model};
+use crate::geometry::{Point3, Sim3};
 use crate::model::settings::GeometryAcceptance;
 use crate::model::verdict::Verify;
 
@@ -18,9 +19,19 @@ pub struct Checked {
     pub verification: Verification,
     /// Both keyframes have enough map points with positions for a similarity to be found.
     pub are_triangulated: bool,
+    /// Of the query and of the candidate: what maps points of the camera's frame, by its pose, into the camera's frame, by its
+    /// image.
+    camera_from_posed: [Sim3; 2],
 }
 
 impl Checked {
+    /// Returns a transformation between the two cameras as one between the frames in which anchors stand, which are those of
+    /// the poses.
+    pub fn between_poses(&self, candidate_from_query: &Sim3) -> Sim3 {
+        let [of_query, of_candidate] = &self.camera_from_posed;
+        of_candidate.inverse().after(&candidate_from_query.after(of_query))
+    }
+
     /// Whether a similarity failed that has at least half of the inliers that verify. Enough of them, of which too few are
     /// sure, say that the two cameras stand in one room, and their neighbours would say no more.
     pub fn is_near_miss(&self) -> bool {
@@ -49,13 +60,36 @@ pub fn check_geometry(
         return Err("one of the two has fewer features than geometry_min_matches");
     }
     let window = candidate.0.window.iter().filter_map(|seq| features.stored.get(seq).map(AsRef::as_ref));
-    let landmarks = candidate.0.landmarks(candidate.1, window, query);
-    let points = [query, candidate].map(|(sight, features)| sight.points_in_camera(features));
+    let mut landmarks = candidate.0.landmarks(candidate.1, window, query);
+    let mut points = [query, candidate].map(|(sight, features)| sight.points_in_camera(features));
     let are_triangulated = points.iter().all(|points| points.iter().flatten().count() >= min_matches);
     let limits = limits(screening, screened.standing, are_triangulated);
+    let mut camera_from_posed = [Sim3::identity(); 2];
+    if screening.settings.geometry_resection {
+        camera_from_posed = [
+            stand_among_own_points(query, &mut points[0], &mut [], &limits),
+            stand_among_own_points(candidate, &mut points[1], &mut landmarks, &limits),
+        ];
+    }
     let (query, candidate) = (view(query, &points[0]), view(candidate, &points[1]));
     let verification = verify_by_any_model(&query, &candidate, &landmarks, &limits, seed);
-    Ok(Checked { verification, are_triangulated })
+    Ok(Checked { verification, are_triangulated, camera_from_posed })
+}
+
+/// Brings points and landmarks into the frame of the camera that sees them, where its pose has them elsewhere. Returns what
+/// maps them so.
+fn stand_among_own_points(
+    seeing: Seeing<'_>,
+    points: &mut [Option<Point3>],
+    landmarks: &mut [Landmark<'_>],
+    limits: &Limits,
+) -> Sim3 {
+    let Some(camera_from_posed) = resection(&view(seeing, points), limits) else { return Sim3::identity() };
+    let of_landmarks = landmarks.iter_mut().map(|landmark| &mut landmark.point_in_camera);
+    for point in points.iter_mut().flatten().chain(of_landmarks) {
+        *point = camera_from_posed.transform(point);
+    }
+    camera_from_posed
 }
 
 /// Significance says that two views are of one thing, and no more: where nothing else speaks for the place, and where map

@@ -2,6 +2,7 @@
 //!
 //! | step | file |
 //! |---|---|
+//! | points that their own image has elsewhere | [`resection`] |
 //! | match descriptors | [`descriptor_matching`], [`orientation`] |
 //! | points with positions on both sides: find a similarity most of them agree with | [`similarity`], [`ransac`], [`correspondence`] |
 //! | refine it on the reprojection errors; how well it is known | [`refinement`], [`covariance`] |
@@ -27,6 +28,7 @@ pub mod outcome;
 pub mod planar_ambiguity;
 pub mod ransac;
 pub mod refinement;
+pub mod resection;
 pub mod significance;
 pub mod similarity;
 pub mod two_views;

@@ -51,6 +51,33 @@ fn a_planted_transformation_is_found_under_noise() {
 }
 
 #[test]
+fn a_camera_finds_its_place_among_points_that_its_pose_has_elsewhere() {
+    let drift = from_yaw(0.05, [0.2, -0.05, 0.1]);
+    let scene = Scene::room(3, 400);
+    let seen = scene.seen_from(&from_yaw(0.0, [0.0; 3]), 1);
+    let known = |seen: &Keyframe| seen.points_in_camera.iter().flatten().count();
+    assert_eq!(resection::resection(&seen.view(), &LIMITS), None, "its points are where it sees them");
+    let mut posed = seen.clone();
+    posed.points_in_camera =
+        seen.points_in_camera.iter().map(|p| p.map(|p| drift.inverse_transform(&p))).collect();
+    // One point in six is somewhere else altogether.
+    for point in posed.points_in_camera.iter_mut().flatten().step_by(6) {
+        point.x += 1.0;
+    }
+    let found = resection::resection(&posed.view(), &LIMITS).expect("most points say so");
+    assert!(apart_m(&found, &drift, &posed) < 0.02, "{found:?}");
+    let mut few = posed.clone();
+    let (mut kept, least) = (0, resection::MIN_POINTS);
+    for point in few.points_in_camera.iter_mut().filter(|point| point.is_some()) {
+        kept += 1;
+        if kept >= least {
+            *point = None;
+        }
+    }
+    assert_eq!((known(&few), resection::resection(&few.view(), &LIMITS)), (least - 1, None));
+}
+
+#[test]
 fn two_places_that_look_alike_but_lie_otherwise_are_refused() {
     // The same descriptors, all elsewhere: another arrangement of the same posters.
     let scene = Scene::room(3, 400);

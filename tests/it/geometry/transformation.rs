@@ -84,6 +84,27 @@ async fn a_map_without_metres_finds_the_scale_and_settings_gate() {
     );
 }
 
+#[tokio::test]
+async fn a_pose_that_its_points_do_not_share_is_taken_from_the_image() {
+    // Odometry has the second robot's camera 0.3 m beside where its points have it.
+    let server = map(json!({"without_anchors": "geometry"}), true).await;
+    store(&server, "candidate", &Shot::of(1, Pose::identity()).body("a", true)).await;
+    let mut query = Shot::of(1, query_pose()).body("b", true);
+    query["pose"]["translation"]["x"] = json!(number(&query["pose"]["translation"]["x"]) + 0.3);
+    store(&server, "query", &query).await;
+    for resection in [true, false, true] {
+        let settings = json!({"settings": {"geometry_resection": resection}});
+        server.patch("/v1/maps/m", &settings).await.expect(200);
+        let found = ask(&server, "auto").await["candidates"][0].clone();
+        let expected = if resection { "verified" } else { "failed" };
+        assert_eq!(found["geometry"]["status"], expected, "{found:#}");
+        if resection {
+            let (apart_m, _) = off(&found["geometry"]["candidate_from_query"], &query_pose());
+            assert!(apart_m < 0.02, "{apart_m} m, {found:#}");
+        }
+    }
+}
+
 /// An inlier is off by less than sqrt(9.21 (1 + 3.35^2)) = 10.6 px, and by the letter by less than sqrt(9.21) = 3.03 px.
 #[tokio::test]
 async fn map_points_a_hands_breadth_off_are_inliers_unless_keypoints_alone_scatter() {
