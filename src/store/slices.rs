@@ -5,9 +5,9 @@
 //! | removing the rows of deleted maps | [`super::deletion`] |
 //! | bringing deferred changes into their rows | [`super::fold`] |
 //!
-//! A slice works in steps of a few rows until its time is over, because a row's cost is not known before: a map point is
-//! written within 2 µs, a pose within 60. Its sync costs the same for a few rows as for many. After a slice the writer
-//! rests for a multiple of the time that it took, so that a client's job mostly finds it free.
+//! A slice works in steps of a few rows until its time is over, because a row's cost is not known before: a pose costs many
+//! times what a map point does. Its sync costs the same for a few rows as for many. After a slice the writer rests for a
+//! multiple of the time that it took, so that a client's job mostly finds it free.
 
 use std::time::Duration;
 
