@@ -41,7 +41,7 @@ impl MapProperties {
     }
 }
 
-/// What a map has learned of its building, as its row shows it.
+/// Knowledge of a map about its building, as its row shows it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Learned {
     /// By class, the shapes of the building's numbers ([`crate::semantics::Numbering`]); without what an operator gave.

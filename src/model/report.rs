@@ -28,7 +28,7 @@ pub struct MapReport {
     pub loops: usize,
     /// What its keyframes take on disk, in bytes.
     pub bytes: u64,
-    /// What it has learned of its building; nothing in a map that was last written to by a version that did not say so.
+    /// Its knowledge of its building; empty in a map that was last written to by a version that did not say so.
     pub learned: Learned,
 }
 

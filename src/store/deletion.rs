@@ -122,7 +122,7 @@ async fn remove_rows_of(
     Ok(if within < left && removed > 0 { left } else { removed })
 }
 
-/// How many of the next rows have blobs that fit into a step: at least one.
+/// Returns the number of the next rows whose blobs fit into a step: at least one.
 async fn rows_within(
     db: &mut SqliteConnection,
     map: MapKey,

@@ -32,7 +32,7 @@ pub struct Batch {
     pub next_event: u64,
     /// How much the map holds after it.
     pub figures: MapFigures,
-    /// What the map has learned of its building after it.
+    /// The map's knowledge of its building after it.
     pub learned: Learned,
     /// What the map's index takes in memory after it, in bytes.
     pub memory_bytes: u64,

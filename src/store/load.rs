@@ -42,7 +42,7 @@ pub struct Loaded {
     pub owner: Option<KeySeq>,
     /// How much it holds, as its row says.
     pub figures: MapFigures,
-    /// What it has learned, as its row says; `None` if nothing was written to it since rows say so.
+    /// Its knowledge of its building, as its row says; `None` if nothing was written to it since rows say so.
     pub learned: Option<Learned>,
     /// Everything derived from its facts.
     pub index: MapIndex,

@@ -18,7 +18,7 @@ use super::StoreError;
 use super::transaction::Transaction;
 use super::{deferred, deletion, fold};
 
-/// How long a slice's statements may take before it begins no further step.
+/// The time after which a slice begins no further step.
 const SLICE: Duration = Duration::from_millis(5);
 
 /// How many times its own time the writer rests after a slice if no client wrote lately, ...

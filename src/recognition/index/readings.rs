@@ -31,7 +31,7 @@ pub struct Readings {
     by_class: HashMap<Box<str>, OfClass>,
     /// The operator's patterns, for every class.
     given: Option<Arc<Numbering>>,
-    /// By class, the learned shapes as they are shown.
+    /// By class, the learned shapes as they are shown. Kept, because each write shows them and classes may be many.
     learned: Arc<BTreeMap<Box<str>, Vec<String>>>,
     learns: bool,
     /// The classes whose numbering may have changed since [`Self::relearn`].

@@ -1,4 +1,4 @@
-//! What a map has learned of its building: its numbering, and the views that it has twice (`contract.md` §8.14, §8.16).
+//! Knowledge of a map about its building: its numbering, and the views that it has twice (`contract.md` §8.14, §8.16).
 
 use super::{Certainty, MapIndex, Object};
 use crate::model::anchor::AnchorState;
@@ -37,7 +37,7 @@ impl MapIndex {
         Some(object).filter(is_known)
     }
 
-    /// What the map has learned, by the names that clients know.
+    /// Its knowledge of its building, by the names that clients know.
     pub fn learned(&self) -> Learned {
         let named = |twins: &Twins| {
             Some(NamedTwins {
