@@ -86,6 +86,11 @@ fn similarity_level_of_golden_pairs() {
         ("smoking prohibited", "smoking", 2, 2),
         ("No. 5", "5", 5, 5),
         ("立入禁止", "立入", 2, 2),
+        // Words of two languages: beside a number a floor or a room, else a thing.
+        ("piano 3", "floor 3", 3, 3),
+        ("piano 3", "piano 4", 1, 1),
+        ("a fox and a piano at dawn", "a fox and a barrel at dawn", 2, 3),
+        ("a fox and a piano at dawn", "painting of a fox, a piano, dawn", 5, 5),
         // Words; the first three are of Table I.
         ("a gray pillow", "a green tree", 1, 1),
         ("a red ball", "a black and white ball", 2, 2),
@@ -293,6 +298,9 @@ fn information_level_of_golden_texts() {
         ("Mona Lisa", 4),
         ("Meeting Room Turing", 4),
         ("A painting of the Mona Lisa", 4),
+        // A floor in Italian, and a thing.
+        ("a painting of a vineyard and a piano, carnival", 4),
+        ("Piano 3", 4),
         ("brown door", 3),
         ("Wooden door", 3),
         ("Sunflowers in a vase", 3),

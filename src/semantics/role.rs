@@ -76,9 +76,10 @@ pub fn is_number_label(word: &str) -> bool {
     ["no", "nr", "num", "number", "n", "#", "numero", "nummer", "numeral", "code"].contains(&word)
 }
 
-/// Every role word.
+/// Every role word that means nothing else where no number is beside it.
 pub fn words() -> impl Iterator<Item = &'static str> {
-    ROLES.iter().flat_map(|(_, words)| words.split_whitespace())
+    let words = ROLES.iter().flat_map(|(_, words)| words.split_whitespace());
+    words.filter(|word| !HOMOGRAPHS.contains(word))
 }
 
 static BY_WORD: LazyLock<HashMap<&str, Role>> = LazyLock::new(|| {
@@ -86,6 +87,9 @@ static BY_WORD: LazyLock<HashMap<&str, Role>> = LazyLock::new(|| {
         ROLES.iter().flat_map(|(role, words)| words.split_whitespace().map(move |word| (word, role.clone())));
     words.collect()
 });
+
+/// Role words of one language that are things in the descriptions of another: "piano 3" is a floor, and a piano is not.
+const HOMOGRAPHS: [&str; 8] = ["camera", "gang", "mesa", "piano", "piece", "regal", "stock", "tor"];
 
 const PLURALS: [&str; 4] = ["turen", "raume", "shelves", "salles"];
 
