@@ -205,7 +205,13 @@ impl Service {
     }
 
     async fn live(&self, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
-        self.registry.get(&self.store, id, Used::ByClient).await
+        let was_in_memory = self.registry.in_memory_now(id).is_some();
+        let live = self.registry.get(&self.store, id, Used::ByClient).await?;
+        if !was_in_memory {
+            // Its anchors may lack what a model that was configured since could give.
+            self.worker.wake();
+        }
+        Ok(live)
     }
 
     /// The key of the map that has this name now, which need not be in memory for that.
