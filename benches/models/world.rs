@@ -19,8 +19,9 @@ use revisit::models::adapters::Scripted;
 use revisit::models::port::{Model, Question};
 use revisit::recognition::index::MapIndex;
 use revisit::recognition::ingest::ingest;
-use revisit::recognition::lacking::{Lack, Settled, lacking};
+use revisit::recognition::lacking::{Lack, lacking};
 use revisit::recognition::learning::learn_verdict;
+use revisit::recognition::pairs::Settled;
 use revisit::semantics;
 use revisit::store::Store;
 
@@ -100,8 +101,14 @@ fn object(number: usize) -> (&'static str, String) {
     }
 }
 
-fn keyframe(name: String, x: f64, seen: usize, at: [f64; 3], covisible: &[String]) -> NewKeyframe {
-    let (class, text) = object(seen);
+/// A keyframe at x that sees an object with a description.
+pub fn keyframe(
+    name: String,
+    x: f64,
+    (class, text): (&str, String),
+    at: [f64; 3],
+    covisible: &[String],
+) -> NewKeyframe {
     NewKeyframe {
         id: name.parse().expect("an id"),
         session: "default".parse().expect("an id"),
@@ -135,9 +142,9 @@ fn world() -> MapIndex {
         let x = place as f64 * 10.0;
         let (first, second) = (format!("a-{place}"), format!("b-{place}"));
         let both = [first.clone(), second.clone()];
-        ingest(&mut index, &keyframe(first, x, 2 * place, [x, 0.0, 2.0], &[]));
-        ingest(&mut index, &keyframe(second, x, 2 * place + 1, [x + 0.2, 0.0, 2.0], &[]));
-        ingest(&mut index, &keyframe(format!("c-{place}"), x, 2 * place, [x, 0.0, 2.0], &both));
+        ingest(&mut index, &keyframe(first, x, object(2 * place), [x, 0.0, 2.0], &[]));
+        ingest(&mut index, &keyframe(second, x, object(2 * place + 1), [x + 0.2, 0.0, 2.0], &[]));
+        ingest(&mut index, &keyframe(format!("c-{place}"), x, object(2 * place), [x, 0.0, 2.0], &both));
     }
     index
 }
@@ -169,7 +176,7 @@ pub async fn play() -> Outcome {
     let roles = Roles { vision: false, text: true };
     let mut settled = Settled::new();
     loop {
-        let open = lacking(&index, roles, &mut settled, 256, |_| false);
+        let open = lacking(&index, roles, None, &mut settled, 256, |_| false);
         if open.is_empty() {
             break;
         }
@@ -207,7 +214,7 @@ async fn judge(models: &Models, lack: Lack) -> Option<ModelVerdict> {
         fingerprint: "".into(),
     };
     Some(match lack {
-        Lack::Reading { .. } => return None,
+        Lack::Reading { .. } | Lack::Embedding { .. } => return None,
         Lack::Information { class, text } => {
             let judged = models.judge.information(&class, &text, None).await;
             verdict(class, text, "".into(), Finding::Information(judged.level), judged.source)

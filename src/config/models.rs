@@ -40,6 +40,18 @@ pub struct ModelArgs {
     #[arg(long, env = "REVISIT_MODEL_VISION_KEY_FILE", value_name = "FILE")]
     pub model_vision_key_file: Option<PathBuf>,
 
+    /// A model of embeddings beside the language model, such as Ollama's `nomic-embed-text`: it chooses the pairs of texts
+    /// that the language model is asked about. An OpenAI-compatible base; its key: REVISIT_MODEL_EMBEDDINGS_KEY, or
+    /// --model-embeddings-key-file
+    #[arg(long, env = "REVISIT_MODEL_EMBEDDINGS_URL", value_name = "URL")]
+    pub model_embeddings_url: Option<String>,
+    /// The embeddings model's name
+    #[arg(long, env = "REVISIT_MODEL_EMBEDDINGS_NAME", value_name = "NAME")]
+    pub model_embeddings_name: Option<String>,
+    /// A file with the embeddings model's key
+    #[arg(long, env = "REVISIT_MODEL_EMBEDDINGS_KEY_FILE", value_name = "FILE")]
+    pub model_embeddings_key_file: Option<PathBuf>,
+
     /// A reader of characters on this machine: hints for the vision model, and readings without one
     #[arg(long, env = "REVISIT_READER", value_enum, default_value_t = Reader::None)]
     pub reader: Reader,
@@ -79,6 +91,9 @@ pub struct ModelArgs {
     /// Price of a million tokens received about images, in US dollars; as --model-output-usd if it is left out
     #[arg(long, env = "REVISIT_MODEL_VISION_OUTPUT_USD", value_name = "USD", value_parser = money)]
     pub model_vision_output_usd: Option<f64>,
+    /// Price of a million tokens of embeddings, in US dollars
+    #[arg(long, env = "REVISIT_MODEL_EMBEDDINGS_USD", value_name = "USD", default_value = "0", value_parser = money)]
+    pub model_embeddings_usd: f64,
     /// The most that a day (UTC) may cost, in US dollars; a hard stop
     #[arg(long, env = "REVISIT_MODEL_DAILY_USD", value_name = "USD", value_parser = money)]
     pub model_daily_usd: Option<f64>,
@@ -229,7 +244,8 @@ impl ModelArgs {
     /// Is there anything to ask?
     pub fn any(&self) -> bool {
         let scripted = self.model_kind == Kind::Scripted;
-        scripted || self.model_url.is_some() || self.model_vision_url.is_some() || self.reader != Reader::None
+        let urls = [&self.model_url, &self.model_vision_url, &self.model_embeddings_url];
+        scripted || urls.into_iter().any(Option::is_some) || self.reader != Reader::None
     }
 
     /// The model's key, from REVISIT_MODEL_KEY or the file.
@@ -240,6 +256,11 @@ impl ModelArgs {
     /// The vision model's key, from REVISIT_MODEL_VISION_KEY or the file.
     pub fn model_vision_key(&self) -> Result<Option<SecretString>, String> {
         key("REVISIT_MODEL_VISION_KEY", self.model_vision_key_file.as_ref())
+    }
+
+    /// The embeddings model's key, from REVISIT_MODEL_EMBEDDINGS_KEY or the file.
+    pub fn model_embeddings_key(&self) -> Result<Option<SecretString>, String> {
+        key("REVISIT_MODEL_EMBEDDINGS_KEY", self.model_embeddings_key_file.as_ref())
     }
 }
 

@@ -58,12 +58,18 @@ pub struct RolePrices {
     pub text: Prices,
     /// Of questions about images.
     pub vision: Prices,
+    /// Of embeddings.
+    pub embeddings: Prices,
 }
 
 impl RolePrices {
     /// Returns the prices of a question.
     pub fn of(&self, question: &Question) -> Prices {
-        if question.needs_eyes() { self.vision } else { self.text }
+        match question {
+            Question::Embed { .. } => self.embeddings,
+            question if question.needs_eyes() => self.vision,
+            _ => self.text,
+        }
     }
 }
 
@@ -219,10 +225,15 @@ impl Gateway {
         answered
     }
 
+    /// The most tokens of an answer; an embedding is not counted in tokens.
+    fn tokens_received_max(&self, question: &Question) -> u64 {
+        if matches!(question, Question::Embed { .. }) { 0 } else { u64::from(self.policy.max_tokens) }
+    }
+
     /// One call: entered in the books, made, settled, checked.
     async fn attempt(&self, question: &Question) -> Result<Reply, Fault> {
         let budget = &self.shared.budget;
-        let (input_max, output_max) = (tokens_sent(question), u64::from(self.policy.max_tokens));
+        let (input_max, output_max) = (tokens_sent(question), self.tokens_received_max(question));
         let prices = self.policy.prices.of(question);
         let most = prices.microusd(input_max, output_max);
         let reservation = budget.reserve(question.operation(), &self.name, most, self.payer.as_ref()).await?;

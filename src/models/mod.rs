@@ -3,7 +3,7 @@
 //! | concept | file |
 //! |---|---|
 //! | the port: a question, an answer, what can go wrong | [`port`] |
-//! | the adapters: OpenAI, VQA, scripted, built-in | [`adapters`] |
+//! | the adapters: chat, embeddings, VQA, scripted, built-in | [`adapters`] |
 //! | what is asked, word by word | [`prompts`] |
 //! | what an answer must look like | [`parse`] |
 //! | an image as it is sent | [`picture`] |
@@ -13,6 +13,7 @@
 //! | what asking again may cost | [`estimate`] |
 //! | a model that is away is left alone | [`breaker`] |
 //! | InformationLevel, SimilarityLevel, MergeText of §IV-A.2 | [`judge`] |
+//! | embeddings, by which pairs of texts are chosen | [`embeddings`] |
 //! | the dialogue of §IV-A.1 | [`dialogue`] |
 //! | a reader of characters on this machine | [`tesseract`] |
 //! | all of it, as the operator configured it | [`setup`] |
@@ -22,6 +23,7 @@ pub mod breaker;
 pub mod budget;
 pub mod cache;
 pub mod dialogue;
+pub mod embeddings;
 mod estimate;
 pub mod gateway;
 pub mod judge;

@@ -1,9 +1,11 @@
 //! What an answer must look like. Strict: an answer in another form is none, and the built-in judge stands in.
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 
 use super::port::{Fault, Question};
-use crate::semantics;
+use crate::semantics::{self, Embedding};
 
 /// A description longer than this is no description.
 const TEXT_CHARS_MAX: usize = 2000;
@@ -18,6 +20,7 @@ pub fn check(question: &Question, content: &str) -> Result<(), Fault> {
         Question::Merge { .. } | Question::Summary { .. } => text(content).map(drop),
         Question::NextQuestion { .. } => next_question(content).map(drop),
         Question::Look { .. } => look(content).map(drop),
+        Question::Embed { .. } => embedding(content).map(drop),
     }
 }
 
@@ -65,6 +68,19 @@ pub fn look(content: &str) -> Result<String, Fault> {
         return Err(Fault::Garbled("a text that is too long"));
     }
     Ok(seen)
+}
+
+/// An embedding, as [`write_embedding`] writes it.
+pub fn embedding(content: &str) -> Result<Embedding, Fault> {
+    let bytes = STANDARD.decode(content).map_err(|_| Fault::Garbled("no embedding"))?;
+    let components = bytes.into_iter().map(u8::cast_signed).collect();
+    Embedding::from_components(components).ok_or(Fault::Garbled("no embedding"))
+}
+
+/// Writes an embedding as it is kept: its components, a byte each, in base64.
+pub fn write_embedding(embedding: &Embedding) -> String {
+    let bytes: Vec<u8> = embedding.components().iter().map(|component| component.cast_unsigned()).collect();
+    STANDARD.encode(bytes)
 }
 
 /// The next question of a dialogue: one line.

@@ -19,6 +19,8 @@ pub enum Operation {
     Merge,
     /// A question about an image, or about the dialogue around it.
     Describe,
+    /// An embedding of a text.
+    Embed,
 }
 
 impl Operation {
@@ -29,6 +31,7 @@ impl Operation {
             Self::Information => "information",
             Self::Merge => "merge",
             Self::Describe => "describe",
+            Self::Embed => "embed",
         }
     }
 }
@@ -43,7 +46,8 @@ pub struct Round {
 }
 
 /// A question to a model. Texts are clean: control, bidi and zero-width characters are gone. None addresses a model, but
-/// for the one text of [`Question::Information`], whose level raises no pair.
+/// for the one text of [`Question::Information`], whose level raises no pair, and that of [`Question::Embed`], which
+/// is not obeyed but measured.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Question {
     /// Do two descriptions mean the same physical object?
@@ -96,6 +100,11 @@ pub enum Question {
         /// What was asked.
         history: Vec<Round>,
     },
+    /// What is the embedding of a text?
+    Embed {
+        /// The text.
+        text: String,
+    },
 }
 
 impl Question {
@@ -106,6 +115,7 @@ impl Question {
             Self::Information { .. } => Operation::Information,
             Self::Merge { .. } => Operation::Merge,
             Self::Look { .. } | Self::NextQuestion { .. } | Self::Summary { .. } => Operation::Describe,
+            Self::Embed { .. } => Operation::Embed,
         }
     }
 

@@ -78,6 +78,7 @@ pub fn prompt(question: &Question) -> Prompt {
         Question::Summary { class, history } => {
             with_data(SUMMARY, json!({"class": class, "asked": history}), None)
         }
+        Question::Embed { text } => Prompt { rules: String::new(), data: text.clone(), schema: None },
         Question::Look { question, history, hint, .. } => Prompt {
             rules: LOOK.to_owned(),
             data: looked_at(question, history, hint.as_deref()),

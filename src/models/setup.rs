@@ -8,11 +8,12 @@ use secrecy::SecretString;
 use thiserror::Error;
 use tokio::sync::Semaphore;
 
-use super::adapters::{Dialect, Endpoint, EndpointError, OpenAi, Scripted, Vqa};
+use super::adapters::{self, Dialect, Endpoint, EndpointError, OpenAi, Scripted, Vqa};
 use super::breaker::Breaker;
 use super::budget::{Budget, Limits, Prices};
 use super::cache::AnswerCache;
 use super::dialogue::Describer;
+use super::embeddings::Embeddings;
 use super::gateway::{Gateway, Policy, RolePrices, Shared};
 use super::judge::Judge;
 use super::port::{Model, Question};
@@ -33,6 +34,11 @@ pub enum SetupError {
     /// A model without a name.
     #[error("{0} needs a name: what does its server call it?")]
     NoName(&'static str),
+    /// Embeddings without a model that they could choose for.
+    #[error(
+        "--model-embeddings-url chooses the pairs of texts that a language model is asked about: it needs --model-url"
+    )]
+    EmbeddingsAlone,
     /// The reader.
     #[error("--reader tesseract: {0}")]
     Reader(#[from] ReaderError),
@@ -54,6 +60,8 @@ pub struct Models {
     pub pause: Duration,
     /// Jobs at once.
     pub jobs_at_once: usize,
+    /// Embeddings, by which the pairs that the judge's model is asked about are chosen.
+    pub embeddings: Option<Embeddings>,
     gateways: Vec<Gateway>,
     shared: Arc<Shared>,
 }
@@ -88,16 +96,29 @@ impl Models {
             key: args.model_vision_key().map_err(SetupError::Key)?,
         };
         let found = [adapter(model, args)?, adapter(vision, args)?];
+        let embeddings = embeddings(args)?;
         let reader = match args.reader {
             Reader::None => None,
             Reader::Tesseract => Some(Tesseract::find().await?),
         };
-        Ok(Some(Self::with(found, reader, args, store).await?))
+        let models = Self::all(found, embeddings, reader, args, store).await?;
+        let is_alone = models.embeddings.is_some() && !models.judge.has_model();
+        if is_alone { Err(SetupError::EmbeddingsAlone) } else { Ok(Some(models)) }
     }
 
     /// These models, the second of them for images: what [`Self::open`] makes of a configuration, and tests of a script.
     pub async fn with(
+        found: [Option<Arc<dyn Model>>; 2],
+        reader: Option<Tesseract>,
+        args: &ModelArgs,
+        store: &Store,
+    ) -> Result<Self, SetupError> {
+        Self::all(found, None, reader, args, store).await
+    }
+
+    async fn all(
         [model, vision]: [Option<Arc<dyn Model>>; 2],
+        embeddings: Option<Arc<dyn Model>>,
         reader: Option<Tesseract>,
         args: &ModelArgs,
         store: &Store,
@@ -108,7 +129,8 @@ impl Models {
             input_usd: args.model_vision_input_usd.unwrap_or(text.input_usd),
             output_usd: args.model_vision_output_usd.unwrap_or(text.output_usd),
         };
-        let prices = RolePrices { text, vision: vision_prices };
+        let of_embeddings = Prices { input_usd: args.model_embeddings_usd, output_usd: 0.0 };
+        let prices = RolePrices { text, vision: vision_prices, embeddings: of_embeddings };
         let limits = Limits {
             microusd: args.model_daily_usd.map(|usd| (usd * 1e6) as i64),
             calls: args.model_daily_calls.map(i64::from),
@@ -131,6 +153,7 @@ impl Models {
         let gateway = |model: Arc<dyn Model>| {
             Gateway::new(model, Breaker::new(args.model_breaker_failures, pause), policy, shared.clone())
         };
+        let embeddings = embeddings.map(gateway).map(Embeddings::new);
         let [model, vision] = [model.map(gateway), vision.map(gateway)];
         let talks = Question::Information { class: String::new(), text: String::new() };
         let tongue = model.clone().filter(|gateway| gateway.can(&talks));
@@ -141,6 +164,7 @@ impl Models {
             patience: milliseconds(args.model_client_timeout_ms),
             pause,
             jobs_at_once: usize::from(args.model_calls_at_once),
+            embeddings,
             gateways: model.into_iter().chain(vision).collect(),
             shared,
         })
@@ -173,6 +197,15 @@ impl Models {
     pub fn is_away(&self) -> bool {
         self.gateways.iter().any(|gateway| gateway.breaker().is_open()) || self.shared.budget.is_spent()
     }
+}
+
+fn embeddings(args: &ModelArgs) -> Result<Option<Arc<dyn Model>>, SetupError> {
+    let Some(url) = &args.model_embeddings_url else { return Ok(None) };
+    let key = args.model_embeddings_key().map_err(SetupError::Key)?;
+    let connect_timeout = Duration::from_millis(args.model_connect_timeout_ms);
+    let endpoint = Endpoint::new(url, "embeddings", key, connect_timeout)?;
+    let name = args.model_embeddings_name.as_deref().ok_or(SetupError::NoName("--model-embeddings-url"))?;
+    Ok(Some(Arc::new(adapters::Embeddings::new(endpoint, name))))
 }
 
 fn adapter(chosen: Chosen<'_>, args: &ModelArgs) -> Result<Option<Arc<dyn Model>>, SetupError> {

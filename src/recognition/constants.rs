@@ -8,7 +8,10 @@ use super::verification::two_views::consensus::{ImageModel as _, SCORE_CHI_SQUAR
 use super::verification::two_views::essential::{Essential, MIN_PARALLAX_RAD};
 use super::verification::two_views::{MIN_RATIO, decomposition, homography, rotation};
 use super::verification::{orientation, planar_ambiguity, resection, significance};
-use super::{alignment, candidates, company, distinctiveness, lacking, passage, sight, tracked_path, twins};
+use super::{
+    alignment, candidates, company, distinctiveness, lacking, near_in_meaning, pairs, passage, sight,
+    tracked_path, twins,
+};
 use crate::geometry::pinhole::MIN_DEPTH;
 use crate::semantics;
 
@@ -61,21 +64,39 @@ pub const CONSTANTS: &[Constant] = &[
     // Which texts a model is asked about.
     constant(
         "judging.neighbours",
-        lacking::NEIGHBOURS_JUDGED as f64,
+        pairs::NEIGHBOURS_JUDGED as f64,
         "1",
         "ours: a text is judged by a model with so many of the texts most like it",
     ),
     constant(
         "judging.small_class",
-        lacking::SMALL_CLASS as f64,
+        pairs::SMALL_CLASS as f64,
         "1",
         "ours: texts of a class in which texts that share no word are judged as well",
     ),
     constant(
         "judging.widespread",
-        lacking::WIDESPREAD as f64,
+        pairs::WIDESPREAD as f64,
         "1",
         "ours: a word in more texts than this tells none of them apart",
+    ),
+    constant(
+        "judging.near_by_chance",
+        near_in_meaning::NEAR_BY_CHANCE,
+        "1",
+        "ours: others of a class that may be as near as an embedding by chance",
+    ),
+    constant(
+        "judging.others_min",
+        near_in_meaning::OTHERS_MIN as f64,
+        "1",
+        "ours: others of a class from which the chance of being near is known",
+    ),
+    constant(
+        "judging.embedded_class",
+        pairs::EMBEDDED_CLASS_MAX as f64,
+        "1",
+        "ours: texts of a class up to which embeddings choose the pairs to be judged",
     ),
     constant(
         "judging.better_crop",

@@ -4,21 +4,12 @@
 
 use std::collections::{BTreeMap, HashSet};
 
-use super::index::{MapIndex, Object, TextId};
+use super::index::{MapIndex, Object};
+use super::pairs::{Embeddings, Settled, pairs};
 use crate::model::anchor::{AnchorState, Observation};
 use crate::model::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::model::roles::Roles;
 use crate::semantics::{self, Text};
-
-/// A text is judged with at most so many others: those most like it. Together with the identifiers, which need no
-/// model, this keeps the number of calls in proportion to the anchors, not to their pairs.
-pub(super) const NEIGHBOURS_JUDGED: usize = 6;
-
-/// A class with so few texts is small enough to ask about texts that share no word: "a smiling lady", "the Mona Lisa".
-pub(super) const SMALL_CLASS: usize = 32;
-
-/// A word in more texts than this tells none of them apart.
-pub(super) const WIDESPREAD: usize = 256;
 
 /// A crop replaces the one described before when its area is so many times as large.
 pub(super) const BETTER_CROP: f64 = 2.0;
@@ -55,6 +46,11 @@ pub enum Lack {
         /// The larger text.
         b: Box<str>,
     },
+    /// An embedding of a text in normal form.
+    Embedding {
+        /// The text.
+        text: Box<str>,
+    },
     /// MergeText of two readings in normal form, the smaller first.
     Merge {
         /// The object's class.
@@ -68,14 +64,12 @@ pub enum Lack {
     },
 }
 
-/// The texts whose pairs were all judged: they need not be looked at again.
-pub type Settled = HashSet<(Box<str>, Box<str>)>;
-
 /// At most `max` things that are lacking, descriptions first, the oldest anchor first. `passed_over` tells what is
-/// under way or has failed lately.
+/// under way or has failed lately; `embeddings` are those at hand, if a model makes some.
 pub fn lacking(
     index: &MapIndex,
     roles: Roles,
+    embeddings: Option<&dyn Embeddings>,
     settled: &mut Settled,
     max: usize,
     passed_over: impl Fn(&Lack) -> bool,
@@ -91,7 +85,7 @@ pub fn lacking(
         let left = max - found.len();
         let mut seen = HashSet::new();
         found.extend(texts.filter(|lack| !passed_over(lack) && seen.insert(lack.clone())).take(left));
-        similarities(index, settled, max, &mut found, passed_over);
+        pairs(index, embeddings, settled, max, &mut found, passed_over);
     }
     found
 }
@@ -235,68 +229,4 @@ fn describe_one(index: &MapIndex, class: &str, a: &str, b: &str) -> Option<bool>
         semantics::Route::Open(_) => index.verdicts().similarity(class, &of_a, &of_b)?.0,
     };
     Some(level >= 4)
-}
-
-fn similarities(
-    index: &MapIndex,
-    settled: &mut Settled,
-    max: usize,
-    found: &mut Vec<Lack>,
-    passed_over: impl Fn(&Lack) -> bool,
-) {
-    let texts = index.texts();
-    let mut seen: HashSet<(Box<str>, Box<str>, Box<str>)> = HashSet::new();
-    for id in texts.iter() {
-        if found.len() >= max {
-            return;
-        }
-        let (class, text) = texts.text(id);
-        if !text.is_told_by_words() {
-            continue;
-        }
-        let key = (class.into(), text.normalised().into());
-        if settled.contains(&key) {
-            continue;
-        }
-        let mut open = false;
-        for other in nearest(index, id) {
-            let other = texts.text(other).1;
-            if index.verdicts().similarity(class, text, other).is_some() {
-                continue;
-            }
-            open = true;
-            let (a, b) = (text.normalised(), other.normalised());
-            let (a, b) = if a <= b { (a, b) } else { (b, a) };
-            let lack = Lack::Similarity { class: class.into(), a: a.into(), b: b.into() };
-            if found.len() < max && seen.insert((class.into(), a.into(), b.into())) && !passed_over(&lack) {
-                found.push(lack);
-            }
-        }
-        if !open {
-            settled.insert(key);
-        }
-    }
-}
-
-/// The texts most like this one about which a model may say more than the built-in judge.
-pub fn nearest(index: &MapIndex, id: TextId) -> Vec<TextId> {
-    let texts = index.texts();
-    let (class, text) = texts.text(id);
-    if !text.is_told_by_words() {
-        return Vec::new();
-    }
-    let candidates = match texts.of_class(class, SMALL_CLASS) {
-        Some(all) => all.into_iter().filter(|other| *other != id).collect(),
-        None => texts.sharing_words(id, WIDESPREAD),
-    };
-    let mut near: Vec<(u32, &str, TextId)> = (candidates.into_iter())
-        .filter_map(|other| {
-            let theirs = texts.text(other).1;
-            let open = matches!(semantics::route_similarity(text, theirs), semantics::Route::Open(_));
-            open.then(|| (semantics::likeness_percent(text, theirs), theirs.normalised(), other))
-        })
-        .collect();
-    near.sort_by(|(a, name_a, _), (b, name_b, _)| b.cmp(a).then_with(|| name_a.cmp(name_b)));
-    near.truncate(NEIGHBOURS_JUDGED);
-    near.into_iter().map(|(_, _, other)| other).collect()
 }

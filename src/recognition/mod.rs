@@ -5,6 +5,7 @@
 //! | §III, an anchor seen before triggers loop detection | [`ingest`] | [`ingest::ingest`] |
 //! | §IV-B, what an anchor is | [`index`] | [`index::Anchor`], [`index::Object`] |
 //! | §IV-A.3, what a model is asked, and what its answer changes | [`lacking`], [`learning`], [`rejudging`] | [`lacking::lacking`], [`learning::learn_reading`] |
+//! | §IV-B, which texts a model is asked to compare | [`pairs`], [`near_in_meaning`] | [`pairs::Embeddings`] |
 //! | §IV-C.1, object tracking | [`association`] | [`association::associate`] |
 //! | §IV-C.2, semantic anchor matching | [`matching`], [`index`] | [`matching::covisible_merge`], [`index::TextIndex`] |
 //! | §IV-C.2, merge on a confirmed loop | [`closing`] | [`closing::close_loop`], [`closing::revoke_loop`] |
@@ -70,7 +71,9 @@ pub mod loop_warning;
 pub mod low_score;
 mod match_sets;
 pub mod matching;
+mod near_in_meaning;
 pub mod numbered;
+pub mod pairs;
 pub mod passage;
 pub mod places;
 pub mod query;

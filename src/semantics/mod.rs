@@ -28,6 +28,7 @@
 //! | the sentence that explains a level | `reason.rs` | `sentence` |
 //! | MergeText | `merge.rs` | [`merge()`] |
 //! | what a model may be asked, and what binds it | `route.rs` | [`route_similarity`], [`bound_similarity`] |
+//! | a text as a model's vector | `embedding.rs` | [`Embedding`] |
 //! | text that addresses a model | `hostile.rs` | [`addresses_a_model`] |
 //! | which texts to compare at all | `keys.rs` | [`Text::keys`] |
 
@@ -35,6 +36,7 @@ mod agreement;
 mod around;
 mod dictionary;
 mod direction;
+mod embedding;
 mod frame;
 mod generic;
 mod hostile;
@@ -63,6 +65,7 @@ mod golden;
 mod laws;
 
 pub use agreement::{Conflict, conflict};
+pub use embedding::{COMPONENTS_MAX, COMPONENTS_MIN, Embedding};
 pub use hostile::addresses_a_model;
 pub use identifier::Identifier;
 pub use information::{ENOUGH_SPECIFIC_WORDS, information};

@@ -7,7 +7,8 @@ use tokio::time::Instant;
 
 use super::live::LiveMap;
 use super::pinned::PinnedMap;
-use crate::recognition::lacking::{Lack, Settled};
+use crate::recognition::lacking::Lack;
+use crate::recognition::pairs::Settled;
 
 /// A job that keeps failing is tried again after at most so long.
 pub(super) const PAUSE_MAX: Duration = Duration::from_hours(1);

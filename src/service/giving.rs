@@ -50,7 +50,8 @@ impl Service {
         if degraded { Err(Fault::Away) } else { Ok(()) }
     }
 
-    /// Asks a model, at the expense of the map's owner; `None` if the question is about a crop that is gone.
+    /// Asks a model, at the expense of the map's owner; `None` if the question is about a crop that is gone, or its
+    /// answer changes no map.
     pub(super) async fn ask(
         &self,
         live: &Arc<LiveMap>,
@@ -61,6 +62,12 @@ impl Service {
         let judge = models.judge.paid_by(payer.clone());
         let fingerprint: Arc<str> = models.fingerprints().texts.unwrap_or_default().into();
         let (verdict, degraded) = match lack {
+            Lack::Embedding { text } => {
+                if let Some(embeddings) = &models.embeddings {
+                    embeddings.take(&text, payer).await?;
+                }
+                return Ok(None);
+            }
             Lack::Reading { anchor, keyframe, detection, class, hint } => {
                 let at = (anchor, keyframe, detection);
                 let describer = models.describer.paid_by(payer);

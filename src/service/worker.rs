@@ -24,6 +24,7 @@ use crate::models::Models;
 use crate::models::port::Fault;
 use crate::recognition::lacking::{Lack, lacking};
 use crate::recognition::learning::learn_away;
+use crate::recognition::pairs::Embeddings;
 use crate::store::MapKey;
 
 /// How many things lacking are looked up at once.
@@ -275,9 +276,12 @@ impl Round {
         }
         let mut settled = std::mem::take(&mut board.settled);
         let left_alone: HashSet<Lack> = board.left_alone(now);
+        // While they are away, words choose as they do without them.
+        let at_hand = self.models.embeddings.clone().filter(|embeddings| !embeddings.is_away());
         let looked = self.service.look(live, move |state| {
             let passed_over = |lack: &Lack| left_alone.contains(lack);
-            let found = lacking(&state.index, roles, &mut settled, BATCH, passed_over);
+            let embeddings = at_hand.as_ref().map(|embeddings| embeddings as &dyn Embeddings);
+            let found = lacking(&state.index, roles, embeddings, &mut settled, BATCH, passed_over);
             Ok((state.version, found, settled, state.index.model_away()))
         });
         let looked = looked.await;
@@ -334,6 +338,10 @@ impl Round {
     async fn finished(&mut self, Done { map, lack, result }: Done) {
         let Some(board) = self.boards.get_mut(&map) else { return };
         board.under_way.remove(&lack);
+        if matches!(lack, Lack::Embedding { .. }) {
+            // It changes no map, and others can be found with it.
+            board.looked_at = None;
+        }
         if result.is_ok() {
             board.paused.remove(&lack);
             if self.was_away && !self.models.is_away() {

@@ -42,7 +42,7 @@ pub struct Usage {
 /// Calls of one model for one operation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct UsageItem {
-    /// `similarity`, `information`, `merge` or `describe`.
+    /// `similarity`, `information`, `merge`, `describe` or `embed`.
     pub operation: String,
     /// The model's name.
     pub model: String,

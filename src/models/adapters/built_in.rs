@@ -23,7 +23,7 @@ impl BuiltIn {
             }
             Question::Merge { a, b, .. } => json!({"text": semantics::merge(a, b)}).to_string(),
             Question::Look { hint, .. } => hint.clone().unwrap_or_else(|| "unknown".to_owned()),
-            Question::NextQuestion { .. } => return Err(Fault::Unable),
+            Question::NextQuestion { .. } | Question::Embed { .. } => return Err(Fault::Unable),
             Question::Summary { history, .. } => summary(history),
         })
     }
@@ -49,7 +49,7 @@ impl Model for BuiltIn {
     }
 
     fn can(&self, question: &Question) -> bool {
-        !matches!(question, Question::NextQuestion { .. })
+        !matches!(question, Question::NextQuestion { .. } | Question::Embed { .. })
     }
 
     fn answer<'a>(&'a self, question: &'a Question) -> BoxFuture<'a, Result<Reply, Fault>> {

@@ -1,12 +1,14 @@
 //! The adapters: one file for each way to speak to a model.
 
 mod built_in;
+mod embeddings;
 mod openai;
 mod scripted;
 mod vqa;
 mod wire;
 
 pub use built_in::{BuiltIn, summary as summary_of};
+pub use embeddings::Embeddings;
 pub use openai::{Dialect, OpenAi};
 pub use scripted::Scripted;
 pub use vqa::Vqa;

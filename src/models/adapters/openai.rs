@@ -116,7 +116,10 @@ impl Model for OpenAi {
     }
 
     fn can(&self, question: &Question) -> bool {
-        !question.needs_eyes() || self.dialect.image_form != ImageForm::None
+        match question {
+            Question::Embed { .. } => false,
+            question => !question.needs_eyes() || self.dialect.image_form != ImageForm::None,
+        }
     }
 
     fn answer<'a>(&'a self, question: &'a Question) -> BoxFuture<'a, Result<Reply, Fault>> {

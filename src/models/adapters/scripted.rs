@@ -47,8 +47,8 @@ impl Model for Scripted {
         format!("scripted {}", self.name)
     }
 
-    fn can(&self, _: &Question) -> bool {
-        true
+    fn can(&self, question: &Question) -> bool {
+        !matches!(question, Question::Embed { .. })
     }
 
     fn answer<'a>(&'a self, question: &'a Question) -> BoxFuture<'a, Result<Reply, Fault>> {

@@ -3,6 +3,7 @@
 mod canary;
 mod contract;
 mod dialogue;
+mod embeddings;
 mod eviction;
 mod faults;
 mod injections;
@@ -13,5 +14,11 @@ mod roles;
 pub mod scene;
 pub mod stub;
 mod tesseract;
+mod wording;
 mod worker;
 mod world;
+
+#[path = "../../../benches/models/world.rs"]
+mod generated;
+#[path = "../../../benches/models/wording.rs"]
+mod measured_wording;

@@ -16,7 +16,7 @@ use tokio::net::TcpListener;
 /// What a stub was asked.
 #[derive(Clone, Debug)]
 pub struct Asked {
-    /// `similarity`, `information`, `merge`, `look`, `next` or `summary`.
+    /// `similarity`, `information`, `merge`, `look`, `next`, `summary` or `embed`.
     pub what: &'static str,
     /// The data of the question, where it is JSON; else the words.
     pub data: Value,
@@ -170,6 +170,7 @@ fn understood(body: Value, headers: HeaderMap) -> Asked {
     let data = serde_json::from_str(text).unwrap_or_else(|_| json!(text));
     let schema = body.pointer("/response_format/json_schema/name").and_then(Value::as_str);
     let what = match (seen, schema) {
+        _ if body.get("input").is_some() => "embed",
         (Some(_), _) => "look",
         (_, Some("level")) if data.get("a").is_some() => "similarity",
         (_, Some("level")) => "information",

@@ -1,7 +1,6 @@
 //! World: few pairs reach a model, and its word joins nothing that identifiers part.
 
-#[path = "../../../benches/models/world.rs"]
-mod generated;
+use super::generated;
 
 #[tokio::test]
 async fn of_four_hundred_anchors_few_pairs_reach_the_model_and_none_is_merged_wrongly() {

@@ -1,0 +1,219 @@
+//! Pairs: which two texts a model is asked about (§IV-B).
+//!
+//! A text is judged with the few others that are most like it: by their words, or by their embeddings where a model makes
+//! them. Together with the identifiers, which need no model, this keeps the number of calls in proportion to the
+//! anchors, not to their pairs.
+
+use std::collections::{BTreeMap, HashSet};
+use std::sync::Arc;
+
+use super::index::{MapIndex, TextId};
+use super::lacking::Lack;
+use super::near_in_meaning::near;
+use crate::semantics::{self, Embedding, Route};
+
+/// A text is judged with at most so many others.
+pub(super) const NEIGHBOURS_JUDGED: usize = 6;
+
+/// A class with so few texts is small enough to ask about texts that share no word: "a smiling lady", "the Mona Lisa".
+pub(super) const SMALL_CLASS: usize = 32;
+
+/// A word in more texts than this tells none of them apart.
+pub(super) const WIDESPREAD: usize = 256;
+
+/// In a class of more texts than this, words choose: to compare a text with all others takes too long.
+pub(super) const EMBEDDED_CLASS_MAX: usize = 4096;
+
+/// From this level of the built-in judge on a pair is asked about, however far apart its embeddings are.
+const ALIKE_BY_WORDS: u8 = 4;
+
+/// What is known of a text's embedding.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Embedded {
+    /// It is at hand.
+    As(Arc<Embedding>),
+    /// No model was asked for it yet.
+    NotYet,
+    /// A model was asked for it lately, and could not make it.
+    Failed,
+}
+
+/// The embeddings at hand.
+pub trait Embeddings: Send + Sync {
+    /// Tells what is known of the embedding of a text in normal form.
+    fn of(&self, text: &str) -> Embedded;
+}
+
+/// The texts whose pairs were all judged: they need not be looked at again.
+pub type Settled = HashSet<(Box<str>, Box<str>)>;
+
+/// Adds pairs that no model has judged to what was found, and the embeddings that are needed to choose them, until there
+/// are `max`.
+pub(super) fn pairs(
+    index: &MapIndex,
+    embeddings: Option<&dyn Embeddings>,
+    settled: &mut Settled,
+    max: usize,
+    found: &mut Vec<Lack>,
+    passed_over: impl Fn(&Lack) -> bool,
+) {
+    let texts = index.texts();
+    let mut seen: HashSet<Lack> = HashSet::new();
+    let mut chosen_by =
+        embeddings.map(|embeddings| ByMeaning { index, embeddings, classes: BTreeMap::new() });
+    for id in texts.iter() {
+        if found.len() >= max {
+            return;
+        }
+        let (class, text) = texts.text(id);
+        if !text.is_told_by_words() {
+            continue;
+        }
+        let key = (class.into(), text.normalised().into());
+        if settled.contains(&key) {
+            continue;
+        }
+        let chosen = match &mut chosen_by {
+            Some(by_meaning) => by_meaning.choose(id),
+            None => Choice::Pairs(nearest_by_words(index, id)),
+        };
+        let (is_settled, lacks) = match chosen {
+            Choice::Waits(lacks) => (false, lacks),
+            Choice::Pairs(others) => {
+                let others = others.into_iter().map(|other| texts.text(other).1);
+                let open = others.filter(|other| index.verdicts().similarity(class, text, other).is_none());
+                let open = open.map(|other| similarity(class, text.normalised(), other.normalised()));
+                let open: Vec<Lack> = open.collect();
+                (open.is_empty(), open)
+            }
+        };
+        for lack in lacks {
+            if found.len() < max && !passed_over(&lack) && seen.insert(lack.clone()) {
+                found.push(lack);
+            }
+        }
+        if is_settled {
+            settled.insert(key);
+        }
+    }
+}
+
+fn similarity(class: &str, a: &str, b: &str) -> Lack {
+    let (a, b) = if a <= b { (a, b) } else { (b, a) };
+    Lack::Similarity { class: class.into(), a: a.into(), b: b.into() }
+}
+
+/// What a text is to be judged with.
+enum Choice {
+    Pairs(Vec<TextId>),
+    /// It waits for embeddings: these, beside those that were named before.
+    Waits(Vec<Lack>),
+}
+
+/// Chooses by embeddings.
+struct ByMeaning<'a> {
+    index: &'a MapIndex,
+    embeddings: &'a dyn Embeddings,
+    /// The texts of a class that words tell apart, with their embeddings; `None` if there are too many.
+    classes: BTreeMap<&'a str, Option<Class>>,
+}
+
+struct Class {
+    embedded: Vec<(TextId, Arc<Embedding>)>,
+    waits: bool,
+    /// What it waits for, until it was named.
+    lacks: Vec<Lack>,
+}
+
+impl ByMeaning<'_> {
+    /// Chooses what a text is judged with, once every text of its class has an embedding. A text whose embedding cannot be
+    /// had is left out, and its own pairs are chosen by words.
+    fn choose(&mut self, id: TextId) -> Choice {
+        let texts = self.index.texts();
+        let (class_name, text) = texts.text(id);
+        let (index, embeddings) = (self.index, self.embeddings);
+        let class = self.classes.entry(class_name);
+        let class = class.or_insert_with(|| Class::of(index, class_name, embeddings));
+        let Some(class) = class else { return Choice::Pairs(nearest_by_words(index, id)) };
+        if class.waits {
+            return Choice::Waits(std::mem::take(&mut class.lacks));
+        }
+        let Embedded::As(own) = embeddings.of(text.normalised()) else {
+            return Choice::Pairs(nearest_by_words(index, id));
+        };
+        // What is known to match says nothing of chance, and needs no question.
+        let others: Vec<(f64, &str, TextId)> = (class.embedded.iter())
+            .filter(|(other, _)| *other != id && texts.level(id, *other).is_none())
+            .filter_map(|(other, theirs)| {
+                Some((own.cosine(theirs)?, texts.text(*other).1.normalised(), *other))
+            })
+            .collect();
+        Choice::Pairs(self.near_ones(id, others))
+    }
+
+    fn near_ones(&self, id: TextId, mut others: Vec<(f64, &str, TextId)>) -> Vec<TextId> {
+        let texts = self.index.texts();
+        let text = texts.text(id).1;
+        // Equals have one order, however the index came about.
+        others.sort_by_key(|(_, name, _)| *name);
+        let cosines: Vec<f64> = others.iter().map(|(cosine, ..)| *cosine).collect();
+        let is_open = |other: &TextId| {
+            matches!(semantics::route_similarity(text, texts.text(*other).1), Route::Open(_))
+        };
+        let near = near(&cosines).into_iter().map(|at| others[at].2);
+        let mut chosen: Vec<TextId> = near.filter(is_open).take(NEIGHBOURS_JUDGED).collect();
+        let alike = nearest_by_words(self.index, id).into_iter().filter(|other| {
+            let built_in = semantics::route_similarity(text, texts.text(*other).1);
+            built_in.judgement().level >= ALIKE_BY_WORDS
+        });
+        for other in alike {
+            if !chosen.contains(&other) {
+                chosen.push(other);
+            }
+        }
+        chosen
+    }
+}
+
+impl Class {
+    fn of(index: &MapIndex, name: &str, embeddings: &dyn Embeddings) -> Option<Self> {
+        let texts = index.texts();
+        let of_class = texts.iter().filter(|id| texts.text(*id).0 == name);
+        let told_by_words = of_class.filter(|id| texts.text(*id).1.is_told_by_words());
+        let members: Vec<TextId> = told_by_words.take(EMBEDDED_CLASS_MAX + 1).collect();
+        if members.len() > EMBEDDED_CLASS_MAX {
+            return None;
+        }
+        let mut class = Self { embedded: Vec::new(), waits: false, lacks: Vec::new() };
+        for id in members {
+            let text = texts.text(id).1.normalised();
+            match embeddings.of(text) {
+                Embedded::As(embedding) => class.embedded.push((id, embedding)),
+                Embedded::NotYet => class.lacks.push(Lack::Embedding { text: text.into() }),
+                Embedded::Failed => {}
+            }
+        }
+        class.waits = !class.lacks.is_empty();
+        Some(class)
+    }
+}
+
+/// The texts whose words are most like this one's, about which a model may say more than the built-in judge.
+fn nearest_by_words(index: &MapIndex, id: TextId) -> Vec<TextId> {
+    let texts = index.texts();
+    let (class, text) = texts.text(id);
+    let candidates = match texts.of_class(class, SMALL_CLASS) {
+        Some(all) => all.into_iter().filter(|other| *other != id).collect(),
+        None => texts.sharing_words(id, WIDESPREAD),
+    };
+    let mut near: Vec<(u32, &str, TextId)> = (candidates.into_iter())
+        .filter_map(|other| {
+            let theirs = texts.text(other).1;
+            let open = matches!(semantics::route_similarity(text, theirs), Route::Open(_));
+            open.then(|| (semantics::likeness_percent(text, theirs), theirs.normalised(), other))
+        })
+        .collect();
+    near.sort_by(|(a, name_a, _), (b, name_b, _)| b.cmp(a).then_with(|| name_a.cmp(name_b)));
+    near.truncate(NEIGHBOURS_JUDGED);
+    near.into_iter().map(|(_, _, other)| other).collect()
+}
