@@ -1613,7 +1613,7 @@ class UsageItem(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Calls of one model for one operation."""
 
     operation: str
-    """`similarity`, `information`, `merge` or `describe`."""
+    """`similarity`, `information`, `merge`, `describe` or `embed`."""
     model: str
     """The model's name."""
     calls: int
