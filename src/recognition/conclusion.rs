@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use super::evidence;
 use super::features::FeatureSet;
-use super::geometry_check::{Checked, Seeing, check_geometry};
+use super::geometry_check::{Asked, Checked, check_geometry};
 use super::passage::Returning;
 use super::rivals::{Concluded, Seen, settle_rivals};
 use super::screening::{Screened, Screening, Standing};
@@ -20,9 +20,9 @@ pub fn conclude(screening: Screening, features: &FeatureSet, seed: u64) -> Verdi
         Some(seq) => features.stored.get(&seq),
         None => features.inline.as_ref(),
     };
-    let asked = screening.sight.as_ref().zip(of_query.map(AsRef::as_ref));
+    let asked = screening.sight.as_ref().zip(of_query.map(AsRef::as_ref)).map(Asked::new);
     let mut concluded: Vec<Concluded> = (screening.candidates.iter())
-        .map(|screened| conclude_candidate(&screening, screened, asked, features, seed))
+        .map(|screened| conclude_candidate(&screening, screened, asked.as_ref(), features, seed))
         .collect();
     settle_rivals(&screening.candidates, &mut concluded, &screening.settings);
     let mut candidates: Vec<Candidate> = concluded.into_iter().map(|one| one.candidate).collect();
@@ -36,7 +36,7 @@ pub fn conclude(screening: Screening, features: &FeatureSet, seed: u64) -> Verdi
 fn conclude_candidate(
     screening: &Screening,
     screened: &Screened,
-    asked: Option<Seeing<'_>>,
+    asked: Option<&Asked<'_>>,
     features: &FeatureSet,
     seed: u64,
 ) -> Concluded {

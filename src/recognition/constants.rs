@@ -7,7 +7,7 @@ use super::verification::limits::Limits;
 use super::verification::two_views::consensus::{ImageModel as _, SCORE_CHI_SQUARE};
 use super::verification::two_views::essential::{Essential, MIN_PARALLAX_RAD};
 use super::verification::two_views::{MIN_RATIO, decomposition, homography, rotation};
-use super::verification::{orientation, planar_ambiguity, resection, significance};
+use super::verification::{orientation, planar_ambiguity, resection, significance, similarity};
 use super::{
     alignment, candidates, company, distinctiveness, lacking, near_in_meaning, pairs, passage, sight,
     tracked_path, twins,
@@ -147,6 +147,18 @@ pub const CONSTANTS: &[Constant] = &[
         resection::REFINED_ON_MEDIANS,
         "1",
         "ours: points of up to so many times the median squared error fix the camera's pose",
+    ),
+    constant(
+        "resection.rounds",
+        resection::ROUNDS as f64,
+        "1",
+        "ours: rounds of choosing points and refining the camera's pose",
+    ),
+    constant(
+        "similarity.rounds",
+        similarity::ROUNDS as f64,
+        "1",
+        "ours: rounds of refining a similarity and taking its inliers again, at most",
     ),
     constant(
         "twins.kept_max",

@@ -1,5 +1,7 @@
 //! Geometry on one pair of keyframes: what it needs, by which numbers it is accepted, and what came out.
 
+use std::cell::OnceCell;
+
 use super::features::{FeatureSet, MatchableFeatures};
 use super::screening::{Screened, Screening, Standing};
 use super::sight::Sight;
@@ -11,6 +13,53 @@ use crate::model::verdict::Verify;
 
 /// A keyframe that geometry can look at.
 pub type Seeing<'a> = (&'a Sight, &'a MatchableFeatures);
+
+/// The keyframe that is asked about. Its points are placed once, when the first candidate needs them.
+pub struct Asked<'a> {
+    seeing: Seeing<'a>,
+    placed: OnceCell<Placed>,
+}
+
+impl<'a> Asked<'a> {
+    /// Takes what is asked about.
+    pub fn new(seeing: Seeing<'a>) -> Self {
+        Self { seeing, placed: OnceCell::new() }
+    }
+
+    fn placed(&self, screening: &Screening) -> &Placed {
+        self.placed.get_or_init(|| Placed::of(self.seeing, &mut [], screening))
+    }
+}
+
+/// The points of a keyframe in the frame of its camera.
+struct Placed {
+    points: Vec<Option<Point3>>,
+    /// What maps points of the camera's frame, by its pose, into the camera's frame, by its image.
+    camera_from_posed: Sim3,
+}
+
+impl Placed {
+    /// Brings points, and landmarks around them, into the frame of the camera that sees them, where its pose has them
+    /// elsewhere.
+    fn of(seeing: Seeing<'_>, landmarks: &mut [Landmark<'_>], screening: &Screening) -> Self {
+        let mut points = seeing.0.points_in_camera(seeing.1);
+        let limits = limits(screening, Standing::AskGeometry, true);
+        let resected =
+            screening.settings.geometry_resection.then(|| resection(&view(seeing, &points), &limits));
+        let Some(camera_from_posed) = resected.flatten() else {
+            return Self { points, camera_from_posed: Sim3::identity() };
+        };
+        let of_landmarks = landmarks.iter_mut().map(|landmark| &mut landmark.point_in_camera);
+        for point in points.iter_mut().flatten().chain(of_landmarks) {
+            *point = camera_from_posed.transform(point);
+        }
+        Self { points, camera_from_posed }
+    }
+
+    fn are_at_least(&self, count: usize) -> bool {
+        self.points.iter().flatten().count() >= count
+    }
+}
 
 /// The outcome of geometry between the query and one candidate.
 #[derive(Clone, Debug)]
@@ -45,7 +94,7 @@ impl Checked {
 pub fn check_geometry(
     screening: &Screening,
     screened: &Screened,
-    asked: Option<Seeing<'_>>,
+    asked: Option<&Asked<'_>>,
     features: &FeatureSet,
     seed: u64,
 ) -> Result<Checked, &'static str> {
@@ -53,7 +102,8 @@ pub fn check_geometry(
         return Err("the query asks for anchors alone");
     }
     let found = screened.sight.as_ref().zip(features.stored.get(&screened.keyframe).map(AsRef::as_ref));
-    let query = asked.ok_or("the query has no features or no camera")?;
+    let asked = asked.ok_or("the query has no features or no camera")?;
+    let query = asked.seeing;
     let candidate = found.ok_or("the candidate has no features or no camera")?;
     let min_matches = screening.settings.geometry_min_matches as usize;
     if [query, candidate].iter().any(|(_, features)| features.keypoints.len() < min_matches) {
@@ -61,35 +111,14 @@ pub fn check_geometry(
     }
     let window = candidate.0.window.iter().filter_map(|seq| features.stored.get(seq).map(AsRef::as_ref));
     let mut landmarks = candidate.0.landmarks(candidate.1, window, query);
-    let mut points = [query, candidate].map(|(sight, features)| sight.points_in_camera(features));
-    let are_triangulated = points.iter().all(|points| points.iter().flatten().count() >= min_matches);
+    let of_query = asked.placed(screening);
+    let of_candidate = Placed::of(candidate, &mut landmarks, screening);
+    let are_triangulated = [of_query, &of_candidate].iter().all(|placed| placed.are_at_least(min_matches));
     let limits = limits(screening, screened.standing, are_triangulated);
-    let mut camera_from_posed = [Sim3::identity(); 2];
-    if screening.settings.geometry_resection {
-        camera_from_posed = [
-            stand_among_own_points(query, &mut points[0], &mut [], &limits),
-            stand_among_own_points(candidate, &mut points[1], &mut landmarks, &limits),
-        ];
-    }
-    let (query, candidate) = (view(query, &points[0]), view(candidate, &points[1]));
+    let (query, candidate) = (view(query, &of_query.points), view(candidate, &of_candidate.points));
     let verification = verify_by_any_model(&query, &candidate, &landmarks, &limits, seed);
+    let camera_from_posed = [of_query.camera_from_posed, of_candidate.camera_from_posed];
     Ok(Checked { verification, are_triangulated, camera_from_posed })
-}
-
-/// Brings points and landmarks into the frame of the camera that sees them, where its pose has them elsewhere. Returns what
-/// maps them so.
-fn stand_among_own_points(
-    seeing: Seeing<'_>,
-    points: &mut [Option<Point3>],
-    landmarks: &mut [Landmark<'_>],
-    limits: &Limits,
-) -> Sim3 {
-    let Some(camera_from_posed) = resection(&view(seeing, points), limits) else { return Sim3::identity() };
-    let of_landmarks = landmarks.iter_mut().map(|landmark| &mut landmark.point_in_camera);
-    for point in points.iter_mut().flatten().chain(of_landmarks) {
-        *point = camera_from_posed.transform(point);
-    }
-    camera_from_posed
 }
 
 /// Significance says that two views are of one thing, and no more: where nothing else speaks for the place, and where map

@@ -12,7 +12,7 @@ use super::candidates::find_candidates;
 use super::distinctiveness::PlaceCounts;
 use super::evidence;
 use super::features::FeatureSet;
-use super::geometry_check::check_geometry;
+use super::geometry_check::{Asked, check_geometry};
 use super::index::{Certainty, MapIndex};
 use super::loop_check::unchecked;
 use super::query::Query;
@@ -114,9 +114,10 @@ impl Suspects {
     /// Runs geometry on one of them. Returns the pair if it would have closed a loop by itself.
     pub fn verify(&self, at: usize, features: &FeatureSet) -> Option<Twins> {
         let of_query = features.stored.get(&self.keyframe).map(AsRef::as_ref);
-        let asked = self.screening.sight.as_ref().zip(of_query);
+        let asked = self.screening.sight.as_ref().zip(of_query).map(Asked::new);
         let screened = &self.screening.candidates[at];
-        let found = check_geometry(&self.screening, screened, asked, features, SEED).ok()?.verification;
+        let found =
+            check_geometry(&self.screening, screened, asked.as_ref(), features, SEED).ok()?.verification;
         let alone = self.screening.settings.geometry_alone_min_inliers;
         let is_loop = found.status == Status::Verified && (found.model.is_metric() || found.inliers >= alone);
         let (anchor, candidate_anchor) = self.signs[at];

@@ -22,7 +22,7 @@ pub const MAX_MEDIAN_CHI_SQUARE: f64 = 1.386;
 pub const REFINED_ON_MEDIANS: f64 = 6.0;
 
 /// Rounds of choosing points and refining; the first takes all.
-const ROUNDS: u32 = 3;
+pub const ROUNDS: u32 = 3;
 
 /// Returns what maps the view's points into the frame in which its camera sees them; `None` where its pose is theirs, or too
 /// few points say so.

@@ -171,6 +171,9 @@ fn match_located(query: &View, candidate: &View, limits: &Limits) -> Result<Vec<
     Ok(matches.iter().map(pair).collect())
 }
 
+/// Rounds of refining and taking the inliers again, at most; two or three are the rule.
+pub const ROUNDS: u32 = 5;
+
 /// Refines on the inliers and takes the inliers again, until they stay.
 fn settle(
     first: Sim3,
@@ -179,8 +182,6 @@ fn settle(
     cameras: &Cameras,
     limits: &Limits,
 ) -> Sim3 {
-    /// Rounds at most; two or three are the rule.
-    const ROUNDS: u32 = 5;
     let mut best = first;
     for _ in 0..ROUNDS {
         if inliers.len() < 3 {
