@@ -53,6 +53,17 @@ pub struct Journey {
 impl Journey {
     /// Drives through a world and records it; odometry drifts by `drift_m`.
     pub fn record(world: &World, stops: &[Stop], noise: Noise, drift_m: f64, seed: u64) -> Self {
+        Self::through(|_| world, stops, noise, drift_m, seed)
+    }
+
+    /// The same through a world that changes from visit to visit; no sign is hung or taken down.
+    pub fn through<'a>(
+        world_at: impl Fn(usize) -> &'a World,
+        stops: &[Stop],
+        noise: Noise,
+        drift_m: f64,
+        seed: u64,
+    ) -> Self {
         let truth: Vec<Pose> = stops.iter().map(|stop| stop.stand.map_from_camera()).collect();
         let motions = drifting_motions(&truth, drift_m, &mut Chance::new(seed, "odometry"));
         let motions = std::iter::once(Pose::identity()).chain(motions);
@@ -60,10 +71,11 @@ impl Journey {
         let mut reading = Chance::new(seed, "reader");
         let (mut tracker, mut reader) = (Tracker::default(), Reader::new(noise));
         let mut plates = Chance::new(seed, "plates");
-        let missing: Vec<bool> = (world.signs.iter())
+        let missing: Vec<bool> = (world_at(0).signs.iter())
             .map(|sign| plates.happens(noise.no_plate_share) && sign.kind == SignKind::DoorPlate)
             .collect();
         let steps = (stops.iter().zip(motions).enumerate()).map(|(number, (stop, motion))| {
+            let world = world_at(stop.visit);
             let image = take_image(world, &stop.stand, noise.missed_share, &mut sensor);
             let map_points =
                 image.features.iter().map(|feature| tracker.observe(feature.point, number)).collect();

@@ -10,6 +10,7 @@
 //! | what its camera and detector see | [`camera`], [`sensor`], [`reader`], [`tracking`] |
 //! | what it believes of its way | [`odometry`], [`pose_graph`] |
 //! | all that on one tour | [`journey`] |
+//! | door numbers that change | [`renumbering`] |
 //! | what is true | [`truth`] |
 //! | the robot as a client | [`robot`], [`message`] |
 //! | methods, troubles, worlds | [`arm`], [`noise`], [`scenario`] |
@@ -56,6 +57,7 @@ pub mod pose_graph;
 pub mod reader;
 pub mod realism;
 pub mod recording;
+pub mod renumbering;
 pub mod results;
 pub mod robot;
 pub mod route;

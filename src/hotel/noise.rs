@@ -17,12 +17,22 @@ pub enum NoiseKind {
     Fleet,
     /// All of the above but the second robot.
     Mixed,
+    /// Door numbers change between rounds; no headline counts it.
+    Renumbered,
 }
 
 impl NoiseKind {
     /// Every kind, in the order of tables.
-    pub const ALL: [Self; 7] =
-        [Self::None, Self::Reader, Self::Missed, Self::Repeated, Self::Wording, Self::Fleet, Self::Mixed];
+    pub const ALL: [Self; 8] = [
+        Self::None,
+        Self::Reader,
+        Self::Missed,
+        Self::Repeated,
+        Self::Wording,
+        Self::Fleet,
+        Self::Mixed,
+        Self::Renumbered,
+    ];
     /// One trouble at a time.
     pub const TROUBLES: [Self; 5] = [Self::Reader, Self::Missed, Self::Repeated, Self::Wording, Self::Fleet];
 
@@ -41,6 +51,7 @@ impl NoiseKind {
             Self::Wording => "wording",
             Self::Fleet => "fleet",
             Self::Mixed => "mixed",
+            Self::Renumbered => "renumbered",
         }
     }
 
@@ -54,6 +65,7 @@ impl NoiseKind {
             Self::Wording => "other wording",
             Self::Fleet => "two robots",
             Self::Mixed => "all of it together",
+            Self::Renumbered => "new numbers on the doors",
         }
     }
 
@@ -61,7 +73,7 @@ impl NoiseKind {
     pub fn noise(self) -> Noise {
         let quiet = Noise::default();
         match self {
-            Self::None | Self::Fleet => quiet,
+            Self::None | Self::Fleet | Self::Renumbered => quiet,
             Self::Reader => Noise { misread_share: 0.15, glare_share: 0.04, ..quiet },
             Self::Missed => Noise { missed_share: 0.35, no_plate_share: 0.1, ..quiet },
             Self::Repeated => Noise { repeated_signs: true, ..quiet },

@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::arm::Arm;
 use super::noise::NoiseKind;
 use super::paper::PrintedSequence;
+use super::renumbering::Round;
 use super::score::{Counts, Outcome, by_query, by_visit, confidence_interval};
 use super::trial::Driven;
 use crate::client::Candidate;
@@ -101,6 +102,9 @@ pub struct WorldResult {
     pub keyframes: usize,
     /// The arms.
     pub arms: Vec<ArmResult>,
+    /// Ours, round by round, where door numbers change.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rounds: Vec<Round>,
     /// The kind.
     #[serde(skip)]
     pub kind: NoiseKind,

@@ -25,6 +25,8 @@ const LOOP_SIGMA_RAD: f64 = 0.006;
 /// Poses and points that moved less are not sent again.
 const MOVED_M: f64 = 0.001;
 const MOVED_RAD: f64 = 0.0005;
+/// The most points of one request (its limit).
+const POINTS_PER_CORRECTION: usize = 100_000;
 
 /// Why a drive ended early.
 #[derive(Debug, thiserror::Error)]
@@ -188,7 +190,13 @@ impl<'a> Robot<'a> {
                 .map(|(id, (reference, point))| (*id, self.poses[*reference].transform(point)))
                 .collect();
             points.sort_by_key(|(id, _)| *id);
-            self.client.post_poses(self.map, &message::poses(&self.session, &keyframes, &points)).await?;
+            // Poses with the first points: a long tour has more points than one request takes.
+            let mut parts = points.chunks(POINTS_PER_CORRECTION);
+            let first = message::poses(&self.session, &keyframes, parts.next().unwrap_or_default());
+            self.client.post_poses(self.map, &first).await?;
+            for part in parts {
+                self.client.post_poses(self.map, &message::poses(&self.session, &[], part)).await?;
+            }
             for number in moved {
                 self.told[number] = self.poses[number];
             }

@@ -5,6 +5,7 @@ use super::floor_plan::Layout;
 use super::journey::Journey;
 use super::noise::NoiseKind;
 use super::paper::PrintedSequence;
+use super::renumbering::{Era, ROOMS, ROUNDS, eras, round_of};
 use super::route::{some_rooms, tour};
 use super::signs::SignPlan;
 use super::texture::Patterns;
@@ -26,6 +27,8 @@ pub struct Scenario {
     pub course: Course,
     /// The rooms of each tour.
     pub tours: Vec<Vec<usize>>,
+    /// What the world becomes, if its doors are renumbered.
+    pub eras: Vec<Era>,
 }
 
 impl Scenario {
@@ -52,7 +55,28 @@ impl Scenario {
         let robots = if kind == NoiseKind::Fleet { 2 } else { 1 };
         let drifts_m: Vec<f64> =
             (0..robots).map(|_| chance.within(RANDOM_DRIFT_M[0], RANDOM_DRIFT_M[1])).collect();
-        Self::drive(world, kind, RANDOM_ROOMS, &drifts_m, seed)
+        match kind {
+            NoiseKind::Renumbered => Self::renumbered(world, drifts_m[0], patterns, seed),
+            kind => Self::drive(world, kind, RANDOM_ROOMS, &drifts_m, seed),
+        }
+    }
+
+    /// One robot on a tour of many rounds, with odometry that drifts in each as it does in a tour of one.
+    fn renumbered(world: World, drift_m: f64, patterns: &Patterns, seed: u64) -> Self {
+        let mut chance = Chance::new(seed, "route");
+        let mut round = some_rooms(&world.plan, ROOMS, &mut chance);
+        round.pop();
+        let eras = eras(&world, &round, patterns, &mut Chance::new(seed, "renumbering"));
+        let rooms: Vec<usize> = round.iter().cycle().take(ROUNDS * round.len() + 1).copied().collect();
+        let stops = tour(&world.plan, &rooms, &mut chance);
+        let world_at = |visit: usize| {
+            let now = round_of(visit);
+            let era = eras.iter().rev().find(|era| era.from_round <= now);
+            era.map_or(&world, |era| &era.world)
+        };
+        let noise = NoiseKind::Renumbered.noise();
+        let journey = Journey::through(world_at, &stops, noise, drift_m * ROUNDS as f64, seed);
+        Self { course: Course::new(vec![journey]), tours: vec![rooms], world, eras }
     }
 
     /// One robot for each drift; robots of a fleet share half their rooms.
@@ -72,6 +96,6 @@ impl Scenario {
             journeys.push(Journey::record(&world, &stops, kind.noise(), *drift_m, seed));
             tours.push(tour_rooms);
         }
-        Self { world, course: Course::new(journeys), tours }
+        Self { world, course: Course::new(journeys), tours, eras: Vec::new() }
     }
 }

@@ -72,6 +72,8 @@ pub struct SignPlan {
 
 /// Points of one sign.
 const POINTS_PER_SIGN: usize = 16;
+/// One plate point in so many, from the first, is on its digits and differs from plate to plate.
+pub const POINTS_PER_DIGIT_POINT: usize = 3;
 /// Where a plate hangs, right of the middle of its door, and how high.
 const PLATE_U_M: f64 = 0.62;
 const PLATE_Z_M: f64 = 1.45;
@@ -117,7 +119,7 @@ impl Decorator<'_> {
                 .iter()
                 .zip(&digits)
                 .enumerate()
-                .map(|(i, (a, b))| if i % 3 == 0 { *b } else { *a })
+                .map(|(i, (a, b))| if i % POINTS_PER_DIGIT_POINT == 0 { *b } else { *a })
                 .collect();
             let plate = place(&room.door, PLATE_U_M, 0.0, PLATE_Z_M, -1.0);
             hung.push(self.sign(SignKind::DoorPlate, numbers[number].clone(), plate, &look, chance));

@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use super::arm::Arm;
 use super::noise::NoiseKind;
 use super::paper::ORB_SLAM3_PRECISION;
+use super::renumbering::Round;
 use super::results::{Accuracy, ArmResult, Confusion, SequenceResult, Share, WorldResult, pooled};
 use super::score::Counts;
 
@@ -151,6 +152,26 @@ pub fn losses<'a>(results: impl Iterator<Item = &'a [ArmResult]>) -> String {
         format!("ours did not find {lost} of {there} true loops, by the reason of the right candidate:\n");
     for (code, count) in rows {
         let _ = writeln!(text, "  {code:34} {count:>6}  {:>5.1} %", 100.0 * count as f64 / there as f64);
+    }
+    text
+}
+
+/// Ours, round by round, where door numbers change; empty where none do.
+pub fn rounds(results: &[WorldResult]) -> String {
+    let rounds = results.iter().map(|result| result.rounds.len()).max().unwrap_or(0);
+    let mut text = String::new();
+    if rounds > 0 {
+        text.push_str(
+            "\nours, round by round: one plate in ten is new from round 2 on, those of one side from round 5 on\n\
+             round   all: right of accepted, found of true   in view of new plates alone\n",
+        );
+    }
+    for round in 0..rounds {
+        let of_round = || results.iter().filter_map(|result| result.rounds.get(round));
+        let sum = |of: fn(&Round) -> Counts| of_round().map(of).fold(Counts::default(), Counts::plus);
+        let [all, new] = [sum(|round| round.all), sum(|round| round.at_new_plates)];
+        let figures = |c: Counts| format!("{} / {}, {} / {}", c.right, c.accepted, c.found, c.with_truth);
+        let _ = writeln!(text, "{:>5}   {:37}  {}", round + 1, figures(all), figures(new));
     }
     text
 }

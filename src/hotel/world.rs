@@ -1,9 +1,11 @@
 //! World: a floor with its furnishing and its signs.
 
+use std::collections::BTreeSet;
+
 use super::chance::Chance;
 use super::floor_plan::{FloorPlan, Layout, Spot};
 use super::furnishing::{Model, WorldPoint};
-use super::signs::{Decorator, Sign, SignPlan};
+use super::signs::{Decorator, POINTS_PER_DIGIT_POINT, Sign, SignKind, SignPlan};
 use super::texture::Patterns;
 
 /// What a world is made from.
@@ -30,6 +32,8 @@ pub struct World {
     pub signs: Vec<Sign>,
     /// The rooms' numbers, in the order of their doors along the corridor.
     pub numbers: Vec<String>,
+    /// Those of them that the floor did not have at first.
+    pub renumbered: BTreeSet<String>,
 }
 
 impl World {
@@ -55,7 +59,24 @@ impl World {
         let mut chance = Chance::new(of.seed, "signs");
         let mut decorator = Decorator { plan: &plan, patterns, points: &mut points };
         let signs = decorator.hang(&numbers, of.signs, &mut chance);
-        Self { plan, points, signs, numbers }
+        Self { plan, points, signs, numbers, renumbered: BTreeSet::new() }
+    }
+
+    /// Gives rooms numbers that the floor did not have, on new plates.
+    pub fn renumber(&mut self, rooms: &[usize], patterns: &Patterns, chance: &mut Chance) {
+        let floor = self.numbers[0][..self.numbers[0].len() - 2].to_owned();
+        for room in rooms {
+            let number = format!("{floor}{:02}", self.plan.rooms.len() + self.renumbered.len() + 1);
+            let old = std::mem::replace(&mut self.numbers[*room], number.clone());
+            let is_its = |sign: &&mut Sign| sign.kind == SignKind::DoorPlate && sign.text == old;
+            if let Some(plate) = self.signs.iter_mut().find(is_its) {
+                plate.text.clone_from(&number);
+                for point in plate.points.clone().step_by(POINTS_PER_DIGIT_POINT) {
+                    self.points[point].descriptor = patterns.model(chance);
+                }
+            }
+            self.renumbered.insert(number);
+        }
     }
 }
 

@@ -54,8 +54,8 @@ struct HotelArgs {
     /// With --worlds: those that are kept for reporting, seeds from 1,000,000 on; nothing is tuned on them
     #[arg(long, requires = "worlds")]
     held_out: bool,
-    /// none, reader, missed, repeated, wording, fleet, mixed (reader to wording at once); all is reader, missed, repeated,
-    /// wording and fleet, one at a time, pooled
+    /// none, reader, missed, repeated, wording, fleet, mixed (reader to wording at once), renumbered (eight rounds, between
+    /// which door numbers change); all is reader, missed, repeated, wording and fleet, one at a time, pooled
     #[arg(long, value_name = "LEVEL", default_value = "all", value_parser = noise_kinds)]
     noise: NoiseKinds,
     /// This one random world, with what was answered at each keyframe that was wrong or missed
