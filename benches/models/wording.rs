@@ -87,10 +87,10 @@ impl Set {
             let open = lacking(&index, roles, embeddings, &mut settled, 256, |lack| {
                 !matches!(lack, Lack::Similarity { .. } | Lack::Embedding { .. })
             });
-            if open.is_empty() {
+            if open.found.is_empty() && open.is_all {
                 break;
             }
-            for lack in open {
+            for lack in open.found {
                 let Lack::Similarity { class, a, b } = lack else { panic!("no embedding of {lack:?}") };
                 let is_one = painting_of[&*a] == painting_of[&*b];
                 asked.insert((a.clone(), b.clone()));

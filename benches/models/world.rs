@@ -176,7 +176,7 @@ pub async fn play() -> Outcome {
     let roles = Roles { vision: false, text: true };
     let mut settled = Settled::new();
     loop {
-        let open = lacking(&index, roles, None, &mut settled, 256, |_| false);
+        let open = lacking(&index, roles, None, &mut settled, 256, |_| false).found;
         if open.is_empty() {
             break;
         }

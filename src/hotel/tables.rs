@@ -112,6 +112,10 @@ pub fn noise_table(results: &[WorldResult], arms: &[Arm]) -> String {
          noise                                 arm             precision       recall           precision       recall\n",
     );
     let mut row = |name: &str, arm: Arm, [query, visit]: [Counts; 2]| {
+        if query == Counts::default() {
+            // It drove through none of them.
+            return;
+        }
         let [query, visit] = [Accuracy::of(&query), Accuracy::of(&visit)];
         let _ = writeln!(
             text,

@@ -15,7 +15,7 @@ use crate::semantics::Embedding;
 /// Bytes of embeddings at hand; each is a byte a component.
 const BYTES_AT_HAND: u64 = 64 << 20;
 
-/// A text whose embedding could not be made is left out for so long.
+/// A text that the model does not take is left out for so long.
 const LEFT_OUT: Duration = Duration::from_hours(1);
 
 /// Most texts that are left out at a time.
@@ -42,23 +42,29 @@ impl Embeddings {
         Self { model, at_hand, failed }
     }
 
-    /// Has the model failed too often? Then words choose the pairs until it is back.
-    pub fn is_away(&self) -> bool {
-        self.model.breaker().is_open()
+    /// How long the model is left alone because it failed too often; meanwhile words choose the pairs.
+    pub fn away_for(&self) -> Option<Duration> {
+        self.model.breaker().closed_for().filter(|left| !left.is_zero())
     }
 
     /// Takes the embedding of a text at hand, at somebody's expense.
     pub async fn take(&self, text: &str, payer: Option<Payer>) -> Result<(), Fault> {
         match self.ask(text, payer).await {
             Ok(embedding) => {
-                self.failed.invalidate(text);
                 self.at_hand.insert(text.into(), Arc::new(embedding));
+                // Where all places are taken by others, words choose: else it would be asked for again and again.
+                self.at_hand.run_pending_tasks();
+                if self.at_hand.contains_key(text) {
+                    self.failed.invalidate(text);
+                } else {
+                    self.failed.insert(text.into(), ());
+                }
                 Ok(())
             }
-            // Says nothing about the text.
-            Err(fault @ (Fault::Away | Fault::Spent | Fault::Store(_))) => Err(fault),
             Err(fault) => {
-                self.failed.insert(text.into(), ());
+                if fault.is_about_the_question() {
+                    self.failed.insert(text.into(), ());
+                }
                 Err(fault)
             }
         }

@@ -220,6 +220,10 @@ impl Gateway {
             Ok(_) => admission.succeeded(),
             // The budget says nothing about the model.
             Err(Fault::Spent | Fault::Store(_)) => drop(admission),
+            // Nor does a text that is too long for it.
+            Err(fault) if matches!(question, Question::Embed { .. }) && fault.is_about_the_question() => {
+                drop(admission);
+            }
             Err(_) => admission.failed(),
         }
         answered

@@ -190,6 +190,11 @@ impl Fault {
         )
     }
 
+    /// Does the server refuse this question, such as one that is too long for it, and may take others?
+    pub fn is_about_the_question(&self) -> bool {
+        matches!(self, Self::Refused(400 | 413 | 422))
+    }
+
     /// A short name, for the metrics.
     pub fn code(&self) -> &'static str {
         match self {

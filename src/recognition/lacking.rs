@@ -64,6 +64,15 @@ pub enum Lack {
     },
 }
 
+/// What is lacking, as far as it was looked at.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Lacking {
+    /// What was found.
+    pub found: Vec<Lack>,
+    /// Whether there is no more at this version of the map.
+    pub is_all: bool,
+}
+
 /// At most `max` things that are lacking, descriptions first, the oldest anchor first. `passed_over` tells what is
 /// under way or has failed lately; `embeddings` are those at hand, if a model makes some.
 pub fn lacking(
@@ -73,8 +82,9 @@ pub fn lacking(
     settled: &mut Settled,
     max: usize,
     passed_over: impl Fn(&Lack) -> bool,
-) -> Vec<Lack> {
+) -> Lacking {
     let mut found = Vec::new();
+    let mut is_all = true;
     if roles.vision {
         let latest = latest_stamps(index);
         let readings = index.objects().iter().filter_map(|(_, object)| reading(index, object, &latest));
@@ -85,9 +95,10 @@ pub fn lacking(
         let left = max - found.len();
         let mut seen = HashSet::new();
         found.extend(texts.filter(|lack| !passed_over(lack) && seen.insert(lack.clone())).take(left));
-        pairs(index, embeddings, settled, max, &mut found, passed_over);
+        is_all = pairs(index, embeddings, settled, max, &mut found, passed_over);
     }
-    found
+    is_all &= found.len() < max;
+    Lacking { found, is_all }
 }
 
 /// The clock of each session: its newest keyframe, in seconds.

@@ -1,7 +1,7 @@
 //! Pairs: which two texts a model is asked about (§IV-B).
 //!
 //! A text is judged with the few others that are most like it: by their words, or by their embeddings where a model makes
-//! them. Together with the identifiers, which need no model, this keeps the number of calls in proportion to the
+//! them (and those that are alike by their words besides). Together with the identifiers, which need no model, this keeps the number of calls in proportion to the
 //! anchors, not to their pairs.
 
 use std::collections::{BTreeMap, HashSet};
@@ -12,7 +12,7 @@ use super::lacking::Lack;
 use super::near_in_meaning::near;
 use crate::semantics::{self, Embedding, Route};
 
-/// A text is judged with at most so many others.
+/// A text is judged with at most so many others by one measure.
 pub(super) const NEIGHBOURS_JUDGED: usize = 6;
 
 /// A class with so few texts is small enough to ask about texts that share no word: "a smiling lady", "the Mona Lisa".
@@ -23,6 +23,12 @@ pub(super) const WIDESPREAD: usize = 256;
 
 /// In a class of more texts than this, words choose: to compare a text with all others takes too long.
 pub(super) const EMBEDDED_CLASS_MAX: usize = 4096;
+
+/// A class waits until so small a share of it, one in so many, has no embedding yet.
+const WAITED_FOR: usize = 8;
+
+/// Comparisons of embeddings in one look, which holds up the map's writers.
+const COMPARISONS_MAX: usize = 1 << 18;
 
 /// From this level of the built-in judge on a pair is asked about, however far apart its embeddings are.
 const ALIKE_BY_WORDS: u8 = 4;
@@ -48,7 +54,7 @@ pub trait Embeddings: Send + Sync {
 pub type Settled = HashSet<(Box<str>, Box<str>)>;
 
 /// Adds pairs that no model has judged to what was found, and the embeddings that are needed to choose them, until there
-/// are `max`.
+/// are `max`. Returns whether all was looked at.
 pub(super) fn pairs(
     index: &MapIndex,
     embeddings: Option<&dyn Embeddings>,
@@ -56,14 +62,15 @@ pub(super) fn pairs(
     max: usize,
     found: &mut Vec<Lack>,
     passed_over: impl Fn(&Lack) -> bool,
-) {
+) -> bool {
     let texts = index.texts();
     let mut seen: HashSet<Lack> = HashSet::new();
     let mut chosen_by =
-        embeddings.map(|embeddings| ByMeaning { index, embeddings, classes: BTreeMap::new() });
+        embeddings.map(|embeddings| ByMeaning { index, embeddings, classes: BTreeMap::new(), compared: 0 });
     for id in texts.iter() {
-        if found.len() >= max {
-            return;
+        let is_tired = chosen_by.as_ref().is_some_and(|by_meaning| by_meaning.compared > COMPARISONS_MAX);
+        if found.len() >= max || is_tired {
+            return false;
         }
         let (class, text) = texts.text(id);
         if !text.is_told_by_words() {
@@ -75,19 +82,14 @@ pub(super) fn pairs(
         }
         let chosen = match &mut chosen_by {
             Some(by_meaning) => by_meaning.choose(id),
-            None => Choice::Pairs(nearest_by_words(index, id)),
+            None => Choice::of(nearest_by_words(index, id)),
         };
-        let (is_settled, lacks) = match chosen {
-            Choice::Waits(lacks) => (false, lacks),
-            Choice::Pairs(others) => {
-                let others = others.into_iter().map(|other| texts.text(other).1);
-                let open = others.filter(|other| index.verdicts().similarity(class, text, other).is_none());
-                let open = open.map(|other| similarity(class, text.normalised(), other.normalised()));
-                let open: Vec<Lack> = open.collect();
-                (open.is_empty(), open)
-            }
-        };
-        for lack in lacks {
+        let others = chosen.others.into_iter().map(|other| texts.text(other).1);
+        let open = others.filter(|other| index.verdicts().similarity(class, text, other).is_none());
+        let open = open.map(|other| similarity(class, text.normalised(), other.normalised()));
+        let open: Vec<Lack> = open.collect();
+        let is_settled = chosen.is_final && open.is_empty();
+        for lack in chosen.lacks.into_iter().chain(open) {
             if found.len() < max && !passed_over(&lack) && seen.insert(lack.clone()) {
                 found.push(lack);
             }
@@ -96,6 +98,7 @@ pub(super) fn pairs(
             settled.insert(key);
         }
     }
+    true
 }
 
 fn similarity(class: &str, a: &str, b: &str) -> Lack {
@@ -104,10 +107,19 @@ fn similarity(class: &str, a: &str, b: &str) -> Lack {
 }
 
 /// What a text is to be judged with.
-enum Choice {
-    Pairs(Vec<TextId>),
-    /// It waits for embeddings: these, beside those that were named before.
-    Waits(Vec<Lack>),
+#[derive(Default)]
+struct Choice {
+    others: Vec<TextId>,
+    /// Embeddings that may change the choice, beside those that were named before.
+    lacks: Vec<Lack>,
+    /// Whether it stays while the class stays as it is.
+    is_final: bool,
+}
+
+impl Choice {
+    fn of(others: Vec<TextId>) -> Self {
+        Self { others, lacks: Vec::new(), is_final: true }
+    }
 }
 
 /// Chooses by embeddings.
@@ -116,75 +128,79 @@ struct ByMeaning<'a> {
     embeddings: &'a dyn Embeddings,
     /// The texts of a class that words tell apart, with their embeddings; `None` if there are too many.
     classes: BTreeMap<&'a str, Option<Class>>,
+    compared: usize,
 }
 
 struct Class {
+    /// In the order of the texts, so that equals have one order however the index came about.
     embedded: Vec<(TextId, Arc<Embedding>)>,
-    waits: bool,
-    /// What it waits for, until it was named.
+    /// How many have no embedding yet, and those of them that were not named yet.
+    missing: usize,
     lacks: Vec<Lack>,
 }
 
 impl ByMeaning<'_> {
-    /// Chooses what a text is judged with, once every text of its class has an embedding. A text whose embedding cannot be
-    /// had is left out, and its own pairs are chosen by words.
+    /// Chooses what a text is judged with, once nearly every text of its class has an embedding. A text whose embedding
+    /// cannot be had is left out, and its own pairs are chosen by words.
     fn choose(&mut self, id: TextId) -> Choice {
         let texts = self.index.texts();
         let (class_name, text) = texts.text(id);
         let (index, embeddings) = (self.index, self.embeddings);
         let class = self.classes.entry(class_name);
         let class = class.or_insert_with(|| Class::of(index, class_name, embeddings));
-        let Some(class) = class else { return Choice::Pairs(nearest_by_words(index, id)) };
-        if class.waits {
-            return Choice::Waits(std::mem::take(&mut class.lacks));
-        }
-        let Embedded::As(own) = embeddings.of(text.normalised()) else {
-            return Choice::Pairs(nearest_by_words(index, id));
-        };
-        // What is known to match says nothing of chance, and needs no question.
-        let others: Vec<(f64, &str, TextId)> = (class.embedded.iter())
-            .filter(|(other, _)| *other != id && texts.level(id, *other).is_none())
-            .filter_map(|(other, theirs)| {
-                Some((own.cosine(theirs)?, texts.text(*other).1.normalised(), *other))
-            })
-            .collect();
-        Choice::Pairs(self.near_ones(id, others))
-    }
-
-    fn near_ones(&self, id: TextId, mut others: Vec<(f64, &str, TextId)>) -> Vec<TextId> {
-        let texts = self.index.texts();
-        let text = texts.text(id).1;
-        // Equals have one order, however the index came about.
-        others.sort_by_key(|(_, name, _)| *name);
-        let cosines: Vec<f64> = others.iter().map(|(cosine, ..)| *cosine).collect();
-        let is_open = |other: &TextId| {
-            matches!(semantics::route_similarity(text, texts.text(*other).1), Route::Open(_))
-        };
-        let near = near(&cosines).into_iter().map(|at| others[at].2);
-        let mut chosen: Vec<TextId> = near.filter(is_open).take(NEIGHBOURS_JUDGED).collect();
-        let alike = nearest_by_words(self.index, id).into_iter().filter(|other| {
-            let built_in = semantics::route_similarity(text, texts.text(*other).1);
-            built_in.judgement().level >= ALIKE_BY_WORDS
-        });
-        for other in alike {
-            if !chosen.contains(&other) {
-                chosen.push(other);
+        let Some(class) = class else { return Choice::of(nearest_by_words(index, id)) };
+        let lacks = std::mem::take(&mut class.lacks);
+        let own = match embeddings.of(text.normalised()) {
+            Embedded::As(own) if WAITED_FOR * class.missing <= class.embedded.len() => own,
+            Embedded::Failed => {
+                return Choice { others: nearest_by_words(index, id), lacks, is_final: false };
             }
-        }
-        chosen
+            Embedded::As(_) | Embedded::NotYet => return Choice { lacks, ..Choice::default() },
+        };
+        self.compared += class.embedded.len();
+        // What is known to match says nothing of chance, and needs no question.
+        let others: Vec<(f64, TextId)> = (class.embedded.iter())
+            .filter(|(other, _)| *other != id && texts.level(id, *other).is_none())
+            .filter_map(|(other, theirs)| Some((own.cosine(theirs)?, *other)))
+            .collect();
+        let is_final = class.missing == 0;
+        Choice { others: near_ones(index, id, &others), lacks, is_final }
     }
 }
 
+/// Returns those that are near a text and open, and those that are alike by words, of others with their cosines.
+fn near_ones(index: &MapIndex, id: TextId, others: &[(f64, TextId)]) -> Vec<TextId> {
+    let texts = index.texts();
+    let text = texts.text(id).1;
+    let cosines: Vec<f64> = others.iter().map(|(cosine, _)| *cosine).collect();
+    let is_open =
+        |other: &TextId| matches!(semantics::route_similarity(text, texts.text(*other).1), Route::Open(_));
+    let near = near(&cosines).into_iter().map(|at| others[at].1);
+    let mut chosen: Vec<TextId> = near.filter(is_open).take(NEIGHBOURS_JUDGED).collect();
+    let alike = nearest_by_words(index, id).into_iter().filter(|other| {
+        let built_in = semantics::route_similarity(text, texts.text(*other).1);
+        built_in.judgement().level >= ALIKE_BY_WORDS
+    });
+    for other in alike {
+        if !chosen.contains(&other) {
+            chosen.push(other);
+        }
+    }
+    chosen
+}
+
 impl Class {
+    /// The texts of a class; `None` where there are too many, or so few that each is judged with each.
     fn of(index: &MapIndex, name: &str, embeddings: &dyn Embeddings) -> Option<Self> {
         let texts = index.texts();
         let of_class = texts.iter().filter(|id| texts.text(*id).0 == name);
         let told_by_words = of_class.filter(|id| texts.text(*id).1.is_told_by_words());
-        let members: Vec<TextId> = told_by_words.take(EMBEDDED_CLASS_MAX + 1).collect();
-        if members.len() > EMBEDDED_CLASS_MAX {
+        let mut members: Vec<TextId> = told_by_words.take(EMBEDDED_CLASS_MAX + 1).collect();
+        if !(NEIGHBOURS_JUDGED + 2..=EMBEDDED_CLASS_MAX).contains(&members.len()) {
             return None;
         }
-        let mut class = Self { embedded: Vec::new(), waits: false, lacks: Vec::new() };
+        members.sort_by_key(|id| texts.text(*id).1.normalised());
+        let mut class = Self { embedded: Vec::new(), missing: 0, lacks: Vec::new() };
         for id in members {
             let text = texts.text(id).1.normalised();
             match embeddings.of(text) {
@@ -193,7 +209,7 @@ impl Class {
                 Embedded::Failed => {}
             }
         }
-        class.waits = !class.lacks.is_empty();
+        class.missing = class.lacks.len();
         Some(class)
     }
 }

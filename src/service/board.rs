@@ -29,6 +29,8 @@ pub(super) struct Board {
     pub paused: HashMap<Lack, (Instant, u32)>,
     /// Texts of which nothing is open.
     pub settled: Settled,
+    /// Could embeddings choose the pairs when it was last looked at?
+    pub by_embeddings: bool,
     /// Does the map say that it waits for a model that is away?
     pub told_away: bool,
     /// The version at which everything lacking was found.
@@ -46,6 +48,7 @@ impl Board {
             under_way: HashSet::new(),
             paused: HashMap::new(),
             settled: Settled::default(),
+            by_embeddings: false,
             told_away: false,
             looked_at: None,
             look_again_at: None,

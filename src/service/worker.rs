@@ -21,8 +21,9 @@ use super::pinned::PinnedMap;
 use super::{Service, ServiceError};
 use crate::model::ids::{KeyframeId, MapId};
 use crate::models::Models;
+use crate::models::embeddings::Embeddings as ModelEmbeddings;
 use crate::models::port::Fault;
-use crate::recognition::lacking::{Lack, lacking};
+use crate::recognition::lacking::{Lack, Lacking, lacking};
 use crate::recognition::learning::learn_away;
 use crate::recognition::pairs::Embeddings;
 use crate::store::MapKey;
@@ -187,6 +188,8 @@ impl Round {
         }
         let now = Instant::now();
         let next_look = self.boards.values().filter_map(|board| board.next_look(now)).min();
+        let embeddings_back = self.models.embeddings.as_ref().and_then(ModelEmbeddings::away_for);
+        let next_look = earlier(next_look, embeddings_back.map(|left| now + left));
         if self.service.pressure.is_high() {
             return earlier(next_look, Some(now + REST));
         }
@@ -257,7 +260,16 @@ impl Round {
         }
         let has_changed = board.looked_at != Some(live.newest_version());
         let is_over = board.paused.values().any(|(until, _)| *until <= now);
-        has_changed || is_over || board.told_away != (board.waits() && self.is_away_for(live))
+        let chosen_otherwise = board.by_embeddings != self.embeddings_at_hand().is_some();
+        has_changed
+            || is_over
+            || chosen_otherwise
+            || board.told_away != (board.waits() && self.is_away_for(live))
+    }
+
+    /// The embeddings, while they can be had; else words choose as they do without them.
+    fn embeddings_at_hand(&self) -> Option<&ModelEmbeddings> {
+        self.models.embeddings.as_ref().filter(|embeddings| embeddings.away_for().is_none())
     }
 
     /// Whether the models are away as far as this map is concerned.
@@ -269,15 +281,19 @@ impl Round {
     async fn look(&mut self, live: &Arc<LiveMap>) {
         let roles = self.models.roles();
         let models_away = self.is_away_for(live);
+        let at_hand = self.embeddings_at_hand().cloned();
         let board = self.boards.entry(live.key).or_insert_with(|| Board::of(live));
         let now = Instant::now();
         if !board.found.is_empty() {
             return;
         }
+        let was_by_embeddings = std::mem::replace(&mut board.by_embeddings, at_hand.is_some());
         let mut settled = std::mem::take(&mut board.settled);
+        if board.by_embeddings && !was_by_embeddings {
+            // What words settled may be chosen otherwise.
+            settled.clear();
+        }
         let left_alone: HashSet<Lack> = board.left_alone(now);
-        // While they are away, words choose as they do without them.
-        let at_hand = self.models.embeddings.clone().filter(|embeddings| !embeddings.is_away());
         let looked = self.service.look(live, move |state| {
             let passed_over = |lack: &Lack| left_alone.contains(lack);
             let embeddings = at_hand.as_ref().map(|embeddings| embeddings as &dyn Embeddings);
@@ -286,13 +302,13 @@ impl Round {
         });
         let looked = looked.await;
         let board = self.boards.entry(live.key).or_insert_with(|| Board::of(live));
-        let Ok((_, (version, found, settled, told_away))) = looked else {
+        let Ok((_, (version, lacking, settled, told_away))) = looked else {
             board.look_again_at = Some(Instant::now() + REST);
             return;
         };
+        let Lacking { found, is_all } = lacking;
         board.settled = settled;
-        // A full batch means that there is more at this version.
-        board.looked_at = (found.len() < BATCH).then_some(version);
+        board.looked_at = is_all.then_some(version);
         board.look_again_at = Some(Instant::now() + now.elapsed() * PAUSE_PER_LOOK);
         // What was due and is lacking no more is done.
         board.paused.retain(|lack, (until, _)| *until > now || found.contains(lack));
@@ -339,8 +355,15 @@ impl Round {
         let Some(board) = self.boards.get_mut(&map) else { return };
         board.under_way.remove(&lack);
         if matches!(lack, Lack::Embedding { .. }) {
-            // It changes no map, and others can be found with it.
+            // It changes no map, and others can be found with it. Nor does it say anything of the other models.
             board.looked_at = None;
+            match result {
+                Ok(()) => drop(board.paused.remove(&lack)),
+                Err(fault) => {
+                    board.pause(lack, self.models.pause, !matches!(fault, Fault::Away | Fault::Spent));
+                }
+            }
+            return;
         }
         if result.is_ok() {
             board.paused.remove(&lack);

@@ -1,6 +1,7 @@
 //! Embeddings: they choose the pairs of texts that a model is asked about, and stand in for nobody.
 
 use std::process::Command;
+use std::time::Duration;
 
 use revisit::service::ModelChoice;
 use serde_json::{Value, json};
@@ -151,6 +152,49 @@ async fn without_usable_embeddings_words_choose() {
         assert!(pairs(&model).len() > 2 && vectors.calls() > 0, "{name}");
         server.stop().await;
     }
+}
+
+/// A painting of nothing else's words.
+fn filler(number: usize) -> String {
+    let syllables = ["ba", "ce", "di", "fo", "gu", "ka"];
+    let stem = format!("{}{}", syllables[number / 6], syllables[number % 6]);
+    format!("{stem}lor, {stem}min, {stem}tus")
+}
+
+/// The same vectors for more paintings than words ask about without a word in common.
+fn embedded_among_many(asked: &Asked) -> Reply {
+    let text = asked.body["input"].as_str().expect("a text");
+    let number = (0..36).position(|number| filler(number) == text).unwrap_or(36);
+    let mut vector = vec![0.0; 64];
+    (vector[0], vector[1 + number]) = (0.7, 0.7);
+    let body = json!({"data": [{"embedding": vector}]});
+    Reply::Raw { status: 200, headers: vec![], body: body.to_string() }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn embeddings_that_come_back_choose_what_words_could_not() {
+    let model = Stub::start(knows).await;
+    let vectors = Stub::start(|_| Reply::Raw { status: 500, headers: vec![], body: "{}".to_owned() }).await;
+    let (url, directory) = (vectors.url(), tempfile::tempdir().unwrap());
+    let server = Server::on(directory.path(), None, ModelChoice::None).await;
+    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let texts = [PAINTINGS[0].to_owned(), PAINTINGS[9].to_owned()];
+    for (number, text) in texts.into_iter().chain((0..36).map(filler)).enumerate() {
+        see(&server, number, &text).await;
+    }
+    server.stop().await;
+    let flags = ["--model-embeddings-url", &url, "--model-embeddings-name", "small", "--model-retries", "0"];
+    let server = Server::on(directory.path(), None, model.choice(&flags)).await;
+    server.get("/v1/maps/m/anchors/a-0").await.expect(200);
+    // Five failures in a row: they are away, and words find no pair.
+    while vectors.calls() < 5 {
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
+    assert_eq!(pairs(&model), []);
+    vectors.script(embedded_among_many);
+    hear(&server, "m", matched("a-1", "a-0")).await;
+    assert_eq!(pairs(&model).len(), 1);
+    server.stop().await;
 }
 
 #[test]
