@@ -33,13 +33,13 @@ struct Fixture {
 /// Descriptions of paintings.
 #[derive(Deserialize)]
 pub struct Set {
-    /// Where they are from.
+    /// The place they are from.
     pub name: String,
     /// The painting, its description, and the description's embedding in base64.
     texts: Vec<(String, String, String)>,
 }
 
-/// What came of one way to choose pairs.
+/// The outcome of one way to choose pairs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Outcome {
     /// Pairs that the model was asked about.
@@ -64,7 +64,7 @@ impl Embeddings for AtHand {
 }
 
 impl Set {
-    /// How many pairs of descriptions are of one painting.
+    /// Counts the pairs of descriptions that are of one painting.
     pub fn of_one_painting(&self) -> usize {
         self.pairs().filter(|(a, b)| a.0 == b.0).count()
     }

@@ -34,7 +34,7 @@ pub struct Era {
     pub world: World,
 }
 
-/// What a world becomes, era by era; `tour` are the rooms of one round.
+/// Returns the eras of a world; `tour` are the rooms of one round.
 pub fn eras(world: &World, tour: &[usize], patterns: &Patterns, chance: &mut Chance) -> Vec<Era> {
     let rooms = world.plan.rooms.len();
     // The robot passes the doors of its rooms for sure.
@@ -51,6 +51,12 @@ pub fn eras(world: &World, tour: &[usize], patterns: &Patterns, chance: &mut Cha
     let mut second = first.clone();
     second.renumber(&side, patterns, chance);
     vec![Era { from_round: FEW.0, world: first }, Era { from_round: SIDE, world: second }]
+}
+
+/// Returns the world of a round.
+pub fn world_of<'a>(first: &'a World, eras: &'a [Era], round: usize) -> &'a World {
+    let era = eras.iter().rev().find(|era| era.from_round <= round);
+    era.map_or(first, |era| &era.world)
 }
 
 /// The side of the ring on which a room's door is, 0 to 3.
@@ -74,11 +80,8 @@ pub struct Round {
 }
 
 /// The counts of an arm, round by round.
-pub fn by_round(driven: &Driven, journey: &Journey, eras: &[Era]) -> Vec<Round> {
-    let is_new = |text: &str, round: usize| {
-        let era = eras.iter().rev().find(|era| era.from_round <= round);
-        era.is_some_and(|era| era.world.renumbered.contains(text))
-    };
+pub fn by_round(driven: &Driven, journey: &Journey, first: &World, eras: &[Era]) -> Vec<Round> {
+    let is_new = |text: &str, round: usize| world_of(first, eras, round).renumbered.contains(text);
     let shows_new_plates_alone = |keyframe: usize, round: usize| {
         let plates: BTreeSet<&str> = (journey.steps[keyframe].detections.iter())
             .filter(|detection| detection.kind == SignKind::DoorPlate)

@@ -5,7 +5,7 @@ use super::floor_plan::Layout;
 use super::journey::Journey;
 use super::noise::NoiseKind;
 use super::paper::PrintedSequence;
-use super::renumbering::{Era, ROOMS, ROUNDS, eras, round_of};
+use super::renumbering::{Era, ROOMS, ROUNDS, eras, round_of, world_of};
 use super::route::{some_rooms, tour};
 use super::signs::SignPlan;
 use super::texture::Patterns;
@@ -27,7 +27,7 @@ pub struct Scenario {
     pub course: Course,
     /// The rooms of each tour.
     pub tours: Vec<Vec<usize>>,
-    /// What the world becomes, if its doors are renumbered.
+    /// The later worlds, if doors are renumbered.
     pub eras: Vec<Era>,
 }
 
@@ -69,11 +69,7 @@ impl Scenario {
         let eras = eras(&world, &round, patterns, &mut Chance::new(seed, "renumbering"));
         let rooms: Vec<usize> = round.iter().cycle().take(ROUNDS * round.len() + 1).copied().collect();
         let stops = tour(&world.plan, &rooms, &mut chance);
-        let world_at = |visit: usize| {
-            let now = round_of(visit);
-            let era = eras.iter().rev().find(|era| era.from_round <= now);
-            era.map_or(&world, |era| &era.world)
-        };
+        let world_at = |visit: usize| world_of(&world, &eras, round_of(visit));
         let noise = NoiseKind::Renumbered.noise();
         let journey = Journey::through(world_at, &stops, noise, drift_m * ROUNDS as f64, seed);
         Self { course: Course::new(vec![journey]), tours: vec![rooms], world, eras }

@@ -42,7 +42,7 @@ impl Embeddings {
         Self { model, at_hand, failed }
     }
 
-    /// How long the model is left alone because it failed too often; meanwhile words choose the pairs.
+    /// Returns the time for which the model is left alone because it failed too often; meanwhile words choose the pairs.
     pub fn away_for(&self) -> Option<Duration> {
         self.model.breaker().closed_for().filter(|left| !left.is_zero())
     }

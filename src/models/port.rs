@@ -100,7 +100,7 @@ pub enum Question {
         /// What was asked.
         history: Vec<Round>,
     },
-    /// What is the embedding of a text?
+    /// The embedding of a text.
     Embed {
         /// The text.
         text: String,

@@ -34,7 +34,7 @@ impl<'a> Asked<'a> {
 /// The points of a keyframe in the frame of its camera.
 struct Placed {
     points: Vec<Option<Point3>>,
-    /// What maps points of the camera's frame, by its pose, into the camera's frame, by its image.
+    /// The transformation of points from the camera's frame, by its pose, into the camera's frame, by its image.
     camera_from_posed: Sim3,
 }
 

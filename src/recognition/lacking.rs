@@ -64,10 +64,10 @@ pub enum Lack {
     },
 }
 
-/// What is lacking, as far as it was looked at.
+/// Things that are lacking, as far as the map was looked at.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Lacking {
-    /// What was found.
+    /// Those that were found.
     pub found: Vec<Lack>,
     /// Whether there is no more at this version of the map.
     pub is_all: bool,

@@ -1,6 +1,6 @@
 //! Near in meaning: the texts of a class whose embeddings are nearer to a text's than chance explains.
 //!
-//! How large a cosine is depends on the model and on what a class is about: unrelated paintings are at 0.4 with one
+//! The size of a cosine depends on the model and on what a class is about: unrelated paintings are at 0.4 with one
 //! model, unrelated objects at 0.7 with another. So a text's own cosines are the measure: most others of its class
 //! describe other objects. A text is near if fewer than [`NEAR_BY_CHANCE`] others would be so near by chance
 //! (a-contrario, Desolneux, Moisan, Morel, 2000), taking the others for normally distributed about their median.

@@ -33,7 +33,7 @@ const COMPARISONS_MAX: usize = 1 << 18;
 /// From this level of the built-in judge on a pair is asked about, however far apart its embeddings are.
 const ALIKE_BY_WORDS: u8 = 4;
 
-/// What is known of a text's embedding.
+/// The embedding of a text, as far as it is known.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Embedded {
     /// It is at hand.
@@ -106,7 +106,7 @@ fn similarity(class: &str, a: &str, b: &str) -> Lack {
     Lack::Similarity { class: class.into(), a: a.into(), b: b.into() }
 }
 
-/// What a text is to be judged with.
+/// The texts that a text is to be judged with.
 #[derive(Default)]
 struct Choice {
     others: Vec<TextId>,
@@ -126,7 +126,7 @@ impl Choice {
 struct ByMeaning<'a> {
     index: &'a MapIndex,
     embeddings: &'a dyn Embeddings,
-    /// The texts of a class that words tell apart, with their embeddings; `None` if there are too many.
+    /// The texts of a class that words tell apart, with their embeddings; `None` where words choose.
     classes: BTreeMap<&'a str, Option<Class>>,
     compared: usize,
 }
@@ -134,7 +134,7 @@ struct ByMeaning<'a> {
 struct Class {
     /// In the order of the texts, so that equals have one order however the index came about.
     embedded: Vec<(TextId, Arc<Embedding>)>,
-    /// How many have no embedding yet, and those of them that were not named yet.
+    /// The number of texts without an embedding so far, and those of them that were not named yet.
     missing: usize,
     lacks: Vec<Lack>,
 }

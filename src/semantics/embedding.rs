@@ -3,10 +3,10 @@
 //! Components are whole numbers, so that the same two vectors have the same cosine on every machine.
 
 /// Fewest components of a vector; no model has so few.
-pub const COMPONENTS_MIN: usize = 8;
+const COMPONENTS_MIN: usize = 8;
 
 /// Most components of a vector: twice those of the largest models in use.
-pub const COMPONENTS_MAX: usize = 8192;
+const COMPONENTS_MAX: usize = 8192;
 
 /// A text's vector, scaled so that its largest component is 127 or -127.
 #[derive(Clone, Debug, PartialEq, Eq)]

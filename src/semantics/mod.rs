@@ -65,7 +65,7 @@ mod golden;
 mod laws;
 
 pub use agreement::{Conflict, conflict};
-pub use embedding::{COMPONENTS_MAX, COMPONENTS_MIN, Embedding};
+pub use embedding::Embedding;
 pub use hostile::addresses_a_model;
 pub use identifier::Identifier;
 pub use information::{ENOUGH_SPECIFIC_WORDS, information};

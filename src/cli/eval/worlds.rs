@@ -60,7 +60,7 @@ async fn drive_world(client: &Client, kind: NoiseKind, seed: u64) -> Result<Worl
         let driven = drive(client, &map, arm, &scenario.course, |_| {}).await?;
         arms.push(ArmResult::of(&driven));
         if arm == Arm::Ours && kind == NoiseKind::Renumbered {
-            rounds = by_round(&driven, &scenario.course.journeys[0], &scenario.eras);
+            rounds = by_round(&driven, &scenario.course.journeys[0], &scenario.world, &scenario.eras);
         }
         client.delete_map(&map).await?;
     }
