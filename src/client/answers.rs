@@ -50,7 +50,7 @@ pub struct DetectionAnswer {
     /// Why, if it was ignored.
     #[serde(default)]
     pub reason: Option<String>,
-    /// `pending`, `valid` or `uninformative`.
+    /// `pending`, `valid`, `uninformative` or `retired`.
     #[serde(default)]
     pub state: Option<String>,
 }

@@ -76,6 +76,8 @@ pub enum AnchorState {
     Valid,
     /// Its description says too little.
     Uninformative,
+    /// Retired: the sign hangs there no longer (`contract.md` §8.18). It takes part in no comparison, and can be listed.
+    Retired,
 }
 
 impl AnchorState {
@@ -85,11 +87,14 @@ impl AnchorState {
             Self::Pending => "pending",
             Self::Valid => "valid",
             Self::Uninformative => "uninformative",
+            Self::Retired => "retired",
         }
     }
 
     /// The state of a name.
     pub fn from_name(name: &str) -> Option<Self> {
-        [Self::Pending, Self::Valid, Self::Uninformative].into_iter().find(|s| s.as_str() == name)
+        [Self::Pending, Self::Valid, Self::Uninformative, Self::Retired]
+            .into_iter()
+            .find(|s| s.as_str() == name)
     }
 }

@@ -86,6 +86,30 @@ pub struct Twins {
     pub candidate_anchor: AnchorSeq,
 }
 
+/// A detection that fed one anchor, and is one of another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MovedObservation {
+    /// The keyframe.
+    pub keyframe: KeyframeSeq,
+    /// Which of its detections.
+    pub detection: u16,
+    /// The anchor that it fed.
+    pub from: AnchorSeq,
+    /// The anchor that it feeds.
+    pub to: AnchorSeq,
+}
+
+/// A passage that had a sign in view and did not see it as it is called (`contract.md` §8.18).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct MissedSign {
+    /// The sign.
+    pub anchor: AnchorSeq,
+    /// The last keyframe of the passage that had it in view.
+    pub keyframe: KeyframeSeq,
+    /// The sign that hangs in its place; none where there is none.
+    pub other: Option<AnchorSeq>,
+}
+
 impl Merge {
     /// What it takes on disk, in bytes.
     pub fn bytes(&self) -> u64 {
@@ -133,6 +157,8 @@ pub enum Change {
     AnchorRemoved(AnchorSeq),
     /// A detection feeds an anchor (a new fact about the anchor).
     Observed(AnchorSeq, Box<Observation>),
+    /// A detection feeds another anchor from now on.
+    ObservationMoved(MovedObservation),
     /// What became of a detection.
     OutcomeSet(KeyframeSeq, u16, Outcome),
     /// A detection's position moved with its keyframe's corrected pose.
@@ -151,6 +177,14 @@ pub enum Change {
     TwinsFound(Twins),
     /// Such a pair is none any more.
     TwinsWithdrawn(Twins),
+    /// A passage missed a sign.
+    SignMissed(MissedSign),
+    /// The passages that missed a sign count no longer: it was seen again, or it is retired.
+    MissesWithdrawn(AnchorSeq),
+    /// A sign hangs there no longer; the other one hangs in its place, if any does.
+    SignRetired(AnchorSeq, Option<AnchorSeq>),
+    /// A retired sign hangs there again.
+    SignReturned(AnchorSeq),
     /// A model read a detection's crop (a fact about the anchor that the detection feeds).
     CropRead(Box<CropRead>),
     /// A model judged texts of this map.

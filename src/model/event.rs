@@ -11,6 +11,8 @@ pub enum EventKind {
     AnchorsMatched,
     /// Two anchors became one.
     AnchorsMerged,
+    /// A sign hangs there no longer.
+    AnchorRetired,
     /// A keyframe that arrived is a loop.
     LoopFound,
     /// A client closed a loop.
@@ -20,10 +22,11 @@ pub enum EventKind {
 }
 
 impl EventKind {
-    const ALL: [Self; 6] = [
+    const ALL: [Self; 7] = [
         Self::AnchorDescribed,
         Self::AnchorsMatched,
         Self::AnchorsMerged,
+        Self::AnchorRetired,
         Self::LoopFound,
         Self::LoopConfirmed,
         Self::LoopRevoked,
@@ -35,6 +38,7 @@ impl EventKind {
             Self::AnchorDescribed => "anchor_described",
             Self::AnchorsMatched => "anchors_matched",
             Self::AnchorsMerged => "anchors_merged",
+            Self::AnchorRetired => "anchor_retired",
             Self::LoopFound => "loop_found",
             Self::LoopConfirmed => "loop_confirmed",
             Self::LoopRevoked => "loop_revoked",

@@ -12,7 +12,7 @@ pub enum Method {
 }
 
 /// Each setting of ours with its value in the paper's method.
-const PAPER: [(&str, SettingValue); 21] = [
+const PAPER: [(&str, SettingValue); 22] = [
     ("anchor_map_min_similarity", SettingValue::Number(0.3)),
     ("one_to_one", SettingValue::Switch(false)),
     ("distinctive_weights", SettingValue::Switch(false)),
@@ -30,6 +30,7 @@ const PAPER: [(&str, SettingValue); 21] = [
     ("undecided_min_score_ratio", SettingValue::Number(0.0)),
     ("rival_min_ratio", SettingValue::Number(0.0)),
     ("twin_guard", SettingValue::Switch(false)),
+    ("signs_may_change", SettingValue::Switch(false)),
     ("geometry_landmark_sigma_px", SettingValue::Number(0.0)),
     ("geometry_resection", SettingValue::Switch(false)),
     ("geometry_models", SettingValue::Choice("sim3")),

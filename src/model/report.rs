@@ -108,6 +108,8 @@ pub struct AnchorReport {
     pub matches: Vec<AnchorMatchReport>,
     /// How many anchors match it in all.
     pub matches_total: usize,
+    /// Of a retired one, the anchor that hangs in its place.
+    pub replaced_by: Option<AnchorSeq>,
     /// The anchor it was merged into, if it was.
     pub merged_into: Option<AnchorSeq>,
     /// The anchors merged into it.

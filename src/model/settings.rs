@@ -387,6 +387,8 @@ settings! {
         "ours: what geometry alone verifies is a loop only if it has this many times the inliers of the best candidate that is known to be another place; 0 = off";
     twin_guard: bool = Switch { true },
         "ours: once geometry has verified two keyframes of this map around which different signs hang, geometry alone (without_anchors: geometry) closes no loop in it, while they hang there";
+    signs_may_change: bool = Switch { true },
+        "ours: a sign that three separate passages of a session that has read it had in view and did not see, or read otherwise, is retired: it neither agrees nor contradicts, until one passage reads it twice as before";
     geometry_models: GeometryModels = Choice { GeometryModels::Auto },
         "ours: auto verifies by a similarity where enough points are triangulated, else by an essential matrix, a homography or a rotation, whichever the two images allow; sim3 is the letter: a similarity or nothing";
     geometry_acceptance: GeometryAcceptance = Choice { GeometryAcceptance::Significance },

@@ -13,9 +13,10 @@ use std::collections::BTreeSet;
 
 use super::index::{MapIndex, Object};
 use crate::geometry::Point3;
-use crate::model::anchor::IgnoredReason;
+use crate::model::anchor::{AnchorState, IgnoredReason};
 use crate::model::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
 use crate::model::keyframe::Detection;
+use crate::semantics::{self, Text};
 
 /// What becomes of a detection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,10 +29,12 @@ pub enum Association {
     Ignored(IgnoredReason),
 }
 
-/// A possible pair, ordered from the best: shares before distances, large shares and short
+/// A possible pair, ordered from the best: anchors that hang there before retired ones, shares before distances, large shares and short
 /// distances first, then the older anchor, then the earlier detection.
 #[derive(Clone, Copy, Debug)]
 struct Pair {
+    /// A retired anchor takes what no other does.
+    is_retired: bool,
     /// The share of covered map points, or the negated distance in metres.
     closeness: f64,
     by_points: bool,
@@ -76,13 +79,18 @@ pub fn associate(
             if index.class_of(object) != detection.class {
                 continue;
             }
+            let is_retired = object.state == AnchorState::Retired;
+            if is_retired && excludes(object, detection) {
+                continue;
+            }
             if let Some((closeness, by_points)) = closeness(index, session, detection, object, &position) {
-                pairs.push(Pair { closeness, by_points, object: *root, detection: number });
+                pairs.push(Pair { is_retired, closeness, by_points, object: *root, detection: number });
             }
         }
     }
     pairs.sort_by(|a, b| {
-        (b.by_points.cmp(&a.by_points))
+        (a.is_retired.cmp(&b.is_retired))
+            .then_with(|| b.by_points.cmp(&a.by_points))
             .then_with(|| b.closeness.total_cmp(&a.closeness))
             .then_with(|| a.object.cmp(&b.object))
             .then_with(|| a.detection.cmp(&b.detection))
@@ -94,6 +102,13 @@ pub fn associate(
         }
     }
     outcome
+}
+
+/// Whether a detection was read as another sign than an object: it hangs in its place.
+fn excludes(object: &Object, detection: &Detection) -> bool {
+    let text = object.description.as_ref().map(|description| &description.text);
+    let read = detection.reading().map(Text::parse);
+    text.zip(read).is_some_and(|(text, read)| semantics::conflict(text, &read).is_some())
 }
 
 /// How well a detection fits an object, if it fits at all; and whether map points say so.

@@ -278,7 +278,7 @@ fn at_best(
     settings: &Settings,
 ) -> AtBest {
     let open = |map: &'_ LocalAnchorMap| -> Vec<LocalAnchor> {
-        map.anchors.iter().filter(|anchor| anchor.state != AnchorState::Uninformative).cloned().collect()
+        map.anchors.iter().filter(|anchor| takes_part(anchor)).cloned().collect()
     };
     let (of_query, of_candidate) = (open(query), open(candidate));
     let weight = |i: usize, j: usize| {
@@ -315,6 +315,11 @@ fn pairs(
     }
     let all = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
     all.filter(|(i, j)| weight(*i, *j).is_some()).collect()
+}
+
+/// Whether an anchor takes part in Eq. (2), or may once it is described.
+fn takes_part(anchor: &LocalAnchor) -> bool {
+    matches!(anchor.state, AnchorState::Valid | AnchorState::Pending)
 }
 
 fn is_pending(anchor: &LocalAnchor) -> bool {

@@ -11,7 +11,16 @@ use crate::model::ids::AnchorSeq;
 /// Sets an anchor's description, or gives it back to its readings.
 pub fn describe(index: &mut MapIndex, anchor: AnchorSeq, description: Option<Box<str>>) -> Decided {
     let mut record = Recorder::new(index);
-    record.apply(vec![Change::DescriptionSet(anchor, description)]);
+    let object = record.index().objects().root(anchor).and_then(|root| record.index().objects().get(root));
+    // Whoever describes a sign says that it hangs there.
+    let members = object.filter(|_| description.is_some()).map(|object| object.members.clone());
+    let hangs = members.into_iter().flatten().flat_map(|member| {
+        let is_retired = record.index().changed_signs().is_retired(member);
+        let returned = is_retired.then_some(Change::SignReturned(member));
+        [Change::MissesWithdrawn(member)].into_iter().chain(returned)
+    });
+    let changes = hangs.chain([Change::DescriptionSet(anchor, description)]).collect();
+    record.apply(changes);
     record.touch(anchor);
     tell_description(&mut record, anchor);
     merge_all(&mut record, anchor, MapIndex::keyframes_of);

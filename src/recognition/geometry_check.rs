@@ -8,11 +8,20 @@ use super::sight::Sight;
 use super::verification::resection::resection;
 use super::verification::{Failure, Landmark, Limits, Verification, View, verify_by_any_model};
 use crate::geometry::{Point3, Sim3};
-use crate::model::settings::GeometryAcceptance;
+use crate::model::settings::{GeometryAcceptance, Settings};
 use crate::model::verdict::Verify;
 
 /// A keyframe that geometry can look at.
 pub type Seeing<'a> = (&'a Sight, &'a MatchableFeatures);
+
+/// What a map says about how geometry verifies.
+#[derive(Clone, Copy, Debug)]
+pub struct Terms<'a> {
+    /// Its settings.
+    pub settings: &'a Settings,
+    /// Whether its lengths are metres.
+    pub metric: bool,
+}
 
 /// The keyframe that is asked about. Its points are placed once, when the first candidate needs them.
 pub struct Asked<'a> {
@@ -26,8 +35,8 @@ impl<'a> Asked<'a> {
         Self { seeing, placed: OnceCell::new() }
     }
 
-    fn placed(&self, screening: &Screening) -> &Placed {
-        self.placed.get_or_init(|| Placed::of(self.seeing, &mut [], screening))
+    fn placed(&self, terms: &Terms<'_>) -> &Placed {
+        self.placed.get_or_init(|| Placed::of(self.seeing, &mut [], terms))
     }
 }
 
@@ -41,11 +50,10 @@ struct Placed {
 impl Placed {
     /// Brings points, and landmarks around them, into the frame of the camera that sees them, where its pose has them
     /// elsewhere.
-    fn of(seeing: Seeing<'_>, landmarks: &mut [Landmark<'_>], screening: &Screening) -> Self {
+    fn of(seeing: Seeing<'_>, landmarks: &mut [Landmark<'_>], terms: &Terms<'_>) -> Self {
         let mut points = seeing.0.points_in_camera(seeing.1);
-        let limits = limits(screening, Standing::AskGeometry, true);
-        let resected =
-            screening.settings.geometry_resection.then(|| resection(&view(seeing, &points), &limits));
+        let limits = limits(terms, Standing::AskGeometry, true);
+        let resected = terms.settings.geometry_resection.then(|| resection(&view(seeing, &points), &limits));
         let Some(camera_from_posed) = resected.flatten() else {
             return Self { points, camera_from_posed: Sim3::identity() };
         };
@@ -103,18 +111,41 @@ pub fn check_geometry(
     }
     let found = screened.sight.as_ref().zip(features.stored.get(&screened.keyframe).map(AsRef::as_ref));
     let asked = asked.ok_or("the query has no features or no camera")?;
-    let query = asked.seeing;
     let candidate = found.ok_or("the candidate has no features or no camera")?;
-    let min_matches = screening.settings.geometry_min_matches as usize;
+    let terms = Terms { settings: &screening.settings, metric: screening.metric };
+    verify_pair(&terms, screened.standing, asked, candidate, features, seed)
+}
+
+/// Runs geometry on two keyframes, whatever their anchors say, by the numbers of geometry alone.
+pub fn verify_views(
+    terms: &Terms<'_>,
+    query: &Asked<'_>,
+    candidate: Seeing<'_>,
+    features: &FeatureSet,
+    seed: u64,
+) -> Result<Checked, &'static str> {
+    verify_pair(terms, Standing::AskGeometry, query, candidate, features, seed)
+}
+
+fn verify_pair(
+    terms: &Terms<'_>,
+    standing: Standing,
+    asked: &Asked<'_>,
+    candidate: Seeing<'_>,
+    features: &FeatureSet,
+    seed: u64,
+) -> Result<Checked, &'static str> {
+    let query = asked.seeing;
+    let min_matches = terms.settings.geometry_min_matches as usize;
     if [query, candidate].iter().any(|(_, features)| features.keypoints.len() < min_matches) {
         return Err("one of the two has fewer features than geometry_min_matches");
     }
     let window = candidate.0.window.iter().filter_map(|seq| features.stored.get(seq).map(AsRef::as_ref));
     let mut landmarks = candidate.0.landmarks(candidate.1, window, query);
-    let of_query = asked.placed(screening);
-    let of_candidate = Placed::of(candidate, &mut landmarks, screening);
+    let of_query = asked.placed(terms);
+    let of_candidate = Placed::of(candidate, &mut landmarks, terms);
     let are_triangulated = [of_query, &of_candidate].iter().all(|placed| placed.are_at_least(min_matches));
-    let limits = limits(screening, screened.standing, are_triangulated);
+    let limits = limits(terms, standing, are_triangulated);
     let (query, candidate) = (view(query, &of_query.points), view(candidate, &of_candidate.points));
     let verification = verify_by_any_model(&query, &candidate, &landmarks, &limits, seed);
     let camera_from_posed = [of_query.camera_from_posed, of_candidate.camera_from_posed];
@@ -123,8 +154,8 @@ pub fn check_geometry(
 
 /// Significance says that two views are of one thing, and no more: where nothing else speaks for the place, and where map
 /// points let a similarity be found, the letter's numbers count (`contract.md` §8.19).
-fn limits(screening: &Screening, standing: Standing, are_triangulated: bool) -> Limits {
-    let settings = &screening.settings;
+fn limits(terms: &Terms<'_>, standing: Standing, are_triangulated: bool) -> Limits {
+    let settings = terms.settings;
     let by_count = are_triangulated || standing == Standing::AskGeometry;
     Limits {
         min_matches: settings.geometry_min_matches,
@@ -132,7 +163,7 @@ fn limits(screening: &Screening, standing: Standing, are_triangulated: bool) -> 
         models: settings.geometry_models,
         landmark_sigma_px: settings.geometry_landmark_sigma_px,
         acceptance: if by_count { GeometryAcceptance::Count } else { settings.geometry_acceptance },
-        fixed_scale: screening.metric,
+        fixed_scale: terms.metric,
         ..Limits::default()
     }
 }

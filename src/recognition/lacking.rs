@@ -113,7 +113,8 @@ fn latest_stamps(index: &MapIndex) -> BTreeMap<SessionSeq, i64> {
 
 /// The crop of an object to be read next, if there is one.
 fn reading(index: &MapIndex, object: &Object, latest: &BTreeMap<SessionSeq, i64>) -> Option<Lack> {
-    if object.description.as_ref().is_some_and(|description| description.by_hand) {
+    let is_by_hand = object.description.as_ref().is_some_and(|description| description.by_hand);
+    if is_by_hand || object.state == AnchorState::Retired {
         return None;
     }
     let settings = &index.properties().settings;

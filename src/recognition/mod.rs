@@ -32,6 +32,8 @@
 //! | ours: what returns where its neighbours do | [`vouching`] | [`vouching::widened`] |
 //! | ours: geometry proves a view, not a place (8.19) | [`rivals`] | [`rivals::find_rivals`] |
 //! | ours: one view in two places (8.16) | [`twins`] | [`twins::suspects`] |
+//! | ours: signs that change (8.18) | [`changed_signs`] | [`changed_signs::passages_ended_by`] |
+//! | ours: odometry where loops tie the way together | [`way_by_loops`] | [`way_by_loops::way_by_loops_um`] |
 //! | ours: odometry against a transformation (8.15) | [`tracked_path`] | [`tracked_path::TrackedPath`] |
 //!
 //! Beside the paper: [`query`] is the keyframe that is asked about, [`sight`] and [`features`] are what geometry
@@ -45,6 +47,7 @@ pub mod anchor_map;
 pub mod assignment;
 pub mod association;
 pub mod candidates;
+pub mod changed_signs;
 pub mod closing;
 pub mod company;
 pub mod comparison;
@@ -88,4 +91,5 @@ pub mod tracked_path;
 pub mod twins;
 pub mod verification;
 pub mod vouching;
+pub mod way_by_loops;
 pub mod witness;

@@ -6,7 +6,8 @@
 
 use nalgebra::Vector3;
 
-use super::index::MapIndex;
+use super::index::{MapIndex, UM_PER_M};
+use super::way_by_loops::way_by_loops_um;
 use crate::geometry::{Pose, Sim3};
 use crate::model::ids::KeyframeSeq;
 use crate::model::settings::Settings;
@@ -53,6 +54,23 @@ impl TrackedPath {
     /// Returns the way between two keyframes of one session, if tracking was not lost on it.
     pub fn between(index: &MapIndex, query: KeyframeSeq, candidate: KeyframeSeq) -> Option<Self> {
         let length_m = index.milestone(query)?.way_to_m(&index.milestone(candidate)?)?;
+        let (query, candidate) = (index.keyframe(query)?, index.keyframe(candidate)?);
+        let candidate_from_query = candidate.map_from_camera.inverse().after(&query.map_from_camera);
+        Some(Self { length_m, candidate_from_query })
+    }
+
+    /// Returns the same for the shortest way along tracked steps and through confirmed loops, which correct the poses of their
+    /// ends; none if on that way odometry may be off by more than `most_m`.
+    pub fn by_loops(
+        index: &MapIndex,
+        query: KeyframeSeq,
+        candidate: KeyframeSeq,
+        most_m: f64,
+    ) -> Option<Self> {
+        let settings = &index.properties().settings;
+        let metres = |way_um: u64| way_um as f64 / UM_PER_M;
+        let is_short = |way_um| drift_m(metres(way_um), settings.odometry_slack_m, settings) <= most_m;
+        let length_m = metres(way_by_loops_um(index, query, candidate, is_short)?);
         let (query, candidate) = (index.keyframe(query)?, index.keyframe(candidate)?);
         let candidate_from_query = candidate.map_from_camera.inverse().after(&query.map_from_camera);
         Some(Self { length_m, candidate_from_query })

@@ -125,6 +125,7 @@ impl Service {
             let mut ingested = ingest(index, &keyframe);
             let arrived = (ingested.keyframe, Some(&*keyframe));
             service.add_twins(&of_map, index, arrived, &mut ingested.decided);
+            service.add_changed_signs(&of_map, index, ingested.keyframe, &mut ingested.decided);
             let mut report = report(index, &keyframe.id, ingested.keyframe, &ingested.outcomes);
             report.revisits = ingested.revisits;
             let rows = NewKeyframeRows { keyframe, digest };

@@ -13,7 +13,8 @@ use super::{Parts, Service, ServiceError, ServiceOptions};
 use crate::config::models::ModelArgs;
 use crate::geometry::{Point3, Pose};
 use crate::model::bow::BowVector;
-use crate::model::ids::{AnchorSeq, KeyframeId, MapId};
+use crate::model::change::{Change, MissedSign, MovedObservation};
+use crate::model::ids::{AnchorSeq, KeyframeId, KeyframeSeq, MapId};
 use crate::model::judged::{Answer, CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
 use crate::model::judgement::{JudgementProgress, Tally};
 use crate::model::keyframe::{CLIENTS_VOCABULARY, Crop, Detection, NewKeyframe, Stamp};
@@ -26,6 +27,7 @@ use crate::models::Models;
 use crate::models::port::{Fault, Model, Question, Reply};
 use crate::recognition::index::MapIndex;
 use crate::recognition::learning::{learn_away, learn_reading, learn_verdict};
+use crate::recognition::recorder::Recorder;
 use crate::recognition::rejudging::rejudge;
 use crate::semantics::Text;
 
@@ -77,6 +79,13 @@ enum Request {
         finding: u8,
     },
     Away(bool),
+    /// One of the changes that follow when a sign is not seen where it should be.
+    ChangeSign {
+        kind: u8,
+        anchor: u32,
+        keyframe: u32,
+        other: Option<u32>,
+    },
 }
 
 #[derive(Clone, Debug)]
@@ -183,6 +192,9 @@ fn any_request() -> impl Strategy<Value = Request> {
             |(anchor, observation, texts, finding)| Request::JudgeAgain { anchor, observation, texts, finding }
         ),
         1 => any::<bool>().prop_map(Request::Away),
+        4 => (0u8..5, 0u32..10, 0u32..20, prop::option::of(0u32..10)).prop_map(
+            |(kind, anchor, keyframe, other)| Request::ChangeSign { kind, anchor, keyframe, other }
+        ),
     ]
 }
 
@@ -377,10 +389,47 @@ async fn send(service: &Service, map: &MapId, request: Request) -> Result<(), Se
             };
             service.change(&live, decide).await.map(drop)
         }
+        Request::ChangeSign { kind, anchor, keyframe, other } => {
+            let live = service.live(map).await?;
+            let (anchor, keyframe, other) = (AnchorSeq(anchor), KeyframeSeq(keyframe), other.map(AnchorSeq));
+            let decide = move |index: &mut MapIndex| {
+                let mut record = Recorder::new(index);
+                let changes = changes_of_sign(record.index(), kind, anchor, keyframe, other);
+                record.apply(changes);
+                Ok(Decision::Changed((), record.finish(), None))
+            };
+            service.change(&live, decide).await.map(drop)
+        }
         Request::Patch(setting) => {
             let (name, value) = SETTINGS[usize::from(setting)].clone();
             let patch = MapPatch { settings: vec![(name.to_owned(), value)], ..MapPatch::default() };
             service.patch_map(map, patch).await.map(drop)
+        }
+    }
+}
+
+fn changes_of_sign(
+    index: &MapIndex,
+    kind: u8,
+    anchor: AnchorSeq,
+    keyframe: KeyframeSeq,
+    other: Option<AnchorSeq>,
+) -> Vec<Change> {
+    let Some(known) = index.anchor(anchor) else { return Vec::new() };
+    match kind {
+        0 => vec![Change::SignMissed(MissedSign { anchor, keyframe, other })],
+        1 => vec![Change::MissesWithdrawn(anchor)],
+        2 => vec![Change::SignRetired(anchor, other)],
+        3 => vec![Change::SignReturned(anchor)],
+        _ => {
+            let to = index.next_anchor();
+            let moved = known.observations.keys().skip(1).map(|(keyframe, detection)| {
+                let (keyframe, detection) = (*keyframe, *detection);
+                Change::ObservationMoved(MovedObservation { keyframe, detection, from: anchor, to })
+            });
+            let moved: Vec<Change> = moved.collect();
+            let added = (!moved.is_empty()).then(|| Change::AnchorAdded(to, known.class.clone()));
+            added.into_iter().chain(moved).collect()
         }
     }
 }

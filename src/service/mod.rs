@@ -8,6 +8,7 @@ pub mod access;
 mod anchors;
 mod backups;
 mod board;
+mod changed_signs;
 mod error;
 mod events;
 mod eviction;

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use crate::model::anchor::AnchorState;
 use crate::model::ids::AnchorSeq;
 use crate::model::report::{AnchorMatchReport, AnchorReport};
 use crate::recognition::index::{Description, MapIndex, Object};
@@ -44,6 +45,7 @@ pub(super) fn anchor(index: &MapIndex, seq: AnchorSeq) -> Option<AnchorReport> {
         map_points: object.shapes.values().map(|shape| shape.map_points.len()).sum(),
         matches,
         matches_total,
+        replaced_by: index.replacement_of(object).filter(|_| object.state == AnchorState::Retired),
         merged_into: (root != seq).then_some(root),
         merged_from: object.members.iter().copied().filter(|member| *member != seq).collect(),
         version: index.anchor(seq)?.version,

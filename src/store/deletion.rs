@@ -43,6 +43,8 @@ const TABLES: &[Table] = &[
     without_rowid("replaced_readings", "map_version, keyframe, detection"),
     with_rowid("model_readings", "keyframe, detection"),
     with_blobs("crops", "keyframe, detection", "length(bytes)"),
+    without_rowid("missed_signs", "anchor, keyframe"),
+    without_rowid("retired_signs", "anchor"),
     with_rowid("detections", "keyframe, detection"),
     with_blobs(
         "keyframe_features",

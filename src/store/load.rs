@@ -12,7 +12,7 @@ use sqlx::sqlite::SqliteRow;
 use super::decode;
 use super::job::MapKey;
 use super::validate::{self, AnchorClasses};
-use super::{Store, StoreError, deferred, map_rows, model_rows, twin_rows};
+use super::{Store, StoreError, changed_sign_rows, deferred, map_rows, model_rows, twin_rows};
 use crate::geometry::Point3;
 use crate::model::bow::BowVector;
 use crate::model::change::{Change, Keyframe, Merge, MergeCause};
@@ -127,6 +127,7 @@ async fn load_rows(db: &mut Db, id: &MapId, order: Order) -> Result<Option<Loade
         }
     }
     index.apply(&twin_rows::all(db, key).await?);
+    index.apply(&changed_sign_rows::all(db, key).await?);
     // On top of the rows, in their order.
     deferred::apply(db, key, &mut index).await?;
     let next_kept =

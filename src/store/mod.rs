@@ -21,6 +21,7 @@
 mod additions;
 pub mod backup;
 mod blob;
+mod changed_sign_rows;
 pub mod check;
 mod committer;
 mod cost;

@@ -23,6 +23,7 @@ const MIGRATIONS: &[Step] = &[
     (7, "figures", include_str!("../../migrations/sqlite/0007_figures.sql")),
     (8, "ranges", include_str!("../../migrations/sqlite/0008_ranges.sql")),
     (9, "learned", include_str!("../../migrations/sqlite/0009_learned.sql")),
+    (10, "changed_signs", include_str!("../../migrations/sqlite/0010_changed_signs.sql")),
 ];
 
 /// The newest schema that this program knows.

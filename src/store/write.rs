@@ -6,7 +6,10 @@ use super::additions::{Additions, KeptQuery};
 use super::blob::pack;
 use super::job::{Batch, Job, MapKey};
 use super::keyframe_rows::{detections, forget_points, pose_blob};
-use super::{StoreError, deferred, deletion, judgement_rows, key_rows, map_rows, model_rows, twin_rows};
+use super::{
+    StoreError, changed_sign_rows, deferred, deletion, judgement_rows, key_rows, map_rows, model_rows,
+    twin_rows,
+};
 use crate::model::change::{Change, Loop, Merge, MergeCause};
 
 /// Events of a map are kept up to this number, oldest out first.
@@ -154,6 +157,11 @@ async fn apply(
         Change::LoopAdded(closed) => add_loop(db, map, closed).await,
         Change::TwinsFound(twins) => twin_rows::add(db, map, twins).await,
         Change::TwinsWithdrawn(twins) => twin_rows::remove(db, map, twins).await,
+        Change::ObservationMoved(moved) => changed_sign_rows::move_observation(db, map, moved).await,
+        Change::SignMissed(missed) => changed_sign_rows::miss(db, map, missed).await,
+        Change::MissesWithdrawn(anchor) => changed_sign_rows::withdraw_misses(db, map, *anchor).await,
+        Change::SignRetired(anchor, other) => changed_sign_rows::retire(db, map, *anchor, *other).await,
+        Change::SignReturned(anchor) => changed_sign_rows::restore(db, map, *anchor).await,
         Change::CropRead(read) => model_rows::add_reading(db, (map, version), read).await,
         Change::Judged(verdict) => model_rows::add_verdict(db, (map, version), verdict).await,
         Change::JudgementAdvanced(progress) => judgement_rows::advance(db, map, progress).await,

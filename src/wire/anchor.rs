@@ -63,6 +63,9 @@ pub struct AnchorView {
     pub matches: Vec<AnchorMatchView>,
     /// How many anchors match it in all.
     pub matches_total: usize,
+    /// Of a retired one, the anchor that hangs in its place, if any does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub replaced_by: Option<String>,
     /// The anchor whose name it goes by since they became one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub merged_into: Option<String>,
@@ -74,7 +77,8 @@ pub struct AnchorView {
     pub version: u64,
 }
 
-/// How far an anchor's description is: not described yet, telling enough to be matched, or too little.
+/// How far an anchor's description is: not described yet, telling enough to be matched, or too little; `retired`: three
+/// passages had the sign in view and did not see it (`signs_may_change`), so it takes part in no comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 #[schema(as = AnchorState)]
@@ -83,6 +87,7 @@ pub enum AnchorStateName {
     Pending,
     Valid,
     Uninformative,
+    Retired,
 }
 
 /// A distinct reading of an anchor.
@@ -237,6 +242,7 @@ impl From<AnchorReport> for AnchorView {
             map_points: anchor.map_points,
             matches: anchor.matches.into_iter().map(AnchorMatchView::from).collect(),
             matches_total: anchor.matches_total,
+            replaced_by: anchor.replaced_by.map(AnchorSeq::public),
             merged_into: anchor.merged_into.map(AnchorSeq::public),
             merged_from: anchor.merged_from.into_iter().map(AnchorSeq::public).collect(),
             has_crop: anchor.has_crop,
@@ -258,6 +264,7 @@ impl From<AnchorState> for AnchorStateName {
             AnchorState::Pending => Self::Pending,
             AnchorState::Valid => Self::Valid,
             AnchorState::Uninformative => Self::Uninformative,
+            AnchorState::Retired => Self::Retired,
         }
     }
 }

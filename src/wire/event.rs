@@ -48,6 +48,7 @@ pub enum EventName {
     AnchorDescribed,
     AnchorsMatched,
     AnchorsMerged,
+    AnchorRetired,
     LoopFound,
     LoopConfirmed,
     LoopRevoked,
@@ -74,6 +75,7 @@ impl From<EventKind> for EventName {
     fn from(kind: EventKind) -> Self {
         match kind {
             EventKind::AnchorDescribed => Self::AnchorDescribed,
+            EventKind::AnchorRetired => Self::AnchorRetired,
             EventKind::AnchorsMatched => Self::AnchorsMatched,
             EventKind::AnchorsMerged => Self::AnchorsMerged,
             EventKind::LoopFound => Self::LoopFound,

@@ -8,7 +8,7 @@ use super::texts::TextIndex;
 use super::{MapIndex, Object};
 use crate::model::anchor::{AnchorState, Observation};
 use crate::model::bow::BowVector;
-use crate::model::change::{Change, Keyframe, Loop, Merge, MergeCause};
+use crate::model::change::{Change, Keyframe, Loop, Merge, MergeCause, MovedObservation};
 use crate::model::ids::{AnchorSeq, KeyframeSeq, LoopId, SessionSeq};
 use crate::model::judged::{Finding, ModelVerdict};
 use crate::model::map::MapProperties;
@@ -76,13 +76,19 @@ impl MapIndex {
             }
             Change::AnchorRemoved(seq) => self.remove_anchor(*seq, touched),
             Change::Observed(seq, observation) => self.observe(*seq, observation, touched),
+            Change::ObservationMoved(moved) => self.move_observation(moved, touched),
             Change::OutcomeSet(..) | Change::JudgementAdvanced(_) => {}
             Change::PositionSet(seq, keyframe, detection, position) => {
-                if let Some(anchor) = self.anchor_mut(*seq)
+                // A deferred change may name the anchor that the detection fed before it was moved.
+                let holds = |anchor: &Anchor| anchor.observations.contains_key(&(*keyframe, *detection));
+                let is_holder = |seq: &AnchorSeq| self.anchor(*seq).is_some_and(holds);
+                let holder = [*seq].into_iter().chain(self.anchors_seen_by(*keyframe)).find(is_holder);
+                if let Some(holder) = holder
+                    && let Some(anchor) = self.anchor_mut(holder)
                     && let Some(observation) = anchor.observations.get_mut(&(*keyframe, *detection))
                 {
                     observation.position_in_session = Some(*position);
-                    touched.stale.insert(*seq);
+                    touched.stale.insert(holder);
                 }
             }
             Change::DescriptionSet(seq, text) => {
@@ -129,6 +135,10 @@ impl MapIndex {
             Change::TwinsWithdrawn(twins) => {
                 self.twins.remove(twins);
             }
+            Change::SignMissed(_)
+            | Change::MissesWithdrawn(_)
+            | Change::SignRetired(..)
+            | Change::SignReturned(_) => touched.anchors.extend(self.changed_signs.apply(change)),
             Change::ModelAway(away) => self.model_away = *away,
         }
     }
@@ -154,10 +164,12 @@ impl MapIndex {
             settings: &self.properties.settings,
             verdicts: self.texts.verdicts(),
             readings: &self.readings,
+            changed_signs: &self.changed_signs,
         };
         let (gone, standing) = self.objects.regroup(&touched.anchors, &self.anchors, &judging);
         for root in gone {
             self.texts.set(root, "", None);
+            self.sign_grid.take(root);
         }
         for root in standing {
             let Some(object) = self.objects.get(root) else { continue };
@@ -167,6 +179,7 @@ impl MapIndex {
             let valid = object.description.as_ref().filter(|_| object.state == AnchorState::Valid);
             let class = self.anchors.get(root.index()).map_or("", |anchor| &anchor.class);
             self.texts.set(root, class, valid.map(|description| &description.text));
+            self.sign_grid.put(root, object);
         }
     }
 
@@ -297,8 +310,25 @@ impl MapIndex {
         touched.anchors.insert(seq);
     }
 
+    fn move_observation(&mut self, moved: &MovedObservation, touched: &mut Touched) {
+        let MovedObservation { keyframe, detection, from, to } = *moved;
+        let Some(anchor) = self.anchors.get_mut(from.index()) else { return };
+        let Some(observation) = anchor.observations.remove(&(keyframe, detection)) else { return };
+        self.tally.remove_observation(&observation);
+        self.readings.remove(&anchor.class, from, &observation);
+        let mut others = anchor.observations.range((keyframe, 0)..=(keyframe, u16::MAX));
+        if others.next().is_none()
+            && let Some(seen) = self.seen_by.get_mut(keyframe.index())
+        {
+            seen.remove(&from);
+        }
+        touched.stale.insert(from);
+        self.observe(to, &observation, touched);
+    }
+
     fn remove_anchor(&mut self, seq: AnchorSeq, touched: &mut Touched) {
         let Some(anchor) = self.anchors.remove(seq.index()) else { return };
+        self.changed_signs.remove_anchor(seq);
         self.holders.release(&anchor.shapes, seq);
         for observation in anchor.observations.values() {
             self.tally.remove_observation(observation);

@@ -6,27 +6,31 @@
 
 mod anchor;
 mod apply;
+mod changed_signs;
 mod covisibility;
 mod holders;
+mod learned;
 mod memory;
 mod objects;
 mod odometer;
 mod points;
 mod readings;
+mod sign_grid;
 mod texts;
-mod twins;
 mod verdicts;
 mod votes;
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 pub use anchor::{Anchor, Shape};
+pub use changed_signs::ChangedSigns;
 pub use covisibility::Covisibility;
 pub use holders::Holders;
 pub use objects::{Certainty, Description, Object, Objects};
-pub use odometer::{Milestone, Odometer};
+pub use odometer::{Milestone, Odometer, UM_PER_M};
 pub use points::{POINT_BYTES, Points};
 pub use readings::Readings;
+pub use sign_grid::{CELL_M, SignGrid};
 pub use texts::{GroupId, IdentityId, TextId, TextIndex, WordGroups};
 pub use verdicts::Verdicts;
 pub use votes::Votes;
@@ -72,6 +76,8 @@ pub struct MapIndex {
     texts: TextIndex,
     inverted_file: InvertedFile,
     twins: BTreeSet<Twins>,
+    changed_signs: ChangedSigns,
+    sign_grid: SignGrid,
     /// What [`Self::memory_bytes`] counts with.
     tally: Tally,
 }
@@ -242,7 +248,12 @@ impl MapIndex {
 
     /// Borrows all that descriptions are judged by.
     fn judging(&self) -> Judging<'_> {
-        Judging { settings: &self.properties.settings, verdicts: self.verdicts(), readings: &self.readings }
+        Judging {
+            settings: &self.properties.settings,
+            verdicts: self.verdicts(),
+            readings: &self.readings,
+            changed_signs: &self.changed_signs,
+        }
     }
 
     /// An object's class.

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::anchor::{Anchor, Shape};
+use super::changed_signs::ChangedSigns;
 use super::readings::Readings;
 use super::verdicts::Verdicts;
 use super::votes::Votes;
@@ -21,6 +22,7 @@ pub(super) struct Judging<'a> {
     pub settings: &'a Settings,
     pub verdicts: &'a Verdicts,
     pub readings: &'a Readings,
+    pub changed_signs: &'a ChangedSigns,
 }
 
 /// The certainty of an object's text (`contract.md` §8.7).
@@ -72,7 +74,7 @@ impl Object {
 
     /// Derives the object from its anchors; `members` oldest first, never empty.
     pub(super) fn of(members: Vec<AnchorSeq>, anchors: &Numbered<Anchor>, judging: &Judging<'_>) -> Self {
-        let Judging { settings, verdicts, readings } = *judging;
+        let Judging { settings, verdicts, readings, changed_signs } = *judging;
         let mut votes = Votes::default();
         let mut shapes: BTreeMap<SessionSeq, Shape> = BTreeMap::new();
         let mut by_hand = None;
@@ -108,7 +110,10 @@ impl Object {
             description.information_level =
                 if is_doubtful { 1 } else { verdicts.information_level(class, &description.text) };
         }
+        let is_retired =
+            || settings.signs_may_change && members.iter().all(|member| changed_signs.is_retired(*member));
         let state = match &description {
+            _ if is_retired() => AnchorState::Retired,
             None => AnchorState::Pending,
             Some(d) if u32::from(d.information_level) >= settings.description_min_information_level => {
                 AnchorState::Valid

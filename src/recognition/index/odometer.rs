@@ -18,7 +18,8 @@ use crate::recognition::numbered::Numbered;
 /// Keyframes of a block: enough that blocks are few, and few enough to be moved along at an insert.
 const BLOCK_MAX: usize = if cfg!(test) { 4 } else { 512 };
 
-const UM_PER_M: f64 = 1e6;
+/// Micrometres of a metre.
+pub const UM_PER_M: f64 = 1e6;
 
 /// The longest step that is counted, in metres: a million keyframes of it fit a `u64` of micrometres.
 const STEP_MAX_M: f64 = 1e6;
@@ -136,6 +137,42 @@ impl MapIndex {
         self.odometer.milestone(self.keyframe(keyframe)?, &self.keyframes)
     }
 
+    /// Returns the keyframes back from one on its session's way, that one first.
+    pub fn way_back(&self, from: KeyframeSeq) -> impl Iterator<Item = KeyframeSeq> {
+        let place = self.keyframe(from).and_then(|keyframe| {
+            let blocks = self.odometer.sessions.get(&keyframe.session)?;
+            Some((blocks, find(blocks, keyframe, &self.keyframes).ok()?))
+        });
+        let steps = place.into_iter().flat_map(|(blocks, place)| {
+            let (before, rest) = blocks.split_at(place.block);
+            let own = rest.iter().take(1).flat_map(move |block| &block.steps[..=place.at]).rev();
+            own.chain(before.iter().rev().flat_map(|block| block.steps.iter().rev()))
+        });
+        steps.map(|step| step.keyframe)
+    }
+
+    /// Returns the keyframes before and after one on its session's way, each with the length of the step between, in
+    /// micrometres; none where the way is broken.
+    pub fn steps_of(&self, keyframe: KeyframeSeq) -> impl Iterator<Item = (KeyframeSeq, u64)> {
+        let steps = self.keyframe(keyframe).and_then(|keyframe| {
+            let blocks = self.odometer.sessions.get(&keyframe.session)?;
+            let place = find(blocks, keyframe, &self.keyframes).ok()?;
+            let own = blocks[place.block].steps.get(place.at)?;
+            let to_own = before(blocks, place).zip(own.way_um);
+            let next = step_after(blocks, place).and_then(|step| Some((step.keyframe, step.way_um?)));
+            Some([to_own, next])
+        });
+        steps.into_iter().flatten().flatten()
+    }
+
+    /// Whether no keyframe comes after this one on its session's way.
+    pub fn is_last_on_way(&self, keyframe: KeyframeSeq) -> bool {
+        let stored = self.keyframe(keyframe);
+        let blocks = stored.and_then(|keyframe| self.odometer.sessions.get(&keyframe.session));
+        let last = blocks.and_then(|blocks| blocks.last()?.steps.last());
+        last.is_some_and(|step| step.keyframe == keyframe)
+    }
+
     /// Adds a keyframe to its session's way; its neighbours by shared points are known already.
     pub(super) fn track(&mut self, keyframe: KeyframeSeq) {
         self.odometer_with(keyframe, Odometer::add);
@@ -249,6 +286,11 @@ fn before(blocks: &[Block], place: Place) -> Option<KeyframeSeq> {
         None => blocks[..place.block].last()?.steps.last(),
     };
     step.map(|step| step.keyframe)
+}
+
+fn step_after(blocks: &[Block], place: Place) -> Option<&Step> {
+    let own = blocks[place.block].steps.get(place.at + 1);
+    own.or_else(|| blocks.get(place.block + 1)?.steps.first())
 }
 
 /// Measures the step to a keyframe from the one before it.

@@ -162,6 +162,8 @@ pub struct Verification {
     pub projected_matches: u32,
     /// Those matched with features of the candidate itself that the final transformation explains.
     pub inliers: u32,
+    /// The features of the candidate itself that the final transformation explains, ascending.
+    pub explained_features: Vec<u32>,
     /// The inliers beyond doubt ([`super::SureLimits`]).
     pub sure_inliers: u32,
     /// The decimal logarithm of the number of false alarms ([`super::significance`]); none before a model is found.
@@ -189,6 +191,7 @@ impl Verification {
             matched_inliers: 0,
             projected_matches: 0,
             inliers: 0,
+            explained_features: Vec::new(),
             sure_inliers: 0,
             log10_false_alarms: None,
             mean_reprojection_error_px: None,

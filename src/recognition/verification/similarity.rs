@@ -78,7 +78,9 @@ fn find_transformation(
     let explained: Vec<Correspondence> = hypothesis.explained(&pairs, limits.max_chi_square);
     let max_sure_distance = limits.sure.max_distance * f64::from(query.descriptors.bits());
     let is_sure = |pair: &&Correspondence| pair.is_located() && f64::from(pair.distance) <= max_sure_distance;
-    result.inliers = explained.iter().filter(|pair| pair.candidate_feature.is_some()).count() as u32;
+    result.explained_features = explained.iter().filter_map(|pair| pair.candidate_feature).collect();
+    result.explained_features.sort_unstable();
+    result.inliers = result.explained_features.len() as u32;
     result.sure_inliers = explained.iter().filter(is_sure).count() as u32;
     result.mean_reprojection_error_px = mean_error_px(&hypothesis, &explained);
     result.candidate_from_query = Some(candidate_from_query);

@@ -1,0 +1,27 @@
+//! Signs that change: a plate that was replaced is retired (`contract.md` §8.18).
+//!
+//! A place whose only plate has a new number would stay rejected for ever, for the old plate contradicts the new one. So a
+//! keyframe that arrives ends the passages of those signs that its session has left behind, and each of them is judged:
+//!
+//! | step | file |
+//! |---|---|
+//! | which signs a camera should see | [`expected`] |
+//! | the passages that have ended | [`passages`] |
+//! | whether the robot was where its poses have it | [`place`] |
+//! | what the passage read there | [`seen`] |
+//! | three passages retire a sign, one returns it | [`judged`] |
+//! | a new sign that has fed the old one's anchor | `split` |
+//!
+//! All of it is decided inside the write of a keyframe, from facts alone, and kept: nothing runs at load.
+
+pub mod expected;
+pub mod judged;
+pub mod passages;
+pub mod place;
+pub mod seen;
+mod split;
+
+pub use expected::Sign;
+pub use judged::{may_have_missed, missed, seen_again};
+pub use passages::{Passage, passages_ended_by};
+pub use place::{LOOKS_OF_A_WRITE_MAX, Look, looks, tracked_here};
