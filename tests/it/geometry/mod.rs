@@ -2,6 +2,7 @@
 
 mod alone;
 mod anchors;
+mod changed_signs;
 mod images;
 mod neighbours;
 mod scene;
