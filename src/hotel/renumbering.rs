@@ -102,6 +102,56 @@ pub fn by_round(driven: &Driven, journey: &Journey, first: &World, eras: &[Era])
         .collect()
 }
 
+/// The signs that a map holds at the end of a tour, by what became of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Signs {
+    /// Plates that are retired, and hang there no longer.
+    pub retired_gone: u64,
+    /// Signs that are retired, though they hang there.
+    pub retired_hanging: u64,
+    /// Texts that are retired, and never hung anywhere: misread.
+    pub retired_misread: u64,
+    /// Plates that hang there no longer, and are still valid.
+    pub valid_gone: u64,
+}
+
+impl Signs {
+    /// Counts the anchors of a map, each with its state, class and description.
+    pub fn count<'a>(
+        anchors: impl IntoIterator<Item = (&'a str, &'a str, &'a str)>,
+        first: &World,
+        eras: &[Era],
+    ) -> Self {
+        let last = world_of(first, eras, ROUNDS);
+        let has = |world: &World, text: &str| world.signs.iter().any(|sign| sign.text == text);
+        let mut counted = Self::default();
+        for (state, class, text) in anchors {
+            let is_plate = class == SignKind::DoorPlate.class();
+            let hangs = !is_plate || has(last, text);
+            let hung =
+                [first].into_iter().chain(eras.iter().map(|era| &era.world)).any(|world| has(world, text));
+            match state {
+                "retired" if hangs => counted.retired_hanging += 1,
+                "retired" if hung => counted.retired_gone += 1,
+                "retired" => counted.retired_misread += 1,
+                "valid" if hung && !hangs => counted.valid_gone += 1,
+                _ => {}
+            }
+        }
+        counted
+    }
+
+    /// Adds those of another map.
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            retired_gone: self.retired_gone + other.retired_gone,
+            retired_hanging: self.retired_hanging + other.retired_hanging,
+            retired_misread: self.retired_misread + other.retired_misread,
+            valid_gone: self.valid_gone + other.valid_gone,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::floor_plan::Layout;
@@ -137,6 +187,29 @@ mod tests {
             assert_eq!(digits, 6 * changed(before, after), "six of a plate's sixteen points");
         }
         assert_eq!(plates(side), side.numbers);
+    }
+
+    #[test]
+    fn signs_are_counted_by_what_hangs_there_in_the_end() {
+        let patterns = Patterns::new();
+        let plan = WorldPlan { layout: Layout::SE1, floor: 9, signs: SignPlan::default(), seed: 901 };
+        let world = World::new(&plan, &patterns);
+        let eras = eras(&world, &[3, 11], &patterns, &mut Chance::new(1, "renumbering"));
+        let last = &eras[1].world;
+        let gone = world.numbers.iter().find(|number| !last.numbers.contains(number)).unwrap().as_str();
+        let hangs = last.numbers[0].as_str();
+        let anchors = [
+            ("retired", "door_number", gone),
+            ("retired", "door_number", hangs),
+            ("retired", "painting", "a painting of a fox"),
+            ("retired", "door_number", "9999"),
+            ("valid", "door_number", gone),
+            ("valid", "door_number", hangs),
+            ("uninformative", "door_number", gone),
+        ];
+        let counted = Signs::count(anchors, &world, &eras);
+        let expected = Signs { retired_gone: 1, retired_hanging: 2, retired_misread: 1, valid_gone: 1 };
+        assert_eq!(counted, expected);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::arm::Arm;
 use super::noise::NoiseKind;
 use super::paper::PrintedSequence;
-use super::renumbering::Round;
+use super::renumbering::{Round, Signs};
 use super::score::{Counts, Outcome, by_query, by_visit, confidence_interval};
 use super::trial::Driven;
 use crate::client::Candidate;
@@ -105,6 +105,9 @@ pub struct WorldResult {
     /// Ours, round by round, where door numbers change.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub rounds: Vec<Round>,
+    /// What became of its signs by then.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub signs: Option<Signs>,
     /// The kind.
     #[serde(skip)]
     pub kind: NoiseKind,

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use super::arm::Arm;
 use super::noise::NoiseKind;
 use super::paper::ORB_SLAM3_PRECISION;
-use super::renumbering::Round;
+use super::renumbering::{Round, Signs};
 use super::results::{Accuracy, ArmResult, Confusion, SequenceResult, Share, WorldResult, pooled};
 use super::score::Counts;
 
@@ -176,6 +176,14 @@ pub fn rounds(results: &[WorldResult]) -> String {
         let [all, new] = [sum(|round| round.all), sum(|round| round.at_new_plates)];
         let figures = |c: Counts| format!("{} / {}, {} / {}", c.right, c.accepted, c.found, c.with_truth);
         let _ = writeln!(text, "{:>5}   {:37}  {}", round + 1, figures(all), figures(new));
+    }
+    if let Some(signs) = results.iter().filter_map(|result| result.signs).reduce(Signs::plus) {
+        let Signs { retired_gone, retired_hanging, retired_misread, valid_gone } = signs;
+        let _ = writeln!(
+            text,
+            "signs at the end: {retired_gone} retired that hang there no longer, {retired_hanging} that do, \
+             {retired_misread} that never did; {valid_gone} valid that hang there no longer"
+        );
     }
     text
 }

@@ -1,6 +1,7 @@
 //! Random worlds under noise, one table row for each kind; or one world, with its reasons.
 
 use futures_util::{StreamExt as _, TryStreamExt as _};
+use serde_json::Value;
 
 use super::{HotelArgs, WORLD_ARMS, files, progress_bar};
 use crate::cli::{Failure, write_out};
@@ -8,7 +9,7 @@ use crate::client::Client;
 use crate::hotel::arm::Arm;
 use crate::hotel::explain::Narrator;
 use crate::hotel::noise::NoiseKind;
-use crate::hotel::renumbering::by_round;
+use crate::hotel::renumbering::{Signs, by_round};
 use crate::hotel::results::{ArmResult, WorldResult};
 use crate::hotel::scenario::Scenario;
 use crate::hotel::score::Outcome;
@@ -52,7 +53,7 @@ pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result
 
 async fn drive_world(client: &Client, kind: NoiseKind, seed: u64) -> Result<WorldResult, Failure> {
     let scenario = world(kind, seed).await?;
-    let (mut arms, mut rounds) = (Vec::new(), Vec::new());
+    let (mut arms, mut rounds, mut signs) = (Vec::new(), Vec::new(), None);
     // The paper knows no new numbers, and eight rounds take long.
     let arms_of_kind = if kind == NoiseKind::Renumbered { &WORLD_ARMS[..1] } else { &WORLD_ARMS };
     for arm in arms_of_kind.iter().copied() {
@@ -61,10 +62,42 @@ async fn drive_world(client: &Client, kind: NoiseKind, seed: u64) -> Result<Worl
         arms.push(ArmResult::of(&driven));
         if arm == Arm::Ours && kind == NoiseKind::Renumbered {
             rounds = by_round(&driven, &scenario.course.journeys[0], &scenario.world, &scenario.eras);
+            signs = Some(count_signs(client, &map, &scenario).await?);
         }
         client.delete_map(&map).await?;
     }
-    Ok(WorldResult { noise: kind.name(), seed, keyframes: scenario.course.order.len(), arms, rounds, kind })
+    Ok(WorldResult {
+        noise: kind.name(),
+        seed,
+        keyframes: scenario.course.order.len(),
+        arms,
+        rounds,
+        signs,
+        kind,
+    })
+}
+
+/// Counts what became of the signs of a map.
+async fn count_signs(client: &Client, map: &str, scenario: &Scenario) -> Result<Signs, Failure> {
+    let (mut anchors, mut cursor): (Vec<Value>, Option<String>) = (Vec::new(), None);
+    loop {
+        let after = cursor.as_deref().map(|cursor| ("cursor", cursor));
+        let query: Vec<(&str, &str)> = [("limit", "1000")].into_iter().chain(after).collect();
+        let mut page: Value = client.get(&["v1", "maps", map, "anchors"], &query).await?;
+        if let Some(items) = page["items"].as_array_mut() {
+            anchors.append(items);
+        }
+        cursor = page["next_cursor"].as_str().map(str::to_owned);
+        if cursor.is_none() {
+            break;
+        }
+    }
+    let text = |anchor: &Value, field: &str| anchor[field].as_str().unwrap_or_default().to_owned();
+    let told: Vec<[String; 3]> = (anchors.iter())
+        .map(|anchor| ["state", "class", "description"].map(|field| text(anchor, field)))
+        .collect();
+    let told = told.iter().map(|[state, class, said]| (state.as_str(), class.as_str(), said.as_str()));
+    Ok(Signs::count(told, &scenario.world, &scenario.eras))
 }
 
 /// One world: what ours was told wherever it was wrong, or missed something.
