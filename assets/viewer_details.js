@@ -4,7 +4,7 @@ import { get, path, post, send } from "./viewer_api.js";
 import { copyable, count, el, fill, number, sign } from "./dom.js";
 import { explain, judge } from "./viewer_verdict.js";
 
-const STATES = { valid: "good", pending: "open", uninformative: "" };
+const STATES = { valid: "good", pending: "open", uninformative: "", retired: "" };
 const LISTED = 60;
 const QUESTION = "Is it a loop?";
 
@@ -169,6 +169,7 @@ export class Details {
         ["Identifiers", anchor.identifiers.length > 0 && anchor.identifiers.map((text) => [sign(text), " "])],
         ["Tells", anchor.description && `level ${anchor.information_level} of 5: ${anchor.information_reason ?? ""}`],
         ["Stands at", places.length > 0 ? places : "not known yet"], ["Map points", number(anchor.map_points, 0)],
+        ["In its place", anchor.replaced_by && refs.anchor(anchor.replaced_by)],
         ["Goes by", anchor.merged_into && refs.anchor(anchor.merged_into)],
         ["Also", anchor.merged_from.length > 0 && anchor.merged_from.map((id) => [refs.anchor(id), " "])]),
       el("h3", {}, "Readings"),

@@ -205,19 +205,20 @@ function drawAnchors({ map, context, theme, labels }) {
   }
 }
 
-/** Filled: described. Hollow: not described yet. Small: described, and says too little to be matched. */
+/** Filled: described. Hollow: not described yet. Small: says too little to be matched. Small and hollow: retired. */
 function diamond(context, theme, { x, y }, colour, state, selected, size) {
-  const radius = (state === "uninformative" ? 0.65 : 1) * size + (selected ? 2 : 0);
+  const [isSmall, isHollow] = [["uninformative", "retired"], ["pending", "retired"]].map((states) => states.includes(state));
+  const radius = (isSmall ? 0.65 : 1) * size + (selected ? 2 : 0);
   context.beginPath();
   context.moveTo(x, y - radius);
   context.lineTo(x + radius, y);
   context.lineTo(x, y + radius);
   context.lineTo(x - radius, y);
   context.closePath();
-  context.fillStyle = state === "pending" ? theme.ground : colour;
+  context.fillStyle = isHollow ? theme.ground : colour;
   context.fill();
-  context.strokeStyle = selected ? theme.accent : state === "pending" ? colour : theme.ground;
-  context.lineWidth = selected ? 3 : state === "pending" ? 2 : 1;
+  context.strokeStyle = selected ? theme.accent : isHollow ? colour : theme.ground;
+  context.lineWidth = selected ? 3 : isHollow ? 2 : 1;
   context.stroke();
 }
 

@@ -3,7 +3,7 @@
 import { key, path, send } from "./viewer_api.js";
 import { el, fill, sign } from "./dom.js";
 
-const NAMES = ["anchor_described", "anchors_matched", "anchors_merged", "loop_found", "loop_confirmed", "loop_revoked"];
+const NAMES = ["anchor_described", "anchors_matched", "anchors_merged", "anchor_retired", "loop_found", "loop_confirmed", "loop_revoked"];
 const SHOWN = 200;
 const RETRY_MS = 4000;
 
@@ -119,6 +119,8 @@ export class EventList {
       case "anchor_described": return text ? [a, " reads ", text] : [a, " has a new description"];
       case "anchors_matched": return [a, " was seen before, as ", b, text && [": ", text]];
       case "anchors_merged": return [b, " became one with ", a, text && el("p", { class: "muted small" }, text)];
+      case "anchor_retired":
+        return [a, " hangs there no longer", event.other && ["; in its place ", b], text && el("p", { class: "muted small" }, text)];
       case "loop_found":
         return ["Loop found: ", from, " is back at ", to, event.query && [" (", query(event.query, event.keyframe), ")"]];
       case "loop_confirmed": return ["Loop ", named(event), " closed: ", from, " with ", to];

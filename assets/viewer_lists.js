@@ -17,7 +17,7 @@ export class AnchorList {
     this.text = searchBox("Search what the signs say", later);
     this.classes = el("select", { "aria-label": "Class", change: () => this.search() });
     this.states = el("select", { "aria-label": "State", change: () => this.search() },
-      el("option", { value: "" }, "every state"), ["valid", "pending", "uninformative"].map((state) => el("option", {}, state)));
+      el("option", { value: "" }, "every state"), ["valid", "pending", "uninformative", "retired"].map((state) => el("option", {}, state)));
     this.results = el("div", {});
     fill(place, el("div", { class: "filters" }, this.text, el("div", { class: "row" }, this.classes, this.states)), this.results);
   }
