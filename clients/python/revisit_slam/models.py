@@ -10,11 +10,15 @@ from .open_enum import OpenEnum
 
 
 class AnchorState(OpenEnum):
-    """How far an anchor's description is: not described yet, telling enough to be matched, or too little."""
+    """How far an anchor's description is: not described yet, telling enough to be matched, or too little;
+    `retired`: three passages had the sign in view and did not see it (`signs_may_change`), so it takes
+    part in no comparison.
+    """
 
     PENDING = "pending"
     VALID = "valid"
     UNINFORMATIVE = "uninformative"
+    RETIRED = "retired"
 
 
 class CandidateVerdict(OpenEnum):
@@ -57,6 +61,7 @@ class EventKind(OpenEnum):
     ANCHOR_DESCRIBED = "anchor_described"
     ANCHORS_MATCHED = "anchors_matched"
     ANCHORS_MERGED = "anchors_merged"
+    ANCHOR_RETIRED = "anchor_retired"
     LOOP_FOUND = "loop_found"
     LOOP_CONFIRMED = "loop_confirmed"
     LOOP_REVOKED = "loop_revoked"
@@ -240,6 +245,8 @@ class Anchor(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Its box in the frame of the oldest session that saw it; left out while its place is unknown."""
     center: list[float] | None = None
     """The box's centre, `[x,y,z]` in metres, in the same frame."""
+    replaced_by: str | None = None
+    """Of a retired one, the anchor that hangs in its place, if any does."""
     merged_into: str | None = None
     """The anchor whose name it goes by since they became one."""
 
@@ -1474,6 +1481,11 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     twin_guard: bool | None = None
     """ours: once geometry has verified two keyframes of this map around which different signs hang,
     geometry alone (without_anchors: geometry) closes no loop in it, while they hang there
+    """
+    signs_may_change: bool | None = None
+    """ours: a sign that three separate passages of a session that has read it had in view and did not see,
+    or read otherwise, is retired: it neither agrees nor contradicts, until one passage reads it twice
+    as before
     """
     geometry_models: SettingsGeometryModels | None = None
     """ours: auto verifies by a similarity where enough points are triangulated, else by an essential
