@@ -10,7 +10,7 @@ use utoipa::{Modify, OpenApi};
 
 use super::access::SCHEME;
 use super::{refusals, routes};
-use crate::recognition::constants::{CONSTANTS, Constant};
+use crate::recognition::constants::{self, Constant};
 use crate::wire::event::EventView;
 use crate::wire::problem::ProblemView;
 
@@ -88,7 +88,7 @@ fn constants() -> Vec<serde_json::Value> {
         let Constant { name, value, unit, doc } = constant;
         json!({"name": name, "value": value, "unit": unit, "description": doc})
     };
-    CONSTANTS.iter().map(shown).collect()
+    constants::constants().map(shown).collect()
 }
 
 /// Does the operation name an action that a key must have?
