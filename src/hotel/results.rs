@@ -105,7 +105,7 @@ pub struct WorldResult {
     /// Ours, round by round, where door numbers change.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub rounds: Vec<Round>,
-    /// What became of its signs by then.
+    /// The signs of its map at the end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub signs: Option<Signs>,
     /// The kind.

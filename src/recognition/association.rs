@@ -29,8 +29,8 @@ pub enum Association {
     Ignored(IgnoredReason),
 }
 
-/// A possible pair, ordered from the best: anchors that hang there before retired ones, shares before distances, large shares and short
-/// distances first, then the older anchor, then the earlier detection.
+/// A possible pair, ordered from the best: anchors that hang there before retired ones, shares before distances, large
+/// shares and short distances first, then the older anchor, then the earlier detection.
 #[derive(Clone, Copy, Debug)]
 struct Pair {
     /// A retired anchor takes what no other does.

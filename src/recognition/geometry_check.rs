@@ -14,7 +14,7 @@ use crate::model::verdict::Verify;
 /// A keyframe that geometry can look at.
 pub type Seeing<'a> = (&'a Sight, &'a MatchableFeatures);
 
-/// What a map says about how geometry verifies.
+/// The terms of a map by which geometry verifies.
 #[derive(Clone, Copy, Debug)]
 pub struct Terms<'a> {
     /// Its settings.

@@ -135,7 +135,7 @@ enum Replacement {
 
 /// Returns what hangs in a sign's place, if enough passages say that the sign does not.
 ///
-/// What a passage read otherwise counts if it is sure: described, or read alike in another passage, too.
+/// A sign that a passage read otherwise counts if it is sure: described, or read alike in another passage, too.
 fn replacement(index: &MapIndex, object: &Object, misses: &[MissedSign]) -> Option<Replacement> {
     let empty = misses.iter().filter(|missed| missed.other.is_none()).count();
     // The passages that read each text, whether it is described, and the newest anchor that it fed.
