@@ -3,8 +3,9 @@
 //! `axum::serve` waits for ever: for half a head, for a body, for an answer to be taken. Here each of these has its time
 //! ([`super::patient`], [`super::paced`]), and connections have their number ([`super::seats`]).
 //!
-//! Stopping resets no connection. The listener is closed after the connections that it holds were accepted. Each of them
-//! is answered once more, with `connection: close`; one whose client sends no request is closed after [`LAST_REQUESTS`].
+//! Stopping resets no connection. The listener opens no new ones, and is closed after those that were being opened
+//! ([`HANDSHAKES`]) were accepted. Each connection is answered once more, with `connection: close`; one whose client sends
+//! no request is closed after [`LAST_REQUESTS`].
 
 use std::convert::Infallible;
 use std::io;
@@ -43,6 +44,8 @@ use crate::service::Service;
 
 /// How long requests in flight may take to finish once the server is told to stop.
 const DRAIN: Duration = Duration::from_secs(10);
+/// How long connections may take that are being opened when the server stops: a round trip between continents.
+const HANDSHAKES: Duration = Duration::from_millis(250);
 /// How long a connection without a request stays open once the server stops: a client that has just sent one is answered.
 const LAST_REQUESTS: Duration = Duration::from_secs(1);
 /// The most bytes of a request's head, and of what is read ahead of a body.
@@ -84,6 +87,8 @@ pub async fn serve(
         () = stopped => {}
     }
     server.closing.cancel();
+    sockets::open_no_more(&listener);
+    let _ = tokio::time::timeout(HANDSHAKES, server.accept(&listener, &graceful)).await;
     match sockets::close(listener) {
         Ok(opened) => opened.into_iter().for_each(|stream| server.admit(stream, graceful.watcher())),
         // Those that are served already still finish.

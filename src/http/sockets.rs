@@ -16,14 +16,18 @@ pub fn prepare(stream: &TcpStream, vanished_after: Duration) -> io::Result<()> {
     Ok(())
 }
 
+/// Opens no new connection: their clients try again after a second, and are refused once the listener is closed.
+///
+/// Those that are being opened still are: their clients may think them open, and have sent a request.
+pub fn open_no_more(listener: &TcpListener) {
+    if let Err(error) = drop_opening_packets(SockRef::from(listener)) {
+        tracing::debug!(%error, "new connections are not held back");
+    }
+}
+
 /// Closes a listener, and returns the connections that clients had opened already: closing resets what it holds.
 pub fn close(listener: TcpListener) -> io::Result<Vec<TcpStream>> {
     let listener = listener.into_std()?;
-    // A connection that opens between the last accept and the close would be reset. So the kernel drops the packets that
-    // open one: their sender tries again after a second, and is refused.
-    if let Err(error) = drop_packets(SockRef::from(&listener)) {
-        tracing::debug!(%error, "new connections are not held back");
-    }
     let mut opened = Vec::new();
     loop {
         match listener.accept() {
@@ -41,16 +45,35 @@ pub fn close(listener: TcpListener) -> io::Result<Vec<TcpStream>> {
     }
 }
 
-/// Has a listening socket receive nothing any more.
+/// Has a listening socket drop each packet with SYN and without ACK, which is the first of a connection.
+///
+/// Socket filters are programs of classic BPF; byte 13 of the TCP header, with which a packet begins here, has the flags
+/// (RFC 9293, section 3.1).
 #[cfg(target_os = "linux")]
-fn drop_packets(listener: SockRef<'_>) -> io::Result<()> {
-    /// `BPF_RET | BPF_K`: returns a constant, which is how many bytes of a packet are let through.
+fn drop_opening_packets(listener: SockRef<'_>) -> io::Result<()> {
+    use socket2::SockFilter;
+    /// `BPF_LD | BPF_B | BPF_ABS`: loads the byte at k.
+    const LOAD: u16 = 0x30;
+    /// `BPF_ALU | BPF_AND | BPF_K`: keeps the bits of k.
+    const AND: u16 = 0x54;
+    /// `BPF_JMP | BPF_JEQ | BPF_K`: skips this many instructions if equal to k, and that many if not.
+    const JUMP_IF_EQUAL: u16 = 0x15;
+    /// `BPF_RET | BPF_K`: returns k, which is how many bytes of the packet are let through.
     const RETURN: u16 = 0x06;
-    listener.attach_filter(&[socket2::SockFilter::new(RETURN, 0, 0, 0)])
+    const FLAGS: u32 = 13;
+    const SYN: u32 = 0x02;
+    const ACK: u32 = 0x10;
+    listener.attach_filter(&[
+        SockFilter::new(LOAD, 0, 0, FLAGS),
+        SockFilter::new(AND, 0, 0, SYN | ACK),
+        SockFilter::new(JUMP_IF_EQUAL, 0, 1, SYN),
+        SockFilter::new(RETURN, 0, 0, 0),
+        SockFilter::new(RETURN, 0, 0, u32::MAX),
+    ])
 }
 
 #[cfg(not(target_os = "linux"))]
-fn drop_packets(_: SockRef<'_>) -> io::Result<()> {
+fn drop_opening_packets(_: SockRef<'_>) -> io::Result<()> {
     Err(io::ErrorKind::Unsupported.into())
 }
 
@@ -83,6 +106,22 @@ mod tests {
             clients.push(TcpStream::connect(addr).await.unwrap());
         }
         assert_eq!(close(listener).unwrap().len(), 5);
+        assert_eq!(TcpStream::connect(addr).await.unwrap_err().kind(), io::ErrorKind::ConnectionRefused);
+    }
+
+    #[tokio::test]
+    async fn a_listener_that_opens_no_more_serves_those_that_are_open_and_refuses_the_rest_when_it_closes() {
+        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let addr = listener.local_addr().unwrap();
+        let open = TcpStream::connect(addr).await.unwrap();
+        open_no_more(&listener);
+        let later = tokio::time::timeout(Duration::from_millis(50), TcpStream::connect(addr)).await;
+        assert!(later.is_err(), "its first packet is dropped");
+        let (taken, _) = listener.accept().await.unwrap();
+        open.try_write(b"a request").unwrap();
+        taken.readable().await.unwrap();
+        assert_eq!(taken.try_read(&mut [0; 16]).unwrap(), 9);
+        assert!(close(listener).unwrap().is_empty());
         assert_eq!(TcpStream::connect(addr).await.unwrap_err().kind(), io::ErrorKind::ConnectionRefused);
     }
 }

@@ -56,8 +56,9 @@ impl Server {
             command.env("PATH", path);
         }
         let mut child = command
-            .args(["serve", "--listen", "127.0.0.1:0", "--database"])
+            .args(["serve", "--database"])
             .arg(format!("sqlite://{}", database.display()))
+            .args(if more.contains(&"--listen") { &[][..] } else { &["--listen", "127.0.0.1:0"] })
             .args(more)
             .stdin(Stdio::null())
             .stdout(Stdio::piped())

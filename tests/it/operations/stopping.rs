@@ -24,6 +24,8 @@ async fn a_server_that_is_told_to_stop_goes_on_while_a_balancer_notices() {
     }
 }
 
+/// An address of this machine that no other test uses.
+const OWN_ADDRESS: &str = if cfg!(target_os = "linux") { "127.0.0.7:0" } else { "127.0.0.1:0" };
 /// Clients under load, half of which keep their connections.
 const CLIENTS: usize = 8;
 
@@ -70,7 +72,9 @@ fn load(addr: SocketAddr, keeps: bool, answered: &AtomicUsize) -> std::io::Resul
 fn under_load_a_server_that_stops_answers_every_request_and_resets_no_connection() {
     let folder = tempfile::tempdir().unwrap();
     for round in 0..3 {
-        let mut server = crash::server::Server::start(&folder.path().join(format!("{round}.db")));
+        // Where no other test listens: a port that is free again may be another server's a moment later.
+        let database = folder.path().join(format!("{round}.db"));
+        let mut server = crash::server::Server::start_with(&database, &["--listen", OWN_ADDRESS]);
         let addr = server.api().addr();
         let answered = AtomicUsize::new(0);
         let (status, ends) = std::thread::scope(|scope| {
