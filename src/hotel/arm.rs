@@ -1,15 +1,19 @@
 //! Arms: the methods that drive through the same data.
 
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 /// A method of finding loops.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Arm {
     /// Revisit as it comes.
     Ours,
     /// The paper's method to the letter: every switch of ours off.
     Paper,
-    /// Bag of words and Sim3 without anchors, which is what ORB-SLAM3 does.
+    /// Bag of words and Sim3 without anchors: ORB-SLAM3's candidates and its transformation, without its guided projections
+    /// (50 and 80 matches) and without the three keyframes that must agree.
+    #[serde(rename = "bow")]
     BagOfWords,
 }
 

@@ -1,7 +1,10 @@
 //! Noise: what makes a world harder than the paper's.
 
+use serde::{Deserialize, Serialize};
+
 /// A kind of trouble.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum NoiseKind {
     /// None: the paper's worlds.
     None,
@@ -33,8 +36,9 @@ impl NoiseKind {
         Self::Mixed,
         Self::Renumbered,
     ];
-    /// One trouble at a time.
-    pub const TROUBLES: [Self; 5] = [Self::Reader, Self::Missed, Self::Repeated, Self::Wording, Self::Fleet];
+    /// One trouble at a time, and at last all of it together.
+    pub const TROUBLES: [Self; 6] =
+        [Self::Reader, Self::Missed, Self::Repeated, Self::Wording, Self::Fleet, Self::Mixed];
 
     /// The kind of a name.
     pub fn of_name(name: &str) -> Option<Self> {

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeSet;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::chance::Chance;
 use super::floor_plan::FloorPlan;
@@ -71,7 +71,7 @@ pub fn round_of(visit: usize) -> usize {
 }
 
 /// The queries of one round.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Round {
     /// All.
     pub all: Counts,
@@ -103,7 +103,7 @@ pub fn by_round(driven: &Driven, journey: &Journey, first: &World, eras: &[Era])
 }
 
 /// The signs that a map holds at the end of a tour, by what became of them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Signs {
     /// Plates that are retired, and hang there no longer.
     pub retired_gone: u64,

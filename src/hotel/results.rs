@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::arm::Arm;
 use super::noise::NoiseKind;
@@ -12,8 +12,12 @@ use super::score::{Counts, Outcome, by_query, by_visit, confidence_interval};
 use super::trial::Driven;
 use crate::client::Candidate;
 
+/// A wrong loop between keyframes that were taken nearer to each other than this, in metres, is one between views of the same
+/// signs from two sides.
+pub const NEAR_M: f64 = 3.0;
+
 /// A share with the figures behind it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Share {
     /// So many ...
     pub part: u64,
@@ -26,7 +30,7 @@ pub struct Share {
 }
 
 /// Precision and recall.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Accuracy {
     /// Right answers of all answers.
     pub precision: Share,
@@ -35,10 +39,10 @@ pub struct Accuracy {
 }
 
 /// One arm on one sequence or world.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ArmResult {
     /// `ours`, `paper` or `bow`.
-    pub arm: &'static str,
+    pub arm: Arm,
     /// By query.
     pub by_query: Accuracy,
     /// By visit, the paper's unit.
@@ -49,13 +53,12 @@ pub struct ArmResult {
     pub optimised: usize,
     /// The keyframes whose answer was wrong.
     pub wrong: Vec<String>,
+    /// How many of them were taken less than [`NEAR_M`] from the place that they were taken for.
+    pub wrong_near: usize,
     /// Those that had a true loop and no answer.
     pub missed: Vec<String>,
     /// The reason codes of the right candidates at those, each with how often it decided.
     pub lost_by: BTreeMap<String, u64>,
-    /// The counts again, to be pooled.
-    #[serde(skip)]
-    pub counts: [Counts; 2],
 }
 
 /// One sequence of the paper.
@@ -92,10 +95,10 @@ pub struct Confusion {
 }
 
 /// One random world under one kind of noise.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WorldResult {
-    /// The kind's name.
-    pub noise: &'static str,
+    /// What makes it harder.
+    pub noise: NoiseKind,
     /// The world's number.
     pub seed: u64,
     /// How many keyframes its tours have.
@@ -103,14 +106,11 @@ pub struct WorldResult {
     /// The arms.
     pub arms: Vec<ArmResult>,
     /// Ours, round by round, where door numbers change.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rounds: Vec<Round>,
     /// The signs of its map at the end.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub signs: Option<Signs>,
-    /// The kind.
-    #[serde(skip)]
-    pub kind: NoiseKind,
 }
 
 impl Accuracy {
@@ -119,6 +119,16 @@ impl Accuracy {
         Self {
             precision: Share::of(counts.right, counts.accepted),
             recall: Share::of(counts.found, counts.with_truth),
+        }
+    }
+
+    /// The counts behind it.
+    pub fn counts(&self) -> Counts {
+        Counts {
+            accepted: self.precision.whole,
+            right: self.precision.part,
+            with_truth: self.recall.whole,
+            found: self.recall.part,
         }
     }
 }
@@ -158,32 +168,32 @@ impl ArmResult {
     /// Of a drive.
     pub fn of(driven: &Driven) -> Self {
         let scored = driven.scored();
-        let counts = [by_query(&scored), by_visit(&scored)];
         let with = |outcome: Outcome| -> Vec<String> {
             let those = driven.asked.iter().filter(|asked| asked.scored.outcome == outcome);
             those.map(|asked| super::explain::keyframe_id(asked.keyframe)).collect()
         };
+        let wrong = || driven.asked.iter().filter(|asked| asked.scored.outcome == Outcome::Wrong);
         let mut lost_by = BTreeMap::new();
         for code in driven.asked.iter().filter_map(|asked| asked.lost_by.clone()) {
             *lost_by.entry(code).or_default() += 1;
         }
         Self {
-            arm: driven.arm.name(),
-            by_query: Accuracy::of(&counts[0]),
-            by_visit: Accuracy::of(&counts[1]),
+            arm: driven.arm,
+            by_query: Accuracy::of(&by_query(&scored)),
+            by_visit: Accuracy::of(&by_visit(&scored)),
             absolute_pose_error_m: driven.absolute_pose_error_m,
             optimised: driven.closed,
             wrong: with(Outcome::Wrong),
+            wrong_near: wrong().filter(|asked| asked.apart_m.is_some_and(|apart_m| apart_m < NEAR_M)).count(),
             missed: with(Outcome::Missed),
             lost_by,
-            counts,
         }
     }
 }
 
 /// An arm's counts by query and by visit over several results.
 pub fn pooled<'a>(results: impl Iterator<Item = &'a [ArmResult]>, arm: Arm) -> [Counts; 2] {
-    results.flatten().filter(|result| result.arm == arm.name()).fold([Counts::default(); 2], |sum, result| {
-        [sum[0].plus(result.counts[0]), sum[1].plus(result.counts[1])]
+    results.flatten().filter(|result| result.arm == arm).fold([Counts::default(); 2], |sum, result| {
+        [sum[0].plus(result.by_query.counts()), sum[1].plus(result.by_visit.counts())]
     })
 }

@@ -39,6 +39,12 @@ impl Course {
         Self { journeys, order, answers, first_stays }
     }
 
+    /// How far apart two keyframes were taken, in metres.
+    fn apart_m(&self, a: KeyframeIndex, b: KeyframeIndex) -> f64 {
+        let [a, b] = [a, b].map(|(robot, number)| self.journeys[robot].steps[number].stop.stand.at);
+        (a[0] - b[0]).hypot(a[1] - b[1])
+    }
+
     /// Was this keyframe taken in a room that a robot, this one or another, had visited before?
     fn is_revisit(&self, keyframe: KeyframeIndex) -> bool {
         let stop = self.journeys[keyframe.0].steps[keyframe.1].stop;
@@ -65,8 +71,12 @@ pub struct Asked {
     pub keyframe: KeyframeIndex,
     /// The keyframe that was answered, if it is one of ours.
     pub best: Option<KeyframeIndex>,
+    /// How far apart the two were taken in truth, in metres.
+    pub apart_m: Option<f64>,
     /// The candidate that the arm ranks first, whether it passed its threshold or not.
     pub ranked: Option<Ranked>,
+    /// What bag of words alone would have answered.
+    pub words: WordsAlone,
     /// How it is scored.
     pub scored: Scored,
     /// Why a loop that was there was not found: the reason of the right candidate that came farthest.
@@ -82,6 +92,17 @@ pub struct Ranked {
     pub score: f64,
     /// Is it the same place?
     pub is_right: bool,
+}
+
+/// What bag of words alone answers: the candidate whose words are most alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WordsAlone {
+    /// One that is neither right nor wrong.
+    Unscored,
+    /// None.
+    Nothing,
+    /// One, with the score of its words.
+    Names(Ranked),
 }
 
 /// An arm at the end of its drive.
@@ -131,7 +152,9 @@ pub async fn drive(
         let ranked = ranked(arm, &answer, answerable, |keyframe| find(&robots, keyframe));
         let lost_by =
             (outcome == Outcome::Missed).then(|| lost_by(&answer, answerable, |id| find(&robots, id)));
-        let this = Asked { keyframe: *keyframe, best, ranked, scored, lost_by, answer };
+        let apart_m = best.map(|best| course.apart_m(*keyframe, best));
+        let words = words_alone(&answer, answerable, |keyframe| find(&robots, keyframe));
+        let this = Asked { keyframe: *keyframe, best, apart_m, ranked, words, scored, lost_by, answer };
         told(&this);
         asked.push(this);
     }
@@ -200,6 +223,22 @@ fn ranked(
     let keyframe = find(&first.keyframe)?;
     let is_right = answerable.truth.contains(&keyframe);
     (is_right || !answerable.ignore.contains(&keyframe)).then(|| Ranked { score: score(first), is_right })
+}
+
+fn words_alone(
+    answer: &LoopAnswer,
+    answerable: &Answerable,
+    find: impl Fn(&str) -> Option<KeyframeIndex>,
+) -> WordsAlone {
+    let by_words = answer.candidates.iter().filter(|candidate| candidate.bow_score() > 0.0);
+    let best = by_words.rev().max_by(|a, b| a.bow_score().total_cmp(&b.bow_score()));
+    let Some((candidate, keyframe)) = best.and_then(|best| Some((best, find(&best.keyframe)?))) else {
+        return WordsAlone::Nothing;
+    };
+    match answerable.truth.contains(&keyframe) {
+        false if answerable.ignore.contains(&keyframe) => WordsAlone::Unscored,
+        is_right => WordsAlone::Names(Ranked { score: candidate.bow_score(), is_right }),
+    }
 }
 
 /// Returns the reason code of the first right candidate, which is the best of those that failed; `not_a_candidate` if the

@@ -19,7 +19,7 @@ mod overrides;
 mod play;
 mod recording;
 mod report;
-mod score;
+pub(in crate::cli) mod score;
 mod table;
 #[cfg(test)]
 mod tests;

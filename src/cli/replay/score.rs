@@ -8,7 +8,7 @@ use serde::Serialize;
 
 /// One scored method's answer to one query, next to what is true.
 #[derive(Clone, Debug)]
-pub(super) struct Marked {
+pub(in crate::cli) struct Marked {
     /// The query has a true loop.
     pub has_truth: bool,
     /// What the method names best, if anything.
@@ -17,7 +17,7 @@ pub(super) struct Marked {
 
 /// What a method names best.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Best {
+pub(in crate::cli) struct Best {
     pub correct: bool,
     /// How sure the method is.
     pub score: f64,
@@ -25,7 +25,7 @@ pub(super) struct Best {
 
 /// Precision and recall, with what they are made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub(super) struct Accuracy {
+pub(in crate::cli) struct Accuracy {
     /// Loops said.
     pub accepted: u64,
     /// Loops said that are true.
@@ -40,7 +40,7 @@ pub(super) struct Accuracy {
 
 /// BoW alone, which has no threshold of its own: three ways to choose one, knowing the truth.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub(super) struct BowOnly {
+pub(in crate::cli) struct BowOnly {
     /// Accepting every best candidate.
     #[serde(flatten)]
     pub every_best: Accuracy,
@@ -52,7 +52,7 @@ pub(super) struct BowOnly {
 
 /// What accepting scores of at least `threshold` gives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(super) struct AtThreshold {
+pub(in crate::cli) struct AtThreshold {
     /// The lowest score accepted.
     pub threshold: f64,
     /// Harmonic mean of precision and recall.
@@ -63,7 +63,7 @@ pub(super) struct AtThreshold {
 }
 
 /// The accuracy of a method that accepts what it names best.
-pub(super) fn accuracy(marked: &[Marked]) -> Accuracy {
+pub(in crate::cli) fn accuracy(marked: &[Marked]) -> Accuracy {
     let best = || marked.iter().filter_map(|query| query.best);
     Accuracy::new(
         best().count() as u64,
@@ -73,7 +73,7 @@ pub(super) fn accuracy(marked: &[Marked]) -> Accuracy {
 }
 
 /// The accuracy of BoW alone.
-pub(super) fn bow_only(marked: &[Marked]) -> BowOnly {
+pub(in crate::cli) fn bow_only(marked: &[Marked]) -> BowOnly {
     let every_best = accuracy(marked);
     let thresholds = thresholds(marked, every_best.with_truth);
     let no_false_loop = thresholds
