@@ -2,8 +2,10 @@
 
 use futures_util::{StreamExt as _, TryStreamExt as _};
 
+use super::HotelArgs;
 use super::files::{self, Driven12};
-use super::{HotelArgs, progress_bar};
+use super::progress::Progress;
+use super::words_alone::words_alone;
 use crate::cli::{Failure, write_out};
 use crate::client::Client;
 use crate::hotel::arm::Arm;
@@ -16,20 +18,21 @@ use crate::hotel::trial::{self, absolute_pose_error_m, drive};
 
 /// Drives those that are asked for, all twelve if none is, prints the tables and writes the files.
 pub(super) async fn run(args: &HotelArgs, client: &Client) -> Result<(), Failure> {
-    // A sequence is counted as so many steps; how many keyframes it will have is not known before it is planned.
     let asked = if args.sequences.is_empty() { SEQUENCES.to_vec() } else { args.sequences.clone() };
-    let bar = progress_bar((asked.len() * Arm::ALL.len()) as u64);
+    let progress = Progress::new(asked.len() * Arm::ALL.len());
     let drives: Vec<Driven12> = futures_util::stream::iter(asked)
-        .map(|printed| drive_sequence(client, printed, &bar))
+        .map(|printed| drive_sequence(client, printed, &progress))
         .buffered(usize::from(args.jobs))
         .try_collect()
         .await?;
-    bar.finish_and_clear();
+    progress.finish();
     let results: Vec<SequenceResult> = drives.iter().map(|driven| driven.result.clone()).collect();
     files::write_sequences(&args.output, &drives)?;
     let text = format!(
-        "{}\n{}\n{}\n{}\nwritten to {}: figure6.svg, precision-recall.svg, trajectories/*.tum, results.json\n",
+        "{}\n{}\n{}\n{}\n{}\n{}\nwritten to {}: figure6.svg, precision-recall.svg, trajectories/*.tum, results.json\n",
         tables::table_2(&results),
+        tables::caveats(&results),
+        words_alone(&drives),
         tables::confusion(&results),
         tables::table_3(&results),
         tables::losses(results.iter().map(|result| result.arms.as_slice())),
@@ -41,18 +44,19 @@ pub(super) async fn run(args: &HotelArgs, client: &Client) -> Result<(), Failure
 async fn drive_sequence(
     client: &Client,
     printed: PrintedSequence,
-    bar: &indicatif::ProgressBar,
+    progress: &Progress,
 ) -> Result<Driven12, Failure> {
     let scenario =
         tokio::task::spawn_blocking(move || Scenario::of_paper(&printed, &Patterns::new())).await?;
     let odometry = trial::odometry(&scenario.course);
     let mut arms = Vec::new();
     for arm in Arm::ALL {
-        bar.set_message(format!("{}, {}", printed.name(), arm.title()));
+        let mut shown =
+            progress.drive(format!("{}, {}", printed.name(), arm.title()), scenario.course.order.len());
         let map = format!("{}-{}", printed.name().replace(' ', "-"), arm.name());
-        arms.push(drive(client, &map, arm, &scenario.course, |_| {}).await?);
+        arms.push(drive(client, &map, arm, &scenario.course, |_| shown.keyframe()).await?);
         client.delete_map(&map).await?;
-        bar.inc(1);
+        shown.end();
     }
     let result = SequenceResult {
         sequence: printed.name(),

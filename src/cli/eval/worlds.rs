@@ -3,7 +3,9 @@
 use futures_util::{StreamExt as _, TryStreamExt as _};
 use serde_json::Value;
 
-use super::{HotelArgs, WORLD_ARMS, files, progress_bar};
+use super::driven_worlds::DrivenWorlds;
+use super::progress::Progress;
+use super::{HotelArgs, WORLD_ARMS, files};
 use crate::cli::{Failure, write_out};
 use crate::client::Client;
 use crate::hotel::arm::Arm;
@@ -26,22 +28,22 @@ pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result
     let of =
         |kind: &NoiseKind| seeds.clone().take(count as usize).map(|seed| (*kind, seed)).collect::<Vec<_>>();
     let worlds: Vec<(NoiseKind, u64)> = kinds.iter().flat_map(of).collect();
-    let bar = progress_bar(worlds.len() as u64);
-    let results: Vec<WorldResult> = futures_util::stream::iter(worlds)
-        .map(|(kind, seed)| {
-            let bar = bar.clone();
-            async move {
-                bar.set_message(format!("world {seed}, {}", kind.title()));
-                let result = drive_world(client, kind, seed).await;
-                bar.inc(1);
-                result
-            }
+    let folder = args.resume.as_deref().unwrap_or(&args.output);
+    let driven = DrivenWorlds::open(folder, args.resume.is_some())?;
+    let left = driven.left(worlds.clone());
+    let progress = Progress::new(left.iter().map(|(kind, _)| arms_of(*kind).len()).sum());
+    let now: Vec<WorldResult> = futures_util::stream::iter(left)
+        .map(async |(kind, seed)| {
+            let result = drive_world(client, kind, seed, &progress).await?;
+            driven.keep(&result)?;
+            Ok::<_, Failure>(result)
         })
         .buffered(usize::from(args.jobs))
         .try_collect()
         .await?;
-    bar.finish_and_clear();
-    files::write_worlds(&args.output, &results)?;
+    progress.finish();
+    let results = driven.all(now, &worlds);
+    files::write_worlds(folder, &results)?;
     let table = tables::noise_table(&results, &WORLD_ARMS);
     let failures = tables::failures(&results);
     let losses = tables::losses(results.iter().map(|result| result.arms.as_slice()));
@@ -51,14 +53,25 @@ pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result
     ))?)
 }
 
-async fn drive_world(client: &Client, kind: NoiseKind, seed: u64) -> Result<WorldResult, Failure> {
+/// The paper knows no new numbers, and eight rounds take long.
+fn arms_of(kind: NoiseKind) -> &'static [Arm] {
+    if kind == NoiseKind::Renumbered { &WORLD_ARMS[..1] } else { &WORLD_ARMS }
+}
+
+async fn drive_world(
+    client: &Client,
+    kind: NoiseKind,
+    seed: u64,
+    progress: &Progress,
+) -> Result<WorldResult, Failure> {
     let scenario = world(kind, seed).await?;
     let (mut arms, mut rounds, mut signs) = (Vec::new(), Vec::new(), None);
-    // The paper knows no new numbers, and eight rounds take long.
-    let arms_of_kind = if kind == NoiseKind::Renumbered { &WORLD_ARMS[..1] } else { &WORLD_ARMS };
-    for arm in arms_of_kind.iter().copied() {
+    for arm in arms_of(kind).iter().copied() {
+        let name = format!("world {seed}, {}, {}", kind.title(), arm.title());
+        let mut shown = progress.drive(name, scenario.course.order.len());
         let map = format!("{}-{seed}-{}", kind.name(), arm.name());
-        let driven = drive(client, &map, arm, &scenario.course, |_| {}).await?;
+        let driven = drive(client, &map, arm, &scenario.course, |_| shown.keyframe()).await?;
+        shown.end();
         arms.push(ArmResult::of(&driven));
         if arm == Arm::Ours && kind == NoiseKind::Renumbered {
             rounds = by_round(&driven, &scenario.course.journeys[0], &scenario.world, &scenario.eras);
@@ -66,15 +79,7 @@ async fn drive_world(client: &Client, kind: NoiseKind, seed: u64) -> Result<Worl
         }
         client.delete_map(&map).await?;
     }
-    Ok(WorldResult {
-        noise: kind.name(),
-        seed,
-        keyframes: scenario.course.order.len(),
-        arms,
-        rounds,
-        signs,
-        kind,
-    })
+    Ok(WorldResult { noise: kind, seed, keyframes: scenario.course.order.len(), arms, rounds, signs })
 }
 
 /// Counts what became of the signs of a map.

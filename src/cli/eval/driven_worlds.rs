@@ -1,0 +1,154 @@
+//! Driven worlds: each result is written as its drive ends, so that a run that was stopped can be taken up again.
+//!
+//! `worlds.ndjson` begins with a line that names the program that drives, by its SHA-256: figures of two methods are not
+//! mixed. Each line after it is one world.
+
+use std::collections::HashSet;
+use std::fs::{self, File, OpenOptions};
+use std::io::Write as _;
+use std::path::Path;
+use std::sync::Mutex;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest as _, Sha256};
+
+use crate::cli::Failure;
+use crate::hotel::noise::NoiseKind;
+use crate::hotel::results::WorldResult;
+
+const FILE: &str = "worlds.ndjson";
+
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct Begin {
+    program: String,
+}
+
+/// The worlds that were driven so far.
+pub(super) struct DrivenWorlds {
+    before: Vec<WorldResult>,
+    file: Mutex<File>,
+}
+
+impl DrivenWorlds {
+    /// Begins a run in a folder, or takes up the one that is there.
+    pub fn open(folder: &Path, resume: bool) -> Result<Self, Failure> {
+        fs::create_dir_all(folder)?;
+        Self::open_by(folder, resume, &this_program()?)
+    }
+
+    fn open_by(folder: &Path, resume: bool, program: &str) -> Result<Self, Failure> {
+        let path = folder.join(FILE);
+        let begin = Begin { program: program.to_owned() };
+        let before = if resume { read(&path, &begin)? } else { Vec::new() };
+        // Written anew: the last line of a run that was stopped may be half a line.
+        let mut text = line(&begin)?;
+        for result in &before {
+            text.push_str(&line(result)?);
+        }
+        let beside = folder.join(format!("{FILE}.new"));
+        fs::write(&beside, text)?;
+        fs::rename(&beside, &path)?;
+        let file = Mutex::new(OpenOptions::new().append(true).open(&path)?);
+        Ok(Self { before, file })
+    }
+
+    /// Returns those of a list that are still to be driven.
+    pub fn left(&self, worlds: Vec<(NoiseKind, u64)>) -> Vec<(NoiseKind, u64)> {
+        let driven: HashSet<(NoiseKind, u64)> = self.before.iter().map(key).collect();
+        worlds.into_iter().filter(|world| !driven.contains(world)).collect()
+    }
+
+    /// Keeps a result.
+    pub fn keep(&self, result: &WorldResult) -> Result<(), Failure> {
+        let line = line(result)?;
+        let mut file = self.file.lock().map_err(|_| "a drive before this one was not kept")?;
+        Ok(file.write_all(line.as_bytes())?)
+    }
+
+    /// Returns the results of a list, those of before and those of now, in its order.
+    pub fn all(self, now: Vec<WorldResult>, worlds: &[(NoiseKind, u64)]) -> Vec<WorldResult> {
+        let mut results = self.before;
+        results.extend(now);
+        let place = |result: &WorldResult| worlds.iter().position(|world| *world == key(result));
+        results.retain(|result| place(result).is_some());
+        results.sort_by_key(place);
+        results
+    }
+}
+
+fn key(result: &WorldResult) -> (NoiseKind, u64) {
+    (result.noise, result.seed)
+}
+
+fn line(value: &impl Serialize) -> Result<String, Failure> {
+    Ok(format!("{}\n", serde_json::to_string(value)?))
+}
+
+fn read(path: &Path, begin: &Begin) -> Result<Vec<WorldResult>, Failure> {
+    let text = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    // What follows the last end of a line was not finished.
+    let whole = text.rfind('\n').map_or("", |end| &text[..end]);
+    let mut lines = whole.lines();
+    let begun: Begin = serde_json::from_str(lines.next().unwrap_or_default())
+        .map_err(|error| format!("{}, line 1: {error}", path.display()))?;
+    if begun != *begin {
+        return Err(format!("{} was begun by another build of this program", path.display()).into());
+    }
+    let parse = |(number, line): (usize, &str)| {
+        serde_json::from_str(line)
+            .map_err(|error| format!("{}, line {}: {error}", path.display(), number + 2))
+    };
+    Ok(lines.enumerate().map(parse).collect::<Result<_, _>>()?)
+}
+
+fn this_program() -> Result<String, Failure> {
+    let mut hasher = Sha256::new();
+    hasher.update(fs::read(std::env::current_exe()?)?);
+    Ok(STANDARD.encode(hasher.finalize()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn result(seed: u64) -> WorldResult {
+        WorldResult {
+            noise: NoiseKind::Mixed,
+            seed,
+            keyframes: 7,
+            arms: Vec::new(),
+            rounds: Vec::new(),
+            signs: None,
+        }
+    }
+
+    #[test]
+    fn a_run_that_was_stopped_within_a_line_goes_on_after_the_last_whole_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = DrivenWorlds::open_by(folder.path(), false, "a").unwrap();
+        first.keep(&result(3)).unwrap();
+        first.file.lock().unwrap().write_all(b"{\"noise\":\"mix").unwrap();
+        let worlds: Vec<_> = (1..=3).map(|seed| (NoiseKind::Mixed, seed)).collect();
+        let second = DrivenWorlds::open_by(folder.path(), true, "a").unwrap();
+        let left = second.left(worlds.clone());
+        assert_eq!(left, [(NoiseKind::Mixed, 1), (NoiseKind::Mixed, 2)]);
+        second.keep(&result(2)).unwrap();
+        let third = DrivenWorlds::open_by(folder.path(), true, "a").unwrap();
+        assert_eq!(third.left(worlds.clone()), [(NoiseKind::Mixed, 1)]);
+        let seeds: Vec<u64> = third.all(vec![result(1)], &worlds).iter().map(|result| result.seed).collect();
+        assert_eq!(seeds, [1, 2, 3], "in the order of the list");
+    }
+
+    #[test]
+    fn figures_of_another_build_are_refused_and_a_run_that_is_not_resumed_begins_anew() {
+        let folder = tempfile::tempdir().unwrap();
+        DrivenWorlds::open_by(folder.path(), false, "a").unwrap().keep(&result(1)).unwrap();
+        let refused = DrivenWorlds::open_by(folder.path(), true, "b").err().unwrap().to_string();
+        assert!(refused.contains("another build"), "{refused}");
+        assert!(DrivenWorlds::open_by(folder.path(), false, "b").unwrap().before.is_empty());
+        let none = DrivenWorlds::open_by(&folder.path().join("none"), true, "b").err().unwrap().to_string();
+        assert!(none.contains("worlds.ndjson"), "{none}");
+    }
+}

@@ -1,0 +1,130 @@
+//! Progress: how much of an experiment is driven; a bar on a terminal, elsewhere a line for each drive.
+
+use std::io::Write as _;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
+
+/// Steps of the bar for one drive, whatever its number of keyframes.
+const STEPS: u64 = 1_000;
+
+/// The drives of an experiment.
+pub(super) struct Progress {
+    bar: ProgressBar,
+    drives: u64,
+    begun: Instant,
+    ended: Mutex<u64>,
+}
+
+/// One drive.
+pub(super) struct Drive<'a> {
+    progress: &'a Progress,
+    name: String,
+    begun: Instant,
+    keyframes: usize,
+    heard: usize,
+    steps: u64,
+}
+
+impl Progress {
+    /// Begins so many drives.
+    pub fn new(drives: usize) -> Self {
+        let drives = drives as u64;
+        let bar = ProgressBar::new(drives * STEPS);
+        let style = ProgressStyle::with_template("{msg:40} {wide_bar} {percent:>3} % {left:>12}");
+        let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
+        // By the whole way so far: drives differ, and the bar's own guess jumps with each of them.
+        let left = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
+            let (done, whole) = (state.pos(), state.len().unwrap_or(0));
+            let _ = write!(out, "{}", left(state.elapsed(), done, whole));
+        };
+        bar.set_style(style.with_key("left", left));
+        bar.enable_steady_tick(Duration::from_millis(250));
+        let progress = Self { bar, drives, begun: Instant::now(), ended: Mutex::new(0) };
+        progress.tell(&format!("{drives} drives"));
+        progress
+    }
+
+    /// Begins one of them.
+    pub fn drive(&self, name: String, keyframes: usize) -> Drive<'_> {
+        self.bar.set_message(name.clone());
+        Drive { progress: self, name, begun: Instant::now(), keyframes, heard: 0, steps: 0 }
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+
+    /// Writes a line where there is no terminal.
+    fn tell(&self, line: &str) {
+        if self.bar.is_hidden() {
+            // Who reads it may have gone; the results go elsewhere.
+            let _ = writeln!(std::io::stderr(), "{line}");
+        }
+    }
+
+    fn count_ended(&self) -> u64 {
+        // A number is whole after each of its operations.
+        let mut ended = self.ended.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        *ended += 1;
+        *ended
+    }
+}
+
+impl Drive<'_> {
+    /// Counts a keyframe.
+    pub fn keyframe(&mut self) {
+        self.heard += 1;
+        let steps = (self.heard as u64 * STEPS / self.keyframes.max(1) as u64).min(STEPS);
+        self.progress.bar.inc(steps - self.steps);
+        self.steps = steps;
+    }
+
+    /// Ends it.
+    pub fn end(self) {
+        let Self { progress, name, begun, steps, .. } = self;
+        progress.bar.inc(STEPS - steps);
+        let ended = progress.count_ended();
+        let took = HumanDuration(begun.elapsed());
+        let left = left(progress.begun.elapsed(), ended, progress.drives);
+        progress.tell(&format!("{ended} of {}: {name}, {took}; {left}", progress.drives));
+    }
+}
+
+/// Says how long the rest takes, if it goes on as it went.
+fn left(elapsed: Duration, done: u64, whole: u64) -> String {
+    if done == 0 {
+        return String::from("begun");
+    }
+    let left = elapsed.mul_f64(whole.saturating_sub(done) as f64 / done as f64);
+    format!("{} left", HumanDuration(left))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_takes_as_long_as_the_same_share_of_the_way_did() {
+        let minute = Duration::from_mins(1);
+        assert_eq!(left(minute, 0, 4), "begun");
+        assert_eq!(left(minute, 1, 4), "3 minutes left");
+        assert_eq!(left(minute, 4, 4), "0 seconds left");
+    }
+
+    #[test]
+    fn a_drive_fills_its_part_of_the_bar_whatever_it_has_heard() {
+        let progress = Progress::new(2);
+        let mut drive = progress.drive(String::from("a"), 3);
+        drive.keyframe();
+        assert_eq!(progress.bar.position(), 333);
+        for _ in 0..5 {
+            drive.keyframe();
+        }
+        drive.end();
+        progress.drive(String::from("b"), 7).end();
+        assert_eq!(progress.bar.position(), 2 * STEPS);
+    }
+}

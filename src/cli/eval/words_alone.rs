@@ -1,0 +1,55 @@
+//! Words alone: bag of words without geometry, at the threshold that is best once the truth is known.
+//!
+//! It stands beside the arms because it is better than it looks: in a hotel whose rooms are furnished alike its best
+//! threshold is high, and the loops that it then names are mostly right.
+
+use std::fmt::Write as _;
+
+use super::files::Driven12;
+use crate::cli::replay::score::{Accuracy, Best, Marked, bow_only};
+use crate::hotel::arm::Arm;
+use crate::hotel::paper::ORB_SLAM3_PRECISION;
+use crate::hotel::trial::{Asked, WordsAlone};
+
+/// Returns a line for each data set and each way to choose a threshold.
+pub(super) fn words_alone(drives: &[Driven12]) -> String {
+    let mut text = String::from(
+        "words alone, by query, with a threshold that is chosen with the truth in hand (as `revisit replay` prints it)\n",
+    );
+    for (dataset, _) in ORB_SLAM3_PRECISION {
+        let of_dataset = drives.iter().filter(|driven| driven.result.printed.dataset == dataset);
+        let ours = of_dataset.flat_map(|driven| &driven.arms).filter(|driven| driven.arm == Arm::Ours);
+        let marked: Vec<Marked> = ours.flat_map(|driven| &driven.asked).filter_map(marked).collect();
+        if marked.is_empty() {
+            continue;
+        }
+        let words = bow_only(&marked);
+        let _ =
+            writeln!(text, "{dataset}  every best candidate                {}", figures(&words.every_best));
+        if let Some(best) = &words.best_f1 {
+            let name = format!("best F1 (score >= {:.3})", best.threshold);
+            let _ = writeln!(text, "{dataset}  {name:34}  {}", figures(&best.accuracy));
+        }
+        let recall = percent(words.recall_at_precision_1);
+        let _ = writeln!(text, "{dataset}  {:34}  precision 100.0 %, recall {recall}", "no false loop");
+    }
+    text
+}
+
+/// Returns a query as it is scored; none if its best is neither right nor wrong.
+fn marked(asked: &Asked) -> Option<Marked> {
+    let best = match asked.words {
+        WordsAlone::Unscored => return None,
+        WordsAlone::Nothing => None,
+        WordsAlone::Names(ranked) => Some(Best { correct: ranked.is_right, score: ranked.score }),
+    };
+    Some(Marked { has_truth: asked.scored.has_truth, best })
+}
+
+fn figures(accuracy: &Accuracy) -> String {
+    format!("precision {}, recall {}", percent(accuracy.precision), percent(accuracy.recall))
+}
+
+fn percent(share: Option<f64>) -> String {
+    share.map_or_else(|| String::from("-"), |share| format!("{:.1} %", 100.0 * share))
+}
