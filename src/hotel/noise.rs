@@ -110,3 +110,16 @@ pub struct Noise {
     /// Descriptions vary in their wording.
     pub other_wording: bool,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_kind_has_one_name_on_the_command_line_and_in_results() {
+        for kind in NoiseKind::ALL {
+            assert_eq!(serde_json::to_value(kind).unwrap(), kind.name());
+            assert_eq!(NoiseKind::of_name(kind.name()), Some(kind));
+        }
+    }
+}

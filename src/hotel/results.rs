@@ -12,8 +12,7 @@ use super::score::{Counts, Outcome, by_query, by_visit, confidence_interval};
 use super::trial::Driven;
 use crate::client::Candidate;
 
-/// A wrong loop between keyframes that were taken nearer to each other than this, in metres, is one between views of the same
-/// signs from two sides.
+/// The distance in truth, in metres, below which the two keyframes of a wrong loop were taken near each other.
 pub const NEAR_M: f64 = 3.0;
 
 /// A share with the figures behind it.
@@ -47,7 +46,8 @@ pub struct ArmResult {
     pub by_query: Accuracy,
     /// By visit, the paper's unit.
     pub by_visit: Accuracy,
-    /// RMSE of the positions after alignment, in metres.
+    /// RMSE of the positions after alignment, in metres; NaN (`null`) where they cannot be aligned.
+    #[serde(deserialize_with = "nan_of_null")]
     pub absolute_pose_error_m: f64,
     /// How often the robots optimised their pose graphs.
     pub optimised: usize,
@@ -111,6 +111,10 @@ pub struct WorldResult {
     /// The signs of its map at the end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub signs: Option<Signs>,
+}
+
+fn nan_of_null<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
 }
 
 impl Accuracy {

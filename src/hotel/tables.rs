@@ -1,6 +1,6 @@
 //! Tables: the paper's Tables II and III beside what was measured, and one row for each kind of noise.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use super::arm::Arm;
@@ -46,12 +46,12 @@ pub fn table_2(results: &[SequenceResult]) -> String {
     text
 }
 
-/// What a reader of Table II must know about it.
+/// Tells what a reader of Table II must know about it.
 pub fn caveats(results: &[SequenceResult]) -> String {
     let mut text = String::from(
         "The paper printed its figures for a hotel of its own, which is not public. A tour comes back to one of its rooms, so that\n\
          by visit one wrong loop weighs as much as that return. The last two close a loop that one keyframe finds, with 20 inliers;\n\
-         ORB-SLAM3 waits for 50 and 80 matches and for three keyframes that agree, and would close fewer, wrong and right.\n",
+         ORB-SLAM3 waits for 50 and 80 matches and for three keyframes that agree.\n",
     );
     for arm in Arm::ALL {
         let of_arm = || results.iter().filter_map(|result| arm_of(&result.arms, arm));
@@ -59,7 +59,7 @@ pub fn caveats(results: &[SequenceResult]) -> String {
         let near: usize = of_arm().map(|result| result.wrong_near).sum();
         let _ = writeln!(
             text,
-            "  {:14} {wrong:>5} wrong loops, {near} of them less than {NEAR_M} m from the place that was named (the same signs from another side)",
+            "  {:14} {wrong:>5} wrong loops, {near} of them less than {NEAR_M} m from the place that was named",
             arm.title()
         );
     }
@@ -154,14 +154,20 @@ pub fn noise_table(results: &[WorldResult], arms: &[Arm]) -> String {
             row(kind.title(), *arm, pooled(of_kind.iter().map(|result| result.arms.as_slice()), *arm));
         }
     }
-    // One trouble at a time, as it has always been: all of it together is a world of its own.
-    let troubles = |result: &&WorldResult| result.noise != NoiseKind::Mixed;
-    for arm in arms {
-        let of_troubles = results.iter().filter(troubles).map(|result| result.arms.as_slice());
-        row("pooled, one trouble at a time", *arm, pooled(of_troubles, *arm));
+    let kinds: BTreeSet<NoiseKind> = pooled_worlds(results).map(|result| result.noise).collect();
+    for arm in arms.iter().filter(|_| kinds.len() > 1) {
+        let of_kinds = pooled_worlds(results).map(|result| result.arms.as_slice());
+        row("pooled, one kind at a time", *arm, pooled(of_kinds, *arm));
     }
     text.push_str("\nin %, in brackets Wilson's interval at 95 %\n");
     text
+}
+
+/// Returns the worlds that are pooled: those with one trouble each, or all if there are no others.
+pub fn pooled_worlds(results: &[WorldResult]) -> impl Iterator<Item = &WorldResult> {
+    let is_pooled = |result: &&WorldResult| result.noise != NoiseKind::Mixed;
+    let all = !results.iter().any(|result| is_pooled(&result));
+    results.iter().filter(move |result| all || is_pooled(result))
 }
 
 /// Returns the true loops that ours did not find, by the reason of the right candidate that came farthest.
@@ -212,25 +218,21 @@ pub fn rounds(results: &[WorldResult]) -> String {
     text
 }
 
-/// The worlds in which ours was wrong, and how to look into one.
-pub fn failures(results: &[WorldResult]) -> String {
-    let mut text = String::new();
-    for result in results {
-        let Some(ours) = arm_of(&result.arms, Arm::Ours) else { continue };
-        if !ours.wrong.is_empty() {
-            let _ = writeln!(
-                text,
-                "wrong in world {} under {}: {} of {} (replay: revisit eval hotel --world {} --noise {})",
-                result.seed,
-                result.noise.name(),
-                ours.wrong.len(),
-                ours.by_query.precision.whole,
-                result.seed,
-                result.noise.name(),
-            );
-        }
+/// Returns the worlds in which ours was wrong, and how to look into one; of those that are held out their number, for nobody
+/// looks into them.
+pub fn failures(results: &[WorldResult], held_out: bool) -> String {
+    let wrong_in = |result: &WorldResult| arm_of(&result.arms, Arm::Ours).map_or(0, |ours| ours.wrong.len());
+    let failed = || results.iter().filter(|result| wrong_in(result) > 0);
+    let mut text = format!("ours was wrong in {} of {} worlds\n", failed().count(), results.len());
+    for result in failed().filter(|_| !held_out) {
+        let (seed, noise) = (result.seed, result.noise.name());
+        let _ = writeln!(
+            text,
+            "  {} times in world {seed} under {noise} (to look into it: revisit eval hotel --world {seed} --noise {noise})",
+            wrong_in(result),
+        );
     }
-    if text.is_empty() { String::from("ours was wrong in no world\n") } else { text }
+    text
 }
 
 fn arm_of(arms: &[ArmResult], arm: Arm) -> Option<&ArmResult> {

@@ -39,7 +39,7 @@ impl Course {
         Self { journeys, order, answers, first_stays }
     }
 
-    /// How far apart two keyframes were taken, in metres.
+    /// Returns the distance between the places of two keyframes, in metres.
     fn apart_m(&self, a: KeyframeIndex, b: KeyframeIndex) -> f64 {
         let [a, b] = [a, b].map(|(robot, number)| self.journeys[robot].steps[number].stop.stand.at);
         (a[0] - b[0]).hypot(a[1] - b[1])
@@ -71,11 +71,11 @@ pub struct Asked {
     pub keyframe: KeyframeIndex,
     /// The keyframe that was answered, if it is one of ours.
     pub best: Option<KeyframeIndex>,
-    /// How far apart the two were taken in truth, in metres.
+    /// The distance between the two in truth, in metres.
     pub apart_m: Option<f64>,
     /// The candidate that the arm ranks first, whether it passed its threshold or not.
     pub ranked: Option<Ranked>,
-    /// What bag of words alone would have answered.
+    /// The answer of bag of words alone.
     pub words: WordsAlone,
     /// How it is scored.
     pub scored: Scored,
@@ -94,7 +94,7 @@ pub struct Ranked {
     pub is_right: bool,
 }
 
-/// What bag of words alone answers: the candidate whose words are most alike.
+/// The answer of bag of words alone: the candidate whose words are most alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WordsAlone {
     /// One that is neither right nor wrong.

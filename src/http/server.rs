@@ -3,8 +3,8 @@
 //! `axum::serve` waits for ever: for half a head, for a body, for an answer to be taken. Here each of these has its time
 //! ([`super::patient`], [`super::paced`]), and connections have their number ([`super::seats`]).
 //!
-//! Stopping resets no connection. The listener opens no new ones, and is closed after those that were being opened
-//! ([`HANDSHAKES`]) were accepted. Each connection is answered once more, with `connection: close`; one whose client sends
+//! Stopping resets no connection. Where the kernel can (Linux), the listener opens no new ones; it is closed after those that
+//! were being opened ([`HANDSHAKES`]) were accepted. Each connection is answered once more, with `connection: close`; one whose client sends
 //! no request is closed after [`LAST_REQUESTS`].
 
 use std::convert::Infallible;
@@ -44,7 +44,7 @@ use crate::service::Service;
 
 /// How long requests in flight may take to finish once the server is told to stop.
 const DRAIN: Duration = Duration::from_secs(10);
-/// How long connections may take that are being opened when the server stops: a round trip between continents.
+/// The time for connections that are being opened when the server stops: a round trip between continents.
 const HANDSHAKES: Duration = Duration::from_millis(250);
 /// How long a connection without a request stays open once the server stops: a client that has just sent one is answered.
 const LAST_REQUESTS: Duration = Duration::from_secs(1);

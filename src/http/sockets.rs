@@ -16,7 +16,8 @@ pub fn prepare(stream: &TcpStream, vanished_after: Duration) -> io::Result<()> {
     Ok(())
 }
 
-/// Opens no new connection: their clients try again after a second, and are refused once the listener is closed.
+/// Opens no new connection, where the kernel can (Linux): a client tries again after a second, and is refused once the
+/// listener is closed.
 ///
 /// Those that are being opened still are: their clients may think them open, and have sent a request.
 pub fn open_no_more(listener: &TcpListener) {

@@ -3,7 +3,7 @@
 //! `worlds.ndjson` begins with a line that names the program that drives, by its SHA-256: figures of two methods are not
 //! mixed. Each line after it is one world.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::fs::{self, File, OpenOptions};
 use std::io::Write as _;
 use std::path::Path;
@@ -20,6 +20,7 @@ use crate::hotel::results::WorldResult;
 
 const FILE: &str = "worlds.ndjson";
 
+/// The first line.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct Begin {
     program: String,
@@ -42,6 +43,10 @@ impl DrivenWorlds {
         let path = folder.join(FILE);
         let begin = Begin { program: program.to_owned() };
         let before = if resume { read(&path, &begin)? } else { Vec::new() };
+        if !resume && path.exists() {
+            // Hours of drives are not thrown away because a command was repeated.
+            fs::rename(&path, folder.join(format!("{FILE}.old")))?;
+        }
         // Written anew: the last line of a run that was stopped may be half a line.
         let mut text = line(&begin)?;
         for result in &before {
@@ -71,9 +76,9 @@ impl DrivenWorlds {
     pub fn all(self, now: Vec<WorldResult>, worlds: &[(NoiseKind, u64)]) -> Vec<WorldResult> {
         let mut results = self.before;
         results.extend(now);
-        let place = |result: &WorldResult| worlds.iter().position(|world| *world == key(result));
-        results.retain(|result| place(result).is_some());
-        results.sort_by_key(place);
+        let places: HashMap<_, usize> = worlds.iter().copied().zip(0..).collect();
+        results.retain(|result| places.contains_key(&key(result)));
+        results.sort_by_key(|result| places.get(&key(result)));
         results
     }
 }
@@ -105,7 +110,9 @@ fn read(path: &Path, begin: &Begin) -> Result<Vec<WorldResult>, Failure> {
 
 fn this_program() -> Result<String, Failure> {
     let mut hasher = Sha256::new();
-    hasher.update(fs::read(std::env::current_exe()?)?);
+    // Where there is /proc, the program that runs, whatever a build has put in its place since.
+    let running = fs::read("/proc/self/exe").or_else(|_| fs::read(std::env::current_exe()?))?;
+    hasher.update(running);
     Ok(STANDARD.encode(hasher.finalize()))
 }
 
@@ -147,7 +154,8 @@ mod tests {
         DrivenWorlds::open_by(folder.path(), false, "a").unwrap().keep(&result(1)).unwrap();
         let refused = DrivenWorlds::open_by(folder.path(), true, "b").err().unwrap().to_string();
         assert!(refused.contains("another build"), "{refused}");
-        assert!(DrivenWorlds::open_by(folder.path(), false, "b").unwrap().before.is_empty());
+        assert_eq!(DrivenWorlds::open_by(folder.path(), false, "b").unwrap().before.len(), 0);
+        assert!(fs::read_to_string(folder.path().join("worlds.ndjson.old")).unwrap().contains("mixed"));
         let none = DrivenWorlds::open_by(&folder.path().join("none"), true, "b").err().unwrap().to_string();
         assert!(none.contains("worlds.ndjson"), "{none}");
     }

@@ -42,7 +42,7 @@ impl Progress {
         bar.set_style(style.with_key("left", left));
         bar.enable_steady_tick(Duration::from_millis(250));
         let progress = Self { bar, drives, begun: Instant::now(), ended: Mutex::new(0) };
-        progress.tell(&format!("{drives} drives"));
+        progress.tell(&format!("{drives} drives are left"));
         progress
     }
 

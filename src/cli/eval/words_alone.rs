@@ -1,7 +1,10 @@
-//! Words alone: bag of words without geometry, at the threshold that is best once the truth is known.
+//! Words alone: the candidate whose words are most alike, without geometry, at the threshold that is best once the truth is
+//! known.
 //!
-//! It stands beside the arms because it is better than it looks: in a hotel whose rooms are furnished alike its best
-//! threshold is high, and the loops that it then names are mostly right.
+//! It stands beside the arms because it does well: in a hotel whose rooms are furnished alike its best threshold is high, and
+//! the loops that it then names are mostly right. The candidates are those of our arm's drive. As in `revisit replay`, a query
+//! whose likest keyframe is neither right nor wrong is not scored, at any threshold: the number of returns is printed, for it
+//! is smaller than that of the arms.
 
 use std::fmt::Write as _;
 
@@ -14,7 +17,8 @@ use crate::hotel::trial::{Asked, WordsAlone};
 /// Returns a line for each data set and each way to choose a threshold.
 pub(super) fn words_alone(drives: &[Driven12]) -> String {
     let mut text = String::from(
-        "words alone, by query, with a threshold that is chosen with the truth in hand (as `revisit replay` prints it)\n",
+        "words alone, by query, with thresholds that are chosen with the truth in hand; queries whose likest keyframe is neither right\n\
+         nor wrong are not scored (as in `revisit replay`)\n",
     );
     for (dataset, _) in ORB_SLAM3_PRECISION {
         let of_dataset = drives.iter().filter(|driven| driven.result.printed.dataset == dataset);
@@ -30,8 +34,10 @@ pub(super) fn words_alone(drives: &[Driven12]) -> String {
             let name = format!("best F1 (score >= {:.3})", best.threshold);
             let _ = writeln!(text, "{dataset}  {name:34}  {}", figures(&best.accuracy));
         }
-        let recall = percent(words.recall_at_precision_1);
-        let _ = writeln!(text, "{dataset}  {:34}  precision 100.0 %, recall {recall}", "no false loop");
+        let (recall, returns) = (percent(words.recall_at_precision_1), words.every_best.with_truth);
+        let name = "no false loop";
+        let _ =
+            writeln!(text, "{dataset}  {name:34}  precision 100.0 %, recall {recall} of {returns} returns");
     }
     text
 }
@@ -47,7 +53,8 @@ fn marked(asked: &Asked) -> Option<Marked> {
 }
 
 fn figures(accuracy: &Accuracy) -> String {
-    format!("precision {}, recall {}", percent(accuracy.precision), percent(accuracy.recall))
+    let (precision, recall) = (percent(accuracy.precision), percent(accuracy.recall));
+    format!("precision {precision}, recall {recall} of {} returns", accuracy.with_truth)
 }
 
 fn percent(share: Option<f64>) -> String {

@@ -16,7 +16,7 @@ use crate::hotel::results::{ArmResult, WorldResult};
 use crate::hotel::scenario::Scenario;
 use crate::hotel::score::Outcome;
 use crate::hotel::seeds;
-use crate::hotel::tables;
+use crate::hotel::tables::{self, pooled_worlds};
 use crate::hotel::texture::Patterns;
 use crate::hotel::trial::drive;
 
@@ -45,15 +45,15 @@ pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result
     let results = driven.all(now, &worlds);
     files::write_worlds(folder, &results)?;
     let table = tables::noise_table(&results, &WORLD_ARMS);
-    let failures = tables::failures(&results);
-    let losses = tables::losses(results.iter().map(|result| result.arms.as_slice()));
+    let failures = tables::failures(&results, args.held_out);
+    let losses = tables::losses(pooled_worlds(&results).map(|result| result.arms.as_slice()));
     let rounds = tables::rounds(&results);
     Ok(write_out(&format!(
         "{count} {name} worlds for each kind of noise\n\n{table}\n{failures}\n{losses}{rounds}"
     ))?)
 }
 
-/// The paper knows no new numbers, and eight rounds take long.
+/// Returns the arms that drive under a kind of noise: the paper knows no new numbers, and eight rounds take long.
 fn arms_of(kind: NoiseKind) -> &'static [Arm] {
     if kind == NoiseKind::Renumbered { &WORLD_ARMS[..1] } else { &WORLD_ARMS }
 }
