@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use revisit::client::Client;
+use revisit::client::{Candidate, Client};
 use revisit::hotel::arm::Arm;
 use revisit::hotel::chance::Chance;
 use revisit::hotel::floor_plan::Layout;
@@ -12,7 +12,7 @@ use revisit::hotel::route::tour;
 use revisit::hotel::score::{Counts, by_query, by_visit};
 use revisit::hotel::signs::SignPlan;
 use revisit::hotel::texture::Patterns;
-use revisit::hotel::trial::{Course, Driven, absolute_pose_error_m, drive, odometry};
+use revisit::hotel::trial::{Course, Driven, WordsAlone, absolute_pose_error_m, drive, odometry};
 use revisit::hotel::world::{World, WorldPlan};
 
 use crate::support::Server;
@@ -51,6 +51,24 @@ async fn a_robot_among_twin_rooms_is_told_true_loops_only_and_ends_up_nearer_to_
     let drift_m = absolute_pose_error_m(&course.journeys, &odometry(&course));
     assert!((drift_m - DRIFT_M).abs() < 1e-6, "odometry drifts as it was told to");
     assert!(ours.absolute_pose_error_m < drift_m, "{} m instead of {drift_m}", ours.absolute_pose_error_m);
+}
+
+#[tokio::test]
+async fn words_alone_name_the_likest_keyframe_whether_it_is_this_room_or_its_twin() {
+    let ours = drive_through(&course(false, &[3, 5, 3]), Arm::Ours).await;
+    let (mut right, mut wrong) = (0, 0);
+    for asked in &ours.asked {
+        let likest = asked.answer.candidates.iter().map(Candidate::bow_score).fold(0.0, f64::max);
+        match asked.words {
+            WordsAlone::Names(named) => {
+                assert_eq!(named.score, likest, "{:?}", asked.keyframe);
+                *if named.is_right { &mut right } else { &mut wrong } += 1;
+            }
+            WordsAlone::Nothing => assert_eq!(likest, 0.0, "{:?}", asked.keyframe),
+            WordsAlone::Unscored => {}
+        }
+    }
+    assert!(right > 0 && wrong > right, "a twin room looks alike: {right} right, {wrong} wrong");
 }
 
 #[tokio::test]
