@@ -53,7 +53,7 @@ pub struct ArmResult {
     pub optimised: usize,
     /// The keyframes whose answer was wrong.
     pub wrong: Vec<String>,
-    /// How many of them were taken less than [`NEAR_M`] from the place that they were taken for.
+    /// Those of them that were taken less than [`NEAR_M`] from the place that they were taken for.
     pub wrong_near: usize,
     /// Those that had a true loop and no answer.
     pub missed: Vec<String>,
@@ -97,7 +97,7 @@ pub struct Confusion {
 /// One random world under one kind of noise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WorldResult {
-    /// What makes it harder.
+    /// The trouble that makes it harder.
     pub noise: NoiseKind,
     /// The world's number.
     pub seed: u64,

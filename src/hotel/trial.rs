@@ -9,7 +9,7 @@ use super::message;
 use super::robot::{DriveError, Robot};
 use super::route::Place;
 use super::score::{Outcome, Scored};
-use super::truth::{Answerable, KeyframeIndex, answers};
+use super::truth::{Answerable, KeyframeIndex, answers, apart_m};
 use crate::client::{Candidate, Client, LoopAnswer, Verdict};
 use crate::geometry::{Point3, Pose};
 
@@ -37,12 +37,6 @@ impl Course {
         let answers = answers(&journeys, &order);
         let first_stays = first_stays(&journeys, &order);
         Self { journeys, order, answers, first_stays }
-    }
-
-    /// Returns the distance between the places of two keyframes, in metres.
-    fn apart_m(&self, a: KeyframeIndex, b: KeyframeIndex) -> f64 {
-        let [a, b] = [a, b].map(|(robot, number)| self.journeys[robot].steps[number].stop.stand.at);
-        (a[0] - b[0]).hypot(a[1] - b[1])
     }
 
     /// Was this keyframe taken in a room that a robot, this one or another, had visited before?
@@ -152,7 +146,7 @@ pub async fn drive(
         let ranked = ranked(arm, &answer, answerable, |keyframe| find(&robots, keyframe));
         let lost_by =
             (outcome == Outcome::Missed).then(|| lost_by(&answer, answerable, |id| find(&robots, id)));
-        let apart_m = best.map(|best| course.apart_m(*keyframe, best));
+        let apart_m = best.map(|best| apart_m(step, &course.journeys[best.0].steps[best.1]));
         let words = words_alone(&answer, answerable, |keyframe| find(&robots, keyframe));
         let this = Asked { keyframe: *keyframe, best, apart_m, ranked, words, scored, lost_by, answer };
         told(&this);

@@ -53,9 +53,14 @@ pub fn answers(journeys: &[Journey], order: &[KeyframeIndex]) -> Vec<Answerable>
 
 /// Were the two taken at one place, looking the same way?
 pub fn is_same_place(a: &Step, b: &Step) -> bool {
-    let (a, b) = (a.stop.stand, b.stop.stand);
-    (a.at[0] - b.at[0]).hypot(a.at[1] - b.at[1]) < SAME_PLACE_M
-        && heading_difference_rad(a.heading_rad, b.heading_rad) < SAME_VIEW_RAD
+    apart_m(a, b) < SAME_PLACE_M
+        && heading_difference_rad(a.stop.stand.heading_rad, b.stop.stand.heading_rad) < SAME_VIEW_RAD
+}
+
+/// Returns the distance between the places where two were taken, in metres.
+pub fn apart_m(a: &Step, b: &Step) -> f64 {
+    let (a, b) = (a.stop.stand.at, b.stop.stand.at);
+    (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
 /// How many physical points two keyframes share.

@@ -4,7 +4,7 @@
 //! mixed. Each line after it is one world.
 
 use std::collections::{HashMap, HashSet};
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File};
 use std::io::Write as _;
 use std::path::Path;
 use std::sync::Mutex;
@@ -13,6 +13,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
+use tempfile::NamedTempFile;
 
 use crate::cli::Failure;
 use crate::hotel::noise::NoiseKind;
@@ -52,17 +53,16 @@ impl DrivenWorlds {
         for result in &before {
             text.push_str(&line(result)?);
         }
-        let beside = folder.join(format!("{FILE}.new"));
-        fs::write(&beside, text)?;
-        fs::rename(&beside, &path)?;
-        let file = Mutex::new(OpenOptions::new().append(true).open(&path)?);
-        Ok(Self { before, file })
+        let mut beside = NamedTempFile::new_in(folder)?;
+        beside.write_all(text.as_bytes())?;
+        let file = beside.persist(&path)?;
+        Ok(Self { before, file: Mutex::new(file) })
     }
 
     /// Returns those of a list that are still to be driven.
-    pub fn left(&self, worlds: Vec<(NoiseKind, u64)>) -> Vec<(NoiseKind, u64)> {
+    pub fn left(&self, worlds: &[(NoiseKind, u64)]) -> Vec<(NoiseKind, u64)> {
         let driven: HashSet<(NoiseKind, u64)> = self.before.iter().map(key).collect();
-        worlds.into_iter().filter(|world| !driven.contains(world)).collect()
+        worlds.iter().copied().filter(|world| !driven.contains(world)).collect()
     }
 
     /// Keeps a result.
@@ -139,11 +139,11 @@ mod tests {
         first.file.lock().unwrap().write_all(b"{\"noise\":\"mix").unwrap();
         let worlds: Vec<_> = (1..=3).map(|seed| (NoiseKind::Mixed, seed)).collect();
         let second = DrivenWorlds::open_by(folder.path(), true, "a").unwrap();
-        let left = second.left(worlds.clone());
+        let left = second.left(&worlds);
         assert_eq!(left, [(NoiseKind::Mixed, 1), (NoiseKind::Mixed, 2)]);
         second.keep(&result(2)).unwrap();
         let third = DrivenWorlds::open_by(folder.path(), true, "a").unwrap();
-        assert_eq!(third.left(worlds.clone()), [(NoiseKind::Mixed, 1)]);
+        assert_eq!(third.left(&worlds), [(NoiseKind::Mixed, 1)]);
         let seeds: Vec<u64> = third.all(vec![result(1)], &worlds).iter().map(|result| result.seed).collect();
         assert_eq!(seeds, [1, 2, 3], "in the order of the list");
     }

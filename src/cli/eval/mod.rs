@@ -90,7 +90,7 @@ struct HotelArgs {
     /// or .zst)
     #[arg(long, value_name = "FILE", conflicts_with = "worlds")]
     record: Option<PathBuf>,
-    /// Where figures, trajectories and results.json go, and each world as it is driven (worlds.ndjson)
+    /// Folder for figures, trajectories and results.json, and for each world as it is driven (worlds.ndjson)
     #[arg(long, value_name = "FOLDER", default_value = "hotel-results")]
     output: PathBuf,
     /// With --worlds: take up the run whose --output this was, with the same build; worlds that were driven are not driven

@@ -1,7 +1,7 @@
 //! Progress: how much of an experiment is driven; a bar on a terminal, elsewhere a line for each drive.
 
 use std::io::Write as _;
-use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
@@ -14,7 +14,7 @@ pub(super) struct Progress {
     bar: ProgressBar,
     drives: u64,
     begun: Instant,
-    ended: Mutex<u64>,
+    ended: AtomicU64,
 }
 
 /// One drive.
@@ -41,7 +41,7 @@ impl Progress {
         };
         bar.set_style(style.with_key("left", left));
         bar.enable_steady_tick(Duration::from_millis(250));
-        let progress = Self { bar, drives, begun: Instant::now(), ended: Mutex::new(0) };
+        let progress = Self { bar, drives, begun: Instant::now(), ended: AtomicU64::new(0) };
         progress.tell(&format!("{drives} drives are left"));
         progress
     }
@@ -64,13 +64,6 @@ impl Progress {
             let _ = writeln!(std::io::stderr(), "{line}");
         }
     }
-
-    fn count_ended(&self) -> u64 {
-        // A number is whole after each of its operations.
-        let mut ended = self.ended.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        *ended += 1;
-        *ended
-    }
 }
 
 impl Drive<'_> {
@@ -86,7 +79,7 @@ impl Drive<'_> {
     pub fn end(self) {
         let Self { progress, name, begun, steps, .. } = self;
         progress.bar.inc(STEPS - steps);
-        let ended = progress.count_ended();
+        let ended = progress.ended.fetch_add(1, Ordering::Relaxed) + 1;
         let took = HumanDuration(begun.elapsed());
         let left = left(progress.begun.elapsed(), ended, progress.drives);
         progress.tell(&format!("{ended} of {}: {name}, {took}; {left}", progress.drives));

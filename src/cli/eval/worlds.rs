@@ -30,7 +30,7 @@ pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result
     let worlds: Vec<(NoiseKind, u64)> = kinds.iter().flat_map(of).collect();
     let folder = args.resume.as_deref().unwrap_or(&args.output);
     let driven = DrivenWorlds::open(folder, args.resume.is_some())?;
-    let left = driven.left(worlds.clone());
+    let left = driven.left(&worlds);
     let progress = Progress::new(left.iter().map(|(kind, _)| arms_of(*kind).len()).sum());
     let now: Vec<WorldResult> = futures_util::stream::iter(left)
         .map(async |(kind, seed)| {
