@@ -9,10 +9,9 @@ use serde_json::{Value, json};
 pub enum Arm {
     /// Revisit as it comes.
     Ours,
-    /// The paper's method to the letter: every switch of ours off.
+    /// The paper's method to the letter, every switch of ours off, built into ORB-SLAM3 (§III).
     Paper,
-    /// Bag of words and Sim3 without anchors: ORB-SLAM3's candidates and its transformation, without its guided projections
-    /// (50 and 80 matches) and without the three keyframes that must agree.
+    /// Bag of words and Sim3 without anchors, as ORB-SLAM3 closes loops.
     #[serde(rename = "bow")]
     BagOfWords,
 }
@@ -50,6 +49,12 @@ impl Arm {
                     "near_miss_neighbours": false, "neighbours_vouch": false})
             }
         }
+    }
+
+    /// Does its robot close a loop only once it is confirmed as in ORB-SLAM3 ([`super::common_regions`])? Ours closes what
+    /// it is told.
+    pub fn confirms(self) -> bool {
+        self != Self::Ours
     }
 
     /// Does it look at signs?

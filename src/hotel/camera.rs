@@ -1,12 +1,25 @@
 //! Camera: where the robot's camera stands, and what falls into its image of 640 x 480 (§VI).
 
 use super::floor_plan::Flat;
+use crate::geometry::pinhole::Pinhole;
 use crate::geometry::{Point3, Pose};
+use crate::model::keyframe::Camera;
 
 /// Focal length, in pixels: 63 degrees from left to right, as a RealSense D435i has.
 pub const FOCAL_LENGTH_PX: f64 = 525.0;
 /// The image's sides, in pixels.
 pub const IMAGE_PX: [f64; 2] = [640.0, 480.0];
+/// The same for who computes with it.
+pub const CAMERA: Camera = Camera {
+    fx: FOCAL_LENGTH_PX,
+    fy: FOCAL_LENGTH_PX,
+    cx: IMAGE_PX[0] / 2.0,
+    cy: IMAGE_PX[1] / 2.0,
+    width: IMAGE_PX[0] as u32,
+    height: IMAGE_PX[1] as u32,
+};
+/// The same without the image's size.
+pub const PINHOLE: Pinhole = Pinhole { fx: CAMERA.fx, fy: CAMERA.fy, cx: CAMERA.cx, cy: CAMERA.cy };
 /// The camera's height above the floor.
 pub const CAMERA_HEIGHT_M: f64 = 1.2;
 /// Nothing nearer is in focus.

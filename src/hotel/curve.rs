@@ -4,7 +4,8 @@ use super::figures::Curve;
 use super::score::by_query;
 use super::trial::Driven;
 
-/// The curve of an arm over several drives. Queries whose first candidate is neither right nor wrong are left out.
+/// The curve of an arm over several drives, of the server's answers: a robot that waits for more keyframes to agree works
+/// elsewhere, at the operating point. Queries whose first candidate is neither right nor wrong are left out.
 pub fn curve(drives: &[&Driven]) -> Option<Curve> {
     let arm = drives.first()?.arm;
     let asked = || drives.iter().flat_map(|driven| &driven.asked);
@@ -23,7 +24,11 @@ pub fn curve(drives: &[&Driven]) -> Option<Curve> {
     }
     let counts = by_query(&asked().map(|asked| asked.scored).collect::<Vec<_>>());
     Some(Curve {
-        name: arm.title().to_owned(),
+        name: if arm.confirms() {
+            format!("{}, before confirmation", arm.title())
+        } else {
+            arm.title().to_owned()
+        },
         points,
         operating_point: Some((counts.recall(), counts.precision())),
     })

@@ -48,8 +48,10 @@ impl Narrator<'_> {
             Outcome::Wrong => "WRONG",
             Outcome::Unscored => "not scored: near by, or the same things from afar",
         };
-        let best = asked.best.map_or_else(String::new, |best| format!(" (taken in {})", self.place(best)));
-        format!("{}{best} [{truth}]", self.answer(asked))
+        let accepted = asked.accepted;
+        let accepted =
+            accepted.map_or_else(String::new, |other| format!(" (taken in {})", self.place(other)));
+        format!("{}{accepted} [{truth}]", self.answer(asked))
     }
 }
 

@@ -12,7 +12,8 @@
 //! | all that on one tour | [`journey`] |
 //! | door numbers that change | [`renumbering`] |
 //! | what is true | [`truth`] |
-//! | the robot as a client | [`robot`], [`message`] |
+//! | the robot as a client | [`robot`], [`slam_map`], [`message`] |
+//! | which loops it closes, and what ORB-SLAM3 asks before | [`loop_closing`], [`common_regions`] |
 //! | methods, troubles, worlds | [`arm`], [`noise`], [`scenario`] |
 //! | one method through one world | [`trial`] |
 //! | how it did | [`score`], [`absolute_pose_error`], [`results`], [`curve`] |
@@ -43,12 +44,14 @@ pub mod absolute_pose_error;
 pub mod arm;
 pub mod camera;
 pub mod chance;
+pub mod common_regions;
 pub mod curve;
 pub mod explain;
 pub mod figures;
 pub mod floor_plan;
 pub mod furnishing;
 pub mod journey;
+pub mod loop_closing;
 pub mod message;
 pub mod noise;
 pub mod odometry;
@@ -66,6 +69,7 @@ pub mod score;
 pub mod seeds;
 pub mod sensor;
 pub mod signs;
+pub mod slam_map;
 pub mod tables;
 pub mod texture;
 pub mod tracking;

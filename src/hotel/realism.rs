@@ -1,6 +1,6 @@
 //! Realism: the figures by which the simulated hotel is held against real ones, so that nobody makes the task easy unnoticed.
 
-use super::camera::{FOCAL_LENGTH_PX, IMAGE_PX};
+use super::camera::CAMERA;
 use super::floor_plan::FloorPlan;
 use super::journey::{Journey, Step};
 use super::message::descriptor_bytes;
@@ -9,7 +9,7 @@ use super::texture::DESCRIPTOR_BITS;
 use super::truth::{is_same_place, shared_points};
 use crate::geometry::Point3;
 use crate::geometry::hamming::PackedDescriptors;
-use crate::model::keyframe::{Camera, Keypoint};
+use crate::model::keyframe::Keypoint;
 use crate::recognition::verification::{Limits, Status, View, verify};
 use crate::vocabulary::{DescriptorMismatch, Vocabulary, WordVector};
 
@@ -120,10 +120,8 @@ impl Matchable {
     }
 
     fn view(&self) -> View<'_> {
-        let (fx, fy) = (FOCAL_LENGTH_PX, FOCAL_LENGTH_PX);
-        let (width, height) = (IMAGE_PX[0] as u32, IMAGE_PX[1] as u32);
         View {
-            camera: Camera { fx, fy, cx: IMAGE_PX[0] / 2.0, cy: IMAGE_PX[1] / 2.0, width, height },
+            camera: CAMERA,
             keypoints: &self.keypoints,
             descriptors: &self.descriptors,
             nodes: None,

@@ -9,7 +9,7 @@ use super::noise::NoiseKind;
 use super::paper::PrintedSequence;
 use super::renumbering::{Round, Signs};
 use super::score::{Counts, Outcome, by_query, by_visit, confidence_interval};
-use super::trial::Driven;
+use super::trial::{Asked, Driven};
 use crate::client::Candidate;
 
 /// The distance in truth, in metres, below which the two keyframes of a wrong loop were taken near each other.
@@ -79,7 +79,8 @@ pub struct SequenceResult {
     pub printed: PrintedSequence,
 }
 
-/// The figures behind right and wrong loops of the arm without anchors, at the median.
+/// The figures behind right and wrong loops of the arm without anchors, at the median; but for their count those that the
+/// keyframe itself proposed, and not an earlier one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Confusion {
     /// Wrong loops.
@@ -149,13 +150,14 @@ impl Confusion {
     pub fn of(driven: &Driven) -> Self {
         let figures = |outcome: Outcome, of: fn(&Candidate) -> f64| -> Vec<f64> {
             let answers = driven.asked.iter().filter(|asked| asked.scored.outcome == outcome);
-            answers.filter_map(|asked| asked.answer.leading().map(of)).collect()
+            // One that later keyframes confirmed need not be among the candidates of the last.
+            let accepted = |asked: &Asked| Some(super::explain::keyframe_id(asked.accepted?));
+            answers.filter_map(|asked| asked.answer.candidate(&accepted(asked)?).map(of)).collect()
         };
         let inliers: fn(&Candidate) -> f64 = |candidate| candidate.inliers().unwrap_or(0) as f64;
-        let wrong = figures(Outcome::Wrong, Candidate::bow_score);
         Self {
-            wrong: wrong.len(),
-            score_of_wrong: median(wrong),
+            wrong: driven.asked.iter().filter(|asked| asked.scored.outcome == Outcome::Wrong).count(),
+            score_of_wrong: median(figures(Outcome::Wrong, Candidate::bow_score)),
             inliers_of_wrong: median(figures(Outcome::Wrong, inliers)),
             score_of_right: median(figures(Outcome::Right, Candidate::bow_score)),
             inliers_of_right: median(figures(Outcome::Right, inliers)),

@@ -1,15 +1,13 @@
 //! Robot: a SLAM client with odometry and a pose graph of its own, that asks the server on each keyframe.
 //!
-//! It trusts the answers: an accepted loop becomes an edge of its pose graph, false or not. That is the point of the
-//! experiment.
-
-use std::collections::HashMap;
+//! What it closes becomes an edge of its pose graph, false or not. That is the point of the experiment.
 
 use super::arm::Arm;
 use super::camera::Stand;
 use super::journey::Step;
 use super::message;
 use super::pose_graph::{Edge, PoseGraphError, optimise};
+use super::slam_map::SlamMap;
 use crate::client::{Client, ClientError, LoopAnswer};
 use crate::geometry::{Point3, Pose};
 use serde_json::json;
@@ -43,15 +41,13 @@ pub enum DriveError {
 #[derive(Debug)]
 pub struct Robot<'a> {
     client: &'a Client,
+    /// The map's id on the server.
     map: &'a str,
     arm: Arm,
     session: String,
-    /// Its own estimate of each keyframe's pose.
-    poses: Vec<Pose>,
-    /// The same, as last told to the server.
+    slam_map: SlamMap<'a>,
+    /// Its keyframes' poses, as last told to the server.
     told: Vec<Pose>,
-    /// Each map point in the camera frame of the keyframe that first saw it.
-    points: HashMap<u64, (usize, Point3)>,
     edges: Vec<Edge>,
     /// Loops accepted since the last optimisation.
     waiting: Vec<WaitingLoop>,
@@ -62,8 +58,18 @@ pub struct Robot<'a> {
 #[derive(Debug)]
 struct WaitingLoop {
     keyframe: String,
-    candidate: String,
-    query: String,
+    closed_with: LoopToClose,
+}
+
+/// A loop that a robot closes with its latest keyframe.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoopToClose {
+    /// The id of the keyframe to close it with.
+    pub candidate: String,
+    /// The latest keyframe's pose in the candidate's camera frame.
+    pub candidate_from_query: Pose,
+    /// The id of the server's answer that proposed it.
+    pub answer: String,
 }
 
 impl<'a> Robot<'a> {
@@ -74,9 +80,8 @@ impl<'a> Robot<'a> {
             map,
             arm,
             session: session.into(),
-            poses: Vec::new(),
+            slam_map: SlamMap::default(),
             told: Vec::new(),
-            points: HashMap::new(),
             edges: Vec::new(),
             waiting: Vec::new(),
             last_closing: 0,
@@ -84,9 +89,9 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// Its keyframes' poses, in its own frame.
-    pub fn poses(&self) -> &[Pose] {
-        &self.poses
+    /// What it keeps of its way, in its own frame.
+    pub fn slam_map(&self) -> &SlamMap<'a> {
+        &self.slam_map
     }
 
     /// How often it has optimised its pose graph.
@@ -104,14 +109,14 @@ impl<'a> Robot<'a> {
         keyframe.strip_prefix(&self.session)?.strip_prefix('-')?.parse().ok()
     }
 
-    /// Sends the next keyframe with the question, takes the answer, and closes the loop if it is one.
-    pub async fn step(&mut self, step: &Step) -> Result<LoopAnswer, DriveError> {
-        let number = self.poses.len();
-        let pose = match self.poses.last() {
+    /// Sends the next keyframe with the question, and returns the answer.
+    pub async fn ask(&mut self, step: &'a Step) -> Result<LoopAnswer, DriveError> {
+        let pose = match self.slam_map.poses().last() {
             Some(last) => last.after(&step.motion),
             // Its frame is its own: it does not know where it woke up.
             None => Stand { at: [0.0, 0.0], heading_rad: 0.0 }.map_from_camera(),
         };
+        let number = self.slam_map.push(step, pose);
         if number > 0 {
             self.edges.push(Edge {
                 from: number - 1,
@@ -121,22 +126,36 @@ impl<'a> Robot<'a> {
                 sigma_rad: ODOMETRY_SIGMA_RAD,
             });
         }
-        self.poses.push(pose);
         self.told.push(pose);
-        let new_points = self.triangulate(number, step);
+        let new_points = step.features.iter().zip(&step.map_points).filter(|(_, (_, is_new))| *is_new);
+        let new_points: Vec<(u64, Point3)> =
+            new_points.map(|(feature, (id, _))| (*id, pose.transform(&feature.in_camera))).collect();
         let body = message::keyframe(self.arm, &self.session, number, step, &pose, &new_points);
         let id = self.keyframe_id(number);
         let answer = self.client.put_keyframe(self.map, &id, &body, true).await?;
-        let answer = answer.loop_answer.unwrap_or_else(|| unreachable!("it was asked for"));
-        if let Some((candidate, similarity)) = answer.best_transform()
-            && let Some(candidate_from_query) = message::pose(similarity)
-        {
-            self.accept(number, candidate, &answer.id, candidate_from_query);
+        Ok(answer.loop_answer.unwrap_or_else(|| unreachable!("it was asked for")))
+    }
+
+    /// Takes a loop of its latest keyframe, if there is one, and optimises when enough keyframes have come.
+    pub async fn close(&mut self, closed_with: Option<LoopToClose>) -> Result<(), DriveError> {
+        let Some(latest) = self.slam_map.poses().len().checked_sub(1) else { return Ok(()) };
+        if let Some(closed_with) = closed_with {
+            // A loop with another robot's keyframe moves nothing: each keeps a frame of its own.
+            if let Some(earlier) = self.number_of(&closed_with.candidate) {
+                self.edges.push(Edge {
+                    from: earlier,
+                    to: latest,
+                    from_from_to: closed_with.candidate_from_query.isometry(),
+                    sigma_m: LOOP_SIGMA_M,
+                    sigma_rad: LOOP_SIGMA_RAD,
+                });
+            }
+            self.waiting.push(WaitingLoop { keyframe: self.keyframe_id(latest), closed_with });
         }
-        if !self.waiting.is_empty() && number >= self.last_closing + CLOSING_EVERY_KEYFRAMES {
+        if !self.waiting.is_empty() && latest >= self.last_closing + CLOSING_EVERY_KEYFRAMES {
             self.close_loops().await?;
         }
-        Ok(answer)
+        Ok(())
     }
 
     /// Closes what is left at the end of the drive.
@@ -144,52 +163,22 @@ impl<'a> Robot<'a> {
         if self.waiting.is_empty() { Ok(()) } else { self.close_loops().await }
     }
 
-    fn triangulate(&mut self, number: usize, step: &Step) -> Vec<(u64, Point3)> {
-        let pose = self.poses[number];
-        let mut placed = Vec::new();
-        for (feature, (id, is_new)) in step.features.iter().zip(&step.map_points) {
-            if *is_new {
-                self.points.insert(*id, (number, feature.in_camera));
-                placed.push((*id, pose.transform(&feature.in_camera)));
-            }
-        }
-        placed
-    }
-
-    fn accept(&mut self, number: usize, candidate: &str, query: &str, candidate_from_query: Pose) {
-        // A loop with another robot's keyframe moves nothing: each keeps a frame of its own.
-        if let Some(earlier) = self.number_of(candidate) {
-            self.edges.push(Edge {
-                from: earlier,
-                to: number,
-                from_from_to: candidate_from_query.isometry(),
-                sigma_m: LOOP_SIGMA_M,
-                sigma_rad: LOOP_SIGMA_RAD,
-            });
-        }
-        self.waiting.push(WaitingLoop {
-            keyframe: self.keyframe_id(number),
-            candidate: candidate.to_owned(),
-            query: query.to_owned(),
-        });
-    }
-
     /// Optimises the pose graph, tells the server what moved, and which loop was closed.
     async fn close_loops(&mut self) -> Result<(), DriveError> {
-        let mut poses: Vec<_> = self.poses.iter().map(Pose::isometry).collect();
+        let mut poses: Vec<_> = self.slam_map.poses().iter().map(Pose::isometry).collect();
         optimise(&mut poses, &self.edges)?;
-        self.poses = poses.into_iter().map(Pose::from).collect();
-        self.last_closing = self.poses.len() - 1;
+        self.slam_map.correct(poses.into_iter().map(Pose::from).collect());
+        let poses = self.slam_map.poses();
+        self.last_closing = poses.len() - 1;
         self.closed += 1;
-        let moved: Vec<usize> = (0..self.poses.len()).filter(|number| self.has_moved(*number)).collect();
+        let moved: Vec<usize> = (0..poses.len()).filter(|number| self.has_moved(*number)).collect();
         if !moved.is_empty() {
             let keyframes: Vec<(String, Pose)> =
-                moved.iter().map(|number| (self.keyframe_id(*number), self.poses[*number])).collect();
-            let mut points: Vec<(u64, Point3)> = (self.points.iter())
-                .filter(|(_, (reference, _))| self.has_moved(*reference))
-                .map(|(id, (reference, point))| (*id, self.poses[*reference].transform(point)))
+                moved.iter().map(|number| (self.keyframe_id(*number), poses[*number])).collect();
+            let points: Vec<(u64, Point3)> = (self.slam_map.points().into_iter())
+                .filter(|(_, reference, _)| self.has_moved(*reference))
+                .map(|(id, _, place)| (id, place))
                 .collect();
-            points.sort_by_key(|(id, _)| *id);
             // Poses with the first points: a long tour has more points than one request takes.
             let mut parts = points.chunks(POINTS_PER_CORRECTION);
             let first = message::poses(&self.session, &keyframes, parts.next().unwrap_or_default());
@@ -198,7 +187,7 @@ impl<'a> Robot<'a> {
                 self.client.post_poses(self.map, &message::poses(&self.session, &[], part)).await?;
             }
             for number in moved {
-                self.told[number] = self.poses[number];
+                self.told[number] = self.slam_map.poses()[number];
             }
         }
         // One loop for each closing, the newest: the others are its neighbours.
@@ -206,8 +195,8 @@ impl<'a> Robot<'a> {
             let body = json!({
                 "id": format!("{}-loop-{}", self.session, self.closed),
                 "keyframe": closing.keyframe,
-                "candidate": closing.candidate,
-                "query": closing.query,
+                "candidate": closing.closed_with.candidate,
+                "query": closing.closed_with.answer,
             });
             self.client.post_loop(self.map, &body).await?;
         }
@@ -215,7 +204,7 @@ impl<'a> Robot<'a> {
     }
 
     fn has_moved(&self, number: usize) -> bool {
-        let change = self.told[number].inverse().after(&self.poses[number]);
+        let change = self.told[number].inverse().after(&self.slam_map.poses()[number]);
         let [_, _, _, w] = change.rotation_xyzw();
         change.centre().coords.norm() > MOVED_M || 2.0 * w.abs().min(1.0).acos() > MOVED_RAD
     }

@@ -1,8 +1,9 @@
 //! Score: precision and recall, by query and by visit.
 //!
 //! By query as `replay` counts. By visit as the paper does ("when the robot visited the rooms", §VI-A): a visit is a stay
-//! in a room, and its answer is the loop with the most inliers that any of its keyframes got. Precision is right answers of
-//! all answers; recall is visits in which at least one keyframe was rightly answered, of those to a room visited before.
+//! in a room, and its answer is the loop with the most inliers that its robot took at any of its keyframes. Precision is right
+//! answers of all answers; recall is visits in which at least one keyframe was rightly answered, of those to a room visited
+//! before.
 
 use std::collections::BTreeMap;
 
@@ -35,7 +36,7 @@ pub struct Scored {
     pub has_truth: bool,
     /// What was answered.
     pub outcome: Outcome,
-    /// How many inliers the answered loop has.
+    /// How many points agree with the loop that was taken: the server's inliers, or what the robot's confirmation found.
     pub inliers: u64,
 }
 

@@ -24,10 +24,12 @@ const SECTOR_RAD: f64 = 0.61;
 const KEYPOINT_SIGMA_PX: f64 = 0.6;
 /// A point's depth scatters by this share of it.
 const DEPTH_SIGMA: f64 = 0.012;
-/// The image pyramid: eight octaves, each 1.2 times the last; a corner at its reference distance is in this one.
+/// The octave of the image pyramid in which a corner at its reference distance is seen.
 const MIDDLE_OCTAVE: f64 = 3.0;
-const OCTAVES: f64 = 8.0;
-const OCTAVE_FACTOR: f64 = 1.2;
+/// How many octaves the pyramid has.
+pub const OCTAVES: f64 = 8.0;
+/// The scale from one octave to the next.
+pub const OCTAVE_FACTOR: f64 = 1.2;
 /// An upright camera's keypoints are turned alike from image to image, up to this, in degrees.
 const ANGLE_SIGMA_DEG: f64 = 4.0;
 /// Signs are found up to this far from their normal.

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use super::absolute_pose_error::rmse_after_alignment;
 use super::arm::Arm;
 use super::journey::Journey;
+use super::loop_closing::{LoopClosing, find};
 use super::message;
 use super::robot::{DriveError, Robot};
 use super::route::Place;
@@ -63,8 +64,8 @@ fn first_stays(journeys: &[Journey], order: &[KeyframeIndex]) -> HashMap<Place, 
 pub struct Asked {
     /// Which keyframe.
     pub keyframe: KeyframeIndex,
-    /// The keyframe that was answered, if it is one of ours.
-    pub best: Option<KeyframeIndex>,
+    /// The keyframe with which the robot takes it for a loop.
+    pub accepted: Option<KeyframeIndex>,
     /// The distance between the two in truth, in metres.
     pub apart_m: Option<f64>,
     /// The candidate that the arm ranks first, whether it passed its threshold or not.
@@ -132,30 +133,33 @@ pub async fn drive(
     client.put_map(map, &message::map(arm, "the simulated hotel")).await?;
     let mut robots: Vec<Robot<'_>> =
         (0..course.journeys.len()).map(|number| Robot::new(client, map, arm, session(number))).collect();
+    let mut closing: Vec<LoopClosing> = robots.iter().map(|_| LoopClosing::of(arm)).collect();
     let mut asked = Vec::with_capacity(course.order.len());
     for (keyframe, answerable) in course.order.iter().zip(&course.answers) {
         let step = &course.journeys[keyframe.0].steps[keyframe.1];
-        let answer = robots[keyframe.0].step(step).await?;
-        let best = answer.best.as_deref().and_then(|best| find(&robots, best));
-        let outcome = outcome(&answer, best, answerable);
+        let answer = robots[keyframe.0].ask(step).await?;
+        let taken = closing[keyframe.0].hear(&robots, *keyframe, &answer);
+        let accepted = taken.as_ref().map(|taken| taken.candidate);
+        let inliers = taken.as_ref().map_or(0, |taken| taken.inliers);
+        robots[keyframe.0].close(taken.and_then(|taken| taken.to_close)).await?;
+        let outcome = outcome(accepted, answerable);
         let has_truth = !answerable.truth.is_empty();
         let visit = (step.stop.place != Place::Corridor).then_some((keyframe.0, step.stop.visit));
-        let inliers = answer.leading().and_then(Candidate::inliers).unwrap_or(0);
         let is_revisit = course.is_revisit(*keyframe);
         let scored = Scored { visit, is_revisit, has_truth, outcome, inliers };
         let ranked = ranked(arm, &answer, answerable, |keyframe| find(&robots, keyframe));
         let lost_by =
             (outcome == Outcome::Missed).then(|| lost_by(&answer, answerable, |id| find(&robots, id)));
-        let apart_m = best.map(|best| apart_m(step, &course.journeys[best.0].steps[best.1]));
+        let apart_m = accepted.map(|other| apart_m(step, &course.journeys[other.0].steps[other.1]));
         let words = words_alone(&answer, answerable, |keyframe| find(&robots, keyframe));
-        let this = Asked { keyframe: *keyframe, best, apart_m, ranked, words, scored, lost_by, answer };
+        let this = Asked { keyframe: *keyframe, accepted, apart_m, ranked, words, scored, lost_by, answer };
         told(&this);
         asked.push(this);
     }
     for robot in &mut robots {
         robot.finish().await?;
     }
-    let poses: Vec<Vec<Pose>> = robots.iter().map(|robot| robot.poses().to_vec()).collect();
+    let poses: Vec<Vec<Pose>> = robots.iter().map(|robot| robot.slam_map().poses().to_vec()).collect();
     Ok(Driven {
         arm,
         asked,
@@ -193,10 +197,6 @@ pub fn session(robot: usize) -> String {
     if robot == 0 { "kf".to_owned() } else { format!("kf{}", robot + 1) }
 }
 
-fn find(robots: &[Robot<'_>], keyframe: &str) -> Option<KeyframeIndex> {
-    robots.iter().enumerate().find_map(|(robot, own)| Some((robot, own.number_of(keyframe)?)))
-}
-
 fn ranked(
     arm: Arm,
     answer: &LoopAnswer,
@@ -207,7 +207,7 @@ fn ranked(
         Arm::BagOfWords => candidate.inliers().unwrap_or(0) as f64,
         Arm::Ours | Arm::Paper => candidate.similarity().unwrap_or(0.0),
     };
-    // What passed is ranked as it was answered; beyond the threshold, what only that threshold stopped.
+    // What passed is ranked as the server answered it, confirmed or not; beyond the threshold, what only that threshold stopped.
     let threshold = if arm == Arm::BagOfWords { "too_few_inliers" } else { "score_below_threshold" };
     let is_near = |candidate: &&Candidate| candidate.reason.as_ref().is_some_and(|r| r.code == threshold);
     let first = match answer.verdict {
@@ -235,8 +235,8 @@ fn words_alone(
     }
 }
 
-/// Returns the reason code of the first right candidate, which is the best of those that failed; `not_a_candidate` if the
-/// answer has none.
+/// Returns the reason code of the first right candidate, which is the best of those that failed; `not_confirmed` if the server
+/// took it for a loop, `not_a_candidate` if the answer has none.
 fn lost_by(
     answer: &LoopAnswer,
     answerable: &Answerable,
@@ -245,16 +245,19 @@ fn lost_by(
     let is_right =
         |candidate: &&Candidate| find(&candidate.keyframe).is_some_and(|key| answerable.truth.contains(&key));
     let right = answer.candidates.iter().find(is_right);
-    let reason = right.and_then(|candidate| candidate.reason.as_ref());
-    reason.map_or_else(|| String::from("not_a_candidate"), |reason| reason.code.clone())
+    match right.map(|candidate| candidate.reason.as_ref()) {
+        None => String::from("not_a_candidate"),
+        Some(None) => String::from("not_confirmed"),
+        Some(Some(reason)) => reason.code.clone(),
+    }
 }
 
-fn outcome(answer: &LoopAnswer, best: Option<KeyframeIndex>, answerable: &Answerable) -> Outcome {
-    match best.filter(|_| answer.verdict == Verdict::Loop) {
+fn outcome(accepted: Option<KeyframeIndex>, answerable: &Answerable) -> Outcome {
+    match accepted {
         None if answerable.truth.is_empty() => Outcome::RightlyNone,
         None => Outcome::Missed,
-        Some(best) if answerable.truth.contains(&best) => Outcome::Right,
-        Some(best) if answerable.ignore.contains(&best) => Outcome::Unscored,
+        Some(other) if answerable.truth.contains(&other) => Outcome::Right,
+        Some(other) if answerable.ignore.contains(&other) => Outcome::Unscored,
         Some(_) => Outcome::Wrong,
     }
 }

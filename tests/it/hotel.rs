@@ -83,6 +83,15 @@ async fn signs_that_hang_at_every_door_say_nothing_and_doors_in_a_row_are_told_a
     for code in ["score_below_threshold", "odometry_disagrees_with_transform", "contradiction"] {
         assert!(reasons.contains(code), "{code} is not among {reasons:?}");
     }
-    let paper = counts(&drive_through(&course, Arm::Paper).await).0;
-    assert!(paper.precision() < 0.9, "the world is too easy: {paper:?}");
+    let paper = drive_through(&course, Arm::Paper).await;
+    let told: Vec<bool> = (paper.asked.iter().zip(&course.answers))
+        .filter_map(|(asked, answerable)| {
+            let best = asked.answer.best.as_ref()?.strip_prefix("kf-")?.parse().unwrap();
+            (!answerable.ignore.contains(&(0, best))).then(|| answerable.truth.contains(&(0, best)))
+        })
+        .collect();
+    let right = told.iter().filter(|is_right| **is_right).count();
+    assert!((right as f64) < 0.9 * told.len() as f64, "the world is too easy: {right} of {}", told.len());
+    let closed = counts(&paper).0;
+    assert!(closed.precision() > right as f64 / told.len() as f64, "what is confirmed is surer: {closed:?}");
 }

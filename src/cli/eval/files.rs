@@ -102,7 +102,7 @@ fn panel(driven: &Driven12, title: &str, poses: &[Pose], arm: Option<&Driven>) -
         let answered = arm
             .asked
             .iter()
-            .filter_map(|asked| Some((asked.keyframe.1, asked.best?.1, asked.scored.outcome)));
+            .filter_map(|asked| Some((asked.keyframe.1, asked.accepted?.1, asked.scored.outcome)));
         answered.map(|(from, to, outcome)| (from, to, outcome != Outcome::Wrong)).collect()
     });
     let wrong = loops.iter().filter(|(.., is_right)| !is_right).count();
