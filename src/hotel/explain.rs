@@ -12,6 +12,8 @@ use crate::client::{Candidate, Verdict};
 pub struct Narrator<'a> {
     /// The world, for the rooms' numbers.
     pub world: &'a World,
+    /// The floors above it.
+    pub upper: &'a [World],
     /// What the robots did.
     pub journeys: &'a [Journey],
 }
@@ -19,9 +21,12 @@ pub struct Narrator<'a> {
 impl Narrator<'_> {
     /// Where a keyframe was taken, in truth.
     pub fn place(&self, (robot, number): (usize, usize)) -> String {
-        match self.journeys[robot].steps[number].stop.place {
-            Place::Room(room) => format!("room {}", self.world.numbers[room]),
-            Place::Corridor => String::from("the corridor"),
+        let stop = self.journeys[robot].steps[number].stop;
+        let floor = stop.storey.checked_sub(1).map_or(self.world, |above| &self.upper[above]);
+        match stop.place {
+            Place::Room(room) => format!("room {}", floor.numbers[room]),
+            Place::Corridor if self.upper.is_empty() => String::from("the corridor"),
+            Place::Corridor => format!("the corridor of room {}", floor.numbers[0]),
         }
     }
 

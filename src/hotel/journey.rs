@@ -4,6 +4,7 @@
 
 use super::chance::Chance;
 use super::noise::Noise;
+use super::ocr;
 use super::odometry::drifting_motions;
 use super::reader::Reader;
 use super::route::Stop;
@@ -13,11 +14,14 @@ use super::tracking::Tracker;
 use super::world::World;
 use crate::geometry::Pose;
 
+/// How sure a reader is of text that is none.
+const IMAGINED_CONFIDENCE: f64 = 0.7;
+
 /// A detection as the robot sends it.
 #[derive(Clone, Debug)]
 pub struct Detection {
     /// Its class.
-    pub kind: SignKind,
+    pub class: &'static str,
     /// How sure the detector is.
     pub confidence: f64,
     /// `[x0, y0, x1, y1]`, in pixels.
@@ -80,19 +84,33 @@ impl Journey {
             let map_points =
                 image.features.iter().map(|feature| tracker.observe(feature.point, number)).collect();
             let seen = image.signs.into_iter().filter(|seen| !missing[seen.sign]);
-            let detections = seen.map(|seen| {
-                let sign = &world.signs[seen.sign];
-                Detection {
-                    kind: sign.kind,
-                    confidence: seen.confidence,
-                    bounding_box: seen.bounding_box,
-                    features: seen.features,
-                    text: reader.read(seen.sign, sign, stop.visit, &mut reading),
-                }
-            });
-            let detections = detections.collect();
+            let mut detections: Vec<Detection> = seen
+                .filter_map(|seen| {
+                    let (bounding_box, sign) = (seen.bounding_box, &world.signs[seen.sign]);
+                    let (class, text) =
+                        reader.detect(seen.sign, sign, bounding_box, stop.visit, &mut reading)?;
+                    let (confidence, features) = (seen.confidence, seen.features);
+                    Some(Detection { class, confidence, bounding_box, features, text })
+                })
+                .collect();
+            let imagined = reader.imagine(&mut reading).into_iter();
+            detections.extend(imagined.map(|(text, bounding_box)| Detection {
+                class: ocr::CLASS,
+                confidence: IMAGINED_CONFIDENCE,
+                bounding_box,
+                features: features_in(&image.features, bounding_box),
+                text,
+            }));
             Step { stop: *stop, motion, features: image.features, map_points, detections }
         });
         Self { steps: steps.collect() }
     }
+}
+
+/// Returns the places of the features in a box, `[x0, y0, x1, y1]` in pixels.
+fn features_in(features: &[Feature], [x0, y0, x1, y1]: [f64; 4]) -> Vec<usize> {
+    let is_in = |feature: &Feature| {
+        (x0..=x1).contains(&feature.keypoint.u) && (y0..=y1).contains(&feature.keypoint.v)
+    };
+    features.iter().enumerate().filter(|(_, feature)| is_in(feature)).map(|(place, _)| place).collect()
 }

@@ -79,7 +79,7 @@ fn detections(step: &Step) -> Vec<Value> {
     let detection = |seen: &super::journey::Detection| {
         let on_it: Vec<u64> = seen.features.iter().map(|feature| step.map_points[*feature].0).collect();
         json!({
-            "class": seen.kind.class(),
+            "class": seen.class,
             "confidence": hundredths(seen.confidence),
             "box": seen.bounding_box.map(hundredths),
             "map_points": on_it,

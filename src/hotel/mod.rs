@@ -7,14 +7,14 @@
 //! | what can be read | [`signs`] |
 //! | a floor with everything on it | [`world`] |
 //! | where the robot goes | [`route`] |
-//! | what its camera and detector see | [`camera`], [`sensor`], [`reader`], [`tracking`] |
+//! | what its camera and detector see | [`camera`], [`sensor`], [`reader`], [`ocr`], [`tracking`] |
 //! | what it believes of its way | [`odometry`], [`pose_graph`] |
 //! | all that on one tour | [`journey`] |
 //! | door numbers that change | [`renumbering`] |
 //! | what is true | [`truth`] |
 //! | the robot as a client | [`robot`], [`slam_map`], [`message`] |
 //! | which loops it closes, and what ORB-SLAM3 asks before | [`loop_closing`], [`common_regions`] |
-//! | methods, troubles, worlds | [`arm`], [`noise`], [`scenario`] |
+//! | methods, troubles, worlds, floors that are alike | [`arm`], [`noise`], [`scenario`], [`storeys`] |
 //! | one method through one world | [`trial`] |
 //! | how it did | [`score`], [`absolute_pose_error`], [`results`], [`curve`] |
 //! | for a person | [`tables`], [`figures`], [`explain`], [`tum`], [`paper`] |
@@ -54,6 +54,7 @@ pub mod journey;
 pub mod loop_closing;
 pub mod message;
 pub mod noise;
+pub mod ocr;
 pub mod odometry;
 pub mod paper;
 pub mod pose_graph;
@@ -70,6 +71,7 @@ pub mod seeds;
 pub mod sensor;
 pub mod signs;
 pub mod slam_map;
+pub mod storeys;
 pub mod tables;
 pub mod texture;
 pub mod tracking;

@@ -22,11 +22,14 @@ pub enum NoiseKind {
     Mixed,
     /// Door numbers change between rounds; no headline counts it.
     Renumbered,
+    /// The second hotel: three floors that are alike, the same prints on their walls, and a reader with real limits.
+    #[serde(rename = "v2")]
+    SecondHotel,
 }
 
 impl NoiseKind {
     /// Every kind, in the order of tables.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::None,
         Self::Reader,
         Self::Missed,
@@ -35,6 +38,7 @@ impl NoiseKind {
         Self::Fleet,
         Self::Mixed,
         Self::Renumbered,
+        Self::SecondHotel,
     ];
     /// One trouble at a time, and at last all of it together.
     pub const TROUBLES: [Self; 6] =
@@ -56,6 +60,7 @@ impl NoiseKind {
             Self::Fleet => "fleet",
             Self::Mixed => "mixed",
             Self::Renumbered => "renumbered",
+            Self::SecondHotel => "v2",
         }
     }
 
@@ -70,6 +75,7 @@ impl NoiseKind {
             Self::Fleet => "two robots",
             Self::Mixed => "all of it together",
             Self::Renumbered => "new numbers on the doors",
+            Self::SecondHotel => "hotel v2",
         }
     }
 
@@ -82,6 +88,7 @@ impl NoiseKind {
             Self::Missed => Noise { missed_share: 0.35, no_plate_share: 0.1, ..quiet },
             Self::Repeated => Noise { repeated_signs: true, ..quiet },
             Self::Wording => Noise { other_wording: true, ..quiet },
+            Self::SecondHotel => Noise { glare_share: 0.04, missed_share: 0.13, ocr: true, ..quiet },
             Self::Mixed => Noise {
                 misread_share: 0.08,
                 glare_share: 0.02,
@@ -89,6 +96,7 @@ impl NoiseKind {
                 no_plate_share: 0.05,
                 repeated_signs: true,
                 other_wording: true,
+                ocr: false,
             },
         }
     }
@@ -109,6 +117,8 @@ pub struct Noise {
     pub repeated_signs: bool,
     /// Descriptions vary in their wording.
     pub other_wording: bool,
+    /// Text is read by an ordinary OCR ([`super::ocr`]) that knows no classes of signs.
+    pub ocr: bool,
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::chance::Chance;
 use super::noise::Noise;
+use super::ocr;
 use super::signs::{Sign, SignKind};
 
 /// Characters that are taken for each other.
@@ -52,8 +53,29 @@ impl Reader {
         Self { noise, glare: Vec::new(), visit: usize::MAX }
     }
 
+    /// Reads a sign in this box, in pixels: the class of the detection and what it says; nothing where it sees no text.
+    pub fn detect(
+        &mut self,
+        number: usize,
+        sign: &Sign,
+        bounding_box: [f64; 4],
+        visit: usize,
+        chance: &mut Chance,
+    ) -> Option<(&'static str, String)> {
+        let text = self.read(number, sign, visit, chance);
+        if !self.noise.ocr || sign.kind == SignKind::Painting {
+            return Some((sign.kind.class(), text));
+        }
+        Some((ocr::CLASS, ocr::read(&text, sign, bounding_box, chance)?))
+    }
+
+    /// Reads what is not there: texts with their boxes, in pixels.
+    pub fn imagine(&self, chance: &mut Chance) -> Vec<(String, [f64; 4])> {
+        if self.noise.ocr { ocr::imagine(chance) } else { Vec::new() }
+    }
+
     /// What it says of the sign in this image.
-    pub fn read(&mut self, number: usize, sign: &Sign, visit: usize, chance: &mut Chance) -> String {
+    fn read(&mut self, number: usize, sign: &Sign, visit: usize, chance: &mut Chance) -> String {
         if self.visit != visit {
             self.visit = visit;
             self.glare.clear();
@@ -109,7 +131,7 @@ impl Reader {
 }
 
 /// A number as it may be misread.
-fn misread(number: &str, chance: &mut Chance) -> String {
+pub fn misread(number: &str, chance: &mut Chance) -> String {
     let mut characters: Vec<char> = number.chars().collect();
     let at = chance.below(characters.len());
     if chance.happens(DROPPED_SHARE) && characters.len() > 1 {

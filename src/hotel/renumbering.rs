@@ -84,7 +84,7 @@ pub fn by_round(driven: &Driven, journey: &Journey, first: &World, eras: &[Era])
     let is_new = |text: &str, round: usize| world_of(first, eras, round).renumbered.contains(text);
     let shows_new_plates_alone = |keyframe: usize, round: usize| {
         let plates: BTreeSet<&str> = (journey.steps[keyframe].detections.iter())
-            .filter(|detection| detection.kind == SignKind::DoorPlate)
+            .filter(|detection| detection.class == SignKind::DoorPlate.class())
             .map(|detection| detection.text.as_str())
             .collect();
         !plates.is_empty() && plates.iter().all(|text| is_new(text, round))

@@ -40,6 +40,8 @@ pub struct Stop {
     pub visit: usize,
     /// Where that is.
     pub place: Place,
+    /// On which of several floors that are alike, from 0.
+    pub storey: usize,
 }
 
 /// The robot's way so far.
@@ -80,7 +82,7 @@ impl Walk<'_> {
             self.visit += 1;
             self.place = place;
         }
-        self.stops.push(Stop { stand, visit: self.visit, place });
+        self.stops.push(Stop { stand, visit: self.visit, place, storey: 0 });
     }
 
     /// Turns to a heading, the shorter way.

@@ -8,6 +8,7 @@ use super::paper::PrintedSequence;
 use super::renumbering::{Era, ROOMS, ROUNDS, eras, round_of, world_of};
 use super::route::{some_rooms, tour};
 use super::signs::SignPlan;
+use super::storeys::Storeys;
 use super::texture::Patterns;
 use super::trial::Course;
 use super::world::{World, WorldPlan};
@@ -23,7 +24,9 @@ const RANDOM_DRIFT_M: [f64; 2] = [0.22, 0.96];
 pub struct Scenario {
     /// The world.
     pub world: World,
-    /// What drives through it.
+    /// The floors above it that are alike, if there are any.
+    pub upper: Vec<World>,
+    /// What drives through them.
     pub course: Course,
     /// The rooms of each tour.
     pub tours: Vec<Vec<usize>>,
@@ -45,10 +48,13 @@ impl Scenario {
     /// A random world under some noise.
     pub fn random(seed: u64, kind: NoiseKind, patterns: &Patterns) -> Self {
         let mut chance = Chance::new(seed, "scenario");
+        if kind == NoiseKind::SecondHotel {
+            return Self::of_storeys(&mut chance, patterns, seed);
+        }
         let plan = WorldPlan {
             layout: Layout::random(&mut chance),
             floor: 1 + chance.below(12) as u32,
-            signs: SignPlan { repeated: kind.noise().repeated_signs },
+            signs: SignPlan { repeated: kind.noise().repeated_signs, ..SignPlan::default() },
             seed,
         };
         let world = World::new(&plan, patterns);
@@ -59,6 +65,17 @@ impl Scenario {
             NoiseKind::Renumbered => Self::renumbered(world, drifts_m[0], patterns, seed),
             kind => Self::drive(world, kind, RANDOM_ROOMS, &drifts_m, seed),
         }
+    }
+
+    /// The second hotel.
+    fn of_storeys(chance: &mut Chance, patterns: &Patterns, seed: u64) -> Self {
+        let (layout, lowest) = (Layout::random(chance), 1 + chance.below(10) as u32);
+        let drifts_m = std::array::from_fn(|_| chance.within(RANDOM_DRIFT_M[0], RANDOM_DRIFT_M[1]));
+        let Storeys { mut floors, journeys, tours } =
+            Storeys::new(layout, lowest, RANDOM_ROOMS, drifts_m, patterns, seed);
+        let upper = floors.split_off(1);
+        let world = floors.swap_remove(0);
+        Self { world, upper, course: Course::new(journeys), tours, eras: Vec::new() }
     }
 
     /// One robot on a tour of many rounds, with odometry that drifts in each as it does in a tour of one.
@@ -72,7 +89,7 @@ impl Scenario {
         let world_at = |visit: usize| world_of(&world, &eras, round_of(visit));
         let noise = NoiseKind::Renumbered.noise();
         let journey = Journey::through(world_at, &stops, noise, drift_m * ROUNDS as f64, seed);
-        Self { course: Course::new(vec![journey]), tours: vec![rooms], world, eras }
+        Self { course: Course::new(vec![journey]), tours: vec![rooms], upper: Vec::new(), world, eras }
     }
 
     /// One robot for each drift; robots of a fleet share half their rooms.
@@ -92,6 +109,6 @@ impl Scenario {
             journeys.push(Journey::record(&world, &stops, kind.noise(), *drift_m, seed));
             tours.push(tour_rooms);
         }
-        Self { world, course: Course::new(journeys), tours, eras: Vec::new() }
+        Self { world, upper: Vec::new(), course: Course::new(journeys), tours, eras: Vec::new() }
     }
 }

@@ -68,6 +68,8 @@ pub struct Sign {
 pub struct SignPlan {
     /// The same painting on every wall, and a floor's number and an exit sign with a description at every door.
     pub repeated: bool,
+    /// So many different paintings, one after the other; 0: as many as there are walls for them.
+    pub prints: usize,
 }
 
 /// Points of one sign.
@@ -105,12 +107,20 @@ impl Decorator<'_> {
     /// Hangs everything; `numbers` are the rooms', in their order.
     pub fn hang(&mut self, numbers: &[String], signs: SignPlan, chance: &mut Chance) -> Vec<Sign> {
         let mut hung = Vec::new();
-        let titles = paintings(self.plan.rooms.len() + 8, chance);
+        let mut titles = paintings(self.plan.rooms.len() + 8, chance);
         let patterns = self.patterns;
         let look_like_no_other = |chance: &mut Chance| -> Vec<Descriptor> {
             (0..POINTS_PER_SIGN).map(|_| patterns.model(chance)).collect()
         };
         let [same_painting, exit, floor] = [(); 3].map(|()| look_like_no_other(chance));
+        let prints: Vec<Vec<Descriptor>> = (0..signs.prints).map(|_| look_like_no_other(chance)).collect();
+        if signs.prints > 0 {
+            titles = (0..titles.len()).map(|number| titles[number % signs.prints].clone()).collect();
+        }
+        let look_of_painting = |number: usize, chance: &mut Chance| match prints.len() {
+            0 => look_like_no_other(chance),
+            different => prints[number % different].clone(),
+        };
         let floor_number = numbers[0].chars().take(numbers[0].len().saturating_sub(2)).collect::<String>();
         for (number, room) in self.plan.rooms.iter().enumerate() {
             // The digits differ little: a plate's points look like its neighbours' but for some of them.
@@ -131,7 +141,7 @@ impl Decorator<'_> {
                 let (title, look) = if signs.repeated {
                     (titles[0].clone(), same_painting.clone())
                 } else {
-                    (titles[number].clone(), look_like_no_other(chance))
+                    (titles[number].clone(), look_of_painting(number, chance))
                 };
                 hung.push(self.sign(SignKind::Painting, title, spot, &look, chance));
             }
@@ -162,7 +172,10 @@ impl Decorator<'_> {
                 let (title, look) = if signs.repeated {
                     (titles[0].clone(), same_painting.clone())
                 } else {
-                    (titles[rooms + 2 * corner + number].clone(), look_like_no_other(chance))
+                    {
+                        let number = rooms + 2 * corner + number;
+                        (titles[number].clone(), look_of_painting(number, chance))
+                    }
                 };
                 hung.push(self.sign(SignKind::Painting, title, spot, &look, chance));
             }

@@ -227,9 +227,10 @@ pub fn failures(results: &[WorldResult], held_out: bool) -> String {
     let mut text = format!("ours was wrong in {} of {} worlds\n", failed().count(), results.len());
     for result in failed().filter(|_| !held_out) {
         let (seed, noise) = (result.seed, result.noise.name());
+        let option = if result.noise == NoiseKind::SecondHotel { "hotel" } else { "noise" };
         let _ = writeln!(
             text,
-            "  {} times in world {seed} under {noise} (to look into it: revisit eval hotel --world {seed} --noise {noise})",
+            "  {} times in world {seed} under {noise} (to look into it: revisit eval hotel --world {seed} --{option} {noise})",
             wrong_in(result),
         );
     }

@@ -23,8 +23,8 @@ pub struct Course {
     pub order: Vec<KeyframeIndex>,
     /// What is right for each of them.
     pub answers: Vec<Answerable>,
-    /// The first visit to each room: which robot's, and which of its visits.
-    first_stays: HashMap<Place, (usize, usize)>,
+    /// The first visit to each room of each floor: which robot's, and which of its visits.
+    first_stays: HashMap<(usize, Place), (usize, usize)>,
 }
 
 impl Course {
@@ -44,16 +44,16 @@ impl Course {
     fn is_revisit(&self, keyframe: KeyframeIndex) -> bool {
         let stop = self.journeys[keyframe.0].steps[keyframe.1].stop;
         let stay = (keyframe.0, stop.visit);
-        self.first_stays.get(&stop.place).is_some_and(|first| *first != stay)
+        self.first_stays.get(&(stop.storey, stop.place)).is_some_and(|first| *first != stay)
     }
 }
 
-fn first_stays(journeys: &[Journey], order: &[KeyframeIndex]) -> HashMap<Place, (usize, usize)> {
+fn first_stays(journeys: &[Journey], order: &[KeyframeIndex]) -> HashMap<(usize, Place), (usize, usize)> {
     let mut first = HashMap::new();
     for (robot, number) in order {
         let stop = journeys[*robot].steps[*number].stop;
         if stop.place != Place::Corridor {
-            first.entry(stop.place).or_insert((*robot, stop.visit));
+            first.entry((stop.storey, stop.place)).or_insert((*robot, stop.visit));
         }
     }
     first

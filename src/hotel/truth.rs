@@ -14,6 +14,9 @@ const COVISIBLE_POINTS: usize = 15;
 /// Farther off, so many of the same physical points make a keyframe neither right nor wrong.
 const SAME_POINTS: usize = 25;
 
+/// From one floor to the next, in metres.
+const STOREY_M: f64 = 3.0;
+
 /// A keyframe of an experiment: the robot's number, and the keyframe's in its journey.
 pub type KeyframeIndex = (usize, usize);
 
@@ -29,8 +32,7 @@ pub struct Answerable {
 /// What is right for each keyframe, in the order in which they were taken.
 pub fn answers(journeys: &[Journey], order: &[KeyframeIndex]) -> Vec<Answerable> {
     let step = |(robot, number): KeyframeIndex| &journeys[robot].steps[number];
-    let points: Vec<Vec<u32>> =
-        order.iter().map(|at| sorted(step(*at).features.iter().map(|f| f.point))).collect();
+    let points: Vec<Vec<(usize, u32)>> = order.iter().map(|at| points(step(*at))).collect();
     let ids: Vec<Vec<u64>> =
         order.iter().map(|at| sorted(step(*at).map_points.iter().map(|(id, _)| *id))).collect();
     (order.iter().enumerate())
@@ -59,14 +61,20 @@ pub fn is_same_place(a: &Step, b: &Step) -> bool {
 
 /// Returns the distance between the places where two were taken, in metres.
 pub fn apart_m(a: &Step, b: &Step) -> f64 {
+    let (storey_a, storey_b) = (a.stop.storey, b.stop.storey);
     let (a, b) = (a.stop.stand.at, b.stop.stand.at);
-    (a[0] - b[0]).hypot(a[1] - b[1])
+    let up_m = STOREY_M * (storey_a.abs_diff(storey_b)) as f64;
+    (a[0] - b[0]).hypot(a[1] - b[1]).hypot(up_m)
 }
 
 /// How many physical points two keyframes share.
 pub fn shared_points(a: &Step, b: &Step) -> usize {
-    let points = |step: &Step| sorted(step.features.iter().map(|feature| feature.point));
     shared(&points(a), &points(b))
+}
+
+/// The physical points that a keyframe sees: the floor, and the number there.
+fn points(step: &Step) -> Vec<(usize, u32)> {
+    sorted(step.features.iter().map(|feature| (step.stop.storey, feature.point)))
 }
 
 fn sorted<T: Ord>(items: impl Iterator<Item = T>) -> Vec<T> {

@@ -6,7 +6,7 @@ use super::chance::Chance;
 use super::floor_plan::{FloorPlan, Layout, Spot};
 use super::furnishing::{Model, WorldPoint};
 use super::signs::{Decorator, POINTS_PER_DIGIT_POINT, Sign, SignKind, SignPlan};
-use super::texture::Patterns;
+use super::texture::{Patterns, copy};
 
 /// What a world is made from.
 #[derive(Clone, Debug)]
@@ -39,9 +39,19 @@ pub struct World {
 impl World {
     /// Builds it.
     pub fn new(of: &WorldPlan, patterns: &Patterns) -> Self {
+        Self::storey(of, 0, patterns)
+    }
+
+    /// Builds the floor that is so many storeys above it: other copies of the same models, the same prints at the same
+    /// places, and other numbers.
+    pub fn storey(of: &WorldPlan, storey: usize, patterns: &Patterns) -> Self {
         let plan = FloorPlan::new(of.layout);
         let mut chance = Chance::new(of.seed, "furnishing");
         let model = Model::new(&plan, patterns, &mut chance);
+        let mut of_storey = Chance::new(of.seed ^ ((storey as u64) << 32), "storey");
+        if storey > 0 {
+            chance = of_storey.clone();
+        }
         let mut points = Vec::new();
         for room in &plan.rooms {
             points.extend(model.furnish_room(&room.door, &plan, patterns, &mut chance));
@@ -55,10 +65,19 @@ impl World {
             let spot = Spot { origin: [x, y], facing: [heading.cos(), heading.sin()] };
             points.extend(model.furnish_corner(&spot, &mut chance, |at| is_on_a_wall(&plan, at)));
         }
-        let numbers: Vec<String> = (1..=plan.rooms.len()).map(|n| format!("{}{n:02}", of.floor)).collect();
+        let numbers: Vec<String> =
+            (1..=plan.rooms.len()).map(|n| format!("{}{n:02}", of.floor + storey as u32)).collect();
         let mut chance = Chance::new(of.seed, "signs");
         let mut decorator = Decorator { plan: &plan, patterns, points: &mut points };
         let signs = decorator.hang(&numbers, of.signs, &mut chance);
+        for sign in signs.iter().filter(|_| storey > 0) {
+            let is_plate = sign.kind == SignKind::DoorPlate;
+            for (number, point) in points[sign.points.clone()].iter_mut().enumerate() {
+                let is_digit = is_plate && number % POINTS_PER_DIGIT_POINT == 0;
+                let look = if is_digit { patterns.model(&mut of_storey) } else { point.descriptor };
+                point.descriptor = copy(look, &mut of_storey);
+            }
+        }
         Self { plan, points, signs, numbers, renumbered: BTreeSet::new() }
     }
 

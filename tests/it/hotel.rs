@@ -20,7 +20,12 @@ use crate::support::Server;
 const DRIFT_M: f64 = 0.6;
 
 fn course(repeated: bool, rooms: &[usize]) -> Course {
-    let plan = WorldPlan { layout: Layout::SE1, floor: 9, signs: SignPlan { repeated }, seed: 7 };
+    let plan = WorldPlan {
+        layout: Layout::SE1,
+        floor: 9,
+        signs: SignPlan { repeated, ..SignPlan::default() },
+        seed: 7,
+    };
     let world = World::new(&plan, &Patterns::new());
     let stops = tour(&world.plan, rooms, &mut Chance::new(7, "route"));
     Course::new(vec![Journey::record(&world, &stops, Noise::default(), DRIFT_M, 7)])

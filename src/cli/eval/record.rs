@@ -24,7 +24,7 @@ const ZSTD_LEVEL: i32 = 3;
 pub(super) fn run(args: &HotelArgs, file: &Path) -> Result<(), Failure> {
     let patterns = Patterns::new();
     let (name, scenario) = if let Some(seed) = args.world {
-        let kind = args.noise.0.first().copied().unwrap_or(NoiseKind::None);
+        let kind = args.kinds().first().copied().unwrap_or(NoiseKind::None);
         (format!("hotel-{}-{seed}", kind.name()), Scenario::random(seed, kind, &patterns))
     } else {
         let printed = SEQUENCES.into_iter().find(|printed| printed.name() == SEQUENCE);

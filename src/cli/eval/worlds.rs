@@ -22,7 +22,7 @@ use crate::hotel::trial::drive;
 
 /// So many worlds under each kind of noise.
 pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result<(), Failure> {
-    let kinds = &args.noise.0;
+    let kinds = &args.kinds();
     let (seeds, name) =
         if args.held_out { (seeds::HELD_OUT, "held-out") } else { (seeds::DEVELOPMENT, "development") };
     let of =
@@ -107,10 +107,12 @@ async fn count_signs(client: &Client, map: &str, scenario: &Scenario) -> Result<
 
 /// One world: what ours was told wherever it was wrong, or missed something.
 pub(super) async fn explain(args: &HotelArgs, client: &Client, seed: u64) -> Result<(), Failure> {
-    for kind in &args.noise.0 {
+    for kind in &args.kinds() {
         let scenario = world(*kind, seed).await?;
-        let narrator = Narrator { world: &scenario.world, journeys: &scenario.course.journeys };
-        let rooms: Vec<String> = scenario.tours.iter().map(|tour| tour_text(&scenario, tour)).collect();
+        let narrator =
+            Narrator { world: &scenario.world, upper: &scenario.upper, journeys: &scenario.course.journeys };
+        let tours = scenario.tours.iter().enumerate();
+        let rooms: Vec<String> = tours.map(|(robot, tour)| tour_text(&scenario, robot, tour)).collect();
         write_out(&format!("world {seed} under {}: rooms {}\n", kind.title(), rooms.join("; and ")))?;
         let map = format!("{}-{seed}", kind.name());
         let mut lines = Vec::new();
@@ -140,7 +142,9 @@ async fn world(kind: NoiseKind, seed: u64) -> Result<Scenario, Failure> {
     Ok(tokio::task::spawn_blocking(random).await?)
 }
 
-fn tour_text(scenario: &Scenario, tour: &[usize]) -> String {
-    let numbers: Vec<&str> = tour.iter().map(|room| scenario.world.numbers[*room].as_str()).collect();
+fn tour_text(scenario: &Scenario, robot: usize, tour: &[usize]) -> String {
+    let storey = scenario.course.journeys[robot].steps.first().map_or(0, |step| step.stop.storey);
+    let floor = storey.checked_sub(1).map_or(&scenario.world, |above| &scenario.upper[above]);
+    let numbers: Vec<&str> = tour.iter().map(|room| floor.numbers[*room].as_str()).collect();
     numbers.join(", ")
 }
