@@ -115,10 +115,6 @@ fn print_table(reports: &[Report]) {
     row("  ORB-SLAM3, measured elsewhere", &|report| {
         orb_slam3_ms(report).map_or("-".into(), |theirs| format!("{theirs:.0} ms"))
     });
-    row("  times faster", &|report| {
-        orb_slam3_ms(report)
-            .map_or("-".into(), |theirs| format!("{:.0} x", theirs / 1e3 / report.query.median.as_secs_f64()))
-    });
     row("postings a query", &|report| format!("{:.0}", report.postings_per_query));
     row("postings a second", &|report| {
         format!("{:.2e}", report.postings_per_query / report.query.median.as_secs_f64())
