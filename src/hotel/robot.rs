@@ -12,7 +12,7 @@ use crate::client::{Client, ClientError, LoopAnswer};
 use crate::geometry::{Point3, Pose};
 use serde_json::json;
 
-/// After it has closed a loop, a robot collects so many keyframes before it optimises again (ORB-SLAM3: 10).
+/// After it has closed a loop, a robot collects so many keyframes before it optimises again (ORB-SLAM2: 10).
 const CLOSING_EVERY_KEYFRAMES: usize = 10;
 /// What odometry errs by between two keyframes, as far as the pose graph is told.
 const ODOMETRY_SIGMA_M: f64 = 0.01;

@@ -1,4 +1,4 @@
-//! Storeys: floors of one hotel that are alike, with a robot on each and one that comes back to the first.
+//! Storeys: floors of one hotel that are alike, with a robot on each and a second one on the lowest.
 //!
 //! Each floor is furnished from the same models and hung with the same prints; what differs are the numbers on the doors,
 //! the guests' belongings, centimetres and a few bits.

@@ -44,7 +44,7 @@ enum Experiment {
 /// Drive a robot through simulated hotels, and score the loops it is told.
 ///
 /// A robot with a camera, odometry and a pose graph of its own drives through rooms that are furnished alike. At each
-/// keyframe it asks a server, over HTTP, whether it is a loop, and closes what it is told. The truth comes from the
+/// keyframe it asks a server, over HTTP, whether it is a loop, and closes loops in the way of its arm. The truth comes from the
 /// simulator and never reaches the server. The server has a database of its own that is thrown away.
 ///
 /// Without options: the paper's twelve sequences. Tables II and III beside the printed figures, Figure 6, and a
@@ -63,7 +63,7 @@ enum Experiment {
 /// SCORES. By query: each keyframe's answer; right within 1 m and 30 degrees of the keyframe that it names, neither right
 /// nor wrong if it is no such pair and the two see 25 of the same points. Keyframes of one robot that share 15 tracked points
 /// are no loop. By visit, the paper's unit: a stay in a room has one answer, the loop with the most inliers that any of its
-/// keyframes got; it is recalled if any was right.
+/// keyframes got, of those that the robot took; it is recalled if any was right.
 ///
 /// NOISE. reader: 15 % of the readings have a wrong character or lack one, and 4 % of the plates are read as another number
 /// all through a visit. missed: 35 % of the detections are missed, one door in ten has no plate. repeated: the same exit
@@ -72,7 +72,7 @@ enum Experiment {
 /// about half as often. "Pooled" leaves mixed out.
 ///
 /// HOTEL V2. With --worlds or --world, --hotel v2 draws three floors that are alike, with the same six prints on the walls of
-/// each; a robot drives on each floor, and a fourth comes back to the first, all in one map. Plates and exit signs are
+/// each; a robot drives on each floor and a fourth on the lowest, through half of the first one's rooms, all at the same time in one map. Plates and exit signs are
 /// read by an OCR that misses, cuts and misreads as the one of the recording floors did, tells no plate from other text, and
 /// reads text where there is none. It takes no --noise.
 #[derive(Args, Clone, Debug)]

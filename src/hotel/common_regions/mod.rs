@@ -14,7 +14,10 @@
 //!
 //! | what differs from ORB-SLAM3 | here |
 //! |---|---|
-//! | candidates | the best that the server answers, instead of three by words for loops and three for merges |
+//! | candidates | what the server verifies, with 20 inliers of which 12 are beyond doubt, instead of 15 of RANSAC among three by words |
+//! | search | in a circle around a point, instead of a square of that half side |
+//! | keyframes that follow | the refined transformation is projected and kept; the program projects the one before refinement |
+//! | small maps | loops from the first keyframe on, instead of the twelfth |
 //! | a map point's descriptor and viewing direction | the first ones, instead of the median and the mean |
 //! | refinement | ours, with its narrower robust kernel; points are seen in the candidate where they project |
 //! | after a loop | no local bundle adjustment, no fusion of points, and a loop at every tenth keyframe at most |

@@ -197,6 +197,19 @@ fn a_loop_is_confirmed_by_three_neighbours_that_see_the_same() {
 }
 
 #[test]
+fn a_neighbour_agrees_that_sees_thirty_points() {
+    let wall = wall(100);
+    for (seen, is_confirmed) in [(30, true), (29, false)] {
+        let mut steps = passes(&wall, 1);
+        steps.extend((0..3).map(|number| step(&wall[..seen], STEP_M * f64::from(number), 1_000)));
+        steps.push(step(&wall, 3.0 * STEP_M, 1_000));
+        let map = map(&steps);
+        let confirmed = Confirmation::default().hear(&[&map], (0, 7), &[proposal(3, level(0.0))]);
+        assert_eq!(confirmed.is_some(), is_confirmed, "{seen} points");
+    }
+}
+
+#[test]
 fn a_loop_with_another_robot_is_confirmed_like_one_of_its_own() {
     let wall = wall(100);
     let [first, second] = [passes(&wall, 1), passes(&wall, 1)];
@@ -218,18 +231,17 @@ fn what_lies_half_a_metre_aside_or_was_seen_just_now_is_no_loop() {
 
 #[test]
 fn keyframes_that_follow_confirm_what_one_neighbour_does_and_two_failures_end_it() {
-    let (wall, dark) = (wall(120), Vec::new());
-    // What each keyframe after the query's one neighbour sees: the wall, or nothing. It is asked at the query alone.
+    let wall = wall(120);
+    // The points that the query and each keyframe after it show; the query has one neighbour. It is asked at the query alone.
     for (sees, confirmed_at) in [
-        (&[true, true, true, true][..], Some(4)),
-        (&[true, false, true, true][..], Some(5)),
-        (&[true, false, false, true, true][..], None),
+        (&[120, 100, 100, 100][..], Some(4)),
+        (&[120, 99, 100, 100][..], Some(5)),
+        (&[120, 99, 0, 120, 120][..], None),
     ] {
         let mut steps = passes(&wall, 1);
         steps.push(step(&wall, 0.0, 1_000));
         for (number, sees) in sees.iter().enumerate() {
-            let shown: &[_] = if *sees { &wall } else { &dark };
-            steps.push(step(shown, STEP_M * number as f64, 1_000));
+            steps.push(step(&wall[..*sees], STEP_M * number as f64, 1_000));
         }
         let (mut confirmation, mut at) = (Confirmation::default(), None);
         for (number, _) in sees.iter().enumerate() {
