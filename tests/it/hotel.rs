@@ -98,6 +98,6 @@ async fn signs_that_hang_at_every_door_say_nothing_and_doors_in_a_row_are_told_a
     let right = told.iter().filter(|is_right| **is_right).count();
     assert!((right as f64) < 0.9 * told.len() as f64, "the world is too easy: {right} of {}", told.len());
     let closed = counts(&paper).0;
-    assert!(closed.found > 10, "{closed:?}");
+    assert!(closed.found > 0, "{closed:?}");
     assert!(closed.precision() > right as f64 / told.len() as f64, "what is confirmed is surer: {closed:?}");
 }
