@@ -14,7 +14,7 @@ use super::tracking::Tracker;
 use super::world::World;
 use crate::geometry::Pose;
 
-/// How sure a reader is of text that is none.
+/// The confidence of a reader in text that is none.
 const IMAGINED_CONFIDENCE: f64 = 0.7;
 
 /// A detection as the robot sends it.

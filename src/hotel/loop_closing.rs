@@ -23,9 +23,9 @@ pub enum LoopClosing {
 pub struct Accepted {
     /// The keyframe it is with.
     pub candidate: KeyframeIndex,
-    /// How many points agree: the server's inliers, or what the confirmation found.
+    /// The number of points that agree: the server's inliers, or what the confirmation found.
     pub inliers: u64,
-    /// What to close; nothing where the server verified no transformation.
+    /// The loop to close; none where the server verified no transformation.
     pub to_close: Option<LoopToClose>,
 }
 

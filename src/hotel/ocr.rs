@@ -13,7 +13,7 @@
 //! | another code | 51, 19 %, among them railings that are no plate | 15 %, and 4 % all through a visit |
 //! | text where there is none: single letters, rows of zeros | 219, in 175 photographs | one in 17 % of the images, a second in 20 % of those |
 //!
-//! What it leaves out: the order in which a reader errs is drawn anew for each image, though real ones err alike in images
+//! One thing is left out: errors are drawn anew for each image, though real ones err alike in images
 //! that are alike.
 
 use super::camera::IMAGE_PX;
@@ -45,7 +45,7 @@ const ROW_OF_ZEROS: [usize; 2] = [2, 9];
 /// The height of what is imagined, in pixels.
 const IMAGINED_PX: [f64; 2] = [12.0, 90.0];
 
-/// What it reads of a sign that looks like `text` in this box, `[x0, y0, x1, y1]` in pixels; nothing if it is too small or seen
+/// Reads a sign that looks like `text` in this box, `[x0, y0, x1, y1]` in pixels; nothing if it is too small or seen
 /// too much from aside.
 pub fn read(text: &str, sign: &Sign, bounding_box: [f64; 4], chance: &mut Chance) -> Option<String> {
     let [x0, y0, x1, y1] = bounding_box;
@@ -68,7 +68,7 @@ pub fn read(text: &str, sign: &Sign, bounding_box: [f64; 4], chance: &mut Chance
     })
 }
 
-/// What it reads in an image where nothing is written: texts with their boxes.
+/// Reads texts where nothing is written: with their boxes, in pixels.
 pub fn imagine(chance: &mut Chance) -> Vec<(String, [f64; 4])> {
     let mut texts = Vec::new();
     if chance.happens(IMAGINED_SHARE) {

@@ -89,7 +89,7 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// What it keeps of its way, in its own frame.
+    /// The map that it keeps itself, in its own frame.
     pub fn slam_map(&self) -> &SlamMap<'a> {
         &self.slam_map
     }

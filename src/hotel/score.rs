@@ -36,7 +36,7 @@ pub struct Scored {
     pub has_truth: bool,
     /// What was answered.
     pub outcome: Outcome,
-    /// How many points agree with the loop that was taken: the server's inliers, or what the robot's confirmation found.
+    /// The number of points that agree with the loop that was taken: the server's inliers, or what the robot's confirmation found.
     pub inliers: u64,
 }
 

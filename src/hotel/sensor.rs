@@ -26,7 +26,7 @@ const KEYPOINT_SIGMA_PX: f64 = 0.6;
 const DEPTH_SIGMA: f64 = 0.012;
 /// The octave of the image pyramid in which a corner at its reference distance is seen.
 const MIDDLE_OCTAVE: f64 = 3.0;
-/// How many octaves the pyramid has.
+/// The number of octaves of the pyramid.
 pub const OCTAVES: f64 = 8.0;
 /// The scale from one octave to the next.
 pub const OCTAVE_FACTOR: f64 = 1.2;

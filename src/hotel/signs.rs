@@ -68,7 +68,7 @@ pub struct Sign {
 pub struct SignPlan {
     /// The same painting on every wall, and a floor's number and an exit sign with a description at every door.
     pub repeated: bool,
-    /// So many different paintings, one after the other; 0: as many as there are walls for them.
+    /// The number of different paintings, hung one after the other; 0: as many as there are walls for them.
     pub prints: usize,
 }
 

@@ -12,9 +12,9 @@ use super::signs::SignPlan;
 use super::texture::Patterns;
 use super::world::{World, WorldPlan};
 
-/// So many floors are alike.
+/// The number of floors that are alike.
 pub const STOREYS: usize = 3;
-/// So many different prints hang on the walls of a floor.
+/// The number of different prints on the walls of a floor.
 const PRINTS: usize = 6;
 
 /// The floors with what drives through them.

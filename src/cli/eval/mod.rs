@@ -119,7 +119,7 @@ fn sequence(name: &str) -> Result<PrintedSequence, String> {
     found.ok_or_else(|| String::from("SE1-00 to SE1-05 and SE2-00 to SE2-05"))
 }
 
-/// Which generator draws the worlds.
+/// The generator that draws the worlds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Generator {
     /// One floor, a reader that is perfect but for --noise

@@ -9,9 +9,9 @@ use crate::geometry::{Point3, Pose};
 use crate::hotel::slam_map::SlamMap;
 use crate::hotel::truth::KeyframeIndex;
 
-/// So many keyframes must agree.
+/// The number of keyframes that must agree.
 const AGREEING: usize = 3;
-/// So many of the points must be found in a query before refinement, ...
+/// The number of points that must be found in a query before refinement, ...
 const FOUND_FIRST: usize = 50;
 /// ... so many must fit the refined transformation, ...
 const FITTING: usize = 20;
@@ -25,7 +25,7 @@ const FOUND_LATER: usize = 30;
 const FITTING_LATER: usize = 50;
 /// ... and so many must be found after refinement.
 const FOUND_LATER_REFINED: usize = 100;
-/// So many keyframes in a row that do not agree end it.
+/// The number of keyframes in a row that end it by not agreeing.
 const FAILURES: u32 = 2;
 
 /// A loop that the server proposes.
@@ -46,13 +46,13 @@ pub struct Confirmed {
     pub candidate: KeyframeIndex,
     /// The query's pose in the candidate's camera frame, refined.
     pub candidate_from_query: Pose,
-    /// How many points of the window the query shows.
+    /// The number of the window's points that the query shows.
     pub found: usize,
     /// The id of the answer that proposed it: an earlier one if later keyframes had to agree.
     pub answer: String,
 }
 
-/// What one robot's loop closing remembers from keyframe to keyframe.
+/// The memory of one robot's loop closing from keyframe to keyframe.
 #[derive(Clone, Debug, Default)]
 pub struct Confirmation {
     pending: Option<Pending>,
@@ -103,7 +103,7 @@ impl Confirmation {
     }
 }
 
-/// What became of a pending loop at the keyframe that follows.
+/// The fate of a pending loop at the keyframe that follows.
 enum Followed {
     Agrees(Pending),
     Fails(Pending),

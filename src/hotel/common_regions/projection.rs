@@ -16,12 +16,12 @@ const FARTHEST_FACTOR: f64 = 1.2;
 /// The cosine of the widest angle between two directions from which a point is recognised: 60 degrees.
 const VIEW_COSINE: f64 = 0.5;
 
-/// How near and how alike a feature must be.
+/// Limits of a search: the distance in the image and between descriptors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Search {
     /// In pixels, at octave 0.
     pub radius_px: f64,
-    /// How many times [`ALIKE_BITS`] the descriptors may differ by.
+    /// The multiple of [`ALIKE_BITS`] by which descriptors may differ.
     pub bits_factor: f64,
 }
 

@@ -16,7 +16,7 @@ const MAX_CHI_SQUARE: f64 = 10.0;
 pub struct Refined {
     /// The pose of the query in the candidate's camera frame.
     pub candidate_from_query: Pose,
-    /// How many points fit it in both images.
+    /// The number of points that fit it in both images.
     pub inliers: usize,
 }
 

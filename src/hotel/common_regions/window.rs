@@ -6,19 +6,19 @@ use crate::geometry::{Point3, Pose};
 use crate::hotel::slam_map::SlamMap;
 use crate::hotel::texture::Descriptor;
 
-/// So many keyframes share most points with the one in the middle.
+/// The number of keyframes around the one in the middle: those that share most points with it.
 pub const COVISIBLE: usize = 10;
 
 /// A map point of a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindowPoint {
-    /// Where it is in the candidate's camera frame, in metres.
+    /// Its place in the candidate's camera frame, in metres.
     pub in_candidate: Point3,
-    /// Where the camera stood that saw it first, in the same frame, in metres.
+    /// The place of the camera that saw it first, in the same frame, in metres.
     pub first_seen_from: Point3,
     /// The octave in which that camera saw it.
     pub octave: u8,
-    /// What it looks like.
+    /// Its descriptor.
     pub descriptor: Descriptor,
 }
 
