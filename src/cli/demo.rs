@@ -42,8 +42,7 @@ pub async fn run(args: DemoArgs) -> Result<(), Failure> {
     let printed = SEQUENCES.into_iter().find(|printed| printed.name() == SEQUENCE).unwrap_or(SEQUENCES[0]);
     let scenario =
         tokio::task::spawn_blocking(move || Scenario::of_paper(&printed, &Patterns::new())).await?;
-    let narrator =
-        Narrator { world: &scenario.world, upper: &scenario.upper, journeys: &scenario.course.journeys };
+    let narrator = Narrator { scenario: &scenario };
     let rooms: Vec<&str> =
         scenario.tours[0].iter().map(|room| scenario.world.numbers[*room].as_str()).collect();
     write_out(&format!(

@@ -1,31 +1,25 @@
 //! Explain: one line a person can follow for what the robot was told.
 
-use super::journey::Journey;
 use super::route::Place;
+use super::scenario::Scenario;
 use super::score::Outcome;
 use super::trial::Asked;
-use super::world::World;
 use crate::client::{Candidate, Verdict};
 
 /// Tells what happened at keyframes of one course.
 #[derive(Clone, Copy, Debug)]
 pub struct Narrator<'a> {
-    /// The world, for the rooms' numbers.
-    pub world: &'a World,
-    /// The floors above it.
-    pub upper: &'a [World],
-    /// What the robots did.
-    pub journeys: &'a [Journey],
+    /// The floors, for the rooms' numbers, and the journeys through them.
+    pub scenario: &'a Scenario,
 }
 
 impl Narrator<'_> {
     /// Where a keyframe was taken, in truth.
     pub fn place(&self, (robot, number): (usize, usize)) -> String {
-        let stop = self.journeys[robot].steps[number].stop;
-        let floor = stop.storey.checked_sub(1).map_or(self.world, |above| &self.upper[above]);
-        match stop.place {
+        let floor = self.scenario.floor_of(robot);
+        match self.scenario.course.journeys[robot].steps[number].stop.place {
             Place::Room(room) => format!("room {}", floor.numbers[room]),
-            Place::Corridor if self.upper.is_empty() => String::from("the corridor"),
+            Place::Corridor if self.scenario.upper.is_empty() => String::from("the corridor"),
             Place::Corridor => format!("the corridor of room {}", floor.numbers[0]),
         }
     }

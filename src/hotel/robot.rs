@@ -1,6 +1,6 @@
 //! Robot: a SLAM client with odometry and a pose graph of its own, that asks the server on each keyframe.
 //!
-//! What it closes becomes an edge of its pose graph, false or not. That is the point of the experiment.
+//! A loop that it closes becomes an edge of its pose graph, false or not. That is the point of the experiment.
 
 use super::arm::Arm;
 use super::camera::Stand;

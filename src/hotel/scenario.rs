@@ -26,7 +26,7 @@ pub struct Scenario {
     pub world: World,
     /// The floors above it that are alike, if there are any.
     pub upper: Vec<World>,
-    /// What drives through them.
+    /// The journeys through them.
     pub course: Course,
     /// The rooms of each tour.
     pub tours: Vec<Vec<usize>>,
@@ -43,6 +43,12 @@ impl Scenario {
         let world = World::new(&plan, patterns);
         let seed = seed * 100 + sequence.number as u64;
         Self::drive(world, NoiseKind::None, PAPER_ROOMS, &[sequence.orb_vo_m], seed)
+    }
+
+    /// The floor on which a robot drives.
+    pub fn floor_of(&self, robot: usize) -> &World {
+        let storey = self.course.journeys[robot].steps.first().map_or(0, |step| step.stop.storey);
+        storey.checked_sub(1).map_or(&self.world, |above| &self.upper[above])
     }
 
     /// A random world under some noise.

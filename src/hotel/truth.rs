@@ -4,13 +4,12 @@ use std::collections::HashSet;
 
 use super::journey::{Journey, Step};
 use super::route::heading_difference_rad;
+use super::slam_map::COVISIBLE_POINTS;
 
 /// Keyframes nearer than this, in metres, ...
 const SAME_PLACE_M: f64 = 1.0;
 /// ... that look the same way up to this, are one place.
 const SAME_VIEW_RAD: f64 = 30.0 / 180.0 * std::f64::consts::PI;
-/// Keyframes that share so many map points are covisible (ORB-SLAM's covisibility graph, and the service's default).
-const COVISIBLE_POINTS: usize = 15;
 /// Farther off, so many of the same physical points make a keyframe neither right nor wrong.
 const SAME_POINTS: usize = 25;
 

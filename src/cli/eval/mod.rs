@@ -72,9 +72,9 @@ enum Experiment {
 /// about half as often. "Pooled" leaves mixed out.
 ///
 /// HOTEL V2. With --worlds or --world, --hotel v2 draws three floors that are alike, with the same six prints on the walls of
-/// each; a robot drives on each floor and a fourth on the lowest, through half of the first one's rooms, all at the same time in one map. Plates and exit signs are
-/// read by an OCR that misses, cuts and misreads as the one of the recording floors did, tells no plate from other text, and
-/// reads text where there is none. It takes no --noise.
+/// each; a robot drives on each floor and a fourth on the lowest, through half of the first one's rooms, all at the same
+/// time in one map. Plates and exit signs are read by an OCR that misses, cuts and misreads as the one of the recording floors
+/// did, tells no plate from other text, and reads text where there is none. It takes no --noise.
 #[derive(Args, Clone, Debug)]
 #[command(group(ArgGroup::new("random").args(["worlds", "world"]).multiple(true)))]
 struct HotelArgs {
@@ -147,9 +147,9 @@ fn noise_kinds(name: &str) -> Result<NoiseKinds, String> {
     if name == "all" {
         return Ok(NoiseKinds(NoiseKind::TROUBLES.to_vec()));
     }
-    let kinds = || NoiseKind::ALL.into_iter().filter(|kind| *kind != NoiseKind::SecondHotel);
-    let names: Vec<&str> = kinds().map(NoiseKind::name).collect();
-    let kind = kinds().find(|kind| kind.name() == name);
+    let has_noise = |kind: &NoiseKind| *kind != NoiseKind::SecondHotel;
+    let names: Vec<&str> = NoiseKind::ALL.into_iter().filter(has_noise).map(NoiseKind::name).collect();
+    let kind = NoiseKind::of_name(name).filter(has_noise);
     Ok(NoiseKinds(vec![kind.ok_or_else(|| format!("one of {}, all", names.join(", ")))?]))
 }
 

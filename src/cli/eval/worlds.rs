@@ -109,8 +109,7 @@ async fn count_signs(client: &Client, map: &str, scenario: &Scenario) -> Result<
 pub(super) async fn explain(args: &HotelArgs, client: &Client, seed: u64) -> Result<(), Failure> {
     for kind in &args.kinds() {
         let scenario = world(*kind, seed).await?;
-        let narrator =
-            Narrator { world: &scenario.world, upper: &scenario.upper, journeys: &scenario.course.journeys };
+        let narrator = Narrator { scenario: &scenario };
         let tours = scenario.tours.iter().enumerate();
         let rooms: Vec<String> = tours.map(|(robot, tour)| tour_text(&scenario, robot, tour)).collect();
         write_out(&format!("world {seed} under {}: rooms {}\n", kind.title(), rooms.join("; and ")))?;
@@ -143,8 +142,7 @@ async fn world(kind: NoiseKind, seed: u64) -> Result<Scenario, Failure> {
 }
 
 fn tour_text(scenario: &Scenario, robot: usize, tour: &[usize]) -> String {
-    let storey = scenario.course.journeys[robot].steps.first().map_or(0, |step| step.stop.storey);
-    let floor = storey.checked_sub(1).map_or(&scenario.world, |above| &scenario.upper[above]);
+    let floor = scenario.floor_of(robot);
     let numbers: Vec<&str> = tour.iter().map(|room| floor.numbers[*room].as_str()).collect();
     numbers.join(", ")
 }
