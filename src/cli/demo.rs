@@ -5,6 +5,7 @@ use clap::Args;
 use super::serve::hotel_server;
 use super::{Failure, stop_on_signal, write_out};
 use crate::client::{Client, Verdict};
+use crate::geometry::absolute_orientation::Scale;
 use crate::hotel::arm::Arm;
 use crate::hotel::explain::{Narrator, keyframe_id};
 use crate::hotel::paper::SEQUENCES;
@@ -18,6 +19,11 @@ use crate::hotel::trial::{self, Asked, Driven, absolute_pose_error_m, drive};
 const SEQUENCE: &str = "SE2 00";
 /// The map that stays to be looked at.
 const MAP: &str = "hotel";
+/// The arms that drive after ours, and what they are.
+const OTHERS: [(Arm, &str); 2] = [
+    (Arm::Paper, "the paper's method to the letter, its loops confirmed as ORB-SLAM3 does"),
+    (Arm::BagOfWords, "bag of words and Sim3 without signs, confirmed in the same way"),
+];
 /// A line for every rejected look-alike would be hundreds: of a run of them one is told.
 const REJECTIONS_EVERY: usize = 25;
 /// And of loops, which come in runs as well.
@@ -55,14 +61,18 @@ pub async fn run(args: DemoArgs) -> Result<(), Failure> {
     let mut teller = Teller::new(narrator);
     let ours = drive(&client, MAP, Arm::Ours, &scenario.course, |asked| teller.hear(asked)).await?;
     let mut drives = vec![ours];
-    for arm in [Arm::Paper, Arm::BagOfWords] {
-        write_out(&format!("\nThe same drive again, with {}\n", introduction(arm)))?;
+    for (arm, method) in OTHERS {
+        write_out(&format!("\nThe same drive again, with {method} ...\n"))?;
         drives.push(drive(&client, &format!("{MAP}-{}", arm.name()), arm, &scenario.course, |_| {}).await?);
     }
     let result = SequenceResult {
         sequence: printed.name(),
         keyframes: scenario.course.order.len(),
-        odometry_m: absolute_pose_error_m(&scenario.course.journeys, &trial::odometry(&scenario.course)),
+        odometry_m: absolute_pose_error_m(
+            &scenario.course.journeys,
+            &trial::odometry(&scenario.course),
+            Scale::Fixed,
+        ),
         arms: drives.iter().map(ArmResult::of).collect(),
         confusion: Confusion::of(&drives[2]),
         printed,
@@ -76,14 +86,6 @@ pub async fn run(args: DemoArgs) -> Result<(), Failure> {
     write_out(&next_steps(server.url(), &drives[0]))?;
     stop_on_signal()?.cancelled().await;
     Ok(())
-}
-
-fn introduction(arm: Arm) -> &'static str {
-    match arm {
-        Arm::Ours => "our method",
-        Arm::Paper => "the paper's method to the letter, its loops confirmed as ORB-SLAM3 does ...",
-        Arm::BagOfWords => "bag of words and Sim3 without signs, confirmed in the same way ...",
-    }
 }
 
 /// Tells enough of what happens to be followed.

@@ -62,6 +62,11 @@ impl Sim3 {
         &self.rotation
     }
 
+    /// Its rotation and translation: the pose of a camera whose lengths are those of the outer frame.
+    pub fn without_scale(&self) -> Pose {
+        Pose::from_stored(self.translation_m(), self.rotation_xyzw())
+    }
+
     /// The matrix `scale * rotation` and the translation: what a loop over many points wants.
     pub fn linear_and_translation(&self) -> (Matrix3<f64>, Vector3<f64>) {
         (self.rotation.to_rotation_matrix().into_inner() * self.scale, self.translation)

@@ -1,21 +1,21 @@
 //! Absolute pose error: how far positions are off after the trajectory was laid over the truth, as evo computes it.
 //!
-//! `evo_ape tum truth.tum estimate.tum -a` aligns with a rotation and a translation but no scale (S. Umeyama, PAMI 13, 1991)
-//! and prints, among others, the root of the mean squared distance. evo 1.x gives the same digits for the trajectories that
+//! `evo_ape tum truth.tum estimate.tum -a` aligns with a rotation and a translation (S. Umeyama, PAMI 13, 1991), with `-s` also
+//! by a scale, and prints, among others, the root of the mean squared distance. evo 1.x gives the same digits for the trajectories that
 //! `revisit eval hotel` writes.
 
 use crate::geometry::absolute_orientation::{Scale, align};
 use crate::geometry::{Point3, Sim3};
 
-/// The rigid transformation `truth_from_estimate` that lays the estimate over the truth; none if the points leave it open.
-pub fn alignment(estimated: &[Point3], truth: &[Point3]) -> Option<Sim3> {
+/// The transformation `truth_from_estimate` that lays the estimate over the truth; none if the points leave it open.
+pub fn alignment(estimated: &[Point3], truth: &[Point3], scale: Scale) -> Option<Sim3> {
     let pairs: Vec<(Point3, Point3)> = estimated.iter().copied().zip(truth.iter().copied()).collect();
-    align(&pairs, Scale::Fixed).ok()
+    align(&pairs, scale).ok()
 }
 
 /// RMSE of the positions after alignment, in metres.
-pub fn rmse_after_alignment(estimated: &[Point3], truth: &[Point3]) -> Option<f64> {
-    let truth_from_estimate = alignment(estimated, truth)?;
+pub fn rmse_after_alignment(estimated: &[Point3], truth: &[Point3], scale: Scale) -> Option<f64> {
+    let truth_from_estimate = alignment(estimated, truth, scale)?;
     let squared =
         estimated.iter().zip(truth).map(|(e, t)| (truth_from_estimate.transform(e) - t).norm_squared());
     Some((squared.sum::<f64>() / estimated.len() as f64).sqrt())
@@ -26,15 +26,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_moved_and_turned_trajectory_is_right_and_a_longer_one_is_not() {
+    fn a_moved_and_turned_trajectory_is_right_and_a_longer_one_only_if_the_scale_is_free() {
         let truth: Vec<Point3> =
             [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 3.0, 0.0], [0.0, 3.0, 0.0]].map(Point3::from).to_vec();
         let turned: Vec<Point3> =
             truth.iter().map(|p| Point3::new(7.0 - p.y, p.x - 2.0, p.z + 1.0)).collect();
-        assert!(rmse_after_alignment(&turned, &truth).expect("points") < 1e-9);
+        assert!(rmse_after_alignment(&turned, &truth, Scale::Fixed).expect("points") < 1e-9);
         // Twice as long: every corner is 2.5 m from its middle and ends up 2.5 m off.
         let longer: Vec<Point3> = truth.iter().map(|p| p * 2.0).collect();
-        let off_m = rmse_after_alignment(&longer, &truth).expect("points");
+        let off_m = rmse_after_alignment(&longer, &truth, Scale::Fixed).expect("points");
         assert!((off_m - 2.5).abs() < 1e-9, "{off_m}");
+        assert!(
+            rmse_after_alignment(&longer, &truth, Scale::Free).expect("points") < 1e-9,
+            "in another unit"
+        );
     }
 }

@@ -14,11 +14,16 @@ pub enum Arm {
     /// Bag of words and Sim3 without anchors, as ORB-SLAM3 closes loops.
     #[serde(rename = "bow")]
     BagOfWords,
+    /// Revisit as it comes, for a robot with one camera and no depth ([`super::monocular`]).
+    #[serde(rename = "monocular")]
+    OursMonocular,
 }
 
 impl Arm {
-    /// All of them, in the order of tables.
-    pub const ALL: [Self; 3] = [Self::Ours, Self::Paper, Self::BagOfWords];
+    /// Those that drive the paper's sequences, in the order of tables.
+    pub const OF_SEQUENCES: [Self; 3] = [Self::Ours, Self::Paper, Self::BagOfWords];
+    /// Those that drive random worlds: bag of words with Sim3 is lost in each of them.
+    pub const OF_WORLDS: [Self; 3] = [Self::Ours, Self::OursMonocular, Self::Paper];
 
     /// A word for file names and map ids.
     pub fn name(self) -> &'static str {
@@ -26,6 +31,7 @@ impl Arm {
             Self::Ours => "ours",
             Self::Paper => "paper",
             Self::BagOfWords => "bow",
+            Self::OursMonocular => "monocular",
         }
     }
 
@@ -35,13 +41,14 @@ impl Arm {
             Self::Ours => "Ours",
             Self::Paper => "Paper's letter",
             Self::BagOfWords => "BoW + Sim3",
+            Self::OursMonocular => "Ours monocular",
         }
     }
 
     /// The settings of its map.
     pub fn settings(self) -> Value {
         match self {
-            Self::Ours => json!({}),
+            Self::Ours | Self::OursMonocular => json!({}),
             Self::Paper => json!({"method": "paper"}),
             Self::BagOfWords => {
                 json!({"without_anchors": "geometry", "candidates_max": 3, "aligned_anchors": false,
@@ -54,7 +61,12 @@ impl Arm {
     /// Does its robot close a loop only once it is confirmed as in ORB-SLAM3 ([`super::common_regions`])? Ours closes what
     /// it is told.
     pub fn confirms(self) -> bool {
-        self != Self::Ours
+        !matches!(self, Self::Ours | Self::OursMonocular)
+    }
+
+    /// Has its robot one camera and no depth, so that its lengths have a unit of their own?
+    pub fn is_monocular(self) -> bool {
+        self == Self::OursMonocular
     }
 
     /// Does it look at signs?
@@ -69,7 +81,7 @@ mod tests {
 
     #[test]
     fn an_arm_has_one_name_in_maps_and_in_results() {
-        for arm in Arm::ALL {
+        for arm in Arm::OF_SEQUENCES.into_iter().chain(Arm::OF_WORLDS) {
             assert_eq!(serde_json::to_value(arm).unwrap(), arm.name());
         }
     }

@@ -67,8 +67,17 @@ fn agreement(candidate: &Candidate) -> String {
         (n, Some(similarity)) => format!(", the same {n} signs at the same places (S = {similarity:.2})"),
     };
     match candidate.inliers() {
-        Some(inliers) => format!("{anchors}, {inliers} points fit"),
+        Some(inliers) => format!("{anchors}, {inliers} points fit{}", at_scale(candidate)),
         None => anchors,
+    }
+}
+
+/// The ratio of the two keyframes' scales, where lengths have no common unit.
+fn at_scale(candidate: &Candidate) -> String {
+    let transform = candidate.geometry.as_ref().and_then(|geometry| geometry.candidate_from_query.as_ref());
+    match transform.map(|transform| transform.scale) {
+        Some(scale) if scale != 1.0 => format!(" at scale {scale:.2}"),
+        _ => String::new(),
     }
 }
 

@@ -3,6 +3,7 @@
 //! A journey is recorded once and then driven through by each arm of the experiment, so that all see the same data.
 
 use super::chance::Chance;
+use super::monocular;
 use super::noise::Noise;
 use super::ocr;
 use super::odometry::drifting_motions;
@@ -12,7 +13,7 @@ use super::sensor::{Feature, take_image};
 use super::signs::SignKind;
 use super::tracking::Tracker;
 use super::world::World;
-use crate::geometry::Pose;
+use crate::geometry::{Point3, Pose};
 
 /// The confidence of a reader in text that is none.
 const IMAGINED_CONFIDENCE: f64 = 0.7;
@@ -32,6 +33,15 @@ pub struct Detection {
     pub text: String,
 }
 
+/// A map point that a keyframe places, for the first time or anew.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placed {
+    /// The feature of the keyframe that it is.
+    pub feature: usize,
+    /// Its place in the keyframe's camera frame: in metres by depth, in the robot's own unit by triangulation.
+    pub in_camera: Point3,
+}
+
 /// A keyframe as the sensors give it.
 #[derive(Clone, Debug)]
 pub struct Step {
@@ -43,6 +53,8 @@ pub struct Step {
     pub features: Vec<Feature>,
     /// The map point of each, as the robot's tracking numbers it, and whether it is new.
     pub map_points: Vec<(u64, bool)>,
+    /// The map points that it places.
+    pub placed: Vec<Placed>,
     /// Its signs.
     pub detections: Vec<Detection>,
 }
@@ -52,6 +64,9 @@ pub struct Step {
 pub struct Journey {
     /// The keyframes in order.
     pub steps: Vec<Step>,
+    /// How much longer a metre is at each keyframe in the unit of a robot without depth than at the first, as a natural
+    /// logarithm ([`super::monocular`]).
+    pub scale_drift: Vec<f64>,
 }
 
 impl Journey {
@@ -78,11 +93,13 @@ impl Journey {
         let missing: Vec<bool> = (world_at(0).signs.iter())
             .map(|sign| plates.happens(noise.no_plate_share) && sign.kind == SignKind::DoorPlate)
             .collect();
+        let scale_drift = monocular::scale_drift(&truth, &mut Chance::new(seed, "scale"));
         let steps = (stops.iter().zip(motions).enumerate()).map(|(number, (stop, motion))| {
             let world = world_at(stop.visit);
             let image = take_image(world, &stop.stand, noise.missed_share, &mut sensor);
-            let map_points =
+            let map_points: Vec<(u64, bool)> =
                 image.features.iter().map(|feature| tracker.observe(feature.point, number)).collect();
+            let placed = placed_by_depth(&image.features, &map_points);
             let seen = image.signs.into_iter().filter(|seen| !missing[seen.sign]);
             let mut detections: Vec<Detection> = seen
                 .filter_map(|seen| {
@@ -101,10 +118,17 @@ impl Journey {
                 features: features_in(&image.features, bounding_box),
                 text,
             }));
-            Step { stop: *stop, motion, features: image.features, map_points, detections }
+            Step { stop: *stop, motion, features: image.features, map_points, placed, detections }
         });
-        Self { steps: steps.collect() }
+        Self { steps: steps.collect(), scale_drift }
     }
+}
+
+/// Returns the new map points where depth has them.
+fn placed_by_depth(features: &[Feature], map_points: &[(u64, bool)]) -> Vec<Placed> {
+    let features = features.iter().zip(map_points).enumerate();
+    let new = features.filter(|(_, (_, (_, is_new)))| *is_new);
+    new.map(|(feature, (seen, _))| Placed { feature, in_camera: seen.in_camera }).collect()
 }
 
 /// Returns the places of the features in a box, `[x0, y0, x1, y1]` in pixels.

@@ -7,7 +7,7 @@ use super::robot::{LoopToClose, Robot};
 use super::slam_map::SlamMap;
 use super::truth::KeyframeIndex;
 use crate::client::{Candidate, LoopAnswer, Verdict};
-use crate::geometry::Pose;
+use crate::geometry::Sim3;
 
 /// One robot's way of closing loops.
 #[derive(Clone, Debug)]
@@ -53,7 +53,7 @@ impl LoopClosing {
                     inliers: confirmed.found as u64,
                     to_close: Some(LoopToClose {
                         candidate: robots[robot].keyframe_id(number),
-                        candidate_from_query: confirmed.candidate_from_query,
+                        candidate_from_query: Sim3::from(confirmed.candidate_from_query),
                         answer: confirmed.answer,
                     }),
                 })
@@ -86,13 +86,14 @@ fn proposals(robots: &[Robot<'_>], answer: &LoopAnswer) -> Vec<Proposal> {
     let proposal = |keyframe: &String| {
         Some(Proposal {
             candidate: find(robots, keyframe)?,
-            candidate_from_query: transform(answer.candidate(keyframe)?)?,
+            // It measures depth.
+            candidate_from_query: transform(answer.candidate(keyframe)?)?.without_scale(),
             answer: answer.id.clone(),
         })
     };
     answer.loops.iter().filter_map(proposal).collect()
 }
 
-fn transform(candidate: &Candidate) -> Option<Pose> {
-    message::pose(candidate.geometry.as_ref()?.candidate_from_query.as_ref()?)
+fn transform(candidate: &Candidate) -> Option<Sim3> {
+    message::similarity(candidate.geometry.as_ref()?.candidate_from_query.as_ref()?)
 }

@@ -8,7 +8,7 @@ use super::arm::Arm;
 use super::camera::{FOCAL_LENGTH_PX, IMAGE_PX};
 use super::journey::Step;
 use super::texture::{DESCRIPTOR_BITS, bytes};
-use crate::geometry::{Point3, Pose};
+use crate::geometry::{Point3, Pose, Sim3};
 use crate::wire::geometry::Similarity;
 
 /// Keyframes come this often by their stamps, in nanoseconds.
@@ -16,18 +16,14 @@ pub const STEP_NS: u64 = 500_000_000;
 
 /// The map of one arm.
 pub fn map(arm: Arm, description: &str) -> Value {
-    json!({"description": description, "metric": true, "settings": arm.settings()})
+    json!({"description": description, "metric": !arm.is_monocular(), "settings": arm.settings()})
 }
 
-/// A keyframe; `new_points` are those whose position it brings.
-pub fn keyframe(
-    arm: Arm,
-    session: &str,
-    number: usize,
-    step: &Step,
-    pose: &Pose,
-    new_points: &[(u64, Point3)],
-) -> Value {
+/// A keyframe with the map points that it places; `map_from_camera` has the scale of its frame's unit.
+pub fn keyframe(arm: Arm, session: &str, number: usize, step: &Step, map_from_camera: &Sim3) -> Value {
+    let placed: Vec<(u64, Point3)> = (step.placed.iter())
+        .map(|placed| (step.map_points[placed.feature].0, map_from_camera.transform(&placed.in_camera)))
+        .collect();
     let keypoints: Vec<Value> = (step.features.iter())
         .map(|feature| {
             let keypoint = feature.keypoint;
@@ -41,7 +37,7 @@ pub fn keyframe(
     json!({
         "session": session,
         "stamp": {"sec": stamp_ns / 1_000_000_000, "nanosec": stamp_ns % 1_000_000_000},
-        "pose": transform(pose),
+        "pose": transform(&map_from_camera.without_scale()),
         "camera": {
             "fx": FOCAL_LENGTH_PX, "fy": FOCAL_LENGTH_PX, "cx": IMAGE_PX[0] / 2.0, "cy": IMAGE_PX[1] / 2.0,
             "width": IMAGE_PX[0] as u32, "height": IMAGE_PX[1] as u32,
@@ -52,7 +48,7 @@ pub fn keyframe(
             "keypoints": keypoints,
             "map_points": map_points,
         },
-        "map_points": points(new_points),
+        "map_points": points(&placed),
         "detections": detections,
     })
 }
@@ -69,10 +65,10 @@ pub fn poses(session: &str, keyframes: &[(String, Pose)], moved_points: &[(u64, 
     json!({"session": session, "keyframes": {"ids": ids, "poses": poses}, "map_points": points(moved_points)})
 }
 
-/// The transformation of an answer; the map is metric, so its scale is 1.
-pub fn pose(similarity: &Similarity) -> Option<Pose> {
-    let (t, q) = (similarity.translation, similarity.rotation);
-    Pose::new([t.x, t.y, t.z], [q.x, q.y, q.z, q.w])
+/// The transformation of an answer; its scale is 1 if the map is metric.
+pub fn similarity(said: &Similarity) -> Option<Sim3> {
+    let (t, q) = (said.translation, said.rotation);
+    Sim3::new(said.scale, [t.x, t.y, t.z], [q.x, q.y, q.z, q.w])
 }
 
 fn detections(step: &Step) -> Vec<Value> {

@@ -8,8 +8,9 @@
 //! | a floor with everything on it | [`world`] |
 //! | where the robot goes | [`route`] |
 //! | what its camera and detector see | [`camera`], [`sensor`], [`reader`], [`ocr`], [`tracking`] |
-//! | what it believes of its way | [`odometry`], [`pose_graph`] |
+//! | what it believes of its way | [`odometry`], [`pose_graph`], [`scale_graph`] |
 //! | all that on one tour | [`journey`] |
+//! | the same without depth | [`monocular`], [`triangulation`] |
 //! | door numbers that change | [`renumbering`] |
 //! | what is true | [`truth`] |
 //! | the robot as a client | [`robot`], [`slam_map`], [`message`] |
@@ -53,6 +54,7 @@ pub mod furnishing;
 pub mod journey;
 pub mod loop_closing;
 pub mod message;
+pub mod monocular;
 pub mod noise;
 pub mod ocr;
 pub mod odometry;
@@ -65,6 +67,7 @@ pub mod renumbering;
 pub mod results;
 pub mod robot;
 pub mod route;
+pub mod scale_graph;
 pub mod scenario;
 pub mod score;
 pub mod seeds;
@@ -76,6 +79,7 @@ pub mod tables;
 pub mod texture;
 pub mod tracking;
 pub mod trial;
+pub mod triangulation;
 pub mod truth;
 pub mod tum;
 pub mod world;

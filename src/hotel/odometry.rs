@@ -6,6 +6,7 @@
 
 use super::absolute_pose_error::rmse_after_alignment;
 use super::chance::Chance;
+use crate::geometry::absolute_orientation::Scale;
 use crate::geometry::{Point3, Pose};
 
 /// Heading errors before scaling: noise per square root of a metre, noise per square root of a radian, and a slowly
@@ -41,7 +42,7 @@ pub fn drifting_motions(truth: &[Pose], drift_m: f64, chance: &mut Chance) -> Ve
     let off_m = |scale: f64| {
         let estimate = integrate(&Pose::identity(), &erring(&motions, &errors, scale));
         let estimate: Vec<Point3> = estimate.iter().map(Pose::centre).collect();
-        rmse_after_alignment(&estimate, &centres).unwrap_or(0.0)
+        rmse_after_alignment(&estimate, &centres, Scale::Fixed).unwrap_or(0.0)
     };
     let (mut low, mut high) = (0.0, 1.0);
     while off_m(high) < drift_m && high < 1e3 {
@@ -117,7 +118,7 @@ mod tests {
             let estimate: Vec<Point3> =
                 integrate(&Pose::identity(), &motions).iter().map(Pose::centre).collect();
             let centres: Vec<Point3> = truth.iter().map(Pose::centre).collect();
-            let off_m = rmse_after_alignment(&estimate, &centres).expect("enough points");
+            let off_m = rmse_after_alignment(&estimate, &centres, Scale::Fixed).expect("enough points");
             assert!((off_m - drift_m).abs() < 1e-6, "{off_m} instead of {drift_m}");
         }
     }

@@ -1,5 +1,9 @@
 //! Pose graph: what the robot knows of its way, odometry and loops, brought into agreement.
 //!
+//! Poses are similarities: the scale of a camera's frame is how long its unit of length is in the map, 1 where depth is
+//! measured. Scales are solved first ([`super::scale_graph`]), then poses with translations of those lengths. ORB-SLAM solves
+//! both at once (H. Strasdat, J. M. M. Montiel and A. J. Davison, RSS 2010).
+//!
 //! The solver is factrs (Levenberg-Marquardt over SE(3) with sparse Cholesky): kept up, differentiates the residuals by
 //! itself, and without its `rayon` feature gives the same bytes for the same graph. It brings its own version of nalgebra,
 //! so poses are converted at this border and nowhere else.
@@ -9,7 +13,10 @@ use factrs::fac;
 use factrs::linalg::Vector3;
 use factrs::optimizers::{LevenParams, OptError};
 use factrs::traits::Optimizer as _;
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use nalgebra::{Quaternion, UnitQuaternion};
+
+use super::scale_graph::{self, Ratio};
+use crate::geometry::Sim3;
 
 mod symbols {
     use factrs::assign_symbols;
@@ -32,12 +39,14 @@ pub struct Edge {
     pub from: usize,
     /// And of the second.
     pub to: usize,
-    /// The pose of `to` in the frame of `from`.
-    pub from_from_to: Isometry3<f64>,
-    /// What its translation scatters by along each axis, in metres.
+    /// The pose of `to` in the frame of `from`, in the units of `from`.
+    pub from_from_to: Sim3,
+    /// What its translation scatters by along each axis, in units of the map: metres where depth is measured.
     pub sigma_m: f64,
     /// What its rotation scatters by about each axis, in radians.
     pub sigma_rad: f64,
+    /// What the logarithm of its scale scatters by.
+    pub sigma_log_scale: f64,
 }
 
 /// Why there is no solution.
@@ -59,19 +68,22 @@ pub enum PoseGraphError {
 }
 
 /// Moves the poses, `map_from_camera`, to where they agree best with the edges; the first stays.
-pub fn optimise(poses: &mut [Isometry3<f64>], edges: &[Edge]) -> Result<(), PoseGraphError> {
-    let Some(first) = poses.first() else { return Ok(()) };
+pub fn optimise(poses: &mut [Sim3], edges: &[Edge]) -> Result<(), PoseGraphError> {
+    let Some(first) = poses.first().copied() else { return Ok(()) };
+    if let Some(edge) = edges.iter().find(|edge| edge.from.max(edge.to) >= poses.len()) {
+        return Err(PoseGraphError::UnknownPose { from: edge.from, to: edge.to, poses: poses.len() });
+    }
+    let scales = scales(poses, edges)?;
     let mut graph = Graph::new();
     let anchor = GaussianNoise::<6>::from_scalar_sigma(ANCHOR_SIGMA);
-    graph.add_factor(fac![PriorResidual::new(to_factrs(first)), X(0), anchor]);
+    graph.add_factor(fac![PriorResidual::new(to_factrs(&first)), X(0), anchor]);
     for edge in edges {
-        let Edge { from, to, from_from_to, sigma_m, sigma_rad } = edge;
-        if (*from).max(*to) >= poses.len() {
-            return Err(PoseGraphError::UnknownPose { from: *from, to: *to, poses: poses.len() });
-        }
-        let noise = GaussianNoise::<6>::from_split_sigma(*sigma_rad, *sigma_m);
-        let residual = BetweenResidual::new(to_factrs(from_from_to));
-        graph.add_factor(fac![residual, (X(*from as u32), X(*to as u32)), noise]);
+        let noise = GaussianNoise::<6>::from_split_sigma(edge.sigma_rad, edge.sigma_m);
+        let measured = edge.from_from_to;
+        let length = Vector3::from(measured.translation_m()) * scales[edge.from];
+        let residual =
+            BetweenResidual::new(SE3::from_rot_trans(rotation_to_factrs(measured.rotation()), length));
+        graph.add_factor(fac![residual, (X(edge.from as u32), X(edge.to as u32)), noise]);
     }
     let mut values = Values::new();
     for (number, pose) in poses.iter().enumerate() {
@@ -87,68 +99,117 @@ pub fn optimise(poses: &mut [Isometry3<f64>], edges: &[Edge]) -> Result<(), Pose
         Err(OptError::FailedToStep) => return Ok(()),
         Err(OptError::InvalidSystem) => return Err(PoseGraphError::Unsolvable),
     };
-    for (number, pose) in poses.iter_mut().enumerate() {
+    for (number, (pose, scale)) in poses.iter_mut().zip(scales).enumerate() {
         let solved: &SE3 = solved.get(X(number as u32)).ok_or(PoseGraphError::Unsolvable)?;
-        *pose = from_factrs(solved);
+        *pose = from_factrs(solved, scale);
     }
     Ok(())
 }
 
-fn to_factrs(pose: &Isometry3<f64>) -> SE3 {
-    let (q, t) = (pose.rotation.quaternion(), &pose.translation.vector);
-    SE3::from_rot_trans(SO3::from_xyzw(q.i, q.j, q.k, q.w), Vector3::new(t.x, t.y, t.z))
+/// Returns the scale of each pose that agrees best with the edges; those that are there where no edge knows of another.
+fn scales(poses: &[Sim3], edges: &[Edge]) -> Result<Vec<f64>, PoseGraphError> {
+    if edges.iter().all(|edge| edge.from_from_to.scale() == 1.0) {
+        return Ok(poses.iter().map(Sim3::scale).collect());
+    }
+    let ratio = |edge: &Edge| Ratio {
+        from: edge.from,
+        to: edge.to,
+        log_ratio: edge.from_from_to.scale().ln(),
+        sigma: edge.sigma_log_scale,
+    };
+    let ratios: Vec<Ratio> = edges.iter().map(ratio).collect();
+    let log_scales: Vec<f64> = poses.iter().map(|pose| pose.scale().ln()).collect();
+    let solved = scale_graph::solve(&log_scales, &ratios).ok_or(PoseGraphError::Unsolvable)?;
+    Ok(solved.into_iter().map(f64::exp).collect())
 }
 
-fn from_factrs(pose: &SE3) -> Isometry3<f64> {
+fn to_factrs(pose: &Sim3) -> SE3 {
+    SE3::from_rot_trans(rotation_to_factrs(pose.rotation()), Vector3::from(pose.translation_m()))
+}
+
+fn rotation_to_factrs(rotation: &UnitQuaternion<f64>) -> SO3 {
+    let q = rotation.quaternion();
+    SO3::from_xyzw(q.i, q.j, q.k, q.w)
+}
+
+fn from_factrs(pose: &SE3, scale: f64) -> Sim3 {
     let (q, t) = (pose.rot(), pose.xyz());
     let rotation = UnitQuaternion::from_quaternion(Quaternion::new(q.w(), q.x(), q.y(), q.z()));
-    Isometry3::from_parts(Translation3::new(t[0], t[1], t[2]), rotation)
+    Sim3::from_parts(scale, rotation, [t[0], t[1], t[2]].into())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    type Poses = Vec<Isometry3<f64>>;
+    type Poses = Vec<Sim3>;
 
-    /// Around a ring, each step too long and turned too far; and the edge that knows better.
-    fn ring(poses: usize) -> (Poses, Poses, Vec<Edge>, Edge) {
+    /// Around a ring, each step too long and turned too far; and the edge that knows better. Each step's unit is `grows` times
+    /// as long as that of the one before.
+    fn ring(poses: usize, grows: f64) -> (Poses, Poses, Vec<Edge>, Edge) {
         let turn = |angle: f64| UnitQuaternion::from_euler_angles(0.0, 0.0, angle);
-        let step =
-            |length: f64, angle: f64| Isometry3::from_parts(Translation3::new(length, 0.0, 0.0), turn(angle));
+        let step = |length: f64, angle: f64| Sim3::from_parts(1.0, turn(angle), [length, 0.0, 0.0].into());
         let angle = std::f64::consts::TAU / poses as f64;
-        let (right, wrong) = (step(0.5, angle), step(0.505, angle * 1.01));
-        let chain = |motion: &Isometry3<f64>| {
-            std::iter::successors(Some(Isometry3::identity()), |pose| Some(pose * motion))
-                .take(poses)
-                .collect()
+        let longer = |number: usize| grows.powi(number as i32);
+        let (truth, drifted): (Poses, Poses) = {
+            let chain = |motion: &dyn Fn(usize) -> Sim3| {
+                let mut chain = vec![Sim3::identity()];
+                for number in 1..poses {
+                    chain.push(chain[number - 1].after(&motion(number)));
+                }
+                chain
+            };
+            (chain(&|_| step(0.5, angle)), chain(&|number| step(0.505 * longer(number), angle * 1.01)))
         };
-        let edge = |from, to, from_from_to| Edge { from, to, from_from_to, sigma_m: 0.01, sigma_rad: 0.01 };
-        let (truth, drifted): (Vec<_>, Vec<_>) = (chain(&right), chain(&wrong));
-        let odometry = (1..poses).map(|to| edge(to - 1, to, wrong)).collect();
-        let closing = edge(0, poses - 1, truth[poses - 1]);
-        (truth, drifted, odometry, closing)
+        let edge = |from, to, from_from_to| Edge {
+            from,
+            to,
+            from_from_to,
+            sigma_m: 0.01,
+            sigma_rad: 0.01,
+            sigma_log_scale: 0.01,
+        };
+        let odometry = (1..poses).map(|to| edge(to - 1, to, step(0.505 * longer(to), angle * 1.01)));
+        let last = truth[poses - 1];
+        let scale = longer(poses - 1).recip();
+        let closing =
+            edge(0, poses - 1, Sim3::from_parts(scale, *last.rotation(), last.translation_m().into()));
+        (truth, drifted, odometry.collect(), closing)
     }
 
-    fn rmse_m(a: &[Isometry3<f64>], b: &[Isometry3<f64>]) -> f64 {
-        let squared =
-            a.iter().zip(b).map(|(a, b)| (a.translation.vector - b.translation.vector).norm_squared());
+    fn rmse_m(a: &[Sim3], b: &[Sim3]) -> f64 {
+        let squared = a.iter().zip(b).map(|(a, b)| {
+            let [a, b] = [a, b].map(|pose| Vector3::from(pose.translation_m()));
+            (a - b).norm_squared()
+        });
         (squared.sum::<f64>() / a.len() as f64).sqrt()
     }
 
     #[test]
     fn a_true_loop_takes_most_of_the_drift_away_and_leaves_the_first_pose() {
-        let (truth, mut poses, mut edges, closing) = ring(400);
+        let (truth, mut poses, mut edges, closing) = ring(400, 1.0);
         let before_m = rmse_m(&truth, &poses);
         edges.push(closing);
         optimise(&mut poses, &edges).expect("a solution");
         assert!(rmse_m(&truth, &poses) < before_m / 2.0, "{before_m} -> {}", rmse_m(&truth, &poses));
-        assert!((poses[0].translation.vector).norm() < 1e-6);
+        assert!(Vector3::from(poses[0].translation_m()).norm() < 1e-6);
+        assert!(poses.iter().all(|pose| pose.scale() == 1.0), "metres stay metres");
+    }
+
+    #[test]
+    fn a_true_loop_takes_most_of_the_drift_of_scale_away() {
+        let (truth, mut poses, mut edges, closing) = ring(400, 1.001);
+        let before_m = rmse_m(&truth, &poses);
+        edges.push(closing);
+        optimise(&mut poses, &edges).expect("a solution");
+        assert!(rmse_m(&truth, &poses) < before_m / 4.0, "{before_m} -> {}", rmse_m(&truth, &poses));
+        let last = poses[399].scale() * 1.001_f64.powi(399);
+        assert!((last - 1.0).abs() < 0.01, "{last}");
     }
 
     #[test]
     fn without_a_loop_nothing_moves() {
-        let (_, drifted, edges, _) = ring(50);
+        let (_, drifted, edges, _) = ring(50, 1.0);
         let mut poses = drifted.clone();
         optimise(&mut poses, &edges).expect("a solution");
         assert!(rmse_m(&drifted, &poses) < 1e-6);
@@ -156,7 +217,7 @@ mod tests {
 
     #[test]
     fn the_same_graph_gives_the_same_bytes() {
-        let (_, drifted, mut edges, closing) = ring(100);
+        let (_, drifted, mut edges, closing) = ring(100, 1.0);
         edges.push(closing);
         let solve = || {
             let mut poses = drifted.clone();
@@ -168,7 +229,7 @@ mod tests {
 
     #[test]
     fn an_edge_to_nowhere_is_refused() {
-        let (_, mut poses, mut edges, mut closing) = ring(10);
+        let (_, mut poses, mut edges, mut closing) = ring(10, 1.0);
         closing.to = 10;
         edges.push(closing);
         assert!(matches!(optimise(&mut poses, &edges), Err(PoseGraphError::UnknownPose { to: 10, .. })));

@@ -9,7 +9,7 @@ use super::explain::keyframe_id;
 use super::message;
 use super::trial::{Course, odometry, session};
 use super::truth::KeyframeIndex;
-use crate::geometry::Point3;
+use crate::geometry::Sim3;
 use crate::vocabulary::{DescriptorMismatch, Vocabulary};
 
 /// The lines of a course: its map, and each keyframe with its query. Words come with the keyframes, so that a server
@@ -24,11 +24,7 @@ pub fn recording(
         vec![json!({"op": "map", "id": map, "body": message::map(Arm::Ours, "the simulated hotel")})];
     for (at, answerable) in course.order.iter().zip(&course.answers) {
         let (step, pose) = (&course.journeys[at.0].steps[at.1], &poses[at.0][at.1]);
-        let new_points: Vec<(u64, Point3)> = (step.features.iter().zip(&step.map_points))
-            .filter(|(_, (_, is_new))| *is_new)
-            .map(|(feature, (id, _))| (*id, pose.transform(&feature.in_camera)))
-            .collect();
-        let mut body = message::keyframe(Arm::Ours, &session(at.0), at.1, step, pose, &new_points);
+        let mut body = message::keyframe(Arm::Ours, &session(at.0), at.1, step, &Sim3::from(*pose));
         let words =
             vocabulary.transform(vocabulary.descriptor_bytes(), &message::descriptor_bytes(step), 0)?.words;
         let (words, weights): (Vec<u32>, Vec<f64>) = words.entries().iter().copied().unzip();

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::arm::Arm;
+use super::monocular::ScaleError;
 use super::noise::NoiseKind;
 use super::paper::PrintedSequence;
 use super::renumbering::{Round, Signs};
@@ -49,6 +50,9 @@ pub struct ArmResult {
     /// RMSE of the positions after alignment, in metres; NaN (`null`) where they cannot be aligned.
     #[serde(deserialize_with = "nan_of_null")]
     pub absolute_pose_error_m: f64,
+    /// The share by which its lengths are off along the way, where the robot is monocular.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale_error: Option<ScaleError>,
     /// How often the robots optimised their pose graphs.
     pub optimised: usize,
     /// The keyframes whose answer was wrong.
@@ -188,6 +192,7 @@ impl ArmResult {
             by_query: Accuracy::of(&by_query(&scored)),
             by_visit: Accuracy::of(&by_visit(&scored)),
             absolute_pose_error_m: driven.absolute_pose_error_m,
+            scale_error: driven.scale_error,
             optimised: driven.closed,
             wrong: with(Outcome::Wrong),
             wrong_near: wrong().filter(|asked| asked.apart_m.is_some_and(|apart_m| apart_m < NEAR_M)).count(),

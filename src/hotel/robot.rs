@@ -9,7 +9,8 @@ use super::message;
 use super::pose_graph::{Edge, PoseGraphError, optimise};
 use super::slam_map::SlamMap;
 use crate::client::{Client, ClientError, LoopAnswer};
-use crate::geometry::{Point3, Pose};
+use crate::geometry::{Point3, Pose, Sim3};
+use nalgebra::{UnitQuaternion, Vector3};
 use serde_json::json;
 
 /// After it has closed a loop, a robot collects so many keyframes before it optimises again (ORB-SLAM2: 10).
@@ -20,9 +21,14 @@ const ODOMETRY_SIGMA_RAD: f64 = 0.004;
 /// And what a loop's transformation errs by.
 const LOOP_SIGMA_M: f64 = 0.02;
 const LOOP_SIGMA_RAD: f64 = 0.006;
+/// The same of the logarithm of a monocular robot's scale.
+const ODOMETRY_SIGMA_LOG_SCALE: f64 = 0.01;
+const LOOP_SIGMA_LOG_SCALE: f64 = 0.01;
 /// Poses and points that moved less are not sent again.
 const MOVED_M: f64 = 0.001;
 const MOVED_RAD: f64 = 0.0005;
+/// And those whose scale changed by less.
+const MOVED_LOG_SCALE: f64 = 0.0005;
 /// The most points of one request (its limit).
 const POINTS_PER_CORRECTION: usize = 100_000;
 
@@ -46,8 +52,8 @@ pub struct Robot<'a> {
     arm: Arm,
     session: String,
     slam_map: SlamMap<'a>,
-    /// Its keyframes' poses, as last told to the server.
-    told: Vec<Pose>,
+    /// Its keyframes' poses and scales, as last told to the server.
+    told: Vec<(Pose, f64)>,
     edges: Vec<Edge>,
     /// Loops accepted since the last optimisation.
     waiting: Vec<WaitingLoop>,
@@ -66,8 +72,8 @@ struct WaitingLoop {
 pub struct LoopToClose {
     /// The id of the keyframe to close it with.
     pub candidate: String,
-    /// The latest keyframe's pose in the candidate's camera frame.
-    pub candidate_from_query: Pose,
+    /// The latest keyframe's pose in the candidate's camera frame, in lengths of the map, and the ratio of their scales.
+    pub candidate_from_query: Sim3,
     /// The id of the server's answer that proposed it.
     pub answer: String,
 }
@@ -111,26 +117,31 @@ impl<'a> Robot<'a> {
 
     /// Sends the next keyframe with the question, and returns the answer.
     pub async fn ask(&mut self, step: &'a Step) -> Result<LoopAnswer, DriveError> {
-        let pose = match self.slam_map.poses().last() {
-            Some(last) => last.after(&step.motion),
+        let similarity = match self
+            .slam_map
+            .poses()
+            .len()
+            .checked_sub(1)
+            .and_then(|last| self.slam_map.similarity(last))
+        {
+            Some(last) => last.after(&Sim3::from(step.motion)),
             // Its frame is its own: it does not know where it woke up.
-            None => Stand { at: [0.0, 0.0], heading_rad: 0.0 }.map_from_camera(),
+            None => Sim3::from(Stand { at: [0.0, 0.0], heading_rad: 0.0 }.map_from_camera()),
         };
-        let number = self.slam_map.push(step, pose);
+        let (pose, scale) = (similarity.without_scale(), similarity.scale());
+        let number = self.slam_map.push(step, &similarity);
         if number > 0 {
             self.edges.push(Edge {
                 from: number - 1,
                 to: number,
-                from_from_to: step.motion.isometry(),
+                from_from_to: Sim3::from(step.motion),
                 sigma_m: ODOMETRY_SIGMA_M,
                 sigma_rad: ODOMETRY_SIGMA_RAD,
+                sigma_log_scale: ODOMETRY_SIGMA_LOG_SCALE,
             });
         }
-        self.told.push(pose);
-        let new_points = step.features.iter().zip(&step.map_points).filter(|(_, (_, is_new))| *is_new);
-        let new_points: Vec<(u64, Point3)> =
-            new_points.map(|(feature, (id, _))| (*id, pose.transform(&feature.in_camera))).collect();
-        let body = message::keyframe(self.arm, &self.session, number, step, &pose, &new_points);
+        self.told.push((pose, scale));
+        let body = message::keyframe(self.arm, &self.session, number, step, &similarity);
         let id = self.keyframe_id(number);
         let answer = self.client.put_keyframe(self.map, &id, &body, true).await?;
         Ok(answer.loop_answer.unwrap_or_else(|| unreachable!("it was asked for")))
@@ -145,9 +156,10 @@ impl<'a> Robot<'a> {
                 self.edges.push(Edge {
                     from: earlier,
                     to: latest,
-                    from_from_to: closed_with.candidate_from_query.isometry(),
+                    from_from_to: self.in_units(earlier, latest, &closed_with.candidate_from_query),
                     sigma_m: LOOP_SIGMA_M,
                     sigma_rad: LOOP_SIGMA_RAD,
+                    sigma_log_scale: LOOP_SIGMA_LOG_SCALE,
                 });
             }
             self.waiting.push(WaitingLoop { keyframe: self.keyframe_id(latest), closed_with });
@@ -165,9 +177,9 @@ impl<'a> Robot<'a> {
 
     /// Optimises the pose graph, tells the server what moved, and which loop was closed.
     async fn close_loops(&mut self) -> Result<(), DriveError> {
-        let mut poses: Vec<_> = self.slam_map.poses().iter().map(Pose::isometry).collect();
-        optimise(&mut poses, &self.edges)?;
-        self.slam_map.correct(poses.into_iter().map(Pose::from).collect());
+        let mut similarities = self.slam_map.similarities();
+        optimise(&mut similarities, &self.edges)?;
+        self.slam_map.correct(&similarities);
         let poses = self.slam_map.poses();
         self.last_closing = poses.len() - 1;
         self.closed += 1;
@@ -187,7 +199,7 @@ impl<'a> Robot<'a> {
                 self.client.post_poses(self.map, &message::poses(&self.session, &[], part)).await?;
             }
             for number in moved {
-                self.told[number] = self.slam_map.poses()[number];
+                self.told[number] = (self.slam_map.poses()[number], self.slam_map.scales()[number]);
             }
         }
         // One loop for each closing, the newest: the others are its neighbours.
@@ -203,9 +215,20 @@ impl<'a> Robot<'a> {
         Ok(())
     }
 
+    /// Returns a loop's transformation in the units of the two frames: the server knows both in lengths of the map.
+    fn in_units(&self, candidate: usize, query: usize, candidate_from_query: &Sim3) -> Sim3 {
+        let [in_candidate, in_query] = [candidate, query].map(|number| self.slam_map.scales()[number]);
+        let length = |scale: f64| Sim3::from_parts(scale, UnitQuaternion::identity(), Vector3::zeros());
+        length(in_candidate).inverse().after(candidate_from_query).after(&length(in_query))
+    }
+
     fn has_moved(&self, number: usize) -> bool {
-        let change = self.told[number].inverse().after(&self.slam_map.poses()[number]);
+        let (told, told_scale) = &self.told[number];
+        let change = told.inverse().after(&self.slam_map.poses()[number]);
         let [_, _, _, w] = change.rotation_xyzw();
-        change.centre().coords.norm() > MOVED_M || 2.0 * w.abs().min(1.0).acos() > MOVED_RAD
+        let log_scale = (self.slam_map.scales()[number] / told_scale).ln();
+        change.centre().coords.norm() > MOVED_M
+            || 2.0 * w.abs().min(1.0).acos() > MOVED_RAD
+            || log_scale.abs() > MOVED_LOG_SCALE
     }
 }

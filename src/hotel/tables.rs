@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use super::arm::Arm;
+use super::monocular::ScaleError;
 use super::noise::NoiseKind;
 use super::paper::ORB_SLAM3_PRECISION;
 use super::renumbering::{Round, Signs};
@@ -23,11 +24,11 @@ pub fn table_2(results: &[SequenceResult]) -> String {
         if of_dataset.is_empty() {
             continue;
         }
-        for arm in Arm::ALL {
+        for arm in Arm::OF_SEQUENCES {
             let counts = pooled(of_dataset.iter().map(|result| result.arms.as_slice()), arm);
             let [query, visit] = [Accuracy::of(&counts[0]), Accuracy::of(&counts[1])];
             let printed = match arm {
-                Arm::Ours => String::from("      -       -"),
+                Arm::Ours | Arm::OursMonocular => String::from("      -       -"),
                 Arm::Paper => String::from("  100.0   100.0"),
                 Arm::BagOfWords => format!("{:>7.1}   100.0  (ORB-SLAM3)", 100.0 * orb_slam3),
             };
@@ -54,7 +55,7 @@ pub fn caveats(results: &[SequenceResult]) -> String {
          two ask what ORB-SLAM3 asks before it closes one: 50 and 80 points of the candidate's surroundings, and three keyframes\n\
          that agree; so they answer fewer keyframes.\n",
     );
-    for arm in Arm::ALL {
+    for arm in Arm::OF_SEQUENCES {
         let of_arm = || results.iter().filter_map(|result| arm_of(&result.arms, arm));
         let wrong: usize = of_arm().map(|result| result.wrong.len()).sum();
         let near: usize = of_arm().map(|result| result.wrong_near).sum();
@@ -162,6 +163,29 @@ pub fn noise_table(results: &[WorldResult], arms: &[Arm]) -> String {
     }
     text.push_str("\nin %, in brackets Wilson's interval at 95 %\n");
     text
+}
+
+/// What the monocular robots' lengths and positions are off by, on average over the worlds; empty without any.
+pub fn monocular(results: &[WorldResult]) -> String {
+    let of_arm = |arm: Arm| results.iter().filter_map(move |result| arm_of(&result.arms, arm));
+    let errors: Vec<ScaleError> =
+        of_arm(Arm::OursMonocular).filter_map(|result| result.scale_error).collect();
+    if errors.is_empty() {
+        return String::new();
+    }
+    let mean = |of: fn(&ScaleError) -> f64| 100.0 * errors.iter().map(of).sum::<f64>() / errors.len() as f64;
+    let pose_m = |arm: Arm| {
+        let off_m: Vec<f64> = of_arm(arm).map(|result| result.absolute_pose_error_m).collect();
+        off_m.iter().sum::<f64>() / off_m.len() as f64
+    };
+    format!(
+        "monocular: lengths scatter by {:.1} % along a tour by odometry, by {:.1} % after its loops; positions are off by {:.2} m\n\
+         after alignment by scale too, those of ours with depth by {:.2} m\n",
+        mean(|error| error.odometry),
+        mean(|error| error.corrected),
+        pose_m(Arm::OursMonocular),
+        pose_m(Arm::Ours),
+    )
 }
 
 /// Returns the worlds that are pooled: those with one trouble each, or all if there are no others.

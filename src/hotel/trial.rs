@@ -7,11 +7,13 @@ use super::arm::Arm;
 use super::journey::Journey;
 use super::loop_closing::{LoopClosing, find};
 use super::message;
+use super::monocular::{self, ScaleError};
 use super::robot::{DriveError, Robot};
 use super::route::Place;
 use super::score::{Outcome, Scored};
 use super::truth::{Answerable, KeyframeIndex, answers, apart_m};
 use crate::client::{Candidate, Client, LoopAnswer, Verdict};
+use crate::geometry::absolute_orientation::Scale;
 use crate::geometry::{Point3, Pose};
 
 /// Journeys with their truth, ready to be driven through by every arm.
@@ -109,8 +111,10 @@ pub struct Driven {
     pub asked: Vec<Asked>,
     /// Each robot's own estimate of its keyframes' poses, in its own frame.
     pub poses: Vec<Vec<Pose>>,
-    /// RMSE of the positions after alignment, in metres, over all robots.
+    /// RMSE of the positions after alignment, in metres, over all robots; by scale too where the robot is monocular.
     pub absolute_pose_error_m: f64,
+    /// The share by which its lengths are off along the way, where the robot is monocular.
+    pub scale_error: Option<ScaleError>,
     /// How often pose graphs were optimised.
     pub closed: usize,
 }
@@ -131,12 +135,18 @@ pub async fn drive(
     mut told: impl FnMut(&Asked),
 ) -> Result<Driven, DriveError> {
     client.put_map(map, &message::map(arm, "the simulated hotel")).await?;
+    let without_depth: Vec<Journey> = if arm.is_monocular() {
+        course.journeys.iter().map(monocular::without_depth).collect()
+    } else {
+        Vec::new()
+    };
+    let journeys = if arm.is_monocular() { &without_depth } else { &course.journeys };
     let mut robots: Vec<Robot<'_>> =
-        (0..course.journeys.len()).map(|number| Robot::new(client, map, arm, session(number))).collect();
+        (0..journeys.len()).map(|number| Robot::new(client, map, arm, session(number))).collect();
     let mut closing: Vec<LoopClosing> = robots.iter().map(|_| LoopClosing::of(arm)).collect();
     let mut asked = Vec::with_capacity(course.order.len());
     for (keyframe, answerable) in course.order.iter().zip(&course.answers) {
-        let step = &course.journeys[keyframe.0].steps[keyframe.1];
+        let step = &journeys[keyframe.0].steps[keyframe.1];
         let answer = robots[keyframe.0].ask(step).await?;
         let taken = closing[keyframe.0].hear(&robots, *keyframe, &answer);
         let accepted = taken.as_ref().map(|taken| taken.candidate);
@@ -160,10 +170,13 @@ pub async fn drive(
         robot.finish().await?;
     }
     let poses: Vec<Vec<Pose>> = robots.iter().map(|robot| robot.slam_map().poses().to_vec()).collect();
+    let scales: Vec<&[f64]> = robots.iter().map(|robot| robot.slam_map().scales()).collect();
+    let alignment = if arm.is_monocular() { Scale::Free } else { Scale::Fixed };
     Ok(Driven {
         arm,
         asked,
-        absolute_pose_error_m: absolute_pose_error_m(&course.journeys, &poses),
+        absolute_pose_error_m: absolute_pose_error_m(journeys, &poses, alignment),
+        scale_error: arm.is_monocular().then(|| ScaleError::of(journeys, &scales)),
         closed: robots.iter().map(Robot::closed).sum(),
         poses,
     })
@@ -182,12 +195,12 @@ pub fn odometry(course: &Course) -> Vec<Vec<Pose>> {
 }
 
 /// RMSE of the robots' positions, each aligned with its own truth, in metres.
-pub fn absolute_pose_error_m(journeys: &[Journey], poses: &[Vec<Pose>]) -> f64 {
+pub fn absolute_pose_error_m(journeys: &[Journey], poses: &[Vec<Pose>], scale: Scale) -> f64 {
     let squared = journeys.iter().zip(poses).map(|(journey, poses)| {
         let truth: Vec<Point3> =
             journey.steps.iter().map(|step| step.stop.stand.map_from_camera().centre()).collect();
         let estimated: Vec<Point3> = poses.iter().map(Pose::centre).collect();
-        rmse_after_alignment(&estimated, &truth).map_or(f64::NAN, |rmse| rmse * rmse)
+        rmse_after_alignment(&estimated, &truth, scale).map_or(f64::NAN, |rmse| rmse * rmse)
     });
     (squared.sum::<f64>() / journeys.len() as f64).sqrt()
 }
@@ -205,7 +218,7 @@ fn ranked(
 ) -> Option<Ranked> {
     let score = |candidate: &Candidate| match arm {
         Arm::BagOfWords => candidate.inliers().unwrap_or(0) as f64,
-        Arm::Ours | Arm::Paper => candidate.similarity().unwrap_or(0.0),
+        Arm::Ours | Arm::OursMonocular | Arm::Paper => candidate.similarity().unwrap_or(0.0),
     };
     // What passed is ranked as the server answered it, confirmed or not; beyond the threshold, what only that threshold stopped.
     let threshold = if arm == Arm::BagOfWords { "too_few_inliers" } else { "score_below_threshold" };

@@ -6,6 +6,7 @@ use std::path::Path;
 use serde_json::json;
 
 use crate::cli::Failure;
+use crate::geometry::absolute_orientation::Scale;
 use crate::geometry::{Point3, Pose};
 use crate::hotel::absolute_pose_error::alignment;
 use crate::hotel::arm::Arm;
@@ -52,7 +53,7 @@ pub(super) fn write_sequences(folder: &Path, drives: &[Driven12]) -> Result<(), 
     let of_arm = |arm: Arm| -> Vec<&Driven> {
         drives.iter().flat_map(|driven| &driven.arms).filter(|driven| driven.arm == arm).collect()
     };
-    let curves: Vec<_> = Arm::ALL.into_iter().filter_map(|arm| curve(&of_arm(arm))).collect();
+    let curves: Vec<_> = Arm::OF_SEQUENCES.into_iter().filter_map(|arm| curve(&of_arm(arm))).collect();
     fs::write(folder.join("precision-recall.svg"), precision_recall(&curves)?)?;
     let results: Vec<&SequenceResult> = drives.iter().map(|driven| &driven.result).collect();
     write_json(folder, &json!({"sequences": results}))
@@ -89,7 +90,7 @@ fn panels(driven: &Driven12) -> Vec<Panel> {
 fn panel(driven: &Driven12, title: &str, poses: &[Pose], arm: Option<&Driven>) -> Panel {
     let centres = |poses: &[Pose]| -> Vec<Point3> { poses.iter().map(Pose::centre).collect() };
     let (truth, estimate) = (centres(&truth(driven)), centres(poses));
-    let laid_over: Vec<Point3> = match alignment(&estimate, &truth) {
+    let laid_over: Vec<Point3> = match alignment(&estimate, &truth, Scale::Fixed) {
         Some(truth_from_estimate) => {
             estimate.iter().map(|point| truth_from_estimate.transform(point)).collect()
         }

@@ -8,6 +8,7 @@ use super::progress::Progress;
 use super::words_alone::words_alone;
 use crate::cli::{Failure, write_out};
 use crate::client::Client;
+use crate::geometry::absolute_orientation::Scale;
 use crate::hotel::arm::Arm;
 use crate::hotel::paper::{PrintedSequence, SEQUENCES};
 use crate::hotel::results::{ArmResult, Confusion, SequenceResult};
@@ -19,7 +20,7 @@ use crate::hotel::trial::{self, absolute_pose_error_m, drive};
 /// Drives those that are asked for, all twelve if none is, prints the tables and writes the files.
 pub(super) async fn run(args: &HotelArgs, client: &Client) -> Result<(), Failure> {
     let asked = if args.sequences.is_empty() { SEQUENCES.to_vec() } else { args.sequences.clone() };
-    let progress = Progress::new(asked.len() * Arm::ALL.len());
+    let progress = Progress::new(asked.len() * Arm::OF_SEQUENCES.len());
     let drives: Vec<Driven12> = futures_util::stream::iter(asked)
         .map(|printed| drive_sequence(client, printed, &progress))
         .buffered(usize::from(args.jobs))
@@ -50,7 +51,7 @@ async fn drive_sequence(
         tokio::task::spawn_blocking(move || Scenario::of_paper(&printed, &Patterns::new())).await?;
     let odometry = trial::odometry(&scenario.course);
     let mut arms = Vec::new();
-    for arm in Arm::ALL {
+    for arm in Arm::OF_SEQUENCES {
         let mut shown =
             progress.drive(format!("{}, {}", printed.name(), arm.title()), scenario.course.order.len());
         let map = format!("{}-{}", printed.name().replace(' ', "-"), arm.name());
@@ -61,7 +62,7 @@ async fn drive_sequence(
     let result = SequenceResult {
         sequence: printed.name(),
         keyframes: scenario.course.order.len(),
-        odometry_m: absolute_pose_error_m(&scenario.course.journeys, &odometry),
+        odometry_m: absolute_pose_error_m(&scenario.course.journeys, &odometry, Scale::Fixed),
         arms: arms.iter().map(ArmResult::of).collect(),
         confusion: arms
             .iter()

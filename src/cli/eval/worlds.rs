@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::driven_worlds::DrivenWorlds;
 use super::progress::Progress;
-use super::{HotelArgs, WORLD_ARMS, files};
+use super::{HotelArgs, files};
 use crate::cli::{Failure, write_out};
 use crate::client::Client;
 use crate::hotel::arm::Arm;
@@ -44,18 +44,23 @@ pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result
     progress.finish();
     let results = driven.all(now, &worlds);
     files::write_worlds(folder, &results)?;
-    let table = tables::noise_table(&results, &WORLD_ARMS);
+    let table = tables::noise_table(&results, &Arm::OF_WORLDS);
+    let monocular = tables::monocular(&results);
     let failures = tables::failures(&results, args.held_out);
     let losses = tables::losses(pooled_worlds(&results).map(|result| result.arms.as_slice()));
     let rounds = tables::rounds(&results);
     Ok(write_out(&format!(
-        "{count} {name} worlds for each kind of noise\n\n{table}\n{failures}\n{losses}{rounds}"
+        "{count} {name} worlds for each kind of noise\n\n{table}{monocular}\n{failures}\n{losses}{rounds}"
     ))?)
 }
 
 /// Returns the arms that drive under a kind of noise: the paper knows no new numbers, and eight rounds take long.
 fn arms_of(kind: NoiseKind) -> &'static [Arm] {
-    if kind == NoiseKind::Renumbered { &WORLD_ARMS[..1] } else { &WORLD_ARMS }
+    match kind {
+        NoiseKind::Renumbered => &[Arm::Ours],
+        NoiseKind::None | NoiseKind::SecondHotel => &Arm::OF_WORLDS,
+        _ => &[Arm::Ours, Arm::Paper],
+    }
 }
 
 async fn drive_world(
@@ -105,7 +110,7 @@ async fn count_signs(client: &Client, map: &str, scenario: &Scenario) -> Result<
     Ok(Signs::count(told, &scenario.world, &scenario.eras))
 }
 
-/// One world: what ours was told wherever it was wrong, or missed something.
+/// One world: what an arm was told wherever it was wrong, or missed something.
 pub(super) async fn explain(args: &HotelArgs, client: &Client, seed: u64) -> Result<(), Failure> {
     for kind in &args.kinds() {
         let scenario = world(*kind, seed).await?;
@@ -115,7 +120,7 @@ pub(super) async fn explain(args: &HotelArgs, client: &Client, seed: u64) -> Res
         write_out(&format!("world {seed} under {}: rooms {}\n", kind.title(), rooms.join("; and ")))?;
         let map = format!("{}-{seed}", kind.name());
         let mut lines = Vec::new();
-        let driven = drive(client, &map, Arm::Ours, &scenario.course, |asked| {
+        let driven = drive(client, &map, args.arm, &scenario.course, |asked| {
             if matches!(asked.scored.outcome, Outcome::Wrong | Outcome::Missed) {
                 lines.push(narrator.judged(asked));
             }

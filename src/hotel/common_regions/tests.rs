@@ -4,10 +4,10 @@ use super::confirmation::{Confirmation, Proposal};
 use super::projection::{Image, Search};
 use super::refinement::refined;
 use super::window::{WindowPoint, keyframes_around, keyframes_farther_around, points_of};
-use crate::geometry::{Point3, Pose};
+use crate::geometry::{Point3, Pose, Sim3};
 use crate::hotel::camera::{PINHOLE, Stand, unproject};
 use crate::hotel::chance::Chance;
-use crate::hotel::journey::Step;
+use crate::hotel::journey::{Placed, Step};
 use crate::hotel::route::{Place, Stop};
 use crate::hotel::sensor::Feature;
 use crate::hotel::slam_map::SlamMap;
@@ -53,7 +53,10 @@ fn step(wall: &[(Point3, Descriptor)], x: f64, first_id: u64) -> Step {
     let map_points = (0..features.len() as u64).map(|number| (first_id + number, false)).collect();
     let stand = Stand { at: [x, 0.0], heading_rad: 0.0 };
     let stop = Stop { stand, place: Place::Corridor, visit: 0, storey: 0 };
-    Step { stop, motion: Pose::identity(), features, map_points, detections: Vec::new() }
+    let placed = (features.iter().enumerate())
+        .map(|(feature, seen)| Placed { feature, in_camera: seen.in_camera })
+        .collect();
+    Step { stop, motion: Pose::identity(), features, map_points, placed, detections: Vec::new() }
 }
 
 /// `passes` along the wall, four keyframes each, whose map points have nothing in common.
@@ -65,7 +68,7 @@ fn passes(wall: &[(Point3, Descriptor)], passes: usize) -> Vec<Step> {
 fn map(steps: &[Step]) -> SlamMap<'_> {
     let mut map = SlamMap::default();
     for step in steps {
-        map.push(step, level(step.stop.stand.at[0]));
+        map.push(step, &Sim3::from(level(step.stop.stand.at[0])));
     }
     map
 }

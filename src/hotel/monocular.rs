@@ -1,0 +1,137 @@
+//! Monocular: a tour as a robot sees it that has one camera and no depth.
+//!
+//! | | |
+//! |---|---|
+//! | unit | its own: the median depth of the first keyframe (as ORB-SLAM's first map has it) |
+//! | drift of scale | a random walk of the unit's logarithm, with the way driven and more where the robot turns |
+//! | motions | odometry's, in that unit |
+//! | map points | triangulated from their own keypoints ([`super::triangulation`]), so that what is seen without parallax has no place |
+//!
+//! The figures of the drift are our choice: a tour of 100 m with thirty turns about ends with lengths that are a sixth off.
+//! Triangulation knows the camera's true motion from one sight to the next, up to the unit: that is better than any bundle
+//! adjustment, and flatters.
+
+use std::collections::HashMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::chance::Chance;
+use super::journey::{Journey, Placed, Step};
+use super::triangulation::{Sight, triangulate};
+use crate::geometry::{Point3, Pose};
+
+/// The logarithm of the unit scatters by this per square root of a metre ...
+const DRIFT_PER_METRE: f64 = 0.01;
+/// ... and of a radian.
+const DRIFT_PER_RADIAN: f64 = 0.015;
+/// A point is placed anew each time its parallax has grown by this factor, as bundle adjustment would move it.
+const PLACED_ANEW: f64 = 2.0;
+
+/// The share by which a monocular robot's lengths are off along its way: the standard deviation of the logarithm of its unit
+/// over the keyframes, the root of the mean square over robots.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ScaleError {
+    /// By odometry alone.
+    pub odometry: f64,
+    /// After the loops that it closed.
+    pub corrected: f64,
+}
+
+impl ScaleError {
+    /// Of robots on their tours, with the scales of their keyframes in the end.
+    pub fn of(journeys: &[Journey], scales: &[&[f64]]) -> Self {
+        let variances = |corrects: bool| -> f64 {
+            let of_robot = |(journey, scales): (&Journey, &&[f64])| {
+                let log = |(drift, scale): (&f64, &f64)| drift + if corrects { scale.ln() } else { 0.0 };
+                variance(&journey.scale_drift.iter().zip(*scales).map(log).collect::<Vec<f64>>())
+            };
+            journeys.iter().zip(scales).map(of_robot).sum()
+        };
+        let root_mean = |corrects: bool| (variances(corrects) / journeys.len().max(1) as f64).sqrt();
+        Self { odometry: root_mean(false), corrected: root_mean(true) }
+    }
+}
+
+fn variance(values: &[f64]) -> f64 {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len().max(1) as f64
+}
+
+/// A map point on its way through a tour.
+struct Track {
+    first: (usize, Sight),
+    /// The parallax by which it was placed last, in radians; 0 before.
+    parallax_rad: f64,
+}
+
+/// Draws how much longer a metre is at each keyframe than at the first, as natural logarithms.
+pub fn scale_drift(truth: &[Pose], chance: &mut Chance) -> Vec<f64> {
+    let mut drift = Vec::with_capacity(truth.len());
+    let mut before: Option<(&Pose, f64)> = None;
+    for pose in truth {
+        let now = before.map_or(0.0, |(last, drift)| {
+            let motion = last.inverse().after(pose);
+            let (length_m, turn_rad) = (motion.centre().coords.norm(), motion.isometry().rotation.angle());
+            drift
+                + chance.normal(DRIFT_PER_METRE * length_m.sqrt())
+                + chance.normal(DRIFT_PER_RADIAN * turn_rad.sqrt())
+        });
+        drift.push(now);
+        before = Some((pose, now));
+    }
+    drift
+}
+
+/// The units of a robot without depth to a metre, at each keyframe.
+pub fn units_per_metre(journey: &Journey) -> Vec<f64> {
+    let mut depths_m: Vec<f64> = (journey.steps.first().into_iter())
+        .flat_map(|step| step.features.iter().map(|feature| feature.in_camera.z))
+        .collect();
+    depths_m.sort_by(f64::total_cmp);
+    let median_m = depths_m.get(depths_m.len() / 2).copied().unwrap_or(1.0);
+    journey.scale_drift.iter().map(|drift| drift.exp() / median_m).collect()
+}
+
+/// The same tour without depth.
+pub fn without_depth(journey: &Journey) -> Journey {
+    let units = units_per_metre(journey);
+    let mut tracks: HashMap<u64, Track> = HashMap::new();
+    let steps = (0..journey.steps.len()).map(|number| {
+        let (step, unit) = (&journey.steps[number], units[number]);
+        let placed = (0..step.features.len())
+            .filter_map(|feature| {
+                let in_camera = place(&mut tracks, &journey.steps, (number, feature))?;
+                Some(Placed { feature, in_camera: in_camera * unit })
+            })
+            .collect();
+        Step { motion: scaled(&step.motion, unit), placed, ..step.clone() }
+    });
+    Journey { steps: steps.collect(), scale_drift: journey.scale_drift.clone() }
+}
+
+/// Places the map point of a feature in the camera frame of its keyframe, in metres, if its parallax has grown enough.
+fn place(
+    tracks: &mut HashMap<u64, Track>,
+    steps: &[Step],
+    (number, feature): (usize, usize),
+) -> Option<Point3> {
+    let step = &steps[number];
+    let keypoint = step.features[feature].keypoint;
+    let sight = Sight { pixel: [keypoint.u, keypoint.v], octave: keypoint.octave };
+    let track = tracks
+        .entry(step.map_points[feature].0)
+        .or_insert(Track { first: (number, sight), parallax_rad: 0.0 });
+    let (first, seen_first) = track.first;
+    let pose = |number: usize| steps[number].stop.stand.map_from_camera();
+    let first_from_now = pose(first).inverse().after(&pose(number));
+    let found = triangulate(&first_from_now, seen_first, sight)?;
+    if found.parallax_rad < track.parallax_rad * PLACED_ANEW {
+        return None;
+    }
+    track.parallax_rad = found.parallax_rad;
+    Some(found.in_second)
+}
+
+fn scaled(motion: &Pose, unit: f64) -> Pose {
+    Pose::from_stored(motion.translation_m().map(|length| length * unit), motion.rotation_xyzw())
+}

@@ -1,0 +1,98 @@
+//! Triangulation: where a point is that was seen from two places.
+//!
+//! The midpoint of the shortest line between the two rays (R. I. Hartley and P. Sturm, "Triangulation", CVIU 68, 1997, §3.1).
+//! It is taken under ORB-SLAM's conditions: parallax, in front of both cameras, and seen again where it was seen.
+
+use super::camera::{PINHOLE, unproject};
+use super::sensor::OCTAVE_FACTOR;
+use crate::geometry::{Point3, Pose};
+
+/// The least angle between the two rays: its cosine is 0.9998 (ORB-SLAM2, `LocalMapping::CreateNewMapPoints`).
+const MIN_PARALLAX_RAD: f64 = 0.02;
+/// The largest squared reprojection error in variances: chi-squared with two degrees of freedom at 95 %.
+const MAX_SQUARED_ERROR: f64 = 5.991;
+
+/// A point in one image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sight {
+    /// Where, in pixels.
+    pub pixel: [f64; 2],
+    /// The octave of the image pyramid.
+    pub octave: u8,
+}
+
+/// A point that was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triangulated {
+    /// Its place in the second camera's frame.
+    pub in_second: Point3,
+    /// The angle between the two rays.
+    pub parallax_rad: f64,
+}
+
+/// Finds a point from two sights and the motion between them, `first_from_second`.
+pub fn triangulate(first_from_second: &Pose, first: Sight, second: Sight) -> Option<Triangulated> {
+    let centre = first_from_second.centre().coords;
+    let towards_first = unproject(first.pixel, 1.0).coords;
+    let towards_second = first_from_second.transform(&unproject(second.pixel, 1.0)).coords - centre;
+    let parallax_rad = towards_first.angle(&towards_second);
+    if parallax_rad < MIN_PARALLAX_RAD {
+        return None;
+    }
+    // The depths d and e with the least |d a - (c + e b)|^2.
+    let (a, b, c) = (towards_first, towards_second, centre);
+    let (aa, ab, bb, ac, bc) = (a.dot(&a), a.dot(&b), b.dot(&b), a.dot(&c), b.dot(&c));
+    let determinant = aa * bb - ab * ab;
+    let (d, e) = ((ac * bb - ab * bc) / determinant, (ab * ac - aa * bc) / determinant);
+    if !(d > 0.0 && e > 0.0) {
+        return None;
+    }
+    let in_first = Point3::from((a * d + c + b * e) / 2.0);
+    let in_second = first_from_second.inverse_transform(&in_first);
+    (is_seen(&in_first, first) && is_seen(&in_second, second))
+        .then_some(Triangulated { in_second, parallax_rad })
+}
+
+/// Is the point seen where it was?
+fn is_seen(in_camera: &Point3, sight: Sight) -> bool {
+    let Some([u, v]) = PINHOLE.project(&in_camera.coords) else { return false };
+    let sigma_px = OCTAVE_FACTOR.powi(i32::from(sight.octave));
+    let squared_px = (u - sight.pixel[0]).powi(2) + (v - sight.pixel[1]).powi(2);
+    squared_px <= MAX_SQUARED_ERROR * sigma_px * sigma_px
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn aside(x: f64) -> Pose {
+        Pose::new([x, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).expect("a pose")
+    }
+
+    fn sight(point: &Point3, from: &Pose) -> Sight {
+        let pixel = PINHOLE.project(&from.inverse_transform(point).coords).expect("in front");
+        Sight { pixel, octave: 2 }
+    }
+
+    #[test]
+    fn a_point_is_where_two_rays_meet() {
+        let (point, second) = (Point3::new(0.3, -0.2, 3.0), aside(0.4));
+        let found =
+            triangulate(&second, sight(&point, &aside(0.0)), sight(&point, &second)).expect("a point");
+        assert!((found.in_second - second.inverse_transform(&point)).norm() < 1e-9);
+        assert!((found.parallax_rad - 0.132).abs() < 1e-3, "{}", found.parallax_rad);
+    }
+
+    #[test]
+    fn without_parallax_behind_a_camera_or_off_the_other_ray_there_is_none() {
+        let point = Point3::new(0.3, -0.2, 3.0);
+        let first = sight(&point, &aside(0.0));
+        assert_eq!(triangulate(&aside(0.05), first, sight(&point, &aside(0.05))), None, "one degree");
+        let second = sight(&point, &aside(0.4));
+        assert_eq!(triangulate(&aside(-0.4), first, second), None, "the rays meet behind");
+        let off = |by_px: f64| Sight { pixel: [second.pixel[0], second.pixel[1] + by_px], ..second };
+        // Each of the two sights is half of it off; 1.44 pixels are one standard deviation.
+        assert!(triangulate(&aside(0.4), first, off(6.0)).is_some());
+        assert_eq!(triangulate(&aside(0.4), first, off(8.0)), None);
+    }
+}
