@@ -3,10 +3,9 @@
 //! A journey is recorded once and then driven through by each arm of the experiment, so that all see the same data.
 
 use super::chance::Chance;
-use super::monocular;
 use super::noise::Noise;
 use super::ocr;
-use super::odometry::drifting_motions;
+use super::odometry::{drifting_motions, scale_drift};
 use super::reader::Reader;
 use super::route::Stop;
 use super::sensor::{Feature, take_image};
@@ -65,7 +64,7 @@ pub struct Journey {
     /// The keyframes in order.
     pub steps: Vec<Step>,
     /// How much longer a metre is at each keyframe in the unit of a robot without depth than at the first, as a natural
-    /// logarithm ([`super::monocular`]).
+    /// logarithm ([`scale_drift`]).
     pub scale_drift: Vec<f64>,
 }
 
@@ -93,7 +92,7 @@ impl Journey {
         let missing: Vec<bool> = (world_at(0).signs.iter())
             .map(|sign| plates.happens(noise.no_plate_share) && sign.kind == SignKind::DoorPlate)
             .collect();
-        let scale_drift = monocular::scale_drift(&truth, &mut Chance::new(seed, "scale"));
+        let scale_drift = scale_drift(&truth, &mut Chance::new(seed, "scale"));
         let steps = (stops.iter().zip(motions).enumerate()).map(|(number, (stop, motion))| {
             let world = world_at(stop.visit);
             let image = take_image(world, &stop.stand, noise.missed_share, &mut sensor);

@@ -3,11 +3,10 @@
 //! | | |
 //! |---|---|
 //! | unit | its own: the median depth of the first keyframe (as ORB-SLAM's first map has it) |
-//! | drift of scale | a random walk of the unit's logarithm, with the way driven and more where the robot turns |
+//! | drift of scale | a random walk of the unit's logarithm ([`super::odometry::scale_drift`]) |
 //! | motions | odometry's, in that unit |
 //! | map points | triangulated from their own keypoints ([`super::triangulation`]), so that what is seen without parallax has no place |
 //!
-//! The figures of the drift are our choice: a tour of 100 m with thirty turns about ends with lengths that are a sixth off.
 //! Triangulation knows the camera's true motion from one sight to the next, up to the unit: that is better than any bundle
 //! adjustment, and flatters.
 
@@ -15,15 +14,10 @@ use std::collections::HashMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::chance::Chance;
 use super::journey::{Journey, Placed, Step};
 use super::triangulation::{Sight, triangulate};
 use crate::geometry::{Point3, Pose};
 
-/// The logarithm of the unit scatters by this per square root of a metre ...
-const DRIFT_PER_METRE: f64 = 0.01;
-/// ... and of a radian.
-const DRIFT_PER_RADIAN: f64 = 0.015;
 /// A point is placed anew each time its parallax has grown by this factor, as bundle adjustment would move it.
 const PLACED_ANEW: f64 = 2.0;
 
@@ -62,24 +56,6 @@ struct Track {
     first: (usize, Sight),
     /// The parallax by which it was placed last, in radians; 0 before.
     parallax_rad: f64,
-}
-
-/// Draws how much longer a metre is at each keyframe than at the first, as natural logarithms.
-pub fn scale_drift(truth: &[Pose], chance: &mut Chance) -> Vec<f64> {
-    let mut drift = Vec::with_capacity(truth.len());
-    let mut before: Option<(&Pose, f64)> = None;
-    for pose in truth {
-        let now = before.map_or(0.0, |(last, drift)| {
-            let motion = last.inverse().after(pose);
-            let (length_m, turn_rad) = (motion.centre().coords.norm(), motion.isometry().rotation.angle());
-            drift
-                + chance.normal(DRIFT_PER_METRE * length_m.sqrt())
-                + chance.normal(DRIFT_PER_RADIAN * turn_rad.sqrt())
-        });
-        drift.push(now);
-        before = Some((pose, now));
-    }
-    drift
 }
 
 /// The units of a robot without depth to a metre, at each keyframe.
@@ -134,4 +110,66 @@ fn place(
 
 fn scaled(motion: &Pose, unit: f64) -> Pose {
     Pose::from_stored(motion.translation_m().map(|length| length * unit), motion.rotation_xyzw())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::chance::Chance;
+    use super::super::floor_plan::Layout;
+    use super::super::noise::Noise;
+    use super::super::route::tour;
+    use super::super::signs::SignPlan;
+    use super::super::texture::Patterns;
+    use super::super::world::{World, WorldPlan};
+    use super::*;
+
+    fn journey() -> Journey {
+        let plan = WorldPlan { layout: Layout::SE1, floor: 9, signs: SignPlan::default(), seed: 7 };
+        let world = World::new(&plan, &Patterns::new());
+        let stops = tour(&world.plan, &[3, 5], &mut Chance::new(7, "route"));
+        Journey::record(&world, &stops, Noise::default(), 0.5, 7)
+    }
+
+    fn median(mut figures: Vec<f64>) -> f64 {
+        figures.sort_by(f64::total_cmp);
+        figures[figures.len() / 2]
+    }
+
+    #[test]
+    fn motions_and_points_are_in_one_unit_that_drifts_and_what_has_no_parallax_has_no_place() {
+        let journey = journey();
+        let (units, seen) = (units_per_metre(&journey), without_depth(&journey));
+        let first = &journey.steps[0];
+        let depths: Vec<f64> = first.features.iter().map(|feature| feature.in_camera.z * units[0]).collect();
+        assert!((median(depths) - 1.0).abs() < 0.01, "the unit is the first median depth");
+        assert!(seen.steps[0].placed.is_empty(), "one view has no parallax");
+        let (mut ratios, mut placed, mut new) = (Vec::new(), 0, 0);
+        for (number, (with, without)) in journey.steps.iter().zip(&seen.steps).enumerate() {
+            let length = |step: &Step| step.motion.centre().coords.norm();
+            assert!((length(without) - length(with) * units[number]).abs() < 1e-12);
+            (placed, new) = (placed + without.placed.len(), new + with.placed.len());
+            for point in &without.placed {
+                let depth_m = with.features[point.feature].in_camera.z;
+                ratios.push((point.in_camera.z / (depth_m * units[number])).ln().abs());
+            }
+        }
+        assert!(placed > new / 3, "{placed} places for {new} points");
+        let ever: std::collections::HashSet<u64> = (seen.steps.iter())
+            .flat_map(|step| step.placed.iter().map(|placed| step.map_points[placed.feature].0))
+            .collect();
+        assert!((new / 4..new).contains(&ever.len()), "{} of {new} points have a place", ever.len());
+        let off = median(ratios);
+        assert!((0.01..0.08).contains(&off), "depths are off by {off}");
+        let ends = ScaleError::of(&[journey], &[&vec![1.0; units.len()]]);
+        assert_eq!(ends.odometry, ends.corrected);
+        assert!((0.005..0.3).contains(&ends.odometry), "{ends:?}");
+    }
+
+    #[test]
+    fn a_scale_that_follows_the_drift_leaves_no_error() {
+        let journey = journey();
+        let scales: Vec<f64> = journey.scale_drift.iter().map(|drift| 3.0 * (-drift).exp()).collect();
+        let error = ScaleError::of(&[journey], &[&scales]);
+        assert!(error.corrected < 1e-12 && error.odometry > 0.005, "{error:?}");
+    }
 }

@@ -20,6 +20,10 @@ const LENGTH_SHARE: f64 = 0.004;
 /// Tilt and height per square root of a metre or radian: small, because gravity is seen.
 const TILT_PER_STEP: f64 = 0.0006;
 const HEIGHT_PER_METRE: f64 = 0.002;
+/// The logarithm of the unit of a robot without depth scatters by this per square root of a metre ...
+const DRIFT_PER_METRE: f64 = 0.01;
+/// ... and of a radian.
+const DRIFT_PER_RADIAN: f64 = 0.015;
 /// How many halvings find the scale.
 const HALVINGS: u32 = 40;
 
@@ -62,6 +66,25 @@ pub fn integrate(first: &Pose, motions: &[Pose]) -> Vec<Pose> {
         poses.push(poses[poses.len() - 1].after(motion));
     }
     poses
+}
+
+/// Draws how much longer a metre is at each keyframe than at the first in the unit of a robot without depth, as natural
+/// logarithms: a random walk with the way driven, and more where it turns. How far it leads is our choice.
+pub fn scale_drift(truth: &[Pose], chance: &mut Chance) -> Vec<f64> {
+    let mut drift = Vec::with_capacity(truth.len());
+    let mut before: Option<(&Pose, f64)> = None;
+    for pose in truth {
+        let now = before.map_or(0.0, |(last, drift)| {
+            let motion = last.inverse().after(pose);
+            let (length_m, turn_rad) = (motion.centre().coords.norm(), motion.isometry().rotation.angle());
+            drift
+                + chance.normal(DRIFT_PER_METRE * length_m.sqrt())
+                + chance.normal(DRIFT_PER_RADIAN * turn_rad.sqrt())
+        });
+        drift.push(now);
+        before = Some((pose, now));
+    }
+    drift
 }
 
 fn errors(motions: &[Pose], chance: &mut Chance) -> Vec<StepError> {

@@ -3,13 +3,14 @@
 use std::collections::BTreeSet;
 
 use revisit::client::{Candidate, Client};
+use revisit::geometry::absolute_orientation::Scale;
 use revisit::hotel::arm::Arm;
 use revisit::hotel::chance::Chance;
 use revisit::hotel::floor_plan::Layout;
 use revisit::hotel::journey::Journey;
 use revisit::hotel::noise::Noise;
 use revisit::hotel::route::tour;
-use revisit::hotel::score::{Counts, by_query, by_visit};
+use revisit::hotel::score::{Counts, Outcome, by_query, by_visit};
 use revisit::hotel::signs::SignPlan;
 use revisit::hotel::texture::Patterns;
 use revisit::hotel::trial::{Course, Driven, WordsAlone, absolute_pose_error_m, drive, odometry};
@@ -53,7 +54,7 @@ async fn a_robot_among_twin_rooms_is_told_true_loops_only_and_ends_up_nearer_to_
     assert_eq!(by_query.precision(), 1.0, "{by_query:?}");
     assert!(by_query.recall() > 0.7, "{by_query:?}");
     assert_eq!((by_visit.precision(), by_visit.recall()), (1.0, 1.0), "{by_visit:?}");
-    let drift_m = absolute_pose_error_m(&course.journeys, &odometry(&course));
+    let drift_m = absolute_pose_error_m(&course.journeys, &odometry(&course), Scale::Fixed);
     assert!((drift_m - DRIFT_M).abs() < 1e-6, "odometry drifts as it was told to");
     assert!(ours.absolute_pose_error_m < drift_m, "{} m instead of {drift_m}", ours.absolute_pose_error_m);
 }
@@ -100,4 +101,22 @@ async fn signs_that_hang_at_every_door_say_nothing_and_doors_in_a_row_are_told_a
     let closed = counts(&paper).0;
     assert!(closed.found > 0, "{closed:?}");
     assert!(closed.precision() > right as f64 / told.len() as f64, "what is confirmed is surer: {closed:?}");
+}
+
+#[tokio::test]
+async fn a_robot_without_depth_is_told_loops_with_the_ratio_of_two_scales() {
+    let course = course(false, &[3, 5, 3]);
+    let driven = drive_through(&course, Arm::OursMonocular).await;
+    let counts = counts(&driven).0;
+    assert!(counts.found > 10, "{counts:?}");
+    let right = driven.asked.iter().filter(|asked| asked.scored.outcome == Outcome::Right);
+    let scales: Vec<f64> = right
+        .filter_map(|asked| Some(asked.answer.leading()?.geometry.as_ref()?.candidate_from_query?.scale))
+        .collect();
+    // Where too few points have a place, the two images give no scale: it is 1.
+    let of_similarities: Vec<f64> = scales.into_iter().filter(|scale| *scale != 1.0).collect();
+    assert!(!of_similarities.is_empty(), "the images alone verify every loop");
+    assert!(of_similarities.iter().all(|scale| (0.7..1.4).contains(scale)), "{of_similarities:?}");
+    let error = driven.scale_error.expect("a monocular robot");
+    assert_ne!(error.odometry, error.corrected, "loops move scales");
 }
