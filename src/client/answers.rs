@@ -185,6 +185,9 @@ pub struct AnchorContradiction {
 pub struct GeometryFigures {
     /// `verified`, `failed` or `skipped`.
     pub status: String,
+    /// `se3` or `sim3`; `essential`, `homography` and `rotation` leave the length of the translation open.
+    #[serde(default)]
+    pub model: Option<String>,
     /// Descriptor matches.
     #[serde(default)]
     pub matches: Option<u64>,
@@ -194,6 +197,14 @@ pub struct GeometryFigures {
     /// The transform itself: `point_in_candidate = scale * rotation * point_in_query + translation`.
     #[serde(default)]
     pub candidate_from_query: Option<Similarity>,
+}
+
+impl GeometryFigures {
+    /// The transform, if its lengths are known: a pose graph must not take a translation of length 1 for one.
+    pub fn full_transform(&self) -> Option<&Similarity> {
+        let is_full = matches!(self.model.as_deref(), Some("se3" | "sim3"));
+        self.candidate_from_query.as_ref().filter(|_| is_full)
+    }
 }
 
 /// Why a check said no, or could not say.

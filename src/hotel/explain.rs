@@ -74,10 +74,11 @@ fn agreement(candidate: &Candidate) -> String {
 
 /// The ratio of the two keyframes' scales, where lengths have no common unit.
 fn at_scale(candidate: &Candidate) -> String {
-    let transform = candidate.geometry.as_ref().and_then(|geometry| geometry.candidate_from_query.as_ref());
-    match transform.map(|transform| transform.scale) {
+    let Some(geometry) = &candidate.geometry else { return String::new() };
+    match geometry.full_transform().map(|transform| transform.scale) {
         Some(scale) if scale != 1.0 => format!(" at scale {scale:.2}"),
-        _ => String::new(),
+        Some(_) => String::new(),
+        None => format!(" by {}", geometry.model.as_deref().unwrap_or("no model")),
     }
 }
 

@@ -25,7 +25,7 @@ pub struct Accepted {
     pub candidate: KeyframeIndex,
     /// The number of points that agree: the server's inliers, or what the confirmation found.
     pub inliers: u64,
-    /// The loop to close; none where the server verified no transformation.
+    /// The loop to close; none where the server verified no transformation with known lengths.
     pub to_close: Option<LoopToClose>,
 }
 
@@ -86,7 +86,7 @@ fn proposals(robots: &[Robot<'_>], answer: &LoopAnswer) -> Vec<Proposal> {
     let proposal = |keyframe: &String| {
         Some(Proposal {
             candidate: find(robots, keyframe)?,
-            // It measures depth.
+            // Robots that confirm measure depth.
             candidate_from_query: transform(answer.candidate(keyframe)?)?.without_scale(),
             answer: answer.id.clone(),
         })
@@ -95,5 +95,5 @@ fn proposals(robots: &[Robot<'_>], answer: &LoopAnswer) -> Vec<Proposal> {
 }
 
 fn transform(candidate: &Candidate) -> Option<Sim3> {
-    message::similarity(candidate.geometry.as_ref()?.candidate_from_query.as_ref()?)
+    message::similarity(candidate.geometry.as_ref()?.full_transform()?)
 }

@@ -117,13 +117,7 @@ impl<'a> Robot<'a> {
 
     /// Sends the next keyframe with the question, and returns the answer.
     pub async fn ask(&mut self, step: &'a Step) -> Result<LoopAnswer, DriveError> {
-        let similarity = match self
-            .slam_map
-            .poses()
-            .len()
-            .checked_sub(1)
-            .and_then(|last| self.slam_map.similarity(last))
-        {
+        let similarity = match self.slam_map.latest() {
             Some(last) => last.after(&Sim3::from(step.motion)),
             // Its frame is its own: it does not know where it woke up.
             None => Sim3::from(Stand { at: [0.0, 0.0], heading_rad: 0.0 }.map_from_camera()),

@@ -81,6 +81,11 @@ impl<'a> SlamMap<'a> {
         Some(Sim3::from_parts(*scale, pose.rotation, pose.translation.vector))
     }
 
+    /// That of the latest keyframe.
+    pub fn latest(&self) -> Option<Sim3> {
+        self.similarity(self.poses.len().checked_sub(1)?)
+    }
+
     /// Those of all keyframes.
     pub fn similarities(&self) -> Vec<Sim3> {
         (0..self.poses.len()).filter_map(|keyframe| self.similarity(keyframe)).collect()
