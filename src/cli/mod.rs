@@ -2,6 +2,7 @@
 
 mod backup;
 mod check;
+mod completions;
 mod demo;
 mod eval;
 mod health;
@@ -44,6 +45,7 @@ enum Command {
     Restore(backup::RestoreArgs),
     Check(check::CheckArgs),
     Health(health::HealthArgs),
+    Completions(completions::CompletionsArgs),
 }
 
 /// Why a subcommand failed, for a person.
@@ -64,6 +66,7 @@ impl Cli {
             Command::Restore(args) => backup::run_restore(args).await,
             Command::Check(args) => check::run(args).await,
             Command::Health(args) => health::run(args).await,
+            Command::Completions(args) => completions::run(&args),
         }
     }
 }
