@@ -25,6 +25,10 @@ use crate::wire::problem::ProblemView;
             this document lists under `x-constants`.",
         license(name = "MIT OR Apache-2.0", identifier = "MIT OR Apache-2.0")
     ),
+    servers(
+        (url = "/", description = "The server that gives this document"),
+        (url = "http://127.0.0.1:7878", description = "`revisit serve` on this machine, as it comes")
+    ),
     tags(
         (name = "maps", description = "A map and its settings"),
         (name = "keyframes", description = "Keyframes in, one by one or in bulk"),
