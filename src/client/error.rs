@@ -35,6 +35,14 @@ pub enum ClientError {
     /// The server answered, and refused.
     #[error(transparent)]
     Problem(#[from] Box<Problem>),
+    /// A detection that is named as an anchor feeds none.
+    #[error("detection {detection} of keyframe {keyframe} feeds no anchor")]
+    NoAnchor {
+        /// The keyframe.
+        keyframe: String,
+        /// Which of its detections, counted from 0.
+        detection: usize,
+    },
     /// The server answered something else than the contract promises.
     #[error("the answer of {url} is not understood: {source}")]
     Decode {

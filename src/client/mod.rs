@@ -16,7 +16,7 @@ mod tests;
 
 use std::time::Duration;
 
-use reqwest::header::{HeaderName, RETRY_AFTER};
+use reqwest::header::{HeaderName, IF_MATCH, RETRY_AFTER};
 use reqwest::{Method, RequestBuilder, Response, StatusCode};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -107,7 +107,12 @@ impl Client {
     }
 
     fn request(&self, method: Method, url: &str, body: Option<&Value>) -> RequestBuilder {
+        let is_patch = method == Method::PATCH;
         let mut request = self.http.request(method, url);
+        if is_patch {
+            // Whatever version there is: a program that plays changes has seen none.
+            request = request.header(IF_MATCH, "*");
+        }
         if let Some(key) = &self.key {
             request = request.bearer_auth(key);
         }

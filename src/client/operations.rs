@@ -13,6 +13,12 @@ impl Client {
         Ok(MapAnswer { replayed: answer.replayed, ..answer.decode()? })
     }
 
+    /// Changes what it names of a map: `{"description", "metric", "anchor_classes", "settings"}`.
+    pub async fn patch_map(&self, map: &str, body: &Value) -> Result<MapAnswer, ClientError> {
+        let url = self.map_url(map, &[], &[])?;
+        self.send(Method::PATCH, url, Some(body)).await?.decode()
+    }
+
     /// Removes a map with all that is in it.
     pub async fn delete_map(&self, map: &str) -> Result<(), ClientError> {
         let url = self.map_url(map, &[], &[])?;
@@ -31,6 +37,32 @@ impl Client {
         let url = self.map_url(map, &["keyframes", keyframe], query)?;
         let answer = self.send(Method::PUT, url, Some(body)).await?;
         Ok(KeyframeAnswer { replayed: answer.replayed, ..answer.decode()? })
+    }
+
+    /// Removes a keyframe; what hangs on it follows.
+    pub async fn delete_keyframe(&self, map: &str, keyframe: &str) -> Result<(), ClientError> {
+        let url = self.map_url(map, &["keyframes", keyframe], &[])?;
+        self.send(Method::DELETE, url, None).await.map(drop)
+    }
+
+    /// The anchor that a detection feeds: anchors are named by the server, detections by who sent them.
+    pub async fn anchor_of(&self, map: &str, keyframe: &str, detection: usize) -> Result<String, ClientError> {
+        let url = self.map_url(map, &["keyframes", keyframe], &[])?;
+        let stored: KeyframeAnswer = self.send(Method::GET, url, None).await?.decode()?;
+        let named = stored.detections.into_iter().nth(detection).and_then(|detection| detection.anchor);
+        named.ok_or_else(|| ClientError::NoAnchor { keyframe: keyframe.to_owned(), detection })
+    }
+
+    /// Describes an anchor by hand, whatever version it has: `{"description": text or null}`.
+    pub async fn patch_anchor(&self, map: &str, anchor: &str, body: &Value) -> Result<(), ClientError> {
+        let url = self.map_url(map, &["anchors", anchor], &[])?;
+        self.send(Method::PATCH, url, Some(body)).await.map(drop)
+    }
+
+    /// Removes an anchor.
+    pub async fn delete_anchor(&self, map: &str, anchor: &str) -> Result<(), ClientError> {
+        let url = self.map_url(map, &["anchors", anchor], &[])?;
+        self.send(Method::DELETE, url, None).await.map(drop)
     }
 
     /// "Is this keyframe a loop?": `{"keyframe" | "inline", "verify", "max_wait_ms", "seed"}`.

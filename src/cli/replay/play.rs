@@ -11,7 +11,7 @@ use super::answered::{Answered, Labels};
 use super::frames::Frames;
 use super::latency::Times;
 use super::overrides::Overrides;
-use super::recording::{Body, Line, Op, Recording};
+use super::recording::{Body, Deleted, Line, Op, Recording};
 use super::{ReplayArgs, ReplayError};
 use crate::client::{Client, ClientError};
 
@@ -44,6 +44,10 @@ pub(super) struct Played {
     pub loops: u64,
     /// Corrections of poses.
     pub poses: u64,
+    /// Anchors described by hand.
+    pub descriptions: u64,
+    /// Keyframes, anchors and loops removed.
+    pub deletions: u64,
     /// Lines that the server refused.
     pub failed: u64,
     /// Every query that was answered.
@@ -104,14 +108,7 @@ impl Player {
 
     async fn step(&mut self, map: &str, op: Op) -> Result<(), ClientError> {
         match op {
-            Op::Map { mut body, .. } => {
-                self.overrides.apply(&mut body);
-                let answer = self.client.put_map(map, &Value::Object(body)).await?;
-                let first = self.played.maps.insert(map.to_owned());
-                if first && answer.replayed {
-                    self.found.insert(map.to_owned());
-                }
-            }
+            Op::Map { body, .. } => self.map(map, body).await?,
             Op::Keyframe { id, body } => self.keyframe(map, &id, body).await?,
             Op::Query { keyframe, body, truth, ignore } => {
                 let labels = truth.map(|truth| Labels { truth, ignore });
@@ -125,8 +122,47 @@ impl Player {
                 self.client.post_poses(map, &Value::Object(body)).await?;
                 self.played.poses += 1;
             }
+            Op::Description { keyframe, detection, body } => {
+                let anchor = self.client.anchor_of(map, &keyframe, detection).await?;
+                self.client.patch_anchor(map, &anchor, &Value::Object(body)).await?;
+                self.played.descriptions += 1;
+            }
+            Op::Delete(deleted) => {
+                self.delete(map, deleted).await?;
+                self.played.deletions += 1;
+            }
         }
         Ok(())
+    }
+
+    /// Declares a map; a later line with another body changes what it names of it.
+    async fn map(&mut self, map: &str, mut body: Body) -> Result<(), ClientError> {
+        self.overrides.apply(&mut body);
+        let body = Value::Object(body);
+        match self.client.put_map(map, &body).await {
+            Ok(answer) => {
+                let first = self.played.maps.insert(map.to_owned());
+                if first && answer.replayed {
+                    self.found.insert(map.to_owned());
+                }
+            }
+            Err(error) if is_conflict(&error) && self.played.maps.contains(map) => {
+                self.client.patch_map(map, &body).await?;
+            }
+            Err(error) => return Err(error),
+        }
+        Ok(())
+    }
+
+    async fn delete(&self, map: &str, deleted: Deleted) -> Result<(), ClientError> {
+        match deleted {
+            Deleted::Keyframe(keyframe) => self.client.delete_keyframe(map, &keyframe).await,
+            Deleted::Anchor { keyframe, detection } => {
+                let anchor = self.client.anchor_of(map, &keyframe, detection).await?;
+                self.client.delete_anchor(map, &anchor).await
+            }
+            Deleted::Loop(closed) => self.client.delete_loop(map, &closed).await,
+        }
     }
 
     async fn keyframe(&mut self, map: &str, id: &str, mut body: Body) -> Result<(), ClientError> {
@@ -174,8 +210,7 @@ impl Player {
 
     /// A conflict with what the server held before; otherwise the recording contradicts itself.
     fn is_of_another_replay(&self, map: &str, error: &ClientError) -> bool {
-        let conflict = error.problem().is_some_and(|problem| problem.status == CONFLICT);
-        conflict && (self.found.contains(map) || !self.played.maps.contains(map))
+        is_conflict(error) && (self.found.contains(map) || !self.played.maps.contains(map))
     }
 
     /// A word to the person watching; never on standard output.
@@ -187,6 +222,10 @@ impl Player {
     }
 }
 
+fn is_conflict(error: &ClientError) -> bool {
+    error.problem().is_some_and(|problem| problem.status == CONFLICT)
+}
+
 fn describe(map: &str, op: &Op) -> String {
     match op {
         Op::Map { .. } => format!("map {map}"),
@@ -194,5 +233,15 @@ fn describe(map: &str, op: &Op) -> String {
         Op::Query { keyframe, .. } => format!("query about {keyframe} of {map}"),
         Op::Loop { .. } => format!("loop in {map}"),
         Op::Poses { .. } => format!("poses of {map}"),
+        Op::Description { keyframe, detection, .. } => {
+            format!("description of detection {detection} of {keyframe} of {map}")
+        }
+        Op::Delete(deleted) => match deleted {
+            Deleted::Keyframe(keyframe) => format!("removal of {keyframe} of {map}"),
+            Deleted::Anchor { keyframe, detection } => {
+                format!("removal of the anchor at detection {detection} of {keyframe} of {map}")
+            }
+            Deleted::Loop(closed) => format!("revocation of loop {closed} of {map}"),
+        },
     }
 }

@@ -63,6 +63,43 @@ pub(super) enum Op {
     Loop { body: Body },
     /// Correct poses.
     Poses { body: Body },
+    /// Describe an anchor by hand: the one that a detection feeds.
+    Description { keyframe: String, detection: usize, body: Body },
+    /// Remove a keyframe, the anchor that one of its detections feeds, or a loop.
+    Delete(Deleted),
+}
+
+/// What a `delete` line names: `{"keyframe"}`, `{"keyframe","detection"}` or `{"loop"}`.
+#[derive(Debug, Deserialize, PartialEq)]
+#[serde(try_from = "DeletedAsWritten")]
+pub(super) enum Deleted {
+    /// A keyframe.
+    Keyframe(String),
+    /// The anchor that a detection feeds.
+    Anchor { keyframe: String, detection: usize },
+    /// A loop, which is revoked.
+    Loop(String),
+}
+
+#[derive(Deserialize)]
+struct DeletedAsWritten {
+    keyframe: Option<String>,
+    detection: Option<usize>,
+    #[serde(rename = "loop")]
+    closed: Option<String>,
+}
+
+impl TryFrom<DeletedAsWritten> for Deleted {
+    type Error = &'static str;
+
+    fn try_from(written: DeletedAsWritten) -> Result<Self, Self::Error> {
+        match (written.keyframe, written.detection, written.closed) {
+            (Some(keyframe), None, None) => Ok(Self::Keyframe(keyframe)),
+            (Some(keyframe), Some(detection), None) => Ok(Self::Anchor { keyframe, detection }),
+            (None, None, Some(closed)) => Ok(Self::Loop(closed)),
+            _ => Err("a delete line names a keyframe, a keyframe and a detection, or a loop"),
+        }
+    }
 }
 
 /// A JSON object.

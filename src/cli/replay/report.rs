@@ -23,6 +23,8 @@ pub(super) struct Report {
     pub keyframes: u64,
     pub closed_loops: u64,
     pub pose_corrections: u64,
+    pub descriptions: u64,
+    pub deletions: u64,
     /// Queries asked and answered.
     pub queries: usize,
     /// Of the queries scored.
@@ -90,6 +92,8 @@ impl Report {
             keyframes: played.keyframes,
             closed_loops: played.loops,
             pose_corrections: played.poses,
+            descriptions: played.descriptions,
+            deletions: played.deletions,
             queries: queries.len(),
             accuracy: accuracy(&service),
             no_loop: count(|query| query.verdict == Verdict::NoLoop),

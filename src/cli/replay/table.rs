@@ -26,6 +26,8 @@ fn write_recording(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
         (report.keyframes, "keyframe", "keyframes"),
         (report.closed_loops, "closed loop", "closed loops"),
         (report.pose_corrections, "pose correction", "pose corrections"),
+        (report.descriptions, "description by hand", "descriptions by hand"),
+        (report.deletions, "deletion", "deletions"),
         (report.queries as u64, "query", "queries"),
     ];
     let contents: Vec<String> = contents
