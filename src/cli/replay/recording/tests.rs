@@ -126,3 +126,31 @@ fn a_file_cut_in_the_middle_is_an_error_after_the_lines_that_are_whole() {
     let error = lines.last().expect("lines").as_ref().expect_err("cut");
     assert!(error.contains("cannot be read"), "{error}");
 }
+
+#[test]
+fn a_delete_line_names_one_thing() {
+    let deleted = |line: &str| match read(line).remove(0) {
+        Ok(Line { op: Op::Delete(deleted), .. }) => Ok(deleted),
+        Ok(other) => panic!("{other:?}"),
+        Err(error) => Err(error),
+    };
+    let keyframe = "kf-1".to_owned();
+    assert_eq!(
+        deleted(r#"{"op":"delete","map":"m","keyframe":"kf-1"}"#),
+        Ok(Deleted::Keyframe(keyframe.clone()))
+    );
+    assert_eq!(
+        deleted(r#"{"op":"delete","map":"m","keyframe":"kf-1","detection":2}"#),
+        Ok(Deleted::Anchor { keyframe, detection: 2 })
+    );
+    assert_eq!(deleted(r#"{"op":"delete","map":"m","loop":"l1"}"#), Ok(Deleted::Loop("l1".to_owned())));
+    for bad in [
+        r#"{"op":"delete","map":"m"}"#,
+        r#"{"op":"delete","map":"m","detection":2}"#,
+        r#"{"op":"delete","map":"m","keyframe":"kf-1","loop":"l1"}"#,
+        r#"{"op":"delete","map":"m","keyframe":"kf-1","detection":-1}"#,
+    ] {
+        let error = deleted(bad).expect_err(bad);
+        assert!(error.starts_with("line 1"), "{error}");
+    }
+}
