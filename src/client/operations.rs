@@ -46,7 +46,12 @@ impl Client {
     }
 
     /// The anchor that a detection feeds: anchors are named by the server, detections by who sent them.
-    pub async fn anchor_of(&self, map: &str, keyframe: &str, detection: usize) -> Result<String, ClientError> {
+    pub async fn anchor_of(
+        &self,
+        map: &str,
+        keyframe: &str,
+        detection: usize,
+    ) -> Result<String, ClientError> {
         let url = self.map_url(map, &["keyframes", keyframe], &[])?;
         let stored: KeyframeAnswer = self.send(Method::GET, url, None).await?.decode()?;
         let named = stored.detections.into_iter().nth(detection).and_then(|detection| detection.anchor);
