@@ -42,11 +42,15 @@ use report::Report;
 pub use overrides::{Overrides, Setting};
 pub use recording::{LineError, count_operations};
 
+/// What a recording is, below the options of `--help`.
+const FORMAT: &str = include_str!("format.txt");
+
 /// Play a recording and score the loops found.
 ///
-/// Without --server the recording is played against a server of its own, on a database that is
-/// thrown away. A recording is NDJSON, one operation a line: map, keyframe, query, loop, poses.
+/// Without --server the recording is played against a server of its own, on a database that is thrown away. What a recording
+/// is stands below the options.
 #[derive(Args, Clone, Debug)]
+#[command(after_long_help = FORMAT)]
 pub struct ReplayArgs {
     /// The recording: NDJSON, plain or compressed with gzip or zstd; `-` is standard input
     pub file: PathBuf,
