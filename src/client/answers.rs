@@ -39,6 +39,14 @@ pub struct KeyframeAnswer {
     pub replayed: bool,
 }
 
+/// A keyframe as it is read back.
+#[derive(Clone, Debug, Deserialize)]
+pub struct StoredKeyframe {
+    /// What became of each detection, in the order sent.
+    #[serde(default)]
+    pub detections: Vec<DetectionAnswer>,
+}
+
 /// What became of one detection.
 #[derive(Clone, Debug, Deserialize)]
 pub struct DetectionAnswer {

@@ -23,7 +23,8 @@ use serde_json::Value;
 
 pub use answers::{
     AnchorContradiction, AnchorFigures, AnchorMatch, BowFigures, Candidate, CandidateVerdict, ClosedLoop,
-    DetectionAnswer, GeometryFigures, KeyframeAnswer, LoopAnswer, MapAnswer, Merged, Reason, Verdict,
+    DetectionAnswer, GeometryFigures, KeyframeAnswer, LoopAnswer, MapAnswer, Merged, Reason, StoredKeyframe,
+    Verdict,
 };
 pub use error::{ClientError, FieldProblem, Problem};
 

@@ -3,7 +3,9 @@
 use reqwest::Method;
 use serde_json::Value;
 
-use super::{Client, ClientError, ClosedLoop, KeyframeAnswer, LoopAnswer, MapAnswer, address};
+use super::{
+    Client, ClientError, ClosedLoop, KeyframeAnswer, LoopAnswer, MapAnswer, StoredKeyframe, address,
+};
 
 impl Client {
     /// Declares a map: `{"description", "metric", "anchor_classes", "settings"}`.
@@ -53,7 +55,7 @@ impl Client {
         detection: usize,
     ) -> Result<String, ClientError> {
         let url = self.map_url(map, &["keyframes", keyframe], &[])?;
-        let stored: KeyframeAnswer = self.send(Method::GET, url, None).await?.decode()?;
+        let stored: StoredKeyframe = self.send(Method::GET, url, None).await?.decode()?;
         let named = stored.detections.into_iter().nth(detection).and_then(|detection| detection.anchor);
         named.ok_or_else(|| ClientError::NoAnchor { keyframe: keyframe.to_owned(), detection })
     }
