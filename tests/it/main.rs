@@ -22,6 +22,7 @@ mod races;
 mod raw;
 mod readme;
 mod recordings;
+mod replayed;
 mod support;
 mod tidy;
 mod trust;
