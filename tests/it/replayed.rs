@@ -23,7 +23,8 @@ fn keyframe(id: &str, seconds: u32, signs: &[&str]) -> Value {
 async fn replay(server: &Server, lines: &[Value]) -> Output {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let path = directory.path().join("recording.ndjson");
-    std::fs::write(&path, lines.iter().map(|line| format!("{line}\n")).collect::<String>()).unwrap();
+    let written: Vec<String> = lines.iter().map(Value::to_string).collect();
+    std::fs::write(&path, written.join("\n")).unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_revisit"));
     command.arg("replay").arg(&path).args(["--server", &server.url("")]);
     tokio::task::spawn_blocking(move || command.output().unwrap()).await.unwrap()
