@@ -99,7 +99,7 @@ def _images(chosen: argparse.Namespace) -> int:
     _need_pixels()
     _check(chosen)
     from .pixels.frames import list_frames
-    from .pixels.keyframes import Options
+    from .pixels.options import Options
     from .pixels.player import play
     from .pixels.recording import Recording
     from .pixels.table import table

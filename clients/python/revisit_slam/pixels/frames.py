@@ -1,4 +1,4 @@
-"""Photographs of a folder, in order, with the video that each belongs to."""
+"""Frames: photographs in order, with the video that each belongs to, and what is known of each."""
 
 from __future__ import annotations
 
@@ -7,20 +7,69 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
+import cv2
+import numpy as np
+
 from ..errors import RevisitError
+from .camera import Calibration
 
 SUFFIXES = {".jpg", ".jpeg", ".png", ".bmp", ".webp", ".tif", ".tiff"}
 MAX_ID = 128
 
 
+@dataclass(frozen=True, eq=False)
+class Landmarks:
+    """Triangulated points that a photograph shows."""
+
+    ids: np.ndarray
+    pixels: np.ndarray
+    """n x 2, undistorted."""
+    positions: np.ndarray
+    """n x 3, in the session's frame."""
+
+
 @dataclass(frozen=True)
+class DepthImage:
+    """A depth image beside a photograph, pixel for pixel."""
+
+    path: Path
+    metres_per_unit: float
+
+    def metres(self) -> np.ndarray:
+        """Return depths along the optical axis in metres; 0 where none was measured."""
+        image = cv2.imread(str(self.path), cv2.IMREAD_UNCHANGED)
+        if image is None or image.ndim != 2:
+            raise RevisitError(f"{self.path}: not a depth image that OpenCV reads")
+        return image.astype(np.float64) * self.metres_per_unit
+
+
+@dataclass(frozen=True, eq=False)
 class Frame:
-    """One photograph: its id (the file's stem), its video (the stem before the number, and the folder), its number."""
+    """One photograph: its id, its video, its number there, and what its source knows of it."""
 
     id: str
     path: Path
     video: str
     number: int
+    stamp_ns: int | None = None
+    session_from_camera: np.ndarray | None = None
+    """4 x 4; None where nothing tells the pose."""
+    calibration: Calibration | None = None
+    depth: DepthImage | None = None
+    landmarks: Landmarks | None = None
+
+    def picture(self) -> tuple[bytes, np.ndarray]:
+        """Return what identifies it (the bytes of its file, and how it was undistorted), and the undistorted picture (BGR)."""
+        try:
+            data = self.path.read_bytes()
+        except OSError as error:
+            raise RevisitError(f"{self.path}: cannot be read: {error.strerror}") from error
+        image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR) if data else None
+        if image is None:
+            raise RevisitError(f"{self.path}: not a picture that OpenCV reads")
+        if self.calibration is None or not any(self.calibration.distortion):
+            return data, image
+        return data + repr(self.calibration).encode(), self.calibration.undistorted(image)
 
 
 def list_frames(folder: Path) -> list[Frame]:
@@ -35,16 +84,20 @@ def list_frames(folder: Path) -> list[Frame]:
     frames, taken = [], {}
     for path in paths:
         inside = path.relative_to(folder)
-        name = ".".join((*inside.parts[:-1], path.stem)) if path.stem in twice else path.stem
-        id = re.sub(r"[^A-Za-z0-9._:-]", "_", name)
-        if len(id) > MAX_ID:
-            raise RevisitError(f"{path}: its name has more than {MAX_ID} characters")
+        id = plain_id(".".join((*inside.parts[:-1], path.stem)) if path.stem in twice else path.stem, path)
         if id in taken:
             raise RevisitError(f"{path} and {taken[id]} both become keyframe {id}: rename one")
         taken[id] = path
         video, number = split_number(path.stem)
         frames.append(Frame(id, path, "/".join((*inside.parts[:-1], video)), number))
     return sorted(frames, key=lambda frame: (frame.path.parent, frame.video, frame.number, frame.id))
+
+
+def plain_id(name: str, path: Path) -> str:
+    """Return a name with only what the API allows in an id; `path` is named where it is too long."""
+    if len(name) > MAX_ID:
+        raise RevisitError(f"{path}: its name has more than {MAX_ID} characters")
+    return re.sub(r"[^A-Za-z0-9._:-]", "_", name)
 
 
 def split_number(stem: str) -> tuple[str, int]:

@@ -2,46 +2,29 @@
 
 from __future__ import annotations
 
-import base64
 import itertools
 import queue
 from collections import deque
 from collections.abc import Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 
-from ..errors import RevisitError
+from .bodies import Bodies
 from .camera import Camera
-from .features import Features, features_of
+from .features import features_of
 from .frames import Frame
+from .options import Options
 from .reader import Line, Reader
-from .signs import LETTER_HEIGHT_M, Neighbour, Sign, detection, judge
-from .tracking import LOOK_BACK, Tracked, Tracker, quaternion
-from .vocabulary import Vocabulary
+from .signs import Neighbour, Sign, judge
+from .tracking import LOOK_BACK, Tracked, Tracker
 
 # A photograph that shows at least this share of the last keyframe's view tells nothing new.
 MAX_OVERLAP_SHARE = 0.8
 MAX_OVERLAP_INLIERS = 60
-MAX_SENT_FEATURES = 500
 MAX_DETECTIONS = 64
-
-
-@dataclass(frozen=True)
-class Options:
-    """What decides how photographs become keyframes."""
-
-    every_frame: bool = False
-    features: bool = False
-    crops: bool = True
-    focal_px: float | None = None
-    letter_height_m: float = LETTER_HEIGHT_M
-    cache: Path | None = None
-    threads: int = 1
 
 
 @dataclass(frozen=True)
@@ -63,7 +46,7 @@ class _Chosen:
 
 def keyframes(frames: Iterable[Frame], options: Options) -> Iterator[Keyframe]:
     """Yield the keyframes of photographs in order; reading runs ahead in `options.threads` threads."""
-    vocabulary = Vocabulary.shipped()
+    bodies = Bodies(options)
     recent: deque[tuple[str, list[Line], list[Sign]]] = deque(maxlen=LOOK_BACK)
     for chosen, lines in _read(_choose(frames, options), options):
         tracked = chosen.tracked
@@ -71,17 +54,16 @@ def keyframes(frames: Iterable[Frame], options: Options) -> Iterator[Keyframe]:
         neighbours = [Neighbour(*earlier[id], found) for id, found in tracked.overlaps if id in earlier]
         signs = judge(lines, tracked.camera, neighbours)[:MAX_DETECTIONS]
         recent.append((tracked.frame.id, lines, signs))
-        yield Keyframe(tracked.frame, _body(chosen, signs, vocabulary, options), signs)
+        yield Keyframe(tracked.frame, bodies.of(chosen.index, tracked, chosen.image, signs), signs)
 
 
 def _choose(frames: Iterable[Frame], options: Options) -> Iterator[_Chosen]:
     tracker = Tracker()
     for index, frame in enumerate(frames):
-        data = frame.path.read_bytes()
-        image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR) if data else None
-        if image is None:
-            raise RevisitError(f"{frame.path}: not a picture that OpenCV reads")
-        tracked = tracker.look(frame, features_of(image), Camera.of(image, options.focal_px))
+        data, image = frame.picture()
+        known = frame.calibration
+        camera = Camera.of(image, options.focal_px) if known is None else known.camera(image, frame.path)
+        tracked = tracker.look(frame, features_of(image), camera)
         if not options.every_frame and any(
             found.share >= MAX_OVERLAP_SHARE and found.inliers >= MAX_OVERLAP_INLIERS for _, found in tracked.overlaps
         ):
@@ -115,38 +97,3 @@ def _read(chosen: Iterator[_Chosen], options: Options) -> Iterator[tuple[_Chosen
         finally:
             for _, future in ahead:
                 future.cancel()
-
-
-def _body(chosen: _Chosen, signs: list[Sign], vocabulary: Vocabulary, options: Options) -> dict[str, Any]:
-    tracked = chosen.tracked
-    body: dict[str, Any] = {
-        "session": tracked.session,
-        # Photographs carry no time that can be trusted: one a second, in order.
-        "stamp": {"sec": chosen.index + 1, "nanosec": 0},
-        "pose": {
-            "translation": {"x": 0.0, "y": 0.0, "z": 0.0},
-            "rotation": quaternion(tracked.session_from_camera),
-        },
-        "camera": tracked.camera.body(),
-        "bow": vocabulary.bag(tracked.features.descriptors),
-        "covisible": [{"keyframe": id, "shared": shared} for id, shared in tracked.covisible],
-    }
-    if signs:
-        body["detections"] = [
-            detection(
-                sign, chosen.image, tracked.camera, tracked.session_from_camera, options.letter_height_m, options.crops
-            )
-            for sign in signs
-        ]
-    if options.features and len(tracked.features):
-        body["features"] = _features(tracked.features)
-    return body
-
-
-def _features(features: Features) -> dict[str, Any]:
-    kept = features.keypoints[:MAX_SENT_FEATURES]
-    return {
-        "descriptor_bytes": 32,
-        "descriptors": base64.b64encode(features.descriptors[:MAX_SENT_FEATURES].tobytes()).decode(),
-        "keypoints": [[round(float(u), 2), round(float(v), 2), int(o), round(float(a), 1)] for u, v, o, a in kept],
-    }

@@ -10,7 +10,8 @@ from typing import Any
 from ..client import Client
 from ..models import Candidate, LoopAnswer
 from .frames import Frame
-from .keyframes import Keyframe, Options, keyframes
+from .keyframes import Keyframe, keyframes
+from .options import Options
 from .recording import Recording
 from .signs import SIGN_CLASS, Sign
 from .truth import Score, Truth

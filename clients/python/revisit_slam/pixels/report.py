@@ -8,6 +8,7 @@ from html import escape
 
 import cv2
 
+from ..errors import RevisitError
 from ..models import Candidate
 from .player import Run, Seen
 from .signs import Sign
@@ -105,8 +106,9 @@ def _pair(run: Run, truth: Truth | None, seen: Seen, candidate: Candidate) -> st
 
 
 def _picture(run: Run, seen: Seen, side: Side) -> str:
-    image = cv2.imread(str(seen.frame.path), cv2.IMREAD_COLOR)
-    if image is None:
+    try:
+        _, image = seen.frame.picture()
+    except RevisitError:
         return f"<figure><figcaption>{escape(seen.frame.id)}: its picture is gone</figcaption></figure>"
     height, width = image.shape[:2]
     scale = min(1.0, PICTURE_PX / width)

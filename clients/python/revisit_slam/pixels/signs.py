@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import base64
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import TypeVar
 
-import cv2
 import numpy as np
 
 from .camera import Camera
@@ -22,10 +20,6 @@ SIGN_CLASS = "sign"
 # A number that stands with a word is part of a name ("HUB 04", "Gate 7"). Names hang on several floors, or point to
 # other places: they are sent as a class of their own, which a map takes for anchors only where it is asked to.
 NAME_CLASS = "name"
-# Letters of this height are assumed where nothing measures a distance; the server compares bearings only. What the
-# guess still decides is which sightings are one sign: the server joins those within 0.75 m, here two and a half heights
-# of a letter, which is nearer than two signs hang.
-LETTER_HEIGHT_M = 0.3
 # Readings below this are left out: they are seldom text.
 MIN_CONFIDENCE = 0.5
 # The server takes a reading below its `reading_min_confidence` (0.8) for unsure until it is read alike again.
@@ -35,7 +29,6 @@ CUT_CONFIDENCE = 0.5
 SINGLE_MIN_CONFIDENCE = 0.95
 # A text nearer to the picture's edge than this share of its height may be cut.
 CUT_SHARE = 0.25
-MAX_CROP_PX = 320
 MIN_WORD_LETTERS = 2
 MAX_LETTERS_RATIO = 2.0
 
@@ -165,41 +158,3 @@ def _cut(box: tuple[float, float, float, float], camera: Camera) -> bool:
     x0, y0, x1, y1 = box
     margin = CUT_SHARE * min(y1 - y0, x1 - x0)
     return x0 < margin or y0 < margin or x1 > camera.width - margin or y1 > camera.height - margin
-
-
-def detection(
-    sign: Sign, image: np.ndarray, camera: Camera, session_from_camera: np.ndarray, letter_height_m: float, crops: bool
-) -> dict[str, Any]:
-    """Return a sign as a detection of the API, its distance assumed."""
-    x0, y0, x1, y1 = sign.box
-    bearing = camera.bearings(np.array([[(x0 + x1) / 2, (y0 + y1) / 2]]))[0]
-    # Along the ray, not the axis: turning the camera must not move the sign.
-    distance_m = camera.focal_px * letter_height_m / sign.letters_px
-    position = session_from_camera @ (bearing * distance_m)
-    body: dict[str, Any] = {
-        "class": sign.kind,
-        "confidence": round(sign.confidence, 3),
-        "box": list(sign.box),
-        "position": [round(float(value), 4) + 0.0 for value in position],
-        "range": "assumed",
-        "text": sign.text,
-    }
-    if crops:
-        crop = _crop(image, sign.box)
-        if crop is not None:
-            body["crop"] = crop
-    return body
-
-
-def _crop(image: np.ndarray, box: tuple[float, float, float, float]) -> str | None:
-    height, width = image.shape[:2]
-    x0, y0 = max(int(box[0]), 0), max(int(box[1]), 0)
-    x1, y1 = min(int(np.ceil(box[2])), width), min(int(np.ceil(box[3])), height)
-    if x1 - x0 < 2 or y1 - y0 < 2:
-        return None
-    part = image[y0:y1, x0:x1]
-    scale = min(1.0, MAX_CROP_PX / max(part.shape[:2]))
-    if scale < 1.0:
-        part = cv2.resize(part, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
-    done, data = cv2.imencode(".jpg", part, [cv2.IMWRITE_JPEG_QUALITY, 85])
-    return base64.b64encode(data.tobytes()).decode() if done else None

@@ -1,6 +1,7 @@
 """Tracking: which photographs belong to one session, how the camera turned, and which overlap.
 
-Photographs alone measure no distance: a pose is the rotation between overlapping pictures, with translation zero.
+Photographs alone measure no distance: a pose is the rotation between overlapping pictures, with translation zero,
+unless the photographs' source tells it.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ class Tracked:
     camera: Camera
     session: str
     session_from_camera: np.ndarray
+    """4 x 4."""
     covisible: list[tuple[str, int]] = field(default_factory=list)
     overlaps: list[tuple[str, Overlap]] = field(default_factory=list)
 
@@ -48,26 +50,31 @@ class Tracker:
                 found = overlap(features, older.features, camera)
                 if found.inliers >= MIN_INLIERS:
                     joined.append((older, found))
+        if frame.session_from_camera is not None:
+            # One trajectory holds a video together, also where the view is lost.
+            return Tracked(frame, features, camera, session_name(frame.video, 1), frame.session_from_camera, *_shared(joined))
         if not joined:
             count = self._sessions.get(frame.video, 0) + 1
-            return Tracked(frame, features, camera, session_name(frame.video, count), np.eye(3))
+            return Tracked(frame, features, camera, session_name(frame.video, count), np.eye(4))
         # The strongest join gives the rotation; ties go to the nearest picture.
         older, best = max(joined, key=lambda pair: pair[1].inliers)
-        return Tracked(
-            frame,
-            features,
-            camera,
-            older.session,
-            older.session_from_camera @ best.older_from_newer,
-            [(other.frame.id, found.inliers) for other, found in joined if other.session == older.session],
-            [(other.frame.id, found) for other, found in joined if other.session == older.session],
-        )
+        turned = np.eye(4)
+        turned[:3, :3] = older.session_from_camera[:3, :3] @ best.older_from_newer
+        same = [(other, found) for other, found in joined if other.session == older.session]
+        return Tracked(frame, features, camera, older.session, turned, *_shared(same))
 
     def keep(self, tracked: Tracked) -> None:
         """Make a photograph one that later ones may overlap."""
         if not tracked.covisible:
             self._sessions[tracked.frame.video] = self._sessions.get(tracked.frame.video, 0) + 1
         self._recent.append(tracked)
+
+
+def _shared(joined: list[tuple[Tracked, Overlap]]) -> tuple[list[tuple[str, int]], list[tuple[str, Overlap]]]:
+    return (
+        [(other.frame.id, found.inliers) for other, found in joined],
+        [(other.frame.id, found) for other, found in joined],
+    )
 
 
 def session_name(video: str, count: int) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from .walls import DOORS, HEIGHT_M, LENGTH_M, PX_PER_M, WIDTH_M, end_wall, floor
 WIDTH_PX, HEIGHT_PX = 800, 600
 FOCAL_PX = 600.0
 EYE_M = 1.5
+STOREY_M = 3.5
 STEPS = 9
 NOISE = 3.0
 # Corridors of the walk, in order: each is walked through, two of them again. 3 is the twin of 2, poster by poster.
@@ -30,6 +32,17 @@ class Corridor:
     far: np.ndarray
     floor: np.ndarray
     ceiling: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """One photograph of the walk: its picture, its depths in metres, and where the camera stood (4 x 4)."""
+
+    name: str
+    floor: str
+    image: np.ndarray
+    depth: np.ndarray
+    building_from_camera: np.ndarray
 
 
 def corridor(floor: str) -> Corridor:
@@ -49,19 +62,10 @@ def draw(folder: Path) -> int:
     except OSError as error:
         raise RevisitError(f"{folder}: cannot be made: {error.strerror}") from error
     rows = []
-    for visit, floor in enumerate(WALK, 1):
-        building, rng = corridor(floor), np.random.default_rng(visit)
-        for step in range(STEPS):
-            # Along the middle, looking at one wall and then at the other, never twice in quite the same way.
-            z = 0.6 + step * (LENGTH_M - 6.0) / (STEPS - 1) + rng.uniform(-0.15, 0.15)
-            x = WIDTH_M / 2 + rng.uniform(-0.2, 0.2)
-            yaw = np.deg2rad(22.0 * np.sin(step * 0.9 + 0.4) + rng.uniform(-3, 3))
-            image = _photograph(building, x, z, yaw)
-            image = np.clip(image + rng.normal(0, NOISE, image.shape), 0, 255).astype(np.uint8)
-            name = f"visit{visit}_frame_{step + 1:04}.jpg"
-            if not cv2.imwrite(str(folder / name), image, [cv2.IMWRITE_JPEG_QUALITY, 90]):
-                raise RevisitError(f"{folder / name}: cannot be written")
-            rows.append((name, floor))
+    for shot in walk():
+        if not cv2.imwrite(str(folder / shot.name), shot.image, [cv2.IMWRITE_JPEG_QUALITY, 90]):
+            raise RevisitError(f"{folder / shot.name}: cannot be written")
+        rows.append((shot.name, shot.floor))
     with (folder / "truth.csv").open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(("frame", "floor"))
@@ -69,8 +73,25 @@ def draw(folder: Path) -> int:
     return len(rows)
 
 
-def _photograph(building: Corridor, x: float, z: float, yaw: float) -> np.ndarray:
-    """Cast a ray for each pixel to the wall that it meets."""
+def walk() -> Iterator[Shot]:
+    """Yield the photographs of the walk in order."""
+    for visit, floor in enumerate(WALK, 1):
+        building, rng = corridor(floor), np.random.default_rng(visit)
+        for step in range(STEPS):
+            # Along the middle, looking at one wall and then at the other, never twice in quite the same way.
+            z = 0.6 + step * (LENGTH_M - 6.0) / (STEPS - 1) + rng.uniform(-0.15, 0.15)
+            x = WIDTH_M / 2 + rng.uniform(-0.2, 0.2)
+            yaw = np.deg2rad(22.0 * np.sin(step * 0.9 + 0.4) + rng.uniform(-3, 3))
+            image, depth = _photograph(building, x, z, yaw)
+            image = np.clip(image + rng.normal(0, NOISE, image.shape), 0, 255).astype(np.uint8)
+            pose = np.eye(4)
+            pose[:3, :3] = [[np.cos(yaw), 0, np.sin(yaw)], [0, 1, 0], [-np.sin(yaw), 0, np.cos(yaw)]]
+            pose[:3, 3] = x, HEIGHT_M - EYE_M - STOREY_M * int(floor), z
+            yield Shot(f"visit{visit}_frame_{step + 1:04}.jpg", floor, image, depth, pose)
+
+
+def _photograph(building: Corridor, x: float, z: float, yaw: float) -> tuple[np.ndarray, np.ndarray]:
+    """Cast a ray for each pixel to the wall that it meets; return the picture, and depths along the optical axis."""
     u, v = np.meshgrid(np.arange(WIDTH_PX) - WIDTH_PX / 2, np.arange(HEIGHT_PX) - HEIGHT_PX / 2)
     a, b = u / FOCAL_PX, v / FOCAL_PX
     dx, dy, dz = a * np.cos(yaw) + np.sin(yaw), b, np.cos(yaw) - a * np.sin(yaw)
@@ -93,7 +114,7 @@ def _photograph(building: Corridor, x: float, z: float, yaw: float) -> np.ndarra
     ):
         image[where] = _sample(wall, s, t)[where]
     # Light falls off with distance.
-    return image * (1.0 / (1.0 + 0.035 * distance))[:, :, None]
+    return image * (1.0 / (1.0 + 0.035 * distance))[:, :, None], distance
 
 
 def _sample(wall: np.ndarray, s: np.ndarray, t: np.ndarray) -> np.ndarray:

@@ -1,0 +1,104 @@
+"""Bodies: a chosen photograph as the API takes a keyframe."""
+
+from __future__ import annotations
+
+import base64
+from typing import Any
+
+import numpy as np
+
+from .detections import detection
+from .features import Features
+from .options import Options
+from .ranges import Ranges
+from .signs import Sign
+from .tracking import Tracked, quaternion
+from .vocabulary import Vocabulary
+
+MAX_SENT_FEATURES = 500
+SECOND_NS = 1_000_000_000
+
+
+class Bodies:
+    """Makes the bodies of one run; map points are numbered through it."""
+
+    def __init__(self, options: Options) -> None:
+        self._options = options
+        self._vocabulary = Vocabulary.shipped()
+        self._next_point = 0
+        # Landmarks whose place was sent, by session: it is sent once.
+        self._placed: dict[str, set[int]] = {}
+
+    def of(self, index: int, tracked: Tracked, image: np.ndarray, signs: list[Sign]) -> dict[str, Any]:
+        """Return the body of the keyframe of the `index`-th photograph."""
+        frame, options, pose = tracked.frame, self._options, tracked.session_from_camera
+        ranges = Ranges(frame, tracked.camera, options.letter_height_m)
+        # Where photographs carry no time that can be trusted: one a second, in order.
+        stamp_ns = frame.stamp_ns if frame.stamp_ns is not None else (index + 1) * SECOND_NS
+        body: dict[str, Any] = {
+            "session": tracked.session,
+            "stamp": {"sec": stamp_ns // SECOND_NS, "nanosec": stamp_ns % SECOND_NS},
+            "pose": {"translation": _vector(pose[:3, 3]), "rotation": quaternion(pose[:3, :3])},
+            "camera": tracked.camera.body(),
+            "bow": self._vocabulary.bag(tracked.features.descriptors),
+            "covisible": [{"keyframe": id, "shared": shared} for id, shared in tracked.covisible],
+        }
+        if frame.landmarks is not None:
+            body |= self._landmarks(tracked)
+        if signs:
+            body["detections"] = [
+                detection(sign, image, tracked.camera, pose, ranges, options.crops) for sign in signs
+            ]
+        if options.features and len(tracked.features):
+            body["features"] = _features(tracked.features)
+            if frame.depth is not None:
+                self._add_points(body, tracked, ranges)
+        return body
+
+    def _landmarks(self, tracked: Tracked) -> dict[str, Any]:
+        landmarks = tracked.frame.landmarks
+        assert landmarks is not None
+        placed = self._placed.setdefault(tracked.session, set())
+        new = [at for at, id in enumerate(landmarks.ids) if int(id) not in placed]
+        placed.update(int(id) for id in landmarks.ids)
+        return {
+            "map_points": {
+                "ids": [int(landmarks.ids[at]) for at in new],
+                "positions": [_list(landmarks.positions[at]) for at in new],
+            },
+            "observes": [int(id) for id in landmarks.ids],
+        }
+
+    def _add_points(self, body: dict[str, Any], tracked: Tracked, ranges: Ranges) -> None:
+        """Add the map point of each feature that has a depth."""
+        points = ranges.points(tracked.features.keypoints[:MAX_SENT_FEATURES, :2])
+        pose = tracked.session_from_camera
+        ids, positions = [], []
+        body["features"]["map_points"] = named = []
+        for point in points:
+            if np.isnan(point[2]):
+                named.append(-1)
+                continue
+            named.append(self._next_point)
+            ids.append(self._next_point)
+            positions.append(_list(pose[:3, :3] @ point + pose[:3, 3]))
+            self._next_point += 1
+        body["map_points"] = {"ids": ids, "positions": positions}
+
+
+def _features(features: Features) -> dict[str, Any]:
+    kept = features.keypoints[:MAX_SENT_FEATURES]
+    return {
+        "descriptor_bytes": 32,
+        "descriptors": base64.b64encode(features.descriptors[:MAX_SENT_FEATURES].tobytes()).decode(),
+        "keypoints": [[round(float(u), 2), round(float(v), 2), int(o), round(float(a), 1)] for u, v, o, a in kept],
+    }
+
+
+def _list(point: np.ndarray) -> list[float]:
+    # 0.0 is added so that no -0.0 is written.
+    return [round(float(value), 5) + 0.0 for value in point]
+
+
+def _vector(point: np.ndarray) -> dict[str, float]:
+    return {axis: round(float(value), 6) + 0.0 for axis, value in zip("xyz", point)}
