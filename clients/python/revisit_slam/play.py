@@ -4,65 +4,23 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import os
-import re
 import signal
 import sys
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
+from .arguments import check, parser
 from .client import Client
 from .errors import RevisitError
 from .retries import Retries
 from .server import Server
 
-ID = re.compile(r"[A-Za-z0-9._:-]{1,128}")
-
-
-def parser() -> argparse.ArgumentParser:
-    """Return the parser of the command line."""
-    top = argparse.ArgumentParser(prog="revisit-play", description="Find the photographs that show the same place.")
-    commands = top.add_subparsers(dest="command", required=True)
-    images = commands.add_parser(
-        "images",
-        help="play a folder of photographs",
-        description="Read the signs in a folder of photographs, send each as a keyframe, and ask for each whether its "
-        "place was seen before. A video is the file's name before its number; names are sorted. Poses are rotations "
-        "between overlapping photographs, without any distance. Without --server a server is started for the run "
-        "($REVISIT_BINARY, beside this Python, or `revisit` on PATH).",
-    )
-    images.add_argument("folder", type=Path, metavar="FOLDER")
-    images.add_argument("--every-frame", action="store_true", help="take every photograph, also those that overlap the last one")
-    images.add_argument("--server", metavar="URL", help="post to this server")
-    images.add_argument("--key", metavar="SECRET", default=os.environ.get("REVISIT_KEY"), help="API key of the server [$REVISIT_KEY]")
-    images.add_argument("--map", metavar="ID", default="photographs", help="the map's id [photographs]")
-    images.add_argument("-o", "--output", type=Path, metavar="FILE", help="also write a recording (.ndjson or .ndjson.zst)")
-    images.add_argument("--no-query", action="store_true", help="with -o: write the recording only, no server")
-    images.add_argument("--truth", type=Path, metavar="CSV", help="columns frame and floor: count right and wrong loops")
-    images.add_argument("--json", action="store_true", help="print the figures as one JSON object, no table")
-    images.add_argument("--report", type=Path, metavar="FILE", help="write a page with the pictures of each loop (.html)")
-    images.add_argument("--cache", type=Path, metavar="DIR", help="keep what the reader read, for the next run")
-    images.add_argument("--threads", type=int, metavar="N", default=os.cpu_count() or 1, help="photographs read at once [all cores]")
-    images.add_argument("--features", action="store_true", help="also send features, for the server's geometry")
-    images.add_argument(
-        "--names", action="store_true", help="trust names with a number (Gate 7) as well; they often hang in several places"
-    )
-    images.add_argument("--no-crops", action="store_true", help="do not send the pictures of the signs")
-    images.add_argument("--focal-px", type=float, metavar="PX", help="focal length in pixels [0.75 of the longer side]")
-    images.add_argument(
-        "--letter-height-m", type=float, metavar="M", help="assumed height of letters [0.1]; only bearings are compared"
-    )
-    images.add_argument(
-        "--set", action="append", default=[], metavar="NAME=VALUE", help="a setting of the map; VALUE is JSON or a word"
-    )
-    sample = commands.add_parser("sample", help="draw a small building to try it on", description="Draw a small building "
-        "with corridors that repeat, plates and exit signs: photographs, and truth.csv.")
-    sample.add_argument("folder", type=Path, metavar="FOLDER")
-    return top
-
+if TYPE_CHECKING:
+    from .pixels.sources import Source
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command; every expected failure is one line."""
@@ -70,7 +28,7 @@ def main(arguments: list[str] | None = None) -> int:
     # A stop from outside must stop the server of the run as well.
     signal.signal(signal.SIGTERM, _stop)
     try:
-        return _images(chosen) if chosen.command == "images" else _sample(chosen)
+        return _sample(chosen) if chosen.command == "sample" else _play(chosen)
     except RevisitError as error:
         print(f"revisit-play: {error}", file=sys.stderr)
         return 1
@@ -95,23 +53,31 @@ def _sample(chosen: argparse.Namespace) -> int:
     return 0
 
 
-def _images(chosen: argparse.Namespace) -> int:
+def _play(chosen: argparse.Namespace) -> int:
     _need_pixels()
-    _check(chosen)
-    from .pixels.frames import list_frames
+    check(chosen)
+    from .pixels.sources.opening import open_source
+
+    # Pictures out of films and bags are kept here for the run.
+    with tempfile.TemporaryDirectory(prefix="revisit-play-") as work:
+        return _play_source(chosen, open_source(chosen, Path(work)))
+
+
+def _play_source(chosen: argparse.Namespace, source: Source) -> int:
     from .pixels.options import Options
     from .pixels.player import play
     from .pixels.recording import Recording
     from .pixels.table import table
     from .pixels.truth import Truth
 
-    frames = list_frames(chosen.folder)
-    truth = Truth(chosen.truth, frames) if chosen.truth else None
+    for note in source.notes:
+        print(f"revisit-play: {note}", file=sys.stderr)
+    truth = Truth(chosen.truth, source.frames) if chosen.truth else None
     options = Options(
         every_frame=chosen.every_frame,
         features=chosen.features,
         crops=not chosen.no_crops,
-        focal_px=chosen.focal_px,
+        focal_px=getattr(chosen, "focal_px", None),
         cache=chosen.cache,
         threads=chosen.threads,
         **({"letter_height_m": chosen.letter_height_m} if chosen.letter_height_m else {}),
@@ -125,7 +91,7 @@ def _images(chosen: argparse.Namespace) -> int:
                 _refuse_used_map(url, chosen.key, chosen.map)
         recording = stack.enter_context(Recording(chosen.output)) if chosen.output else None
         run = play(
-            frames,
+            source,
             options,
             chosen.map,
             client=client,
@@ -139,7 +105,7 @@ def _images(chosen: argparse.Namespace) -> int:
         from .pixels.report import report
 
         try:
-            chosen.report.write_text(report(run, truth, str(chosen.folder)), encoding="utf-8")
+            chosen.report.write_text(report(run, truth, source), encoding="utf-8")
         except OSError as error:
             raise RevisitError(f"{chosen.report}: cannot be written: {error.strerror}") from error
     if chosen.json:
@@ -151,25 +117,6 @@ def _images(chosen: argparse.Namespace) -> int:
     if chosen.output:
         print(f"recording: {chosen.output}", file=sys.stderr)
     return 0
-
-
-def _check(chosen: argparse.Namespace) -> None:
-    if not ID.fullmatch(chosen.map):
-        raise RevisitError(f"--map {chosen.map}: 1 to 128 letters, digits, dots, underscores, colons or hyphens")
-    if chosen.threads < 1:
-        raise RevisitError(f"--threads {chosen.threads}: at least 1")
-    for name in ("focal_px", "letter_height_m"):
-        value = getattr(chosen, name)
-        if value is not None and not 0 < value < 1e6:
-            raise RevisitError(f"--{name.replace('_', '-')} {value}: a positive number")
-    if chosen.no_query and not chosen.output:
-        raise RevisitError("--no-query: without -o FILE nothing would come of it")
-    if chosen.no_query and (chosen.server or chosen.report):
-        raise RevisitError("--no-query: neither --server nor --report goes with it")
-    for name in ("report", "output"):
-        path = getattr(chosen, name)
-        if path is not None and not path.absolute().parent.is_dir():
-            raise RevisitError(f"--{name} {path}: no folder {path.absolute().parent}")
 
 
 def _settings(pairs: list[str]) -> dict[str, Any]:

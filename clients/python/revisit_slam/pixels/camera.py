@@ -77,13 +77,14 @@ class Calibration:
             raise RevisitError(f"{name}: {width} x {height} pixels, but the calibration is of {self.size[0]} x {self.size[1]}")
         return Camera(self.fx, self.fy, self.cx, self.cy, width, height)
 
-    def undistorted(self, image: np.ndarray) -> np.ndarray:
+    def undistorted(self, image: np.ndarray, interpolation: int = cv2.INTER_LINEAR) -> np.ndarray:
         """Return the picture that the pinhole alone would have taken."""
         if not any(self.distortion):
             return image
-        if self.fisheye:
-            return cv2.fisheye.undistortImage(image, self._matrix(), np.array(self.distortion), Knew=self._matrix())
-        return cv2.undistort(image, self._matrix(), np.array(self.distortion))
+        matrix, size = self._matrix(), (image.shape[1], image.shape[0])
+        maps = cv2.fisheye.initUndistortRectifyMap if self.fisheye else cv2.initUndistortRectifyMap
+        columns, rows = maps(matrix, np.array(self.distortion), np.eye(3), matrix, size, cv2.CV_32FC1)
+        return cv2.remap(image, columns, rows, interpolation, borderMode=cv2.BORDER_CONSTANT)
 
     def undistorted_pixels(self, pixels: np.ndarray) -> np.ndarray:
         """Return where pixels (n x 2) of the picture as taken lie in the undistorted one."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,7 +12,7 @@ import cv2
 import numpy as np
 
 from ..errors import RevisitError
-from .camera import Calibration
+from .camera import Calibration, Camera
 
 SUFFIXES = {".jpg", ".jpeg", ".png", ".bmp", ".webp", ".tif", ".tiff"}
 MAX_ID = 128
@@ -30,17 +31,10 @@ class Landmarks:
 
 @dataclass(frozen=True)
 class DepthImage:
-    """A depth image beside a photograph, pixel for pixel."""
+    """A depth image registered to a photograph, pixel for pixel."""
 
     path: Path
     metres_per_unit: float
-
-    def metres(self) -> np.ndarray:
-        """Return depths along the optical axis in metres; 0 where none was measured."""
-        image = cv2.imread(str(self.path), cv2.IMREAD_UNCHANGED)
-        if image is None or image.ndim != 2:
-            raise RevisitError(f"{self.path}: not a depth image that OpenCV reads")
-        return image.astype(np.float64) * self.metres_per_unit
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +48,8 @@ class Frame:
     stamp_ns: int | None = None
     session_from_camera: np.ndarray | None = None
     """4 x 4; None where nothing tells the pose."""
+    session: str | None = None
+    """Whose frame the pose is in; None: that of the video."""
     calibration: Calibration | None = None
     depth: DepthImage | None = None
     landmarks: Landmarks | None = None
@@ -71,6 +67,20 @@ class Frame:
             return data, image
         return data + repr(self.calibration).encode(), self.calibration.undistorted(image)
 
+    def depths_m(self, camera: Camera) -> np.ndarray | None:
+        """Return depths along the optical axis, pixel for pixel of the undistorted picture; 0 where none was measured."""
+        if self.depth is None:
+            return None
+        image = cv2.imread(str(self.depth.path), cv2.IMREAD_UNCHANGED)
+        if image is None or image.ndim != 2:
+            raise RevisitError(f"{self.depth.path}: not a depth image that OpenCV reads")
+        if image.shape != (camera.height, camera.width):
+            raise RevisitError(f"{self.depth.path}: not of the size of {self.path.name}, {camera.width} x {camera.height}")
+        if self.calibration is not None:
+            # A depth between that of two surfaces would be that of neither.
+            image = self.calibration.undistorted(image, cv2.INTER_NEAREST)
+        return image.astype(np.float64) * self.depth.metres_per_unit
+
 
 def list_frames(folder: Path) -> list[Frame]:
     """Return the photographs below `folder`, by folder, video and number."""
@@ -79,6 +89,12 @@ def list_frames(folder: Path) -> list[Frame]:
     paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in SUFFIXES and path.is_file())
     if not paths:
         raise RevisitError(f"{folder}: no photographs in it ({', '.join(sorted(SUFFIXES))})")
+    return frames_of(paths, folder)
+
+
+def frames_of(paths: Iterable[Path], folder: Path) -> list[Frame]:
+    """Return photographs below `folder` as frames, by folder, video and number."""
+    paths = sorted(paths)
     # Two folders may both have a 0001.jpg: then the folder's name goes before it.
     twice = {stem for stem, count in Counter(path.stem for path in paths).items() if count > 1}
     frames, taken = [], {}

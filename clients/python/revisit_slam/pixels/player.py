@@ -14,6 +14,7 @@ from .keyframes import Keyframe, keyframes
 from .options import Options
 from .recording import Recording
 from .signs import SIGN_CLASS, Sign
+from .sources import Source
 from .truth import Score, Truth
 
 
@@ -97,7 +98,7 @@ def deciding_reason(answer: LoopAnswer) -> str:
 
 
 def play(
-    frames: list[Frame],
+    source: Source,
     options: Options,
     map_id: str,
     *,
@@ -111,7 +112,7 @@ def play(
     """Play photographs to a server, a recording, or both."""
     begun = time.monotonic()
     run = Run()
-    body: dict[str, Any] = {"description": "Photographs, by revisit-play", "metric": True}
+    body: dict[str, Any] = {"description": "Photographs, by revisit-play", "metric": source.metric}
     if not names:
         body["anchor_classes"] = [SIGN_CLASS]
     if settings:
@@ -120,8 +121,8 @@ def play(
         recording.map(map_id, body)
     if client is not None:
         client.put_map(map_id, body)
-    done = {frame.id: number for number, frame in enumerate(frames, 1)}
-    for keyframe in keyframes(frames, options):
+    done = {frame.id: number for number, frame in enumerate(source.frames, 1)}
+    for keyframe in keyframes(source.frames, options):
         id = keyframe.frame.id
         if recording is not None:
             recording.keyframe(id, keyframe.body)
@@ -131,7 +132,7 @@ def play(
         if answer is not None:
             run.score.count(truth, id, answer.verdict, answer.best, answer.loops)
         if progress is not None:
-            progress(done[id], len(frames), run.score.accepted)
+            progress(done[id], len(source.frames), run.score.accepted)
     run.score.seconds = round(time.monotonic() - begun, 1)
     return run
 

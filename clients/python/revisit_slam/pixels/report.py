@@ -12,6 +12,7 @@ from ..errors import RevisitError
 from ..models import Candidate
 from .player import Run, Seen
 from .signs import Sign
+from .sources import Source
 from .table import evidence, mark
 from .truth import Truth
 
@@ -44,15 +45,14 @@ class Side:
         return "agree" if anchor in self.agree else "against" if anchor in self.against else "other"
 
 
-def report(run: Run, truth: Truth | None, title: str) -> str:
+def report(run: Run, truth: Truth | None, source: Source) -> str:
     """Return the page."""
-    loops, rejected = run.loops(), run.rejected()
+    loops, rejected, title = run.loops(), run.rejected(), source.title
     parts = [
         f"<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'>"
         f"<title>Loops in {escape(title)}</title><style>{STYLE}</style>",
         f"<h1>Loops in {escape(title)}</h1>",
-        "<p>Found by Revisit from the pictures alone: poses are rotations between overlapping pictures, and the "
-        "distances of signs are assumed. <span class=agree>Green</span> boxes agree, <span class=against>red</span> ones "
+        f"<p>Found by Revisit: poses are {escape(source.poses)}, and the distances of signs are {escape(source.distances)}. <span class=agree>Green</span> boxes agree, <span class=against>red</span> ones "
         "contradict, grey ones decide nothing.</p>",
         _figures(run, truth),
         f"<h2>Same place ({len(loops)})</h2>",

@@ -52,7 +52,8 @@ class Tracker:
                     joined.append((older, found))
         if frame.session_from_camera is not None:
             # One trajectory holds a video together, also where the view is lost.
-            return Tracked(frame, features, camera, session_name(frame.video, 1), frame.session_from_camera, *_shared(joined))
+            session = session_name(frame.session or frame.video, 1)
+            return Tracked(frame, features, camera, session, frame.session_from_camera, *_shared(joined))
         if not joined:
             count = self._sessions.get(frame.video, 0) + 1
             return Tracked(frame, features, camera, session_name(frame.video, count), np.eye(4))

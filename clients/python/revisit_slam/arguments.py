@@ -1,0 +1,150 @@
+"""Arguments of revisit-play."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+from pathlib import Path
+
+from .errors import RevisitError
+
+ID = re.compile(r"[A-Za-z0-9._:-]{1,128}")
+EVERY_S = 0.5
+CALIBRATION_TERMS = (4, 8, 9)
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    top = argparse.ArgumentParser(prog="revisit-play", description="Find the photographs that show the same place.")
+    commands = top.add_subparsers(dest="command", required=True)
+    common = _common()
+    images = commands.add_parser(
+        "images",
+        parents=[common, _camera(), _trajectory()],
+        help="play a folder of photographs",
+        description="Read the signs in a folder of photographs, send each as a keyframe, and ask for each whether its "
+        "place was seen before. A video is the file's name before its number; names are sorted. Poses are rotations "
+        "between overlapping photographs, without any distance; with --trajectory files are named by their time. "
+        "Without --server a server is started for the run ($REVISIT_BINARY, beside this Python, or `revisit` on PATH).",
+    )
+    images.add_argument("source", type=Path, metavar="FOLDER")
+    video = commands.add_parser(
+        "video", parents=[common, _camera(), _trajectory(), _every()], help="play a film",
+        description="Take pictures from a film, and play them as `images` does.",
+    )  # fmt: skip
+    video.add_argument("source", type=Path, metavar="FILE")
+    euroc = commands.add_parser(
+        "euroc", parents=[common, _trajectory(), _every()], help="play a sequence in EuRoC's format",
+        description="Play the left camera (mav0/cam0) of a sequence in the ASL format of EuRoC, undistorted. Poses are the "
+        "ground truth's, where it is there. Distances of signs are assumed.",
+    )  # fmt: skip
+    euroc.add_argument("source", type=Path, metavar="DIR")
+    tum = commands.add_parser(
+        "tum", parents=[common, _camera(), _trajectory(), _every()], help="play a sequence in TUM's RGB-D format",
+        description="Play rgb.txt; poses are those of groundtruth.txt, and signs are as far as depth.txt's images tell. "
+        "Without --calibration the camera is the benchmark's default (525,525,319.5,239.5).",
+    )  # fmt: skip
+    tum.add_argument("source", type=Path, metavar="DIR")
+    colmap = commands.add_parser(
+        "colmap", parents=[common], help="play a COLMAP model",
+        description="Play the images of a sparse model (.bin or .txt) with its poses, cameras and points. Signs are as far as "
+        "the points around them. Without --metres-per-unit the map is not metric.",
+    )  # fmt: skip
+    colmap.add_argument("source", type=Path, metavar="MODEL")
+    colmap.add_argument("--images", type=Path, metavar="DIR", help="the images' folder [a folder `images` near the model]")
+    colmap.add_argument("--metres-per-unit", type=float, metavar="M", help="length of the model's unit")
+    bag = commands.add_parser(
+        "bag", parents=[common, _camera(), _trajectory(), _every()], help="play a ROS recording (MCAP, SQLite, ROS 1)",
+        description="Play the pictures of a recording, undistorted by its CameraInfo; poses are its odometry's, with the "
+        "camera's place from /tf_static. Needs no ROS. Distances of signs are assumed.",
+    )  # fmt: skip
+    bag.add_argument("source", type=Path, metavar="FILE")
+    for name, what in (("image", "pictures"), ("camera-info", "the camera"), ("odometry", "odometry")):
+        bag.add_argument(f"--{name}-topic", metavar="TOPIC", help=f"the topic of {what} [the only one]")
+    sample = commands.add_parser("sample", help="draw a small building to try it on", description="Draw a small building "
+        "with corridors that repeat, plates and exit signs: photographs, and truth.csv.")  # fmt: skip
+    sample.add_argument("folder", type=Path, metavar="FOLDER")
+    return top
+
+
+def _common() -> argparse.ArgumentParser:
+    common = argparse.ArgumentParser(add_help=False)
+    add = common.add_argument
+    add("--every-frame", action="store_true", help="take every photograph, also those that overlap the last one")
+    add("--server", metavar="URL", help="post to this server")
+    add("--key", metavar="SECRET", default=os.environ.get("REVISIT_KEY"), help="API key of the server [$REVISIT_KEY]")
+    add("--map", metavar="ID", default="photographs", help="the map's id [photographs]")
+    add("-o", "--output", type=Path, metavar="FILE", help="also write a recording (.ndjson or .ndjson.zst)")
+    add("--no-query", action="store_true", help="with -o: write the recording only, no server")
+    add("--truth", type=Path, metavar="CSV", help="columns frame and floor: count right and wrong loops")
+    add("--json", action="store_true", help="print the figures as one JSON object, no table")
+    add("--report", type=Path, metavar="FILE", help="write a page with the pictures of each loop (.html)")
+    add("--cache", type=Path, metavar="DIR", help="keep what the reader read, for the next run")
+    add("--threads", type=int, metavar="N", default=os.cpu_count() or 1, help="photographs read at once [all cores]")
+    add("--features", action="store_true", help="also send features, for the server's geometry")
+    add("--names", action="store_true", help="trust names with a number (Gate 7) as well; they often hang in several places")
+    add("--no-crops", action="store_true", help="do not send the pictures of the signs")
+    add("--letter-height-m", type=float, metavar="M", help="assumed height of letters [0.3]; only bearings are compared")
+    add("--set", action="append", default=[], metavar="NAME=VALUE", help="a setting of the map; VALUE is JSON or a word")
+    return common
+
+
+def _camera() -> argparse.ArgumentParser:
+    camera = argparse.ArgumentParser(add_help=False)
+    camera.add_argument("--focal-px", type=float, metavar="PX", help="focal length in pixels [0.75 of the longer side]")
+    camera.add_argument(
+        "--calibration", metavar="FX,FY,CX,CY[,K1,K2,P1,P2[,K3]]", help="the camera, as OpenCV writes it; pictures are undistorted"
+    )
+    return camera
+
+
+def _trajectory() -> argparse.ArgumentParser:
+    trajectory = argparse.ArgumentParser(add_help=False)
+    trajectory.add_argument(
+        "--trajectory", type=Path, metavar="FILE", help="poses of the camera: lines of `seconds x y z qx qy qz qw`"
+    )
+    return trajectory
+
+
+def _every() -> argparse.ArgumentParser:
+    every = argparse.ArgumentParser(add_help=False)
+    every.add_argument(
+        "--every-s", type=float, metavar="S", default=EVERY_S, help=f"take a picture every so many seconds, 0: all [{EVERY_S}]"
+    )
+    return every
+
+
+def check(chosen: argparse.Namespace) -> None:
+    """Refuse what cannot be meant, before anything is done."""
+    if not ID.fullmatch(chosen.map):
+        raise RevisitError(f"--map {chosen.map}: 1 to 128 letters, digits, dots, underscores, colons or hyphens")
+    if chosen.threads < 1:
+        raise RevisitError(f"--threads {chosen.threads}: at least 1")
+    for name in ("focal_px", "letter_height_m", "metres_per_unit"):
+        value = getattr(chosen, name, None)
+        if value is not None and not 0 < value < 1e6:
+            raise RevisitError(f"--{name.replace('_', '-')} {value}: a positive number")
+    if not 0 <= getattr(chosen, "every_s", 0.0) < 1e6:
+        raise RevisitError(f"--every-s {chosen.every_s}: seconds, not below 0")
+    if getattr(chosen, "focal_px", None) and chosen.calibration:
+        raise RevisitError("--focal-px: --calibration tells it")
+    if chosen.no_query and not chosen.output:
+        raise RevisitError("--no-query: without -o FILE nothing would come of it")
+    if chosen.no_query and (chosen.server or chosen.report):
+        raise RevisitError("--no-query: neither --server nor --report goes with it")
+    for name in ("report", "output"):
+        path = getattr(chosen, name)
+        if path is not None and not path.absolute().parent.is_dir():
+            raise RevisitError(f"--{name} {path}: no folder {path.absolute().parent}")
+
+
+def terms(calibration: str) -> list[float]:
+    """Return the numbers of --calibration: focal lengths, centre, and no, four or five terms of distortion."""
+    try:
+        values = [float(term) for term in calibration.split(",")]
+    except ValueError:
+        values = []
+    if len(values) not in CALIBRATION_TERMS or not all(abs(value) < 1e6 for value in values) or min(values[:2]) <= 0:
+        raise RevisitError(f"--calibration {calibration}: FX,FY,CX,CY, then nothing or K1,K2,P1,P2 or K1,K2,P1,P2,K3")
+    return values

@@ -1,0 +1,118 @@
+"""EuRoC: a sequence of the EuRoC MAV dataset (Burri et al., IJRR 2016), or another in its ASL format; its left camera."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import RevisitError
+from ..camera import Calibration
+from ..frames import Frame, plain_id
+from ..trajectory import Trajectory
+from .needed import needed
+from .source import ROTATIONS, Source, every, posed
+
+# The first of these that is there tells where the body was.
+GROUND_TRUTHS = ("state_groundtruth_estimate0", "mocap0", "vicon0")
+
+
+def open_euroc(folder: Path, trajectory: Trajectory | None, every_s: float) -> Source:
+    """Open a sequence: `cam0`, and its ground truth where it is there. A trajectory given instead is the camera's."""
+    mav = folder / "mav0" if (folder / "mav0").is_dir() else folder
+    camera = mav / "cam0"
+    calibration, body_from_camera = _sensor(camera / "sensor.yaml")
+    frames = every([replace(frame, calibration=calibration) for frame in _pictures(camera, folder)], every_s)
+    if trajectory is not None:
+        frames, notes = posed(frames, trajectory)
+        return Source(frames, str(folder), f"those of {trajectory.name}", notes=notes)
+    for name in GROUND_TRUTHS:
+        if (mav / name / "data.csv").exists():
+            frames, notes = posed(frames, _ground_truth(mav / name, body_from_camera))
+            return Source(frames, str(folder), f"the ground truth of {name}", notes=notes)
+    return Source(frames, str(folder), ROTATIONS)
+
+
+def _pictures(camera: Path, folder: Path) -> list[Frame]:
+    rows = _rows(camera / "data.csv")
+    frames = []
+    for number, row in enumerate(rows, 1):
+        try:
+            stamp_ns, path = int(row[0]), camera / "data" / row[1].strip()
+        except (ValueError, IndexError) as error:
+            raise RevisitError(f"{camera / 'data.csv'}: no row of `nanoseconds,file`: {','.join(row)}") from error
+        frames.append(Frame(plain_id(path.stem, path), path, folder.resolve().name, number, stamp_ns))
+    return sorted(frames, key=lambda frame: frame.stamp_ns or 0)
+
+
+def _ground_truth(sensor: Path, body_from_camera: np.ndarray) -> Trajectory:
+    """Read `nanoseconds, x, y, z, qw, qx, qy, qz` of the sensor, and return where the camera was."""
+    sensor_from_body = np.eye(4)
+    if (sensor / "sensor.yaml").exists():
+        sensor_from_body = np.linalg.inv(_transform(_yaml(sensor / "sensor.yaml"), sensor / "sensor.yaml"))
+    poses = []
+    for row in _rows(sensor / "data.csv"):
+        try:
+            stamp_ns, values = int(row[0]), np.array([float(value) for value in row[1:8]])
+            if len(values) != 7 or not np.isfinite(values).all() or np.linalg.norm(values[3:]) < 1e-6:
+                raise ValueError
+        except (ValueError, IndexError) as error:
+            raise RevisitError(f"{sensor / 'data.csv'}: no pose of a time and seven numbers: {','.join(row[:8])}") from error
+        poses.append((stamp_ns, values[:3], np.roll(values[3:], -1)))
+    return Trajectory(str(sensor / "data.csv"), poses, sensor_from_body @ body_from_camera)
+
+
+def _rows(path: Path) -> list[list[str]]:
+    try:
+        with path.open(newline="") as file:
+            rows = [row for row in csv.reader(file) if row and not row[0].lstrip().startswith("#")]
+    except (OSError, UnicodeDecodeError) as error:
+        raise RevisitError(f"{path}: cannot be read ({error.__class__.__name__}): an EuRoC sequence has one") from error
+    if not rows:
+        raise RevisitError(f"{path}: nothing in it")
+    return rows
+
+
+def _sensor(path: Path) -> tuple[Calibration, np.ndarray]:
+    sensor = _yaml(path)
+    try:
+        fx, fy, cx, cy = (float(value) for value in sensor["intrinsics"])
+        distortion = tuple(float(value) for value in sensor.get("distortion_coefficients", ()))
+        model = str(sensor.get("distortion_model", "radial-tangential"))
+        width, height = (int(value) for value in sensor["resolution"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise RevisitError(f"{path}: needs intrinsics (fu, fv, cu, cv), distortion_coefficients and resolution") from error
+    if model not in ("radial-tangential", "radtan", "plumb_bob", "equidistant", "none"):
+        raise RevisitError(f"{path}: distortion_model {model} is not known (radial-tangential, equidistant)")
+    calibration = Calibration(
+        fx, fy, cx, cy, distortion if model != "none" else (), model == "equidistant", (width, height)
+    )
+    return calibration, _transform(sensor, path)
+
+
+def _transform(sensor: dict[str, Any], path: Path) -> np.ndarray:
+    """Return T_BS: the body's frame from the sensor's."""
+    try:
+        matrix = np.array(sensor["T_BS"]["data"], float).reshape(4, 4)
+        np.linalg.inv(matrix)
+    except (KeyError, TypeError, ValueError, np.linalg.LinAlgError) as error:
+        raise RevisitError(f"{path}: needs T_BS, sixteen numbers under `data`") from error
+    return matrix
+
+
+def _yaml(path: Path) -> dict[str, Any]:
+    yaml = needed("yaml", "pyyaml")
+    try:
+        text = path.read_text()
+        # OpenCV writes a first line that other readers do not take.
+        read = yaml.safe_load("\n".join(line for line in text.splitlines() if not line.startswith("%")))
+    except (OSError, UnicodeDecodeError) as error:
+        raise RevisitError(f"{path}: cannot be read ({error.__class__.__name__})") from error
+    except yaml.YAMLError as error:
+        raise RevisitError(f"{path}: not YAML") from error
+    if not isinstance(read, dict):
+        raise RevisitError(f"{path}: no fields in it")
+    return read

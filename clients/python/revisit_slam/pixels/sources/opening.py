@@ -1,0 +1,37 @@
+"""Opening: the source that a command line names."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from ...arguments import terms
+from ..camera import Calibration
+from ..trajectory import Trajectory, read_tum
+from .bag import Topics, open_bag
+from .colmap import open_colmap
+from .euroc import open_euroc
+from .images import open_images
+from .source import Source
+from .tum import open_tum
+from .video import open_video
+
+
+def open_source(chosen: argparse.Namespace, work: Path) -> Source:
+    """Open what was named; pictures out of films and bags are kept in `work`."""
+    path: Path = chosen.source
+    if chosen.command == "colmap":
+        return open_colmap(path, chosen.images, chosen.metres_per_unit)
+    trajectory: Trajectory | None = read_tum(chosen.trajectory) if chosen.trajectory else None
+    if chosen.command == "euroc":
+        return open_euroc(path, trajectory, chosen.every_s)
+    numbers = terms(chosen.calibration) if chosen.calibration else []
+    calibration = Calibration(*numbers[:4], tuple(numbers[4:])) if numbers else None
+    if chosen.command == "images":
+        return open_images(path, calibration, trajectory)
+    if chosen.command == "video":
+        return open_video(path, calibration, trajectory, chosen.every_s, work)
+    if chosen.command == "tum":
+        return open_tum(path, calibration, trajectory, chosen.every_s)
+    topics = Topics(chosen.image_topic, chosen.camera_info_topic, chosen.odometry_topic)
+    return open_bag(path, topics, calibration, trajectory, chosen.every_s, work)

@@ -1,0 +1,60 @@
+"""Source: photographs in order, with what is measured and what is guessed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from ...errors import RevisitError
+from ..frames import Frame
+from ..trajectory import Trajectory
+
+ROTATIONS = "rotations between overlapping pictures"
+
+
+@dataclass(frozen=True)
+class Source:
+    """Photographs to play."""
+
+    frames: list[Frame]
+    title: str
+    poses: str = ROTATIONS
+    """Where poses come from, as a person reads it."""
+    distances: str = "assumed"
+    """Where the distances of signs come from."""
+    metric: bool = True
+    notes: tuple[str, ...] = ()
+    """What a person should know of what was left out."""
+
+
+def every(frames: list[Frame], every_s: float) -> list[Frame]:
+    """Return frames at least so many seconds apart; their times must be known."""
+    kept: list[Frame] = []
+    for frame in frames:
+        if not kept or not _within(kept[-1], frame, every_s):
+            kept.append(frame)
+    return kept
+
+
+def _within(before: Frame, frame: Frame, every_s: float) -> bool:
+    if before.stamp_ns is None or frame.stamp_ns is None:
+        return False
+    # A millisecond of grace: 30 pictures a second are 33.3 ms apart.
+    return frame.stamp_ns - before.stamp_ns < every_s * 1e9 - 1e6
+
+
+def posed(frames: list[Frame], trajectory: Trajectory) -> tuple[list[Frame], tuple[str, ...]]:
+    """Return the frames with their poses, and a note on those that have none and are left out."""
+    kept = []
+    for frame in frames:
+        pose = trajectory.at(frame.stamp_ns) if frame.stamp_ns is not None else None
+        if pose is not None:
+            kept.append(replace(frame, session_from_camera=pose))
+    if not kept:
+        stamps = [frame.stamp_ns / 1e9 for frame in frames if frame.stamp_ns is not None]
+        first, last = trajectory.span_s
+        raise RevisitError(
+            f"{trajectory.name}: no pose at the time of any photograph: poses from {first:.3f} to {last:.3f} s, "
+            f"photographs from {min(stamps):.3f} to {max(stamps):.3f} s"
+        )
+    left_out = len(frames) - len(kept)
+    return kept, (f"{left_out} of {len(frames)} photographs have no pose near their time and are left out",) if left_out else ()

@@ -1,0 +1,42 @@
+"""Transforms: the tree of frames that a robot does not move within itself, from `/tf_static`."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any
+
+import numpy as np
+
+from ..trajectory import rotation
+
+
+class StaticTransforms:
+    """Frames joined by fixed transforms."""
+
+    def __init__(self) -> None:
+        self._joined: dict[str, dict[str, np.ndarray]] = {}
+
+    def add(self, message: Any) -> None:
+        """Add a `tf2_msgs/msg/TFMessage`; of two transforms between the same frames the later counts."""
+        for stamped in message.transforms:
+            t, q = stamped.transform.translation, stamped.transform.rotation
+            quaternion = np.array([q.x, q.y, q.z, q.w])
+            if np.linalg.norm(quaternion) < 1e-6:
+                continue
+            parent_from_child = np.eye(4)
+            parent_from_child[:3, :3], parent_from_child[:3, 3] = rotation(quaternion), (t.x, t.y, t.z)
+            parent, child = stamped.header.frame_id.lstrip("/"), stamped.child_frame_id.lstrip("/")
+            self._joined.setdefault(parent, {})[child] = parent_from_child
+            self._joined.setdefault(child, {})[parent] = np.linalg.inv(parent_from_child)
+
+    def between(self, frame: str, other: str) -> np.ndarray | None:
+        """Return `frame_from_other` (4 x 4) by the shortest way; None where nothing joins the two."""
+        frame, other = frame.lstrip("/"), other.lstrip("/")
+        found, ahead = {frame: np.eye(4)}, deque([frame])
+        while ahead and other not in found:
+            here = ahead.popleft()
+            for there, here_from_there in self._joined.get(here, {}).items():
+                if there not in found:
+                    found[there] = found[here] @ here_from_there
+                    ahead.append(there)
+        return found.get(other)

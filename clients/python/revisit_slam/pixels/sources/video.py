@@ -1,0 +1,66 @@
+"""Video: pictures taken from a film at even times."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from ...errors import RevisitError
+from ..camera import Calibration
+from ..frames import Frame, plain_id
+from ..trajectory import Trajectory
+from .source import Source, posed
+
+JPEG_QUALITY = 95
+
+
+def open_video(
+    file: Path, calibration: Calibration | None, trajectory: Trajectory | None, every_s: float, work: Path
+) -> Source:
+    """Open a film; its pictures are kept in `work`. Times begin with the film's."""
+    if not file.is_file():
+        raise RevisitError(f"{file}: no such file")
+    # What the decoder thinks of a file that is no film is told in one line, by us.
+    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
+    film = cv2.VideoCapture(str(file))
+    frames: list[Frame] = []
+    try:
+        rate = film.get(cv2.CAP_PROP_FPS)
+        number = -1
+        while film.grab():
+            number += 1
+            stamp_ns = _time_ns(film, number, rate)
+            if frames and stamp_ns - (frames[-1].stamp_ns or 0) < every_s * 1e9 - 1e6:
+                continue
+            done, image = film.retrieve()
+            if not done:
+                continue
+            name = plain_id(f"{file.stem}-{number:06}", file)
+            path = save(image, work / f"{name}.jpg")
+            frames.append(Frame(name, path, file.stem, number, stamp_ns, calibration=calibration))
+    finally:
+        film.release()
+    if not frames:
+        raise RevisitError(f"{file}: not a film that OpenCV reads")
+    if trajectory is None:
+        return Source(frames, str(file))
+    frames, notes = posed(frames, trajectory)
+    return Source(frames, str(file), f"those of {trajectory.name}", notes=notes)
+
+
+def save(image: np.ndarray, path: Path) -> Path:
+    """Write a picture to a file and return its name."""
+    if not cv2.imwrite(str(path), image, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]):
+        raise RevisitError(f"{path}: cannot be written: is the disk full?")
+    return path
+
+
+def _time_ns(film: cv2.VideoCapture, number: int, rate: float) -> int:
+    """Return the time of the picture just grabbed; films whose pictures carry none have an even rate."""
+    position_ms = film.get(cv2.CAP_PROP_POS_MSEC)
+    if number > 0 and position_ms <= 0 and rate > 0:
+        position_ms = 1000.0 * number / rate
+    return max(int(round(position_ms * 1e6)), 0)
