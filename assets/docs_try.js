@@ -81,7 +81,7 @@ export class Commands {
     const inPath = (name) => given.find((one) => one.name === name && one.in === "path") ?? { name };
     const encoded = (text) => (text.startsWith("$") ? text : encodeURIComponent(text));
     const filled = path.replace(/\{(\w+)\}/g, (_, name) => encoded(value(inPath(name))));
-    const asked = given.filter((one) => one.in === "query" && one.required && one.schema?.default === undefined);
+    const asked = given.filter((one) => one.in === "query" && (one.required || one.example !== undefined) && one.schema?.default === undefined);
     const query = asked.map((one) => `${one.name}=${encodeURIComponent(value(one))}`).join("&");
     const address = this.base + filled.slice(1) + (query && `?${query}`);
     const answerTypes = Object.values(responses).flatMap(({ content }) => Object.keys(content ?? {}));

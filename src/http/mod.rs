@@ -3,7 +3,7 @@
 //! | file | concept |
 //! |---|---|
 //! | [`routes`] | one file for each kind of resource: extract, ask the service once, answer |
-//! | [`path`], [`query`], [`body`], [`if_match`] | what a request says, checked |
+//! | [`path`], [`query`], [`trajectory_query`], [`body`], [`if_match`] | what a request says, checked |
 //! | [`answer`] | what success says |
 //! | [`problem`], [`envelope`] | what a refusal says, and the id that every answer carries |
 //! | [`router`] | the layers around the routes |
@@ -50,6 +50,7 @@ pub mod sockets;
 pub mod streams;
 pub mod this_machine;
 pub mod traffic;
+pub mod trajectory_query;
 pub mod unheard;
 pub mod unread;
 pub mod untaken;

@@ -15,7 +15,7 @@
 //! | what happened, for those who listen | [`event`] |
 //! | which models a server has | [`roles`] |
 //! | what a client asks for | [`request`] |
-//! | views for readers | [`report`] |
+//! | views for readers | [`report`], [`trajectory`] |
 //! | API keys and what they may do | [`key`] |
 //! | what is wrong with a body | [`invalid`] |
 //! | a number with its noun | [`mod@counted`] |
@@ -40,5 +40,6 @@ pub mod report;
 pub mod request;
 pub mod roles;
 pub mod settings;
+pub mod trajectory;
 pub mod varint;
 pub mod verdict;

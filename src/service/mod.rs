@@ -38,6 +38,7 @@ mod registry;
 mod rejudging;
 mod reports;
 mod stats;
+mod trajectories;
 mod turns;
 mod twins;
 mod words;

@@ -21,7 +21,8 @@ pub struct MapBody {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_length = 4096)]
     pub description: Option<String>,
-    /// Are its lengths metres? Then the scale between two sessions is 1.
+    /// Are its lengths metres? Then the scale between two sessions is 1. If not, settings in metres are in the unit of the
+    /// poses that it is sent.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(default = true)]
     pub metric: Option<bool>,

@@ -12,6 +12,7 @@
 //! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`anchor`], [`transcript`], [`loops`], [`event`] | resources |
 //! | [`loop_query`], [`verdict`], [`geometry`] | "is this keyframe a loop?" and its answer |
 //! | [`semantics`], [`usage`], [`service`], [`backup`] | the three functions of §IV-A.2; what models cost; how the server is; copies of it |
+//! | [`trajectory`] | poses as TUM, KITTI and g2o write them |
 //! | [`key`] | API keys |
 //! | [`list`], [`problem`] | parts of lists; refusals |
 //! | [`examples`] | one example of each, for the API document |
@@ -42,6 +43,7 @@ pub mod settings;
 pub mod space;
 pub mod survey;
 pub mod syntax;
+pub mod trajectory;
 pub mod transcript;
 pub mod usage;
 pub mod verdict;

@@ -25,6 +25,7 @@ mod recordings;
 mod replayed;
 mod support;
 mod tidy;
+mod trajectories;
 mod trust;
 mod try_it;
 mod untaken;

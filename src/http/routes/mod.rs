@@ -14,6 +14,7 @@ mod maps;
 mod poses;
 mod semantics;
 mod service;
+mod trajectories;
 mod trigger;
 mod usage;
 
@@ -35,6 +36,7 @@ pub fn api(frame: OpenApi) -> OpenApiRouter<App> {
         .routes(routes!(keyframes::list_covisible))
         .routes(routes!(keyframes::get_local_anchor_map))
         .routes(routes!(poses::correct_poses))
+        .routes(routes!(trajectories::get_trajectory))
         .routes(routes!(loop_queries::query_loop))
         .routes(routes!(loop_queries::get_loop_query))
         .routes(routes!(loops::list_loops, loops::confirm_loop))

@@ -1,0 +1,70 @@
+//! Trajectories: a map's poses as evo, g2o and gtsam read them.
+
+use axum::extract::State;
+use axum::http::header::CONTENT_TYPE;
+use axum::response::{IntoResponse, Response};
+
+use crate::http::path::{InMap, MapPath};
+use crate::http::problem::Problem;
+use crate::http::query::Query;
+use crate::http::refusals::OfRead;
+use crate::http::trajectory_query::{TrajectoryQuery, TrajectorySearch};
+use crate::model::ids::MapId;
+use crate::model::trajectory::{SessionTrack, TrajectoryReport};
+use crate::service::{Service, ServiceError};
+use crate::wire::trajectory::{MeasuredLoop, TrajectoryFormat, g2o, kitti, only_session, tum};
+
+/// Read a trajectory
+///
+/// Poses (`map_from_camera`) as last corrected, by stamp. `tum`: lines of `seconds x y z qx qy qz qw`. `kitti`: lines of twelve
+/// numbers, the upper rows of the pose. `g2o`: a pose graph of all sessions, each in its own frame: keyframes are vertices,
+/// neighbours of a session are joined as far apart as they are now, and confirmed loops by the transformation of their
+/// `query`, with the information that its `covariance` leaves. A loop whose query is not kept, or verified no full
+/// transformation, is a comment. Information is in metres and radians, as gtsam and Ceres read it.
+#[utoipa::path(
+    get, path = "/v1/maps/{map}/trajectory", tag = "keyframes", params(MapPath, TrajectorySearch), security(("key" = ["read"])),
+    responses(
+        (status = 200, description = "The trajectory", body = String, content_type = "text/plain",
+            example = "# timestamp tx ty tz qx qy qz qw\n1.000000000 0 0 0 0 0 0 1\n"),
+        OfRead
+    )
+)]
+pub async fn get_trajectory(
+    State(service): State<Service>,
+    InMap(map): InMap,
+    Query(asked): Query<TrajectoryQuery>,
+) -> Result<Response, Problem> {
+    let report = service.trajectory(&map, asked.session).await?;
+    let of_one = |write: fn(&SessionTrack) -> String| -> Result<String, Problem> {
+        let track = only_session(&report).map_err(|fault| Problem::invalid(vec![fault]))?;
+        Ok(track.map(write).unwrap_or_default())
+    };
+    let text = match asked.format {
+        TrajectoryFormat::Tum => of_one(tum)?,
+        TrajectoryFormat::Kitti => of_one(kitti)?,
+        TrajectoryFormat::G2o => g2o(&report, &measured(&service, &map, &report).await?),
+    };
+    Ok(([(CONTENT_TYPE, "text/plain; charset=utf-8")], text).into_response())
+}
+
+/// What the kept answers say of the loops' transformations.
+async fn measured(
+    service: &Service,
+    map: &MapId,
+    report: &TrajectoryReport,
+) -> Result<Vec<Option<MeasuredLoop>>, Problem> {
+    let mut all = Vec::with_capacity(report.loops.len());
+    for closed in &report.loops {
+        let Some(query) = &closed.query else {
+            all.push(None);
+            continue;
+        };
+        all.push(match service.kept_query(map, query).await {
+            Ok(answer) => MeasuredLoop::of(&answer, closed.candidate.as_str()),
+            // Only so many answers are kept, and a client may name a query of its own.
+            Err(ServiceError::NotFound(_)) => None,
+            Err(error) => return Err(error.into()),
+        });
+    }
+    Ok(all)
+}

@@ -1,0 +1,60 @@
+//! Trajectory: poses as the field's own tools read them: TUM's and KITTI's lines, and g2o's graph.
+
+mod g2o;
+mod lines;
+mod measured;
+
+pub use g2o::g2o;
+pub use lines::{kitti, tum};
+pub use measured::MeasuredLoop;
+
+use crate::model::invalid::FieldError;
+use crate::model::trajectory::{SessionTrack, TrajectoryReport};
+
+/// A format of trajectories.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TrajectoryFormat {
+    /// Lines of `seconds x y z qx qy qz qw`.
+    Tum,
+    /// Lines of twelve numbers, the upper three rows of the pose.
+    Kitti,
+    /// A pose graph: every session, and loops between them.
+    G2o,
+}
+
+impl TrajectoryFormat {
+    /// The formats' names.
+    pub const NAMES: [&str; 3] = ["tum", "kitti", "g2o"];
+
+    /// The format of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        [Self::Tum, Self::Kitti, Self::G2o]
+            .into_iter()
+            .zip(Self::NAMES)
+            .find_map(|(it, its)| (its == name).then_some(it))
+    }
+}
+
+/// The one session of a trajectory: its lines say nothing of sessions, and each of these has a frame of its own.
+///
+/// # Errors
+///
+/// Several sessions are there, and none was chosen.
+pub fn only_session(report: &TrajectoryReport) -> Result<Option<&SessionTrack>, FieldError> {
+    match report.sessions.as_slice() {
+        [] => Ok(None),
+        [one] => Ok(Some(one)),
+        several => {
+            let names: Vec<&str> = several.iter().take(10).map(|track| track.session.as_str()).collect();
+            let detail = "the map has several sessions, each with a frame of its own: name one";
+            Err(FieldError::new("?session", detail).got(format!(
+                "{} sessions: {}",
+                several.len(),
+                names.join(", ")
+            )))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
