@@ -1099,7 +1099,9 @@ class MapBody(msgspec.Struct, kw_only=True, omit_defaults=True):
     description: str | None = None
     """Free text for people."""
     metric: bool | None = None
-    """Are its lengths metres? Then the scale between two sessions is 1."""
+    """Are its lengths metres? Then the scale between two sessions is 1. If not, settings in metres are in
+    the unit of the poses that it is sent.
+    """
     anchor_classes: list[str] | None = None
     """The classes of which anchors are made; empty means every class."""
     settings: Settings | None = None

@@ -210,6 +210,17 @@ class Operations:
         """
         return self._call(Call("POST", f"/v1/maps/{segment(map)}/poses", body=body, answer=models.PosesAnswer))
 
+    def get_trajectory(self, map: str, *, format: str, session: str | None = None) -> str:
+        """Read a trajectory. Poses (`map_from_camera`) as last corrected, by stamp. `tum`: lines of
+        `seconds x y z qx qy qz qw`. `kitti`: lines of twelve numbers, the upper rows of the pose.
+        `g2o`: a pose graph of all sessions, each in its own frame: keyframes are vertices, neighbours
+        of a session are joined as far apart as they are now, and confirmed loops by the transformation
+        of their `query`, with the information that its `covariance` leaves. A loop whose query is not
+        kept, or verified no full transformation, is a comment. Information is in metres and radians, as
+        gtsam and Ceres read it.
+        """
+        return self._call(Call("GET", f"/v1/maps/{segment(map)}/trajectory", query={"format": format, "session": session}, answer=str))
+
     def information(self, body: models.OneText | Mapping[str, Any]) -> models.LevelAnswer:
         """InformationLevel of a description. 1 says nothing, 5 an identifier in context."""
         return self._call(Call("POST", "/v1/semantics/information", body=body, answer=models.LevelAnswer))
@@ -433,6 +444,17 @@ class AsyncOperations:
         one transaction, or nothing. Boxes of anchors follow their points.
         """
         return await self._call(Call("POST", f"/v1/maps/{segment(map)}/poses", body=body, answer=models.PosesAnswer))
+
+    async def get_trajectory(self, map: str, *, format: str, session: str | None = None) -> str:
+        """Read a trajectory. Poses (`map_from_camera`) as last corrected, by stamp. `tum`: lines of
+        `seconds x y z qx qy qz qw`. `kitti`: lines of twelve numbers, the upper rows of the pose.
+        `g2o`: a pose graph of all sessions, each in its own frame: keyframes are vertices, neighbours
+        of a session are joined as far apart as they are now, and confirmed loops by the transformation
+        of their `query`, with the information that its `covariance` leaves. A loop whose query is not
+        kept, or verified no full transformation, is a comment. Information is in metres and radians, as
+        gtsam and Ceres read it.
+        """
+        return await self._call(Call("GET", f"/v1/maps/{segment(map)}/trajectory", query={"format": format, "session": session}, answer=str))
 
     async def information(self, body: models.OneText | Mapping[str, Any]) -> models.LevelAnswer:
         """InformationLevel of a description. 1 says nothing, 5 an identifier in context."""
