@@ -3,6 +3,7 @@
 use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
+use tokio::task::spawn_blocking;
 
 use crate::http::path::{InMap, MapPath};
 use crate::http::problem::Problem;
@@ -10,9 +11,9 @@ use crate::http::query::Query;
 use crate::http::refusals::OfRead;
 use crate::http::trajectory_query::{TrajectoryQuery, TrajectorySearch};
 use crate::model::ids::MapId;
-use crate::model::trajectory::{SessionTrack, TrajectoryReport};
+use crate::model::trajectory::TrajectoryReport;
 use crate::service::{Service, ServiceError};
-use crate::wire::trajectory::{MeasuredLoop, TrajectoryFormat, g2o, kitti, only_session, tum};
+use crate::wire::trajectory::{MeasuredLoop, TrajectoryFormat, write_trajectory};
 
 /// Read a trajectory
 ///
@@ -35,15 +36,15 @@ pub async fn get_trajectory(
     Query(asked): Query<TrajectoryQuery>,
 ) -> Result<Response, Problem> {
     let report = service.trajectory(&map, asked.session).await?;
-    let of_one = |write: fn(&SessionTrack) -> String| -> Result<String, Problem> {
-        let track = only_session(&report).map_err(|fault| Problem::invalid(vec![fault]))?;
-        Ok(track.map(write).unwrap_or_default())
+    let measured = match asked.format {
+        TrajectoryFormat::G2o => measured(&service, &map, &report).await?,
+        TrajectoryFormat::Tum | TrajectoryFormat::Kitti => Vec::new(),
     };
-    let text = match asked.format {
-        TrajectoryFormat::Tum => of_one(tum)?,
-        TrajectoryFormat::Kitti => of_one(kitti)?,
-        TrajectoryFormat::G2o => g2o(&report, &measured(&service, &map, &report).await?),
-    };
+    // Numbers of a hundred thousand poses take a while to write; others are answered meanwhile.
+    let text = spawn_blocking(move || write_trajectory(&report, &measured, asked.format)).await;
+    let text =
+        text.map_err(|error| ServiceError::Internal(format!("a trajectory was not written: {error}")))?;
+    let text = text.map_err(|fault| Problem::invalid(vec![fault]))?;
     Ok(([(CONTENT_TYPE, "text/plain; charset=utf-8")], text).into_response())
 }
 

@@ -4,10 +4,10 @@ mod g2o;
 mod lines;
 mod measured;
 
-pub use g2o::g2o;
-pub use lines::{kitti, tum};
 pub use measured::MeasuredLoop;
 
+use self::g2o::g2o;
+use self::lines::{kitti, tum};
 use crate::model::invalid::FieldError;
 use crate::model::trajectory::{SessionTrack, TrajectoryReport};
 
@@ -35,12 +35,25 @@ impl TrajectoryFormat {
     }
 }
 
-/// The one session of a trajectory: its lines say nothing of sessions, and each of these has a frame of its own.
+/// Writes a trajectory; `measured` are the transformations of its loops, which only g2o takes.
 ///
 /// # Errors
 ///
-/// Several sessions are there, and none was chosen.
-pub fn only_session(report: &TrajectoryReport) -> Result<Option<&SessionTrack>, FieldError> {
+/// A format of lines, several sessions, and none chosen.
+pub fn write_trajectory(
+    report: &TrajectoryReport,
+    measured: &[Option<MeasuredLoop>],
+    format: TrajectoryFormat,
+) -> Result<String, FieldError> {
+    match format {
+        TrajectoryFormat::Tum => Ok(only_session(report)?.map(tum).unwrap_or_default()),
+        TrajectoryFormat::Kitti => Ok(only_session(report)?.map(kitti).unwrap_or_default()),
+        TrajectoryFormat::G2o => Ok(g2o(report, measured)),
+    }
+}
+
+/// The one session of a trajectory: its lines say nothing of sessions, and each of these has a frame of its own.
+fn only_session(report: &TrajectoryReport) -> Result<Option<&SessionTrack>, FieldError> {
     match report.sessions.as_slice() {
         [] => Ok(None),
         [one] => Ok(Some(one)),

@@ -1,6 +1,6 @@
 //! The three formats, number by number.
 
-use super::{MeasuredLoop, g2o, kitti, only_session, tum};
+use super::{MeasuredLoop, TrajectoryFormat, g2o, kitti, only_session, tum, write_trajectory};
 use crate::geometry::Pose;
 use crate::model::keyframe::Stamp;
 use crate::model::trajectory::{SessionTrack, TrackedLoop, TrackedPose, TrajectoryReport};
@@ -76,7 +76,8 @@ fn lines_say_nothing_of_sessions_so_one_must_be_named() {
     assert_eq!(error.pointer, "?session");
     let one = TrajectoryReport { sessions: two_sessions().sessions[..1].to_vec(), ..two_sessions() };
     assert_eq!(only_session(&one).unwrap().unwrap().session.as_str(), "s-1");
-    assert_eq!(only_session(&TrajectoryReport { sessions: Vec::new(), ..one }), Ok(None));
+    let nothing = TrajectoryReport { sessions: Vec::new(), ..one };
+    assert_eq!(write_trajectory(&nothing, &[], TrajectoryFormat::Tum), Ok(String::new()));
 }
 
 #[test]
