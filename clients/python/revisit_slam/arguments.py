@@ -21,7 +21,7 @@ def parser() -> argparse.ArgumentParser:
     common = _common()
     images = commands.add_parser(
         "images",
-        parents=[common, _camera(), _trajectory()],
+        parents=[common, _focal(), _camera(), _trajectory()],
         help="play a folder of photographs",
         description="Read the signs in a folder of photographs, send each as a keyframe, and ask for each whether its "
         "place was seen before. A video is the file's name before its number; names are sorted. Poses are rotations "
@@ -30,7 +30,7 @@ def parser() -> argparse.ArgumentParser:
     )
     images.add_argument("source", type=Path, metavar="FOLDER")
     video = commands.add_parser(
-        "video", parents=[common, _camera(), _trajectory(), _every()], help="play a film",
+        "video", parents=[common, _focal(), _camera(), _trajectory(), _every()], help="play a film",
         description="Take pictures from a film, and play them as `images` does.",
     )  # fmt: skip
     video.add_argument("source", type=Path, metavar="FILE")
@@ -90,9 +90,14 @@ def _common() -> argparse.ArgumentParser:
     return common
 
 
+def _focal() -> argparse.ArgumentParser:
+    focal = argparse.ArgumentParser(add_help=False)
+    focal.add_argument("--focal-px", type=float, metavar="PX", help="focal length in pixels [0.75 of the longer side]")
+    return focal
+
+
 def _camera() -> argparse.ArgumentParser:
     camera = argparse.ArgumentParser(add_help=False)
-    camera.add_argument("--focal-px", type=float, metavar="PX", help="focal length in pixels [0.75 of the longer side]")
     camera.add_argument(
         "--calibration", metavar="FX,FY,CX,CY[,K1,K2,P1,P2[,K3]]", help="the camera, as OpenCV writes it; pictures are undistorted"
     )
@@ -137,6 +142,8 @@ def check(chosen: argparse.Namespace) -> None:
         path = getattr(chosen, name)
         if path is not None and not path.absolute().parent.is_dir():
             raise RevisitError(f"--{name} {path}: no folder {path.absolute().parent}")
+        if path is not None and path.is_dir():
+            raise RevisitError(f"--{name} {path}: a folder is there")
 
 
 def terms(calibration: str) -> list[float]:

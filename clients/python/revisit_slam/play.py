@@ -112,6 +112,7 @@ def _play_source(chosen: argparse.Namespace, source: Source) -> int:
         print(msgspec.json.encode(run.score.figures(truth is not None)).decode())
     elif client is not None:
         print(table(run, truth))
+        print(f"poses: {source.poses}; distances of signs: {source.distances}")
     if chosen.report:
         print(f"report: {chosen.report}", file=sys.stderr)
     if chosen.output:

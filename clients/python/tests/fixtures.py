@@ -161,8 +161,20 @@ def film(path: Path, walked: list[Timed]) -> Path:
     return path
 
 
-def bag(folder: Path, walked: list[Timed], *, raw: bool = False, joined: bool = True) -> Path:
-    """Write a ROS 2 recording as MCAP: pictures, their camera, odometry of the base, and the camera's place on it."""
+def bag(
+    folder: Path,
+    walked: list[Timed],
+    *,
+    raw: bool = False,
+    joined: bool = True,
+    topic_name: str = "image_raw",
+    focal_px: float = FOCAL_PX,
+    stamped: bool = True,
+) -> Path:
+    """Write a ROS 2 recording as MCAP: pictures, their camera, odometry of the base, and the camera's place on it.
+
+    Not `stamped`: headers carry no time, messages are only recorded at theirs.
+    """
     from rosbags.rosbag2 import StoragePlugin, Writer
     from rosbags.typesys import Stores, get_typestore
 
@@ -170,6 +182,7 @@ def bag(folder: Path, walked: list[Timed], *, raw: bool = False, joined: bool = 
     types = store.types
 
     def header(stamp_ns: int, frame: str) -> object:
+        stamp_ns = stamp_ns if stamped else 0
         stamp = types["builtin_interfaces/msg/Time"](sec=stamp_ns // SECOND_NS, nanosec=stamp_ns % SECOND_NS)
         return types["std_msgs/msg/Header"](stamp=stamp, frame_id=frame)
 
@@ -183,7 +196,7 @@ def bag(folder: Path, walked: list[Timed], *, raw: bool = False, joined: bool = 
             return lambda stamp_ns, message: writer.write(connection, stamp_ns, store.serialize_cdr(message, cls))
 
         kind = "Image" if raw else "CompressedImage"
-        pictures = topic("/camera/image_raw" + ("" if raw else "/compressed"), f"sensor_msgs/msg/{kind}")
+        pictures = topic(f"/camera/{topic_name}" + ("" if raw else "/compressed"), f"sensor_msgs/msg/{kind}")
         depths = topic("/camera/depth/image_raw", "sensor_msgs/msg/Image")
         infos = topic("/camera/camera_info", "sensor_msgs/msg/CameraInfo")
         odometry = topic("/odom", "nav_msgs/msg/Odometry")
@@ -200,7 +213,7 @@ def bag(folder: Path, walked: list[Timed], *, raw: bool = False, joined: bool = 
         image = types["sensor_msgs/msg/Image"]
         for one in walked:
             here = header(one.stamp_ns, "optical")
-            infos(one.stamp_ns, _camera_info(types, here))
+            infos(one.stamp_ns, _camera_info(types, here, focal_px))
             if raw:
                 rgb = np.ascontiguousarray(one.shot.image[:, :, ::-1])
                 pictures(one.stamp_ns, image(here, HEIGHT_PX, WIDTH_PX, "rgb8", 0, 3 * WIDTH_PX, rgb.ravel()))
@@ -225,8 +238,8 @@ def bag(folder: Path, walked: list[Timed], *, raw: bool = False, joined: bool = 
     return next(folder.glob("*.mcap"))
 
 
-def _camera_info(types: dict, header: object) -> object:
-    k = np.array([FOCAL_PX, 0, WIDTH_PX / 2, 0, FOCAL_PX, HEIGHT_PX / 2, 0, 0, 1])
+def _camera_info(types: dict, header: object, focal_px: float) -> object:
+    k = np.array([focal_px, 0, WIDTH_PX / 2, 0, focal_px, HEIGHT_PX / 2, 0, 0, 1])
     region = types["sensor_msgs/msg/RegionOfInterest"](x_offset=0, y_offset=0, height=0, width=0, do_rectify=False)
     return types["sensor_msgs/msg/CameraInfo"](
         header=header,

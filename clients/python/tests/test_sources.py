@@ -137,9 +137,81 @@ def test_a_bag_has_its_odometry_its_camera_and_where_it_sits(raw: bool, one_visi
 def test_a_bag_whose_camera_nothing_joins_to_the_odometry_says_so(one_visit: list[Timed], cache: Path, tmp_path: Path) -> None:
     file = fixtures.bag(tmp_path / "drive", one_visit, joined=False)
     done = play("bag", file, "--cache", cache, "--no-query", "-o", tmp_path / "bag.ndjson")
-    assert done.returncode == 0 and "nothing on /tf_static joins base_link to the camera's optical" in done.stderr
+    assert done.returncode == 0 and "nothing on /tf_static joins it to the camera's optical" in done.stderr
     bodies = [json.loads(line)["body"] for line in (tmp_path / "bag.ndjson").read_text().splitlines()[1:] if "body" in line]
     assert all(body["pose"]["translation"] == {"x": 0, "y": 0, "z": 0} for body in bodies if "pose" in body)
+
+
+@pytest.mark.parametrize("what", ["rectified", "late", "without stamps", "not calibrated"])
+def test_a_bag_of_another_kind_is_played_whole(what: str, one_visit: list[Timed], cache: Path, tmp_path: Path) -> None:
+    order = one_visit[3:] + one_visit[:3] if what == "late" else one_visit
+    more = {"rectified": {"topic_name": "image_rect"}, "without stamps": {"stamped": False}, "not calibrated": {"focal_px": 0.0}}
+    file = fixtures.bag(tmp_path / "drive", order, **more.get(what, {}))
+    _, bodies = recorded("bag", file, cache, "--every-s", "0", "--every-frame")
+    assert len(bodies) == len(one_visit)
+    assert_posed(bodies, one_visit)
+    # What nobody calibrated is guessed, and the guess is 0.75 of the longer side: here the same.
+    assert {body["camera"]["fx"] for body in bodies.values()} == {600}
+
+
+def test_depth_without_a_pose_measures_nothing(one_visit: list[Timed], cache: Path, tmp_path: Path) -> None:
+    folder = fixtures.tum(tmp_path / "sequence", one_visit)
+    (folder / "groundtruth.txt").unlink()
+    _, bodies = recorded("tum", folder, cache, "--calibration", "600,600,400,300", "--features")
+    assert {seen["range"] for body in bodies.values() for seen in body.get("detections", [])} == {"assumed"}
+    assert not any("map_points" in body for body in bodies.values())
+
+
+def test_what_is_listed_twice_is_played_once(one_visit: list[Timed], cache: Path, tmp_path: Path) -> None:
+    folder = fixtures.tum(tmp_path / "sequence", one_visit)
+    (folder / "rgb.txt").write_text((folder / "rgb.txt").read_text() * 2)
+    arguments = ("--calibration", "600,600,400,300", "--cache", cache, "--every-s", "0", "--every-frame", "--no-query")
+    done = play("tum", folder, *arguments, "-o", tmp_path / "o.ndjson")
+    assert done.returncode == 0 and "9 photographs are listed twice" in done.stderr, done.stderr
+    ids = [json.loads(line)["id"] for line in (tmp_path / "o.ndjson").read_text().splitlines()[1::2]]
+    assert len(ids) == len(set(ids)) == len(one_visit)
+
+
+def test_a_truth_names_photographs_of_two_folders_by_their_path(one_visit: list[Timed], tmp_path: Path) -> None:
+    from revisit_slam.errors import RevisitError
+    from revisit_slam.pixels.frames import list_frames
+    from revisit_slam.pixels.truth import Truth
+
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "0001.jpg").write_bytes(one_visit[0].jpeg)
+    frames = list_frames(tmp_path)
+    named = [("a/0001.jpg", "upper"), ("b/0001.jpg", "lower")]
+    assert not Truth(fixtures.truth(tmp_path, named), frames).same_floor("a.0001", "b.0001")
+    with pytest.raises(RevisitError, match="no floor"):
+        Truth(fixtures.truth(tmp_path, [("c/0001.jpg", "upper"), ("b/0001.jpg", "lower")]), frames)
+
+
+def test_a_model_of_pictures_held_upright_is_of_their_stored_pixels(cache: Path, tmp_path: Path) -> None:
+    from PIL import Image
+
+    from revisit_slam.pixels.frames import Frame
+
+    turned = tmp_path / "turned.jpg"
+    exif = Image.Exif()
+    exif[0x0112] = 6
+    Image.fromarray(np.zeros((30, 40, 3), np.uint8)).save(turned, exif=exif)
+    known = Calibration(30.0, 30.0, 20.0, 15.0, size=(40, 30))
+    assert Frame("t", turned, "", 1, calibration=known).picture()[1].shape == (30, 40, 3)
+    assert Frame("t", turned, "", 1).picture()[1].shape == (40, 30, 3)
+
+
+def test_a_fisheye_lens_without_terms_still_bends() -> None:
+    found = Calibration(600.0, 600.0, 400.0, 300.0, (), True).undistorted_pixels(np.array([[700.0, 300.0]]))
+    assert abs(found[0, 0] - (400 + 600 * np.tan(0.5))) < 0.01
+
+
+def test_a_time_in_a_name_is_taken_in_its_unit() -> None:
+    from revisit_slam.pixels.sources.images import time_of
+
+    for name in ("1700000000.25", "1700000000250", "1700000000250000", "1700000000250000000"):
+        assert time_of(Path(f"{name}.jpg")) == 1_700_000_000_250_000_000, name
+    assert [time_of(Path(f"{name}.jpg")) for name in ("1700000000", "12.5", "7")] == [1_700_000_000 * 10**9, 12_500_000_000, 7 * 10**9]
 
 
 def test_a_film_gives_a_picture_at_even_times(one_visit: list[Timed], cache: Path, tmp_path: Path) -> None:
@@ -202,7 +274,7 @@ def test_a_real_colmap_model_is_read(cache: Path, tmp_path: Path) -> None:
         (("tum", "{tmp}/tum"), "640 x 480"),
         (("tum", "{tmp}/tum", "--calibration", "1,2,3"), "--calibration 1,2,3: FX,FY,CX,CY"),
         (("tum", "{tmp}/tum", "--every-s", "-1"), "--every-s -1"),
-        (("tum", "{tmp}/tum", "--calibration", "6,6,4,3", "--focal-px", "6"), "--focal-px: --calibration tells it"),
+        (("images", "{tmp}/named", "--calibration", "6,6,4,3", "--focal-px", "6"), "--focal-px: --calibration tells it"),
         (("tum", "{tmp}/tum", "--trajectory", "{tmp}/text.mp4"), "text.mp4, line 1: no line of `seconds x y z"),
         (("tum", "{tmp}/tum", "--trajectory", "{tmp}/early.txt"), "no pose at the time of any photograph: poses from 1.000 to"),
         (("euroc", "{tmp}"), "sensor.yaml: cannot be read"),
@@ -210,6 +282,12 @@ def test_a_real_colmap_model_is_read(cache: Path, tmp_path: Path) -> None:
         (("colmap", "{tmp}/broken"), "pycolmap cannot read the model"),
         (("bag", "{tmp}/no.mcap"), "no.mcap: no such file"),
         (("bag", "{tmp}/text.mcap"), "rosbags cannot read it"),
+        (("tum", "{tmp}/tum", "--calibration", "nan,6,4,3"), "--calibration nan,6,4,3: FX,FY,CX,CY"),
+        (("tum", "{tmp}/tum", "--calibration", "600,600,4000,300"), "the camera's centre is at 4000, 300"),
+        (("euroc", "{tmp}/fx"), "sensor.yaml: a camera of focal length 0"),
+        (("euroc", "{tmp}/terms"), "sensor.yaml: 3 terms of distortion"),
+        (("euroc", "{tmp}/mirrored"), "sensor.yaml: T_BS is no rotation"),
+        (("images", "{tmp}/named", "-o", "{tmp}/broken"), "a folder is there"),
         (("images", "{tmp}/named", "--trajectory", "{tmp}/early.txt"), "a photograph's name is its time"),
     ],
 )
@@ -223,7 +301,15 @@ def test_a_bad_source_is_one_clear_line(arguments: tuple[str, ...], told: str, o
     (tmp_path / "named").mkdir()
     (tmp_path / "named" / "door.jpg").write_bytes(one_visit[0].jpeg)
     fixtures.tum(tmp_path / "tum", one_visit[:2])
-    output = ("--no-query", "-o", str(tmp_path / "o.ndjson"))
-    done = play(*(argument.format(tmp=tmp_path) for argument in arguments), *output)
+    for name, old, new in (
+        ("fx", "intrinsics: [600.0,", "intrinsics: [0.0,"),
+        ("terms", "[0.0, 0.0, 0.0, 0.0]\n", "[0.0, 0.0, 0.1]\n"),
+        ("mirrored", "-1.0, 0.0, 0.0, 0.05", "1.0, 0.0, 0.0, 0.05"),
+    ):
+        sensor = fixtures.euroc(tmp_path / name, one_visit[:1]) / "mav0/cam0/sensor.yaml"
+        assert old in sensor.read_text(), name
+        sensor.write_text(sensor.read_text().replace(old, new))
+    output = () if "-o" in arguments else ("-o", str(tmp_path / "o.ndjson"))
+    done = play(*(argument.format(tmp=tmp_path) for argument in arguments), "--no-query", *output)
     assert done.returncode == 1, done.stdout
     assert told in done.stderr and done.stderr.count("\n") == 1, done.stderr

@@ -51,7 +51,7 @@ class Bodies:
             ]
         if options.features and len(tracked.features):
             body["features"] = _features(tracked.features)
-            if frame.depth is not None:
+            if frame.depth is not None and frame.session_from_camera is not None:
                 self._add_points(body, tracked, ranges)
         return body
 

@@ -53,17 +53,25 @@ class Frame:
     calibration: Calibration | None = None
     depth: DepthImage | None = None
     landmarks: Landmarks | None = None
+    origin: str = ""
+    """Where the picture comes from, if it was taken out of something."""
+
+    @property
+    def shown(self) -> str:
+        """What a person knows the picture by."""
+        return self.origin or str(self.path)
 
     def picture(self) -> tuple[bytes, np.ndarray]:
         """Return what identifies it (the bytes of its file, and how it was undistorted), and the undistorted picture (BGR)."""
-        try:
-            data = self.path.read_bytes()
-        except OSError as error:
-            raise RevisitError(f"{self.path}: cannot be read: {error.strerror}") from error
-        image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR) if data else None
+        data = _bytes(self.path)
+        flags = cv2.IMREAD_COLOR
+        if self.calibration is not None and self.calibration.size is not None:
+            # The calibration is of the pixels as they are stored, however the camera was held.
+            flags |= cv2.IMREAD_IGNORE_ORIENTATION
+        image = cv2.imdecode(np.frombuffer(data, np.uint8), flags) if data else None
         if image is None:
-            raise RevisitError(f"{self.path}: not a picture that OpenCV reads")
-        if self.calibration is None or not any(self.calibration.distortion):
+            raise RevisitError(f"{self.shown}: not a picture that OpenCV reads")
+        if self.calibration is None or not self.calibration.distorts:
             return data, image
         return data + repr(self.calibration).encode(), self.calibration.undistorted(image)
 
@@ -71,15 +79,23 @@ class Frame:
         """Return depths along the optical axis, pixel for pixel of the undistorted picture; 0 where none was measured."""
         if self.depth is None:
             return None
-        image = cv2.imread(str(self.depth.path), cv2.IMREAD_UNCHANGED)
-        if image is None or image.ndim != 2:
-            raise RevisitError(f"{self.depth.path}: not a depth image that OpenCV reads")
+        data = _bytes(self.depth.path)
+        image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if data else None
+        if image is None or image.ndim != 2 or image.dtype != np.uint16:
+            raise RevisitError(f"{self.depth.path}: not a depth image of 16 bits that OpenCV reads")
         if image.shape != (camera.height, camera.width):
             raise RevisitError(f"{self.depth.path}: not of the size of {self.path.name}, {camera.width} x {camera.height}")
         if self.calibration is not None:
             # A depth between that of two surfaces would be that of neither.
             image = self.calibration.undistorted(image, cv2.INTER_NEAREST)
         return image.astype(np.float64) * self.depth.metres_per_unit
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise RevisitError(f"{path}: cannot be read: {error.strerror}") from error
 
 
 def list_frames(folder: Path) -> list[Frame]:

@@ -62,7 +62,7 @@ def _choose(frames: Iterable[Frame], options: Options) -> Iterator[_Chosen]:
     for index, frame in enumerate(frames):
         data, image = frame.picture()
         known = frame.calibration
-        camera = Camera.of(image, options.focal_px) if known is None else known.camera(image, frame.path)
+        camera = Camera.of(image, options.focal_px) if known is None else known.camera(image, frame.shown)
         tracked = tracker.look(frame, features_of(image), camera)
         if not options.every_frame and any(
             found.share >= MAX_OVERLAP_SHARE and found.inliers >= MAX_OVERLAP_INLIERS for _, found in tracked.overlaps

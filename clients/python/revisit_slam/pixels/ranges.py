@@ -27,7 +27,8 @@ class Ranges:
     def __init__(self, frame: Frame, camera: Camera, letter_height_m: float) -> None:
         self._camera = camera
         self._letter_height_m = letter_height_m
-        self._image = frame.depths_m(camera)
+        # Seen from a camera whose way nobody knows, a measured distance would place one sign in many places.
+        self._image = frame.depths_m(camera) if frame.session_from_camera is not None else None
         self._pixels, self._depths = np.zeros((0, 2)), np.zeros(0)
         if frame.landmarks is not None and frame.session_from_camera is not None and len(frame.landmarks.ids):
             camera_from_session = np.linalg.inv(frame.session_from_camera)

@@ -70,7 +70,7 @@ def read_tum(path: Path) -> Trajectory:
     """Read a trajectory in TUM's format: lines of `seconds x y z qx qy qz qw`."""
     poses = []
     try:
-        lines = path.read_text().splitlines()
+        lines = path.read_text("utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise RevisitError(f"{path}: cannot be read: {error}") from error
     for number, line in enumerate(lines, 1):

@@ -24,15 +24,19 @@ class Truth:
                 rows = csv.DictReader(file)
                 if not {"frame", "floor"} <= set(rows.fieldnames or ()):
                     raise RevisitError(f"{path}: no columns `frame` and `floor` in its first line")
+                stems: dict[str, set[str]] = {}
                 for row in rows:
-                    floors[row["frame"]] = floors[Path(row["frame"]).stem] = row["floor"]
+                    floors[row["frame"]] = row["floor"]
+                    stems.setdefault(Path(row["frame"]).stem, set()).add(row["floor"])
+                # A stem that two folders share names nothing.
+                floors |= {stem: next(iter(found)) for stem, found in stems.items() if len(found) == 1 and stem not in floors}
         except (OSError, UnicodeDecodeError) as error:
             raise RevisitError(f"{path}: cannot be read: {error}") from error
         self._frames: dict[str, Frame] = {}
         self._floors: dict[str, str] = {}
         self._path = path
         for frame in frames:
-            floor = floors.get(frame.path.name, floors.get(frame.path.stem))
+            floor = next((floors[name] for name in _names(frame) if name in floors), None)
             if floor is None:
                 raise RevisitError(f"{path}: no floor for {frame.path.name}")
             self._frames[frame.id], self._floors[frame.id] = frame, floor
@@ -50,6 +54,12 @@ class Truth:
         """Return the right answers among earlier keyframes, and those that are neither right nor wrong."""
         same = [id for id in earlier if self.same_floor(query, id)]
         return [id for id in same if self.right(query, id)], [id for id in same if not self.right(query, id)]
+
+
+def _names(frame: Frame) -> list[str]:
+    """Return what a row may name a photograph by: its id, its path or the end of that, its stem."""
+    parts = frame.path.parts
+    return [frame.id, *("/".join(parts[start:]) for start in range(len(parts))), frame.path.stem]
 
 
 @dataclass

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,13 +15,15 @@ from ..camera import Calibration
 from ..frames import Frame, plain_id
 from ..trajectory import Trajectory
 from .needed import needed
-from .source import ROTATIONS, Source, posed
+from .source import ROTATIONS, Source, posed, too_near
 from .transforms import StaticTransforms
 from .video import save
 
 IMAGE = "sensor_msgs/msg/Image"
 COMPRESSED = "sensor_msgs/msg/CompressedImage"
 CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
+MODELS = ("plumb_bob", "rational_polynomial", "equidistant", "fisheye", "")
+FISHEYE = ("equidistant", "fisheye")
 ODOMETRY = "nav_msgs/msg/Odometry"
 TF_STATIC = "tf2_msgs/msg/TFMessage"
 # Each encoding's conversion to BGR.
@@ -73,10 +76,12 @@ class _Bag:
         topic = self._one("image", self._topics.image, (IMAGE, COMPRESSED), skip=DEPTH_WORDS)
         if topic is None:
             raise RevisitError(f"{self._file}: no pictures in it ({IMAGE}, {COMPRESSED}); it has {self._told()}")
-        calibration = calibration or self._calibration(topic)
-        frames, camera_frame = self._frames(topic, calibration, every_s, work)
-        if not frames:
+        first = next(self._messages(topic), None)
+        if first is None:
             raise RevisitError(f"{self._file}: no picture on {topic}")
+        camera_frame = first[1].header.frame_id
+        calibration = calibration or self._calibration(topic, camera_frame)
+        frames = self._frames(topic, calibration, every_s, work)
         notes = () if calibration is not None else (f"no {CAMERA_INFO} for {topic}: a common focal length is assumed",)
         poses = ROTATIONS
         if trajectory is not None:
@@ -91,10 +96,15 @@ class _Bag:
             notes += left_out
         return Source(frames, str(self._file), poses, notes=notes)
 
-    def _messages(self, topic: str) -> Any:
+    def _messages(self, topic: str) -> Iterator[tuple[int, Any]]:
+        """Yield the messages of a topic with their times in nanoseconds, in order of recording."""
         connections = [connection for connection in self._reader.connections if connection.topic == topic]
-        for connection, _, data in self._reader.messages(connections):
-            yield self._reader.deserialize(data, connection.msgtype)
+        for connection, logged_ns, data in self._reader.messages(connections):
+            message = self._reader.deserialize(data, connection.msgtype)
+            header = getattr(message, "header", None)
+            stamp_ns = header.stamp.sec * 1_000_000_000 + header.stamp.nanosec if header is not None else 0
+            # A stamp that nobody set: the time of its recording.
+            yield stamp_ns or logged_ns, message
 
     def _one(self, option: str, named: str | None, types: tuple[str, ...], skip: tuple[str, ...] = ()) -> str | None:
         """Return the topic that was named, or the only one of these types."""
@@ -112,39 +122,52 @@ class _Bag:
         topics = sorted({f"{c.topic} ({c.msgtype})" for c in self._reader.connections})
         return ", ".join(topics[:MAX_TOLD]) or "nothing"
 
-    def _calibration(self, image_topic: str) -> Calibration | None:
-        topic = self._topics.camera_info
-        if topic is None:
-            # By convention it stands beside the pictures: /camera/image_raw, /camera/image_raw/compressed.
-            beside = {f"{parent}/camera_info" for parent in _parents(image_topic)}
-            there = {c.topic for c in self._reader.connections if c.msgtype == CAMERA_INFO}
-            found = sorted(beside & there, key=len, reverse=True)
-            topic = found[0] if found else None
-        topic = self._one("camera-info", topic, (CAMERA_INFO,))
-        info = next(self._messages(topic), None) if topic is not None else None
+    def _calibration(self, image_topic: str, camera_frame: str) -> Calibration | None:
+        info = self._camera_info(image_topic, camera_frame)
         if info is None:
             return None
+        k, d, p = (info.k, info.d, info.p) if hasattr(info, "k") else (info.K, info.D, info.P)
         if "image_rect" in image_topic:
-            p = info.p if hasattr(info, "p") else info.P
-            return Calibration(p[0], p[5], p[2], p[6], size=(info.width, info.height))
-        k, d = (info.k, info.d) if hasattr(info, "k") else (info.K, info.D)
-        fisheye = info.distortion_model in ("equidistant", "fisheye")
-        return Calibration(
-            float(k[0]), float(k[4]), float(k[2]), float(k[5]), tuple(float(x) for x in d), fisheye, (info.width, info.height)
-        )
+            fx, fy, cx, cy, terms = p[0], p[5], p[2], p[6], ()
+        else:
+            fx, fy, cx, cy, terms = k[0], k[4], k[2], k[5], d
+        if fx == 0:  # ROS's own mark of a camera that is not calibrated.
+            return None
+        if info.distortion_model not in MODELS:
+            raise RevisitError(f"{self._file}: distortion_model {info.distortion_model} is not known ({', '.join(filter(None, MODELS))})")
+        numbers = (float(fx), float(fy), float(cx), float(cy), tuple(float(term) for term in terms))
+        size = (info.width, info.height) if info.width and info.height else None
+        fisheye = info.distortion_model in FISHEYE and "image_rect" not in image_topic
+        return Calibration.read(f"{self._file}, the camera of {image_topic}", *numbers, fisheye, size)
 
-    def _frames(self, topic: str, calibration: Calibration | None, every_s: float, work: Path) -> tuple[list[Frame], str]:
+    def _camera_info(self, image_topic: str, camera_frame: str) -> Any | None:
+        """Return the camera of a topic of pictures: the one named, the one beside it, or one of the same frame."""
+        there = sorted({c.topic for c in self._reader.connections if c.msgtype == CAMERA_INFO})
+        beside: list[str] = []
+        if self._topics.camera_info is not None:
+            there = [topic for topic in (self._one("camera-info", self._topics.camera_info, (CAMERA_INFO,)),) if topic]
+        else:
+            # By convention it stands beside the pictures: /camera/image_raw, /camera/image_raw/compressed.
+            beside = [topic for topic in (f"{parent}/camera_info" for parent in _parents(image_topic)) if topic in there]
+            if beside:
+                there = beside[:1]
+        for topic in there:
+            _, info = next(self._messages(topic), (0, None))
+            named = self._topics.camera_info is not None or topic in beside
+            if info is not None and (named or info.header.frame_id == camera_frame):
+                return info
+        return None
+
+    def _frames(self, topic: str, calibration: Calibration | None, every_s: float, work: Path) -> list[Frame]:
         frames: list[Frame] = []
-        camera_frame = ""
-        for number, message in enumerate(self._messages(topic)):
-            camera_frame = message.header.frame_id
-            stamp_ns = message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec
-            if frames and stamp_ns - (frames[-1].stamp_ns or 0) < every_s * 1e9 - 1e6:
+        for number, (stamp_ns, message) in enumerate(self._messages(topic)):
+            if too_near(frames, stamp_ns, every_s):
                 continue
             name = plain_id(f"{self._file.stem}-{number:06}", self._file)
             path = self._save(message, work / name, topic)
-            frames.append(Frame(name, path, self._file.stem, number, stamp_ns, calibration=calibration))
-        return frames, camera_frame
+            origin = f"{self._file}, picture {number} of {topic}"
+            frames.append(Frame(name, path, self._file.stem, number, stamp_ns, calibration=calibration, origin=origin))
+        return sorted(frames, key=lambda frame: frame.stamp_ns or 0)
 
     def _save(self, message: Any, path: Path, topic: str) -> Path:
         if hasattr(message, "format"):
@@ -166,22 +189,22 @@ class _Bag:
         if topic is None:
             return None, (f"no {ODOMETRY} in it: poses are rotations from matches",)
         poses, child = [], ""
-        for message in self._messages(topic):
+        for stamp_ns, message in self._messages(topic):
             child = message.child_frame_id
-            stamp, pose = message.header.stamp, message.pose.pose
-            p, q = pose.position, pose.orientation
-            quaternion = np.array([q.x, q.y, q.z, q.w])
-            if np.linalg.norm(quaternion) > 1e-6:
-                poses.append((stamp.sec * 1_000_000_000 + stamp.nanosec, np.array([p.x, p.y, p.z]), quaternion))
+            p, q = message.pose.pose.position, message.pose.pose.orientation
+            translation, quaternion = np.array([p.x, p.y, p.z]), np.array([q.x, q.y, q.z, q.w])
+            # Not `<`: a quaternion that is no number is below nothing.
+            if np.linalg.norm(quaternion) > 1e-6 and np.isfinite(translation).all():
+                poses.append((stamp_ns, translation, quaternion))
         transforms = StaticTransforms()
         for connection in self._reader.connections:
             if connection.msgtype == TF_STATIC and connection.topic.endswith("tf_static"):
-                for message in self._messages(connection.topic):
+                for _, message in self._messages(connection.topic):
                     transforms.add(message)
         base_from_camera = transforms.between(child, camera_frame)
         if base_from_camera is None:
             return None, (
-                f"odometry on {topic} is that of {child}, and nothing on /tf_static joins {child} to the camera's "
+                f"odometry on {topic} is that of {child or 'a frame without a name'}, and nothing on /tf_static joins it to the camera's "
                 f"{camera_frame}: poses are rotations from matches",
             )
         return Trajectory(f"{self._file} {topic}", poses, base_from_camera), ()

@@ -34,6 +34,9 @@ def open_colmap(model: Path, images: Path | None, metres_per_unit: float | None)
     folder = images or _beside(model)
     if not folder.is_dir():
         raise RevisitError(f"{folder}: no such folder")
+    absolute = [image.name for image in reconstruction.images.values() if Path(image.name).is_absolute()]
+    if absolute:
+        raise RevisitError(f"{model}: image {absolute[0]} is named by where it lay; names within the images' folder are read")
     found = {folder / image.name: image for image in reconstruction.images.values() if image.has_pose}
     there = [path for path in found if path.is_file()]
     if not there:
@@ -83,6 +86,6 @@ def _calibration(camera: Any) -> Calibration:
         raise RevisitError(f"camera model {model} is not known here: {', '.join(sorted(SIMPLE | DOUBLE))}; undistort the images first")
     # OpenCV's lists have four terms at least; the models that lack some mean zeros.
     distortion += [0.0] * (4 - len(distortion) if distortion else 0)
-    return Calibration(
-        fx, fy, cx - HALF_PX, cy - HALF_PX, tuple(distortion), model.endswith("FISHEYE"), (camera.width, camera.height)
-    )
+    fisheye, size = model.endswith("FISHEYE"), (camera.width, camera.height)
+    where = f"camera {camera.camera_id} of the model"
+    return Calibration.read(where, fx, fy, cx - HALF_PX, cy - HALF_PX, tuple(distortion), fisheye, size)

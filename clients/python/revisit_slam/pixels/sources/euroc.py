@@ -83,13 +83,12 @@ def _sensor(path: Path) -> tuple[Calibration, np.ndarray]:
         distortion = tuple(float(value) for value in sensor.get("distortion_coefficients", ()))
         model = str(sensor.get("distortion_model", "radial-tangential"))
         width, height = (int(value) for value in sensor["resolution"])
-    except (KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise RevisitError(f"{path}: needs intrinsics (fu, fv, cu, cv), distortion_coefficients and resolution") from error
     if model not in ("radial-tangential", "radtan", "plumb_bob", "equidistant", "none"):
         raise RevisitError(f"{path}: distortion_model {model} is not known (radial-tangential, equidistant)")
-    calibration = Calibration(
-        fx, fy, cx, cy, distortion if model != "none" else (), model == "equidistant", (width, height)
-    )
+    terms = distortion if model != "none" else ()
+    calibration = Calibration.read(path, fx, fy, cx, cy, terms, model == "equidistant", (width, height))
     return calibration, _transform(sensor, path)
 
 
@@ -97,9 +96,12 @@ def _transform(sensor: dict[str, Any], path: Path) -> np.ndarray:
     """Return T_BS: the body's frame from the sensor's."""
     try:
         matrix = np.array(sensor["T_BS"]["data"], float).reshape(4, 4)
-        np.linalg.inv(matrix)
-    except (KeyError, TypeError, ValueError, np.linalg.LinAlgError) as error:
+    except (KeyError, TypeError, ValueError) as error:
         raise RevisitError(f"{path}: needs T_BS, sixteen numbers under `data`") from error
+    turn = matrix[:3, :3]
+    rigid = np.allclose(turn @ turn.T, np.eye(3), atol=1e-3) and np.linalg.det(turn) > 0
+    if not rigid or not np.isfinite(matrix).all() or not np.array_equal(matrix[3], (0, 0, 0, 1)):
+        raise RevisitError(f"{path}: T_BS is no rotation and translation, row by row")
     return matrix
 
 

@@ -12,8 +12,8 @@ from ..frames import list_frames
 from ..trajectory import Trajectory, nanoseconds
 from .source import Source, posed
 
-# From here on a whole number is a time in nanoseconds.
-NANOSECONDS_DIGITS = 16
+# Nanoseconds in the unit of a whole number, by its digits: seconds, milli-, micro- and nanoseconds since 1970.
+UNITS = {10: 1_000_000_000, 13: 1_000_000, 16: 1_000, 19: 1}
 
 
 def open_images(folder: Path, calibration: Calibration | None, trajectory: Trajectory | None) -> Source:
@@ -29,8 +29,11 @@ def open_images(folder: Path, calibration: Calibration | None, trajectory: Traje
 
 def time_of(path: Path) -> int:
     """Return the time in nanoseconds that a file is named by."""
-    if not re.fullmatch(r"\d+(\.\d+)?", path.stem):
-        raise RevisitError(f"{path}: with --trajectory a photograph's name is its time, in seconds or in nanoseconds")
-    if "." not in path.stem and len(path.stem) >= NANOSECONDS_DIGITS:
-        return int(path.stem)
-    return nanoseconds(path.stem)
+    if re.fullmatch(r"\d{1,11}\.\d+|\d{1,9}", path.stem):
+        return nanoseconds(path.stem)
+    unit = UNITS.get(len(path.stem)) if path.stem.isascii() and path.stem.isdigit() else None
+    if unit is None:
+        raise RevisitError(
+            f"{path}: with --trajectory a photograph's name is its time, in seconds, or in milli-, micro- or nanoseconds since 1970"
+        )
+    return int(path.stem) * unit

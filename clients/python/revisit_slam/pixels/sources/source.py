@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from ...errors import RevisitError
 from ..frames import Frame
-from ..trajectory import Trajectory
+from ..trajectory import MAX_GAP_NS, Trajectory
 
 ROTATIONS = "rotations between overlapping pictures"
 
@@ -30,16 +30,17 @@ def every(frames: list[Frame], every_s: float) -> list[Frame]:
     """Return frames at least so many seconds apart; their times must be known."""
     kept: list[Frame] = []
     for frame in frames:
-        if not kept or not _within(kept[-1], frame, every_s):
+        if not too_near(kept, frame.stamp_ns or 0, every_s):
             kept.append(frame)
     return kept
 
 
-def _within(before: Frame, frame: Frame, every_s: float) -> bool:
-    if before.stamp_ns is None or frame.stamp_ns is None:
+def too_near(kept: list[Frame], stamp_ns: int, every_s: float) -> bool:
+    """Whether the last frame kept was taken less than so many seconds before; 0 keeps all."""
+    if not kept or kept[-1].stamp_ns is None:
         return False
-    # A millisecond of grace: 30 pictures a second are 33.3 ms apart.
-    return frame.stamp_ns - before.stamp_ns < every_s * 1e9 - 1e6
+    # A millisecond of grace: 30 pictures a second are 33.3 ms apart. One that comes late is no near one.
+    return 0 <= stamp_ns - kept[-1].stamp_ns < every_s * 1e9 - 1e6
 
 
 def posed(frames: list[Frame], trajectory: Trajectory) -> tuple[list[Frame], tuple[str, ...]]:
@@ -54,7 +55,8 @@ def posed(frames: list[Frame], trajectory: Trajectory) -> tuple[list[Frame], tup
         first, last = trajectory.span_s
         raise RevisitError(
             f"{trajectory.name}: no pose at the time of any photograph: poses from {first:.3f} to {last:.3f} s, "
-            f"photographs from {min(stamps):.3f} to {max(stamps):.3f} s"
+            f"photographs from {min(stamps):.3f} to {max(stamps):.3f} s; between poses more than "
+            f"{MAX_GAP_NS / 1e9:g} s apart none is made up"
         )
     left_out = len(frames) - len(kept)
     return kept, (f"{left_out} of {len(frames)} photographs have no pose near their time and are left out",) if left_out else ()

@@ -21,7 +21,8 @@ class StaticTransforms:
         for stamped in message.transforms:
             t, q = stamped.transform.translation, stamped.transform.rotation
             quaternion = np.array([q.x, q.y, q.z, q.w])
-            if np.linalg.norm(quaternion) < 1e-6:
+            # Not `<`: a quaternion that is no number is below nothing.
+            if not np.linalg.norm(quaternion) > 1e-6 or not np.isfinite((t.x, t.y, t.z)).all():
                 continue
             parent_from_child = np.eye(4)
             parent_from_child[:3, :3], parent_from_child[:3, 3] = rotation(quaternion), (t.x, t.y, t.z)

@@ -22,7 +22,7 @@ MAX_APART_NS = 20_000_000
 def open_tum(folder: Path, calibration: Calibration | None, trajectory: Trajectory | None, every_s: float) -> Source:
     """Open a sequence: `rgb.txt`, and `depth.txt` and `groundtruth.txt` where they are there."""
     pictures = _listed(folder / "rgb.txt")
-    depths = _listed(folder / "depth.txt") if (folder / "depth.txt").exists() else []
+    depths = _listed(folder / "depth.txt", may_be_empty=True) if (folder / "depth.txt").exists() else []
     video, calibration = folder.resolve().name, calibration or DEFAULT
     frames = [
         Frame(plain_id(path.stem, path), path, video, number, stamp_ns, calibration=calibration)
@@ -39,7 +39,7 @@ def open_tum(folder: Path, calibration: Calibration | None, trajectory: Trajecto
         frames,
         str(folder),
         f"those of {Path(trajectory.name).name}" if trajectory is not None else ROTATIONS,
-        "measured by depth images" if depths else "assumed",
+        "measured by depth images" if trajectory is not None and any(frame.depth for frame in frames) else "assumed",
         notes=notes,
     )
 
@@ -52,10 +52,10 @@ def _nearest(depths: list[tuple[int, Path]], stamp_ns: int) -> DepthImage | None
     return DepthImage(near[1], METRES_PER_UNIT)
 
 
-def _listed(path: Path) -> list[tuple[int, Path]]:
+def _listed(path: Path, may_be_empty: bool = False) -> list[tuple[int, Path]]:
     """Read a list of `seconds file`."""
     try:
-        lines = path.read_text().splitlines()
+        lines = path.read_text("utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise RevisitError(f"{path}: cannot be read ({error.__class__.__name__}): a TUM sequence has one") from error
     listed = []
@@ -67,6 +67,6 @@ def _listed(path: Path) -> list[tuple[int, Path]]:
             listed.append((nanoseconds(words[0]), path.parent / words[1]))
         except (ValueError, IndexError) as error:
             raise RevisitError(f"{path}, line {number}: no line of `seconds file`") from error
-    if not listed:
+    if not listed and not may_be_empty:
         raise RevisitError(f"{path}: no photographs in it")
     return sorted(listed)

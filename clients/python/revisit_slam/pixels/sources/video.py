@@ -12,7 +12,7 @@ from ...errors import RevisitError
 from ..camera import Calibration
 from ..frames import Frame, plain_id
 from ..trajectory import Trajectory
-from .source import Source, posed
+from .source import Source, posed, too_near
 
 JPEG_QUALITY = 95
 
@@ -27,28 +27,35 @@ def open_video(
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
     film = cv2.VideoCapture(str(file))
     frames: list[Frame] = []
+    broken = 0
     try:
         rate = film.get(cv2.CAP_PROP_FPS)
         number = -1
         while film.grab():
             number += 1
             stamp_ns = _time_ns(film, number, rate)
-            if frames and stamp_ns - (frames[-1].stamp_ns or 0) < every_s * 1e9 - 1e6:
+            if too_near(frames, stamp_ns, every_s):
                 continue
             done, image = film.retrieve()
             if not done:
+                broken += 1
                 continue
             name = plain_id(f"{file.stem}-{number:06}", file)
             path = save(image, work / f"{name}.jpg")
-            frames.append(Frame(name, path, file.stem, number, stamp_ns, calibration=calibration))
+            origin = f"{file}, picture {number}"
+            frames.append(Frame(name, path, file.stem, number, stamp_ns, calibration=calibration, origin=origin))
+        broken += max(int(film.get(cv2.CAP_PROP_FRAME_COUNT)) - number - 1, 0)
     finally:
         film.release()
     if not frames:
         raise RevisitError(f"{file}: not a film that OpenCV reads")
+    notes: tuple[str, ...] = ()
+    if broken > 1:  # Some films announce one picture more than they have.
+        notes = (f"{file}: {broken} of the {number + 1 + broken} pictures that it announces cannot be read",)
     if trajectory is None:
-        return Source(frames, str(file))
-    frames, notes = posed(frames, trajectory)
-    return Source(frames, str(file), f"those of {trajectory.name}", notes=notes)
+        return Source(frames, str(file), notes=notes)
+    frames, left_out = posed(frames, trajectory)
+    return Source(frames, str(file), f"those of {trajectory.name}", notes=notes + left_out)
 
 
 def save(image: np.ndarray, path: Path) -> Path:
