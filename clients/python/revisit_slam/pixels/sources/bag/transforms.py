@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..trajectory import rotation
+from ...trajectory import rotation
 
 
 class StaticTransforms:

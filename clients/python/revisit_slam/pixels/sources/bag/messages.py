@@ -1,0 +1,54 @@
+"""Messages of a recording, by topic."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from ....errors import RevisitError
+
+SECOND_NS = 1_000_000_000
+MAX_TOLD = 12
+
+
+class Recording:
+    """A recording that is open."""
+
+    def __init__(self, file: Path, reader: Any) -> None:
+        self.file, self._reader = file, reader
+
+    def topics(self, *types: str) -> list[str]:
+        """Return the topics of messages of these types."""
+        return sorted({c.topic for c in self._reader.connections if c.msgtype in types})
+
+    def messages(self, topic: str) -> Iterator[tuple[int, Any]]:
+        """Yield the messages of a topic with their times in nanoseconds, in order of recording."""
+        connections = [connection for connection in self._reader.connections if connection.topic == topic]
+        for connection, logged_ns, data in self._reader.messages(connections):
+            message = self._reader.deserialize(data, connection.msgtype)
+            header = getattr(message, "header", None)
+            stamp_ns = header.stamp.sec * SECOND_NS + header.stamp.nanosec if header is not None else 0
+            # A stamp that nobody set: the time of its recording.
+            yield stamp_ns or logged_ns, message
+
+    def first(self, topic: str) -> Any | None:
+        """Return the first message of a topic."""
+        return next((message for _, message in self.messages(topic)), None)
+
+    def one(self, option: str, named: str | None, types: tuple[str, ...], skip: tuple[str, ...] = ()) -> str | None:
+        """Return the topic that was named by an option, or the only one of these types; `skip`: words of unlikely ones."""
+        there = self.topics(*types)
+        if named is not None:
+            if named not in there:
+                raise RevisitError(f"--{option}-topic {named}: {self.file} has {', '.join(there) or 'none of its type'}")
+            return named
+        likely = [topic for topic in there if not any(word in topic for word in skip)] or there
+        if len(likely) > 1:
+            raise RevisitError(f"{self.file}: several topics; --{option}-topic names one: {', '.join(likely[:MAX_TOLD])}")
+        return likely[0] if likely else None
+
+    def told(self) -> str:
+        """Return what there is, for a person."""
+        topics = sorted({f"{c.topic} ({c.msgtype})" for c in self._reader.connections})
+        return ", ".join(topics[:MAX_TOLD]) or "nothing"
