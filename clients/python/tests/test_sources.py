@@ -2,6 +2,8 @@
 
 import json
 import os
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -237,6 +239,24 @@ def test_photographs_named_by_their_time_take_poses_from_a_trajectory(
     assert done.returncode == 0 and "2 of 9 photographs have no pose" in done.stderr
     lines = [json.loads(line) for line in output.read_text().splitlines()]
     assert_posed({line["id"]: line["body"] for line in lines if line["op"] == "keyframe"}, one_visit)
+
+
+def test_equal_pictures_may_be_read_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from revisit_slam.pixels.reader import Reader
+
+    monkeypatch.setattr(Reader, "_look", lambda *_: [])
+    threads, rounds = 8, 100
+    together = threading.Barrier(threads)
+
+    def read(_: int) -> int:
+        for number in range(rounds):
+            together.wait()
+            assert Reader(tmp_path).read(b"%d" % number, np.zeros((1, 1, 3))) == []
+        return rounds
+
+    with ThreadPoolExecutor(threads) as pool:
+        assert list(pool.map(read, range(threads))) == [rounds] * threads
+    assert len(list(tmp_path.iterdir())) == rounds
 
 
 def test_a_distorted_picture_is_straightened_as_its_points_are() -> None:

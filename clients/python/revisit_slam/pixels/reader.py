@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import threading
 from dataclasses import asdict, dataclass
 from importlib import metadata
 from pathlib import Path
@@ -58,8 +59,8 @@ class Reader:
                 pass  # A file cut short by a crash: read again.
         lines = self._look(image)
         if kept is not None:
-            # A rename, so that a run that is stopped leaves no half a file.
-            part = kept.with_suffix(f".{os.getpid()}.part")
+            # A rename, so that a run that is stopped leaves no half a file; two threads may read two equal pictures.
+            part = kept.with_suffix(f".{os.getpid()}-{threading.get_ident()}.part")
             part.write_text(json.dumps([asdict(line) for line in lines], ensure_ascii=False))
             part.replace(kept)
         return lines
