@@ -246,7 +246,7 @@ def test_equal_pictures_may_be_read_at_once(tmp_path: Path, monkeypatch: pytest.
 
     monkeypatch.setattr(Reader, "_look", lambda *_: [])
     threads, rounds = 8, 100
-    together = threading.Barrier(threads)
+    together = threading.Barrier(threads, timeout=20)
 
     def read(_: int) -> int:
         for number in range(rounds):
