@@ -42,7 +42,7 @@ pub struct KeyframeAnswer {
 /// A keyframe as it is read back.
 #[derive(Clone, Debug, Deserialize)]
 pub struct StoredKeyframe {
-    /// What became of each detection, in the order sent.
+    /// Outcomes of its detections, in the order sent.
     #[serde(default)]
     pub detections: Vec<DetectionAnswer>,
 }

@@ -1,5 +1,6 @@
 //! Trajectory: where the cameras of a map's sessions stood, as last corrected, and the loops that join them.
 
+use super::change::Loop;
 use super::ids::{KeyframeId, SessionId};
 use super::keyframe::Stamp;
 use crate::geometry::Pose;
@@ -12,7 +13,7 @@ pub struct TrajectoryReport {
     /// The sessions that have keyframes, in order of appearance; each has a frame of its own.
     pub sessions: Vec<SessionTrack>,
     /// The confirmed loops between these keyframes, by name.
-    pub loops: Vec<TrackedLoop>,
+    pub loops: Vec<Loop>,
 }
 
 /// One session's keyframes, by stamp; of one stamp in order of arrival.
@@ -24,7 +25,7 @@ pub struct SessionTrack {
     pub keyframes: Vec<TrackedPose>,
 }
 
-/// Where a keyframe's camera stood.
+/// A keyframe's pose and time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackedPose {
     /// The keyframe.
@@ -33,17 +34,4 @@ pub struct TrackedPose {
     pub stamp: Stamp,
     /// `map_from_camera` in the session's frame, as last corrected.
     pub map_from_camera: Pose,
-}
-
-/// A confirmed loop.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TrackedLoop {
-    /// Its name.
-    pub id: String,
-    /// The keyframe that came back.
-    pub keyframe: KeyframeId,
-    /// The keyframe it came back to.
-    pub candidate: KeyframeId,
-    /// The query that found it, if the client told.
-    pub query: Option<String>,
 }

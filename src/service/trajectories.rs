@@ -1,11 +1,9 @@
 //! Trajectories: the poses of a map's sessions, read for tools that compare and optimise them.
 
-use std::collections::BTreeSet;
-
 use super::{Service, ServiceError};
-use crate::model::change::Keyframe;
-use crate::model::ids::{KeyframeSeq, MapId, SessionId, SessionSeq};
-use crate::model::trajectory::{SessionTrack, TrackedLoop, TrackedPose, TrajectoryReport};
+use crate::model::change::{Keyframe, Loop};
+use crate::model::ids::{MapId, SessionId, SessionSeq};
+use crate::model::trajectory::{SessionTrack, TrackedPose, TrajectoryReport};
 use crate::recognition::index::MapIndex;
 
 impl Service {
@@ -59,22 +57,9 @@ fn pose(keyframe: &Keyframe) -> TrackedPose {
 }
 
 /// The loops whose two keyframes are there, and of one session if only that was asked for.
-fn loops(index: &MapIndex, only: Option<SessionSeq>) -> Vec<TrackedLoop> {
-    let there: BTreeSet<KeyframeSeq> = index
-        .keyframes()
-        .filter(|keyframe| only.is_none_or(|only| keyframe.session == only))
-        .map(|keyframe| keyframe.seq)
-        .collect();
-    let joins = index
-        .loops()
-        .values()
-        .filter(|closed| there.contains(&closed.keyframe) && there.contains(&closed.candidate));
-    joins
-        .map(|closed| TrackedLoop {
-            id: closed.id.to_string(),
-            keyframe: closed.keyframe_id.clone(),
-            candidate: closed.candidate_id.clone(),
-            query: closed.query.clone(),
-        })
-        .collect()
+fn loops(index: &MapIndex, only: Option<SessionSeq>) -> Vec<Loop> {
+    let is_there =
+        |seq| index.keyframe(seq).is_some_and(|keyframe| only.is_none_or(|only| keyframe.session == only));
+    let closed = index.loops().values();
+    closed.filter(|closed| is_there(closed.keyframe) && is_there(closed.candidate)).cloned().collect()
 }

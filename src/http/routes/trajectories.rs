@@ -48,7 +48,7 @@ pub async fn get_trajectory(
     Ok(([(CONTENT_TYPE, "text/plain; charset=utf-8")], text).into_response())
 }
 
-/// What the kept answers say of the loops' transformations.
+/// Reads the loops' transformations from the kept answers.
 async fn measured(
     service: &Service,
     map: &MapId,
@@ -61,7 +61,7 @@ async fn measured(
             continue;
         };
         all.push(match service.kept_query(map, query).await {
-            Ok(answer) => MeasuredLoop::of(&answer, closed.candidate.as_str()),
+            Ok(answer) => MeasuredLoop::of(&answer, closed.candidate_id.as_str()),
             // Only so many answers are kept, and a client may name a query of its own.
             Err(ServiceError::NotFound(_)) => None,
             Err(error) => return Err(error.into()),

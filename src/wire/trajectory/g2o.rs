@@ -7,10 +7,11 @@ use nalgebra::{Matrix6, UnitQuaternion, Vector6};
 
 use super::measured::MeasuredLoop;
 use crate::geometry::Pose;
+use crate::model::change::Loop;
 use crate::model::ids::KeyframeId;
-use crate::model::trajectory::{TrackedLoop, TrackedPose, TrajectoryReport};
+use crate::model::trajectory::{TrackedPose, TrajectoryReport};
 
-/// What an edge between neighbours of a session is trusted with: the larger of a length and a share of the way, and an angle.
+/// Standard deviations of an edge between neighbours of a session: the larger of a length and a share of the way, and an angle.
 /// The map keeps no covariance of a robot's own tracking, so these are a guess.
 const NEIGHBOUR_SIGMA_M: f64 = 0.01;
 const NEIGHBOUR_SIGMA_SHARE: f64 = 0.02;
@@ -64,8 +65,8 @@ impl Graph {
         self.edge(&one.keyframe, &next.keyframe, &between, &information);
     }
 
-    fn closed(&mut self, closed: &TrackedLoop, measured: Option<&MeasuredLoop>) {
-        let TrackedLoop { id, keyframe, candidate, .. } = closed;
+    fn closed(&mut self, closed: &Loop, measured: Option<&MeasuredLoop>) {
+        let Loop { id, keyframe_id: keyframe, candidate_id: candidate, .. } = closed;
         let information =
             measured.and_then(|it| information(it.covariance.as_ref()?, &it.candidate_from_query));
         let (Some(measured), Some(information)) = (measured, information) else {

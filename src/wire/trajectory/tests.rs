@@ -2,8 +2,10 @@
 
 use super::{MeasuredLoop, TrajectoryFormat, g2o, kitti, only_session, tum, write_trajectory};
 use crate::geometry::Pose;
+use crate::model::change::Loop;
+use crate::model::ids::KeyframeSeq;
 use crate::model::keyframe::Stamp;
-use crate::model::trajectory::{SessionTrack, TrackedLoop, TrackedPose, TrajectoryReport};
+use crate::model::trajectory::{SessionTrack, TrackedPose, TrajectoryReport};
 
 /// A quarter turn about z.
 const QUARTER: [f64; 4] = [0.0, 0.0, std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::FRAC_1_SQRT_2];
@@ -25,6 +27,17 @@ fn straight() -> [f64; 4] {
     [0.0, 0.0, 0.0, 1.0]
 }
 
+fn closed(id: &str, keyframe: &str, candidate: &str) -> Loop {
+    Loop {
+        id: id.parse().unwrap(),
+        keyframe: KeyframeSeq(2),
+        candidate: KeyframeSeq(0),
+        keyframe_id: keyframe.parse().unwrap(),
+        candidate_id: candidate.parse().unwrap(),
+        query: None,
+    }
+}
+
 fn two_sessions() -> TrajectoryReport {
     TrajectoryReport {
         map_version: 7,
@@ -32,20 +45,7 @@ fn two_sessions() -> TrajectoryReport {
             track("s-1", vec![at("a", 1, [0.0; 3], straight()), at("b", 2, [2.0, 0.0, 0.0], QUARTER)]),
             track("s-2", vec![at("c", 9, [5.0, 0.0, 0.0], straight())]),
         ],
-        loops: vec![
-            TrackedLoop {
-                id: "l-1".into(),
-                keyframe: "c".parse().unwrap(),
-                candidate: "b".parse().unwrap(),
-                query: None,
-            },
-            TrackedLoop {
-                id: "l-2".into(),
-                keyframe: "c".parse().unwrap(),
-                candidate: "a".parse().unwrap(),
-                query: None,
-            },
-        ],
+        loops: vec![closed("l-1", "c", "b"), closed("l-2", "c", "a")],
     }
 }
 
