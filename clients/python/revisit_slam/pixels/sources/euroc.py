@@ -14,7 +14,7 @@ from ..camera import Calibration
 from ..frames import Frame, plain_id
 from ..trajectory import Trajectory
 from .needed import needed
-from .source import ROTATIONS, Source, every, posed
+from .source import Source, every
 
 # The first of these that is there tells where the body was.
 GROUND_TRUTHS = ("state_groundtruth_estimate0", "mocap0", "vicon0")
@@ -26,14 +26,13 @@ def open_euroc(folder: Path, trajectory: Trajectory | None, every_s: float) -> S
     camera = mav / "cam0"
     calibration, body_from_camera = _sensor(camera / "sensor.yaml")
     frames = every([replace(frame, calibration=calibration) for frame in _pictures(camera, folder)], every_s)
+    source = Source(frames, str(folder))
     if trajectory is not None:
-        frames, notes = posed(frames, trajectory)
-        return Source(frames, str(folder), f"those of {trajectory.name}", notes=notes)
+        return source.along(trajectory)
     for name in GROUND_TRUTHS:
         if (mav / name / "data.csv").exists():
-            frames, notes = posed(frames, _ground_truth(mav / name, body_from_camera))
-            return Source(frames, str(folder), f"the ground truth of {name}", notes=notes)
-    return Source(frames, str(folder), ROTATIONS)
+            return source.along(_ground_truth(mav / name, body_from_camera), f"the ground truth of {name}")
+    return source
 
 
 def _pictures(camera: Path, folder: Path) -> list[Frame]:

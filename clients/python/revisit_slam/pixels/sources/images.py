@@ -10,7 +10,7 @@ from ...errors import RevisitError
 from ..camera import Calibration
 from ..frames import list_frames
 from ..trajectory import Trajectory, nanoseconds
-from .source import Source, posed
+from .source import Source
 
 # Nanoseconds in the unit of a whole number, by its digits: seconds, milli-, micro- and nanoseconds since 1970.
 UNITS = {10: 1_000_000_000, 13: 1_000_000, 16: 1_000, 19: 1}
@@ -22,9 +22,9 @@ def open_images(folder: Path, calibration: Calibration | None, trajectory: Traje
     if trajectory is None:
         return Source(frames, str(folder))
     frames = [replace(frame, stamp_ns=time_of(frame.path), video=str(frame.path.parent.name)) for frame in frames]
-    frames, notes = posed(sorted(frames, key=lambda frame: frame.stamp_ns or 0), trajectory)
+    frames.sort(key=lambda frame: frame.stamp_ns or 0)
     frames = [replace(frame, number=number) for number, frame in enumerate(frames, 1)]
-    return Source(frames, str(folder), f"those of {trajectory.name}", notes=notes)
+    return Source(frames, str(folder)).along(trajectory)
 
 
 def time_of(path: Path) -> int:

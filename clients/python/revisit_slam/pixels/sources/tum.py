@@ -10,7 +10,7 @@ from ...errors import RevisitError
 from ..camera import Calibration
 from ..frames import DepthImage, Frame, plain_id
 from ..trajectory import Trajectory, nanoseconds, read_tum
-from .source import ROTATIONS, Source, every, posed
+from .source import Source, every
 
 # The benchmark's default: depth images are registered to the colour camera, whose lens is taken for ideal.
 DEFAULT = Calibration(525.0, 525.0, 319.5, 239.5, size=(640, 480))
@@ -32,16 +32,12 @@ def open_tum(folder: Path, calibration: Calibration | None, trajectory: Trajecto
     truth = folder / "groundtruth.txt"
     if trajectory is None and truth.exists():
         trajectory = read_tum(truth)
-    notes: tuple[str, ...] = ()
-    if trajectory is not None:
-        frames, notes = posed(frames, trajectory)
-    return Source(
-        frames,
-        str(folder),
-        f"those of {Path(trajectory.name).name}" if trajectory is not None else ROTATIONS,
-        "measured by depth images" if trajectory is not None and any(frame.depth for frame in frames) else "assumed",
-        notes=notes,
-    )
+    source = Source(frames, str(folder))
+    if trajectory is None:
+        return source
+    source = source.along(trajectory, f"those of {Path(trajectory.name).name}")
+    measured = any(frame.depth for frame in source.frames)
+    return replace(source, distances="measured by depth images") if measured else source
 
 
 def _nearest(depths: list[tuple[int, Path]], stamp_ns: int) -> DepthImage | None:

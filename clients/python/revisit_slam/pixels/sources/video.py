@@ -12,7 +12,7 @@ from ...errors import RevisitError
 from ..camera import Calibration
 from ..frames import Frame, plain_id
 from ..trajectory import Trajectory
-from .source import Source, posed, too_near
+from .source import Source, too_near
 
 JPEG_QUALITY = 95
 
@@ -27,7 +27,7 @@ def open_video(
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
     film = cv2.VideoCapture(str(file))
     frames: list[Frame] = []
-    broken = 0
+    unread = 0
     try:
         rate = film.get(cv2.CAP_PROP_FPS)
         number = -1
@@ -38,24 +38,22 @@ def open_video(
                 continue
             done, image = film.retrieve()
             if not done:
-                broken += 1
+                unread += 1
                 continue
             name = plain_id(f"{file.stem}-{number:06}", file)
             path = save(image, work / f"{name}.jpg")
             origin = f"{file}, picture {number}"
             frames.append(Frame(name, path, file.stem, number, stamp_ns, calibration=calibration, origin=origin))
-        broken += max(int(film.get(cv2.CAP_PROP_FRAME_COUNT)) - number - 1, 0)
+        announced = max(int(film.get(cv2.CAP_PROP_FRAME_COUNT)), number + 1)
+        unread += announced - (number + 1)
     finally:
         film.release()
     if not frames:
         raise RevisitError(f"{file}: not a film that OpenCV reads")
-    notes: tuple[str, ...] = ()
-    if broken > 1:  # Some films announce one picture more than they have.
-        notes = (f"{file}: {broken} of the {number + 1 + broken} pictures that it announces cannot be read",)
-    if trajectory is None:
-        return Source(frames, str(file), notes=notes)
-    frames, left_out = posed(frames, trajectory)
-    return Source(frames, str(file), f"those of {trajectory.name}", notes=notes + left_out)
+    # Some films announce one picture more than they have.
+    notes = (f"{file}: {unread} of the {announced} pictures that it announces cannot be read",) if unread > 1 else ()
+    source = Source(frames, str(file), notes=notes)
+    return source if trajectory is None else source.along(trajectory)
 
 
 def save(image: np.ndarray, path: Path) -> Path:

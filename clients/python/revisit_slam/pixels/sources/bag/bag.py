@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ....errors import RevisitError
 from ...camera import Calibration
 from ...trajectory import Trajectory
 from ..needed import needed
-from ..source import ROTATIONS, Source, posed
+from ..source import ROTATIONS, Source
 from .calibration import CAMERA_INFO, calibration_of
 from .messages import Recording
 from .odometry import odometry_of
@@ -56,17 +56,11 @@ def _source(
     frames = frames_of(recording, topic, calibration, every_s, work)
     notes: tuple[str, ...] = ()
     if calibration is None:
-        notes += (f"no {CAMERA_INFO} for {topic}: a common focal length is assumed",)
-    poses = ROTATIONS
+        notes = (f"no {CAMERA_INFO} for {topic}: a common focal length is assumed",)
+    source = Source(frames, str(recording.file), notes=notes)
     if trajectory is not None:
-        poses = f"those of {trajectory.name}"
-    else:
-        trajectory, why = odometry_of(recording, topics.odometry, camera_frame)
-        if trajectory is None:
-            notes += (f"{why}: poses are {ROTATIONS}",)
-        else:
-            poses = f"odometry on {why}"
-    if trajectory is not None:
-        frames, left_out = posed(frames, trajectory)
-        notes += left_out
-    return Source(frames, str(recording.file), poses, notes=notes)
+        return source.along(trajectory)
+    trajectory, why = odometry_of(recording, topics.odometry, camera_frame)
+    if trajectory is None:
+        return replace(source, notes=(*notes, f"{why}: poses are {ROTATIONS}"))
+    return source.along(trajectory, f"odometry on {why}")
