@@ -8,6 +8,9 @@ use super::Point3;
 /// single-precision clients and rounded logs stay far below this.
 const MAX_NORM_ERROR: f64 = 0.01;
 
+/// How far the norm of a quaternion that was normalised may be from 1: four squares, their sum and its root are rounded.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// A rigid transformation, read right to left: `map_from_camera * point_in_camera`
 /// is the point in the map. Lengths in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,14 +23,17 @@ impl Pose {
     }
 
     /// From a translation `[x, y, z]` in metres and a quaternion `[x, y, z, w]`, which
-    /// is normalised; `None` if its norm is more than 1 % off one (a zero quaternion,
-    /// or four numbers that are no rotation).
+    /// is normalised, or kept to the bit if it was already; `None` if its norm is more than 1 % off one (a zero
+    /// quaternion, or four numbers that are no rotation).
     pub fn new(translation_m: [f64; 3], rotation_xyzw: [f64; 4]) -> Option<Self> {
         let [x, y, z, w] = rotation_xyzw;
         let quaternion = Quaternion::new(w, x, y, z);
         let norm = quaternion.norm();
         if !norm.is_finite() || (norm - 1.0).abs() > MAX_NORM_ERROR {
             return None;
+        }
+        if (norm - 1.0).abs() <= ROUNDING {
+            return Some(Self::from_stored(translation_m, rotation_xyzw));
         }
         let [tx, ty, tz] = translation_m;
         Some(Self(Isometry3::from_parts(
