@@ -8,14 +8,14 @@
 //! | observation of an anchor, outcome of a detection | [`anchor`] |
 //! | map, its settings, and those that make a method | [`map`], [`settings`], [`method`] |
 //! | map points in few bytes | [`point_list`], [`varint`] |
-//! | facts that decisions change | [`change`] |
+//! | facts that decisions change, and the values they replace | [`change`], [`former`] |
 //! | what models said of anchors | [`judged`] |
 //! | jobs that ask a changed model again | [`judgement`] |
 //! | the answer to "is it a loop?" | [`verdict`] |
 //! | what happened, for those who listen | [`event`] |
 //! | which models a server has | [`roles`] |
 //! | what a client asks for | [`request`] |
-//! | views for readers | [`report`], [`trajectory`] |
+//! | views for readers | [`report`], [`trajectory`], [`recorded`] |
 //! | API keys and what they may do | [`key`] |
 //! | what is wrong with a body | [`invalid`] |
 //! | a number with its noun | [`mod@counted`] |
@@ -26,6 +26,7 @@ pub mod change;
 pub mod counted;
 pub mod difference;
 pub mod event;
+pub mod former;
 pub mod ids;
 pub mod invalid;
 pub mod judged;
@@ -36,6 +37,7 @@ pub mod loop_warning;
 pub mod map;
 pub mod method;
 pub mod point_list;
+pub mod recorded;
 pub mod report;
 pub mod request;
 pub mod roles;

@@ -2,8 +2,10 @@
 
 use super::anchor::AnchorState;
 use super::ids::{BackupId, JudgementId, KeyframeId, LoopId, PointId, SessionId};
+use super::judged::{CropReading, ModelVerdict};
 use super::judgement::Asks;
 use super::keyframe::NewKeyframe;
+use super::recorded::NamedDetection;
 use super::settings::SettingValue;
 use super::verdict::Verify;
 use crate::geometry::{Point3, Pose};
@@ -22,6 +24,15 @@ pub struct MapPatch {
     pub metric: Option<bool>,
     /// Settings to change, by name.
     pub settings: Vec<(String, SettingValue)>,
+}
+
+/// What a model said elsewhere.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NewVerdict {
+    /// A level, or a merged text.
+    OfTexts(ModelVerdict),
+    /// What was read of the crop of a detection.
+    OfCrop(NamedDetection, CropReading),
 }
 
 /// A loop that a client has closed in its own map.

@@ -389,6 +389,8 @@ settings! {
         "ours: once geometry has verified two keyframes of this map around which different signs hang, geometry alone (without_anchors: geometry) closes no loop in it, while they hang there";
     signs_may_change: bool = Switch { true },
         "ours: a sign that three separate passages of a session that has read it had in view and did not see, or read otherwise, is retired: it neither agrees nor contradicts, until one passage reads it twice as before";
+    keep_history: bool = Switch { true },
+        "keeps what corrections replace, so that export gives what was sent; decides no verdict. Off, a corrected map takes less room on disk, and export gives poses and points as last corrected";
     geometry_models: GeometryModels = Choice { GeometryModels::Auto },
         "ours: auto verifies by a similarity where enough points are triangulated, else by an essential matrix, a homography or a rotation, whichever the two images allow; sim3 is the letter: a similarity or nothing";
     geometry_acceptance: GeometryAcceptance = Choice { GeometryAcceptance::Significance },

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use super::index::MapIndex;
 use crate::model::change::Change;
 use crate::model::event::Event;
+use crate::model::former::FormerValues;
 use crate::model::ids::AnchorSeq;
 
 /// What a request changed, and what there is to tell about it.
@@ -14,6 +15,8 @@ pub struct Decided {
     pub changes: Vec<Change>,
     /// What happened, for those who listen.
     pub events: Vec<Event>,
+    /// The values that the changes replaced, where the map keeps its history.
+    pub former: FormerValues,
 }
 
 /// Applies changes to an index and keeps them for the store.
@@ -21,12 +24,14 @@ pub struct Recorder<'a> {
     index: &'a mut MapIndex,
     decided: Decided,
     touched: BTreeSet<AnchorSeq>,
+    /// Whether a keyframe arrives: the points that it brings are its own, and replace nothing.
+    keyframe_arrives: bool,
 }
 
 impl<'a> Recorder<'a> {
     /// Starts a request.
     pub fn new(index: &'a mut MapIndex) -> Self {
-        Self { index, decided: Decided::default(), touched: BTreeSet::new() }
+        Self { index, decided: Decided::default(), touched: BTreeSet::new(), keyframe_arrives: false }
     }
 
     /// The map as it stands after the steps so far.
@@ -36,8 +41,37 @@ impl<'a> Recorder<'a> {
 
     /// Applies one step's changes.
     pub fn apply(&mut self, changes: Vec<Change>) {
+        if self.index.properties().settings.keep_history {
+            changes.iter().for_each(|change| self.keep_former(change));
+        }
         self.index.apply(&changes);
         self.decided.changes.extend(changes);
+    }
+
+    /// Keeps the value that a change is about to replace.
+    fn keep_former(&mut self, change: &Change) {
+        let (index, former) = (&*self.index, &mut self.decided.former);
+        match change {
+            Change::KeyframeAdded(..) => self.keyframe_arrives = true,
+            Change::PoseSet(keyframe, _) => {
+                let before = index.keyframe(*keyframe).map(|keyframe| keyframe.map_from_camera);
+                former.poses.extend(before.map(|before| (*keyframe, before)));
+            }
+            Change::PointSet(session, point, _) => {
+                let before = index.points().position(*session, *point);
+                if before.is_some() || !self.keyframe_arrives {
+                    former.points.push((*session, *point, before));
+                }
+            }
+            Change::PositionSet(anchor, keyframe, detection, _) => {
+                let observation = index
+                    .anchor(*anchor)
+                    .and_then(|anchor| anchor.observations.get(&(*keyframe, *detection)));
+                let before = observation.and_then(|observation| observation.position_in_session);
+                former.positions.extend(before.map(|before| (*keyframe, *detection, before)));
+            }
+            _ => {}
+        }
     }
 
     /// Something about this anchor's object changes: its version grows when the request ends.

@@ -194,6 +194,7 @@ impl LiveMap {
             learned: state.index.learned(),
             memory_bytes,
             changes: decided.changes,
+            former: decided.former,
             new_keyframe,
             events,
         };

@@ -12,6 +12,7 @@ mod changed_signs;
 mod error;
 mod events;
 mod eviction;
+mod export;
 mod features;
 mod feeds;
 mod gate;
@@ -28,6 +29,7 @@ pub mod lockout;
 mod loops;
 mod map_memory;
 mod maps;
+mod model_verdicts;
 mod options;
 mod pinned;
 mod poses;
@@ -54,6 +56,8 @@ pub use backups::BackupMade;
 use backups::Backups;
 pub use error::ServiceError;
 use eviction::Used;
+use export::Exports;
+pub use export::MapExport;
 pub use feeds::Listener;
 pub use keyframes::PendingKeyframe;
 pub use loops::ConfirmedLoop;
@@ -120,6 +124,7 @@ pub struct Parts {
     rejudging: Arc<Rejudging>,
     keys: Keyring,
     quotas: Quotas,
+    exports: Exports,
     /// Ends what goes on in the background.
     closing: CancellationToken,
     backups: Option<Arc<Backups>>,
@@ -149,6 +154,7 @@ impl Service {
             rejudging: Arc::default(),
             keys: Keyring::open(store.clone(), options.keys_required).await?,
             quotas: options.quotas,
+            exports: Exports::default(),
             closing: CancellationToken::new(),
             store,
             registry,

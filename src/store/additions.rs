@@ -21,6 +21,7 @@ use crate::model::ids::{AnchorSeq, KeyframeId, LoopId, PointId, SessionId, Sessi
 /// A keyframe that arrived.
 pub(super) struct Arrived<'j> {
     pub map: MapKey,
+    pub version: u64,
     pub keyframe: &'j Keyframe,
     pub bow: &'j BowVector,
     pub rows: &'j NewKeyframeRows,
@@ -62,7 +63,8 @@ impl<'j> Additions<'j> {
             Change::KeyframeAdded(keyframe, bow) => {
                 let rows = batch.new_keyframe.as_ref();
                 let rows = rows.ok_or_else(|| StoreError::corrupt("a keyframe without its rows"))?;
-                self.keyframes.push(Arrived { map, keyframe, bow, rows });
+                let version = batch.version;
+                self.keyframes.push(Arrived { map, version, keyframe, bow, rows });
             }
             Change::AnchorAdded(seq, class) => self.anchors.push((map, *seq, class)),
             Change::AnchorTouched(seq, version) => drop(self.touched.insert((map, *seq), *version)),

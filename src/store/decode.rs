@@ -42,7 +42,8 @@ pub(super) fn bow(row: &SqliteRow) -> Result<BowVector, StoreError> {
     BowVector::from_parts(words, weights).map_err(|error| StoreError::corrupt(error.to_string()))
 }
 
-fn pose(bytes: &[u8]) -> Result<Pose, StoreError> {
+/// Reads a pose.
+pub(super) fn pose(bytes: &[u8]) -> Result<Pose, StoreError> {
     let [x, y, z, qx, qy, qz, qw] = unpack_array(bytes)?;
     Ok(Pose::from_stored([x, y, z], [qx, qy, qz, qw]))
 }

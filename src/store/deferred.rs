@@ -10,81 +10,19 @@
 
 use sqlx::SqliteConnection;
 
-use super::StoreError;
 use super::blob::{pack, unpack};
 use super::job::{Batch, Job, MapKey};
 use super::keyframe_rows::pose_blob;
+use super::parts::{Kind, Part, cut};
 use super::write::run;
+use super::{StoreError, former_values};
 use crate::geometry::{Point3, Pose};
 use crate::model::change::Change;
 use crate::model::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::recognition::index::MapIndex;
 
-/// Bytes of one part.
-const PART_BYTES: usize = 128 << 10;
-
 /// What a batch's changes of these kinds may cost if written at once, in microseconds; above it they are deferred.
 const DIRECT_US: u64 = if cfg!(test) { 100 } else { 20_000 };
-
-/// The kind of a part's entries.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    Poses,
-    Points,
-    Forgotten,
-    Positions,
-    Touched,
-}
-
-impl Kind {
-    const ALL: [Self; 5] = [Self::Poses, Self::Points, Self::Forgotten, Self::Positions, Self::Touched];
-
-    pub(super) fn as_str(self) -> &'static str {
-        match self {
-            Self::Poses => "poses",
-            Self::Points => "points",
-            Self::Forgotten => "forgotten",
-            Self::Positions => "positions",
-            Self::Touched => "touched",
-        }
-    }
-
-    pub(super) fn from_name(name: &str) -> Result<Self, StoreError> {
-        let kind = Self::ALL.into_iter().find(|kind| kind.as_str() == name);
-        kind.ok_or_else(|| StoreError::corrupt(format!("deferred {name}")))
-    }
-
-    /// Bytes of one entry.
-    pub(super) fn width(self) -> usize {
-        const NUMBER: usize = size_of::<u32>();
-        const WIDE: usize = size_of::<i64>();
-        match self {
-            Self::Poses => NUMBER + 7 * WIDE,
-            Self::Points => NUMBER + WIDE + 3 * WIDE,
-            Self::Forgotten | Self::Touched => NUMBER + WIDE,
-            Self::Positions => 3 * NUMBER + 3 * WIDE,
-        }
-    }
-
-    /// The kind of a change that may be deferred.
-    fn of(change: &Change) -> Option<Self> {
-        match change {
-            Change::PoseSet(..) => Some(Self::Poses),
-            Change::PointSet(..) => Some(Self::Points),
-            Change::PointsForgotten(..) => Some(Self::Forgotten),
-            Change::PositionSet(..) => Some(Self::Positions),
-            Change::AnchorTouched(..) => Some(Self::Touched),
-            _ => None,
-        }
-    }
-}
-
-/// A packed list of changes of one kind.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Part {
-    pub(super) kind: Kind,
-    pub(super) entries: Vec<u8>,
-}
 
 /// Whether a change must not overtake deferred ones. Of an anchor's versions the largest counts, in whatever order they come.
 pub(super) fn is_ordered(change: &Change) -> bool {
@@ -100,7 +38,8 @@ pub(super) fn staged(job: Job) -> Vec<Job> {
     }
     let frees_space = Job::batch_frees_space(&batch);
     let (map, version) = (batch.map, batch.version);
-    let parts = packed(&batch.changes);
+    let mut parts = packed(&batch.changes);
+    parts.extend(former_values::packed(&std::mem::take(&mut batch.former)));
     batch.changes.retain(|change| Kind::of(change).is_none());
     let count = parts.len() as u32;
     let stage = |(number, part)| Job::Stage { map, version, number, part, frees_space };
@@ -117,8 +56,7 @@ fn packed<'c>(changes: impl IntoIterator<Item = &'c Change> + Clone) -> Vec<Part
         for change in changes.clone().into_iter().filter(|change| Kind::of(change) == Some(kind)) {
             pack_change(change, &mut entries);
         }
-        let whole = PART_BYTES / kind.width() * kind.width();
-        parts.extend(entries.chunks(whole).map(|chunk| Part { kind, entries: chunk.to_vec() }));
+        parts.extend(cut(kind, &entries));
     }
     parts
 }
@@ -143,7 +81,7 @@ fn pack_change(change: &Change, to: &mut Vec<u8>) {
     }
 }
 
-/// The changes that a packed list says.
+/// The changes that a packed list says; none for history.
 pub(super) fn unpacked(kind: Kind, entries: &[u8]) -> Result<Vec<Change>, StoreError> {
     let point = |[x, y, z]: [f64; 3]| Point3::new(x, y, z);
     Ok(match kind {
@@ -174,6 +112,7 @@ pub(super) fn unpacked(kind: Kind, entries: &[u8]) -> Result<Vec<Change>, StoreE
                 |(anchor, version): (u32, i64)| Change::AnchorTouched(AnchorSeq(anchor), version as u64);
             unpack(entries)?.into_iter().map(touched).collect()
         }
+        Kind::FormerPoses | Kind::FormerPoints | Kind::FormerPositions => Vec::new(),
     })
 }
 
@@ -228,9 +167,7 @@ pub(super) async fn apply(
     map: MapKey,
     index: &mut MapIndex,
 ) -> Result<(), StoreError> {
-    let select = "select version, parts, part from deferred_changes where map_key = $1 order by version";
-    let versions: Vec<(i64, u32, u32)> = sqlx::query_as(select).bind(map).fetch_all(&mut *db).await?;
-    for (version, parts, first) in versions {
+    for (version, parts, first) in versions(db, map).await? {
         for number in first..parts {
             let mut changes = part(db, map, version, number).await?;
             changes.retain(|change| match change {
@@ -243,6 +180,23 @@ pub(super) async fn apply(
         }
     }
     Ok(())
+}
+
+/// A map's deferred changes, in their order.
+pub(super) async fn all(db: &mut SqliteConnection, map: MapKey) -> Result<Vec<Change>, StoreError> {
+    let mut changes = Vec::new();
+    for (version, parts, first) in versions(db, map).await? {
+        for number in first..parts {
+            changes.extend(part(db, map, version, number).await?);
+        }
+    }
+    Ok(changes)
+}
+
+/// The versions with deferred changes, each with the number of its parts and the first that is not in the rows.
+async fn versions(db: &mut SqliteConnection, map: MapKey) -> Result<Vec<(i64, u32, u32)>, StoreError> {
+    let select = "select version, parts, part from deferred_changes where map_key = $1 order by version";
+    Ok(sqlx::query_as(select).bind(map).fetch_all(db).await?)
 }
 
 /// The changes of one part.

@@ -69,6 +69,8 @@ const TABLES: &[Table] = &[
     without_rowid("judgements", "id"),
     with_blobs("deferred_parts", "version, part", "length(entries)"),
     without_rowid("deferred_changes", "version"),
+    with_blobs("former_values", "version, part", "length(entries)"),
+    without_rowid("operations", "version, operation"),
 ];
 
 impl Table {

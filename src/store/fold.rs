@@ -4,12 +4,13 @@
 
 use sqlx::SqliteConnection;
 
-use super::StoreError;
 use super::blob::pack;
-use super::deferred::{Kind, unpacked};
+use super::deferred::unpacked;
 use super::job::MapKey;
 use super::keyframe_rows::{forget_points, pose_blob, set_points};
+use super::parts::Kind;
 use super::write::run;
+use super::{StoreError, former_values};
 use crate::model::change::Change;
 
 /// What a part costs beside its entries, as so many of them.
@@ -64,6 +65,11 @@ async fn fold_part(db: &mut SqliteConnection, next: Next, entries: u32) -> Resul
     let query = sqlx::query_as(select).bind(next.map_key).bind(next.version).bind(next.part);
     let (kind, bytes): (String, Vec<u8>) = query.fetch_one(&mut *db).await?;
     let kind = Kind::from_name(&kind)?;
+    if kind.is_former() {
+        former_values::keep_part(db, next.map_key, (next.version, next.part)).await?;
+        end_part(db, next).await?;
+        return Ok(1);
+    }
     let width = kind.width();
     let from = (next.entries_done as usize * width).min(bytes.len());
     let to = from.saturating_add(entries as usize * width).min(bytes.len());
@@ -75,15 +81,19 @@ async fn fold_part(db: &mut SqliteConnection, next: Next, entries: u32) -> Resul
         run(db, sqlx::query(update).bind(next.map_key).bind(next.version).bind(done)).await?;
         return Ok(folded);
     }
+    end_part(db, next).await?;
+    Ok(folded)
+}
+
+async fn end_part(db: &mut SqliteConnection, next: Next) -> Result<(), StoreError> {
     let delete = "delete from deferred_parts where map_key = $1 and version = $2 and part = $3";
     run(db, sqlx::query(delete).bind(next.map_key).bind(next.version).bind(next.part)).await?;
     if next.part + 1 == next.parts {
-        finish_version(db, next).await?;
-    } else {
-        let update = "update deferred_changes set part = part + 1, entries_done = 0 where map_key = $1 and version = $2";
-        run(db, sqlx::query(update).bind(next.map_key).bind(next.version)).await?;
+        return finish_version(db, next).await;
     }
-    Ok(folded)
+    let update =
+        "update deferred_changes set part = part + 1, entries_done = 0 where map_key = $1 and version = $2";
+    run(db, sqlx::query(update).bind(next.map_key).bind(next.version)).await
 }
 
 async fn finish_version(db: &mut SqliteConnection, next: Next) -> Result<(), StoreError> {

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use super::deferred::Part;
 use super::key_rows::NewKeyRow;
 use super::model_rows::Spent;
+use super::parts::Part;
 use crate::model::change::Change;
 use crate::model::event::Event;
+use crate::model::former::FormerValues;
 use crate::model::ids::{AnchorSeq, JudgementId, KeyframeSeq, MapId};
 use crate::model::judgement::Judgement;
 use crate::model::key::KeySeq;
@@ -38,6 +39,8 @@ pub struct Batch {
     pub memory_bytes: u64,
     /// The changes, in their order.
     pub changes: Vec<Change>,
+    /// The values that they replaced.
+    pub former: FormerValues,
     /// The heavy parts of the keyframe that arrived, if one did.
     pub new_keyframe: Option<NewKeyframeRows>,
     /// What happened, numbered.

@@ -33,8 +33,8 @@ pub(super) async fn add_keyframes(
 ) -> Result<(), StoreError> {
     let head =
         "insert into keyframes (map_key, keyframe, id, session, stamp_sec, stamp_nanosec, pose, camera,
-            observes, sent_points, declared, bow_words, bow_weights, digest, bytes) ";
-    write_rows(db, head, "", arrived, |row, Arrived { map, keyframe, bow, rows }| {
+            observes, sent_points, declared, bow_words, bow_weights, digest, bytes, version) ";
+    write_rows(db, head, "", arrived, |row, Arrived { map, version, keyframe, bow, rows }| {
         row.push_bind(*map).push_bind(keyframe.seq.0).push_bind(keyframe.id.as_str().to_owned());
         row.push_bind(keyframe.session.0).push_bind(keyframe.stamp.sec).push_bind(keyframe.stamp.nanosec);
         row.push_bind(pose_blob(&keyframe.map_from_camera)).push_bind(keyframe.camera.map(camera_blob));
@@ -42,7 +42,7 @@ pub(super) async fn add_keyframes(
         row.push_bind(pack(rows.keyframe.map_points.iter().map(|(id, _)| *id)));
         row.push_bind(pack(keyframe.declared.iter().map(|(other, shared)| (other.0, *shared))));
         row.push_bind(pack(bow.words().iter().copied())).push_bind(pack(bow.weights().iter().copied()));
-        row.push_bind(rows.digest.to_vec()).push_bind(keyframe.bytes as i64);
+        row.push_bind(rows.digest.to_vec()).push_bind(keyframe.bytes as i64).push_bind(*version as i64);
     })
     .await?;
     let with_features = |arrived: &'_ Arrived<'_>| arrived.rows.keyframe.features.is_some();

@@ -16,6 +16,7 @@ use crate::model::anchor::Outcome;
 use crate::model::bow::BowVector;
 use crate::model::change::{Change, Keyframe};
 use crate::model::event::{Event, EventKind};
+use crate::model::former::FormerValues;
 use crate::model::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::model::keyframe::{Detection, NewKeyframe, Stamp};
 use crate::model::map::{Learned, MapFigures, MapProperties};
@@ -34,6 +35,7 @@ fn batch(map: MapKey, version: u64, changes: Vec<Change>) -> Batch {
         learned: Learned::default(),
         memory_bytes: 0,
         changes,
+        former: FormerValues::default(),
         new_keyframe: None,
         events: Vec::new(),
     }

@@ -199,15 +199,20 @@ pub(super) async fn set_properties(
         run(db, sqlx::query(insert).bind(map).bind(class)).await?;
     }
     run(db, sqlx::query("delete from map_settings where map_key = $1").bind(map)).await?;
-    let defaults = Settings::default();
-    for row in Settings::TABLE {
-        let (value, default) = (properties.settings.get(row.name), defaults.get(row.name));
-        if let Some(value) = value.filter(|value| Some(value) != default.as_ref()) {
-            let insert = "insert into map_settings (map_key, name, value) values ($1, $2, $3)";
-            run(db, sqlx::query(insert).bind(map).bind(row.name).bind(setting_text(value))).await?;
-        }
+    for (name, value) in chosen(&properties.settings) {
+        let insert = "insert into map_settings (map_key, name, value) values ($1, $2, $3)";
+        run(db, sqlx::query(insert).bind(map).bind(name).bind(value)).await?;
     }
     Ok(())
+}
+
+/// Returns the settings that differ from their defaults, as text.
+pub(super) fn chosen(settings: &Settings) -> impl Iterator<Item = (&'static str, String)> {
+    let defaults = Settings::default();
+    Settings::TABLE.iter().filter_map(move |row| {
+        let value = settings.get(row.name).filter(|value| Some(value) != defaults.get(row.name).as_ref())?;
+        Some((row.name, setting_text(value)))
+    })
 }
 
 /// A setting as text; numbers in the shortest form that reads back to the same bits.
@@ -242,7 +247,7 @@ pub(super) async fn properties(
 }
 
 /// Returns the settings in force where these were chosen.
-fn settings(chosen: impl IntoIterator<Item = (String, String)>) -> Result<Settings, StoreError> {
+pub(super) fn settings(chosen: impl IntoIterator<Item = (String, String)>) -> Result<Settings, StoreError> {
     let mut settings = Settings::default();
     for (name, text) in chosen {
         let value =

@@ -4,7 +4,8 @@
 //! |---|---|
 //! | opening, pragmas, migrations | this file, [`schema`] |
 //! | one writer in a thread of its own, group commit | [`committer`], [`lanes`], [`writer`] |
-//! | large deletions and corrections, in slices | [`slices`], [`deletion`], [`deferred`], [`fold`] |
+//! | large deletions and corrections, in slices | [`slices`], [`deletion`], [`deferred`], [`parts`], [`fold`] |
+//! | what a map was sent, and read back in order | [`former_values`], [`operations`], [`export`] |
 //! | what it is asked to do, and what that costs | [`job`], [`cost`] |
 //! | from changes to rows, a group at a time | [`mod@write`], [`additions`], [`rows`], [`map_rows`], [`keyframe_rows`] |
 //! | from rows to changes, when a map is first asked for | [`load`], [`decode`], [`validate`] |
@@ -29,8 +30,10 @@ mod decode;
 mod deferred;
 mod deletion;
 mod error;
+mod export;
 pub mod files;
 mod fold;
+mod former_values;
 mod health;
 mod job;
 mod judgement_rows;
@@ -44,6 +47,8 @@ mod lock;
 mod log;
 mod map_rows;
 mod model_rows;
+mod operations;
+mod parts;
 mod read;
 mod renewal;
 mod replaced_rows;
@@ -69,6 +74,7 @@ use sqlx::sqlite::{
 pub use blob::unpacks;
 pub use committer::{CommitStats, Committer, Line};
 pub use error::StoreError;
+pub use export::Export;
 use files::DatabaseFiles;
 pub use job::{Batch, Job, MapKey, NewKeyframeRows};
 pub use judgement_rows::Fingerprints;

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use sqlx::sqlite::SqliteRow;
 use sqlx::{Row, SqliteConnection};
 
 use super::job::MapKey;
@@ -12,6 +13,7 @@ use crate::model::change::Change;
 use crate::model::ids::{KeyframeSeq, MapId};
 use crate::model::judged::{CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
 use crate::model::key::KeySeq;
+use crate::model::recorded::{NamedDetection, Recorded};
 
 /// Answers are kept up to this number, oldest out first.
 const ANSWERS_KEPT: i64 = 1_000_000;
@@ -127,14 +129,18 @@ pub(super) async fn add_reading(
 ) -> Result<(), StoreError> {
     replaced_rows::keep_reading(db, (map, version), read.keyframe, read.detection).await?;
     let reading = &read.reading;
+    // What is read anew stays in the place of its first reading.
+    let select = "select version from model_readings where map_key = $1 and keyframe = $2 and detection = $3";
+    let first = sqlx::query_scalar(select).bind(map).bind(read.keyframe.0).bind(read.detection);
+    let first: i64 = first.fetch_optional(&mut *db).await?.unwrap_or(version as i64);
     let delete = "delete from model_readings where map_key = $1 and keyframe = $2 and detection = $3";
     run(db, sqlx::query(delete).bind(map).bind(read.keyframe.0).bind(read.detection)).await?;
     let insert =
-        "insert into model_readings (map_key, keyframe, detection, text, source, described, degraded, fingerprint)
-        values ($1, $2, $3, $4, $5, $6, $7, $8)";
+        "insert into model_readings (map_key, keyframe, detection, text, source, described, degraded, fingerprint, version)
+        values ($1, $2, $3, $4, $5, $6, $7, $8, $9)";
     let query = sqlx::query(insert).bind(map).bind(read.keyframe.0).bind(read.detection);
     let query = query.bind(&*reading.text).bind(&*reading.source).bind(reading.described);
-    run(db, query.bind(reading.degraded).bind(&*read.fingerprint)).await?;
+    run(db, query.bind(reading.degraded).bind(&*read.fingerprint).bind(first)).await?;
     for (number, step) in read.transcript.iter().enumerate() {
         let insert = "insert into transcripts (map_key, keyframe, detection, step, speaker, question, answer)
             values ($1, $2, $3, $4, $5, $6, $7)";
@@ -157,15 +163,15 @@ pub(super) async fn add_verdict(
     };
     replaced_rows::keep_verdict(db, (map, version), operation, verdict).await?;
     let insert = "insert into model_verdicts
-            (map_key, operation, class, a, b, level, text, source, reason, fingerprint)
-        values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10)
+            (map_key, operation, class, a, b, level, text, source, reason, fingerprint, version)
+        values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11)
         on conflict (map_key, operation, class, a, b) do update
         set level = excluded.level, text = excluded.text, source = excluded.source, reason = excluded.reason,
             fingerprint = excluded.fingerprint";
     let query = sqlx::query(insert).bind(map).bind(operation).bind(&*verdict.class);
     let query = query.bind(&*verdict.a).bind(&*verdict.b).bind(level).bind(text);
     let query = query.bind(&*verdict.source).bind(&*verdict.reason);
-    run(db, query.bind(&*verdict.fingerprint)).await
+    run(db, query.bind(&*verdict.fingerprint).bind(version as i64)).await
 }
 
 pub(super) async fn set_away(db: &mut SqliteConnection, map: MapKey, away: bool) -> Result<(), StoreError> {
@@ -215,34 +221,63 @@ pub(super) async fn spend(db: &mut SqliteConnection, spent: &Spent) -> Result<()
     run(db, sqlx::query(insert).bind(spent.day).bind(key.0).bind(spent.calls).bind(spent.cost_microusd)).await
 }
 
+/// What models said of a map, by the version that first brought it.
+pub(super) async fn by_version(
+    db: &mut SqliteConnection,
+    map: MapKey,
+) -> Result<Vec<(u64, Recorded)>, StoreError> {
+    let mut said = Vec::new();
+    let select = "select r.version, k.id, r.detection, r.text, r.source, r.described, r.degraded
+        from model_readings r join keyframes k on k.map_key = r.map_key and k.keyframe = r.keyframe
+        where r.map_key = $1 order by r.keyframe, r.detection";
+    let rows: Vec<(i64, String, u16, String, String, bool, bool)> =
+        sqlx::query_as(select).bind(map).fetch_all(&mut *db).await?;
+    for (version, keyframe, number, text, source, described, degraded) in rows {
+        let detection = NamedDetection { keyframe: super::decode::id(&keyframe)?, number };
+        let reading = CropReading { text: text.into(), source: source.into(), described, degraded };
+        said.push((version as u64, Recorded::CropRead { detection, reading }));
+    }
+    let select = "select * from model_verdicts where map_key = $1 order by operation, class, a, b";
+    for row in sqlx::query(select).bind(map).fetch_all(&mut *db).await? {
+        let version: i64 = row.try_get("version")?;
+        said.push((version as u64, Recorded::Judged(verdict(&row)?)));
+    }
+    said.sort_by_key(|(version, _)| *version);
+    Ok(said)
+}
+
 /// The verdicts about a map's texts, and whether it waits for a model.
 pub(super) async fn verdicts(db: &mut SqliteConnection, map: MapKey) -> Result<Vec<Change>, StoreError> {
     let mut changes = Vec::new();
     let select = "select operation, class, a, b, level, text, source, reason, fingerprint from model_verdicts
         where map_key = $1";
     for row in sqlx::query(select).bind(map).fetch_all(&mut *db).await? {
-        let level = || -> Result<u8, StoreError> { Ok(row.try_get::<u8, _>("level")?) };
-        let finding = match row.try_get::<&str, _>("operation")? {
-            "similarity" => Finding::Similarity(level()?),
-            "information" => Finding::Information(level()?),
-            "merge" => Finding::Merge(row.try_get::<&str, _>("text")?.into()),
-            other => return Err(StoreError::corrupt(format!("verdict {other}"))),
-        };
-        changes.push(Change::Judged(Box::new(ModelVerdict {
-            class: row.try_get::<&str, _>("class")?.into(),
-            a: row.try_get::<&str, _>("a")?.into(),
-            b: row.try_get::<&str, _>("b")?.into(),
-            finding,
-            source: row.try_get::<&str, _>("source")?.into(),
-            reason: row.try_get::<&str, _>("reason")?.into(),
-            fingerprint: row.try_get::<&str, _>("fingerprint")?.into(),
-        })));
+        changes.push(Change::Judged(Box::new(verdict(&row)?)));
     }
     let select = "select exists (select 1 from models_away where map_key = $1)";
     if sqlx::query_scalar(select).bind(map).fetch_one(&mut *db).await? {
         changes.push(Change::ModelAway(true));
     }
     Ok(changes)
+}
+
+fn verdict(row: &SqliteRow) -> Result<ModelVerdict, StoreError> {
+    let level = || -> Result<u8, StoreError> { Ok(row.try_get::<u8, _>("level")?) };
+    let finding = match row.try_get::<&str, _>("operation")? {
+        "similarity" => Finding::Similarity(level()?),
+        "information" => Finding::Information(level()?),
+        "merge" => Finding::Merge(row.try_get::<&str, _>("text")?.into()),
+        other => return Err(StoreError::corrupt(format!("verdict {other}"))),
+    };
+    Ok(ModelVerdict {
+        class: row.try_get::<&str, _>("class")?.into(),
+        a: row.try_get::<&str, _>("a")?.into(),
+        b: row.try_get::<&str, _>("b")?.into(),
+        finding,
+        source: row.try_get::<&str, _>("source")?.into(),
+        reason: row.try_get::<&str, _>("reason")?.into(),
+        fingerprint: row.try_get::<&str, _>("fingerprint")?.into(),
+    })
 }
 
 /// What models made of a map's crops.

@@ -24,6 +24,7 @@ const MIGRATIONS: &[Step] = &[
     (8, "ranges", include_str!("../../migrations/sqlite/0008_ranges.sql")),
     (9, "learned", include_str!("../../migrations/sqlite/0009_learned.sql")),
     (10, "changed_signs", include_str!("../../migrations/sqlite/0010_changed_signs.sql")),
+    (11, "history", include_str!("../../migrations/sqlite/0011_history.sql")),
 ];
 
 /// The newest schema that this program knows.

@@ -6,11 +6,15 @@ use super::additions::{Additions, KeptQuery};
 use super::blob::pack;
 use super::job::{Batch, Job, MapKey};
 use super::keyframe_rows::{detections, forget_points, pose_blob};
+use super::operations::Operation;
 use super::{
-    StoreError, changed_sign_rows, deferred, deletion, judgement_rows, key_rows, map_rows, model_rows,
-    twin_rows,
+    StoreError, changed_sign_rows, deferred, deletion, former_values, judgement_rows, key_rows, map_rows,
+    model_rows, operations, twin_rows,
 };
 use crate::model::change::{Change, Loop, Merge, MergeCause};
+
+/// The version of a map that was just made.
+const FIRST_VERSION: u64 = 1;
 
 /// Events of a map are kept up to this number, oldest out first.
 pub(super) const EVENTS_KEPT: u64 = 100_000;
@@ -60,7 +64,8 @@ pub(super) async fn execute<'j>(
 async fn execute_alone(db: &mut SqliteConnection, job: &Job) -> Result<(), StoreError> {
     match job {
         Job::CreateMap { key, id, properties, digest, owner } => {
-            map_rows::create(db, *key, id, properties, digest, *owner).await
+            map_rows::create(db, *key, id, properties, digest, *owner).await?;
+            operations::add(db, (*key, FIRST_VERSION), &Operation::from(&**properties)).await
         }
         Job::DeleteMap(map) => {
             map_rows::keep_event_numbers(db, *map).await?;
@@ -111,6 +116,7 @@ async fn change_map<'j>(
         additions.write(db).await?;
         apply(db, (map, batch.version), change).await?;
     }
+    former_values::add(db, batch).await?;
     // After the anchors they name.
     additions.detect(detections(batch)?);
     additions.tell(map, &batch.events);
@@ -123,7 +129,10 @@ async fn apply(
     change: &Change,
 ) -> Result<(), StoreError> {
     match change {
-        Change::MapSet(properties) => map_rows::set_properties(db, map, properties).await,
+        Change::MapSet(properties) => {
+            map_rows::set_properties(db, map, properties).await?;
+            operations::add(db, (map, version), &Operation::from(&**properties)).await
+        }
         Change::VocabularySet(name) => {
             let update = "update maps set vocabulary = $2 where map_key = $1";
             run(db, sqlx::query(update).bind(map).bind(&**name)).await
@@ -138,8 +147,14 @@ async fn apply(
         }
         Change::PointsForgotten(session, ids) => forget_points(db, map, *session, ids).await,
         Change::AnchorRemoved(seq) => {
-            let orphan = "update detections set anchor = null, outcome = 'anchor_deleted' where map_key = $1 and anchor = $2";
-            run(db, sqlx::query(orphan).bind(map).bind(seq.0)).await?;
+            let orphan =
+                "update detections set anchor = null, outcome = 'anchor_deleted', deleted_anchor = $2,
+                deleted_in = $3 where map_key = $1 and anchor = $2";
+            let orphan = sqlx::query(orphan).bind(map).bind(seq.0).bind(version as i64);
+            // One that lost its last detection with a keyframe has none to be deleted from.
+            if orphan.execute(&mut *db).await?.rows_affected() > 0 {
+                operations::add(db, (map, version), &Operation::AnchorDeleted {}).await?;
+            }
             let delete = "delete from anchors where map_key = $1 and anchor = $2";
             run(db, sqlx::query(delete).bind(map).bind(seq.0)).await
         }
@@ -151,10 +166,14 @@ async fn apply(
         }
         Change::DescriptionSet(seq, text) => {
             let update = "update anchors set description_by_hand = $3 where map_key = $1 and anchor = $2";
-            run(db, sqlx::query(update).bind(map).bind(seq.0).bind(text.as_deref())).await
+            run(db, sqlx::query(update).bind(map).bind(seq.0).bind(text.as_deref())).await?;
+            operations::add(db, (map, version), &operations::described(*seq, text.as_deref())).await
         }
         Change::Merged(merge) => add_merge(db, map, merge).await,
-        Change::LoopAdded(closed) => add_loop(db, map, closed).await,
+        Change::LoopAdded(closed) => {
+            add_loop(db, map, closed).await?;
+            operations::add(db, (map, version), &Operation::from(closed)).await
+        }
         Change::TwinsFound(twins) => twin_rows::add(db, map, twins).await,
         Change::TwinsWithdrawn(twins) => twin_rows::remove(db, map, twins).await,
         Change::ObservationMoved(moved) => changed_sign_rows::move_observation(db, map, moved).await,
@@ -170,7 +189,8 @@ async fn apply(
             let merges = "delete from anchor_merges where map_key = $1 and loop_id = $2";
             run(db, sqlx::query(merges).bind(map).bind(id.as_str())).await?;
             let delete = "delete from loops where map_key = $1 and id = $2";
-            run(db, sqlx::query(delete).bind(map).bind(id.as_str())).await
+            run(db, sqlx::query(delete).bind(map).bind(id.as_str())).await?;
+            operations::add(db, (map, version), &operations::revoked(id)).await
         }
         Change::SessionAdded(..)
         | Change::KeyframeAdded(..)

@@ -1,0 +1,48 @@
+//! Recorded operations: what a map was sent, one by one, as a recording writes it.
+
+use super::ids::{KeyframeId, LoopId};
+use super::judged::{CropReading, ModelVerdict};
+use super::keyframe::NewKeyframe;
+use super::request::{MapPatch, NewLoop, PoseCorrection};
+
+/// An operation that changed a map, as its client sent it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Recorded {
+    /// The map was made, or what it names was changed.
+    Map(MapPatch),
+    /// A keyframe was stored, with its pose and positions of that time.
+    Keyframe(Box<NewKeyframe>),
+    /// Poses and map points were corrected.
+    Poses(PoseCorrection),
+    /// A loop was confirmed.
+    Loop(NewLoop),
+    /// A loop was revoked.
+    LoopRevoked(LoopId),
+    /// The anchor that a detection feeds was described by hand, or given back to its readings.
+    Description {
+        /// The detection.
+        detection: NamedDetection,
+        /// The description.
+        text: Option<String>,
+    },
+    /// The anchor that a detection fed was deleted.
+    AnchorDeleted(NamedDetection),
+    /// A model judged texts.
+    Judged(ModelVerdict),
+    /// A model, or a reader of characters, read the crop of a detection.
+    CropRead {
+        /// The detection.
+        detection: NamedDetection,
+        /// What was read.
+        reading: CropReading,
+    },
+}
+
+/// A detection by the name of its keyframe. It stands for the anchor that it feeds, whose id is the server's.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamedDetection {
+    /// The keyframe.
+    pub keyframe: KeyframeId,
+    /// Which of its detections, counted from 0.
+    pub number: u16,
+}
