@@ -5,6 +5,7 @@ mod check;
 mod completions;
 mod demo;
 mod eval;
+mod export;
 mod health;
 mod keys;
 mod openapi;
@@ -44,6 +45,7 @@ enum Command {
     Backup(backup::BackupArgs),
     Restore(backup::RestoreArgs),
     Check(check::CheckArgs),
+    Export(export::ExportArgs),
     Health(health::HealthArgs),
     Completions(completions::CompletionsArgs),
 }
@@ -65,6 +67,7 @@ impl Cli {
             Command::Backup(args) => backup::run(args).await,
             Command::Restore(args) => backup::run_restore(args).await,
             Command::Check(args) => check::run(args).await,
+            Command::Export(args) => export::run(args).await,
             Command::Health(args) => health::run(args).await,
             Command::Completions(args) => completions::run(&args),
         }

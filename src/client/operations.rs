@@ -1,11 +1,17 @@
 //! Operations: one function per operation of the contract, the body as the contract writes it.
 
+use std::io;
+use std::time::Duration;
+
 use reqwest::Method;
 use serde_json::Value;
 
 use super::{
-    Client, ClientError, ClosedLoop, KeyframeAnswer, LoopAnswer, MapAnswer, StoredKeyframe, address,
+    Answer, Client, ClientError, ClosedLoop, KeyframeAnswer, LoopAnswer, MapAnswer, StoredKeyframe, address,
 };
+
+/// A map of a million keyframes is exported within this time.
+const EXPORT_TIMEOUT: Duration = Duration::from_hours(12);
 
 impl Client {
     /// Declares a map: `{"description", "metric", "anchor_classes", "settings"}`.
@@ -94,6 +100,31 @@ impl Client {
     pub async fn post_poses(&self, map: &str, body: &Value) -> Result<(), ClientError> {
         let url = self.map_url(map, &["poses"], &[])?;
         self.send(Method::POST, url, Some(body)).await.map(drop)
+    }
+
+    /// What a model said: `{"operation", "class", "texts", "level", ...}`.
+    pub async fn post_model_verdict(&self, map: &str, body: &Value) -> Result<(), ClientError> {
+        let url = self.map_url(map, &["model-verdicts"], &[])?;
+        self.send(Method::POST, url, Some(body)).await.map(drop)
+    }
+
+    /// Reads a map as a recording, which `take` is given piece by piece.
+    pub async fn export(
+        &self,
+        map: &str,
+        mut take: impl FnMut(&[u8]) -> io::Result<()>,
+    ) -> Result<(), ClientError> {
+        let url = self.map_url(map, &["export"], &[])?;
+        let failed = |source| ClientError::transport(&url, source);
+        let request = self.request(Method::GET, &url, None).timeout(EXPORT_TIMEOUT);
+        let mut response = request.send().await.map_err(failed)?;
+        if !response.status().is_success() {
+            return Answer::read(url, response).await.map(drop);
+        }
+        while let Some(piece) = response.chunk().await.map_err(failed)? {
+            take(&piece).map_err(ClientError::Write)?;
+        }
+        Ok(())
     }
 
     fn map_url(&self, map: &str, below: &[&str], query: &[(&str, &str)]) -> Result<String, ClientError> {

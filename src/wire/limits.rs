@@ -74,6 +74,12 @@ pub const COVISIBLE: usize = 10_000;
 pub const SHARED: RangeInclusive<i64> = 0..=u32::MAX as i64;
 /// Detections of one keyframe.
 pub const DETECTIONS: usize = 500;
+/// The number of a detection in its keyframe.
+pub const DETECTION: RangeInclusive<i64> = 0..=DETECTIONS as i64 - 1;
+/// Characters of the name of a model, as the source of a verdict.
+pub const SOURCE_CHARS: usize = 128;
+/// A level of §IV-A.2.
+pub const LEVEL: RangeInclusive<i64> = 1..=5;
 /// Characters of a class.
 pub const CLASS_CHARS: usize = 64;
 /// Characters of a text, a description or a search.

@@ -114,6 +114,14 @@ pub struct MergeView {
     pub from: String,
 }
 
+impl From<NewLoop> for LoopBody {
+    fn from(new: NewLoop) -> Self {
+        let NewLoop { id, keyframe, candidate, query } = new;
+        let (keyframe, candidate) = (keyframe.to_string(), candidate.to_string());
+        Self { id: id.to_string(), keyframe, candidate, query }
+    }
+}
+
 impl Decode for NewLoop {
     fn decode(node: &Node<'_>) -> Option<Self> {
         let body = node.object(&["id", "keyframe", "candidate", "query"])?;

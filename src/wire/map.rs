@@ -154,6 +154,18 @@ impl Decode for MapPatch {
     }
 }
 
+impl From<MapPatch> for MapPatchBody {
+    fn from(patch: MapPatch) -> Self {
+        let MapPatch { description, anchor_classes, metric, settings } = patch;
+        Self {
+            description,
+            metric,
+            anchor_classes,
+            settings: (!settings.is_empty()).then(|| MapSettings::from(settings)),
+        }
+    }
+}
+
 /// A set: neither the order nor a class named twice makes another map.
 fn classes(node: &Node<'_>) -> Option<Vec<String>> {
     let mut classes = node.list(limits::ANCHOR_CLASSES, |node| node.name(limits::CLASS_CHARS))?;

@@ -12,7 +12,8 @@
 //! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`anchor`], [`transcript`], [`loops`], [`event`] | resources |
 //! | [`loop_query`], [`verdict`], [`geometry`] | "is this keyframe a loop?" and its answer |
 //! | [`semantics`], [`usage`], [`service`], [`backup`] | the three functions of §IV-A.2; what models cost; how the server is; copies of it |
-//! | [`trajectory`] | poses as TUM, KITTI and g2o write them |
+//! | [`trajectory`], [`recording`] | poses as TUM, KITTI and g2o write them; a map as a recording |
+//! | [`judgement`], [`model_verdict`] | a changed model asked again; what a model said elsewhere |
 //! | [`key`] | API keys |
 //! | [`list`], [`problem`] | parts of lists; refusals |
 //! | [`examples`] | one example of each, for the API document |
@@ -34,9 +35,11 @@ pub mod list;
 pub mod loop_query;
 pub mod loops;
 pub mod map;
+pub mod model_verdict;
 pub mod poses;
 pub mod problem;
 pub mod read;
+pub mod recording;
 pub mod semantics;
 pub mod service;
 pub mod settings;

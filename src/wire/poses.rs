@@ -74,6 +74,20 @@ impl Decode for PoseCorrection {
     }
 }
 
+impl From<PoseCorrection> for PosesBody {
+    fn from(correction: PoseCorrection) -> Self {
+        let PoseCorrection { session, keyframes, map_points } = correction;
+        let keyframes = keyframes.into_iter().map(|(id, pose)| (id.to_string(), Transform::from(pose)));
+        let (ids, poses) = keyframes.unzip();
+        let keyframes = PoseList { ids, poses };
+        Self {
+            session: Some(session.to_string()),
+            keyframes: (!keyframes.ids.is_empty()).then_some(keyframes),
+            map_points: (!map_points.is_empty()).then(|| map_points.into()),
+        }
+    }
+}
+
 fn keyframes(node: &Node<'_>) -> Option<Vec<(KeyframeId, Pose)>> {
     let body = node.object(&["ids", "poses"])?;
     let ids = body.required("ids", |node| super::keyframe::unique(node, limits::CORRECTIONS, read::id));

@@ -74,6 +74,12 @@ impl From<&Settings> for MapSettings {
     }
 }
 
+impl From<Vec<(String, SettingValue)>> for MapSettings {
+    fn from(chosen: Vec<(String, SettingValue)>) -> Self {
+        Self(chosen.into_iter().map(|(name, value)| (name, json_of(value))).collect())
+    }
+}
+
 fn json_of(value: SettingValue) -> Value {
     match value {
         SettingValue::Number(number) => json!(number),

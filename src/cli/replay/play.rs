@@ -46,6 +46,8 @@ pub(super) struct Played {
     pub poses: u64,
     /// Anchors described by hand.
     pub descriptions: u64,
+    /// Verdicts of models brought.
+    pub judgements: u64,
     /// Keyframes, anchors and loops removed.
     pub deletions: u64,
     /// Lines that the server refused.
@@ -126,6 +128,10 @@ impl Player {
                 let anchor = self.client.anchor_of(map, &keyframe, detection).await?;
                 self.client.patch_anchor(map, &anchor, &Value::Object(body)).await?;
                 self.played.descriptions += 1;
+            }
+            Op::Judgement { body } => {
+                self.client.post_model_verdict(map, &Value::Object(body)).await?;
+                self.played.judgements += 1;
             }
             Op::Delete(deleted) => {
                 self.delete(map, deleted).await?;
@@ -236,6 +242,7 @@ fn describe(map: &str, op: &Op) -> String {
         Op::Description { keyframe, detection, .. } => {
             format!("description of detection {detection} of {keyframe} of {map}")
         }
+        Op::Judgement { .. } => format!("what a model said of {map}"),
         Op::Delete(deleted) => match deleted {
             Deleted::Keyframe(keyframe) => format!("removal of {keyframe} of {map}"),
             Deleted::Anchor { keyframe, detection } => {

@@ -65,6 +65,8 @@ pub(super) enum Op {
     Poses { body: Body },
     /// Describe an anchor by hand: the one that a detection feeds.
     Description { keyframe: String, detection: usize, body: Body },
+    /// Bring what a model said.
+    Judgement { body: Body },
     /// Remove a keyframe, the anchor that one of its detections feeds, or a loop.
     Delete(Deleted),
 }

@@ -24,6 +24,7 @@ pub(super) struct Report {
     pub closed_loops: u64,
     pub pose_corrections: u64,
     pub descriptions: u64,
+    pub judgements: u64,
     pub deletions: u64,
     /// Queries asked and answered.
     pub queries: usize,
@@ -93,6 +94,7 @@ impl Report {
             closed_loops: played.loops,
             pose_corrections: played.poses,
             descriptions: played.descriptions,
+            judgements: played.judgements,
             deletions: played.deletions,
             queries: queries.len(),
             accuracy: accuracy(&service),

@@ -27,6 +27,7 @@ fn write_recording(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
         (report.closed_loops, "closed loop", "closed loops"),
         (report.pose_corrections, "pose correction", "pose corrections"),
         (report.descriptions, "description by hand", "descriptions by hand"),
+        (report.judgements, "model verdict", "model verdicts"),
         (report.deletions, "deletion", "deletions"),
         (report.queries as u64, "query", "queries"),
     ];

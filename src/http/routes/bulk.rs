@@ -28,7 +28,7 @@ use crate::wire::bulk::{self, BulkItem, BulkLine};
 use crate::wire::examples;
 use crate::wire::limits;
 
-const NDJSON: &str = "application/x-ndjson";
+pub(super) const NDJSON: &str = "application/x-ndjson";
 
 /// Store many keyframes
 ///

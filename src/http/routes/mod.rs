@@ -4,6 +4,7 @@ mod anchors;
 mod backups;
 mod bulk;
 mod events;
+mod export;
 mod judgements;
 mod keyframes;
 mod keys;
@@ -11,6 +12,7 @@ mod lines;
 mod loop_queries;
 mod loops;
 mod maps;
+mod model_verdicts;
 mod poses;
 mod semantics;
 mod service;
@@ -37,10 +39,12 @@ pub fn api(frame: OpenApi) -> OpenApiRouter<App> {
         .routes(routes!(keyframes::get_local_anchor_map))
         .routes(routes!(poses::correct_poses))
         .routes(routes!(trajectories::get_trajectory))
+        .routes(routes!(export::export_map))
         .routes(routes!(loop_queries::query_loop))
         .routes(routes!(loop_queries::get_loop_query))
         .routes(routes!(loops::list_loops, loops::confirm_loop))
         .routes(routes!(loops::revoke_loop))
+        .routes(routes!(model_verdicts::bring_model_verdict))
         .routes(routes!(judgements::judge_again))
         .routes(routes!(judgements::get_judgement, judgements::stop_judgement))
         .routes(routes!(anchors::list_anchors))

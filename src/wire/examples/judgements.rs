@@ -53,3 +53,16 @@ pub fn judgement() -> Value {
         }]
     })
 }
+
+/// What a model said of two texts.
+pub fn model_verdict() -> Value {
+    json!({
+        "operation": "similarity", "class": "painting", "texts": ["a red boat at sea", "a sailing ship, red"], "level": 4,
+        "source": "model:gpt-4o-mini", "reason": "Both are a red vessel under sail."
+    })
+}
+
+/// What became of it.
+pub fn model_verdict_answer() -> Value {
+    json!({"map_version": 10, "applied": true})
+}

@@ -6,11 +6,13 @@
 //! | `decode` | the shape read into the model, with every fault in it |
 //! | `features`, `detection` | its two large members, read |
 //! | `answer` | the shapes answered |
+//! | `original` | the shape sent, written again |
 
 mod answer;
 mod decode;
 mod detection;
 mod features;
+mod original;
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;

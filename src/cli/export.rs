@@ -1,0 +1,172 @@
+//! `revisit export`: a map as a recording.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use tempfile::NamedTempFile;
+
+use super::Failure;
+use crate::client::Client;
+use crate::model::counted::counted;
+use crate::model::ids::MapId;
+use crate::store::Export;
+use crate::store::backup::folder_of;
+use crate::store::files::DatabaseFiles;
+use crate::wire::recording::write_line;
+
+/// How hard a file that ends in `.zst` is compressed.
+const ZSTD_LEVEL: i32 = 3;
+
+/// Lines are written in pieces of about this size.
+const PIECE_BYTES: usize = 64 << 10;
+
+/// Write a map as a recording, also while a server runs.
+///
+/// One operation a line, in the order of writing, each with the body in which it was sent: `revisit replay FILE` makes the
+/// same map again, on any server, with the same verdicts. Deleted keyframes are left out. A FILE that ends in `.zst` or `.gz`
+/// is compressed; it appears when it is whole.
+#[derive(Args, Debug)]
+pub struct ExportArgs {
+    /// The map
+    map: MapId,
+    /// The file to write; `-` is standard output
+    file: PathBuf,
+    /// The database to read
+    #[arg(long, env = "REVISIT_DATABASE", value_name = "URL", default_value = "sqlite://revisit.db")]
+    database: String,
+    /// Ask this server instead of reading a database
+    #[arg(long, env = "REVISIT_SERVER", value_name = "URL")]
+    server: Option<String>,
+    /// API key for --server
+    #[arg(long, env = "REVISIT_KEY", value_name = "SECRET", hide_env_values = true)]
+    key: Option<String>,
+    /// Replace the file if it is there
+    #[arg(long, env = "REVISIT_FORCE")]
+    force: bool,
+}
+
+/// Runs `export`.
+pub async fn run(args: ExportArgs) -> Result<(), Failure> {
+    if args.file == Path::new("-") {
+        return match export(&args, &mut io::stdout().lock()).await {
+            Err(Unwritten::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+            exported => Ok(exported.map(drop)?),
+        };
+    }
+    if args.file.exists() && !args.force {
+        return Err(format!("{} exists; --force replaces it", args.file.display()).into());
+    }
+    let file = NamedTempFile::new_in(folder_of(&args.file))?;
+    let mut to = Output::new(file.reopen()?, &args.file)?;
+    let lines = export(&args, &mut to).await?;
+    to.finish()?.sync_all()?;
+    let written = if args.force { file.persist(&args.file) } else { file.persist_noclobber(&args.file) };
+    let bytes = written.map_err(|error| error.error)?.metadata()?.len();
+    eprintln!("{}: {}, {bytes} bytes", args.file.display(), counted(lines, "operation"));
+    Ok(())
+}
+
+/// Why a recording was not written.
+#[derive(Debug, thiserror::Error)]
+enum Unwritten {
+    #[error("cannot write: {0}")]
+    Output(#[from] io::Error),
+    #[error(transparent)]
+    Client(crate::client::ClientError),
+    #[error(transparent)]
+    Store(#[from] crate::store::StoreError),
+    #[error("there is no map {0} in the database")]
+    NoMap(MapId),
+}
+
+/// Writes the lines of a map, and returns their number.
+async fn export(args: &ExportArgs, to: &mut impl Write) -> Result<usize, Unwritten> {
+    match &args.server {
+        Some(server) => of_server(args, server, to).await,
+        None => of_database(args, to).await,
+    }
+}
+
+async fn of_server(args: &ExportArgs, server: &str, to: &mut impl Write) -> Result<usize, Unwritten> {
+    let client = Client::new(server).map_err(Unwritten::Client)?;
+    let client = match &args.key {
+        Some(key) => client.with_key(key),
+        None => client,
+    };
+    let mut lines = 0;
+    let take = |bytes: &[u8]| {
+        lines += bytes.iter().filter(|byte| **byte == b'\n').count();
+        to.write_all(bytes)
+    };
+    match client.export(args.map.as_str(), take).await {
+        Err(crate::client::ClientError::Write(error)) => Err(error.into()),
+        exported => exported.map_err(Unwritten::Client),
+    }?;
+    to.flush()?;
+    Ok(lines)
+}
+
+async fn of_database(args: &ExportArgs, to: &mut impl Write) -> Result<usize, Unwritten> {
+    let files = DatabaseFiles::of_url(&args.database)?;
+    let export = Export::of_database(&files, &args.map).await?;
+    let mut export = export.ok_or_else(|| Unwritten::NoMap(args.map.clone()))?;
+    let (mut lines, mut piece) = (0, Vec::new());
+    while let Some(recorded) = export.next().await? {
+        write_line(&args.map, recorded, &mut piece).map_err(io::Error::from)?;
+        lines += 1;
+        if piece.len() >= PIECE_BYTES {
+            to.write_all(&piece)?;
+            piece.clear();
+        }
+    }
+    to.write_all(&piece)?;
+    to.flush()?;
+    Ok(lines)
+}
+
+/// A file, compressed as its name says.
+enum Output {
+    Plain(BufWriter<File>),
+    Gzip(Box<flate2::write::GzEncoder<File>>),
+    Zstd(Box<zstd::Encoder<'static, File>>),
+}
+
+impl Output {
+    fn new(file: File, name: &Path) -> io::Result<Self> {
+        Ok(match name.extension().and_then(|ending| ending.to_str()) {
+            Some("gz") => {
+                Self::Gzip(Box::new(flate2::write::GzEncoder::new(file, flate2::Compression::default())))
+            }
+            Some("zst") => Self::Zstd(Box::new(zstd::Encoder::new(file, ZSTD_LEVEL)?)),
+            _ => Self::Plain(BufWriter::new(file)),
+        })
+    }
+
+    fn finish(self) -> io::Result<File> {
+        match self {
+            Self::Plain(file) => file.into_inner().map_err(io::IntoInnerError::into_error),
+            Self::Gzip(file) => file.finish(),
+            Self::Zstd(file) => file.finish(),
+        }
+    }
+}
+
+impl Write for Output {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::Plain(file) => file.write(bytes),
+            Self::Gzip(file) => file.write(bytes),
+            Self::Zstd(file) => file.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Self::Plain(file) => file.flush(),
+            Self::Gzip(file) => file.flush(),
+            Self::Zstd(file) => file.flush(),
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! Model verdicts: what a model said elsewhere.
+
+use axum::Json;
+use axum::extract::State;
+
+use crate::http::body::Body;
+use crate::http::path::{InMap, MapPath};
+use crate::http::problem::Problem;
+use crate::http::refusals::OfWrite;
+use crate::model::request::NewVerdict;
+use crate::service::Service;
+use crate::wire::examples;
+use crate::wire::model_verdict::{ModelVerdictAnswer, ModelVerdictBody};
+
+/// Bring what a model said
+///
+/// A level or a merged text of texts of one class, or the description of a detection's crop: it is applied as if a model of
+/// this server had said it, and asks none. So a copy of a map, or a model that runs elsewhere, brings its verdicts. Where no
+/// anchor carries the texts, or the crop was read for good, it changes nothing.
+#[utoipa::path(
+    post, path = "/v1/maps/{map}/model-verdicts", tag = "anchors", params(MapPath), security(("key" = ["write"])),
+    request_body(content = ModelVerdictBody, example = examples::model_verdict),
+    responses(
+        (status = 200, description = "What became of it", body = ModelVerdictAnswer, example = examples::model_verdict_answer),
+        OfWrite
+    )
+)]
+pub async fn bring_model_verdict(
+    State(service): State<Service>,
+    InMap(map): InMap,
+    Body(new): Body<NewVerdict>,
+) -> Result<Json<ModelVerdictAnswer>, Problem> {
+    let (map_version, applied) = service.bring_verdict(&map, new).await?;
+    Ok(Json(ModelVerdictAnswer { map_version, applied }))
+}
