@@ -1,4 +1,4 @@
-//! §IV-C.2, semantic anchor matching: merged where covisible and close, else a revisit (§8.5).
+//! §IV-C.2, semantic anchor matching: merged where covisible and close, else a revisit (M5).
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,4 @@
-//! §8.14: a text without an identifier closes a loop only with a witness.
+//! M22: a text without an identifier closes a loop only with a witness.
 
 use serde_json::{Value, json};
 
