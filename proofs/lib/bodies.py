@@ -1,4 +1,4 @@
-"""Random bodies that the contract allows: any order, gaps, repeats, and the extremes of every field."""
+"""Random bodies that the API allows: any order, gaps, repeats, and the extremes of every field."""
 
 import base64
 

@@ -62,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_id_of_the_contract_stays_readable_and_any_other_is_encoded() {
+    fn an_id_of_the_api_stays_readable_and_any_other_is_encoded() {
         let check = |id: &str, expected: &str| {
             let url = url("http://h:1", &["v1", "maps", id], &[]).expect("an address");
             assert_eq!(url, format!("http://h:1/v1/maps/{expected}"));

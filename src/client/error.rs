@@ -46,7 +46,7 @@ pub enum ClientError {
         /// Which of its detections, counted from 0.
         detection: usize,
     },
-    /// The server answered something else than the contract promises.
+    /// The server answered something else than the API document promises.
     #[error("the answer of {url} is not understood: {source}")]
     Decode {
         /// What was asked.

@@ -1,9 +1,9 @@
-//! Client: the contract spoken over plain HTTP, typed, for whatever of ours talks to a server.
+//! Client: the API over plain HTTP, typed, for whatever of ours talks to a server.
 //!
 //! | file | concept |
 //! |---|---|
 //! | `address` | ids and queries become URLs |
-//! | `operations` | one function per operation of the contract |
+//! | `operations` | one function per operation of the API |
 //! | `answers` | the fields of the answers that a client uses |
 //! | `error` | what can go wrong, said in one line each |
 

@@ -1,4 +1,4 @@
-//! Operations: one function per operation of the contract, the body as the contract writes it.
+//! Operations: one function per operation of the API, the body as the API document has it.
 
 use std::io;
 use std::time::Duration;

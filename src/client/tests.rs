@@ -45,7 +45,7 @@ fn seen(seen: &Seen) -> Vec<(String, Option<String>, Value)> {
 }
 
 #[tokio::test]
-async fn every_operation_asks_what_the_contract_says() {
+async fn every_operation_asks_what_the_api_document_says() {
     let answer = json!({"id": "x", "keyframe": "kf", "verdict": "no_loop", "passed": "over"});
     let (client, log) = stub(move || axum::Json(answer.clone())).await;
     let client = client.with_key("secret");
@@ -84,7 +84,7 @@ async fn an_answer_without_a_body_is_enough_where_nothing_is_read() {
 }
 
 #[tokio::test]
-async fn the_example_of_the_contract_is_understood() {
+async fn the_example_of_an_answer_is_understood() {
     let answer = json!({
         "id": "q-81", "map_version": 412, "verdict": "loop", "best": "kf-3", "loops": ["kf-3"], "degraded": false,
         "candidates": [{"keyframe": "kf-3", "verdict": "rejected",
@@ -145,7 +145,7 @@ async fn a_page_of_a_proxy_is_a_problem_too() {
 }
 
 #[tokio::test]
-async fn an_answer_off_the_contract_is_said_with_its_place() {
+async fn an_answer_off_the_api_document_is_said_with_its_place() {
     let answer = r#"{"id":"q","verdict":"loop","candidates":[{"keyframe":"k","verdict":"perhaps"}]}"#;
     let (client, _) = stub(move || answer).await;
     let error = client.loop_query("m", &json!({})).await.expect_err("off");

@@ -8,7 +8,7 @@ use super::{Point3, Pose};
 ///
 /// The paper says "the angle θ_m of anchor A_m with respect to its central keyframe" and leaves
 /// open of what. We take the unit vector from the camera's centre to the anchor's centre *in
-/// the keyframe's camera frame* (`contract.md` §8.2), so that the difference of two bearings is
+/// the keyframe's camera frame* (M2), so that the difference of two bearings is
 /// one angle in `[0, pi]`, whatever frames the two maps have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bearing {

@@ -1,4 +1,4 @@
-//! Message: what the robot says to the server, in the words of the contract.
+//! Message: what the robot says to the server, in the words of the API document.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;

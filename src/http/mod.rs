@@ -1,4 +1,4 @@
-//! HTTP: the contract spoken over HTTP/1.1.
+//! HTTP: the API over HTTP/1.1.
 //!
 //! | file | concept |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! Problem: why a request is refused or failed, before the envelope writes it (`contract.md` §1).
+//! Problem: why a request is refused or failed, before the envelope writes it (`openapi/openapi.yaml`).
 
 use std::time::Duration;
 

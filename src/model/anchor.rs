@@ -29,7 +29,7 @@ pub struct Observation {
     pub crop_reading: Option<CropReading>,
 }
 
-/// What ingest made of a detection (the `outcome` of `contract.md` §4).
+/// What ingest made of a detection (the `outcome` of `openapi/openapi.yaml`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// It founded a new anchor.
@@ -52,7 +52,7 @@ pub enum IgnoredReason {
 }
 
 impl IgnoredReason {
-    /// The reason's name in the contract.
+    /// The reason's name in the API document.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::ClassNotAnchored => "class_not_anchored",
@@ -76,12 +76,12 @@ pub enum AnchorState {
     Valid,
     /// Its description says too little.
     Uninformative,
-    /// Retired: the sign hangs there no longer (`contract.md` §8.18). It takes part in no comparison, and can be listed.
+    /// Retired: the sign hangs there no longer (M18). It takes part in no comparison, and can be listed.
     Retired,
 }
 
 impl AnchorState {
-    /// The state's name in the contract.
+    /// The state's name in the API document.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Pending => "pending",

@@ -73,7 +73,7 @@ pub struct Loop {
     pub query: Option<String>,
 }
 
-/// Two keyframes of one view, by geometry, around which different signs hang (`contract.md` §8.16).
+/// Two keyframes of one view, by geometry, around which different signs hang (M16).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Twins {
     /// The keyframe that was written last.
@@ -99,7 +99,7 @@ pub struct MovedObservation {
     pub to: AnchorSeq,
 }
 
-/// A passage that had a sign in view and did not see it as it is called (`contract.md` §8.18).
+/// A passage that had a sign in view and did not see it as it is called (M18).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct MissedSign {
     /// The sign.

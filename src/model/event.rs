@@ -2,7 +2,7 @@
 
 use super::ids::{AnchorSeq, KeyframeId, LoopId};
 
-/// The kinds of events (`contract.md` §2).
+/// The kinds of events (`openapi/openapi.yaml`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EventKind {
     /// An anchor has a description, or another one than before.
@@ -32,7 +32,7 @@ impl EventKind {
         Self::LoopRevoked,
     ];
 
-    /// The kind's name in the contract.
+    /// The kind's name in the API document.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::AnchorDescribed => "anchor_described",

@@ -15,15 +15,15 @@ pub enum Asks {
 }
 
 impl Asks {
-    /// The names in the contract.
+    /// The names in the API document.
     pub const NAMES: [&'static str; 3] = ["all", "texts", "crops"];
 
-    /// Returns the name in the contract.
+    /// Returns the name in the API document.
     pub fn as_str(self) -> &'static str {
         Self::NAMES[self as usize]
     }
 
-    /// Returns what a name in the contract means.
+    /// Returns what a name in the API document means.
     pub fn from_name(name: &str) -> Option<Self> {
         [Self::All, Self::Texts, Self::Crops].into_iter().find(|asks| asks.as_str() == name)
     }
@@ -51,7 +51,7 @@ pub enum TextFunction {
 }
 
 impl TextFunction {
-    /// Returns the name in the contract and in the store, which sorts as the functions do.
+    /// Returns the name in the API document and in the store, which sorts as the functions do.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Information => "information",
@@ -127,7 +127,7 @@ pub enum JobState {
 }
 
 impl JobState {
-    /// Returns the name in the contract and in the store.
+    /// Returns the name in the API document and in the store.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Running => "running",

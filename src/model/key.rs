@@ -28,7 +28,7 @@ impl Action {
     /// Their names, in the same order.
     pub const NAMES: [&'static str; 4] = ["read", "write", "query", "admin"];
 
-    /// The name in the contract.
+    /// The name in the API document.
     pub fn as_str(self) -> &'static str {
         Self::NAMES[self as usize]
     }

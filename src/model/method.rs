@@ -38,7 +38,7 @@ const PAPER: [(&str, SettingValue); 22] = [
 ];
 
 impl Method {
-    /// The names in the contract.
+    /// The names in the API document.
     pub const NAMES: [&'static str; 2] = ["revisit", "paper"];
 
     /// The method of a name.

@@ -47,7 +47,7 @@ pub struct KeyframeReport {
     pub revisits: bool,
 }
 
-/// One distinct reading of an anchor with its votes (`contract.md` §8.4).
+/// One distinct reading of an anchor with its votes (M4).
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadingReport {
     /// The text, as last read.

@@ -280,7 +280,7 @@ macro_rules! settings {
         }
 
         impl Settings {
-            /// Every setting, in the order of `contract.md` §3.
+            /// Every setting, in the order of the API document.
             pub const TABLE: &'static [Setting] = &[
                 $(Setting {
                     name: stringify!($name),

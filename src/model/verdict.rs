@@ -16,7 +16,7 @@ pub enum Decision {
 }
 
 impl Decision {
-    /// The decision's name in the contract.
+    /// The decision's name in the API document.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Loop => "loop",
@@ -38,7 +38,7 @@ pub enum CandidateDecision {
 }
 
 impl CandidateDecision {
-    /// The decision's name in the contract.
+    /// The decision's name in the API document.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Loop => "loop",
@@ -48,7 +48,7 @@ impl CandidateDecision {
     }
 }
 
-/// Why a verdict is not `loop` (`reason.code` of `contract.md` §5).
+/// Why a verdict is not `loop` (`reason.code` of `openapi/openapi.yaml`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReasonCode {
     /// No keyframe shares a word or a revisited anchor with the query.
@@ -96,7 +96,7 @@ pub enum ReasonCode {
 }
 
 impl ReasonCode {
-    /// The code's name in the contract.
+    /// The code's name in the API document.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::NoCandidates => "no_candidates",
@@ -158,7 +158,7 @@ pub enum AnchorName {
 }
 
 impl AnchorName {
-    /// The name as the contract writes it: `a-7`, or `inline-0`.
+    /// The name as the API writes it: `a-7`, or `inline-0`.
     pub fn to_text(&self) -> String {
         match self {
             Self::Stored(id) => id.clone(),
@@ -266,7 +266,7 @@ pub enum GeometryStatus {
 }
 
 impl GeometryStatus {
-    /// The status' name in the contract.
+    /// The status' name in the API document.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Skipped => "skipped",
@@ -330,7 +330,7 @@ pub struct ClosedLoop {
     pub keyframe: KeyframeId,
 }
 
-/// Which checks a query asks for (`verify` of `contract.md` §5).
+/// Which checks a query asks for (`verify` of `openapi/openapi.yaml`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Verify {
     /// Geometry where both keyframes have the features for it, else the anchors decide.

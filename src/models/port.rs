@@ -24,7 +24,7 @@ pub enum Operation {
 }
 
 impl Operation {
-    /// The operation's name in the contract.
+    /// The operation's name in the API document.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Similarity => "similarity",

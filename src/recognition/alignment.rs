@@ -1,5 +1,5 @@
-//! Anchors under the verified transformation: matched ones must stand where it puts them (`contract.md` §8.8),
-//! and sure identifiers must not contradict each other there (§8.7).
+//! Anchors under the verified transformation: matched ones must stand where it puts them (M8),
+//! and sure identifiers must not contradict each other there (M7).
 //!
 //! Bearing and distance compare anchors up to a cone; a transformation compares places. So what matched by
 //! chance falls away here, and a plate read differently at the very same place speaks up. So does one that hangs once, is in
@@ -18,7 +18,7 @@ use crate::geometry::{Point3, Sim3};
 use crate::model::difference::DifferenceEvidence;
 use crate::model::settings::Settings;
 
-/// Under a transformation, anchors this near to each other stand at the same place, in metres (`contract.md` §8.7).
+/// Under a transformation, anchors this near to each other stand at the same place, in metres (M7).
 pub(super) const SAME_PLACE_M: f64 = 0.75;
 
 /// Far anchors stand where the transformation puts them only as well as it turns: this share of their distance.

@@ -1,7 +1,7 @@
 //! The local anchor map M_k of a keyframe (§V-A).
 //!
 //! An anchor A belongs to M_k if K_A^cov, the union of the covisible sets of the keyframes that
-//! observe it, meets K_k^cov. K_m^cov contains m itself (`contract.md` §8.1): without that, a
+//! observe it, meets K_k^cov. K_m^cov contains m itself (M1): without that, a
 //! keyframe without covisible neighbours would have an empty map though it sees a door plate.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -235,8 +235,8 @@ fn inline_anchor(
     }
 }
 
-/// 1/d of §V-B, bounded by the least distance, and 1 where d was assumed (`contract.md` §4); divided by p with distinctive
-/// weights (§8.6).
+/// 1/d of §V-B, bounded by the least distance, and 1 where d was assumed (M26); divided by p with distinctive
+/// weights (M6).
 fn weight(index: &MapIndex, bearing: &Bearing, range_assumed: bool, places: usize) -> f64 {
     if range_assumed {
         return 1.0 / places as f64;
@@ -245,7 +245,7 @@ fn weight(index: &MapIndex, bearing: &Bearing, range_assumed: bool, places: usiz
     1.0 / bearing.distance_m().max(least_m) / places as f64
 }
 
-/// p of `contract.md` §8.6, counted only if the map's settings ask for it.
+/// p of M6, counted only if the map's settings ask for it.
 fn places_at(index: &MapIndex, count: impl FnOnce() -> usize) -> usize {
     if index.properties().settings.distinctive_weights { count() } else { 1 }
 }

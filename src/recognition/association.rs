@@ -2,7 +2,7 @@
 //!
 //! A detection z_i of keyframe k may belong to an anchor of its class that some keyframe of
 //! K_k^cov has observed. It does if the anchor's box covers at least a share sigma of its map
-//! points P_i. Choices the paper leaves open (`contract.md` §8.3):
+//! points P_i. Choices the paper leaves open (M3):
 //!
 //! - At most one detection of a keyframe feeds an anchor; the largest share wins, then the older anchor.
 //! - Only map points with a position count. A detection of which no point is triangulated yet

@@ -42,7 +42,7 @@ pub struct Proposal {
 pub struct Proposals {
     /// By bag of words first, then by anchors; no keyframe twice.
     pub candidates: Vec<Proposal>,
-    /// The lowest score of the query against its covisible keyframes; 0 without any (`contract.md` §8.9).
+    /// The lowest score of the query against its covisible keyframes; 0 without any (M9).
     pub reference_score: f64,
 }
 
@@ -151,7 +151,7 @@ fn by_anchors(
 
 /// The keyframes that see an object that the query sees too, on another passage: through an anchor
 /// merged by a confirmed loop, or in another session. Not those that merely tracked it
-/// through this same passage (`contract.md` §8.10).
+/// through this same passage (M10).
 fn other_passages(index: &MapIndex, query: &Query<'_>, object: &Object) -> BTreeSet<KeyframeSeq> {
     let mine: BTreeSet<AnchorSeq> = object
         .members

@@ -15,7 +15,7 @@ use crate::model::settings::Settings;
 
 /// Closes a loop: merges the pairs that match between the two local anchor maps, one-to-one
 /// whatever the map's reading of Eq. (2) is (three EXIT signs are not one), and makes the two
-/// keyframes covisible (`contract.md` §8.12). Returns what speaks against it, if anything does.
+/// keyframes covisible (M12). Returns what speaks against it, if anything does.
 pub fn close_loop(index: &mut MapIndex, closed: Loop) -> (Option<LoopWarning>, Decided) {
     let warning = loop_warning(index, &closed);
     let mut record = Recorder::new(index);

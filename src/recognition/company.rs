@@ -1,4 +1,4 @@
-//! Company: a text beside which different signs hang, hangs in two places (`contract.md` §8.17).
+//! Company: a text beside which different signs hang, hangs in two places (M17).
 //!
 //! "HUB 04" hangs on the boards of floors 4 and 5, and where one board has plaque 4 beside it the other has plaque 5. Frames
 //! of two sessions cannot be compared, so [`super::distinctiveness`] cannot tell two boards from one seen twice; the signs

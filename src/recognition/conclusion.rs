@@ -144,7 +144,7 @@ fn judge_view(screened: &Screened, candidate: &mut Candidate) {
     }
 }
 
-/// Geometry alone closes no loop in a map that has shown one view in two places (`contract.md` §8.16).
+/// Geometry alone closes no loop in a map that has shown one view in two places (M16).
 fn judge_twins(
     screening: &Screening,
     screened: &Screened,

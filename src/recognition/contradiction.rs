@@ -1,4 +1,4 @@
-//! Contradictions: different, sure identifiers at the same relative place (`contract.md` §8.7).
+//! Contradictions: different, sure identifiers at the same relative place (M7).
 //!
 //! Room 910's plate where room 901's hung is evidence against the loop, which the paper does not
 //! use. Taking *any* contradiction as a veto costs half the recall once plates are misread, so

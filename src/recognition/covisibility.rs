@@ -2,7 +2,7 @@
 //!
 //! Two keyframes are covisible when they are of one session and observe enough common map
 //! points (ORB-SLAM's graph), when a client declared it, or when a confirmed loop joins them
-//! (`contract.md` §8.12). The relation is symmetric; [`super::index::Covisibility`] answers questions about it.
+//! (M12). The relation is symmetric; [`super::index::Covisibility`] answers questions about it.
 //!
 //! Common map points follow from the keyframes, so their edges are kept only to be fast, and only where they are few:
 //! n keyframes that see the same place would list n² of them. A keyframe with more than a bounded number of neighbours

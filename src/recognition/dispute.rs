@@ -2,8 +2,7 @@
 //!
 //! Numbers with a separator begin with the part of the building they are in: "9.02" is on floor 9. Plates around one
 //! keyframe share it, so a reading made once whose first part no other plate around it has, while some have another, is in
-//! doubt. It may still be right at a border, so it needs a witness and is not left out (`contract.md` §8.14: a misreading
-//! never matches alone).
+//! doubt. It may still be right at a border, so it needs a witness and is not left out (M25).
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,4 +1,4 @@
-//! How distinctive a description is: in how many places does it stand (`contract.md` §8.6)?
+//! How distinctive a description is: in how many places does it stand (M6)?
 //!
 //! The paper weighs an anchor by 1/d alone, so that an EXIT sign that hangs at every corner
 //! speaks as loudly as a door number that hangs once; on generated hotels that drops precision to

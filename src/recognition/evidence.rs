@@ -18,7 +18,7 @@ use crate::model::verdict::{
     GeometryEvidence, GeometryFigures, GeometryStatus, MatchEvidence, Reason, ReasonCode,
 };
 
-/// Loops first, then undecided, then rejected; each by inliers, then S, then score, then the smallest id (`contract.md` §5).
+/// Loops first, then undecided, then rejected; each by inliers, then S, then score, then the smallest id (M36).
 /// S counts as 0 where all that agrees hangs in several places, for it says nothing of which.
 pub(super) fn best_first(a: &Candidate, b: &Candidate) -> Ordering {
     let rank = |candidate: &Candidate| match candidate.decision {

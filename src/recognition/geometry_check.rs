@@ -153,7 +153,7 @@ fn verify_pair(
 }
 
 /// Significance says that two views are of one thing, and no more: where nothing else speaks for the place, and where map
-/// points let a similarity be found, the letter's numbers count (`contract.md` §8.19).
+/// points let a similarity be found, the letter's numbers count (M19).
 fn limits(terms: &Terms<'_>, standing: Standing, are_triangulated: bool) -> Limits {
     let settings = terms.settings;
     let by_count = are_triangulated || standing == Standing::AskGeometry;

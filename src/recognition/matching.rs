@@ -4,7 +4,7 @@
 //! is at least the setting's; [`super::index::TextIndex`] keeps the matches. If their keyframes are covisible and
 //! their boxes close, they are merged at once (here); if not, the robot has come back, and
 //! loop detection is triggered (§III). The paper leaves "close" open: boxes that touch, or centres
-//! within `association_position_radius_m`, in a frame both have (`contract.md` §8.5).
+//! within `association_position_radius_m`, in a frame both have (M5).
 
 use std::collections::BTreeSet;
 

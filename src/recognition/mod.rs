@@ -22,7 +22,7 @@
 //! | ours: contradiction veto | [`contradiction`] | [`contradiction::contradict`] |
 //! | ours: why a differing identifier did not count | [`difference`] | [`difference::find_differing`] |
 //! | ours: why S is low | [`low_score`] | [`low_score::explain_low_score`] |
-//! | ours: whether two sightings may be one place (8.6) | [`sighting`] | [`sighting::Sighting::may_be_at`] |
+//! | ours: whether two sightings may be one place (M6) | [`sighting`] | [`sighting::Sighting::may_be_at`] |
 //! | ours: what speaks against a loop that a client closes | [`loop_warning`] | [`loop_warning::loop_warning`] |
 //! | ours: anchors under the transformation | [`alignment`] | [`alignment::Compared::under`] |
 //! | ours: the sightings of one drive past an object | [`passage`] | [`passage::is_tracked_only`] |
@@ -30,11 +30,11 @@
 //! | ours: which readings disagree with those around them | [`dispute`] | [`dispute::disputed`] |
 //! | ours: what a text without an identifier needs besides | [`witness`] | [`witness::lacks_witness`] |
 //! | ours: what returns where its neighbours do | [`vouching`] | [`vouching::widened`] |
-//! | ours: geometry proves a view, not a place (8.19) | [`rivals`] | [`rivals::find_rivals`] |
-//! | ours: one view in two places (8.16) | [`twins`] | [`twins::suspects`] |
-//! | ours: signs that change (8.18) | [`changed_signs`] | [`changed_signs::passages_ended_by`] |
+//! | ours: geometry proves a view, not a place (M19) | [`rivals`] | [`rivals::find_rivals`] |
+//! | ours: one view in two places (M16) | [`twins`] | [`twins::suspects`] |
+//! | ours: signs that change (M18) | [`changed_signs`] | [`changed_signs::passages_ended_by`] |
 //! | ours: odometry where loops tie the way together | [`way_by_loops`] | [`way_by_loops::way_by_loops_um`] |
-//! | ours: odometry against a transformation (8.15) | [`tracked_path`] | [`tracked_path::TrackedPath`] |
+//! | ours: odometry against a transformation (M15) | [`tracked_path`] | [`tracked_path::TrackedPath`] |
 //!
 //! Beside the paper: [`query`] is the keyframe that is asked about, [`sight`] and [`features`] are what geometry
 //! needs to know of it, [`evidence`] turns figures into a

@@ -1,4 +1,4 @@
-//! Passages: the sightings of one object in one drive past it (`contract.md` §8.7, §8.10).
+//! Passages: the sightings of one object in one drive past it (M7, M10).
 //!
 //! Three frames of one drive past a plate see one plate, and say nothing about a return. Two sightings in one session are of
 //! one passage if a chain of keyframes that share map points, or are declared covisible, joins them, with no more than
@@ -46,8 +46,7 @@ pub fn is_tracked(index: &MapIndex, pair: &Matched<'_>, query: KeyframeSeq, cand
     }
 }
 
-/// Returns how an identifier that matches is known, unless it was merely tracked from the candidate to the query (`contract.md`
-/// §8.13).
+/// Returns how an identifier that matches is known, unless it was merely tracked from the candidate to the query (M41).
 pub fn returning_identifier(
     index: &MapIndex,
     comparison: &Comparison<'_>,

@@ -1,4 +1,4 @@
-//! Rivals: geometry proves a view, not a place (`contract.md` §8.19).
+//! Rivals: geometry proves a view, not a place (M19).
 //!
 //! In a building that repeats itself sixty inliers are found on the wrong floor. So a candidate that geometry alone speaks
 //! for is a loop only if the best candidate that is *known to be another place* looks much less like the query. Known to be

@@ -42,11 +42,11 @@ pub enum Standing {
 pub struct Passed {
     /// Its standing.
     pub standing: Standing,
-    /// Identifiers that are not sure contradict the place: it is rejected where geometry cannot run (`contract.md` §8.7).
+    /// Identifiers that are not sure contradict the place: it is rejected where geometry cannot run (M7).
     pub contradicted: Option<Reason>,
 }
 
-/// A candidate's part among those that geometry alone may take for each other (`contract.md` §8.19).
+/// A candidate's part among those that geometry alone may take for each other (M19).
 #[derive(Clone, Debug, Default)]
 pub struct Rivalry {
     /// The candidates that are known to be another place; looked for where geometry alone may make this one a loop.
@@ -166,7 +166,7 @@ pub struct Screening {
     pub closed: Vec<ClosedLoop>,
     /// Did the built-in judge stand in for a model that is away, about any candidate?
     pub degraded: bool,
-    /// The pairs of keyframes of this map that geometry verified and the anchors contradict (`contract.md` §8.16); 0 where the
+    /// The pairs of keyframes of this map that geometry verified and the anchors contradict (M16); 0 where the
     /// map's settings do not mind.
     pub twins: usize,
     /// The query's number, if it is stored.

@@ -1,4 +1,4 @@
-//! Sightings: where an object stands in one session's frame, and whether two of them may be one place (`contract.md` §8.6).
+//! Sightings: where an object stands in one session's frame, and whether two of them may be one place (M6).
 //!
 //! Two sightings are two places only if odometry can tell: apart by more than the radius and by more than it may have
 //! drifted on the way between them. What one local anchor map holds, a room with two doors that bear its number, is one.

@@ -1,4 +1,4 @@
-//! Odometry against a transformation: a loop may not contradict the robot's own tracking (`contract.md` §8.15).
+//! Odometry against a transformation: a loop may not contradict the robot's own tracking (M15).
 //!
 //! Along an unbroken chain of keyframes that share map points the robot knew where it went, up to a drift that grows with
 //! the way. A transformation that puts it somewhere else than the chain allows is a door taken for the next one. Right

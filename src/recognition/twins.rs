@@ -1,4 +1,4 @@
-//! Twins: one view in two places (`contract.md` §8.16).
+//! Twins: one view in two places (M16).
 //!
 //! Two floors that look alike give a verified transformation for a loop that is none. Where signs tell the two apart, the
 //! building has shown that geometry alone proves nothing in it. That is found when a keyframe arrives or a sign is

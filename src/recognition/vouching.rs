@@ -1,5 +1,5 @@
 //! Neighbours vouch: a keyframe in a bare stretch of corridor, or beside nothing but an EXIT sign, returns where its
-//! neighbours do (`contract.md` §3, `neighbours_vouch`).
+//! neighbours do (M37).
 //!
 //! The local anchor map of §V-A ends two steps of covisibility away. Where either is empty, or all that agrees hangs in
 //! several places, one that goes a step farther, the neighbours' own, is compared from the same two cameras and by the same

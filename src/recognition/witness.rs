@@ -1,4 +1,4 @@
-//! Witness: what a text without an identifier needs besides itself to close a loop (`contract.md` §8.14).
+//! Witness: what a text without an identifier needs besides itself to close a loop (M22).
 //!
 //! A slogan, a brand or a kind of room hangs in many places, and the first time that it is met in a second one nothing
 //! tells that from a return. So it speaks only beside a matched identifier, along an unbroken odometry chain that has the

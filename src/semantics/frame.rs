@@ -1,4 +1,4 @@
-//! Frames: the words of a description that tell how its writer puts it, and nothing of the object (`contract.md` §8.14).
+//! Frames: the words of a description that tell how its writer puts it, and nothing of the object (M24).
 //!
 //! Two models put one picture in different frames: "a framed picture showing a boat", "there is a boat in front of a
 //! wall". Verbs, prepositions and articles are [`Class::Function`] and never count; the nouns here do so only in a frame:

@@ -61,7 +61,7 @@ pub fn assess(
         && identifiers.iter().all(|identifier| identifier.role.is_container())
         && is_uninformative(normalised, words, negated);
     let level = match () {
-        // A container alone tells the floor and not the object on it (`contract.md` §8.14).
+        // A container alone tells the floor and not the object on it (M23).
         () if is_container_alone => 4,
         () if !identifiers.is_empty() => {
             let with_word = !words.is_empty() || identifiers.iter().any(|i| i.role != Role::Neutral);

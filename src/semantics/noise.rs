@@ -1,4 +1,4 @@
-//! Noise: what a reader makes of a wall without a text on it (`contract.md` §8.14).
+//! Noise: what a reader makes of a wall without a text on it (M21).
 
 /// A longer number that is nearly all zeros is a railing or a row of lamps.
 pub const NUMBER_DIGITS_MAX: usize = 6;

@@ -1,4 +1,4 @@
-//! Numbering: the numbers of one building, given by an operator or learned from what was read (`contract.md` §8.14).
+//! Numbering: the numbers of one building, given by an operator or learned from what was read (M20).
 //!
 //! A reader finds numbers everywhere: railings, dates, plates cut by the frame. Once it is known how this building writes its
 //! own ("7.04"), no other number names anything in it.

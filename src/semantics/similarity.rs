@@ -24,7 +24,7 @@ pub enum Source {
 }
 
 impl Source {
-    /// The name in the contract.
+    /// The name in the API document.
     pub fn as_str(&self) -> &str {
         match self {
             Source::Identical => "identical",
@@ -141,7 +141,7 @@ fn container_alone(text: &Text) -> Option<&Identifier> {
     text.identifiers.first().filter(|_| text.information.is_container_alone)
 }
 
-/// "Level 5" never says which object of level 5: level 3 with its equal, 1 with another (`contract.md` §8.14).
+/// "Level 5" never says which object of level 5: level 3 with its equal, 1 with another (M23).
 fn judge_container<'t>(a: &'t Text, b: &'t Text, container: &'t Identifier) -> (u8, Evidence<'t>) {
     let agreement = agreement(&a.identifiers, &b.identifiers);
     let both_alone = container_alone(a).is_some() && container_alone(b).is_some();

@@ -1,4 +1,4 @@
-//! Anchor: what a reader is shown of a semantic anchor, and what an operator may change (`contract.md` §4).
+//! Anchor: what a reader is shown of a semantic anchor, and what an operator may change (`openapi/openapi.yaml`).
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;

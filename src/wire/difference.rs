@@ -1,4 +1,4 @@
-//! Difference: an identifier that differs and did not count as a contradiction, with the reason (`contract.md` §5).
+//! Difference: an identifier that differs and did not count as a contradiction, with the reason (M7).
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;

@@ -1,4 +1,4 @@
-//! Loop query: "is this keyframe a loop?" as a client asks it (`contract.md` §5).
+//! Loop query: "is this keyframe a loop?" as a client asks it (`openapi/openapi.yaml`).
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;

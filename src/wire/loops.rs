@@ -1,4 +1,4 @@
-//! Loop: one that a client closed, what it merged, and what its revocation splits again (`contract.md` §6).
+//! Loop: one that a client closed, what it merged, and what its revocation splits again (`openapi/openapi.yaml`).
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;

@@ -1,4 +1,4 @@
-//! Map: what a client says of a map, and what it reads of it (`contract.md` §3).
+//! Map: what a client says of a map, and what it reads of it (`openapi/openapi.yaml`).
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! Wire: the contract's JSON, and plain functions to and from the model.
+//! Wire: the API's JSON, and plain functions to and from the model.
 //!
 //! Requests are read by an accumulating [`read`]er, so that a client learns every fault at once; the structs of
 //! requests serve the API document and our own client, and a test holds the two together.

@@ -1,4 +1,4 @@
-//! Poses: what the client's optimisation corrected, in one piece (`contract.md` §6).
+//! Poses: what the client's optimisation corrected, in one piece (`openapi/openapi.yaml`).
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;

@@ -1,4 +1,4 @@
-//! Problem: the one shape of every answer of 400 and above (RFC 9457, `contract.md` §1).
+//! Problem: the one shape of every answer of 400 and above (RFC 9457, `openapi/openapi.yaml`).
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;

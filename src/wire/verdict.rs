@@ -1,4 +1,4 @@
-//! Verdict: the answer to a loop query, each candidate with its figures and the check that stopped it (`contract.md` §5).
+//! Verdict: the answer to a loop query, each candidate with its figures and the check that stopped it (`openapi/openapi.yaml`).
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;

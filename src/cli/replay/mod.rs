@@ -1,4 +1,4 @@
-//! Replay: plays a recording against a server, and scores the loops it answers (contract, section 7).
+//! Replay: plays a recording against a server, and scores the loops it answers (`docs/recordings.md`).
 //!
 //! | file | concept |
 //! |---|---|

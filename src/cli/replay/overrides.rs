@@ -23,7 +23,7 @@ pub struct Overrides {
 /// One `name=value`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
-    /// As the contract names it.
+    /// As the API document names it.
     pub name: String,
     /// A number, `true`, `false`, or else a string.
     pub value: Value,

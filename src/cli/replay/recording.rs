@@ -36,7 +36,7 @@ pub(super) struct Line {
     pub op: Op,
 }
 
-/// What to do, with the body as the contract posts it.
+/// What to do, with the body as the API document has it.
 #[derive(Debug, Deserialize, PartialEq)]
 #[serde(tag = "op", rename_all = "lowercase")]
 pub(super) enum Op {

@@ -136,7 +136,7 @@ async fn every_line_is_one_request_in_the_order_recorded() {
 }
 
 #[tokio::test]
-async fn the_json_has_the_contracts_keys_and_the_score_worked_out_by_hand() {
+async fn the_json_has_the_documented_keys_and_the_score_worked_out_by_hand() {
     let (_, report) = play(RECORDING, &["--explain"]).await;
     let json: Value = serde_json::from_str(&report.expect("a score").to_json()).expect("JSON");
     let check = |pointer: &str, expected: Value| {

@@ -28,7 +28,7 @@ use utoipa_axum::routes;
 
 use super::App;
 
-/// Every operation of the contract, documented in `frame`.
+/// Every operation of the API, documented in `frame`.
 pub fn api(frame: OpenApi) -> OpenApiRouter<App> {
     OpenApiRouter::with_openapi(frame)
         .routes(routes!(maps::list_maps))

@@ -1,4 +1,4 @@
-//! Signs that change: a plate that was replaced is retired (`contract.md` §8.18).
+//! Signs that change: a plate that was replaced is retired (M18).
 //!
 //! A place whose only plate has a new number would stay rejected for ever, for the old plate contradicts the new one. So a
 //! keyframe that arrives ends the passages of those signs that its session has left behind, and each of them is judged:

@@ -1,4 +1,4 @@
-//! Constants of signs that change (`contract.md` §8.18).
+//! Constants of signs that change (M18).
 
 use super::{Constant, constant};
 use crate::recognition::index::CELL_M;

@@ -1,4 +1,4 @@
-//! Knowledge of a map about signs that change: those that passages missed, and those that are retired (`contract.md` §8.18).
+//! Knowledge of a map about signs that change: those that passages missed, and those that are retired (M18).
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;

@@ -1,6 +1,6 @@
 //! The covisibility graph: which keyframes see the same things.
 //!
-//! By itself no keyframe is its own neighbour; where the paper's K_k^cov must contain k (`contract.md` §8.1),
+//! By itself no keyframe is its own neighbour; where the paper's K_k^cov must contain k (M1),
 //! [`Covisibility::with_itself`] adds it.
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Knowledge of a map about its building: its numbering, and the views that it has twice (`contract.md` §8.14, §8.16).
+//! Knowledge of a map about its building: its numbering, and the views that it has twice (M20, M16).
 
 use super::{Certainty, MapIndex, Object};
 use crate::model::anchor::AnchorState;

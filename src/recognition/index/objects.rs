@@ -25,7 +25,7 @@ pub(super) struct Judging<'a> {
     pub changed_signs: &'a ChangedSigns,
 }
 
-/// The certainty of an object's text (`contract.md` §8.7).
+/// The certainty of an object's text (M7).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Certainty {
     /// It was read once, or never twice alike.

@@ -1,4 +1,4 @@
-//! The odometer: the way that each session was tracked, without a break (`contract.md` §8.15).
+//! The odometer: the way that each session was tracked, without a break (M15).
 //!
 //! The keyframes of a session follow each other by stamp, then by id. Two that follow each other form a *step* while they
 //! share `covisibility_min_shared_points` map points; where they do not, tracking may have been lost in between, and the way

@@ -1,4 +1,4 @@
-//! Readings alike: which texts two keyframes or more of the map have read, and the numbering that follows (`contract.md` §8.14).
+//! Readings alike: which texts two keyframes or more of the map have read, and the numbering that follows (M20, M21).
 //!
 //! A misreading is seldom made twice, so what was read alike in two keyframes is what hangs there. It need not be by one
 //! anchor: a plate read today and a year ago is read alike.

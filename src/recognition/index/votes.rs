@@ -1,4 +1,4 @@
-//! What an anchor's readings say together: a vote (`contract.md` §8.4).
+//! What an anchor's readings say together: a vote (M4).
 
 use std::collections::BTreeMap;
 

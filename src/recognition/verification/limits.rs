@@ -41,7 +41,7 @@ pub struct Limits {
     /// side of their normal; only the depth of their points tells.
     pub depth_sigma: f64,
     /// The squared reprojection error, in units of the keypoint's variance, below which a pair is an inlier: 9.21,
-    /// the 99 % quantile of chi-square with two degrees of freedom (`contract.md` §8.13).
+    /// the 99 % quantile of chi-square with two degrees of freedom (M13).
     pub max_chi_square: f64,
     /// How samples are drawn.
     pub sampling: SamplingLimits,

@@ -27,7 +27,7 @@ impl Model {
         if limits.fixed_scale { Self::Se3 } else { Self::Sim3 }
     }
 
-    /// Returns the model's name in the contract.
+    /// Returns the model's name in the API document.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Sim3 => "sim3",
@@ -51,7 +51,7 @@ pub enum Status {
     Verified,
     /// There are matches enough, and no model does.
     Failed,
-    /// The views do not allow the check: it says nothing for or against the candidate (`contract.md` §5).
+    /// The views do not allow the check: it says nothing for or against the candidate (M39).
     Skipped,
 }
 

@@ -1,4 +1,4 @@
-//! Keyframe: the shape in which a client sends one (`contract.md` §4).
+//! Keyframe: the shape in which a client sends one (`openapi/openapi.yaml`).
 //!
 //! | file | concept |
 //! |---|---|

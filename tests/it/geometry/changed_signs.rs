@@ -1,4 +1,4 @@
-//! §8.18: a sign that three passages had in view and did not see is retired, and returns when one reads it twice.
+//! M18: a sign that three passages had in view and did not see is retired, and returns when one reads it twice.
 //!
 //! One robot drives laps: two views of a door, then away. Every lap has map points of its own, so that what hangs there is
 //! found again by geometry, unless a case says that tracking knows them still.

@@ -1,4 +1,4 @@
-//! §8.16: a building that shows one view in two places teaches its map that geometry alone proves nothing in it.
+//! M16: a building that shows one view in two places teaches its map that geometry alone proves nothing in it.
 
 use reqwest::Method;
 use revisit::geometry::Pose;

@@ -1,4 +1,4 @@
-//! Bytes: random bodies that the contract allows come through store, check, backup and restore with equal answers.
+//! Bytes: random bodies that the API allows come through store, check, backup and restore with equal answers.
 //!
 //! A few cases; `proofs/bytes` tries many more kinds of them, over the command line too.
 

@@ -1,4 +1,4 @@
-//! §V, checks 1 and 2: covisible keyframes are excluded, bag of words chooses (§8.9), places are counted (§8.10).
+//! §V, checks 1 and 2: covisible keyframes are excluded, bag of words chooses (M9), places are counted (M34).
 
 use serde_json::{Value, json};
 
@@ -161,7 +161,7 @@ async fn the_share_of_the_reference_is_asked_of_bag_of_words_candidates_and_not_
     scene.put("before", keyframe().words(&[(1, 1.0)])).await;
     scene.put("no-word", keyframe().words(&[(9, 1.0)]).sees(plate())).await;
     scene.put("query", keyframe().words(&[(1, 1.0)]).covisible(&["before"]).sees(plate())).await;
-    // §3: "a BoW candidate must score at least this share"; §III: an anchor seen before triggers.
+    // M9: a share of the reference score is asked of candidates by words; §III: an anchor seen before triggers.
     assert_eq!(scene.compare("query", "no-word").await["verdict"], "loop");
 }
 

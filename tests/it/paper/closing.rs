@@ -1,4 +1,4 @@
-//! §IV-C.2, the end: a confirmed loop merges what matched, and its revocation parts it again (§8.12).
+//! §IV-C.2, the end: a confirmed loop merges what matched, and its revocation parts it again (M12).
 
 use serde_json::{Value, json};
 

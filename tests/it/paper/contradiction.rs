@@ -1,4 +1,4 @@
-//! §8.7, contradictions: two different identifiers of one class at the same relative place, where no keyframe has features.
+//! M7, contradictions: two different identifiers of one class at the same relative place, where no keyframe has features.
 //! What geometry leaves of them is in `geometry.rs`.
 
 use serde_json::{Value, json};

@@ -1,4 +1,4 @@
-//! §6, what moves and what goes: corrected poses and map points, and culled keyframes.
+//! What moves and what goes (M33): corrected poses and map points, and culled keyframes.
 
 use serde_json::{Value, json};
 

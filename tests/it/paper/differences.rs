@@ -1,4 +1,4 @@
-//! §5, "why not?": each identifier that differs without stopping a candidate says why.
+//! M7, "why not?": each identifier that differs without stopping a candidate says why.
 
 use serde_json::{Value, json};
 

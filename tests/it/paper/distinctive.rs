@@ -1,4 +1,4 @@
-//! §8.6, distinctive weights: what stands in p places weighs (1/d) / p.
+//! M6, distinctive weights: what stands in p places weighs (1/d) / p.
 
 use serde_json::{Value, json};
 

@@ -1,6 +1,6 @@
-//! §5: a keyframe sent along with the query is judged as if it had just arrived, and is not stored.
+//! M50: a keyframe sent along with the query is judged as if it had just arrived, and is not stored.
 //!
-//! What the contract leaves open is tested as the service documents it (`recognition/anchor_map.rs`): sights of a known
+//! What M50 leaves open is tested as the service documents it (`recognition/anchor_map.rs`): sights of a known
 //! anchor add nothing to what the map knows of it, the others stand for themselves.
 
 use serde_json::{Value, json};
@@ -96,7 +96,7 @@ async fn an_inline_anchor_counts_itself_among_the_places_of_its_description() {
     };
     scene.put("old-1", see(0.0)).await;
     scene.put("old-2", see(10.0)).await;
-    // §8.6: p counts the places of the anchor itself and of those it matches; stored, it would stand at a third.
+    // M6: p counts the places of the anchor itself and of those it matches; stored, it would stand at a third.
     let sights = [thing("sign", "EXIT").at([20.0, 0.0, 2.0]), door("777", [22.0, 0.0, 0.0])];
     check("a third place", &scene, keyframe().at([20.0, 0.0, 0.0]).sees(sights), "no_loop").await;
 }

@@ -1,4 +1,4 @@
-//! §IV-A.2 and §8.14: the levels of the built-in judge, as the golden pairs ask for them.
+//! §IV-A.2 and M14: the levels of the built-in judge, as the golden pairs ask for them.
 
 use serde_json::{Value, json};
 

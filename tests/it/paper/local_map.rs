@@ -1,4 +1,4 @@
-//! §V-A, the local anchor map M_k: which anchors, where, and how heavy (§8.1, §8.2).
+//! §V-A, the local anchor map M_k: which anchors, where, and how heavy (M1, M2).
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,4 @@
-//! §IV-C.2, semantic anchor matching: merged where covisible and close, else a revisit (§8.5).
+//! §IV-C.2, semantic anchor matching: merged where covisible and close, else a revisit (M5).
 
 use serde_json::{Value, json};
 
@@ -97,6 +97,22 @@ async fn anchors_that_say_the_same_merge_if_covisible_and_are_a_revisit_if_not()
     check("9O1", "901", three(), true, Became::One).await;
     check("9O1", "901", three(), false, Became::Two("revisit")).await;
     check("901", "901", json!({"matching_min_similarity_level": 5}), true, Became::One).await;
+}
+
+#[tokio::test]
+async fn covisible_anchors_with_one_number_merge_wherever_their_distance_was_guessed() {
+    let check = async |text: &str, range: &str, expected: Became| {
+        let scene = Scene::new().await;
+        for (id, covisible, far_m) in [("kf-1", &[][..], 2.0), ("kf-2", &["kf-1"], 7.0)] {
+            let mut plate = door(text, [0.0, 0.0, far_m]);
+            plate.0["range"] = json!(range);
+            scene.put(id, keyframe().covisible(covisible).sees([plate])).await;
+        }
+        assert_eq!(became(&scene).await, expected, "{text}, {range}");
+    };
+    check("901", "assumed", Became::One).await;
+    check("901", "measured", Became::Two("covisible")).await;
+    check("a sailing boat before a windmill", "assumed", Became::Two("covisible")).await;
 }
 
 #[tokio::test]

@@ -1,4 +1,4 @@
-//! §8.14: a map learns how its building writes its numbers; §4: a distance may be assumed; §8.17: company.
+//! M20: a map learns how its building writes its numbers; M26: a distance may be assumed; M17: company.
 
 use serde_json::{Value, json};
 

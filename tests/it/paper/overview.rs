@@ -1,4 +1,4 @@
-//! §III: an anchor that was seen before triggers loop detection, even where no word does (§8.10).
+//! §III: an anchor that was seen before triggers loop detection, even where no word does (M10).
 
 use serde_json::{Value, json};
 
@@ -121,8 +121,8 @@ async fn an_anchor_merged_by_a_confirmed_loop_proposes_the_other_passage_and_not
 async fn the_keyframe_that_closed_the_loop_is_proposed_the_rest_of_the_other_passage() {
     let scene = joined_passages().await;
     let answer = scene.ask("kf-11").await;
-    // kf-1 is covisible by the loop (§8.12), and so is kf-12 by its client; kf-2 observes an anchor that a confirmed
-    // loop merged with one that kf-11 sees (§8.10).
+    // kf-1 is covisible by the loop (M12), and so is kf-12 by its client; kf-2 observes an anchor that a confirmed
+    // loop merged with one that kf-11 sees (M10).
     assert_eq!(answer["excluded_covisible"], 2);
     assert_eq!(texts(&answer["candidates"], "keyframe"), ["kf-2"]);
 }

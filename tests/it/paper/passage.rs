@@ -1,4 +1,4 @@
-//! §8.10 and §8.14: what one passage says once is no return, and what one unsure detection read is no text.
+//! M10 and M21: what one passage says once is no return, and what one unsure detection read is no text.
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,4 @@
-//! §5: the same question gets the same bytes, again and after a restart.
+//! M52: the same question gets the same bytes, again and after a restart.
 
 use std::path::Path;
 

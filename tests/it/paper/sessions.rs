@@ -1,4 +1,4 @@
-//! Sessions: each has its own frame and its own numbers of map points; a loop joins them (§4, §6).
+//! Sessions: each has its own frame and its own numbers of map points; a loop joins them (M32).
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,4 @@
-//! §IV-C.1, object tracking: which anchor a detection is one more sight of (§8.2 boxes, §8.3).
+//! §IV-C.1, object tracking: which anchor a detection is one more sight of (M2 boxes, M3).
 
 use serde_json::{Value, json};
 

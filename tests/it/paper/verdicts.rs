@@ -1,4 +1,4 @@
-//! §5, verdicts: what is missing, what could turn the answer, and which checks run (§8.11).
+//! Verdicts: what is missing, what could turn the answer, and which checks run (M11, M28, M39).
 
 use std::time::Duration;
 
@@ -194,7 +194,7 @@ async fn what_is_not_described_yet_can_outweigh_a_contradiction() {
     let after = scene.compare("query", "candidate").await;
     close_to("S once it is read", &after["anchors"]["similarity"], 10.0 / 12.0);
     assert_eq!(after["verdict"], "loop");
-    // §5: undecided is what a missing description could turn, as it just did.
+    // M28: undecided is what a missing description could turn, as it just did.
     assert_eq!(before["verdict"], "undecided", "{before:#}");
     assert_eq!(before["reason"]["code"], "not_described");
 }

@@ -1,4 +1,4 @@
-//! §8.4: an anchor read several times is called what most of its readings say.
+//! M4: an anchor read several times is called what most of its readings say.
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,4 @@
-//! §8.14: a text without an identifier closes a loop only with a witness.
+//! M22: a text without an identifier closes a loop only with a witness.
 
 use serde_json::{Value, json};
 
@@ -74,4 +74,25 @@ async fn a_confirmed_loop_that_joins_the_passages_is_a_witness() {
     scene.close("somebody-knows", "tuesday-2", "monday-2").await;
     let joined = scene.compare("tuesday-1", "monday-1").await;
     assert_eq!(joined["verdict"], "loop", "{joined:#}");
+}
+
+#[tokio::test]
+async fn a_number_that_begins_unlike_those_around_it_makes_no_loop_alone() {
+    let plate = || door("3.02", [0.0, 0.0, 1.0]);
+    let check = async |what: &str, settings: Value, around: [&str; 2], verdict: &str, code: Value| {
+        let [left, above] = around;
+        let sees = [plate(), door(left, [3.0, 0.0, 0.0]), door(above, [0.0, 3.0, 0.0])];
+        let found = compared(&settings, sees, [plate()]).await;
+        // (1 + 1) / (1 + 1 + 1/3 + 1/3).
+        close_to(what, &found["anchors"]["similarity"], 0.75);
+        assert_eq!(
+            (&found["verdict"], &found["reason"]["code"]),
+            (&json!(verdict), &code),
+            "{what}: {found:#}"
+        );
+    };
+    check("floor 3 among floor 9", json!({}), ["9.01", "9.04"], "undecided", json!("no_witness")).await;
+    check("two floors meet", json!({}), ["9.01", "3.04"], "loop", json!(null)).await;
+    let off = json!({"single_text_needs_witness": false});
+    check("turned off", off, ["9.01", "9.04"], "loop", json!(null)).await;
 }

@@ -10,7 +10,7 @@ use super::pairs::{RayPair, TwoViews};
 use crate::geometry::sampling::SplitMix64;
 
 /// What a match's squared error is held against in a score, whatever the model: the 99 % quantile of chi-square with two
-/// degrees of freedom (`contract.md` §8.13; ORB-SLAM takes the 95 % quantile, 5.99).
+/// degrees of freedom (M13; ORB-SLAM takes the 95 % quantile, 5.99).
 pub const SCORE_CHI_SQUARE: f64 = 9.21;
 
 /// Sampling stops once the chance of having missed every good sample is below this (ORB-SLAM: 1 %).
