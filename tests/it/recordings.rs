@@ -1,21 +1,23 @@
 //! Real recordings, played by the command that a user would run.
 //!
-//! They are not part of the repository; without them these tests say so and pass. `.ci/run` makes sure
-//! that they are there.
+//! `tests/data/recordings` holds the small ones. The others lie in the folder that REVISIT_SHARED names.
 
+use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde_json::Value;
 
-fn recording(name: &str) -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/recordings");
-    let path = folder.join(format!("{name}.ndjson.zst"));
-    if path.exists() {
-        return Some(path);
-    }
-    eprintln!("skipped: {name} is not beside this checkout (../shared/recordings)");
-    None
+/// Returns the path of a recording of this repository.
+fn committed(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/data/recordings/{name}.ndjson.zst"))
+}
+
+/// Returns the path of a recording that this repository does not hold.
+fn shared(name: &str) -> PathBuf {
+    let folder =
+        env::var_os("REVISIT_SHARED").expect("REVISIT_SHARED names the folder that holds recordings/");
+    Path::new(&folder).join(format!("recordings/{name}.ndjson.zst"))
 }
 
 fn replay(path: &Path, more: &[&str]) -> Value {
@@ -32,7 +34,7 @@ fn replay(path: &Path, more: &[&str]) -> Value {
 
 #[test]
 fn no_two_floors_of_a_real_tower_are_taken_for_one() {
-    let Some(path) = recording("tower") else { return };
+    let path = committed("tower");
     let score = replay(&path, &[]);
     // In 19 queries the local anchor map shares a plaque with a true keyframe's. In nine of them it is the plaque that was
     // tracked a moment ago, which shows no return.
@@ -43,8 +45,9 @@ fn no_two_floors_of_a_real_tower_are_taken_for_one() {
 }
 
 #[test]
+#[ignore = "needs REVISIT_SHARED"]
 fn of_what_an_ordinary_reader_reads_on_nine_floors_no_loop_is_wrong() {
-    let Some(path) = recording("floors") else { return };
+    let path = shared("floors");
     // Half of the plates are misread, and logos, railings and slogans are read as well: 26 of 57 loops were wrong before the
     // map learned how the building writes its numbers.
     for (more, right) in [(&[][..], 38), (&["--assumed-ranges"], 70)] {
@@ -61,7 +64,7 @@ fn of_what_an_ordinary_reader_reads_on_nine_floors_no_loop_is_wrong() {
 
 #[test]
 fn of_directory_boards_that_hang_on_two_floors_one_loop_is_wrong() {
-    let Some(path) = recording("tower_boards") else { return };
+    let path = committed("tower_boards");
     let score = replay(&path, &[]);
     // "HUB 04" hangs on floor 4 and on floor 5, and the first query on floor 5 sees nothing else.
     assert!(score["correct"].as_u64().unwrap() >= 10, "{score:#}");
@@ -70,7 +73,7 @@ fn of_directory_boards_that_hang_on_two_floors_one_loop_is_wrong() {
 
 #[test]
 fn the_papers_reading_of_directory_boards_is_better_than_words_alone() {
-    let Some(path) = recording("tower_boards") else { return };
+    let path = committed("tower_boards");
     let score = replay(&path, &["--paper"]);
     let precision = score["precision"].as_f64().unwrap();
     assert!(precision > score["bow_only"]["precision"].as_f64().unwrap(), "{score:#}");

@@ -274,7 +274,7 @@ def test_a_distorted_picture_is_straightened_as_its_points_are() -> None:
 def test_a_real_colmap_model_is_read(cache: Path, tmp_path: Path) -> None:
     shared = os.environ.get("REVISIT_SHARED")
     if not shared:
-        pytest.skip("REVISIT_SHARED does not name the folder with samples of other systems")
+        pytest.skip("needs REVISIT_SHARED")
     output = tmp_path / "o.ndjson"
     done = play("colmap", Path(shared) / "samples/colmap/reconstruction", "--cache", cache, "--no-query", "-o", output, "--every-frame")
     assert done.returncode == 0, done.stderr
