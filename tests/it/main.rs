@@ -9,6 +9,7 @@ mod closing;
 mod crash;
 mod events;
 mod eviction;
+mod exports;
 mod geometry;
 mod hotel;
 mod limits;

@@ -1,0 +1,305 @@
+//! Exports: a map as a recording. Played again it is the same map, whatever happened to the first.
+
+use std::process::{Command, Output};
+
+use reqwest::Method;
+use serde_json::{Value, json};
+
+use revisit::service::ModelChoice;
+
+use crate::support::{Answer, Server, pose};
+
+async fn run(args: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_revisit"));
+    command.args(args);
+    tokio::task::spawn_blocking(move || command.output().unwrap()).await.unwrap()
+}
+
+fn expect_success(output: &Output) -> String {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+/// A keyframe at `x` of a corridor that sees points from 10 * x on, a plate among them, and a picture with a crop.
+fn keyframe(session: &str, seconds: u32, x: f64, plate: &str) -> Value {
+    let first = 10 * x as i64;
+    let ids: Vec<i64> = (first..first + 24).collect();
+    let positions: Vec<[f64; 3]> = ids.iter().map(|id| [*id as f64 * 0.1, 0.3, 3.0 + x * 0.01]).collect();
+    let keypoints: Vec<[f64; 4]> = ids.iter().map(|id| [*id as f64 * 7.5, 200.25, 1.0, 30.0]).collect();
+    let png =
+        "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==";
+    json!({
+        "session": session,
+        "stamp": {"sec": seconds, "nanosec": 7},
+        "pose": pose([x, 0.1, 0.0]),
+        "camera": {"fx": 525.0, "fy": 525.0, "cx": 320.0, "cy": 240.0, "width": 640, "height": 480},
+        "bow": {"words": [3, 17, 40 + first, 41 + first], "weights": [0.4, 0.1, 1.0, 0.35]},
+        "features": {"descriptor_bytes": 8, "descriptors": base64_zeros(ids.len() * 8), "keypoints": keypoints, "map_points": ids},
+        "map_points": {"ids": ids, "positions": positions},
+        "observes": [first + 900],
+        "detections": [
+            {"class": "door_number", "confidence": 0.9, "box": [10, 10, 50, 30.5], "text": plate, "map_points": [first, first + 1, first + 2]},
+            {"class": "picture", "confidence": 0.7, "box": [100, 10, 150, 60], "position": [x + 1.0, 0.5, 2.0], "range": "assumed", "crop": png}
+        ]
+    })
+}
+
+fn base64_zeros(bytes: usize) -> String {
+    assert_eq!(bytes % 3, 0);
+    "A".repeat(bytes / 3 * 4)
+}
+
+async fn exported(server: &Server, map: &str) -> Vec<Value> {
+    let text = Answer::text(server.request(Method::GET, &format!("/v1/maps/{map}/export"))).await;
+    text.lines().map(|line| serde_json::from_str(line).expect("a line of JSON")).collect()
+}
+
+/// A map to which everything has happened that a client can do.
+async fn lived(server: &Server) {
+    server
+        .put("/v1/maps/m", &json!({"description": "two floors", "settings": {"candidates_max": 9}}))
+        .await
+        .expect(201);
+    let rooms = [("kf-0", 0.0, "901"), ("kf-1", 1.0, "902"), ("kf-2", 2.0, "903"), ("kf-3", 3.0, "904")];
+    for (number, (id, x, plate)) in rooms.into_iter().enumerate() {
+        let seconds = number as u32 + 1;
+        server
+            .put(&format!("/v1/maps/m/keyframes/{id}"), &keyframe("robot-1", seconds, x, plate))
+            .await
+            .expect(201);
+    }
+    server
+        .patch("/v1/maps/m", &json!({"settings": {"candidates_max": 20, "company": false}}))
+        .await
+        .expect(200);
+    let verdict = json!({"operation": "describe", "keyframe": "kf-1", "detection": 1, "text": "a red boat at sea", "source": "model:elsewhere"});
+    assert_eq!(server.post("/v1/maps/m/model-verdicts", &verdict).await.expect(200)["applied"], true);
+    assert_eq!(server.post("/v1/maps/m/model-verdicts", &verdict).await.expect(200)["applied"], false);
+    let corrected = json!({"session": "robot-1", "keyframes": {"ids": ["kf-1", "kf-2"], "poses": [pose([1.1, 0.1, 0.0]), pose([2.3, 0.1, 0.0])]},
+        "map_points": {"ids": [12, 5000], "positions": [[1.25, 0.3, 3.1], [0.0, 0.0, 1.0]]}});
+    server.post("/v1/maps/m/poses", &corrected).await.expect(200);
+    for (id, seconds, x, plate) in
+        [("again-0", 60, 0.2, "901"), ("again-1", 61, 1.2, "902"), ("again-3", 62, 3.2, "904")]
+    {
+        server
+            .put(&format!("/v1/maps/m/keyframes/{id}"), &keyframe("robot-2", seconds, x, plate))
+            .await
+            .expect(201);
+    }
+    for (id, keyframe, candidate) in [("stays", "again-0", "kf-0"), ("goes", "again-1", "kf-1")] {
+        server
+            .post(
+                "/v1/maps/m/loops",
+                &json!({"id": id, "keyframe": keyframe, "candidate": candidate, "query": "q-1"}),
+            )
+            .await
+            .expect(201);
+    }
+    server.delete("/v1/maps/m/loops/goes").await.expect(200);
+    let stored = server.get("/v1/maps/m/keyframes/kf-2").await.expect(200);
+    let anchor = stored["detections"][1]["anchor"].as_str().unwrap().to_owned();
+    let described = server.request(Method::PATCH, &format!("/v1/maps/m/anchors/{anchor}"));
+    let described = described.header("if-match", "*").json(&json!({"description": "a fire hose"}));
+    Answer::of(described).await.expect(200);
+    let stored = server.get("/v1/maps/m/keyframes/kf-3").await.expect(200);
+    let anchor = stored["detections"][1]["anchor"].as_str().unwrap().to_owned();
+    server.delete(&format!("/v1/maps/m/anchors/{anchor}")).await.expect(200);
+}
+
+/// The verdict about every keyframe of a map, without what a copy has of its own.
+async fn verdicts(server: &Server, map: &str) -> Vec<Value> {
+    let page = server.get(&format!("/v1/maps/{map}/keyframes?limit=1000")).await.expect(200);
+    let mut verdicts = Vec::new();
+    for keyframe in page["items"].as_array().unwrap() {
+        let question = json!({"keyframe": keyframe["id"]});
+        let mut verdict = server.post(&format!("/v1/maps/{map}/loop-queries"), &question).await.expect(200);
+        for own in ["id", "map_version"] {
+            verdict.as_object_mut().unwrap().remove(own);
+        }
+        verdicts.push(verdict);
+    }
+    verdicts
+}
+
+fn line<'l>(lines: &'l [Value], op: &str, id: &str) -> &'l Value {
+    lines.iter().find(|line| line["op"] == op && (id.is_empty() || line["id"] == id)).expect("the line")
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_map_is_exported_as_it_was_sent_and_played_again_it_answers_alike() {
+    let (first, second) = (Server::start().await, Server::start().await);
+    lived(&first).await;
+    let lines = exported(&first, "m").await;
+    let ops: Vec<&str> = lines.iter().map(|line| line["op"].as_str().unwrap()).collect();
+    let expected = [
+        "map",
+        "keyframe",
+        "keyframe",
+        "keyframe",
+        "keyframe",
+        "map",
+        "judgement",
+        "poses",
+        "keyframe",
+        "keyframe",
+        "keyframe",
+        "loop",
+        "loop",
+        "delete",
+        "description",
+        "delete",
+    ];
+    assert_eq!(ops, expected);
+    assert_eq!(lines[0]["body"], json!({"description": "two floors", "settings": {"candidates_max": 9}}));
+    assert_eq!(lines[5]["body"], json!({"settings": {"candidates_max": 20, "company": false}}));
+    // What was corrected since is as it was sent.
+    let sent = keyframe("robot-1", 2, 1.0, "902");
+    let again = &line(&lines, "keyframe", "kf-1")["body"];
+    for field in ["session", "stamp", "pose", "camera", "features", "map_points", "observes", "detections"] {
+        let as_numbers = |value: &Value| {
+            serde_json::to_string(value).unwrap().replace(".0,", ",").replace(".0]", "]").replace(".0}", "}")
+        };
+        assert_eq!(as_numbers(&again[field]), as_numbers(&sent[field]), "{field}");
+    }
+    let poses = &line(&lines, "poses", "")["body"];
+    assert_eq!(poses["keyframes"]["ids"], json!(["kf-1", "kf-2"]));
+    assert_eq!(poses["keyframes"]["poses"][1]["translation"]["x"], 2.3);
+    assert_eq!(
+        poses["map_points"],
+        json!({"ids": [12, 5000], "positions": [[1.25, 0.3, 3.1], [0.0, 0.0, 1.0]]})
+    );
+    assert_eq!(lines[13], json!({"op": "delete", "loop": "goes"}));
+    assert_eq!(
+        lines[14],
+        json!({"op": "description", "keyframe": "kf-2", "detection": 1, "body": {"description": "a fire hose"}})
+    );
+
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("m.ndjson.zst");
+    let file = file.to_str().unwrap();
+    expect_success(&run(&["export", "m", file, "--server", &first.url("")]).await);
+    expect_success(&run(&["replay", file, "--server", &second.url("")]).await);
+    assert_eq!(exported(&second, "m").await, lines);
+    let (copied, original) = (verdicts(&second, "m").await, verdicts(&first, "m").await);
+    assert_eq!(original.len(), 7);
+    assert!(original.iter().any(|verdict| verdict["verdict"] == "loop"), "{original:#?}");
+    assert_eq!(copied, original);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_real_tower_that_is_exported_and_played_again_answers_to_the_byte() {
+    let (first, second) = (Server::start().await, Server::start().await);
+    let recording = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/recordings/tower.ndjson.zst");
+    expect_success(&run(&["replay", recording, "--server", &first.url("")]).await);
+    let map = first.get("/v1/maps").await.expect(200)["items"][0]["id"].as_str().unwrap().to_owned();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("tower.ndjson.gz");
+    let file = file.to_str().unwrap();
+    expect_success(&run(&["export", &map, file, "--server", &first.url("")]).await);
+    expect_success(&run(&["replay", file, "--server", &second.url("")]).await);
+    assert!(exported(&second, &map).await == exported(&first, &map).await);
+    let (copied, original) = (verdicts(&second, &map).await, verdicts(&first, &map).await);
+    assert!(original.len() > 100);
+    assert!(copied == original);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_large_correction_is_exported_before_and_after_it_reached_its_rows() {
+    let server = Server::start().await;
+    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let ids: Vec<i64> = (0..30_000).collect();
+    let at = |z: f64| -> Vec<[f64; 3]> { ids.iter().map(|id| [*id as f64 * 0.01, 0.0, z]).collect() };
+    let body = json!({"stamp": {"sec": 1, "nanosec": 0}, "pose": pose([0.0; 3]), "map_points": {"ids": ids, "positions": at(1.0)}, "observes": ids});
+    server.put("/v1/maps/m/keyframes/a", &body).await.expect(201);
+    for z in [2.0, 3.0] {
+        let corrected = json!({"map_points": {"ids": ids, "positions": at(z)}});
+        server.post("/v1/maps/m/poses", &corrected).await.expect(200);
+    }
+    // At once, while slices bring them to their rows; and when they have.
+    for _ in 0..8 {
+        let lines = exported(&server, "m").await;
+        let heights: Vec<&Value> =
+            lines[1..].iter().map(|line| &line["body"]["map_points"]["positions"][29_999][2]).collect();
+        assert_eq!(heights, [1.0, 2.0, 3.0]);
+        tokio::time::sleep(std::time::Duration::from_millis(50)).await;
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn deleted_keyframes_are_left_out_and_the_points_that_they_brought_stay() {
+    let (first, second) = (Server::start().await, Server::start().await);
+    first.put("/v1/maps/m", &json!({})).await.expect(201);
+    first.put("/v1/maps/m/keyframes/gone", &keyframe("robot-1", 1, 1.0, "901")).await.expect(201);
+    let mut heir = keyframe("robot-1", 2, 1.0, "901");
+    heir.as_object_mut().unwrap().remove("map_points");
+    first.put("/v1/maps/m/keyframes/heir", &heir).await.expect(201);
+    let closed = json!({"id": "l", "keyframe": "heir", "candidate": "gone"});
+    first.post("/v1/maps/m/loops", &closed).await.expect(201);
+    first.delete("/v1/maps/m/keyframes/gone").await.expect(200);
+    let lines = exported(&first, "m").await;
+    let names: Vec<(&str, Option<&str>)> =
+        lines.iter().map(|line| (line["op"].as_str().unwrap(), line["id"].as_str())).collect();
+    assert_eq!(names, [("map", Some("m")), ("keyframe", Some("heir"))]);
+    assert_eq!(lines[1]["body"]["map_points"], keyframe("robot-1", 1, 1.0, "901")["map_points"]);
+    for line in &lines {
+        let path = if line["op"] == "map" { "/v1/maps/m" } else { "/v1/maps/m/keyframes/heir" };
+        second.put(path, &line["body"]).await.expect(201);
+    }
+    assert_eq!(exported(&second, "m").await, lines);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_command_reads_a_database_beside_its_server_and_after_it_and_overwrites_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::on(folder.path(), None, ModelChoice::None).await;
+    let database = format!("sqlite://{}/test.db", folder.path().display());
+    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    server.put("/v1/maps/m/keyframes/kf-0", &keyframe("robot-1", 1, 0.0, "901")).await.expect(201);
+    let beside = expect_success(&run(&["export", "m", "-", "--database", &database]).await);
+    assert_eq!(beside.lines().count(), 2, "{beside}");
+    server.stop().await;
+    let file = folder.path().join("m.ndjson");
+    let name = file.to_str().unwrap();
+    expect_success(&run(&["export", "m", name, "--database", &database]).await);
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), beside);
+
+    let refused = run(&["export", "m", name, "--database", &database]).await;
+    assert!(!refused.status.success() && String::from_utf8_lossy(&refused.stderr).contains("--force"));
+    let refused = run(&["export", "other", "-", "--database", &database]).await;
+    assert!(!refused.status.success() && String::from_utf8_lossy(&refused.stderr).contains("no map other"));
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn what_a_model_said_elsewhere_is_refused_with_its_faults() {
+    let server = Server::start().await;
+    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    server.get("/v1/maps/nowhere/export").await.expect(404);
+    let faults = [
+        (json!({"operation": "guess", "source": "model:x"}), "/operation"),
+        (
+            json!({"operation": "similarity", "class": "sign", "texts": ["a"], "level": 4, "source": "model:x"}),
+            "/texts",
+        ),
+        (
+            json!({"operation": "information", "class": "sign", "texts": ["a"], "level": 6, "source": "model:x"}),
+            "/level",
+        ),
+        (json!({"operation": "merge", "class": "sign", "texts": ["a", "b"], "source": "model:x"}), "/text"),
+        (
+            json!({"operation": "describe", "keyframe": "kf", "detection": 500, "text": "a", "source": "model:x"}),
+            "/detection",
+        ),
+        (
+            json!({"operation": "describe", "keyframe": "kf", "detection": 0, "text": "a", "source": "model:x"}),
+            "/keyframe",
+        ),
+        (json!({"operation": "describe", "keyframe": "kf", "detection": 0, "text": "a"}), "/source"),
+    ];
+    for (body, pointer) in faults {
+        let problem = server.post("/v1/maps/m/model-verdicts", &body).await.expect(422);
+        assert!(
+            problem["errors"].as_array().unwrap().iter().any(|fault| fault["pointer"] == pointer),
+            "{pointer}: {problem}"
+        );
+    }
+}
