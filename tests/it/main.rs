@@ -13,6 +13,7 @@ mod geometry;
 mod hotel;
 mod limits;
 mod lives;
+mod method;
 mod models;
 mod openapi;
 mod operations;
