@@ -14,11 +14,12 @@ from . import bulk
 from .call import Call, segment
 from .client import unreachable
 from .events import EventParser
+from .lines import LineSplitter
 from .models import BulkLine, Event
 from .operations import AsyncOperations
 from .problems import ProblemError, problem_of
 from .retries import Retries
-from .settings import DEFAULT_URL, EVENTS_SILENCE_S, TIMEOUT_S, http_settings
+from .settings import DEFAULT_URL, EVENTS_SILENCE_S, EXPORT_SILENCE_S, TIMEOUT_S, http_settings
 
 
 class AsyncClient(AsyncOperations):
@@ -98,6 +99,24 @@ class AsyncClient(AsyncOperations):
                 return
             await self._wait(attempt, broken_since, failure, repeatable=True)
             attempt += 1
+
+    async def export_map(self, map: str) -> AsyncIterator[bytes]:
+        """Yield the lines of a map's recording, as `revisit replay` plays it, without their newlines.
+
+        A stream that breaks raises `ServerUnreachable`: the lines so far are not the whole map.
+        """
+        path, lines = f"/v1/maps/{segment(map)}/export", LineSplitter()
+        timeout = httpx.Timeout(TIMEOUT_S, read=EXPORT_SILENCE_S)
+        try:
+            async with self._http.stream("GET", path, timeout=timeout) as response:
+                if response.status_code >= 400:
+                    await response.aread()
+                    raise problem_of(response)
+                async for piece in response.aiter_bytes():
+                    for line in lines.feed(piece):
+                        yield line
+        except httpx.TransportError as error:
+            raise unreachable(self._http.base_url, error) from error
 
     async def close(self) -> None:
         """Close all connections."""

@@ -12,11 +12,12 @@ import httpx
 from . import bulk
 from .call import Call, segment
 from .events import EventParser
+from .lines import LineSplitter
 from .models import BulkLine, Event
 from .operations import Operations
 from .problems import ProblemError, ServerUnreachable, problem_of
 from .retries import Retries
-from .settings import DEFAULT_URL, EVENTS_SILENCE_S, TIMEOUT_S, http_settings
+from .settings import DEFAULT_URL, EVENTS_SILENCE_S, EXPORT_SILENCE_S, TIMEOUT_S, http_settings
 
 
 class Client(Operations):
@@ -83,6 +84,22 @@ class Client(Operations):
                 return
             self._wait(attempt, broken_since, failure, repeatable=True)
             attempt += 1
+
+    def export_map(self, map: str) -> Iterator[bytes]:
+        """Yield the lines of a map's recording, as `revisit replay` plays it, without their newlines.
+
+        A stream that breaks raises `ServerUnreachable`: the lines so far are not the whole map.
+        """
+        path, lines = f"/v1/maps/{segment(map)}/export", LineSplitter()
+        try:
+            with self._http.stream("GET", path, timeout=httpx.Timeout(TIMEOUT_S, read=EXPORT_SILENCE_S)) as response:
+                if response.status_code >= 400:
+                    response.read()
+                    raise problem_of(response)
+                for piece in response.iter_bytes():
+                    yield from lines.feed(piece)
+        except httpx.TransportError as error:
+            raise unreachable(self._http.base_url, error) from error
 
     def close(self) -> None:
         """Close all connections."""

@@ -134,6 +134,17 @@ class MatchKind(OpenEnum):
     COVISIBLE = "covisible"
 
 
+class ModelOperation(OpenEnum):
+    """The functions of §IV-A.2 (`similarity`, `information`, `merge`), and `describe`, the description of
+    a crop (§IV-B).
+    """
+
+    SIMILARITY = "similarity"
+    INFORMATION = "information"
+    MERGE = "merge"
+    DESCRIBE = "describe"
+
+
 class OutcomeName(OpenEnum):
     """What can become of a detection: it founds an anchor, is one more sight of a known one, or feeds
     none.
@@ -1230,6 +1241,44 @@ class MergeAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Did the built-in judge stand in because a model was away?"""
 
 
+class ModelVerdict(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """What a model said: a level or a merged text of texts of one class, or a description of a detection's
+    crop.
+    """
+
+    operation: ModelOperation
+    """What it was asked."""
+    source: str
+    """Who said it, such as `model:gpt-4o-mini`."""
+    class_: str | None = msgspec.field(default=None, name="class")
+    """The class of the objects that carry the texts; of all but `describe`."""
+    texts: list[str] | None = None
+    """The texts: two, or one for `information`; none for `describe`."""
+    level: int | None = None
+    """The level of `similarity` and `information`."""
+    text: str | None = None
+    """The text of `merge` and `describe`; empty where nothing could be made of a crop."""
+    keyframe: str | None = None
+    """The keyframe of the crop that was described."""
+    detection: int | None = None
+    """Which of its detections, counted from 0."""
+    described: bool | None = None
+    """Whether a model described the crop, rather than a reader of characters."""
+    degraded: bool | None = None
+    """Whether a reader stood in for the model: it is read again once a model is there."""
+    reason: str | None = None
+    """Why, in one sentence for a person."""
+
+
+class ModelVerdictAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """What became of it."""
+
+    map_version: int
+    """The map's version after it."""
+    applied: bool
+    """Whether it changed the map: not where no anchor carries the texts, or the crop was read before."""
+
+
 class OneText(msgspec.Struct, kw_only=True, omit_defaults=True):
     """A description of an object."""
 
@@ -1488,6 +1537,10 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     """ours: a sign that three separate passages of a session that has read it had in view and did not see,
     or read otherwise, is retired: it neither agrees nor contradicts, until one passage reads it twice
     as before
+    """
+    keep_history: bool | None = None
+    """keeps what corrections replace, so that export gives what was sent; decides no verdict. Off, a
+    corrected map takes less room on disk, and export gives poses and points as last corrected
     """
     geometry_models: SettingsGeometryModels | None = None
     """ours: auto verifies by a similarity where enough points are triangulated, else by an essential

@@ -204,6 +204,14 @@ class Operations:
         """
         return self._call(Call("DELETE", f"/v1/maps/{segment(map)}/loops/{segment(loop)}", answer=models.LoopRevoked))
 
+    def bring_model_verdict(self, map: str, body: models.ModelVerdict | Mapping[str, Any]) -> models.ModelVerdictAnswer:
+        """Bring what a model said. A level or a merged text of texts of one class, or the description of a
+        detection's crop: it is applied as if a model of this server had said it, and asks none. So a
+        copy of a map, or a model that runs elsewhere, brings its verdicts. Where no anchor carries the
+        texts, or the crop was read for good, it changes nothing.
+        """
+        return self._call(Call("POST", f"/v1/maps/{segment(map)}/model-verdicts", body=body, answer=models.ModelVerdictAnswer))
+
     def correct_poses(self, map: str, body: models.PosesBody | Mapping[str, Any]) -> models.PosesAnswer:
         """Correct poses and map points. After a loop was closed and the client has optimised: all of it in
         one transaction, or nothing. Boxes of anchors follow their points.
@@ -438,6 +446,14 @@ class AsyncOperations:
         no longer covisible through it.
         """
         return await self._call(Call("DELETE", f"/v1/maps/{segment(map)}/loops/{segment(loop)}", answer=models.LoopRevoked))
+
+    async def bring_model_verdict(self, map: str, body: models.ModelVerdict | Mapping[str, Any]) -> models.ModelVerdictAnswer:
+        """Bring what a model said. A level or a merged text of texts of one class, or the description of a
+        detection's crop: it is applied as if a model of this server had said it, and asks none. So a
+        copy of a map, or a model that runs elsewhere, brings its verdicts. Where no anchor carries the
+        texts, or the crop was read for good, it changes nothing.
+        """
+        return await self._call(Call("POST", f"/v1/maps/{segment(map)}/model-verdicts", body=body, answer=models.ModelVerdictAnswer))
 
     async def correct_poses(self, map: str, body: models.PosesBody | Mapping[str, Any]) -> models.PosesAnswer:
         """Correct poses and map points. After a loop was closed and the client has optimised: all of it in

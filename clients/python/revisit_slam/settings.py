@@ -10,6 +10,8 @@ from .retries import Retries
 
 DEFAULT_URL = "http://127.0.0.1:7878"
 TIMEOUT_S = 30.0
+# An export begins once the server has looked through the map's corrections.
+EXPORT_SILENCE_S = 300.0
 # The server sends a comment on an idle stream more often than this.
 EVENTS_SILENCE_S = 60.0
 
@@ -22,4 +24,4 @@ def http_settings(url: str, key: str | None, timeout_s: float) -> dict[str, Any]
     return {"base_url": url, "headers": headers, "timeout": httpx.Timeout(timeout_s), "trust_env": not local}
 
 
-__all__ = ["DEFAULT_URL", "EVENTS_SILENCE_S", "TIMEOUT_S", "Retries", "http_settings"]
+__all__ = ["DEFAULT_URL", "EVENTS_SILENCE_S", "EXPORT_SILENCE_S", "TIMEOUT_S", "Retries", "http_settings"]

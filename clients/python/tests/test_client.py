@@ -45,6 +45,28 @@ def test_a_loop_is_found_and_its_look_alike_rejected(client: Client, map_id: str
     assert client.revoke_loop(map_id, "l-1").split
 
 
+def test_an_exported_map_is_made_again_from_its_lines(client: Client, server: Server, map_id: str) -> None:
+    client.put_keyframe(map_id, "kf-1", keyframe(1, "901"))
+    client.put_keyframe(map_id, "kf-2", keyframe(90, "Room 901", 5.0))
+    client.confirm_loop(map_id, {"id": "l-1", "keyframe": "kf-2", "candidate": "kf-1"})
+    lines = [msgspec.json.decode(line) for line in client.export_map(map_id)]
+    assert [line["op"] for line in lines] == ["map", "keyframe", "keyframe", "loop"]
+    copy = f"{map_id}-again"
+    client.put_map(copy, lines[0]["body"])
+    for line in lines[1:3]:
+        client.put_keyframe(copy, line["id"], line["body"])
+    client.confirm_loop(copy, lines[3]["body"])
+
+    async def again() -> list[bytes]:
+        async with AsyncClient(server.url) as waiting:
+            return [line async for line in waiting.export_map(copy)]
+
+    assert [msgspec.json.decode(line) for line in asyncio.run(again())][1:] == lines[1:]
+    with pytest.raises(ProblemError) as raised:
+        list(client.export_map("nowhere"))
+    assert raised.value.status == 404
+
+
 def test_a_struct_and_a_dict_are_the_same_body(client: Client, map_id: str) -> None:
     plain = keyframe(1, "901")
     client.put_keyframe(map_id, "kf-1", plain)

@@ -19,8 +19,9 @@ import yaml
 PACKAGE = Path(__file__).resolve().parents[1] / "revisit_slam"
 DOCUMENT = Path(__file__).resolve().parents[3] / "openapi" / "openapi.yaml"
 WIDTH = 110
-# Written by hand in client.py and async_client.py: a body from a generator, and a stream that resumes.
-BY_HAND = {"put_keyframes", "listen"}
+# Written by hand in client.py and async_client.py: a body from a generator, a stream that resumes, and an answer that may be
+# larger than memory.
+BY_HAND = {"put_keyframes", "listen", "export_map"}
 HEAD = '"""{title} Made from the API document by tools/generate.py: do not edit."""\n\nfrom __future__ import annotations\n\n'
 
 
