@@ -111,7 +111,7 @@ async fn verdicts(server: &Server, map: &str) -> Vec<Value> {
     let page = server.get(&format!("/v1/maps/{map}/keyframes?limit=1000")).await.expect(200);
     let mut verdicts = Vec::new();
     for keyframe in page["items"].as_array().unwrap() {
-        let question = json!({"keyframe": keyframe["id"]});
+        let question = json!({"keyframe": keyframe["id"], "verify": "anchors"});
         let mut verdict = server.post(&format!("/v1/maps/{map}/loop-queries"), &question).await.expect(200);
         for own in ["id", "map_version"] {
             verdict.as_object_mut().unwrap().remove(own);

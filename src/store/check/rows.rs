@@ -8,7 +8,8 @@ use crate::model::keyframe::Crop;
 use crate::recognition::features::MatchableFeatures;
 use crate::store::job::MapKey;
 use crate::store::load::Loaded;
-use crate::store::{StoreError, decode, read};
+use crate::store::parts::Kind;
+use crate::store::{StoreError, decode, former_values, operations, read};
 
 /// Checks the rows of a map that was loaded.
 pub(super) async fn check(
@@ -21,6 +22,7 @@ pub(super) async fn check(
     keyframes(&mut *db, key, &mut found.faults).await?;
     detections(&mut *db, key, &mut found.faults).await?;
     crops(&mut *db, key, &mut found.faults).await?;
+    history(&mut *db, loaded, &mut found.faults).await?;
     queries(&mut *db, key, &mut found.faults).await
 }
 
@@ -109,6 +111,32 @@ async fn detections(
                 at.1, at.0
             ));
         }
+    }
+    Ok(())
+}
+
+/// What exports read and no index holds: it decodes, and none of it is of a version to come.
+async fn history(
+    db: &mut SqliteConnection,
+    loaded: &Loaded,
+    faults: &mut Vec<String>,
+) -> Result<(), StoreError> {
+    let mut versions = Vec::new();
+    match operations::all(&mut *db, loaded.key).await {
+        Ok(operations) => versions.extend(operations.into_iter().map(|(version, _)| version)),
+        Err(error) => faults.push(error.fault()),
+    }
+    let select = "select version, kind, entries from former_values where map_key = $1";
+    let mut rows = sqlx::query_as::<_, (i64, String, Vec<u8>)>(select).bind(loaded.key).fetch(db);
+    while let Some((version, kind, entries)) = rows.try_next().await? {
+        let read = Kind::from_name(&kind).and_then(|kind| former_values::unpacked(kind, &entries));
+        if let Err(error) = read {
+            faults.push(format!("the former values of version {version}: {error}"));
+        }
+        versions.push(version.unsigned_abs());
+    }
+    if let Some(version) = versions.into_iter().find(|version| *version > loaded.version) {
+        faults.push(format!("history of version {version}, and the map's is {}", loaded.version));
     }
     Ok(())
 }
