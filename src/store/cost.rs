@@ -24,22 +24,20 @@ impl Job {
     }
 }
 
-impl Change {
-    /// What it costs if it is written to its row, in microseconds of a slow core.
-    pub(super) fn cost_us(&self) -> u64 {
-        match self {
-            Self::PointSet(..) => POINT_ROW_US,
-            Self::PointsForgotten(_, ids) => ids.len() as u64 * POINT_ROW_US,
-            Self::PoseSet(..) | Self::KeyframeRemoved(..) => KEYFRAME_ROW_US,
-            Self::Observed(..) | Self::OutcomeSet(..) => 0,
-            Self::KeyframeAdded(keyframe, _) => KEYFRAME_ROW_US + of_bytes(keyframe.bytes as usize),
-            _ => STATEMENT_US,
-        }
+/// What a change costs if it is written to its row, in microseconds of a slow core.
+pub(super) fn of_change(change: &Change) -> u64 {
+    match change {
+        Change::PointSet(..) => POINT_ROW_US,
+        Change::PointsForgotten(_, ids) => ids.len() as u64 * POINT_ROW_US,
+        Change::PoseSet(..) | Change::KeyframeRemoved(..) => KEYFRAME_ROW_US,
+        Change::Observed(..) | Change::OutcomeSet(..) => 0,
+        Change::KeyframeAdded(keyframe, _) => KEYFRAME_ROW_US + of_bytes(keyframe.bytes as usize),
+        _ => STATEMENT_US,
     }
 }
 
 fn of_batch(batch: &Batch) -> u64 {
-    let changes: u64 = batch.changes.iter().map(Change::cost_us).sum();
+    let changes: u64 = batch.changes.iter().map(of_change).sum();
     let detections = batch.new_keyframe.as_ref().map_or(0, |rows| rows.keyframe.detections.len());
     STATEMENT_US * (1 + batch.events.len() + detections) as u64 + changes
 }

@@ -15,7 +15,7 @@ use super::job::{Batch, Job, MapKey};
 use super::keyframe_rows::pose_blob;
 use super::parts::{Kind, Part, cut};
 use super::write::run;
-use super::{StoreError, former_values};
+use super::{StoreError, cost, former_values};
 use crate::geometry::{Point3, Pose};
 use crate::model::change::Change;
 use crate::model::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
@@ -32,7 +32,7 @@ pub(super) fn is_ordered(change: &Change) -> bool {
 /// The jobs that stage a batch's large changes, if it has any, and the one that commits it.
 pub(super) fn staged(job: Job) -> Vec<Job> {
     let Job::Change(mut batch) = job else { return vec![job] };
-    let cost: u64 = batch.changes.iter().filter(|c| Kind::of(c).is_some()).map(Change::cost_us).sum();
+    let cost: u64 = batch.changes.iter().filter(|c| Kind::of(c).is_some()).map(cost::of_change).sum();
     if cost <= DIRECT_US {
         return vec![Job::Change(batch)];
     }

@@ -67,7 +67,7 @@ impl Decode for PoseCorrection {
         let keyframes = body.optional("keyframes", keyframes);
         let map_points = body.optional("map_points", points);
         Some(Self {
-            session: session?.or_else(|| "default".parse().ok())?,
+            session: session?.unwrap_or_default(),
             keyframes: keyframes?.unwrap_or_default(),
             map_points: map_points?.unwrap_or_default(),
         })

@@ -28,8 +28,6 @@ const FIELDS: [&str; 10] = [
     "detections",
 ];
 
-/// The session of keyframes that name none.
-const DEFAULT_SESSION: &str = "default";
 /// The name of a keyframe that is asked about and not stored.
 const INLINE: &str = "inline";
 
@@ -100,7 +98,7 @@ fn keyframe(node: &Node<'_>, id: &KeyframeId, stored: bool) -> Option<SentKeyfra
     let (bow, vocabulary) = bow?.map_or_else(Default::default, |(bow, vocabulary)| (bow, Some(vocabulary)));
     let keyframe = NewKeyframe {
         id: id.clone(),
-        session: session?.or_else(|| DEFAULT_SESSION.parse().ok())?,
+        session: session?.unwrap_or_default(),
         stamp: stamp?,
         map_from_camera: pose?,
         camera: camera?,

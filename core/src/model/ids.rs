@@ -106,6 +106,13 @@ text_id!(
     /// One robot's run: its own frame and its own numbering of map points.
     SessionId
 );
+
+impl Default for SessionId {
+    /// Returns `default`, the session of a client that names none.
+    fn default() -> Self {
+        Self("default".into())
+    }
+}
 text_id!(
     /// A loop that a client closed.
     LoopId

@@ -1,7 +1,5 @@
 //! Small vocabularies by hand, and every way a file can be wrong.
 
-use std::io::Write as _;
-
 use super::train::{TrainSettings, TrainingSet, train};
 use super::*;
 
@@ -120,8 +118,11 @@ fn the_end_of_the_file_and_of_its_lines_may_vary() {
     assert_eq!(read(&uneven().replace(' ', "\t ")).unwrap(), plain);
 }
 
+#[cfg(feature = "compressed")]
 #[test]
 fn compressed_files_are_told_by_their_first_bytes() {
+    use std::io::Write as _;
+
     let plain = read(&uneven()).unwrap();
     let mut binary = Vec::new();
     plain.write_binary(&mut binary).unwrap();

@@ -104,6 +104,21 @@ pub struct Detection {
 }
 
 impl Detection {
+    /// A detection of which nothing is known but its class, its confidence and its box `[x0, y0, x1, y1]` in pixels.
+    pub fn of(class: &str, confidence: f64, box_px: [f64; 4]) -> Self {
+        Self {
+            class: class.to_owned(),
+            confidence,
+            box_px,
+            map_points: Vec::new(),
+            position_in_session: None,
+            range_assumed: false,
+            text: None,
+            description: None,
+            crop: None,
+        }
+    }
+
     /// What this detection says of the object, if it says anything.
     pub fn reading(&self) -> Option<&str> {
         self.description.as_deref().or(self.text.as_deref())
@@ -144,6 +159,25 @@ pub struct NewKeyframe {
 const NUMBER: usize = size_of::<i64>();
 
 impl NewKeyframe {
+    /// A keyframe of the session `default` of which nothing is known but when and where it was taken; the pose is
+    /// `map_from_camera`, in metres.
+    pub fn at(id: KeyframeId, stamp: Stamp, map_from_camera: Pose) -> Self {
+        Self {
+            id,
+            session: SessionId::default(),
+            stamp,
+            map_from_camera,
+            camera: None,
+            bow: BowVector::default(),
+            vocabulary: None,
+            features: None,
+            map_points: Vec::new(),
+            observes: Vec::new(),
+            covisible: Vec::new(),
+            detections: Vec::new(),
+        }
+    }
+
     /// What it takes on disk, in bytes: its lists, features, crops, names and texts. A map's quota counts these; its map
     /// points' positions count with the map's points, once each.
     pub fn bytes(&self) -> u64 {

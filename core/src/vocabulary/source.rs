@@ -2,8 +2,6 @@
 
 use std::io::{self, BufRead, BufReader, Cursor, Read};
 
-use flate2::bufread::MultiGzDecoder;
-
 use super::binary;
 
 const GZIP_MAGIC: &[u8] = &[0x1f, 0x8b];
@@ -16,13 +14,29 @@ const BUFFER_BYTES: usize = 256 * 1024;
 pub fn decompressed(bytes: impl Read + Send + 'static) -> io::Result<Box<dyn BufRead + Send>> {
     let (head, bytes) = peek(bytes, ZSTD_MAGIC.len())?;
     let bytes = BufReader::with_capacity(BUFFER_BYTES, bytes);
-    Ok(if head.starts_with(GZIP_MAGIC) {
-        Box::new(BufReader::with_capacity(BUFFER_BYTES, MultiGzDecoder::new(bytes)))
-    } else if head.starts_with(ZSTD_MAGIC) {
-        Box::new(BufReader::with_capacity(BUFFER_BYTES, zstd::Decoder::with_buffer(bytes)?))
+    if head.starts_with(GZIP_MAGIC) || head.starts_with(ZSTD_MAGIC) {
+        inflated(bytes, head.starts_with(GZIP_MAGIC))
     } else {
-        Box::new(bytes)
+        Ok(Box::new(bytes))
+    }
+}
+
+#[cfg(feature = "compressed")]
+fn inflated(bytes: impl BufRead + Send + 'static, is_gzip: bool) -> io::Result<Box<dyn BufRead + Send>> {
+    Ok(if is_gzip {
+        let bytes = flate2::bufread::MultiGzDecoder::new(bytes);
+        Box::new(BufReader::with_capacity(BUFFER_BYTES, bytes))
+    } else {
+        Box::new(BufReader::with_capacity(BUFFER_BYTES, zstd::Decoder::with_buffer(bytes)?))
     })
+}
+
+#[cfg(not(feature = "compressed"))]
+fn inflated(_: impl BufRead + Send + 'static, _: bool) -> io::Result<Box<dyn BufRead + Send>> {
+    Err(io::Error::new(
+        io::ErrorKind::Unsupported,
+        "compressed; decompress it, or build with the feature `compressed`",
+    ))
 }
 
 /// The bytes of a vocabulary, decompressed, and whether they are the binary form.
