@@ -19,7 +19,7 @@ create table former_values (
     -- The version that replaced them.
     version integer not null,
     part integer not null,
-    -- `former_poses`, `former_points` or `former_positions`, and a packed list of them.
+    -- `former_poses`, `former_points`, `former_forgotten` or `former_positions`, and a packed list of them.
     kind text not null,
     entries blob not null,
     constraint former_values_key primary key (map_key, version, part),

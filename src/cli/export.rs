@@ -1,7 +1,8 @@
 //! `revisit export`: a map as a recording.
 
-use std::fs::File;
+use std::fs::{File, Permissions};
 use std::io::{self, BufWriter, Write};
+use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -12,7 +13,7 @@ use crate::client::Client;
 use crate::model::counted::counted;
 use crate::model::ids::MapId;
 use crate::store::Export;
-use crate::store::backup::folder_of;
+use crate::store::backup::{folder_of, regular_or_free};
 use crate::store::files::DatabaseFiles;
 use crate::wire::recording::write_line;
 
@@ -58,7 +59,8 @@ pub async fn run(args: ExportArgs) -> Result<(), Failure> {
     if args.file.exists() && !args.force {
         return Err(format!("{} exists; --force replaces it", args.file.display()).into());
     }
-    let file = NamedTempFile::new_in(folder_of(&args.file))?;
+    regular_or_free(&args.file)?;
+    let file = temporary(&args.file).map_err(|error| format!("{}: {error}", args.file.display()))?;
     let mut to = Output::new(file.reopen()?, &args.file)?;
     let lines = export(&args, &mut to).await?;
     to.finish()?.sync_all()?;
@@ -66,6 +68,12 @@ pub async fn run(args: ExportArgs) -> Result<(), Failure> {
     let bytes = written.map_err(|error| error.error)?.metadata()?.len();
     eprintln!("{}: {}, {bytes} bytes", args.file.display(), counted(lines, "operation"));
     Ok(())
+}
+
+/// A file beside this one, with the mode that the user's mask leaves to new files.
+fn temporary(beside: &Path) -> io::Result<NamedTempFile> {
+    let mode = Permissions::from_mode(0o666);
+    tempfile::Builder::new().permissions(mode).tempfile_in(folder_of(beside))
 }
 
 /// Why a recording was not written.
@@ -77,6 +85,8 @@ enum Unwritten {
     Client(crate::client::ClientError),
     #[error(transparent)]
     Store(#[from] crate::store::StoreError),
+    #[error("there is no database {}", .0.display())]
+    NoDatabase(PathBuf),
     #[error("there is no map {0} in the database")]
     NoMap(MapId),
 }
@@ -97,7 +107,7 @@ async fn of_server(args: &ExportArgs, server: &str, to: &mut impl Write) -> Resu
     };
     let mut lines = 0;
     let take = |bytes: &[u8]| {
-        lines += bytes.iter().filter(|byte| **byte == b'\n').count();
+        lines += bytes.split(|byte| *byte == b'\n').count() - 1;
         to.write_all(bytes)
     };
     match client.export(args.map.as_str(), take).await {
@@ -110,6 +120,9 @@ async fn of_server(args: &ExportArgs, server: &str, to: &mut impl Write) -> Resu
 
 async fn of_database(args: &ExportArgs, to: &mut impl Write) -> Result<usize, Unwritten> {
     let files = DatabaseFiles::of_url(&args.database)?;
+    if !files.exist() {
+        return Err(Unwritten::NoDatabase(files.database().to_owned()));
+    }
     let export = Export::of_database(&files, &args.map).await?;
     let mut export = export.ok_or_else(|| Unwritten::NoMap(args.map.clone()))?;
     let (mut lines, mut piece) = (0, Vec::new());

@@ -112,7 +112,7 @@ pub(super) fn unpacked(kind: Kind, entries: &[u8]) -> Result<Vec<Change>, StoreE
                 |(anchor, version): (u32, i64)| Change::AnchorTouched(AnchorSeq(anchor), version as u64);
             unpack(entries)?.into_iter().map(touched).collect()
         }
-        Kind::FormerPoses | Kind::FormerPoints | Kind::FormerPositions => Vec::new(),
+        Kind::FormerPoses | Kind::FormerPoints | Kind::FormerForgotten | Kind::FormerPositions => Vec::new(),
     })
 }
 

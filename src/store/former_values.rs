@@ -29,6 +29,7 @@ pub(super) fn packed(former: &FormerValues) -> Vec<Part> {
         .points
         .iter()
         .map(|(session, id, at)| ((session.0, *id), at.map_or(ABSENT, |at| [at.x, at.y, at.z])));
+    let forgotten = former.forgotten.iter().map(|(session, id, at)| ((session.0, *id), [at.x, at.y, at.z]));
     let positions = former
         .positions
         .iter()
@@ -36,6 +37,7 @@ pub(super) fn packed(former: &FormerValues) -> Vec<Part> {
     let lists = [
         (Kind::FormerPoses, poses),
         (Kind::FormerPoints, pack(points)),
+        (Kind::FormerForgotten, pack(forgotten)),
         (Kind::FormerPositions, pack(positions)),
     ];
     lists.iter().flat_map(|(kind, entries)| cut(*kind, entries)).collect()
@@ -56,6 +58,11 @@ pub(super) fn unpacked(kind: Kind, entries: &[u8]) -> Result<FormerValues, Store
                 (SessionSeq(session), id, (!at[0].is_nan()).then(|| Point3::from(at)))
             };
             former.points = unpack(entries)?.into_iter().map(point).collect();
+        }
+        Kind::FormerForgotten => {
+            let point =
+                |((session, id), at): ((u32, i64), [f64; 3])| (SessionSeq(session), id, Point3::from(at));
+            former.forgotten = unpack(entries)?.into_iter().map(point).collect();
         }
         Kind::FormerPositions => {
             let position = |([keyframe, detection], at): ([u32; 2], [f64; 3])| {

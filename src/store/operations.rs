@@ -89,7 +89,9 @@ pub(super) async fn add(
 
 /// Returns the operations of a map, in their order.
 pub(super) async fn all(db: &mut SqliteConnection, map: MapKey) -> Result<Vec<(u64, Operation)>, StoreError> {
-    let select = "select version, body from operations where map_key = $1 order by version, operation";
+    // A map comes before all that is in it.
+    let select = "select version, body from operations where map_key = $1
+        order by version, operation <> 'map', operation";
     let rows: Vec<(i64, String)> = sqlx::query_as(select).bind(map).fetch_all(db).await?;
     let read = |(version, body): (i64, String)| {
         let operation = serde_json::from_str(&body)

@@ -16,11 +16,12 @@ pub(super) enum Kind {
     Touched,
     FormerPoses,
     FormerPoints,
+    FormerForgotten,
     FormerPositions,
 }
 
 impl Kind {
-    pub(super) const ALL: [Self; 8] = [
+    pub(super) const ALL: [Self; 9] = [
         Self::Poses,
         Self::Points,
         Self::Forgotten,
@@ -28,6 +29,7 @@ impl Kind {
         Self::Touched,
         Self::FormerPoses,
         Self::FormerPoints,
+        Self::FormerForgotten,
         Self::FormerPositions,
     ];
 
@@ -40,6 +42,7 @@ impl Kind {
             Self::Touched => "touched",
             Self::FormerPoses => "former_poses",
             Self::FormerPoints => "former_points",
+            Self::FormerForgotten => "former_forgotten",
             Self::FormerPositions => "former_positions",
         }
     }
@@ -55,7 +58,7 @@ impl Kind {
         const WIDE: usize = size_of::<i64>();
         match self {
             Self::Poses | Self::FormerPoses => NUMBER + 7 * WIDE,
-            Self::Points | Self::FormerPoints => NUMBER + WIDE + 3 * WIDE,
+            Self::Points | Self::FormerPoints | Self::FormerForgotten => NUMBER + WIDE + 3 * WIDE,
             Self::Forgotten | Self::Touched => NUMBER + WIDE,
             Self::Positions => 3 * NUMBER + 3 * WIDE,
             Self::FormerPositions => 2 * NUMBER + 3 * WIDE,
@@ -64,7 +67,7 @@ impl Kind {
 
     /// Whether it is history: moved to `former_values` as it stands, and applied to nothing.
     pub(super) fn is_former(self) -> bool {
-        matches!(self, Self::FormerPoses | Self::FormerPoints | Self::FormerPositions)
+        matches!(self, Self::FormerPoses | Self::FormerPoints | Self::FormerForgotten | Self::FormerPositions)
     }
 
     /// The kind of a change that may be deferred.

@@ -60,7 +60,8 @@ pub(super) async fn expect_newest(pool: &SqlitePool) -> Result<(), StoreError> {
         Ordering::Equal => Ok(()),
         Ordering::Greater => Err(StoreError::Newer { found, known }),
         Ordering::Less => Err(StoreError::InUse(format!(
-            "the server that has the database open is older (schema {found}, this program's is {known}); use its version"
+            "the database has schema {found}, and this program's is {known}: use the version of the server that has it open, or, \
+             if none has, open it once with `revisit serve` of this one"
         ))),
     }
 }

@@ -249,6 +249,50 @@ async fn deleted_keyframes_are_left_out_and_the_points_that_they_brought_stay() 
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn settings_that_were_changed_to_and_fro_end_as_they_were() {
+    let (first, second) = (Server::start().await, Server::start().await);
+    first.put("/v1/maps/m", &json!({})).await.expect(201);
+    for company in [false, true] {
+        first.patch("/v1/maps/m", &json!({"settings": {"company": company}})).await.expect(200);
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("m.ndjson");
+    let file = file.to_str().unwrap();
+    expect_success(&run(&["export", "m", file, "--server", &first.url("")]).await);
+    expect_success(&run(&["replay", file, "--server", &second.url("")]).await);
+    assert_eq!(second.get("/v1/maps/m").await.expect(200)["settings"]["company"], true);
+    assert_eq!(exported(&second, "m").await, exported(&first, "m").await);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn without_history_a_map_is_exported_as_last_corrected_with_every_point() {
+    let (first, second) = (Server::start().await, Server::start().await);
+    first.put("/v1/maps/m", &json!({"settings": {"keep_history": false}})).await.expect(201);
+    let mut seen = keyframe("robot-1", 1, 1.0, "901");
+    let points = seen.as_object_mut().unwrap().remove("map_points").unwrap();
+    let boot = json!({"session": "robot-1", "stamp": {"sec": 0, "nanosec": 0}, "pose": pose([0.0; 3])});
+    first.put("/v1/maps/m/keyframes/boot", &boot).await.expect(201);
+    // As ORB-SLAM does: the map point is made first, and observed afterwards.
+    first.post("/v1/maps/m/poses", &json!({"session": "robot-1", "map_points": points})).await.expect(200);
+    first.put("/v1/maps/m/keyframes/seen", &seen).await.expect(201);
+    let moved =
+        json!({"session": "robot-1", "keyframes": {"ids": ["seen"], "poses": [pose([1.5, 0.1, 0.0])]}});
+    first.post("/v1/maps/m/poses", &moved).await.expect(200);
+    let lines = exported(&first, "m").await;
+    let ops: Vec<&str> = lines.iter().map(|line| line["op"].as_str().unwrap()).collect();
+    assert_eq!(ops, ["map", "keyframe", "keyframe"]);
+    assert_eq!(lines[2]["body"]["map_points"], points);
+    assert_eq!(lines[2]["body"]["pose"]["translation"]["x"], 1.5);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("m.ndjson");
+    let file = file.to_str().unwrap();
+    expect_success(&run(&["export", "m", file, "--server", &first.url("")]).await);
+    expect_success(&run(&["replay", file, "--server", &second.url("")]).await);
+    assert_eq!(exported(&second, "m").await, lines);
+    assert_eq!(verdicts(&second, "m").await, verdicts(&first, "m").await);
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn the_command_reads_a_database_beside_its_server_and_after_it_and_overwrites_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::on(folder.path(), None, ModelChoice::None).await;

@@ -13,13 +13,8 @@ pub struct FormerValues {
     /// Map points and their positions before, in the session's frame, in metres; `None` for a point that a correction
     /// brought and no keyframe had sent.
     pub points: Vec<(SessionSeq, PointId, Option<Point3>)>,
+    /// Map points that went with the last keyframe that observed them, and their positions before.
+    pub forgotten: Vec<(SessionSeq, PointId, Point3)>,
     /// Detections (keyframe, number) and their positions before, in the session's frame, in metres.
     pub positions: Vec<(KeyframeSeq, u16, Point3)>,
-}
-
-impl FormerValues {
-    /// Whether nothing was replaced.
-    pub fn is_empty(&self) -> bool {
-        self.poses.is_empty() && self.points.is_empty() && self.positions.is_empty()
-    }
 }

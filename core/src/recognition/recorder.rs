@@ -42,7 +42,9 @@ impl<'a> Recorder<'a> {
     /// Applies one step's changes.
     pub fn apply(&mut self, changes: Vec<Change>) {
         if self.index.properties().settings.keep_history {
-            changes.iter().for_each(|change| self.keep_former(change));
+            for change in &changes {
+                self.keep_former(change);
+            }
         }
         self.index.apply(&changes);
         self.decided.changes.extend(changes);
@@ -62,6 +64,11 @@ impl<'a> Recorder<'a> {
                 if before.is_some() || !self.keyframe_arrives {
                     former.points.push((*session, *point, before));
                 }
+            }
+            Change::PointsForgotten(session, points) => {
+                let before =
+                    points.iter().filter_map(|id| Some((*id, index.points().position(*session, *id)?)));
+                former.forgotten.extend(before.map(|(id, position)| (*session, id, position)));
             }
             Change::PositionSet(anchor, keyframe, detection, _) => {
                 let observation = index

@@ -145,17 +145,13 @@ impl Player {
     async fn map(&mut self, map: &str, mut body: Body) -> Result<(), ClientError> {
         self.overrides.apply(&mut body);
         let body = Value::Object(body);
-        match self.client.put_map(map, &body).await {
-            Ok(answer) => {
-                let first = self.played.maps.insert(map.to_owned());
-                if first && answer.replayed {
-                    self.found.insert(map.to_owned());
-                }
-            }
-            Err(error) if is_conflict(&error) && self.played.maps.contains(map) => {
-                self.client.patch_map(map, &body).await?;
-            }
-            Err(error) => return Err(error),
+        if self.played.maps.contains(map) {
+            return self.client.patch_map(map, &body).await.map(drop);
+        }
+        let answer = self.client.put_map(map, &body).await?;
+        self.played.maps.insert(map.to_owned());
+        if answer.replayed {
+            self.found.insert(map.to_owned());
         }
         Ok(())
     }

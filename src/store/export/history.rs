@@ -30,16 +30,37 @@ pub(super) type NewValues = FormerValues;
 #[derive(Default)]
 struct Standing {
     poses: HashMap<KeyframeSeq, Pose>,
-    /// `None`: the point is not there.
-    points: HashMap<(SessionSeq, PointId), Option<Point3>>,
+    /// By session. A large map that was corrected as a whole has all its points here, so each takes few bytes.
+    points: HashMap<SessionSeq, HashMap<PointId, [f64; 3]>>,
     positions: HashMap<(KeyframeSeq, u16), Point3>,
 }
+
+/// The coordinates of a point that is not there.
+const ABSENT: [f64; 3] = [f64::NAN; 3];
 
 impl Standing {
     fn set(&mut self, values: &FormerValues) {
         self.poses.extend(values.poses.iter().copied());
-        self.points.extend(values.points.iter().map(|(session, id, at)| ((*session, *id), *at)));
+        for (session, id, at) in &values.points {
+            self.set_point(*session, *id, *at);
+        }
         self.positions.extend(values.positions.iter().map(|(keyframe, n, at)| ((*keyframe, *n), *at)));
+    }
+
+    fn set_point(&mut self, session: SessionSeq, id: PointId, at: Option<Point3>) {
+        self.points.entry(session).or_default().insert(id, at.map_or(ABSENT, |at| [at.x, at.y, at.z]));
+    }
+
+    /// Returns a point's position if it is not that of its row; [`ABSENT`] if the point is not there.
+    fn point(&self, session: SessionSeq, id: PointId) -> Option<[f64; 3]> {
+        self.points.get(&session)?.get(&id).copied()
+    }
+
+    /// Takes points away, or brings them back.
+    fn forget(&mut self, forgotten: &[(SessionSeq, PointId, Point3)], are_gone: bool) {
+        for (session, id, at) in forgotten {
+            self.set_point(*session, *id, (!are_gone).then_some(*at));
+        }
     }
 }
 
@@ -92,6 +113,7 @@ impl History {
             let new = history.values_for(db, &former).await?;
             history.write(version as u64, &new)?;
             history.standing.set(&former);
+            history.standing.forget(&former.forgotten, false);
         }
         Ok(history)
     }
@@ -101,9 +123,9 @@ impl History {
         let standing = &mut self.standing;
         match change {
             Change::PoseSet(keyframe, pose) => drop(standing.poses.insert(keyframe, pose)),
-            Change::PointSet(session, id, at) => drop(standing.points.insert((session, id), Some(at))),
+            Change::PointSet(session, id, at) => standing.set_point(session, id, Some(at)),
             Change::PointsForgotten(session, ids) => {
-                standing.points.extend(ids.iter().map(|id| ((session, *id), None)));
+                ids.iter().for_each(|id| standing.set_point(session, *id, None));
             }
             Change::PositionSet(_, keyframe, detection, at) => {
                 standing.positions.insert((keyframe, detection), at);
@@ -127,6 +149,7 @@ impl History {
             self.file.read_exact(&mut entries).map_err(temporary)?;
             let values = former_values::unpacked(written.kind, &entries)?;
             self.standing.set(&values);
+            self.standing.forget(&values.forgotten, true);
             new.poses.extend(values.poses);
             new.points.extend(values.points);
             new.positions.extend(values.positions);
@@ -152,10 +175,10 @@ impl History {
         ids: &[PointId],
     ) -> Result<Vec<(PointId, Point3)>, StoreError> {
         let elsewhere: Vec<PointId> =
-            ids.iter().copied().filter(|id| !self.standing.points.contains_key(&(session, *id))).collect();
+            ids.iter().copied().filter(|id| self.standing.point(session, *id).is_none()).collect();
         let rows = point_rows(db, self.map, session, &elsewhere).await?;
-        let position = |id: &PointId| match self.standing.points.get(&(session, *id)) {
-            Some(at) => *at,
+        let position = |id: &PointId| match self.standing.point(session, *id) {
+            Some(at) => (!at[0].is_nan()).then(|| Point3::from(at)),
             None => rows.get(id).copied(),
         };
         Ok(ids.iter().filter_map(|id| Some((*id, position(id)?))).collect())
@@ -173,7 +196,8 @@ impl History {
         let rows = pose_rows(db, self.map, &elsewhere).await?;
         let pose = |keyframe: KeyframeSeq| self.pose(keyframe).or_else(|| rows.get(&keyframe.0).copied());
         let poses = former.poses.iter().filter_map(|(keyframe, _)| Some((*keyframe, pose(*keyframe)?)));
-        let mut new = NewValues { poses: poses.collect(), ..NewValues::default() };
+        let forgotten = former.forgotten.clone();
+        let mut new = NewValues { poses: poses.collect(), forgotten, ..NewValues::default() };
         for of_session in former.points.chunk_by(|a, b| a.0 == b.0) {
             let session = of_session[0].0;
             let ids: Vec<PointId> = of_session.iter().map(|(_, id, _)| *id).collect();

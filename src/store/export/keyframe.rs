@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use futures_util::TryStreamExt as _;
 use sqlx::sqlite::SqliteRow;
 use sqlx::{Row as _, SqliteConnection};
 
@@ -9,53 +10,59 @@ use super::{Export, Step};
 use crate::model::ids::{KeyframeId, KeyframeSeq, PointId, SessionSeq};
 use crate::model::keyframe::{Crop, Detection, NewKeyframe};
 use crate::model::recorded::Recorded;
+use crate::model::request::PoseCorrection;
 use crate::store::job::MapKey;
 use crate::store::{StoreError, decode, read};
 
-/// The points that exported operations have brought; nothing where no keyframe was ever deleted, for then each keyframe
-/// brings its own.
+/// The most points of one line; a keyframe that inherits more gives the rest to a correction.
+const POINTS_MAX: usize = 100_000;
+
+/// The points that exported operations have brought. In a map of which nothing is missing each keyframe brings its own,
+/// and each correction is there, so that nothing need be counted.
 pub(super) struct Introduced {
     /// Those that a keyframe which is there was sent with.
     sent: HashSet<(SessionSeq, PointId)>,
     brought: HashSet<(SessionSeq, PointId)>,
-    were_deleted: bool,
+    are_counted: bool,
 }
 
 impl Introduced {
     pub(super) async fn of(db: &mut SqliteConnection, map: MapKey) -> Result<Self, StoreError> {
+        // Where a keyframe was deleted, or history was not kept once, what brought a point may not be exported.
         let select = "select next_keyframe > (select count(*) from keyframes k where k.map_key = m.map_key)
+                or exists (select 1 from operations o where o.map_key = m.map_key and o.version = 0)
+                or exists (select 1 from operations o where o.map_key = m.map_key and o.operation = 'map'
+                    and o.body ->> '$.settings.keep_history' = 'false')
             from maps m where map_key = $1";
-        let were_deleted = sqlx::query_scalar(select).bind(map).fetch_one(&mut *db).await?;
-        let mut this = Self { sent: HashSet::new(), brought: HashSet::new(), were_deleted };
-        let select = "select session, sent_points, keyframe from keyframes
-            where map_key = $1 and keyframe > $2 order by keyframe limit 256";
-        let mut last = -1_i64;
-        while were_deleted {
-            let rows = sqlx::query(select).bind(map).bind(last).fetch_all(&mut *db).await?;
-            let Some(row) = rows.last() else { break };
-            last = row.try_get("keyframe")?;
-            for row in &rows {
+        let are_counted = sqlx::query_scalar(select).bind(map).fetch_one(&mut *db).await?;
+        let mut sent = HashSet::new();
+        if are_counted {
+            let select = "select session, sent_points from keyframes where map_key = $1 order by keyframe";
+            let mut rows = sqlx::query(select).bind(map).fetch(db);
+            while let Some(row) = rows.try_next().await? {
                 let session = SessionSeq(row.try_get("session")?);
-                this.sent.extend(read::sent_points(row)?.into_iter().map(|id| (session, id)));
+                sent.extend(read::sent_points(&row)?.into_iter().map(|id| (session, id)));
             }
         }
-        Ok(this)
+        Ok(Self { sent, brought: HashSet::new(), are_counted })
     }
 
     pub(super) fn add(&mut self, session: SessionSeq, points: impl Iterator<Item = PointId>) {
-        if self.were_deleted {
+        if self.are_counted {
             self.brought.extend(points.map(|id| (session, id)));
         }
     }
 
-    /// The points that a keyframe observes, and that only deleted keyframes had brought. It brings them now.
-    fn left_behind(&mut self, session: SessionSeq, observes: &[PointId]) -> Vec<PointId> {
-        if !self.were_deleted {
-            return Vec::new();
-        }
-        let left_behind = |id: &PointId| !self.sent.contains(&(session, *id));
-        let candidates: Vec<PointId> = observes.iter().copied().filter(left_behind).collect();
-        candidates.into_iter().filter(|id| !self.brought.contains(&(session, *id))).collect()
+    /// Of the points that a keyframe names, those that nobody else has brought or will bring. It brings them now.
+    fn left_behind(&self, session: SessionSeq, named: impl Iterator<Item = PointId>) -> Vec<PointId> {
+        let is_left_behind = |id: &PointId| {
+            let point = (session, *id);
+            self.are_counted && !self.sent.contains(&point) && !self.brought.contains(&point)
+        };
+        let mut left_behind: Vec<PointId> = named.filter(is_left_behind).collect();
+        left_behind.sort_unstable();
+        left_behind.dedup();
+        left_behind
     }
 }
 
@@ -65,8 +72,16 @@ impl Export {
         let Some((_, row)) = self.keyframe.take() else { return Ok(Step::LeftOut) };
         let number: i64 = row.try_get("keyframe")?;
         let sent = self.as_sent(&row).await;
-        let sent = sent.map_err(|error| error.of_row(format!("keyframe number {number}")))?;
+        let mut sent = sent.map_err(|error| error.of_row(format!("keyframe number {number}")))?;
         self.keyframe = self.keyframe_after(number).await?;
+        let more = sent.map_points.split_off(sent.map_points.len().min(POINTS_MAX));
+        for map_points in more.chunks(POINTS_MAX) {
+            let (session, map_points) = (sent.session.clone(), map_points.to_vec());
+            let correction = PoseCorrection { session, keyframes: Vec::new(), map_points };
+            self.pending.push_back(Recorded::Poses(correction));
+        }
+        let seq = KeyframeSeq(row.try_get("keyframe")?);
+        self.pending.extend(self.waiting.remove(&seq).into_iter().flatten());
         Ok(Step::of(Recorded::Keyframe(Box::new(sent))))
     }
 
@@ -77,9 +92,10 @@ impl Export {
         let select = "select * from keyframe_features where map_key = $1 and keyframe = $2";
         let features = sqlx::query(select).bind(self.map).bind(seq.0).fetch_optional(&mut *self.db).await?;
         let observes: Vec<PointId> = keyframe.observes.iter().collect();
+        let detections = self.detections(seq).await?;
         let mut points = read::sent_points(row)?;
-        let left_behind = self.introduced.left_behind(session, &observes);
-        points.extend(&left_behind);
+        let of_detections = detections.iter().flat_map(|detection| detection.map_points.iter());
+        points.extend(self.introduced.left_behind(session, observes.iter().chain(of_detections).copied()));
         let mut map_points = self.history.points(&mut self.db, session, &points).await?;
         map_points.sort_unstable_by_key(|(id, _)| *id);
         self.introduced.add(session, map_points.iter().map(|(id, _)| *id));
@@ -95,7 +111,7 @@ impl Export {
             map_points,
             observes,
             covisible: self.declared(&keyframe.declared).await?,
-            detections: self.detections(seq).await?,
+            detections,
         })
     }
 

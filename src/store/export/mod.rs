@@ -11,13 +11,15 @@
 mod history;
 mod keyframe;
 
-use std::collections::{HashSet, VecDeque};
+use std::collections::{BTreeMap, HashSet, VecDeque};
+use std::fs::File;
 
 use sqlx::Row as _;
 use sqlx::sqlite::{SqlitePoolOptions, SqliteRow};
 
 use super::files::DatabaseFiles;
 use super::job::MapKey;
+use super::lock::DatabaseLock;
 use super::operations::{self, Operation};
 use super::transaction::Transaction;
 use super::{Store, StoreError, decode, map_rows, model_rows, schema};
@@ -49,6 +51,12 @@ pub struct Export {
     begun: HashSet<SessionSeq>,
     /// Loops that were exported and not revoked.
     loops: HashSet<LoopId>,
+    /// What comes before all that follows.
+    pending: VecDeque<Recorded>,
+    /// Descriptions of anchors whose detections of that time are gone, by the keyframe that sees them first.
+    waiting: BTreeMap<KeyframeSeq, Vec<Recorded>>,
+    /// Keeps a server from starting on a database that is read as if it could not change.
+    _closed: Option<File>,
 }
 
 impl Store {
@@ -62,13 +70,16 @@ impl Store {
 impl Export {
     /// Begins to export a map of a database that nobody, or another process, has open; `None` if there is no such map.
     pub async fn of_database(files: &DatabaseFiles, id: &MapId) -> Result<Option<Self>, StoreError> {
-        // Without a log nobody has it open, and it is read as if it could not change.
-        let is_closed = !files.wal().exists();
+        // Without a log nobody has it open, and it is read as if it could not change; the lock keeps a server from starting
+        // meanwhile. A copy, which no server ever had, has no lock.
+        let closed = if files.wal().exists() { None } else { DatabaseLock::share(files) };
+        let is_closed = closed.is_some() || !files.wal().exists() && !files.lock().exists();
         let options = if is_closed { files.read_only().immutable(true) } else { files.untouched(false) };
         let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options).await?;
         schema::expect_newest(&pool).await?;
         let db = Transaction::read(&pool).await?;
-        Self::begin(db, id).await.map_err(|error| error.of_map(id))
+        let export = Self::begin(db, id).await.map_err(|error| error.of_map(id))?;
+        Ok(export.map(|export| Self { _closed: closed, ..export }))
     }
 
     async fn begin(mut db: Transaction, id: &MapId) -> Result<Option<Self>, StoreError> {
@@ -95,6 +106,9 @@ impl Export {
             introduced: Introduced::of(&mut db, map).await?,
             begun: HashSet::new(),
             loops: HashSet::new(),
+            pending: VecDeque::new(),
+            waiting: BTreeMap::new(),
+            _closed: None,
             db,
         };
         export.keyframe = export.keyframe_after(-1).await?;
@@ -114,6 +128,9 @@ impl Export {
     }
 
     async fn step(&mut self) -> Result<Step, StoreError> {
+        if let Some(recorded) = self.pending.pop_front() {
+            return Ok(Step::of(recorded));
+        }
         let keyframe = self.keyframe.as_ref().map(|(version, _)| *version);
         let operation = self.operations.front().map(|(version, _)| *version);
         let models = self.models.front().map(|(version, _)| *version);
@@ -187,9 +204,16 @@ impl Export {
                 if self.loops.remove(&id) { Step::of(Recorded::LoopRevoked(id)) } else { Step::LeftOut }
             }
             Operation::Description { anchor, text } => {
-                let detection = self.detection_of(AnchorSeq(anchor), version).await?;
-                let described = |detection| Step::of(Recorded::Description { detection, text });
-                detection.map_or(Step::LeftOut, described)
+                let Some((keyframe, of_version, detection)) = self.detection_of(AnchorSeq(anchor)).await?
+                else {
+                    return Ok(Step::LeftOut);
+                };
+                let described = Recorded::Description { detection, text };
+                if of_version <= version {
+                    return Ok(Step::of(described));
+                }
+                self.waiting.entry(keyframe).or_default().push(described);
+                Step::LeftOut
             }
             Operation::AnchorDeleted {} => {
                 let select = "select k.id, d.detection from detections d
@@ -203,18 +227,22 @@ impl Export {
         })
     }
 
-    /// The oldest detection that feeds an anchor, or fed it until it was deleted, and was there before a version.
+    /// The oldest detection that feeds an anchor, or fed it until it was deleted, with its keyframe and the version of that.
     async fn detection_of(
         &mut self,
         anchor: AnchorSeq,
-        before: u64,
-    ) -> Result<Option<NamedDetection>, StoreError> {
-        let select = "select k.id, d.detection from detections d
+    ) -> Result<Option<(KeyframeSeq, u64, NamedDetection)>, StoreError> {
+        let select = "select k.keyframe, k.version, k.id, d.detection from detections d
             join keyframes k on k.map_key = d.map_key and k.keyframe = d.keyframe
-            where d.map_key = $1 and (d.anchor = $2 or d.deleted_anchor = $2) and k.version <= $3
+            where d.map_key = $1 and (d.anchor = $2 or d.deleted_anchor = $2)
             order by d.keyframe, d.detection limit 1";
-        let query = sqlx::query_as(select).bind(self.map).bind(anchor.0).bind(before as i64);
-        named_detection(query.fetch_optional(&mut *self.db).await?)
+        let query = sqlx::query_as(select).bind(self.map).bind(anchor.0);
+        let found: Option<(u32, i64, String, u16)> = query.fetch_optional(&mut *self.db).await?;
+        let named = |(keyframe, version, id, number): (u32, i64, String, u16)| {
+            let detection = NamedDetection { keyframe: decode::id(&id)?, number };
+            Ok((KeyframeSeq(keyframe), version as u64, detection))
+        };
+        found.map(named).transpose()
     }
 
     /// A keyframe's session and name, if it is still there.

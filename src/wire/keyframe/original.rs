@@ -12,6 +12,8 @@ use crate::wire::base64;
 
 impl From<NewKeyframe> for KeyframeBody {
     fn from(keyframe: NewKeyframe) -> Self {
+        // Features without words are sent so on purpose, or a server would compute some.
+        let says_words = !keyframe.bow.is_empty() || keyframe.features.is_some();
         let NewKeyframe { bow, vocabulary, features, observes, map_points, covisible, .. } = keyframe;
         let named: HashSet<PointId> =
             features.iter().flat_map(|features| features.map_points.iter().flatten().copied()).collect();
@@ -21,7 +23,7 @@ impl From<NewKeyframe> for KeyframeBody {
             stamp: keyframe.stamp.into(),
             pose: keyframe.map_from_camera.into(),
             camera: keyframe.camera.map(Into::into),
-            bow: (!bow.is_empty()).then(|| exactly(&bow, vocabulary.map(Into::into).filter(is_named))),
+            bow: says_words.then(|| exactly(&bow, vocabulary.map(Into::into).filter(is_named))),
             features: features.map(|features| {
                 let shape = FeaturesShape::from(features);
                 FeaturesShape { map_points: shape.map_points.filter(|_| !named.is_empty()), ..shape }

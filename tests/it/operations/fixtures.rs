@@ -74,3 +74,30 @@ async fn a_database_of_each_released_version_opens_and_says_what_it_said() {
         assert!(!after.is_older && after.maps.len() == 2, "{name}");
     }
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_map_from_before_history_was_kept_is_exported_as_it_was_then_and_plays() {
+    for (name, bytes) in databases() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("test.db"), bytes).unwrap();
+        let server = Server::on(folder.path(), None, ModelChoice::None).await;
+        let keyframes = server.get("/v1/maps/tower").await.expect(200)["keyframes"].clone();
+        server.stop().await;
+        let database = format!("sqlite://{}/test.db", folder.path().display());
+        let recording = folder.path().join("tower.ndjson");
+        let recording = recording.to_str().unwrap();
+        run(&["export", "tower", recording, "--database", &database]).await;
+        let played: Value = serde_json::from_str(&run(&["replay", recording, "--json"]).await).unwrap();
+        assert_eq!(played["keyframes"], keyframes, "{name}");
+        assert!(played["closed_loops"].as_u64().unwrap() > 0, "{name}: {played}");
+    }
+}
+
+/// Runs the program, and returns what it says.
+async fn run(args: &[&str]) -> String {
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_revisit"));
+    command.args(args);
+    let output = tokio::task::spawn_blocking(move || command.output().unwrap()).await.unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
