@@ -3,6 +3,7 @@
 import { problems } from "./docs_problems.js";
 import { inline, pretty, prose } from "./docs_prose.js";
 import { Schemas, parameters } from "./docs_schema.js";
+import { calls } from "./docs_start.js";
 import { Commands, grouped } from "./docs_try.js";
 import { copyable, debounced, el, fill } from "./dom.js";
 
@@ -26,7 +27,11 @@ async function wantsKey() {
 
 function render(api, keyed) {
   const schemas = new Schemas(api);
-  const commands = new Commands(api, schemas, { base: new URL(".", document.baseURI).href, keyed });
+  const server = { base: new URL(".", document.baseURI).href, keyed };
+  const commands = new Commands(api, schemas, server);
+  const steps = calls(server);
+  fill(at("calls"), steps.map(({ id, title, about, text }, number) => el("section", { id, class: "call" },
+    el("h3", {}, el("a", { href: `#${id}`, class: "self" }, `${number + 1}. ${title}`)), el("p", {}, inline(about)), copyable(text))));
   const groups = grouped(api);
   fill(at("reference"),
     el("section", { class: "intro" }, prose(api.info.description),
@@ -35,14 +40,29 @@ function render(api, keyed) {
       el("h2", {}, el("a", { href: `#tag-${name}`, class: "self" }, name)), prose(description),
       operations.map((operation) => article(operation, api, schemas, commands)))),
     problems(api, schemas));
-  fill(at("contents"), groups.map(({ name, operations }) => el("section", {},
+  const start = [...steps.map(({ id, title }) => [id, title]), ["frames", "Frames and units"], ["glossary", "Glossary"]];
+  fill(at("contents"), el("section", {}, el("h2", {}, el("a", { href: "#start" }, "start")),
+    el("ul", {}, start.map(([id, title]) => el("li", { "data-for": "start" }, el("a", { href: `#${id}`, class: "plain" }, title))))),
+  groups.map(({ name, operations }) => el("section", {},
     el("h2", {}, el("a", { href: `#tag-${name}` }, name)),
     el("ul", {}, operations.map(({ id, method, summary }) => el("li", { "data-for": id },
       el("a", { href: `#${id}` }, el("span", { class: `method ${method}` }, method), el("span", {}, summary))))))),
   el("section", {}, el("h2", { "data-for": "problems" }, el("a", { href: "#problems" }, "problems"))));
   at("filter").addEventListener("input", debounced(filter, 80));
   addEventListener("hashchange", reach);
+  foldMenu();
   reach();
+}
+
+/** On a narrow screen the contents are a menu: closed, and closed again by the choice of an entry. */
+function foldMenu() {
+  const narrow = matchMedia("(max-width: 52rem)");
+  const fold = () => { at("menu").open = !narrow.matches; };
+  narrow.addEventListener("change", fold);
+  at("contents").addEventListener("click", ({ target }) => {
+    if (target.closest("a")) fold();
+  });
+  fold();
 }
 
 function article(operation, api, schemas, commands) {
@@ -119,7 +139,7 @@ function filter() {
     for (const item of items) item.hidden = !named && !has(item);
     tag.hidden = items.every((item) => item.hidden);
   }
-  document.querySelector(".intro").hidden = wanted.length > 0;
+  for (const opening of [at("start"), document.querySelector(".intro")]) opening.hidden = wanted.length > 0;
   for (const item of document.querySelectorAll("#contents [data-for]")) item.hidden = at(item.dataset.for).hidden;
   for (const section of document.querySelectorAll("#contents > section")) {
     const items = [...section.querySelectorAll("[data-for]")];

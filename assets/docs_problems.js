@@ -1,4 +1,4 @@
-// Problems: what each kind of refusal means, and what a client does about it. The document names the kinds; this explains them.
+// Problems: the meaning of each kind of error, and what a client does about it. The document names the kinds; this explains them.
 
 import { copyable, el } from "./dom.js";
 import { inline, pretty } from "./docs_prose.js";
@@ -6,35 +6,36 @@ import { inline, pretty } from "./docs_prose.js";
 const EXPLAINED = {
   syntax: "The body could not be parsed. `errors` says where. Sending it again as it is will not help.",
   bad_request: "The path, a parameter, a header or the body's encoding is malformed.",
-  unauthorized: "No API key, or one that is not known (any more). Send `authorization: Bearer <key>`.",
-  forbidden: "The key is good, and may not do this.",
-  not_found: "The map, keyframe, anchor, loop or query is not there; it may also lie outside what the key may see.",
-  method_not_allowed: "The path is there, the method is not. The header `allow` says what it takes.",
-  timeout: "The body stopped arriving. Send it again: a write by id can be repeated without harm.",
-  conflict: "The id is taken by another body, or what is stored does not allow the change. `code` says which: `map_exists`, "
+  unauthorized: "The request has no API key, or one that is unknown, expired or revoked. Send `authorization: Bearer <key>`.",
+  forbidden: "The key is valid but does not have the action that this operation needs.",
+  not_found: "The map, keyframe, anchor, loop or query does not exist, or is outside the maps of the key.",
+  method_not_allowed: "The path exists but does not support this method. The header `allow` lists those that it supports.",
+  timeout: "The body stopped arriving. Send it again: a write by id can be repeated safely.",
+  conflict: "The id is taken by another body, or stored data does not allow the change. `code` says which: `map_exists`, "
     + "`keyframe_exists`, `loop_exists` (another body was sent under this id before; choose another id, or read what is there), "
     + "`anchor_merged` (the anchor goes by another one's name; address that one), `first_key_must_administer` (make the "
     + "administrator's key first) or `last_admin_key` (make another one first, or say `?last_admin=true`).",
-  gone: "What the request continues is not there any more: the map was deleted and made again, or the events after the named one "
-    + "are too old to be kept. Read the map anew, and listen with `since=0`.",
-  precondition_failed: "`if-match` named a version that is not the present one. "
-    + "Read the anchor again, decide again, send the new `etag`.",
-  too_large: "The body, a line or the map is beyond its limit; `detail` says which. Send less at once.",
-  unsupported_media_type: "The body is neither JSON nor what this operation takes, "
-    + "or is compressed in a way that is not known: gzip and zstd are.",
-  invalid: "The body was read, and cannot be meant so. `errors` lists every fault at once, each with a JSON pointer into the body, "
+  gone: "The map was deleted and made again, or the events after the named one are no longer kept. "
+    + "Read the map again, and listen with `since=0`.",
+  precondition_failed: "`if-match` named a version that is not the current one. "
+    + "Read the anchor again, and repeat the change with the new `etag`.",
+  too_large: "The body or a line of it exceeds its limit; `detail` says which. Send less at once.",
+  unsupported_media_type: "The `content-type` is not one that this operation accepts, or the `content-encoding` is not gzip or zstd.",
+  invalid: "The body is JSON, but a field is missing or has an invalid value. `errors` lists every fault, each with a JSON pointer into the body, "
     + "what was sent (`got`) and what would have been allowed (`limit`).",
-  precondition_required: "Changing an anchor needs `if-match` with the `etag` that was seen, or `*` for whatever is there.",
-  too_many_requests: "Wait for as long as `retry-after` says, then send it again.",
-  internal: "A fault of the server. Its log tells more under the `request_id`.",
-  unavailable: "Not now: the server starts, stops or is busy. Wait for as long as `retry-after` says, then send it again.",
-  map_full: "The map holds as much as the operator allows. Reading and deleting go on; delete some of it, or ask for more.",
-  disk_full: "Nothing was written. Reading and deleting go on; free some space and send it again.",
-  other: "Any refusal that an operation does not list: of a proxy, of a header that is too long, or a failure of the server.",
+  precondition_required: "Changing an anchor needs `if-match` with the `etag` that you read, or `*` for any version.",
+  too_many_requests: "The key exceeds one of its limits; `detail` says which. Wait for the seconds in `retry-after`, then send the request again.",
+  internal: "An error of the server. Its log has the cause under the `request_id`.",
+  map_damaged: "Stored data of the map fails a check; `detail` names the row. Other maps are not affected. Restore a backup, or delete the map and send it again.",
+  backup_not_verified: "The backup was made, but the check of it found faults; `detail` lists them. Do not rely on this copy; earlier backups stay.",
+  unavailable: "The server is starting, stopping or overloaded. Wait for the seconds in `retry-after`, then send the request again.",
+  map_full: "The map has reached the limit that the operator set. Reading and deleting still work: delete part of it, or ask for a higher limit.",
+  disk_full: "Nothing was written. Reading and deleting still work. Free some space, then send the request again.",
+  other: "Any error that an operation does not list: from a proxy, because of a header that is too long, or of the server.",
 };
 
-const ABOUT = "Every answer of 400 and above is `application/problem+json` (RFC 9457), from whichever layer it comes. Its `type` leads "
-  + "to this page, its `code` is for programs, its `detail` for people. All faults of a request are told at once.";
+const ABOUT = "Every answer of 400 and above is `application/problem+json` (RFC 9457). Its `type` links "
+  + "to this page, its `code` is for programs, its `detail` for people. `errors` lists all faults of the request.";
 
 /** The section on refusals: the form they share, and each kind. */
 export function problems(api, schemas) {

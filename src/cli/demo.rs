@@ -1,5 +1,7 @@
 //! `revisit demo`: the paper's experiment on one sequence, told as it happens.
 
+use std::time::{Duration, Instant};
+
 use clap::Args;
 
 use super::serve::hotel_server;
@@ -28,12 +30,16 @@ const OTHERS: [(Arm, &str); 2] = [
 const REJECTIONS_EVERY: usize = 25;
 /// And of loops, which come in runs as well.
 const LOOPS_EVERY: usize = 6;
+/// After this long without a line, the drive prints how far it is.
+const SILENCE_MAX: Duration = Duration::from_secs(3);
+/// How to go on without the hotel; `tests/it/readme.rs` runs its curls.
+const YOUR_OWN_DATA: &str = include_str!("your_own_data.txt");
 
 /// Watch a robot in a hotel whose rooms all look alike.
 ///
 /// Starts a server on a database that is thrown away, drives the robot of the paper's sequence SE2 00 through it three times
 /// (with our method, with the paper's to the letter, and with bag of words and Sim3 alone), and prints what it was told.
-/// Then the server stays up to be asked, until Ctrl-C.
+/// Then it prints how to send your own data, and the server stays up to be asked, until Ctrl-C.
 #[derive(Args, Debug)]
 pub struct DemoArgs {
     /// Stop at once when the drive is over
@@ -43,7 +49,9 @@ pub struct DemoArgs {
 
 /// Runs it.
 pub async fn run(args: DemoArgs) -> Result<(), Failure> {
+    write_out("Starting a server on a database that is thrown away, and building a hotel ...\n")?;
     let server = hotel_server().await?;
+    write_out("Recording what the robot's camera sees on its way through the hotel ...\n\n")?;
     let client = Client::new(server.url())?;
     let printed = SEQUENCES.into_iter().find(|printed| printed.name() == SEQUENCE).unwrap_or(SEQUENCES[0]);
     let scenario =
@@ -58,12 +66,16 @@ pub async fn run(args: DemoArgs) -> Result<(), Failure> {
         scenario.course.order.len(),
         server.url()
     ))?;
-    let mut teller = Teller::new(narrator);
+    let mut teller = Teller::new(narrator, scenario.course.order.len());
     let ours = drive(&client, MAP, Arm::Ours, &scenario.course, |asked| teller.hear(asked)).await?;
     let mut drives = vec![ours];
     for (arm, method) in OTHERS {
         write_out(&format!("\nThe same drive again, with {method} ...\n"))?;
-        drives.push(drive(&client, &format!("{MAP}-{}", arm.name()), arm, &scenario.course, |_| {}).await?);
+        let map = format!("{MAP}-{}", arm.name());
+        let mut progress = Progress::new(scenario.course.order.len());
+        let driven =
+            drive(&client, &map, arm, &scenario.course, |asked| progress.count(asked, false)).await?;
+        drives.push(driven);
     }
     let result = SequenceResult {
         sequence: printed.name(),
@@ -81,23 +93,55 @@ pub async fn run(args: DemoArgs) -> Result<(), Failure> {
     let (table_2, caveats) = (tables::table_2(&results), tables::caveats(&results));
     write_out(&format!("\n{table_2}\n{caveats}\n{}\n", tables::table_3(&results)))?;
     if args.exit {
-        return Ok(());
+        return Ok(write_out(YOUR_OWN_DATA)?);
     }
     write_out(&next_steps(server.url(), &drives[0]))?;
+    write_out(YOUR_OWN_DATA)?;
+    write_out("Ctrl-C stops this server and throws its database away.\n")?;
     stop_on_signal()?.cancelled().await;
     Ok(())
+}
+
+/// Prints how far a drive is after each silence.
+struct Progress {
+    keyframes: usize,
+    asked: usize,
+    loops: usize,
+    last_line: Instant,
+}
+
+impl Progress {
+    fn new(keyframes: usize) -> Self {
+        Self { keyframes, asked: 0, loops: 0, last_line: Instant::now() }
+    }
+
+    /// Counts one answer, for which a line was printed or not.
+    fn count(&mut self, asked: &Asked, is_told: bool) {
+        self.asked += 1;
+        self.loops += usize::from(asked.answer.verdict == Verdict::Loop);
+        let was_silent = !is_told && self.last_line.elapsed() >= SILENCE_MAX;
+        if was_silent {
+            let Self { keyframes, asked, loops, .. } = self;
+            // A reader that went away ends nothing: the tables are still to come.
+            let _ = write_out(&format!("  {asked} of {keyframes} keyframes, {loops} answered with a loop\n"));
+        }
+        if is_told || was_silent {
+            self.last_line = Instant::now();
+        }
+    }
 }
 
 /// Tells enough of what happens to be followed.
 struct Teller<'a> {
     narrator: Narrator<'a>,
+    progress: Progress,
     rejections: usize,
     loops: usize,
 }
 
 impl<'a> Teller<'a> {
-    fn new(narrator: Narrator<'a>) -> Self {
-        Self { narrator, rejections: 0, loops: 0 }
+    fn new(narrator: Narrator<'a>, keyframes: usize) -> Self {
+        Self { narrator, progress: Progress::new(keyframes), rejections: 0, loops: 0 }
     }
 
     fn hear(&mut self, asked: &Asked) {
@@ -115,9 +159,10 @@ impl<'a> Teller<'a> {
             _ => false,
         };
         if is_told {
-            // A reader that went away ends nothing: the tables are still to come.
+            // As in `Progress`.
             let _ = write_out(&format!("{}\n", self.narrator.answer(asked)));
         }
+        self.progress.count(asked, is_told);
     }
 }
 
@@ -130,7 +175,6 @@ fn next_steps(url: &str, ours: &Driven) -> String {
          curl -s {url}/v1/maps/{MAP}\n\
          curl -s '{url}/v1/maps/{MAP}/anchors?class=door_number&limit=3'\n\
          curl -s {url}/v1/maps/{MAP}/keyframes/{keyframe}/local-anchor-map\n\
-         curl -s {url}/v1/maps/{MAP}/loop-queries/{query}\n\n\
-         Ctrl-C stops it and throws its database away.\n"
+         curl -s {url}/v1/maps/{MAP}/loop-queries/{query}\n\n"
     )
 }

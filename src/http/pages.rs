@@ -33,6 +33,7 @@ const ASSETS: &[Asset] = assets![
     "docs_problems.js"
     "docs_prose.js"
     "docs_schema.js"
+    "docs_start.js"
     "docs_try.js"
     "dom.js"
     "favicon.svg"

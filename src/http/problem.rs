@@ -34,25 +34,25 @@ macro_rules! kinds {
 }
 
 kinds! {
-    SYNTAX = BAD_REQUEST, "syntax", "The body is not JSON";
+    SYNTAX = BAD_REQUEST, "syntax", "The body is not valid JSON";
     BAD_REQUEST = BAD_REQUEST, "bad_request", "The request is malformed";
-    UNAUTHORIZED = UNAUTHORIZED, "unauthorized", "A key is needed";
-    FORBIDDEN = FORBIDDEN, "forbidden", "The key may not do this";
-    NOT_FOUND = NOT_FOUND, "not_found", "There is no such thing";
-    METHOD_NOT_ALLOWED = METHOD_NOT_ALLOWED, "method_not_allowed", "The method is not allowed here";
+    UNAUTHORIZED = UNAUTHORIZED, "unauthorized", "An API key is required";
+    FORBIDDEN = FORBIDDEN, "forbidden", "The API key does not permit this operation";
+    NOT_FOUND = NOT_FOUND, "not_found", "The resource does not exist";
+    METHOD_NOT_ALLOWED = METHOD_NOT_ALLOWED, "method_not_allowed", "The method is not allowed for this path";
     TIMEOUT = REQUEST_TIMEOUT, "timeout", "The body took too long to arrive";
-    CONFLICT = CONFLICT, "conflict", "The request contradicts what is stored";
-    GONE = GONE, "gone", "What the request continues is gone";
-    PRECONDITION_FAILED = PRECONDITION_FAILED, "precondition_failed", "Somebody else was faster";
-    TOO_LARGE = PAYLOAD_TOO_LARGE, "too_large", "The body is too large";
-    UNSUPPORTED_MEDIA_TYPE = UNSUPPORTED_MEDIA_TYPE, "unsupported_media_type", "The body's type or encoding is not supported";
-    INVALID = UNPROCESSABLE_ENTITY, "invalid", "The request cannot be meant so";
-    PRECONDITION_REQUIRED = PRECONDITION_REQUIRED, "precondition_required", "Say which version you have seen";
-    TOO_MANY_REQUESTS = TOO_MANY_REQUESTS, "too_many_requests", "The key has had its share";
-    INTERNAL = INTERNAL_SERVER_ERROR, "internal", "The server failed";
+    CONFLICT = CONFLICT, "conflict", "The request conflicts with stored data";
+    GONE = GONE, "gone", "The requested events are no longer available";
+    PRECONDITION_FAILED = PRECONDITION_FAILED, "precondition_failed", "The resource has changed since it was read";
+    TOO_LARGE = PAYLOAD_TOO_LARGE, "too_large", "The request is too large";
+    UNSUPPORTED_MEDIA_TYPE = UNSUPPORTED_MEDIA_TYPE, "unsupported_media_type", "The body's media type or encoding is not supported";
+    INVALID = UNPROCESSABLE_ENTITY, "invalid", "The request is invalid";
+    PRECONDITION_REQUIRED = PRECONDITION_REQUIRED, "precondition_required", "The if-match header is required";
+    TOO_MANY_REQUESTS = TOO_MANY_REQUESTS, "too_many_requests", "A limit of the API key is exceeded";
+    INTERNAL = INTERNAL_SERVER_ERROR, "internal", "Internal server error";
     MAP_DAMAGED = INTERNAL_SERVER_ERROR, "map_damaged", "The map is damaged on disk";
-    NOT_VERIFIED = INTERNAL_SERVER_ERROR, "backup_not_verified", "The backup is not verified";
-    UNAVAILABLE = SERVICE_UNAVAILABLE, "unavailable", "The server cannot do this now";
+    NOT_VERIFIED = INTERNAL_SERVER_ERROR, "backup_not_verified", "The backup failed verification";
+    UNAVAILABLE = SERVICE_UNAVAILABLE, "unavailable", "The server is temporarily unavailable";
     DISK_FULL = INSUFFICIENT_STORAGE, "disk_full", "The disk is full";
     MAP_FULL = INSUFFICIENT_STORAGE, "map_full", "The map is full";
 }

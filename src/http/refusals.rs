@@ -87,7 +87,7 @@ const ANY: &str = "other";
 /// Every kind of refusal, by its code, for the document's components.
 pub fn components() -> impl Iterator<Item = (String, RefOr<Response>)> {
     let kinds = Kind::ALL.iter().map(|kind| (kind.code.to_owned(), response(*kind, kind.title)));
-    kinds.chain([(ANY.to_owned(), response(Kind::INTERNAL, "Any other refusal or failure"))])
+    kinds.chain([(ANY.to_owned(), response(Kind::INTERNAL, "Any other error"))])
 }
 
 fn response(kind: Kind, description: &str) -> RefOr<Response> {

@@ -11,10 +11,10 @@ const ANSWER: &str = "HTTP/1.1 503 Service Unavailable\r\n\
     content-type: application/problem+json\r\n\
     retry-after: 1\r\n\
     connection: close\r\n\
-    content-length: 181\r\n\
+    content-length: 189\r\n\
     x-content-type-options: nosniff\r\n\
     x-request-id: refused\r\n\r\n\
-    {\"type\":\"/docs#problem-unavailable\",\"title\":\"The server cannot do this now\",\"status\":503,\
+    {\"type\":\"/docs#problem-unavailable\",\"title\":\"The server is temporarily unavailable\",\"status\":503,\
     \"detail\":\"every connection is taken\",\"code\":\"overloaded\",\"request_id\":\"refused\",\"errors\":[]}";
 
 /// How long such a connection is kept, so that its client gets to read the answer.

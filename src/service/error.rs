@@ -8,7 +8,7 @@ use crate::store::StoreError;
 /// Why a request was not served.
 #[derive(Clone, Debug, Error)]
 pub enum ServiceError {
-    /// There is no such thing; the text says what.
+    /// The resource does not exist; the text names it.
     #[error("{0}")]
     NotFound(String),
     /// The request contradicts what is stored.

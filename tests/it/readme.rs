@@ -9,9 +9,19 @@ use crate::support::Server;
 
 const SHOWN_ADDRESS: &str = "http://127.0.0.1:7878";
 
+/// The README is one page.
+const LINES_MAX: usize = 160;
+const WORDS_MAX: usize = 1900;
+
+/// The form of `--json` for a curl before 7.82, as the README gives it.
+const OLDER_JSON: &str = "-H 'content-type: application/json' -d";
+
+fn file(name: &str) -> String {
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap()
+}
+
 /// The fenced blocks of the README, with their language.
-fn blocks() -> Vec<(String, String)> {
-    let readme = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md")).unwrap();
+fn blocks(readme: &str) -> Vec<(String, String)> {
     let mut blocks = Vec::new();
     let mut open: Option<(String, String)> = None;
     for line in readme.lines() {
@@ -44,24 +54,51 @@ fn shows(shown: &Value, real: &Value, at: &str) {
     }
 }
 
+/// Runs a shell's curl against the server in place of the address that is shown.
+async fn curl(server: &Server, text: &str) -> Value {
+    let command = text.replace(SHOWN_ADDRESS, &server.url("")).replace("curl ", "curl -s ");
+    let run = move || Command::new("sh").arg("-c").arg(command).output();
+    let output = tokio::task::spawn_blocking(run).await.unwrap().unwrap();
+    let answer = serde_json::from_slice(&output.stdout);
+    answer.unwrap_or_else(|_| panic!("{text}\n{}", String::from_utf8_lossy(&output.stdout)))
+}
+
 #[tokio::test]
-async fn the_curls_of_the_readme_get_the_answers_it_shows() {
-    assert!(Command::new("curl").arg("--version").output().is_ok(), "the README's commands need curl");
-    let server = Server::start().await;
-    let mut asked = 0;
-    let mut answer: Option<Value> = None;
-    for (language, text) in blocks() {
-        if language == "sh" && text.contains("curl ") {
-            let command = text.replace(SHOWN_ADDRESS, &server.url("")).replace("curl ", "curl -s ");
-            let run = move || Command::new("sh").arg("-c").arg(command).output();
-            let output = tokio::task::spawn_blocking(run).await.unwrap().unwrap();
-            answer = serde_json::from_slice(&output.stdout).ok();
-            assert!(answer.is_some(), "{text}\n{}", String::from_utf8_lossy(&output.stdout));
-            asked += 1;
+async fn the_curls_of_the_readme_get_the_answers_it_shows_in_both_forms() {
+    let readme = file("README.md");
+    assert!(readme.contains(OLDER_JSON), "the README serves a curl without --json");
+    for json in ["--json", OLDER_JSON] {
+        let server = Server::start().await;
+        let mut asked = 0;
+        let mut answer: Option<Value> = None;
+        for (language, text) in blocks(&readme) {
+            if language == "sh" && text.contains("curl ") {
+                answer = Some(curl(&server, &text.replace("--json", json)).await);
+                asked += 1;
+            }
+            if let (true, Some(answer)) = (language == "json", answer.take()) {
+                shows(&serde_json::from_str(&text).unwrap(), &answer, "");
+            }
         }
-        if let (true, Some(answer)) = (language == "json", answer.take()) {
-            shows(&serde_json::from_str(&text).unwrap(), &answer, "");
-        }
+        assert_eq!(asked, 4, "four curls are the newcomer's first five minutes");
     }
-    assert_eq!(asked, 4, "four curls are the newcomer's first five minutes");
+}
+
+#[tokio::test]
+async fn the_curls_at_the_end_of_the_demo_find_a_loop() {
+    let server = Server::start().await;
+    let shown = file("src/cli/your_own_data.txt");
+    let mut answers = Vec::new();
+    for text in shown.split("\n\n").filter(|text| text.starts_with("curl ")) {
+        answers.push(curl(&server, text).await);
+    }
+    let [_, _, last] = answers.as_slice() else { panic!("three curls: {answers:#?}") };
+    assert_eq!(last["loop"]["verdict"], "loop", "{last:#}");
+}
+
+#[test]
+fn the_readme_is_one_page() {
+    let readme = file("README.md");
+    let (lines, words) = (readme.lines().count(), readme.split_whitespace().count());
+    assert!(lines <= LINES_MAX && words <= WORDS_MAX, "README.md has {lines} lines and {words} words");
 }

@@ -112,6 +112,14 @@ fn files_are_small_and_their_first_line_names_the_concept() {
 }
 
 #[test]
+fn contributing_states_these_sizes() {
+    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("CONTRIBUTING.md")).unwrap();
+    let stated =
+        format!("at most {LINES_MAX} lines, tests apart, and the median file at most {MEDIAN_LINES_MAX}");
+    assert!(text.contains(&stated), "CONTRIBUTING.md does not say: {stated}");
+}
+
+#[test]
 fn the_core_does_no_io_and_knows_no_clock_no_json_and_no_async() {
     for (path, text) in sources_of("core/src") {
         // A vocabulary is read from a file.

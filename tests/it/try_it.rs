@@ -13,7 +13,7 @@ use tokio::task::spawn_blocking;
 use crate::support::{Answer, Server};
 
 /// The scripts that make the commands.
-const SCRIPTS: [&str; 4] = ["docs_try.js", "docs_schema.js", "docs_prose.js", "dom.js"];
+const SCRIPTS: [&str; 5] = ["docs_start.js", "docs_try.js", "docs_schema.js", "docs_prose.js", "dom.js"];
 
 /// One "Try it" of the page.
 #[derive(Clone, Debug, Deserialize)]
@@ -39,6 +39,7 @@ async fn every_try_it_of_the_docs_works_in_the_pages_order_on_a_fresh_server() {
     fetch_scripts(&server, folder.path()).await;
     let page = page(&server, folder.path(), false).await;
     assert!(page.len() > 35, "{page:#?}");
+    assert_eq!(page[2].id, "start_ask", "the three calls come first");
     let mut key = String::new();
     for try_it in &page {
         let printed = run(try_it, folder.path(), &key).await;
@@ -49,6 +50,15 @@ async fn every_try_it_of_the_docs_works_in_the_pages_order_on_a_fresh_server() {
             None => assert!((200..300).contains(last), "{}\n{printed:#?}", try_it.text),
         }
         match &*try_it.id {
+            "start_ask" => {
+                let answer: Value = serde_json::from_str(&printed.body).unwrap();
+                let [verdict, best] = [&answer["loop"]["verdict"], &answer["loop"]["best"]];
+                assert_eq!(
+                    [verdict, best],
+                    ["loop", "kf-1"],
+                    "the three calls at the top of the page find a loop"
+                );
+            }
             "query_loop" => {
                 let answer: Value = serde_json::from_str(&printed.body).unwrap();
                 assert_eq!([&answer["verdict"], &answer["best"]], ["loop", "kf-3"], "the page tells a story");
