@@ -1,9 +1,9 @@
-//! The other bodies: maps and their settings, poses, loops, queries, anchors, texts.
+//! The other bodies: maps and their settings, poses, loops, queries, anchors, texts, what models said.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
 use revisit::model::map::MapProperties;
-use revisit::model::request::{LoopQuery, MapPatch, NewLoop, PoseCorrection};
+use revisit::model::request::{LoopQuery, MapPatch, NewLoop, NewVerdict, PoseCorrection};
 use revisit::wire::anchor::AnchorPatch;
 use revisit::wire::semantics::{OneText, TextPair};
 use revisit::wire::{read, syntax};
@@ -12,6 +12,7 @@ fuzz_target!(|bytes: &[u8]| {
     let Some((kind, bytes)) = bytes.split_first() else { return };
     let Ok(body) = syntax::parse(bytes) else { return };
     let faults = match kind % 8 {
+        _ if *kind >= 0x80 => read::decode::<NewVerdict>(&body).err(),
         0 => read::decode::<MapProperties>(&body).err(),
         1 => read::decode::<MapPatch>(&body).err(),
         2 => read::decode::<PoseCorrection>(&body).err(),
