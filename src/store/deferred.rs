@@ -182,15 +182,18 @@ pub(super) async fn apply(
     Ok(())
 }
 
-/// A map's deferred changes, in their order.
-pub(super) async fn all(db: &mut SqliteConnection, map: MapKey) -> Result<Vec<Change>, StoreError> {
-    let mut changes = Vec::new();
+/// Takes a map's deferred changes, in their order and part by part: together they may be more than memory holds.
+pub(super) async fn for_each(
+    db: &mut SqliteConnection,
+    map: MapKey,
+    mut take: impl FnMut(Change),
+) -> Result<(), StoreError> {
     for (version, parts, first) in versions(db, map).await? {
         for number in first..parts {
-            changes.extend(part(db, map, version, number).await?);
+            part(db, map, version, number).await?.into_iter().for_each(&mut take);
         }
     }
-    Ok(changes)
+    Ok(())
 }
 
 /// The versions with deferred changes, each with the number of its parts and the first that is not in the rows.

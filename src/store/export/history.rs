@@ -90,9 +90,7 @@ impl History {
             file: SpooledTempFile::new(SPOOLED_BYTES),
             written: Vec::new(),
         };
-        for change in deferred::all(db, map).await? {
-            history.apply_deferred(change);
-        }
+        deferred::for_each(db, map, |change| history.apply_deferred(change)).await?;
         let select = "select version, part, kind, 0 from former_values where map_key = $1
             union all select p.version, p.part, p.kind, 1 from deferred_parts p
                 join deferred_changes c on c.map_key = p.map_key and c.version = p.version and p.part >= c.part
