@@ -17,7 +17,7 @@ use crate::store::backup::{folder_of, regular_or_free};
 use crate::store::files::DatabaseFiles;
 use crate::wire::recording::write_line;
 
-/// How hard a file that ends in `.zst` is compressed.
+/// Compression level of a file that ends in `.zst`.
 const ZSTD_LEVEL: i32 = 3;
 
 /// Lines are written in pieces of about this size.

@@ -32,7 +32,7 @@ pub enum ClientError {
         /// What happened.
         source: reqwest::Error,
     },
-    /// What was received could not be written.
+    /// Received bytes could not be written.
     #[error("cannot write: {0}")]
     Write(std::io::Error),
     /// The server answered, and refused.

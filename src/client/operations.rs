@@ -102,7 +102,7 @@ impl Client {
         self.send(Method::POST, url, Some(body)).await.map(drop)
     }
 
-    /// What a model said: `{"operation", "class", "texts", "level", ...}`.
+    /// Brings a verdict of a model: `{"operation", "class", "texts", "level", ...}`.
     pub async fn post_model_verdict(&self, map: &str, body: &Value) -> Result<(), ClientError> {
         let url = self.map_url(map, &["model-verdicts"], &[])?;
         self.send(Method::POST, url, Some(body)).await.map(drop)

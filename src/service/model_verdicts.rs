@@ -38,7 +38,7 @@ impl Service {
     }
 }
 
-/// What was read of a crop, with the anchor that its detection feeds; `None` if it feeds none.
+/// Returns the reading of a crop with the anchor that its detection feeds; `None` if it feeds none.
 fn crop_read(index: &MapIndex, new: NewVerdict) -> Result<Option<CropRead>, ServiceError> {
     let NewVerdict::OfCrop(named, reading) = new else { return Ok(None) };
     let Some(keyframe) = index.keyframe_seq(&named.keyframe) else {

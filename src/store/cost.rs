@@ -24,7 +24,7 @@ impl Job {
     }
 }
 
-/// What a change costs if it is written to its row, in microseconds of a slow core.
+/// Returns what a change costs if it is written to its row, in microseconds of a slow core.
 pub(super) fn of_change(change: &Change) -> u64 {
     match change {
         Change::PointSet(..) => POINT_ROW_US,

@@ -221,7 +221,7 @@ pub(super) async fn spend(db: &mut SqliteConnection, spent: &Spent) -> Result<()
     run(db, sqlx::query(insert).bind(spent.day).bind(key.0).bind(spent.calls).bind(spent.cost_microusd)).await
 }
 
-/// What models said of a map, by the version that first brought it.
+/// Returns what models said of a map, by the version that first brought it.
 pub(super) async fn by_version(
     db: &mut SqliteConnection,
     map: MapKey,

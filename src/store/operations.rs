@@ -12,7 +12,7 @@ use crate::model::change::Loop;
 use crate::model::ids::{AnchorSeq, LoopId};
 use crate::model::map::MapProperties;
 
-/// What was said, with the dense numbers of that time.
+/// An operation, with the dense numbers of that time.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "operation", rename_all = "snake_case")]
 pub(super) enum Operation {

@@ -8,7 +8,7 @@ use super::Point3;
 /// single-precision clients and rounded logs stay far below this.
 const MAX_NORM_ERROR: f64 = 0.01;
 
-/// How far the norm of a quaternion that was normalised may be from 1: four squares, their sum and its root are rounded.
+/// Largest distance from 1 of the norm of a quaternion that was normalised: four squares, their sum and its root are rounded.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// A rigid transformation, read right to left: `map_from_camera * point_in_camera`

@@ -33,7 +33,7 @@ pub enum Recorded {
     CropRead {
         /// The detection.
         detection: NamedDetection,
-        /// What was read.
+        /// The reading.
         reading: CropReading,
     },
 }

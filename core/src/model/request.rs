@@ -26,12 +26,12 @@ pub struct MapPatch {
     pub settings: Vec<(String, SettingValue)>,
 }
 
-/// What a model said elsewhere.
+/// A verdict of a model, brought from elsewhere.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NewVerdict {
     /// A level, or a merged text.
     OfTexts(ModelVerdict),
-    /// What was read of the crop of a detection.
+    /// A reading of the crop of a detection.
     OfCrop(NamedDetection, CropReading),
 }
 

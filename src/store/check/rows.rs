@@ -115,7 +115,7 @@ async fn detections(
     Ok(())
 }
 
-/// What exports read and no index holds: it decodes, and none of it is of a version to come.
+/// History, which exports read and no index holds: it decodes, and none of it is of a version to come.
 async fn history(
     db: &mut SqliteConnection,
     loaded: &Loaded,

@@ -43,7 +43,7 @@ pub struct Export {
     /// The next keyframe, and the version that it made.
     keyframe: Option<(u64, SqliteRow)>,
     operations: VecDeque<(u64, Operation)>,
-    /// What models said, by the version that brought it.
+    /// Verdicts and readings of models, by the version that brought them.
     models: VecDeque<(u64, Recorded)>,
     properties: MapProperties,
     introduced: Introduced,
@@ -51,7 +51,7 @@ pub struct Export {
     begun: HashSet<SessionSeq>,
     /// Loops that were exported and not revoked.
     loops: HashSet<LoopId>,
-    /// What comes before all that follows.
+    /// Operations that come before all that follow.
     pending: VecDeque<Recorded>,
     /// Descriptions of anchors whose detections of that time are gone, by the keyframe that sees them first.
     waiting: BTreeMap<KeyframeSeq, Vec<Recorded>>,
@@ -265,10 +265,10 @@ impl Export {
     }
 }
 
-/// What comes next.
+/// One step of an export.
 enum Step {
     Operation(Box<Recorded>),
-    /// What it was about is deleted.
+    /// Its subject is deleted.
     LeftOut,
     End,
 }
@@ -283,7 +283,7 @@ fn named_detection(found: Option<(String, u16)>) -> Result<Option<NamedDetection
     found.map(|(id, number)| Ok(NamedDetection { keyframe: decode::id(&id)?, number })).transpose()
 }
 
-/// What to change about a map so that these are its properties.
+/// Returns the changes that turn one set of properties into another.
 fn difference(before: &MapProperties, now: &MapProperties) -> MapPatch {
     let differs =
         |row: &&crate::model::settings::Setting| before.settings.get(row.name) != now.settings.get(row.name);

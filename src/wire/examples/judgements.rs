@@ -54,7 +54,7 @@ pub fn judgement() -> Value {
     })
 }
 
-/// What a model said of two texts.
+/// A verdict of a model about two texts.
 pub fn model_verdict() -> Value {
     json!({
         "operation": "similarity", "class": "painting", "texts": ["a red boat at sea", "a sailing ship, red"], "level": 4,
@@ -62,7 +62,7 @@ pub fn model_verdict() -> Value {
     })
 }
 
-/// What became of it.
+/// The answer to a verdict that was brought.
 pub fn model_verdict_answer() -> Value {
     json!({"map_version": 10, "applied": true})
 }

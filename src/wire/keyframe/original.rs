@@ -36,7 +36,7 @@ impl From<NewKeyframe> for KeyframeBody {
     }
 }
 
-/// What came without a name goes without one.
+/// Whether a vocabulary has a name; words that came without one go without one.
 fn is_named(vocabulary: &String) -> bool {
     vocabulary != CLIENTS_VOCABULARY
 }
