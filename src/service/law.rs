@@ -249,20 +249,9 @@ fn plate(number: u8) -> Detection {
 
 /// A keyframe that brings nothing.
 fn bare(name: u8) -> NewKeyframe {
-    NewKeyframe {
-        id: keyframe_id(name),
-        session: "robot-0".parse().unwrap(),
-        stamp: Stamp { sec: i64::from(name), nanosec: 5 },
-        map_from_camera: Pose::new([f64::from(name) * 0.1, 0.2, 0.3], [0.0, 0.6, 0.0, 0.8]).unwrap(),
-        camera: None,
-        bow: BowVector::default(),
-        vocabulary: None,
-        features: None,
-        map_points: Vec::new(),
-        observes: Vec::new(),
-        covisible: Vec::new(),
-        detections: Vec::new(),
-    }
+    let stamp = Stamp { sec: i64::from(name), nanosec: 5 };
+    let pose = Pose::new([f64::from(name) * 0.1, 0.2, 0.3], [0.0, 0.6, 0.0, 0.8]).unwrap();
+    NewKeyframe { session: "robot-0".parse().unwrap(), ..NewKeyframe::at(keyframe_id(name), stamp, pose) }
 }
 
 #[expect(clippy::too_many_lines, reason = "one arm for each kind of request")]
