@@ -162,21 +162,11 @@ fn detection(number: u32, text: Naming, x: f64) -> Detection {
 }
 
 fn bare(number: u32) -> NewKeyframe {
-    NewKeyframe {
-        id: format!("kf-{number}").parse().expect("an id"),
-        session: "run".parse().expect("an id"),
-        stamp: Stamp { sec: i64::from(number), nanosec: 0 },
-        map_from_camera: Pose::new([f64::from(number % 100_000) * 9.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0])
-            .expect("a pose"),
-        camera: None,
-        bow: BowVector::default(),
-        vocabulary: None,
-        features: None,
-        map_points: Vec::new(),
-        observes: Vec::new(),
-        covisible: Vec::new(),
-        detections: Vec::new(),
-    }
+    let id = format!("kf-{number}").parse().expect("an id");
+    let stamp = Stamp { sec: i64::from(number), nanosec: 0 };
+    let pose =
+        Pose::new([f64::from(number % 100_000) * 9.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).expect("a pose");
+    NewKeyframe { session: "run".parse().expect("an id"), ..NewKeyframe::at(id, stamp, pose) }
 }
 
 fn name(number: u32) -> String {
