@@ -144,26 +144,39 @@ mod tests {
         assert_eq!(pace.patience(secs(90), 10 << 10), secs(0));
     }
 
-    #[tokio::test(start_paused = true)]
-    async fn a_byte_now_and_then_ends_and_a_slow_link_does_not() {
+    /// Plays a body of equal chunks after equal pauses without a clock: the time it took, or after which it was cut off.
+    fn played(chunk: u64, every: Duration, chunks: u32) -> Result<Duration, Duration> {
+        let pace = Pace { grace: Duration::from_secs(5), stall: Duration::from_secs(30), rate: 1024.0 };
+        let (mut waited, mut received) = (Duration::ZERO, 0);
+        for _ in 0..chunks {
+            let patience = pace.patience(waited, received);
+            if patience < every {
+                return Err(waited + patience);
+            }
+            waited += every;
+            received += chunk;
+        }
+        Ok(waited)
+    }
+
+    #[test]
+    fn a_byte_now_and_then_ends_and_a_slow_link_does_not() {
+        let sec = Duration::from_secs(1);
+        let cut = played(1, sec, 1000).expect_err("too slow");
+        assert!(cut < 6 * sec, "{cut:?}");
+        assert_eq!(played(2000, sec, 1000), Ok(1000 * sec));
+        assert_eq!(played(1 << 20, 31 * sec, 2), Err(5 * sec));
+    }
+
+    #[tokio::test]
+    async fn a_body_that_does_not_arrive_ends_after_its_time() {
         use http_body_util::BodyExt as _;
 
-        async fn took(chunk: usize, every: Duration, chunks: usize) -> Result<Duration, Duration> {
-            let pace = Pace { grace: Duration::from_secs(5), stall: Duration::from_secs(30), rate: 1024.0 };
-            let stream = async_stream::stream! {
-                for _ in 0..chunks {
-                    tokio::time::sleep(every).await;
-                    yield Ok::<_, std::io::Error>(vec![b' '; chunk]);
-                }
-            };
-            let started = Instant::now();
-            let all = Paced::new(Body::from_stream(stream), pace, None).collect().await;
-            all.map(|_| started.elapsed()).map_err(|_| started.elapsed())
-        }
-        let sec = Duration::from_secs(1);
-        let cut = took(1, sec, 1000).await.expect_err("too slow");
-        assert!(cut < 6 * sec, "{cut:?}");
-        assert_eq!(took(2000, sec, 1000).await, Ok(1000 * sec));
-        assert_eq!(took(1 << 20, 31 * sec, 2).await, Err(5 * sec));
+        let (grace, stall) = (Duration::from_millis(20), Duration::from_secs(30));
+        let never = Body::from_stream(futures_util::stream::pending::<std::io::Result<Bytes>>());
+        let started = Instant::now();
+        let ended = Paced::new(never, Pace { grace, stall, rate: 1024.0 }, None).collect().await;
+        assert!(ended.expect_err("too slow").is::<TooSlow>());
+        assert!(started.elapsed() >= grace);
     }
 }

@@ -94,8 +94,13 @@ impl Drop for Admission<'_> {
 mod tests {
     use super::*;
 
-    #[tokio::test(start_paused = true)]
-    async fn it_opens_after_failures_in_a_row_and_lets_one_question_try() {
+    /// Ends the pause of a model that is away.
+    fn end_pause(breaker: &Breaker) {
+        breaker.lock().open_until = Some(Instant::now());
+    }
+
+    #[test]
+    fn it_opens_after_failures_in_a_row_and_lets_one_question_try() {
         let breaker = Breaker::new(3, Duration::from_secs(30));
         for _ in 0..2 {
             breaker.admit().expect("closed").failed();
@@ -108,13 +113,13 @@ mod tests {
         assert!(breaker.is_open());
         assert_eq!(breaker.admit().err(), Some(Fault::Away));
 
-        tokio::time::advance(Duration::from_secs(31)).await;
+        end_pause(&breaker);
         let probe = breaker.admit().expect("one may try");
         assert_eq!(breaker.admit().err(), Some(Fault::Away), "and only one");
         probe.failed();
         assert_eq!(breaker.admit().err(), Some(Fault::Away), "it failed: another pause");
 
-        tokio::time::advance(Duration::from_secs(31)).await;
+        end_pause(&breaker);
         drop(breaker.admit().expect("one may try"));
         breaker.admit().expect("a probe that was given up leaves room for the next").succeeded();
         assert!(!breaker.is_open());

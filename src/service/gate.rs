@@ -18,12 +18,13 @@ pub(super) struct Gate {
     at_once: usize,
     waiting: AtomicUsize,
     waiting_max: usize,
+    patience: Duration,
 }
 
 impl Gate {
     pub fn new(at_once: usize, waiting_max: usize) -> Arc<Self> {
         let turns = Arc::new(Semaphore::new(at_once));
-        Arc::new(Self { turns, at_once, waiting: AtomicUsize::new(0), waiting_max })
+        Arc::new(Self { turns, at_once, waiting: AtomicUsize::new(0), waiting_max, patience: PATIENCE })
     }
 
     /// How many are inside.
@@ -45,7 +46,7 @@ impl Gate {
         if waits.before >= self.waiting_max {
             return Err(overloaded());
         }
-        match tokio::time::timeout(PATIENCE, self.turns.clone().acquire_owned()).await {
+        match tokio::time::timeout(self.patience, self.turns.clone().acquire_owned()).await {
             Ok(permit) => permit.map_err(|_| closed()),
             Err(_) => Err(overloaded()),
         }
@@ -84,9 +85,9 @@ impl Drop for Waits<'_> {
 mod tests {
     use super::*;
 
-    #[tokio::test(start_paused = true)]
+    #[tokio::test]
     async fn the_queue_is_bounded_in_number_and_in_time() {
-        let gate = Gate::new(1, 1);
+        let gate = Gate { patience: Duration::from_millis(10), ..Arc::into_inner(Gate::new(1, 1)).unwrap() };
         let inside = gate.enter().await.unwrap();
         let (first, second) = tokio::join!(gate.enter(), gate.enter());
         let refused =
