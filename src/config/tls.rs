@@ -9,6 +9,7 @@ pub fn client_for(address: &str) -> reqwest::ClientBuilder {
 }
 
 /// The same for a thread of its own.
+#[cfg(feature = "otel")]
 pub fn blocking_client_for(address: &str) -> reqwest::blocking::ClientBuilder {
     install();
     let builder = reqwest::blocking::Client::builder();

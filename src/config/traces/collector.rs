@@ -1,0 +1,150 @@
+//! The collector: where traces go, and what sends them.
+
+use std::time::Duration;
+
+use clap::Args;
+use opentelemetry::propagation::{Extractor, TextMapPropagator as _};
+use opentelemetry::trace::TracerProvider as _;
+use opentelemetry_otlp::{SpanExporter, WithExportConfig as _, WithHttpConfig as _};
+use opentelemetry_sdk::Resource;
+use opentelemetry_sdk::propagation::TraceContextPropagator;
+use opentelemetry_sdk::trace::SdkTracerProvider;
+use tracing::{Level, Span, Subscriber};
+use tracing_opentelemetry::OpenTelemetrySpanExt as _;
+use tracing_subscriber::Layer;
+use tracing_subscriber::filter::Targets;
+use tracing_subscriber::registry::LookupSpan;
+
+use super::TARGET;
+use crate::config::{build, tls};
+
+/// Where a collector takes traces, by its base address.
+const PATH: &str = "/v1/traces";
+
+/// How long what was not sent yet may take when the server stops.
+const FLUSH: Duration = Duration::from_secs(5);
+
+/// Where traces go.
+#[derive(Args, Clone, Debug, Default)]
+pub struct TraceArgs {
+    /// An OpenTelemetry collector that takes traces by OTLP over HTTP, such as http://127.0.0.1:4318; without it there
+    /// are none. OTEL_EXPORTER_OTLP_ENDPOINT, OTEL_SERVICE_NAME, OTEL_TRACES_SAMPLER and their like are honoured
+    #[arg(long, env = "REVISIT_OTLP_ENDPOINT", value_name = "URL")]
+    pub otlp_endpoint: Option<String>,
+}
+
+/// Traces on their way to the collector.
+#[derive(Debug, Default)]
+pub struct Traces {
+    provider: Option<SdkTracerProvider>,
+}
+
+impl TraceArgs {
+    /// The address that takes traces, from the flag or from OpenTelemetry's own variables.
+    fn address(&self) -> Option<String> {
+        let variable = |name: &str| std::env::var(name).ok().filter(|value| !value.is_empty());
+        let is_off = variable("OTEL_SDK_DISABLED").is_some_and(|value| value.eq_ignore_ascii_case("true"))
+            || variable("OTEL_TRACES_EXPORTER").is_some_and(|value| value == "none");
+        if is_off && self.otlp_endpoint.is_none() {
+            return None;
+        }
+        let below = |base: String| match base.trim_end_matches('/') {
+            whole if whole.ends_with(PATH) => whole.to_owned(),
+            base => format!("{base}{PATH}"),
+        };
+        let own = self.otlp_endpoint.clone().map(below);
+        own.or_else(|| variable("OTEL_EXPORTER_OTLP_TRACES_ENDPOINT"))
+            .or_else(|| variable("OTEL_EXPORTER_OTLP_ENDPOINT").map(below))
+    }
+}
+
+impl Traces {
+    /// Gets ready to send, if there is a collector.
+    pub fn start(args: &TraceArgs) -> Result<Self, String> {
+        let Some(address) = args.address() else { return Ok(Self::default()) };
+        // The client has a runtime of its own, which cannot be made within another one.
+        let provider = std::thread::spawn(move || provider(&address)).join();
+        let provider = provider.map_err(|_| "the client for traces broke off".to_owned())??;
+        Ok(Self { provider: Some(provider) })
+    }
+
+    /// Is there a collector?
+    pub fn are_sent(&self) -> bool {
+        self.provider.is_some()
+    }
+
+    /// What gives spans to the sender.
+    pub fn layer<S: Subscriber + for<'span> LookupSpan<'span>>(&self) -> Option<impl Layer<S> + use<S>> {
+        let tracer = self.provider.as_ref()?.tracer(build::NAME);
+        let layer =
+            tracing_opentelemetry::layer().with_tracer(tracer).with_location(false).with_threads(false);
+        let layer = layer.with_target(false).with_level(false);
+        Some(layer.with_filter(Targets::new().with_target(TARGET, Level::INFO)))
+    }
+
+    /// Sends what is left.
+    pub async fn flush(self) {
+        let Some(provider) = self.provider else { return };
+        let flushed = tokio::task::spawn_blocking(move || provider.shutdown_with_timeout(FLUSH)).await;
+        if let Ok(Err(error)) = flushed {
+            tracing::warn!(%error, "the last traces may not have reached their collector");
+        }
+    }
+}
+
+fn provider(address: &str) -> Result<SdkTracerProvider, String> {
+    let client = tls::blocking_client_for(address).build().map_err(|error| format!("traces: {error}"))?;
+    let exporter = SpanExporter::builder().with_http().with_http_client(client).with_endpoint(address);
+    let exporter = exporter.build().map_err(|error| format!("--otlp-endpoint {address}: {error}"))?;
+    let resource = Resource::builder();
+    let resource = match std::env::var_os("OTEL_SERVICE_NAME") {
+        Some(_) => resource,
+        None => resource.with_service_name(build::NAME),
+    };
+    let resource = resource.with_attribute(opentelemetry::KeyValue::new("service.version", build::VERSION));
+    Ok(SdkTracerProvider::builder().with_resource(resource.build()).with_batch_exporter(exporter).build())
+}
+
+/// Puts a span under the one that the headers of its caller name.
+pub(super) fn set_parent(span: &Span, header: impl Fn(&str) -> Option<String>) {
+    let parent = TraceContextPropagator::new().extract(&Headers::of(header));
+    // Fails only once the span has begun.
+    let _ = span.set_parent(parent);
+}
+
+/// The two headers of the W3C's trace context.
+struct Headers([(&'static str, Option<String>); 2]);
+
+impl Headers {
+    fn of(header: impl Fn(&str) -> Option<String>) -> Self {
+        Self(["traceparent", "tracestate"].map(|name| (name, header(name))))
+    }
+}
+
+impl Extractor for Headers {
+    fn get(&self, key: &str) -> Option<&str> {
+        self.0.iter().find(|(name, _)| *name == key)?.1.as_deref()
+    }
+
+    fn keys(&self) -> Vec<&str> {
+        self.0.iter().map(|(name, _)| *name).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_path_of_traces_is_added_once() {
+        for (given, expected) in [
+            ("http://127.0.0.1:4318", "http://127.0.0.1:4318/v1/traces"),
+            ("http://127.0.0.1:4318/", "http://127.0.0.1:4318/v1/traces"),
+            ("http://127.0.0.1:4318/v1/traces", "http://127.0.0.1:4318/v1/traces"),
+            ("https://collector.example/otlp", "https://collector.example/otlp/v1/traces"),
+        ] {
+            let args = TraceArgs { otlp_endpoint: Some(given.to_owned()) };
+            assert_eq!(args.address().as_deref(), Some(expected));
+        }
+    }
+}
