@@ -5,7 +5,6 @@
 
 use std::sync::Arc;
 
-use super::adapters::summary_of;
 use super::budget::Payer;
 use super::gateway::Gateway;
 use super::judge::class_name;
@@ -140,6 +139,16 @@ fn by_reader(read: Option<String>, degraded: bool, transcript: Vec<TranscriptSte
     Told { text, source: tesseract::SOURCE.into(), described: false, degraded, transcript }
 }
 
+/// Returns all that the answers say, each thing once.
+pub(super) fn summary(history: &[Round]) -> String {
+    let told = history.iter().map(|round| round.answer.as_str());
+    let informative = told.filter(|answer| Text::parse(answer).information_level() > 1);
+    informative
+        .map(str::to_owned)
+        .reduce(|all, answer| semantics::merge(&all, &answer))
+        .unwrap_or_else(|| "unknown".to_owned())
+}
+
 /// Returns how many rounds a dialogue about an object of a class takes at most.
 pub(super) fn rounds_of(class: &str) -> usize {
     if is_picture(class) { ROUNDS_OF_PICTURE } else { ROUNDS_OF_PLATE }
@@ -191,7 +200,7 @@ impl Dialogue<'_> {
         if rounds.is_empty() {
             return Ok((String::new(), false));
         }
-        let own = summary_of(&rounds);
+        let own = summary(&rounds);
         match &self.describer.tongue {
             // Without the flagged answer a model's summary would lose the sign.
             Some(tongue) if !settled && !flagged => match self.sum_up(tongue, &rounds).await {

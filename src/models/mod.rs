@@ -7,6 +7,7 @@
 //! | what is asked, word by word | [`prompts`] |
 //! | what an answer must look like | [`parse`] |
 //! | an image as it is sent | [`picture`] |
+//! | decoding an image | `imaging` |
 //! | asking: cache, budget, breaker, retries, in this order | [`gateway`] |
 //! | answers that were paid for | [`cache`] |
 //! | the daily budget and the usage | [`budget`] |
@@ -16,16 +17,23 @@
 //! | embeddings, by which pairs of texts are chosen | [`embeddings`] |
 //! | the dialogue of §IV-A.1 | [`dialogue`] |
 //! | a reader of characters on this machine | [`tesseract`] |
-//! | all of it, as the operator configured it | [`setup`] |
+//! | all of it | [`setup`] |
+//! | the same as the operator configured it | `configured` |
 
+// The port and what asks through it are always there. The feature holds what reaches out: adapters and decoders.
+#[cfg(feature = "llm")]
 pub mod adapters;
 pub mod breaker;
 pub mod budget;
 pub mod cache;
+#[cfg(feature = "llm")]
+mod configured;
 pub mod dialogue;
 pub mod embeddings;
 mod estimate;
 pub mod gateway;
+#[cfg_attr(not(feature = "llm"), path = "no_imaging.rs")]
+mod imaging;
 pub mod judge;
 pub mod parse;
 pub mod picture;
@@ -34,4 +42,6 @@ pub mod prompts;
 pub mod setup;
 pub mod tesseract;
 
-pub use setup::{Models, SetupError};
+#[cfg(feature = "llm")]
+pub use configured::SetupError;
+pub use setup::Models;

@@ -1,14 +1,11 @@
-//! Everything about models, as the operator configured it.
+//! The models at hand, with all that keeps them affordable.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use secrecy::SecretString;
-use thiserror::Error;
 use tokio::sync::Semaphore;
 
-use super::adapters::{self, Dialect, Endpoint, EndpointError, OpenAi, Scripted, Vqa};
 use super::breaker::Breaker;
 use super::budget::{Budget, Limits, Prices};
 use super::cache::AnswerCache;
@@ -17,35 +14,10 @@ use super::embeddings::Embeddings;
 use super::gateway::{Gateway, Policy, RolePrices, Shared};
 use super::judge::Judge;
 use super::port::{Model, Question};
-use super::tesseract::{ReaderError, Tesseract};
-use crate::config::models::{Kind, ModelArgs, Reader};
+use super::tesseract::Tesseract;
+use crate::config::models::ModelArgs;
 use crate::model::roles::Roles;
 use crate::store::{Fingerprints, Store, StoreError};
-
-/// Why models cannot be used as configured.
-#[derive(Debug, Error)]
-pub enum SetupError {
-    /// An address.
-    #[error(transparent)]
-    Endpoint(#[from] EndpointError),
-    /// A key.
-    #[error("{0}")]
-    Key(String),
-    /// A model without a name.
-    #[error("{0} needs a name: what does its server call it?")]
-    NoName(&'static str),
-    /// Embeddings without a model that they could choose for.
-    #[error(
-        "--model-embeddings-url chooses the pairs of texts that a language model is asked about: it needs --model-url"
-    )]
-    EmbeddingsAlone,
-    /// The reader.
-    #[error("--reader tesseract: {0}")]
-    Reader(#[from] ReaderError),
-    /// The books could not be read.
-    #[error(transparent)]
-    Store(#[from] StoreError),
-}
 
 /// The models at hand.
 #[derive(Debug)]
@@ -66,63 +38,25 @@ pub struct Models {
     shared: Arc<Shared>,
 }
 
-/// One model with its key, as configured.
-struct Chosen<'a> {
-    what: &'static str,
-    kind: Kind,
-    url: Option<&'a str>,
-    name: Option<&'a str>,
-    key: Option<SecretString>,
-}
-
 impl Models {
-    /// The models that are configured; `None` if there are none.
-    pub async fn open(args: &ModelArgs, store: &Store) -> Result<Option<Self>, SetupError> {
-        if !args.any() {
-            return Ok(None);
-        }
-        let model = Chosen {
-            what: "--model-url",
-            kind: args.model_kind,
-            url: args.model_url.as_deref(),
-            name: args.model_name.as_deref(),
-            key: args.model_key().map_err(SetupError::Key)?,
-        };
-        let vision = Chosen {
-            what: "--model-vision-url",
-            kind: args.model_vision_kind,
-            url: args.model_vision_url.as_deref(),
-            name: args.model_vision_name.as_deref(),
-            key: args.model_vision_key().map_err(SetupError::Key)?,
-        };
-        let found = [adapter(model, args)?, adapter(vision, args)?];
-        let embeddings = embeddings(args)?;
-        let reader = match args.reader {
-            Reader::None => None,
-            Reader::Tesseract => Some(Tesseract::find().await?),
-        };
-        let models = Self::all(found, embeddings, reader, args, store).await?;
-        let is_alone = models.embeddings.is_some() && !models.judge.has_model();
-        if is_alone { Err(SetupError::EmbeddingsAlone) } else { Ok(Some(models)) }
-    }
-
-    /// These models, the second of them for images: what [`Self::open`] makes of a configuration, and tests of a script.
+    /// Asks these models, the second of them about images.
     pub async fn with(
         found: [Option<Arc<dyn Model>>; 2],
         reader: Option<Tesseract>,
         args: &ModelArgs,
         store: &Store,
-    ) -> Result<Self, SetupError> {
+    ) -> Result<Self, StoreError> {
         Self::all(found, None, reader, args, store).await
     }
 
-    async fn all(
+    /// The same with a model of embeddings beside them.
+    pub(super) async fn all(
         [model, vision]: [Option<Arc<dyn Model>>; 2],
         embeddings: Option<Arc<dyn Model>>,
         reader: Option<Tesseract>,
         args: &ModelArgs,
         store: &Store,
-    ) -> Result<Self, SetupError> {
+    ) -> Result<Self, StoreError> {
         let milliseconds = Duration::from_millis;
         let text = Prices { input_usd: args.model_input_usd, output_usd: args.model_output_usd };
         let vision_prices = Prices {
@@ -197,37 +131,4 @@ impl Models {
     pub fn is_away(&self) -> bool {
         self.gateways.iter().any(|gateway| gateway.breaker().is_open()) || self.shared.budget.is_spent()
     }
-}
-
-fn embeddings(args: &ModelArgs) -> Result<Option<Arc<dyn Model>>, SetupError> {
-    let Some(url) = &args.model_embeddings_url else { return Ok(None) };
-    let key = args.model_embeddings_key().map_err(SetupError::Key)?;
-    let connect_timeout = Duration::from_millis(args.model_connect_timeout_ms);
-    let endpoint = Endpoint::new(url, "embeddings", key, connect_timeout)?;
-    let name = args.model_embeddings_name.as_deref().ok_or(SetupError::NoName("--model-embeddings-url"))?;
-    Ok(Some(Arc::new(adapters::Embeddings::new(endpoint, name))))
-}
-
-fn adapter(chosen: Chosen<'_>, args: &ModelArgs) -> Result<Option<Arc<dyn Model>>, SetupError> {
-    if chosen.kind == Kind::Scripted {
-        return Ok(Some(Arc::new(Scripted::rehearsal())));
-    }
-    let Some(url) = chosen.url else { return Ok(None) };
-    let connect_timeout = Duration::from_millis(args.model_connect_timeout_ms);
-    if chosen.kind == Kind::Vqa {
-        let endpoint = Endpoint::new(url, "", chosen.key, connect_timeout)?;
-        return Ok(Some(Arc::new(Vqa::new(endpoint, chosen.name.unwrap_or("vqa")))));
-    }
-    let endpoint = Endpoint::new(url, "chat/completions", chosen.key, connect_timeout)?;
-    let dialect = Dialect {
-        token_parameter: args.model_token_parameter,
-        max_tokens: args.model_max_tokens,
-        temperature: args.model_temperature.0,
-        seed: args.model_seed,
-        response_format: args.model_response_format,
-        system_role: args.model_system_role,
-        image_form: args.model_image_form,
-    };
-    let name = chosen.name.ok_or(SetupError::NoName(chosen.what))?;
-    Ok(Some(Arc::new(OpenAi::new(endpoint, name, dialect))))
 }

@@ -5,12 +5,11 @@ use std::process::Stdio;
 use std::sync::Arc;
 use std::time::Duration;
 
-use image::imageops::FilterType;
-use image::{DynamicImage, GrayImage, ImageFormat, Luma};
 use thiserror::Error;
 use tokio::io::AsyncWriteExt as _;
 use tokio::process::Command;
 
+use super::imaging;
 use super::picture::Picture;
 use crate::semantics;
 
@@ -21,12 +20,6 @@ const PROGRAM: &str = "tesseract";
 
 /// One plate is read in a few tenths of a second.
 const TIME_MAX: Duration = Duration::from_secs(20);
-
-/// Characters are read best at about this height.
-const HEIGHT_PX: u32 = 96;
-
-/// White around the text, which the reader expects of a page.
-const BORDER_PX: u32 = 16;
 
 /// A reading longer than this is noise.
 const CHARS_MAX: usize = 500;
@@ -70,7 +63,7 @@ impl Tesseract {
 
     /// Reads one line of characters; empty if there is none.
     pub async fn read(&self, picture: Arc<Picture>) -> Result<String, ReaderError> {
-        let prepared = tokio::task::spawn_blocking(move || prepare(&picture));
+        let prepared = tokio::task::spawn_blocking(move || imaging::page(&picture));
         let page = prepared.await.map_err(|_| ReaderError::Image)?.ok_or(ReaderError::Image)?;
         // One line, by the neural engine; the image goes in and the text comes out without a file.
         let mut child = Command::new(PROGRAM)
@@ -95,74 +88,5 @@ impl Tesseract {
         }
         let text = semantics::clean(&String::from_utf8_lossy(&output.stdout));
         Ok(text.chars().take(CHARS_MAX).collect())
-    }
-}
-
-/// Dark characters on white, of a fixed height, with a border, split by Otsu's threshold.
-fn prepare(picture: &Picture) -> Option<Vec<u8>> {
-    let grey = image::load_from_memory_with_format(&picture.png, ImageFormat::Png).ok()?.to_luma8();
-    let width = (u64::from(grey.width()) * u64::from(HEIGHT_PX) / u64::from(grey.height().max(1))).max(1);
-    let width = u32::try_from(width).ok()?.min(8 * 1024);
-    let grey = image::imageops::resize(&grey, width, HEIGHT_PX, FilterType::CatmullRom);
-    let threshold = otsu(&grey);
-    let dark = grey.pixels().filter(|pixel| pixel.0[0] <= threshold).count();
-    // Characters cover less than their ground: what covers more is the ground.
-    let inverted = 2 * dark > (width * HEIGHT_PX) as usize;
-    let mut page = GrayImage::from_pixel(width + 2 * BORDER_PX, HEIGHT_PX + 2 * BORDER_PX, Luma([255]));
-    for (x, y, pixel) in grey.enumerate_pixels() {
-        let is_ink = (pixel.0[0] <= threshold) != inverted;
-        page.put_pixel(x + BORDER_PX, y + BORDER_PX, Luma([if is_ink { 0 } else { 255 }]));
-    }
-    let mut png = Vec::new();
-    DynamicImage::ImageLuma8(page).write_to(&mut io::Cursor::new(&mut png), ImageFormat::Png).ok()?;
-    Some(png)
-}
-
-/// The threshold that parts an image's greys into the two tightest groups (Otsu 1979).
-fn otsu(grey: &GrayImage) -> u8 {
-    let mut counts = [0u64; 256];
-    for pixel in grey.pixels() {
-        counts[usize::from(pixel.0[0])] += 1;
-    }
-    let total: u64 = counts.iter().sum();
-    let sum: u64 = counts.iter().enumerate().map(|(level, count)| level as u64 * count).sum();
-    let (mut below, mut sum_below) = (0u64, 0u64);
-    let mut best = (0.0, 127);
-    for (level, count) in counts.iter().enumerate() {
-        below += count;
-        sum_below += level as u64 * count;
-        if below == 0 || below == total {
-            continue;
-        }
-        let above = total - below;
-        let difference = sum_below as f64 / below as f64 - (sum - sum_below) as f64 / above as f64;
-        let between = below as f64 * above as f64 * difference * difference;
-        if between > best.0 {
-            best = (between, level as u8);
-        }
-    }
-    best.1
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn light_characters_on_a_dark_plate_become_dark_on_white() {
-        let mut plate = image::RgbImage::from_pixel(40, 20, image::Rgb([30, 30, 90]));
-        for y in 5..15 {
-            plate.put_pixel(20, y, image::Rgb([240, 240, 240]));
-            plate.put_pixel(21, y, image::Rgb([240, 240, 240]));
-        }
-        let mut file = Vec::new();
-        let plate = DynamicImage::ImageRgb8(plate);
-        plate.write_to(&mut io::Cursor::new(&mut file), ImageFormat::Png).expect("an image");
-        let page = prepare(&Picture::decode(&file).expect("an image")).expect("a page");
-        let page = image::load_from_memory(&page).expect("an image").to_luma8();
-        assert_eq!(page.height(), HEIGHT_PX + 2 * BORDER_PX);
-        let ink = page.pixels().filter(|pixel| pixel.0[0] == 0).count();
-        assert!(ink > 0 && 4 * ink < page.pixels().len(), "{ink} pixels of ink");
-        assert_eq!(page.get_pixel(0, 0).0[0], 255);
     }
 }

@@ -3,7 +3,8 @@
 use futures_util::future::BoxFuture;
 use serde_json::json;
 
-use crate::models::port::{Fault, Model, Question, Reply, Round};
+use crate::models::dialogue::summary;
+use crate::models::port::{Fault, Model, Question, Reply};
 use crate::semantics::{self, Text};
 
 /// Costs nothing and is always there.
@@ -27,16 +28,6 @@ impl BuiltIn {
             Question::Summary { history, .. } => summary(history),
         })
     }
-}
-
-/// All that the answers say, each thing once.
-pub fn summary(history: &[Round]) -> String {
-    let told = history.iter().map(|round| round.answer.as_str());
-    let informative = told.filter(|answer| Text::parse(answer).information_level() > 1);
-    informative
-        .map(str::to_owned)
-        .reduce(|all, answer| semantics::merge(&all, &answer))
-        .unwrap_or_else(|| "unknown".to_owned())
 }
 
 impl Model for BuiltIn {

@@ -7,7 +7,7 @@ mod scripted;
 mod vqa;
 mod wire;
 
-pub use built_in::{BuiltIn, summary as summary_of};
+pub use built_in::BuiltIn;
 pub use embeddings::Embeddings;
 pub use openai::{Dialect, OpenAi};
 pub use scripted::Scripted;
