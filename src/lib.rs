@@ -6,6 +6,7 @@
 pub mod cli;
 pub mod client;
 pub mod config;
+#[cfg(feature = "hotel")]
 pub mod hotel;
 pub mod http;
 pub mod models;

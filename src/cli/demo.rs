@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 
-use super::serve::hotel_server;
+use super::hotel::hotel_server;
 use super::{Failure, stop_on_signal, write_out};
 use crate::client::{Client, Verdict};
 use crate::geometry::absolute_orientation::Scale;

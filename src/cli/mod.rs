@@ -3,10 +3,14 @@
 mod backup;
 mod check;
 mod completions;
+#[cfg(feature = "hotel")]
 mod demo;
+#[cfg(feature = "hotel")]
 mod eval;
 mod export;
 mod health;
+#[cfg(feature = "hotel")]
+mod hotel;
 mod keys;
 mod openapi;
 pub mod replay;
@@ -37,8 +41,9 @@ pub struct Cli {
 enum Command {
     Serve(Box<serve::ServeArgs>),
     Replay(replay::ReplayArgs),
-    Demo(demo::DemoArgs),
-    Eval(eval::EvalArgs),
+    #[cfg(feature = "hotel")]
+    #[command(flatten)]
+    Hotel(hotel::HotelCommand),
     Openapi(openapi::OpenapiArgs),
     Vocabulary(vocabulary::VocabularyArgs),
     Keys(keys::KeysArgs),
@@ -59,8 +64,8 @@ impl Cli {
         match self.command {
             Command::Serve(args) => serve::run(*args).await,
             Command::Replay(args) => Ok(replay::run(args, serve::own_server).await?),
-            Command::Demo(args) => demo::run(args).await,
-            Command::Eval(args) => eval::run(args).await,
+            #[cfg(feature = "hotel")]
+            Command::Hotel(command) => command.run().await,
             Command::Openapi(args) => openapi::run(&args),
             Command::Vocabulary(args) => vocabulary::run(args).await,
             Command::Keys(args) => keys::run(args).await,

@@ -13,8 +13,7 @@ use super::{Failure, stop_on_signal, write_out};
 use crate::config::memory::MemoryArgs;
 use crate::config::quotas::Quotas;
 use crate::config::traces::Traces;
-use crate::config::{build, limits, listen, logging, models, traces};
-use crate::hotel::texture::Patterns;
+use crate::config::{build, limits, listen, logging, traces};
 use crate::http::{self, RunningServer};
 use crate::service::{ModelChoice, Service, ServiceOptions};
 use crate::vocabulary::Vocabulary;
@@ -50,8 +49,9 @@ pub struct ServeArgs {
     limits: limits::LimitArgs,
     #[command(flatten)]
     memory: MemoryArgs,
+    #[cfg(feature = "llm")]
     #[command(flatten)]
-    models: models::ModelArgs,
+    models: crate::config::models::ModelArgs,
     #[command(flatten)]
     quotas: Quotas,
     #[command(flatten)]
@@ -62,6 +62,9 @@ pub struct ServeArgs {
 
 /// Runs it.
 pub async fn run(args: ServeArgs) -> Result<(), Failure> {
+    if let Some(reason) = build::missing_feature() {
+        return Err(reason.into());
+    }
     let traces = Traces::start(&args.traces)?;
     logging::start(&args.log, &traces)?;
     keep_to_small_pages();
@@ -73,7 +76,10 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
     let mut service = Service::open(ServiceOptions {
         database: args.database.clone(),
         vocabulary: args.vocabulary,
+        #[cfg(feature = "llm")]
         models: ModelChoice::Configured(Box::new(args.models)),
+        #[cfg(not(feature = "llm"))]
+        models: ModelChoice::None,
         keys_required: !args.listen.ip().is_loopback(),
         quotas: args.quotas,
         map_memory: args.memory.map_memory_bytes(),
@@ -118,13 +124,8 @@ pub async fn own_server() -> Result<OwnServer, Failure> {
     temporary_server(None).await
 }
 
-/// A server with the vocabulary of the simulated hotel, on a database that goes with it, for `eval` and `demo`.
-pub async fn hotel_server() -> Result<OwnServer, Failure> {
-    let vocabulary = tokio::task::spawn_blocking(|| Patterns::new().vocabulary()).await??;
-    temporary_server(Some(vocabulary)).await
-}
-
-async fn temporary_server(vocabulary: Option<Vocabulary>) -> Result<OwnServer, Failure> {
+/// A server with this vocabulary, on a database that goes with it.
+pub(super) async fn temporary_server(vocabulary: Option<Vocabulary>) -> Result<OwnServer, Failure> {
     let directory = tempfile::tempdir()?;
     let database = format!("sqlite://{}", directory.path().join("revisit.db").display());
     let mut options = ServiceOptions::on(database);

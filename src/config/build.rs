@@ -1,6 +1,48 @@
-//! Build: what this binary is.
+//! Build: what this binary is, and what it was built without.
 
 /// The program's name.
 pub const NAME: &str = env!("CARGO_PKG_NAME");
 /// The program's version.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// The variables that ask for something which a build may leave out: the feature, whether it is in, and its variables.
+const OPTIONAL: [(&str, bool, &[&str]); 2] = [
+    (
+        "llm",
+        cfg!(feature = "llm"),
+        &[
+            "REVISIT_MODEL_URL",
+            "REVISIT_MODEL_VISION_URL",
+            "REVISIT_MODEL_EMBEDDINGS_URL",
+            "REVISIT_MODEL_KIND",
+            "REVISIT_READER",
+        ],
+    ),
+    ("otel", cfg!(feature = "otel"), &["REVISIT_OTLP_ENDPOINT"]),
+];
+
+/// Returns why this build cannot do as the environment asks. A model that is configured and never asked would go unnoticed.
+pub fn missing_feature() -> Option<String> {
+    missing(&OPTIONAL, |variable| std::env::var_os(variable).is_some_and(|value| !value.is_empty()))
+}
+
+fn missing(optional: &[(&str, bool, &[&str])], is_set: impl Fn(&str) -> bool) -> Option<String> {
+    let mut left_out = optional.iter().filter(|(_, is_in, _)| !is_in);
+    left_out.find_map(|(feature, _, variables)| {
+        let variable = variables.iter().find(|variable| is_set(variable))?;
+        Some(format!("{variable} is set, but this program was built without the feature `{feature}`"))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_variable_of_a_feature_that_was_left_out_is_named() {
+        let optional: [(&str, bool, &[&str]); 2] = [("in", true, &["A"]), ("out", false, &["B", "C"])];
+        let reason = missing(&optional, |variable| variable != "B").expect("C is set");
+        assert!(reason.starts_with("C is set") && reason.ends_with("`out`"), "{reason}");
+        assert_eq!(missing(&optional, |variable| variable == "A"), None);
+    }
+}

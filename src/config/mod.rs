@@ -2,7 +2,7 @@
 //!
 //! | file | concept |
 //! |---|---|
-//! | [`build`] | what this binary is |
+//! | [`build`] | what this binary is, and what it was built without |
 //! | [`limits`] | how much at once, and how patient |
 //! | [`listen`] | where to listen, and whether others reach it |
 //! | [`logging`] | what is logged, and how |

@@ -238,12 +238,15 @@ impl Service {
 
 /// Opens what is configured. Without models no map waits for one, whatever an earlier process had found.
 async fn open_models(choice: ModelChoice, store: &Store) -> Result<Option<Models>, ServiceError> {
-    let opened = match choice {
-        ModelChoice::None => Ok(None),
-        ModelChoice::Configured(args) => Models::open(&args, store).await,
-        ModelChoice::Given(args, models) => Models::with(models, None, &args, store).await.map(Some),
+    let models = match choice {
+        ModelChoice::None => None,
+        #[cfg(feature = "llm")]
+        ModelChoice::Configured(args) => {
+            let opened = Models::open(&args, store).await;
+            opened.map_err(|error| ServiceError::Internal(error.to_string()))?
+        }
+        ModelChoice::Given(args, models) => Some(Models::with(models, None, &args, store).await?),
     };
-    let models = opened.map_err(|error| ServiceError::Internal(error.to_string()))?;
     if models.is_none() {
         store.committer().commit(Job::ForgetAway).await?;
     }

@@ -32,6 +32,7 @@ pub enum ModelChoice {
     #[default]
     None,
     /// Those that the operator names.
+    #[cfg(feature = "llm")]
     Configured(Box<ModelArgs>),
     /// These, the second of them for images, with the operator's limits.
     Given(Box<ModelArgs>, [Option<Arc<dyn Model>>; 2]),

@@ -11,10 +11,12 @@ mod events;
 mod eviction;
 mod exports;
 mod geometry;
+#[cfg(feature = "hotel")]
 mod hotel;
 mod limits;
 mod lives;
 mod method;
+#[cfg(feature = "llm")]
 mod models;
 mod openapi;
 mod operations;

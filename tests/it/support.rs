@@ -39,6 +39,7 @@ impl Server {
     }
 
     /// Starts a server that asks these models.
+    #[cfg(feature = "llm")]
     pub async fn with_models(models: ModelChoice) -> Self {
         Self::with(|options| options.models = models).await
     }
@@ -54,6 +55,7 @@ impl Server {
     }
 
     /// The same, with models.
+    #[cfg(feature = "llm")]
     pub async fn with_models_and_map_memory(directory: &Path, models: ModelChoice, bytes: u64) -> Self {
         Self::on_with(directory, |options| (options.models, options.map_memory) = (models, bytes)).await
     }

@@ -23,7 +23,7 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args, Subcommand, ValueEnum};
 
 use super::Failure;
-use super::serve::hotel_server;
+use super::hotel::hotel_server;
 use crate::client::Client;
 use crate::hotel::arm::Arm;
 use crate::hotel::noise::NoiseKind;

@@ -1,5 +1,6 @@
 //! Trust: who may do what, how often, how much, and at whose expense.
 
+#[cfg(feature = "llm")]
 mod budget;
 mod keys;
 mod listening;
