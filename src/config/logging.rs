@@ -54,7 +54,10 @@ pub fn start(args: &LogArgs, traces: &Traces) -> Result<(), TryInitError> {
         LogFormat::Json => to_stderr.json().flatten_event(true).boxed(),
     };
     let shown = args.filter.clone().with_target(traces::TARGET, LevelFilter::OFF);
-    tracing_subscriber::registry().with(layer.with_filter(shown)).with(traces.layer()).try_init()
+    tracing_subscriber::registry()
+        .with(layer.with_filter(shown))
+        .with(traces.layer(traces::TARGET))
+        .try_init()
 }
 
 /// Takes the span that is entered now along to another thread, so that what is logged there tells its request, too.

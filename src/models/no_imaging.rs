@@ -2,8 +2,11 @@
 
 use super::picture::{NoPicture, Picture};
 
-pub(super) fn decode(_: &[u8]) -> Result<Picture, NoPicture> {
-    Err(NoPicture)
+impl Picture {
+    /// Decodes nothing.
+    pub fn decode(_: &[u8]) -> Result<Self, NoPicture> {
+        Err(NoPicture)
+    }
 }
 
 pub(super) fn page(_: &Picture) -> Option<Vec<u8>> {

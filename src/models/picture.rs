@@ -2,8 +2,6 @@
 
 use thiserror::Error;
 
-use super::imaging;
-
 /// An image that was decoded.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Picture {
@@ -21,13 +19,6 @@ pub struct Picture {
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("the crop cannot be decoded")]
 pub struct NoPicture;
-
-impl Picture {
-    /// Decodes a PNG or JPEG file, told by its first bytes, whatever was claimed.
-    pub fn decode(file: &[u8]) -> Result<Self, NoPicture> {
-        imaging::decode(file)
-    }
-}
 
 impl std::fmt::Debug for Picture {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

@@ -15,7 +15,6 @@ use tracing_subscriber::Layer;
 use tracing_subscriber::filter::Targets;
 use tracing_subscriber::registry::LookupSpan;
 
-use super::TARGET;
 use crate::config::{build, tls};
 
 /// Where a collector takes traces, by its base address.
@@ -73,13 +72,16 @@ impl Traces {
         self.provider.is_some()
     }
 
-    /// What gives spans to the sender.
-    pub fn layer<S: Subscriber + for<'span> LookupSpan<'span>>(&self) -> Option<impl Layer<S> + use<S>> {
+    /// Returns the layer that gives spans of a target to the sender.
+    pub fn layer<S: Subscriber + for<'span> LookupSpan<'span>>(
+        &self,
+        target: &str,
+    ) -> Option<impl Layer<S> + use<S>> {
         let tracer = self.provider.as_ref()?.tracer(build::NAME);
         let layer =
             tracing_opentelemetry::layer().with_tracer(tracer).with_location(false).with_threads(false);
         let layer = layer.with_target(false).with_level(false);
-        Some(layer.with_filter(Targets::new().with_target(TARGET, Level::INFO)))
+        Some(layer.with_filter(Targets::new().with_target(target, Level::INFO)))
     }
 
     /// Sends what is left.

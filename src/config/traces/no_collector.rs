@@ -25,7 +25,7 @@ impl Traces {
     }
 
     /// Returns no layer.
-    pub fn layer<S: Subscriber>(&self) -> Option<impl Layer<S> + use<S>> {
+    pub fn layer<S: Subscriber>(&self, _: &str) -> Option<impl Layer<S> + use<S>> {
         None::<Identity>
     }
 
