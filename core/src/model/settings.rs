@@ -8,6 +8,7 @@ use std::f64::consts::FRAC_PI_3;
 
 use thiserror::Error;
 
+use super::named::{Named, named};
 use crate::semantics::{Numbering, PatternError};
 
 /// What a setting's value is.
@@ -93,83 +94,44 @@ pub enum SettingError {
         /// The largest value allowed.
         max: f64,
     },
+    /// The value has none of the setting's names.
+    #[error("expected one of {}", .0.join(", "))]
+    Choice(&'static [&'static str]),
     /// A pattern is none.
     #[error("{0}")]
     Pattern(PatternError),
 }
 
-/// Makes an enum whose values have names.
-macro_rules! choices {
-    ($(#[$doc:meta])* $type:ident, $expected:literal, $($(#[$of_value:meta])* $value:ident = $name:literal,)*) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-        pub enum $type {
-            $($(#[$of_value])* $value,)*
-        }
-
-        impl $type {
-            /// The values' names.
-            pub const NAMES: &'static [&'static str] = &[$($name,)*];
-
-            /// Returns the value's name.
-            pub const fn as_str(self) -> &'static str {
-                Self::NAMES[self as usize]
-            }
-
-            /// Returns the value of a name.
-            pub fn from_name(name: &str) -> Option<Self> {
-                [$(Self::$value,)*].into_iter().find(|value| value.as_str() == name)
-            }
-        }
-
-        impl Field for $type {
-            const EXPECTED: &'static str = $expected;
-
-            fn read(&self) -> SettingValue {
-                SettingValue::Choice(self.as_str())
-            }
-
-            fn accept(_: &SettingKind, value: SettingValue) -> Result<Self, SettingError> {
-                match value {
-                    SettingValue::Choice(name) => Self::from_name(name),
-                    _ => None,
-                }
-                .ok_or(SettingError::Type(Self::EXPECTED))
-            }
-        }
-    };
-}
-
-choices! {
+named! {
     /// The decision on a candidate when either local anchor map is empty: §V-B leaves 0/0 open.
-    WithoutAnchors, "\"undecided\", \"reject\" or \"geometry\"",
-    /// The anchors cannot tell: `undecided`.
-    #[default]
-    Undecided = "undecided",
-    /// No semantic agreement, no loop.
-    Reject = "reject",
-    /// Geometry alone decides.
-    Geometry = "geometry",
+    WithoutAnchors default Undecided {
+        /// The anchors cannot tell.
+        Undecided = "undecided",
+        /// No semantic agreement, no loop.
+        Reject = "reject",
+        /// Geometry alone decides.
+        Geometry = "geometry",
+    }
 }
 
-choices! {
+named! {
     /// Which geometric models may verify a candidate.
-    GeometryModels, "\"auto\" or \"sim3\"",
-    /// A similarity where points are triangulated, else what two images allow.
-    #[default]
-    Auto = "auto",
-    /// A similarity and nothing else, as ORB-SLAM.
-    Sim3 = "sim3",
+    GeometryModels default Auto {
+        /// A similarity where points are triangulated, else the model that the two images allow.
+        Auto = "auto",
+        /// A similarity and nothing else, as ORB-SLAM.
+        Sim3 = "sim3",
+    }
 }
 
-choices! {
+named! {
     /// The rule by which inliers are enough.
-    GeometryAcceptance, "\"significance\" or \"count\"",
-    /// Chance does not explain as many.
-    #[default]
-    Significance = "significance",
-    /// There are `geometry_min_inliers`, as in ORB-SLAM.
-    Count = "count",
+    GeometryAcceptance default Significance {
+        /// Chance does not explain as many.
+        Significance = "significance",
+        /// There are `geometry_min_inliers`, as in ORB-SLAM.
+        Count = "count",
+    }
 }
 
 /// Ties one field's type to its kind of setting.
@@ -177,6 +139,21 @@ trait Field: Sized {
     const EXPECTED: &'static str;
     fn read(&self) -> SettingValue;
     fn accept(kind: &SettingKind, value: SettingValue) -> Result<Self, SettingError>;
+}
+
+impl<T: Named> Field for T {
+    const EXPECTED: &'static str = "a name";
+
+    fn read(&self) -> SettingValue {
+        SettingValue::Choice(self.name())
+    }
+
+    fn accept(_: &SettingKind, value: SettingValue) -> Result<Self, SettingError> {
+        match value {
+            SettingValue::Choice(name) => Self::of_name(name).ok_or(SettingError::Choice(Self::NAMES)),
+            _ => Err(SettingError::Type(Self::EXPECTED)),
+        }
+    }
 }
 
 impl Field for f64 {
@@ -430,6 +407,7 @@ mod tests {
             Err(SettingError::Range { min: 1.0, max: 1000.0 }),
         );
         check("one_to_one", SettingValue::Count(1), Err(SettingError::Type("true or false")));
+        check("geometry_models", SettingValue::Choice("se3"), Err(SettingError::Choice(&["auto", "sim3"])));
         check("sigma", SettingValue::Count(1), Err(SettingError::Unknown));
         let pattern = |pattern: &str| SettingValue::Patterns(vec![pattern.to_owned()]);
         check("identifier_patterns", pattern(r"\d\.\d\d"), Ok(()));
