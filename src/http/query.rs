@@ -63,7 +63,7 @@ pub struct AnchorSearch {
     text: Option<String>,
     /// Only anchors in this state.
     #[param(inline)]
-    state: Option<crate::wire::anchor::AnchorStateName>,
+    state: Option<crate::wire::names::AnchorStateName>,
     /// Also anchors that go by another one's name.
     #[param(default = false)]
     merged: Option<bool>,

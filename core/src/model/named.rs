@@ -35,12 +35,14 @@ macro_rules! named {
         $($(#[doc = $meaning:literal])+ $value:ident = $name:literal,)+
     }) => {
         $(#[doc = $about])+
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
         pub enum $type {
             $($(#[doc = $meaning])+ $value,)+
         }
 
         impl $type {
+            /// The values, in the order of their names.
+            pub const ALL: [Self; Self::NAMES.len()] = [$(Self::$value,)+];
             /// The values' names.
             pub const NAMES: &'static [&'static str] = &[$($name,)+];
 
@@ -57,7 +59,7 @@ macro_rules! named {
 
         impl $crate::model::named::Named for $type {
             const ABOUT: &'static str = concat!($($about),+).trim_ascii();
-            const VALUES: &'static [Self] = &[$(Self::$value,)+];
+            const VALUES: &'static [Self] = &Self::ALL;
             const NAMES: &'static [&'static str] = Self::NAMES;
             const MEANINGS: &'static [&'static str] = &[$(concat!($($meaning),+).trim_ascii(),)+];
 

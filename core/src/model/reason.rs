@@ -68,7 +68,7 @@ const fn row(title: &'static str, class: ReasonClass, check: ReasonCheck) -> Rea
 }
 
 named! {
-    /// The check that decided.
+    /// The check that decided; in parentheses its effect on the verdict.
     ReasonCode: ReasonWords {
         /// No keyframe shares a word with the query, and none sees an anchor that it sees.
         NoCandidates = "no_candidates", row("nothing alike", Rejects, Query);

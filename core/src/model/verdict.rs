@@ -2,50 +2,31 @@
 
 use super::difference::DifferenceEvidence;
 use super::ids::{KeyframeId, LoopId};
+use super::named::named;
 pub use super::reason::{Reason, ReasonCode};
 use crate::geometry::{Bearing, Sim3};
 
-/// What the service says of a query.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Decision {
-    /// At least one candidate passed every check that could run.
-    Loop,
-    /// Every candidate was rejected, or there was none.
-    NoLoop,
-    /// No candidate passed, and what is missing could turn the answer of at least one.
-    Undecided,
-}
-
-impl Decision {
-    /// The decision's name in the API document.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Loop => "loop",
-            Self::NoLoop => "no_loop",
-            Self::Undecided => "undecided",
-        }
+named! {
+    /// The answer to a loop query.
+    Decision {
+        /// At least one candidate passed every check that could run.
+        Loop = "loop",
+        /// Every candidate was rejected, or there was none.
+        NoLoop = "no_loop",
+        /// No candidate passed, and missing facts could turn the answer of at least one.
+        Undecided = "undecided",
     }
 }
 
-/// What the service says of one candidate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CandidateDecision {
-    /// It passed every check that could run.
-    Loop,
-    /// What is missing could turn the answer.
-    Undecided,
-    /// A check stopped it.
-    Rejected,
-}
-
-impl CandidateDecision {
-    /// The decision's name in the API document.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Loop => "loop",
-            Self::Undecided => "undecided",
-            Self::Rejected => "rejected",
-        }
+named! {
+    /// The decision on one candidate.
+    CandidateDecision {
+        /// It passed every check that could run.
+        Loop = "loop",
+        /// Missing facts could turn the answer.
+        Undecided = "undecided",
+        /// A check stopped it.
+        Rejected = "rejected",
     }
 }
 
@@ -166,25 +147,15 @@ pub struct GeometryFigures {
     pub covariance: Option<[f64; 36]>,
 }
 
-/// The status of a geometric verification.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GeometryStatus {
-    /// It did not run.
-    Skipped,
-    /// It ran and found no transformation that explains enough.
-    Failed,
-    /// It ran and found one.
-    Verified,
-}
-
-impl GeometryStatus {
-    /// The status' name in the API document.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Skipped => "skipped",
-            Self::Failed => "failed",
-            Self::Verified => "verified",
-        }
+named! {
+    /// The status of a geometric verification.
+    GeometryStatus {
+        /// It did not run; `reason` says why.
+        Skipped = "skipped",
+        /// It ran and found no transformation that explains enough.
+        Failed = "failed",
+        /// It ran and found one.
+        Verified = "verified",
     }
 }
 
@@ -242,30 +213,15 @@ pub struct ClosedLoop {
     pub keyframe: KeyframeId,
 }
 
-/// Which checks a query asks for (`verify` of `openapi/openapi.yaml`).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Verify {
-    /// Geometry where both keyframes have the features for it, else the anchors decide.
-    #[default]
-    Auto,
-    /// Never geometry.
-    Anchors,
-    /// Geometry must verify.
-    Geometry,
-}
-
-impl Verify {
-    /// The values' names.
-    pub const NAMES: [&'static str; 3] = ["auto", "anchors", "geometry"];
-
-    /// The value's name.
-    pub fn as_str(self) -> &'static str {
-        Self::NAMES[self as usize]
-    }
-
-    /// The value of a name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        [Self::Auto, Self::Anchors, Self::Geometry].into_iter().find(|v| v.as_str() == name)
+named! {
+    /// Which checks a query asks for.
+    Verify default Auto {
+        /// The default: geometry where both keyframes have the features for it, else the anchors decide.
+        Auto = "auto",
+        /// Never geometry.
+        Anchors = "anchors",
+        /// Geometry must verify.
+        Geometry = "geometry",
     }
 }
 

@@ -12,8 +12,8 @@ use crate::model::bow::BowVector;
 use crate::model::ids::{AnchorSeq, KeyframeId, PointId};
 use crate::model::keyframe::{Camera, Detection, Features, Keypoint};
 use crate::model::report::{KeyframeRecord, KeyframeReport, KeyframeSummary};
-use crate::wire::anchor::AnchorStateName;
 use crate::wire::base64;
+use crate::wire::names::{AnchorStateName, IgnoredReasonName};
 use crate::wire::space::{Time, Transform};
 use crate::wire::verdict::LoopAnswer;
 
@@ -42,9 +42,9 @@ pub struct OutcomeView {
     pub anchor: Option<String>,
     /// What became of it.
     pub outcome: OutcomeName,
-    /// Why it was ignored: `class_not_anchored`, `no_place` or `anchor_deleted`.
+    /// Why it was ignored.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub reason: Option<String>,
+    pub reason: Option<IgnoredReasonName>,
     /// How far the anchor's description is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub state: Option<AnchorStateName>,
@@ -127,7 +127,7 @@ pub struct DetectionView {
     pub outcome: OutcomeName,
     /// Why it was ignored.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub reason: Option<String>,
+    pub reason: Option<IgnoredReasonName>,
     /// How far the anchor's description is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub state: Option<AnchorStateName>,
@@ -176,7 +176,7 @@ impl From<(Outcome, Option<AnchorState>)> for OutcomeView {
         let (outcome, anchor, reason) = match outcome {
             Outcome::Created(anchor) => (OutcomeName::Created, Some(anchor.public()), None),
             Outcome::Observed(anchor) => (OutcomeName::Observed, Some(anchor.public()), None),
-            Outcome::Ignored(reason) => (OutcomeName::Ignored, None, Some(reason.as_str().to_owned())),
+            Outcome::Ignored(reason) => (OutcomeName::Ignored, None, Some(reason.into())),
         };
         Self { anchor, outcome, reason, state: state.map(AnchorStateName::from) }
     }
