@@ -67,6 +67,17 @@ pub enum GeometryModel {
 }
 
 impl GeometryModel {
+    /// Returns the model's name.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Sim3 => "sim3",
+            Self::Se3 => "se3",
+            Self::Essential => "essential",
+            Self::Homography => "homography",
+            Self::Rotation => "rotation",
+        }
+    }
+
     fn from_name(name: &str) -> Option<Self> {
         Some(match name {
             "sim3" => Self::Sim3,
