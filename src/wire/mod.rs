@@ -5,7 +5,7 @@
 //!
 //! | file | concept |
 //! |---|---|
-//! | [`syntax`], [`read`] | bytes become a value, a value becomes the model, each fault with its place |
+//! | [`syntax`], [`read`], `faults` | bytes become a value, a value becomes the model, each fault with its place |
 //! | [`limits`], [`survey`] | how much one request may bring, and how much it brings |
 //! | [`digest`] | what makes two bodies the same |
 //! | [`space`], [`base64`] | vectors, poses, times; bytes inside JSON |
@@ -27,6 +27,7 @@ pub mod difference;
 pub mod digest;
 pub mod event;
 pub mod examples;
+mod faults;
 pub mod geometry;
 pub mod judgement;
 pub mod key;

@@ -661,7 +661,7 @@ class Detection(msgspec.Struct, kw_only=True, omit_defaults=True):
     position: list[float] | None = None
     """Where the object stands in the session's frame, in metres; serves where it has no map points."""
     range: DetectionRange | None = None
-    """How the distance of a position was come by."""
+    """The origin of a position's distance."""
     text: str | None = None
     """What a reader made of it."""
     description: str | None = None
@@ -701,7 +701,7 @@ class DetectionView(msgspec.Struct, kw_only=True, omit_defaults=True):
     position: list[float] | None = None
     """Where the object stands in the session's frame, in metres."""
     range: DetectionRange | None = None
-    """How the distance of a position was come by."""
+    """The origin of a position's distance."""
     text: str | None = None
     """What a reader made of it."""
     description: str | None = None

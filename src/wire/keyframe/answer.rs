@@ -3,9 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::RangeName;
-use super::detection::ASSUMED;
-use super::{BowShape, CameraShape, CovisibleShape, FeaturesShape, PointsShape};
+use super::shape::{BowShape, CameraShape, CovisibleShape, FeaturesShape, PointsShape, RangeName};
 use crate::geometry::Point3;
 use crate::model::anchor::{AnchorState, Outcome};
 use crate::model::bow::BowVector;
@@ -110,8 +108,8 @@ pub struct DetectionView {
     pub position: Option<[f64; 3]>,
     /// `assumed` if nothing measured the distance of `position`; else left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<RangeName>, inline)]
-    pub range: Option<String>,
+    #[schema(inline)]
+    pub range: Option<RangeName>,
     /// What a reader made of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub text: Option<String>,
@@ -215,7 +213,7 @@ impl From<(Detection, (Outcome, Option<AnchorState>))> for DetectionView {
             box_px: detection.box_px,
             map_points: detection.map_points,
             position: detection.position_in_session.map(|point| point.coords.into()),
-            range: detection.range_assumed.then(|| ASSUMED.to_owned()),
+            range: detection.range_assumed.then_some(RangeName::Assumed),
             text: detection.text,
             description: detection.description,
             has_crop: detection.crop.is_some(),

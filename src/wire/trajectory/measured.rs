@@ -2,9 +2,9 @@
 
 use serde::Deserialize;
 
-use super::super::geometry::{GeometryModel, GeometryView};
 use crate::geometry::Pose;
 use crate::model::verdict::GeometryStatus;
+use crate::wire::geometry::{GeometryModel, GeometryView};
 
 /// A loop's transformation, as it was verified when the query was answered.
 #[derive(Clone, Debug, PartialEq)]
