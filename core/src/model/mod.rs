@@ -44,6 +44,7 @@ pub mod recorded;
 pub mod report;
 pub mod request;
 pub mod roles;
+mod setting;
 pub mod settings;
 pub mod trajectory;
 pub mod varint;
