@@ -1,5 +1,6 @@
 //! Anchors: searched, read, described by hand and removed.
 
+use bytes::Bytes;
 use reqwest::Method;
 
 use super::body::Body;
@@ -54,6 +55,12 @@ impl Client {
     /// Reads the last dialogues with models about an anchor.
     pub async fn transcript(&self, map: &str, anchor: &str) -> Result<TranscriptList, ClientError> {
         self.read(&["v1", "maps", map, "anchors", anchor, "transcript"], &[]).await
+    }
+
+    /// Reads the image of an anchor, a PNG or JPEG file.
+    pub async fn crop(&self, map: &str, anchor: &str) -> Result<Bytes, ClientError> {
+        let path = ["v1", "maps", map, "anchors", anchor, "crop"];
+        Ok(self.send(Method::GET, &path, &[], None::<&()>).await?.bytes())
     }
 
     /// Describes an anchor by hand, whatever its version.

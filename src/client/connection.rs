@@ -1,9 +1,10 @@
 //! Connection: one request and its answer over plain HTTP, with retries where a server is busy.
 
-use std::io;
+use std::ops::ControlFlow;
 use std::time::Duration;
 
-use reqwest::header::{HeaderName, IF_MATCH, RETRY_AFTER};
+use bytes::Bytes;
+use reqwest::header::{CONTENT_TYPE, HeaderName, IF_MATCH, RETRY_AFTER};
 use reqwest::{Method, RequestBuilder, Response, StatusCode};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -86,14 +87,35 @@ impl Client {
         Ok(Written { replayed: answer.replayed, answer: answer.decode()? })
     }
 
-    /// Reads a resource that may be larger than memory; `take` receives it piece by piece.
-    pub(super) async fn stream(
+    /// Sends one line of JSON for each item, and reads the lines of the answer. A busy server is not asked again.
+    pub(super) async fn write_lines<T: DeserializeOwned>(
         &self,
         path: &[&str],
-        timeout: Duration,
-        mut take: impl FnMut(&[u8]) -> io::Result<()>,
-    ) -> Result<(), ClientError> {
+        items: &[impl Serialize],
+    ) -> Result<Vec<T>, ClientError> {
         let url = address::url(&self.base_url, path, &[])?;
+        let mut body = Vec::new();
+        for item in items {
+            serde_json::to_writer(&mut body, item).map_err(|error| ClientError::Write(error.into()))?;
+            body.push(b'\n');
+        }
+        let request = self.request(Method::POST, &url, None::<&()>);
+        let request = request.header(CONTENT_TYPE, "application/x-ndjson").body(body);
+        let response = request.send().await.map_err(|source| ClientError::transport(&url, source))?;
+        let answer = Answer::read(url.clone(), response).await?;
+        let lines = answer.body.split(|byte| *byte == b'\n').filter(|line| !line.is_empty());
+        lines.map(|line| decode(&url, line)).collect()
+    }
+
+    /// Reads a resource that may be larger than memory; `take` receives it piece by piece, until it breaks.
+    pub(super) async fn pieces(
+        &self,
+        path: &[&str],
+        query: &[(&str, &str)],
+        timeout: Duration,
+        mut take: impl FnMut(&str, &[u8]) -> Result<ControlFlow<()>, ClientError>,
+    ) -> Result<(), ClientError> {
+        let url = address::url(&self.base_url, path, query)?;
         let failed = |source| ClientError::transport(&url, source);
         let request = self.request(Method::GET, &url, None::<&()>).timeout(timeout);
         let mut response = request.send().await.map_err(failed)?;
@@ -101,12 +123,14 @@ impl Client {
             return Answer::read(url, response).await.map(drop);
         }
         while let Some(piece) = response.chunk().await.map_err(failed)? {
-            take(&piece).map_err(ClientError::Write)?;
+            if take(&url, &piece)?.is_break() {
+                break;
+            }
         }
         Ok(())
     }
 
-    /// One request and its answer; a server that says when to come back is obeyed.
+    /// Sends one request and returns its answer; a busy server that names a time is asked again then.
     ///
     /// Asking again is harmless: every write carries an id, and a refused one did nothing.
     pub(super) async fn send<B: Serialize>(
@@ -173,7 +197,7 @@ pub struct Written<T> {
 pub(super) struct Answer {
     url: String,
     replayed: bool,
-    body: bytes::Bytes,
+    body: Bytes,
 }
 
 impl Answer {
@@ -193,8 +217,18 @@ impl Answer {
     }
 
     pub(super) fn decode<T: DeserializeOwned>(&self) -> Result<T, ClientError> {
-        let mut json = serde_json::Deserializer::from_slice(&self.body);
-        serde_path_to_error::deserialize(&mut json)
-            .map_err(|source| ClientError::Decode { url: self.url.clone(), source })
+        decode(&self.url, &self.body)
     }
+
+    /// Returns the body as it came.
+    pub(super) fn bytes(self) -> Bytes {
+        self.body
+    }
+}
+
+/// Reads an answer, and says where it is not what the API document promises.
+pub(super) fn decode<T: DeserializeOwned>(url: &str, body: &[u8]) -> Result<T, ClientError> {
+    let mut json = serde_json::Deserializer::from_slice(body);
+    serde_path_to_error::deserialize(&mut json)
+        .map_err(|source| ClientError::Decode { url: url.to_owned(), source })
 }

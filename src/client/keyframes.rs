@@ -1,15 +1,27 @@
 //! Keyframes: written, read and removed.
 
 use reqwest::Method;
+use serde::Serialize;
 
 use super::body::Body;
 use super::connection::{Client, Written};
 use super::error::ClientError;
 use super::maps::{Page, borrowed};
 use crate::wire::anchor::LocalAnchorMap;
+use crate::wire::bulk::BulkLine;
 use crate::wire::keyframe::{KeyframeAnswer, KeyframeBody, KeyframeView};
 use crate::wire::list::{CovisibleList, KeyframeList};
 use crate::wire::map::MapVersion;
+
+/// A keyframe with its id: a line of a bulk request.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NamedKeyframe {
+    /// Its id.
+    pub id: String,
+    /// The keyframe.
+    #[serde(flatten)]
+    pub keyframe: KeyframeBody,
+}
 
 impl Client {
     /// Lists the keyframes, in order of arrival.
@@ -32,6 +44,15 @@ impl Client {
     ) -> Result<Written<KeyframeAnswer>, ClientError> {
         let query: &[(&str, &str)] = if ask_loop { &[("query", "loop")] } else { &[] };
         self.write(Method::PUT, &["v1", "maps", map, "keyframes", keyframe], query, body).await
+    }
+
+    /// Stores many keyframes in one request; the answer has one line for each of them.
+    pub async fn put_keyframes(
+        &self,
+        map: &str,
+        keyframes: &[NamedKeyframe],
+    ) -> Result<Vec<BulkLine>, ClientError> {
+        self.write_lines(&["v1", "maps", map, "keyframes"], keyframes).await
     }
 
     /// Removes a keyframe, and everything that rests on it alone.

@@ -1,6 +1,7 @@
 //! Maps: declared, changed, read, corrected, exported and removed.
 
 use std::io;
+use std::ops::ControlFlow;
 use std::time::Duration;
 
 use reqwest::Method;
@@ -81,9 +82,11 @@ impl Client {
     pub async fn export(
         &self,
         map: &str,
-        take: impl FnMut(&[u8]) -> io::Result<()>,
+        mut take: impl FnMut(&[u8]) -> io::Result<()>,
     ) -> Result<(), ClientError> {
-        self.stream(&["v1", "maps", map, "export"], EXPORT_TIMEOUT, take).await
+        let path = ["v1", "maps", map, "export"];
+        let take = |_: &str, piece: &[u8]| take(piece).map(ControlFlow::Continue).map_err(ClientError::Write);
+        self.pieces(&path, &[], EXPORT_TIMEOUT, take).await
     }
 
     /// Reads the trajectory in a format (`tum`, `kitti` or `g2o`), of one session where the format takes one only.

@@ -5,7 +5,7 @@
 //! | `connection` | one request and its answer |
 //! | `address` | ids and queries become URLs |
 //! | `body` | a request's body: its shape, or one that was recorded |
-//! | `maps`, `keyframes`, `anchors`, `loops`, `semantics`, `service` | one function for each operation of the API |
+//! | `maps`, `keyframes`, `anchors`, `loops`, `events`, `semantics`, `service` | one function for each operation of the API |
 //! | `answers` | figures of an answer that several readers need |
 //! | `error` | the reasons for no answer, in one line each |
 
@@ -15,6 +15,7 @@ mod answers;
 mod body;
 mod connection;
 mod error;
+mod events;
 mod keyframes;
 mod loops;
 mod maps;
@@ -27,4 +28,5 @@ pub use anchors::AnchorSearch;
 pub use body::{Body, Recorded};
 pub use connection::{Client, Written};
 pub use error::{ClientError, FieldProblem, Problem};
+pub use keyframes::NamedKeyframe;
 pub use maps::Page;

@@ -16,6 +16,16 @@ impl Client {
         self.read(&["readyz"], &[]).await
     }
 
+    /// Reads whether the process is alive.
+    pub async fn healthz(&self) -> Result<Health, ClientError> {
+        self.read(&["healthz"], &[]).await
+    }
+
+    /// Reads the metrics, in the text format of Prometheus.
+    pub async fn metrics(&self) -> Result<String, ClientError> {
+        Ok(self.send(Method::GET, &["metrics"], &[], None::<&()>).await?.text())
+    }
+
     /// Reads the server's version.
     pub async fn version(&self) -> Result<Version, ClientError> {
         self.read(&["version"], &[]).await

@@ -1,5 +1,6 @@
 //! The client against a server that says just what the test wants.
 
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 
@@ -14,6 +15,7 @@ use super::connection::BUSY_ATTEMPTS;
 use super::*;
 use crate::model::anchor::AnchorState;
 use crate::wire::examples;
+use crate::wire::keyframe::KeyframeBody;
 use crate::wire::loops::LoopBody;
 
 /// A request as it came in: `METHOD /path?query`, authorization, body.
@@ -139,6 +141,35 @@ async fn a_replayed_write_is_told_apart() {
     let (client, _) = stub(|| axum::Json(examples::keyframe_answer())).await;
     let answer = client.put_keyframe("m", "k", &body(), false).await;
     assert!(!answer.expect("an answer").replayed);
+}
+
+#[tokio::test]
+async fn many_keyframes_are_lines_and_so_are_their_answers() {
+    let line = examples::bulk_line();
+    let answer = format!("{line}\n{line}\n");
+    let (client, log) = stub(move || answer.clone()).await;
+    let keyframe: KeyframeBody = serde_json::from_value(examples::keyframe_body()).expect("a keyframe");
+    let named = NamedKeyframe { id: "kf-1".to_owned(), keyframe };
+    let lines = client.put_keyframes("m", std::slice::from_ref(&named)).await.expect("two lines");
+    assert_eq!(lines.len(), 2);
+    let (request, _, body) = &seen(&log)[0];
+    assert_eq!((request.as_str(), &body["id"]), ("POST /v1/maps/m/keyframes", &json!("kf-1")));
+    assert_eq!(body["pose"], examples::keyframe_body()["pose"]);
+}
+
+#[tokio::test]
+async fn events_are_heard_until_the_listener_has_enough() {
+    let event = examples::event();
+    let stream = format!(": alive\n\nid: 1\nevent: a\ndata: {event}\n\nid: 2\nevent: a\ndata: {event}\n\n");
+    let (client, log) = stub(move || stream.clone()).await;
+    let mut heard = Vec::new();
+    let one = |event| {
+        heard.push(event);
+        ControlFlow::Break(())
+    };
+    client.listen("m", 7, one).await.expect("an event");
+    assert_eq!(serde_json::to_value(&heard).expect("JSON"), json!([examples::event()]));
+    assert_eq!(seen(&log)[0].0, "GET /v1/maps/m/events?since=7");
 }
 
 #[tokio::test]

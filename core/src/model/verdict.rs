@@ -3,6 +3,7 @@
 use super::difference::DifferenceEvidence;
 use super::ids::{KeyframeId, LoopId};
 use super::named::named;
+use super::reason::ReasonClass;
 pub use super::reason::{Reason, ReasonCode};
 use crate::geometry::{Bearing, Sim3};
 
@@ -27,6 +28,18 @@ named! {
         Undecided = "undecided",
         /// A check stopped it.
         Rejected = "rejected",
+    }
+}
+
+impl CandidateDecision {
+    /// Whether a reason of this class may stand beside the decision.
+    pub fn fits(self, class: ReasonClass) -> bool {
+        match class {
+            ReasonClass::Accepts => self == Self::Loop,
+            ReasonClass::Rejects => self == Self::Rejected,
+            ReasonClass::Undecided | ReasonClass::Waits => self == Self::Undecided,
+            ReasonClass::Depends => self != Self::Loop,
+        }
     }
 }
 
