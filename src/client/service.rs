@@ -6,8 +6,9 @@ use super::body::Body;
 use super::connection::{Client, Written};
 use super::error::ClientError;
 use super::maps::{Page, borrowed};
-use crate::wire::backup::{BackupBody, BackupList, BackupView};
-use crate::wire::key::{KeyBody, KeyList, KeyView};
+use crate::wire::backup::{BackupBody, BackupView};
+use crate::wire::key::{KeyBody, KeyView};
+use crate::wire::list::{BackupList, KeyList};
 use crate::wire::service::{Health, Version};
 
 impl Client {

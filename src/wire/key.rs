@@ -89,16 +89,6 @@ pub struct KeyView {
     pub notice: Option<String>,
 }
 
-/// Keys, in order of creation, revoked ones among them.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct KeyList {
-    /// The items of this part.
-    pub items: Vec<KeyView>,
-    /// Where the next part starts; null after the last one.
-    #[schema(required)]
-    pub next_cursor: Option<String>,
-}
-
 impl Decode for KeyProperties {
     fn decode(node: &Node<'_>) -> Option<Self> {
         let body = node.object(&[
