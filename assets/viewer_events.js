@@ -2,8 +2,8 @@
 
 import { key, path, send } from "./viewer_api.js";
 import { el, fill, sign } from "./dom.js";
+import { EVENTS } from "./words.js";
 
-const NAMES = ["anchor_described", "anchors_matched", "anchors_merged", "anchor_retired", "loop_found", "loop_confirmed", "loop_revoked"];
 const SHOWN = 200;
 const RETRY_MS = 4000;
 
@@ -32,7 +32,7 @@ function listenOpenly(address, event, state) {
       // The browser comes back by itself unless the answer was no stream.
       if (source.readyState === EventSource.CLOSED) retry = setTimeout(open, RETRY_MS);
     });
-    for (const name of NAMES) source.addEventListener(name, take);
+    for (const name of EVENTS) source.addEventListener(name, take);
   };
   open();
   return { stop() { clearTimeout(retry); source.close(); } };

@@ -3,6 +3,7 @@
 import { list, path } from "./viewer_api.js";
 import { count, debounced, el, fill, number, sign } from "./dom.js";
 import { longList } from "./viewer_details.js";
+import { ANCHOR_STATES } from "./words.js";
 
 const SEARCH_WAIT_MS = 250;
 const FILTER_WAIT_MS = 120;
@@ -17,7 +18,7 @@ export class AnchorList {
     this.text = searchBox("Search what the signs say", later);
     this.classes = el("select", { "aria-label": "Class", change: () => this.search() });
     this.states = el("select", { "aria-label": "State", change: () => this.search() },
-      el("option", { value: "" }, "every state"), ["valid", "pending", "uninformative", "retired"].map((state) => el("option", {}, state)));
+      el("option", { value: "" }, "every state"), ANCHOR_STATES.map((state) => el("option", {}, state)));
     this.results = el("div", {});
     fill(place, el("div", { class: "filters" }, this.text, el("div", { class: "row" }, this.classes, this.states)), this.results);
   }

@@ -1,6 +1,7 @@
 // Verdict: the answer to a loop query, told as one person would tell another.
 
 import { el, number, copyable, count, sign } from "./dom.js";
+import { DIFFERENCES, REASONS } from "./words.js";
 
 const TONES = { loop: "good", verified: "good", rejected: "bad", no_loop: "bad", failed: "bad", undecided: "open" };
 const NAMES = { loop: "loop", no_loop: "no loop", undecided: "undecided", rejected: "rejected" };
@@ -61,70 +62,20 @@ function card(candidate, open, context) {
     el("ol", { class: "checks" }, appearance(candidate), anchors(candidate, context), geometry(candidate))));
 }
 
-const BRIEF = {
-  score_below_threshold: "signs differ",
-  contradiction: "signs contradict",
-  no_anchors: "nothing to compare",
-  neighbours_vouch: "its neighbours return here",
-  llm_pending: "descriptions pending",
-  llm_unavailable: "model away",
-  not_described: "signs not described",
-  no_features: "no features",
-  bow_below_reference: "looks differ",
-  too_few_inliers: "geometry differs",
-  anchors_disagree_with_transform: "signs misplaced",
-  anchors_displaced: "signs in two places",
-  odometry_disagrees_with_transform: "odometry differs",
-  ambiguous_places: "looks like two places",
-  twins_known: "this view exists twice",
-  not_distinctive: "signs hang everywhere",
-  tracked_only: "the same passage",
-  no_witness: "signs alone are not enough",
-  covisible: "same place as now",
-};
-
 /** What decided, in a few words and figures. */
 function brief({ reason, anchors: figures, geometry: { status, inliers }, bow }) {
-  if (reason) return BRIEF[reason.code] ?? reason.code;
+  if (reason) return REASONS[reason.code]?.title ?? reason.code;
   if (status === "verified" && inliers) return `${number(inliers, 0)} inliers`;
   return figures ? `S = ${number(figures.similarity)}` : `BoW ${number(bow.score, 3)}`;
 }
 
-const ADDS_DETAIL = ["no_anchors", "neighbours_vouch", "contradiction", "no_features", "llm_pending", "llm_unavailable",
-  "not_described", "odometry_disagrees_with_transform", "not_distinctive", "no_witness"];
-
 /** The reason for a person, with what was measured and asked. The server's own sentence follows where it adds to it. */
 export function why({ code, measured, limit, detail }) {
   const [m, l] = [measured, limit].map((value) => (value === undefined || value === null ? "?" : number(value, 3)));
-  const sentences = {
-    already_closed: "The loop was confirmed before, and no other place is one.",
-    no_candidates: "No keyframe shares a word with it, and none sees an anchor that it sees.",
-    empty_bow: "It has no words (a blank wall?), and no anchor speaks for any place.",
-    covisible: "It sees the same points as this keyframe: the present place, not a return.",
-    bow_below_reference: `It looks less alike (${m}) than this map asks for (${l}).`,
-    neighbours_vouch: `It is a loop: the anchors near it leave it open, but its neighbours return here, and geometry verifies the view with ${m} inliers.`,
-    no_anchors: "There are no anchors to compare.",
-    llm_pending: "Anchors are not described yet, and their descriptions could turn the answer. Ask again in a while.",
-    llm_unavailable: "The language model is away, and its word could turn the answer. Ask again in a while.",
-    not_described: "Nothing has described some of the anchors, and a description could turn the answer.",
-    score_below_threshold: `The anchors around the two do not agree enough: S is ${m} and must exceed ${l}.`,
-    contradiction: `Signs exclude each other. What contradicts weighs ${m}, what agrees ${l}.`,
-    no_features: "Geometry was asked for, and it could not run.",
-    too_few_inliers: `Too few features fit one transformation: ${m}, and ${l} are needed.`,
-    anchors_disagree_with_transform:
-      `Once geometry has aligned the two, the matched anchors lie apart: S is ${m} and must exceed ${l}.`,
-    anchors_displaced:
-      `Signs that hang once would hang in two places if this were a loop. They weigh ${m}, what agrees ${l}.`,
-    odometry_disagrees_with_transform: "The robot knows from its own tracking that it is somewhere else.",
-    ambiguous_places: `Geometry alone speaks for it, and nearly as much for another place: ${m} inliers, and ${l} are needed.`,
-    twins_known: `Geometry alone speaks for it, with ${m} inliers, and this map has shown one view in two places: that proves nothing here.`,
-    tracked_only: "Whatever agrees was seen in this same passage: it was tracked, and shows no return.",
-    no_witness: "Whatever agrees are texts without an identifier, which may hang in many places: nothing else says that it is this one.",
-    not_distinctive: "Whatever agrees hangs in several places: it could be any of them.",
-  };
-  const own = sentences[code];
+  const fields = { "{measured}": m, "{limit}": l, "{detail}": detail && el("span", { class: "muted" }, "(", sign(detail), ")") };
+  const own = REASONS[code]?.sentence;
   if (!own) return [`${code}: ${m} against ${l}. `, detail && sign(detail)];
-  return [own, ADDS_DETAIL.includes(code) && detail && [" ", el("span", { class: "muted" }, "(", sign(detail), ")")]];
+  return own.split(/(\{\w+\})/).map((part) => (part in fields ? fields[part] : part));
 }
 
 function check(state, title, figure, ...body) {
@@ -134,7 +85,7 @@ function check(state, title, figure, ...body) {
 }
 
 function appearance({ bow: { score, common_words: words, reference_score: reference }, reason }) {
-  const state = reason?.code === "bow_below_reference" ? "fail" : words === 0 ? "none" : "pass";
+  const state = REASONS[reason?.code]?.check === "words" ? "fail" : words === 0 ? "none" : "pass";
   const neighbours = reference > 0
     && ` This keyframe's own covisible neighbours score ${number(reference, 3)} or more.`;
   const text = words === 0
@@ -143,21 +94,12 @@ function appearance({ bow: { score, common_words: words, reference_score: refere
   return check(state, "Appearance (bag of words)", number(score, 3), el("p", {}, text));
 }
 
-const STOPPED_BY_ANCHORS = {
-  score_below_threshold: "fail", contradiction: "fail", anchors_disagree_with_transform: "fail",
-  anchors_displaced: "fail", not_distinctive: "open", no_witness: "open", tracked_only: "open", no_anchors: "open", llm_pending: "open", llm_unavailable: "open",
-  not_described: "open",
-};
-
-const NOT_COUNTED = {
-  not_sure: "it may be misread",
-  another_place: "they stand at different places",
-  known_elsewhere: "the other map knows it, elsewhere",
-  no_conflict: "the two do not exclude each other",
-  paired_otherwise: "one of them contradicts another sign already",
-  outweighed: "what agrees weighs no less",
-  veto_off: "this map leaves contradictions out",
-};
+/** How the anchors stand where they decided. */
+function stoppedByAnchors(reason) {
+  const { check: by, class: effect } = REASONS[reason?.code] ?? {};
+  if (by !== "anchors") return null;
+  return effect === "rejects" ? "fail" : "open";
+}
 
 function anchors({ anchors: figures, reason }, { refs, described }) {
   const title = "Anchors around the two";
@@ -165,7 +107,7 @@ function anchors({ anchors: figures, reason }, { refs, described }) {
   const { similarity, threshold, in_query: here, in_candidate: there, pending, matches, contradictions } = figures;
   const differences = figures.differences ?? [];
   const empty = here === 0 || there === 0;
-  const state = STOPPED_BY_ANCHORS[reason?.code] ?? (similarity > threshold ? "pass" : empty ? "none" : "open");
+  const state = stoppedByAnchors(reason) ?? (similarity > threshold ? "pass" : empty ? "none" : "open");
   const named = (id) => [refs.anchor(id), described(id) && [" ", sign(`“${described(id)}”`)]];
   const degrees = (radians) => number(radians * 180 / Math.PI, 0);
   return check(state, title, empty ? "" : `S = ${number(similarity)}`,
@@ -185,7 +127,7 @@ function anchors({ anchors: figures, reason }, { refs, described }) {
     differences.length > 0 && [el("p", { class: "small" }, "What differs, and why it did not count:"),
       el("ul", { class: "pairs" }, differences.map((pair) => el("li", {},
         el("div", {}, sign(pair.query_identifier), " here, ", sign(pair.candidate_identifier), " there: ",
-          NOT_COUNTED[pair.reason] ?? pair.reason.replaceAll("_", " ")),
+          DIFFERENCES[pair.reason] ?? pair.reason.replaceAll("_", " ")),
         el("div", { class: "muted small" }, named(pair.query_anchor), " against ", named(pair.candidate_anchor),
           "; ", sign(pair.detail)))))],
     contradictions.length > 0 && reason?.code !== "contradiction"

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::hotel::hotel_server;
 use super::{Failure, stop_on_signal, write_out};
-use crate::client::{Client, Verdict};
+use crate::client::Client;
 use crate::geometry::absolute_orientation::Scale;
 use crate::hotel::arm::Arm;
 use crate::hotel::explain::{Narrator, keyframe_id};
@@ -16,6 +16,7 @@ use crate::hotel::scenario::Scenario;
 use crate::hotel::tables;
 use crate::hotel::texture::Patterns;
 use crate::hotel::trial::{self, Asked, Driven, absolute_pose_error_m, drive};
+use crate::model::verdict::Decision;
 
 /// The sequence of the paper's Figure 6.
 const SEQUENCE: &str = "SE2 00";
@@ -118,7 +119,7 @@ impl Progress {
     /// Counts one answer, for which a line was printed or not.
     fn count(&mut self, asked: &Asked, is_told: bool) {
         self.asked += 1;
-        self.loops += usize::from(asked.answer.verdict == Verdict::Loop);
+        self.loops += usize::from(asked.answer.verdict.0 == Decision::Loop);
         let was_silent = !is_told && self.last_line.elapsed() >= SILENCE_MAX;
         if was_silent {
             let Self { keyframes, asked, loops, .. } = self;
@@ -147,12 +148,12 @@ impl<'a> Teller<'a> {
     fn hear(&mut self, asked: &Asked) {
         let contradicts = asked.answer.leading().and_then(|candidate| candidate.anchors.as_ref());
         let contradicts = contradicts.is_some_and(|anchors| !anchors.contradictions.is_empty());
-        let is_told = match asked.answer.verdict {
-            Verdict::Loop => {
+        let is_told = match asked.answer.verdict.0 {
+            Decision::Loop => {
                 self.loops += 1;
                 self.loops % LOOPS_EVERY == 1
             }
-            Verdict::NoLoop if contradicts => {
+            Decision::NoLoop if contradicts => {
                 self.rejections += 1;
                 self.rejections % REJECTIONS_EVERY == 1
             }
@@ -167,7 +168,7 @@ impl<'a> Teller<'a> {
 }
 
 fn next_steps(url: &str, ours: &Driven) -> String {
-    let found = ours.asked.iter().rev().find(|asked| asked.answer.verdict == Verdict::Loop);
+    let found = ours.asked.iter().rev().find(|asked| asked.answer.verdict.0 == Decision::Loop);
     let keyframe = found.map_or_else(|| String::from("kf-0"), |asked| keyframe_id(asked.keyframe));
     let query = found.map_or("q", |asked| asked.answer.id.as_str());
     format!(

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use reqwest::Url;
 
-use super::ClientError;
+use super::error::ClientError;
 
 /// The server's address in the form that paths are appended to.
 pub(super) fn base_url(given: &str) -> Result<String, ClientError> {

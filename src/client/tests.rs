@@ -1,5 +1,6 @@
 //! The client against a server that says just what the test wants.
 
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 
@@ -7,10 +8,15 @@ use axum::Router;
 use axum::body::Bytes;
 use axum::http::{HeaderMap, Method as HttpMethod, Uri};
 use axum::response::{IntoResponse, Response as HttpResponse};
-use serde_json::json;
+use serde_json::{Value, json};
 use tokio::net::TcpListener;
 
+use super::connection::BUSY_ATTEMPTS;
 use super::*;
+use crate::model::anchor::AnchorState;
+use crate::wire::examples;
+use crate::wire::keyframe::KeyframeBody;
+use crate::wire::loops::LoopBody;
 
 /// A request as it came in: `METHOD /path?query`, authorization, body.
 type Seen = Arc<Mutex<Vec<(String, Option<String>, Value)>>>;
@@ -44,12 +50,27 @@ fn seen(seen: &Seen) -> Vec<(String, Option<String>, Value)> {
     seen.lock().expect("no test panicked").clone()
 }
 
+/// A body that the stub does not look at.
+fn body() -> Recorded {
+    Recorded([("a".to_owned(), json!(1))].into_iter().collect())
+}
+
 #[tokio::test]
 async fn every_operation_asks_what_the_api_document_says() {
-    let answer = json!({"id": "x", "keyframe": "kf", "verdict": "no_loop", "passed": "over"});
-    let (client, log) = stub(move || axum::Json(answer.clone())).await;
+    let answers = [
+        examples::map(),
+        examples::keyframe_answer(),
+        examples::keyframe_answer(),
+        examples::loop_answer(),
+        examples::loop_closed(),
+        examples::loop_revoked(),
+        examples::poses_answer(),
+    ];
+    let asked = Arc::new(AtomicU32::new(0));
+    let next = move || axum::Json(answers[asked.fetch_add(1, Ordering::SeqCst) as usize].clone());
+    let (client, log) = stub(next).await;
     let client = client.with_key("secret");
-    let body = json!({"a": 1});
+    let body = body();
     client.put_map("m", &body).await.expect("an answer");
     client.put_keyframe("m", "k:1", &body, false).await.expect("an answer");
     client.put_keyframe("m", "k/1", &body, true).await.expect("an answer");
@@ -57,61 +78,98 @@ async fn every_operation_asks_what_the_api_document_says() {
     client.post_loop("m", &body).await.expect("an answer");
     client.delete_loop("m", "l").await.expect("an answer");
     client.post_poses("m", &body).await.expect("an answer");
-    let _: Value = client.get(&["v1", "usage"], &[("by", "a b")]).await.expect("an answer");
 
+    let sent = Value::Object(body.0);
     let asked =
         |request: &str, body: &Value| (request.to_owned(), Some("Bearer secret".to_owned()), body.clone());
     assert_eq!(
         seen(&log),
         [
-            asked("PUT /v1/maps/m", &body),
-            asked("PUT /v1/maps/m/keyframes/k:1", &body),
-            asked("PUT /v1/maps/m/keyframes/k%2F1?query=loop", &body),
-            asked("POST /v1/maps/m/loop-queries", &body),
-            asked("POST /v1/maps/m/loops", &body),
+            asked("PUT /v1/maps/m", &sent),
+            asked("PUT /v1/maps/m/keyframes/k:1", &sent),
+            asked("PUT /v1/maps/m/keyframes/k%2F1?query=loop", &sent),
+            asked("POST /v1/maps/m/loop-queries", &sent),
+            asked("POST /v1/maps/m/loops", &sent),
             asked("DELETE /v1/maps/m/loops/l", &Value::Null),
-            asked("POST /v1/maps/m/poses", &body),
-            asked("GET /v1/usage?by=a%20b", &Value::Null),
+            asked("POST /v1/maps/m/poses", &sent),
         ]
     );
 }
 
 #[tokio::test]
+async fn a_search_is_sent_as_parameters_and_a_typed_body_as_its_shape() {
+    let (client, log) = stub(|| axum::Json(examples::anchors())).await;
+    let search = AnchorSearch {
+        text: Some("a b".to_owned()),
+        state: Some(AnchorState::Valid.into()),
+        page: Page { limit: Some(2), cursor: None },
+        ..AnchorSearch::default()
+    };
+    client.list_anchors("m", &search).await.expect("an answer");
+    let new =
+        LoopBody { id: "l".to_owned(), keyframe: "k2".to_owned(), candidate: "k1".to_owned(), query: None };
+    client.post_loop("m", &new).await.expect_err("not its answer");
+    let seen = seen(&log);
+    assert_eq!(seen[0].0, "GET /v1/maps/m/anchors?text=a%20b&state=valid&limit=2");
+    assert_eq!(seen[1].2, json!({"id": "l", "keyframe": "k2", "candidate": "k1"}));
+}
+
+#[tokio::test]
 async fn an_answer_without_a_body_is_enough_where_nothing_is_read() {
     let (client, _) = stub(|| axum::http::StatusCode::NO_CONTENT).await;
-    client.delete_loop("m", "l").await.expect("an answer");
-    client.post_poses("m", &json!({})).await.expect("an answer");
+    client.delete_map("m").await.expect("an answer");
+    client.delete_key("key-1", false).await.expect("an answer");
 }
 
 #[tokio::test]
 async fn the_example_of_an_answer_is_understood() {
-    let answer = json!({
-        "id": "q-81", "map_version": 412, "verdict": "loop", "best": "kf-3", "loops": ["kf-3"], "degraded": false,
-        "candidates": [{"keyframe": "kf-3", "verdict": "rejected",
-            "bow": {"score": 0.31, "common_words": 412, "reference_score": 0.22},
-            "anchors": {"similarity": 0.71, "threshold": 0.3, "in_query": 4, "in_candidate": 3, "pending": 0,
-                "matches": [{"query_anchor": "a", "candidate_anchor": "b", "level": 5}], "contradictions": []},
-            "geometry": {"status": "verified", "matches": 190, "inliers": 143, "candidate_from_query": {
-                "scale": 1.0, "translation": {"x": 1, "y": 2, "z": 3}, "rotation": {"x": 0, "y": 0, "z": 0, "w": 1}}},
-            "reason": {"code": "score_below_threshold", "measured": 0.12, "limit": 0.3}}]});
-    let (client, _) = stub(move || axum::Json(answer.clone())).await;
-    let answer = client.loop_query("m", &json!({})).await.expect("an answer");
-    assert_eq!(answer.verdict, Verdict::Loop);
+    let (client, _) = stub(|| axum::Json(examples::loop_answer())).await;
+    let answer = client.loop_query("m", &body()).await.expect("an answer");
+    assert_eq!(serde_json::to_value(&answer).expect("JSON"), examples::loop_answer());
     let candidate = answer.leading().expect("a candidate");
-    assert_eq!(candidate.similarity(), Some(0.71));
-    assert_eq!(candidate.bow_score(), 0.31);
-    assert_eq!(candidate.inliers(), Some(143));
-    assert_eq!(candidate.reason.as_ref().and_then(|reason| reason.limit), Some(0.3));
+    assert_eq!(Some(&candidate.keyframe), answer.best.as_ref());
+    assert_eq!(candidate.bow_score(), candidate.bow.score);
+    assert_eq!(candidate.inliers(), candidate.geometry.inliers.map(u64::from));
 }
 
 #[tokio::test]
 async fn a_replayed_write_is_told_apart() {
-    let (client, _) = stub(|| ([("idempotent-replayed", "true")], r#"{"keyframe":"k"}"#)).await;
-    let answer = client.put_keyframe("m", "k", &json!({}), false).await;
+    let replayed = ("idempotent-replayed", "true");
+    let (client, _) = stub(move || ([replayed], axum::Json(examples::keyframe_answer()))).await;
+    let answer = client.put_keyframe("m", "k", &body(), false).await;
     assert!(answer.expect("an answer").replayed);
-    let (client, _) = stub(|| r#"{"keyframe":"k"}"#).await;
-    let answer = client.put_keyframe("m", "k", &json!({}), false).await;
+    let (client, _) = stub(|| axum::Json(examples::keyframe_answer())).await;
+    let answer = client.put_keyframe("m", "k", &body(), false).await;
     assert!(!answer.expect("an answer").replayed);
+}
+
+#[tokio::test]
+async fn many_keyframes_are_lines_and_so_are_their_answers() {
+    let line = examples::bulk_line();
+    let answer = format!("{line}\n{line}\n");
+    let (client, log) = stub(move || answer.clone()).await;
+    let keyframe: KeyframeBody = serde_json::from_value(examples::keyframe_body()).expect("a keyframe");
+    let named = NamedKeyframe { id: "kf-1".to_owned(), keyframe };
+    let lines = client.put_keyframes("m", std::slice::from_ref(&named)).await.expect("two lines");
+    assert_eq!(lines.len(), 2);
+    let (request, _, body) = &seen(&log)[0];
+    assert_eq!((request.as_str(), &body["id"]), ("POST /v1/maps/m/keyframes", &json!("kf-1")));
+    assert_eq!(body["pose"], examples::keyframe_body()["pose"]);
+}
+
+#[tokio::test]
+async fn events_are_heard_until_the_listener_has_enough() {
+    let event = examples::event();
+    let stream = format!(": alive\n\nid: 1\nevent: a\ndata: {event}\n\nid: 2\nevent: a\ndata: {event}\n\n");
+    let (client, log) = stub(move || stream.clone()).await;
+    let mut heard = Vec::new();
+    let one = |event| {
+        heard.push(event);
+        ControlFlow::Break(())
+    };
+    client.listen("m", 7, one).await.expect("an event");
+    assert_eq!(serde_json::to_value(&heard).expect("JSON"), json!([examples::event()]));
+    assert_eq!(seen(&log)[0].0, "GET /v1/maps/m/events?since=7");
 }
 
 #[tokio::test]
@@ -122,7 +180,7 @@ async fn a_problem_is_a_line_and_a_line_for_every_fault() {
             {"pointer": "", "detail": "too many words", "got": "9", "limit": 8}]});
     let status = axum::http::StatusCode::UNPROCESSABLE_ENTITY;
     let (client, _) = stub(move || (status, axum::Json(problem.clone()))).await;
-    let error = client.put_map("m", &json!({})).await.expect_err("refused");
+    let error = client.put_map("m", &body()).await.expect_err("refused");
     assert_eq!(error.problem().map(|problem| problem.status), Some(422));
     assert_eq!(
         error.to_string(),
@@ -139,20 +197,25 @@ async fn a_problem_is_a_line_and_a_line_for_every_fault() {
 async fn a_page_of_a_proxy_is_a_problem_too() {
     let status = axum::http::StatusCode::BAD_GATEWAY;
     let (client, _) = stub(move || (status, "<h1>no\n upstream</h1>")).await;
-    let error = client.put_map("m", &json!({})).await.expect_err("refused");
+    let error = client.put_map("m", &body()).await.expect_err("refused");
     let error = error.to_string();
     assert!(error.starts_with("502 Bad Gateway: <h1>no upstream</h1> ("), "{error}");
 }
 
 #[tokio::test]
 async fn an_answer_off_the_api_document_is_said_with_its_place() {
-    let answer = r#"{"id":"q","verdict":"loop","candidates":[{"keyframe":"k","verdict":"perhaps"}]}"#;
-    let (client, _) = stub(move || answer).await;
-    let error = client.loop_query("m", &json!({})).await.expect_err("off");
+    let mut answer = examples::loop_answer();
+    answer["candidates"][0]["verdict"] = json!("perhaps");
+    let (client, _) = stub(move || axum::Json(answer.clone())).await;
+    let error = client.loop_query("m", &body()).await.expect_err("off");
     let error = error.to_string();
     assert!(error.contains("/v1/maps/m/loop-queries is not understood"), "{error}");
     assert!(error.contains("candidates[0].verdict"), "{error}");
 }
+
+/// A map as a server answers it.
+const MAP: &str = r#"{"id":"m","map_version":1,"description":"","metric":true,"anchor_classes":[],"settings":{},
+    "keyframes":0,"anchors":0,"sessions":0,"loops":0,"bytes":0,"numbering":{},"twins":[]}"#;
 
 #[tokio::test]
 async fn a_busy_server_is_asked_again_when_it_says_so() {
@@ -161,10 +224,10 @@ async fn a_busy_server_is_asked_again_when_it_says_so() {
     let (client, _) = stub(move || match counter.fetch_add(1, Ordering::SeqCst) {
         0 => (axum::http::StatusCode::SERVICE_UNAVAILABLE, [("retry-after", "0")], "{}"),
         1 => (axum::http::StatusCode::TOO_MANY_REQUESTS, [("retry-after", "0")], "{}"),
-        _ => (axum::http::StatusCode::OK, [("retry-after", "0")], "{}"),
+        _ => (axum::http::StatusCode::OK, [("retry-after", "0")], MAP),
     })
     .await;
-    client.put_map("m", &json!({})).await.expect("an answer");
+    client.put_map("m", &body()).await.expect("an answer");
     assert_eq!(asked.load(Ordering::SeqCst), 3);
 }
 
@@ -172,11 +235,11 @@ async fn a_busy_server_is_asked_again_when_it_says_so() {
 async fn a_server_that_stays_busy_or_names_no_time_is_a_problem() {
     let busy = axum::http::StatusCode::SERVICE_UNAVAILABLE;
     let (client, log) = stub(move || (busy, [("retry-after", "0")])).await;
-    client.put_map("m", &json!({})).await.expect_err("busy");
+    client.put_map("m", &body()).await.expect_err("busy");
     assert_eq!(seen(&log).len(), BUSY_ATTEMPTS as usize);
     for retry_after in ["3600", "Fri, 31 Dec 1999 23:59:59 GMT"] {
         let (client, log) = stub(move || (busy, [("retry-after", retry_after)])).await;
-        client.put_map("m", &json!({})).await.expect_err("busy");
+        client.put_map("m", &body()).await.expect_err("busy");
         assert_eq!(seen(&log).len(), 1);
     }
 }
@@ -187,7 +250,7 @@ async fn a_server_that_is_not_there_is_said_with_the_url_and_the_cause() {
     let address = listener.local_addr().expect("an address");
     drop(listener);
     let client = Client::new(&format!("http://{address}")).expect("an address");
-    let error = client.put_map("m", &json!({})).await.expect_err("nobody there");
+    let error = client.put_map("m", &body()).await.expect_err("nobody there");
     let error = error.to_string();
     assert!(error.starts_with(&format!("http://{address}/v1/maps/m: ")), "{error}");
     assert!(error.to_lowercase().contains("refused"), "{error}");

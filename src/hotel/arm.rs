@@ -1,7 +1,9 @@
 //! Arms: the methods that drive through the same data.
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use serde_json::json;
+
+use crate::wire::settings::MapSettings;
 
 /// A method of finding loops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -45,9 +47,9 @@ impl Arm {
         }
     }
 
-    /// The settings of its map.
-    pub fn settings(self) -> Value {
-        match self {
+    /// Returns the settings of its map.
+    pub fn settings(self) -> MapSettings {
+        let settings = match self {
             Self::Ours | Self::OursMonocular => json!({}),
             Self::Paper => json!({"method": "paper"}),
             Self::BagOfWords => {
@@ -55,7 +57,8 @@ impl Arm {
                     "odometry_max_drift_share": 0, "geometry_models": "sim3", "geometry_acceptance": "count", "rival_min_ratio": 0, "twin_guard": false, "geometry_resection": false,
                     "near_miss_neighbours": false, "neighbours_vouch": false})
             }
-        }
+        };
+        MapSettings(settings.as_object().cloned().unwrap_or_default())
     }
 
     /// Does its robot close a loop only once it is confirmed as in ORB-SLAM3 ([`super::common_regions`])? Ours closes what

@@ -4,7 +4,8 @@ use super::route::Place;
 use super::scenario::Scenario;
 use super::score::Outcome;
 use super::trial::Asked;
-use crate::client::{Candidate, Verdict};
+use crate::model::verdict::Decision;
+use crate::wire::verdict::CandidateView;
 
 /// Tells what happened at keyframes of one course.
 #[derive(Clone, Copy, Debug)]
@@ -31,10 +32,10 @@ impl Narrator<'_> {
             return format!("{keyframe}: nothing like it in the map");
         };
         let looks = format!("{keyframe} looks like {} ({:.2})", candidate.keyframe, candidate.bow_score());
-        match asked.answer.verdict {
-            Verdict::Loop => format!("{looks}{}: a loop", agreement(candidate)),
-            Verdict::NoLoop => format!("{looks} but {}: rejected", why(candidate)),
-            Verdict::Undecided => format!("{looks} but {}: left open", why(candidate)),
+        match asked.answer.verdict.0 {
+            Decision::Loop => format!("{looks}{}: a loop", agreement(candidate)),
+            Decision::NoLoop => format!("{looks} but {}: rejected", why(candidate)),
+            Decision::Undecided => format!("{looks} but {}: left open", why(candidate)),
         }
     }
 
@@ -59,7 +60,7 @@ pub fn keyframe_id((robot, number): (usize, usize)) -> String {
     format!("{}-{number}", super::trial::session(robot))
 }
 
-fn agreement(candidate: &Candidate) -> String {
+fn agreement(candidate: &CandidateView) -> String {
     let matches = candidate.anchors.as_ref().map_or(0, |anchors| anchors.matches.len());
     let anchors = match (matches, candidate.similarity()) {
         (0, _) | (_, None) => String::new(),
@@ -73,20 +74,20 @@ fn agreement(candidate: &Candidate) -> String {
 }
 
 /// The ratio of the two keyframes' scales, where lengths have no common unit.
-fn at_scale(candidate: &Candidate) -> String {
-    let Some(geometry) = &candidate.geometry else { return String::new() };
+fn at_scale(candidate: &CandidateView) -> String {
+    let geometry = &candidate.geometry;
     match geometry.full_transform().map(|transform| transform.scale) {
         Some(scale) if scale != 1.0 => format!(" at scale {scale:.2}"),
         Some(_) => String::new(),
-        None => format!(" by {}", geometry.model.as_deref().unwrap_or("no model")),
+        None => format!(" by {}", geometry.model.map_or("no model", |model| model.as_str())),
     }
 }
 
-fn why(candidate: &Candidate) -> String {
+fn why(candidate: &CandidateView) -> String {
     let contradictions = candidate.anchors.as_ref().map(|anchors| anchors.contradictions.as_slice());
     if let Some([first, ..]) = contradictions {
         return first.reason.clone();
     }
-    let detail = candidate.reason.as_ref().and_then(|reason| reason.detail.clone());
+    let detail = candidate.reason.as_ref().map(|reason| reason.detail.clone());
     detail.unwrap_or_else(|| String::from("a check said no"))
 }

@@ -6,8 +6,9 @@ use super::message;
 use super::robot::{LoopToClose, Robot};
 use super::slam_map::SlamMap;
 use super::truth::KeyframeIndex;
-use crate::client::{Candidate, LoopAnswer, Verdict};
 use crate::geometry::Sim3;
+use crate::model::verdict::Decision;
+use crate::wire::verdict::{CandidateView, LoopAnswer};
 
 /// One robot's way of closing loops.
 #[derive(Clone, Debug)]
@@ -68,7 +69,7 @@ pub fn find(robots: &[Robot<'_>], keyframe: &str) -> Option<KeyframeIndex> {
 }
 
 fn as_told(robots: &[Robot<'_>], answer: &LoopAnswer) -> Option<Accepted> {
-    let best = answer.best.as_deref().filter(|_| answer.verdict == Verdict::Loop)?;
+    let best = answer.best.as_deref().filter(|_| answer.verdict.0 == Decision::Loop)?;
     let candidate = answer.candidate(best)?;
     Some(Accepted {
         candidate: find(robots, best)?,
@@ -94,6 +95,6 @@ fn proposals(robots: &[Robot<'_>], answer: &LoopAnswer) -> Vec<Proposal> {
     answer.loops.iter().filter_map(proposal).collect()
 }
 
-fn transform(candidate: &Candidate) -> Option<Sim3> {
-    message::similarity(candidate.geometry.as_ref()?.full_transform()?)
+fn transform(candidate: &CandidateView) -> Option<Sim3> {
+    message::similarity(candidate.geometry.full_transform()?)
 }

@@ -11,6 +11,7 @@ use super::trial::{Course, odometry, session};
 use super::truth::KeyframeIndex;
 use crate::geometry::Sim3;
 use crate::vocabulary::{DescriptorMismatch, Vocabulary};
+use crate::wire::keyframe::BowShape;
 
 /// The lines of a course: its map, and each keyframe with its query. Words come with the keyframes, so that a server
 /// needs no vocabulary.
@@ -28,7 +29,7 @@ pub fn recording(
         let words =
             vocabulary.transform(vocabulary.descriptor_bytes(), &message::descriptor_bytes(step), 0)?.words;
         let (words, weights): (Vec<u32>, Vec<f64>) = words.entries().iter().copied().unzip();
-        body["bow"] = json!({"words": words, "weights": weights});
+        body.bow = Some(BowShape { words, weights, vocabulary: None });
         let id = keyframe_id(*at);
         lines.push(json!({"op": "keyframe", "id": id, "body": body}));
         let ids = |keyframes: &std::collections::HashSet<KeyframeIndex>| -> Vec<String> {

@@ -1,5 +1,6 @@
 //! Results: an experiment's figures, for tables and as JSON.
 
+use crate::wire::verdict::CandidateView;
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
@@ -11,7 +12,6 @@ use super::paper::PrintedSequence;
 use super::renumbering::{Round, Signs};
 use super::score::{Counts, Outcome, by_query, by_visit, confidence_interval};
 use super::trial::{Asked, Driven};
-use crate::client::Candidate;
 
 /// The distance in truth, in metres, below which the two keyframes of a wrong loop were taken near each other.
 pub const NEAR_M: f64 = 3.0;
@@ -152,18 +152,18 @@ impl Share {
 impl Confusion {
     /// Of a drive.
     pub fn of(driven: &Driven) -> Self {
-        let figures = |outcome: Outcome, of: fn(&Candidate) -> f64| -> Vec<f64> {
+        let figures = |outcome: Outcome, of: fn(&CandidateView) -> f64| -> Vec<f64> {
             let answers = driven.asked.iter().filter(|asked| asked.scored.outcome == outcome);
             // One that later keyframes confirmed need not be among the candidates of the last.
             let accepted = |asked: &Asked| Some(super::explain::keyframe_id(asked.accepted?));
             answers.filter_map(|asked| asked.answer.candidate(&accepted(asked)?).map(of)).collect()
         };
-        let inliers: fn(&Candidate) -> f64 = |candidate| candidate.inliers().unwrap_or(0) as f64;
+        let inliers: fn(&CandidateView) -> f64 = |candidate| candidate.inliers().unwrap_or(0) as f64;
         Self {
             wrong: driven.asked.iter().filter(|asked| asked.scored.outcome == Outcome::Wrong).count(),
-            score_of_wrong: median(figures(Outcome::Wrong, Candidate::bow_score)),
+            score_of_wrong: median(figures(Outcome::Wrong, CandidateView::bow_score)),
             inliers_of_wrong: median(figures(Outcome::Wrong, inliers)),
-            score_of_right: median(figures(Outcome::Right, Candidate::bow_score)),
+            score_of_right: median(figures(Outcome::Right, CandidateView::bow_score)),
             inliers_of_right: median(figures(Outcome::Right, inliers)),
         }
     }

@@ -8,10 +8,11 @@ use super::journey::Step;
 use super::message;
 use super::pose_graph::{Edge, PoseGraphError, optimise};
 use super::slam_map::SlamMap;
-use crate::client::{Client, ClientError, LoopAnswer};
+use crate::client::{Client, ClientError};
 use crate::geometry::{Point3, Pose, Sim3};
+use crate::wire::loops::LoopBody;
+use crate::wire::verdict::LoopAnswer;
 use nalgebra::{UnitQuaternion, Vector3};
-use serde_json::json;
 
 /// After it has closed a loop, a robot collects so many keyframes before it optimises again (ORB-SLAM2: 10).
 const CLOSING_EVERY_KEYFRAMES: usize = 10;
@@ -138,7 +139,7 @@ impl<'a> Robot<'a> {
         let body = message::keyframe(self.arm, &self.session, number, step, &similarity);
         let id = self.keyframe_id(number);
         let answer = self.client.put_keyframe(self.map, &id, &body, true).await?;
-        Ok(answer.loop_answer.unwrap_or_else(|| unreachable!("it was asked for")))
+        Ok(answer.answer.loop_answer.unwrap_or_else(|| unreachable!("it was asked for")))
     }
 
     /// Takes a loop of its latest keyframe, if there is one, and optimises when enough keyframes have come.
@@ -198,12 +199,12 @@ impl<'a> Robot<'a> {
         }
         // One loop for each closing, the newest: the others are its neighbours.
         if let Some(closing) = self.waiting.drain(..).next_back() {
-            let body = json!({
-                "id": format!("{}-loop-{}", self.session, self.closed),
-                "keyframe": closing.keyframe,
-                "candidate": closing.closed_with.candidate,
-                "query": closing.closed_with.answer,
-            });
+            let body = LoopBody {
+                id: format!("{}-loop-{}", self.session, self.closed),
+                keyframe: closing.keyframe,
+                candidate: closing.closed_with.candidate,
+                query: Some(closing.closed_with.answer),
+            };
             self.client.post_loop(self.map, &body).await?;
         }
         Ok(())

@@ -12,9 +12,12 @@ use super::robot::{DriveError, Robot};
 use super::route::Place;
 use super::score::{Outcome, Scored};
 use super::truth::{Answerable, KeyframeIndex, answers, apart_m};
-use crate::client::{Candidate, Client, LoopAnswer, Verdict};
+use crate::client::Client;
 use crate::geometry::absolute_orientation::Scale;
 use crate::geometry::{Point3, Pose};
+use crate::model::reason::ReasonCode;
+use crate::model::verdict::Decision;
+use crate::wire::verdict::{CandidateView, LoopAnswer};
 
 /// Journeys with their truth, ready to be driven through by every arm.
 #[derive(Clone, Debug)]
@@ -216,15 +219,17 @@ fn ranked(
     answerable: &Answerable,
     find: impl Fn(&str) -> Option<KeyframeIndex>,
 ) -> Option<Ranked> {
-    let score = |candidate: &Candidate| match arm {
+    let score = |candidate: &CandidateView| match arm {
         Arm::BagOfWords => candidate.inliers().unwrap_or(0) as f64,
         Arm::Ours | Arm::OursMonocular | Arm::Paper => candidate.similarity().unwrap_or(0.0),
     };
     // What passed is ranked as the server answered it, confirmed or not; beyond the threshold, what only that threshold stopped.
-    let threshold = if arm == Arm::BagOfWords { "too_few_inliers" } else { "score_below_threshold" };
-    let is_near = |candidate: &&Candidate| candidate.reason.as_ref().is_some_and(|r| r.code == threshold);
-    let first = match answer.verdict {
-        Verdict::Loop => answer.leading()?,
+    let threshold =
+        if arm == Arm::BagOfWords { ReasonCode::TooFewInliers } else { ReasonCode::ScoreBelowThreshold };
+    let is_near =
+        |candidate: &&CandidateView| candidate.reason.as_ref().is_some_and(|r| r.code.0 == threshold);
+    let first = match answer.verdict.0 {
+        Decision::Loop => answer.leading()?,
         _ => answer.candidates.iter().filter(is_near).max_by(|a, b| score(a).total_cmp(&score(b)))?,
     };
     let keyframe = find(&first.keyframe)?;
@@ -255,13 +260,14 @@ fn lost_by(
     answerable: &Answerable,
     find: impl Fn(&str) -> Option<KeyframeIndex>,
 ) -> String {
-    let is_right =
-        |candidate: &&Candidate| find(&candidate.keyframe).is_some_and(|key| answerable.truth.contains(&key));
+    let is_right = |candidate: &&CandidateView| {
+        find(&candidate.keyframe).is_some_and(|key| answerable.truth.contains(&key))
+    };
     let right = answer.candidates.iter().find(is_right);
     match right.map(|candidate| candidate.reason.as_ref()) {
         None => String::from("not_a_candidate"),
         Some(None) => String::from("not_confirmed"),
-        Some(Some(reason)) => reason.code.clone(),
+        Some(Some(reason)) => reason.code.0.as_str().to_owned(),
     }
 }
 

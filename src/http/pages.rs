@@ -3,9 +3,12 @@
 use std::future::ready;
 
 use axum::Router;
+use axum::body::Bytes;
 use axum::http::header::{CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE};
 use axum::response::IntoResponse;
 use axum::routing::get;
+
+use crate::wire::words;
 
 /// Nothing from elsewhere, no inline script, and no framing by others.
 const POLICY: &str = "default-src 'self'; img-src 'self' data: blob:; frame-ancestors 'none'; base-uri 'none'; form-action 'self'";
@@ -54,26 +57,32 @@ const ASSETS: &[Asset] = assets![
     "viewer_verdict.js"
 ];
 
+/// The codes of verdicts with their words for people, made from the tables of the model.
+const WORDS: &str = "words.js";
+
 /// Their routes: the pages under their own addresses, everything else under `/assets`.
 pub fn routes<S: Clone + Send + Sync + 'static>() -> Router<S> {
-    ASSETS.iter().fold(Router::new(), |router, asset| {
+    let words = Bytes::from(words::script());
+    let words = move || ready(serve(WORDS, words.clone()));
+    let router = Router::new().route(&format!("/assets/{WORDS}"), get(words));
+    ASSETS.iter().fold(router, |router, asset| {
         let path = match asset.name {
             "viewer.html" => "/".to_owned(),
             "docs.html" => "/docs".to_owned(),
             name => format!("/assets/{name}"),
         };
-        router.route(&path, get(move || ready(serve(asset))))
+        router.route(&path, get(move || ready(serve(asset.name, asset.bytes))))
     })
 }
 
-fn serve(asset: &'static Asset) -> impl IntoResponse {
+fn serve(name: &str, content: impl IntoResponse) -> impl IntoResponse {
     let headers = [
-        (CONTENT_TYPE, media_type(asset.name)),
+        (CONTENT_TYPE, media_type(name)),
         (CONTENT_SECURITY_POLICY, POLICY),
         // The binary changes under the same addresses.
         (CACHE_CONTROL, "no-cache"),
     ];
-    (headers, asset.bytes)
+    (headers, content)
 }
 
 fn media_type(name: &str) -> &'static str {

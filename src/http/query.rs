@@ -63,7 +63,7 @@ pub struct AnchorSearch {
     text: Option<String>,
     /// Only anchors in this state.
     #[param(inline)]
-    state: Option<crate::wire::anchor::AnchorStateName>,
+    state: Option<crate::wire::names::AnchorStateName>,
     /// Also anchors that go by another one's name.
     #[param(default = false)]
     merged: Option<bool>,
@@ -135,8 +135,7 @@ impl Decode for AnchorPage {
         let page = paging(&query);
         let class = query.optional("class", |node| node.name(limits::CLASS_CHARS));
         let text = query.optional("text", |node| node.text(limits::TEXT_CHARS));
-        let states = ["pending", "valid", "uninformative", "retired"];
-        let state = query.optional("state", |node| node.choice(&states, AnchorState::from_name));
+        let state = query.optional("state", |node| node.choice(AnchorState::NAMES, AnchorState::from_name));
         let merged =
             query.optional("merged", |node| node.choice(&["true", "false"], |text| text.parse().ok()));
         let filter =

@@ -586,6 +586,10 @@ async fn one_id_is_one_verdict_after(requests: Vec<Request>) {
             let subject = Subject::Stored(keyframe_id(name));
             let query = LoopQuery { subject, verify: Verify::Auto, max_wait_ms: 0, seed: 0 };
             let Ok(answer) = service.loop_query(&map, query).await else { continue };
+            for candidate in &answer.verdict.candidates {
+                let class = candidate.reason.as_ref().map(|reason| reason.code.words().class);
+                assert!(class.is_none_or(|class| candidate.decision.fits(class)), "{candidate:?}");
+            }
             let waits = answer.verdict.candidates.iter().filter_map(|c| Some(c.reason.as_ref()?.code));
             assert!(vision || waits.into_iter().all(|code| code != ReasonCode::LlmPending));
             let known = verdicts.entry(answer.id).or_insert_with(|| answer.verdict.clone());

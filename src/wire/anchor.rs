@@ -4,10 +4,10 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::limits;
+use super::names::AnchorStateName;
 use super::read::{Decode, Node};
 use super::space::rounded;
 use crate::geometry::{Aabb, Point3};
-use crate::model::anchor::AnchorState;
 use crate::model::ids::AnchorSeq;
 use crate::model::report::{AnchorMatchReport, AnchorReport, ReadingReport};
 use crate::model::verdict::LocalAnchorReport;
@@ -75,19 +75,6 @@ pub struct AnchorView {
     pub has_crop: bool,
     /// Grows with each fact about this anchor; the `etag` of its answers, wanted by `if-match`.
     pub version: u64,
-}
-
-/// How far an anchor's description is: not described yet, telling enough to be matched, or too little; `retired`: three
-/// passages had the sign in view and did not see it (`signs_may_change`), so it takes part in no comparison.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = AnchorState)]
-#[expect(missing_docs, reason = "said above")]
-pub enum AnchorStateName {
-    Pending,
-    Valid,
-    Uninformative,
-    Retired,
 }
 
 /// A distinct reading of an anchor.
@@ -255,17 +242,6 @@ impl AnchorView {
     /// An anchor as an answer of its own, at a version of its map.
     pub fn at(map_version: u64, anchor: AnchorReport) -> Self {
         Self { map_version: Some(map_version), ..anchor.into() }
-    }
-}
-
-impl From<AnchorState> for AnchorStateName {
-    fn from(state: AnchorState) -> Self {
-        match state {
-            AnchorState::Pending => Self::Pending,
-            AnchorState::Valid => Self::Valid,
-            AnchorState::Uninformative => Self::Uninformative,
-            AnchorState::Retired => Self::Retired,
-        }
     }
 }
 

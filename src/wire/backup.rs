@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 use super::read::{self, Decode, Node};
 use super::space::Time;
 use crate::model::ids::BackupId;
-use crate::model::report::{BackupReport, Page};
+use crate::model::report::BackupReport;
 use crate::model::request::NewBackup;
 
 /// A backup to be taken.
@@ -48,16 +48,6 @@ pub struct BackupView {
     pub removed: Option<Vec<String>>,
 }
 
-/// Backups, the newest first.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct BackupList {
-    /// The items of this part.
-    pub items: Vec<BackupView>,
-    /// Where the next part starts; null after the last one.
-    #[schema(required)]
-    pub next_cursor: Option<String>,
-}
-
 impl Decode for NewBackup {
     fn decode(node: &Node<'_>) -> Option<Self> {
         let body = node.object(&["id"])?;
@@ -86,11 +76,5 @@ impl BackupView {
     /// The answer to a backup that was taken, or found.
     pub fn taken(report: BackupReport, removed: &[BackupId]) -> Self {
         Self { removed: Some(removed.iter().map(ToString::to_string).collect()), ..report.into() }
-    }
-}
-
-impl From<Page<BackupReport>> for BackupList {
-    fn from(page: Page<BackupReport>) -> Self {
-        Self { items: page.items.into_iter().map(BackupView::from).collect(), next_cursor: page.next_cursor }
     }
 }

@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::names::DifferenceReasonName;
 use super::space::rounded;
-use crate::model::difference::{DifferenceEvidence, DifferenceReason};
+use crate::model::difference::DifferenceEvidence;
 
 /// A pair of anchors of one class whose identifiers differ without stopping the candidate, and why.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -28,38 +29,6 @@ pub struct DifferenceView {
     pub limit: Option<f64>,
     /// One sentence for a person.
     pub detail: String,
-}
-
-/// `not_sure`: an identifier was not read alike twice, and only one character differs. `another_place`: the two do not stand
-/// at the same relative place. `known_elsewhere`: one of the two also hangs elsewhere in the other map. `no_conflict`: the
-/// judge sees none, as between look-alike characters. `paired_otherwise`: one of the two contradicts another anchor already.
-/// `outweighed`: it counts, and what agrees weighs no less. `veto_off`: the map's settings leave contradictions out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = DifferenceReason)]
-#[expect(missing_docs, reason = "said above")]
-pub enum DifferenceReasonName {
-    NotSure,
-    AnotherPlace,
-    KnownElsewhere,
-    NoConflict,
-    PairedOtherwise,
-    Outweighed,
-    VetoOff,
-}
-
-impl From<DifferenceReason> for DifferenceReasonName {
-    fn from(reason: DifferenceReason) -> Self {
-        match reason {
-            DifferenceReason::NotSure => Self::NotSure,
-            DifferenceReason::AnotherPlace => Self::AnotherPlace,
-            DifferenceReason::KnownElsewhere => Self::KnownElsewhere,
-            DifferenceReason::NoConflict => Self::NoConflict,
-            DifferenceReason::PairedOtherwise => Self::PairedOtherwise,
-            DifferenceReason::Outweighed => Self::Outweighed,
-            DifferenceReason::VetoOff => Self::VetoOff,
-        }
-    }
 }
 
 impl From<&DifferenceEvidence> for DifferenceView {

@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use crate::model::event::{Event, EventKind};
+use super::names::EventName;
+use crate::model::event::Event;
 use crate::model::ids::AnchorSeq;
 
 /// One event: the `data` of a server-sent event whose `id` is `seq`. It is flat; what a kind does not speak of is left out.
@@ -39,21 +40,6 @@ pub struct EventView {
     pub detail: Option<String>,
 }
 
-/// The kinds of events.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = EventKind)]
-#[expect(missing_docs, reason = "the model says what each one means")]
-pub enum EventName {
-    AnchorDescribed,
-    AnchorsMatched,
-    AnchorsMerged,
-    AnchorRetired,
-    LoopFound,
-    LoopConfirmed,
-    LoopRevoked,
-}
-
 impl From<Event> for EventView {
     fn from(event: Event) -> Self {
         Self {
@@ -67,20 +53,6 @@ impl From<Event> for EventView {
             loop_id: event.loop_id.map(|id| id.to_string()),
             query: event.query,
             detail: event.detail,
-        }
-    }
-}
-
-impl From<EventKind> for EventName {
-    fn from(kind: EventKind) -> Self {
-        match kind {
-            EventKind::AnchorDescribed => Self::AnchorDescribed,
-            EventKind::AnchorRetired => Self::AnchorRetired,
-            EventKind::AnchorsMatched => Self::AnchorsMatched,
-            EventKind::AnchorsMerged => Self::AnchorsMerged,
-            EventKind::LoopFound => Self::LoopFound,
-            EventKind::LoopConfirmed => Self::LoopConfirmed,
-            EventKind::LoopRevoked => Self::LoopRevoked,
         }
     }
 }

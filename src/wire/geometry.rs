@@ -3,9 +3,10 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::names::GeometryStatusName;
 use super::space::{Quaternion, Vector3, rounded};
 use crate::geometry::Sim3;
-use crate::model::verdict::{GeometryEvidence, GeometryFigures, GeometryStatus};
+use crate::model::verdict::{GeometryEvidence, GeometryFigures};
 
 /// What geometric verification found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -66,6 +67,17 @@ pub enum GeometryModel {
 }
 
 impl GeometryModel {
+    /// Returns the model's name.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Sim3 => "sim3",
+            Self::Se3 => "se3",
+            Self::Essential => "essential",
+            Self::Homography => "homography",
+            Self::Rotation => "rotation",
+        }
+    }
+
     fn from_name(name: &str) -> Option<Self> {
         Some(match name {
             "sim3" => Self::Sim3,
@@ -76,17 +88,6 @@ impl GeometryModel {
             _ => return None,
         })
     }
-}
-
-/// `verified`, `failed`, or `skipped` with its reason.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = GeometryStatus)]
-#[expect(missing_docs, reason = "said above")]
-pub enum GeometryStatusName {
-    Verified,
-    Failed,
-    Skipped,
 }
 
 /// A similarity transformation: scale, then rotate, then translate.
@@ -102,15 +103,10 @@ pub struct Similarity {
 
 impl From<&GeometryEvidence> for GeometryView {
     fn from(geometry: &GeometryEvidence) -> Self {
-        let status = match geometry.status {
-            GeometryStatus::Skipped => GeometryStatusName::Skipped,
-            GeometryStatus::Failed => GeometryStatusName::Failed,
-            GeometryStatus::Verified => GeometryStatusName::Verified,
-        };
         let figures = geometry.figures.as_ref();
         let number = |of: fn(&GeometryFigures) -> u32| figures.map(of);
         Self {
-            status,
+            status: geometry.status.into(),
             reason: geometry.reason.clone(),
             model: figures.and_then(|figures| GeometryModel::from_name(figures.model)),
             matches: number(|figures| figures.matches),

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::names::AsksName;
 use super::read::{self, Decode, Node};
 use crate::model::judgement::{Asks, JobState, Replaced};
 use crate::model::report::JudgementReport;
@@ -26,17 +27,6 @@ pub struct JudgementBody {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(default = false)]
     pub preview: Option<bool>,
-}
-
-/// `all` (the default), `texts` (levels and merged texts), or `crops` (descriptions of crops).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = JudgementAsks)]
-#[expect(missing_docs, reason = "said above")]
-pub enum AsksName {
-    All,
-    Texts,
-    Crops,
 }
 
 /// `preview`: only counted. `running`. `waiting`: running, while no model can be asked (none is configured, it is away,
@@ -118,7 +108,7 @@ impl Decode for NewJudgement {
     fn decode(node: &Node<'_>) -> Option<Self> {
         let body = node.object(&["id", "asks", "preview"])?;
         let id = body.optional("id", read::id);
-        let asks = body.optional("asks", |node| node.choice(&Asks::NAMES, Asks::from_name));
+        let asks = body.optional("asks", |node| node.choice(Asks::NAMES, Asks::from_name));
         let preview = body.optional("preview", read::switch);
         Some(Self { id: id?, asks: asks?.unwrap_or_default(), preview: preview?.unwrap_or(false) })
     }
@@ -141,11 +131,7 @@ impl From<JudgementReport> for JudgementView {
             id: report.id.map(|id| id.to_string()),
             map_version: report.map_version,
             state,
-            asks: match report.asks {
-                Asks::All => AsksName::All,
-                Asks::Texts => AsksName::Texts,
-                Asks::Crops => AsksName::Crops,
-            },
+            asks: report.asks.into(),
             questions: report.questions,
             calls_max: report.estimate.calls,
             cost_max_usd: report.estimate.microusd as f64 / MICROUSD,

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use utoipa::ToSchema;
 
 use super::limits;
+use super::names::ActionName;
 use super::read::{Decode, Node};
 use super::space::Time;
 use crate::model::key::{Action, Actions, Key, KeyProperties, MadeKey, MapPattern};
@@ -44,20 +45,6 @@ pub struct KeyBody {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0, maximum = 1_000_000)]
     pub model_daily_usd: Option<f64>,
-}
-
-/// What a key may do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ActionName {
-    /// Read maps and what is in them.
-    Read,
-    /// Change them.
-    Write,
-    /// Ask: loop queries, and the three functions about texts.
-    Query,
-    /// Keys and backups.
-    Admin,
 }
 
 /// A map's id in which `*` stands for any number of characters.
@@ -102,16 +89,6 @@ pub struct KeyView {
     pub notice: Option<String>,
 }
 
-/// Keys, in order of creation, revoked ones among them.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct KeyList {
-    /// The items of this part.
-    pub items: Vec<KeyView>,
-    /// Where the next part starts; null after the last one.
-    #[schema(required)]
-    pub next_cursor: Option<String>,
-}
-
 impl Decode for KeyProperties {
     fn decode(node: &Node<'_>) -> Option<Self> {
         let body = node.object(&[
@@ -123,7 +100,7 @@ impl Decode for KeyProperties {
             "model_daily_calls",
             "model_daily_usd",
         ])?;
-        let action = |node: &Node<'_>| node.choice(&Action::NAMES, Action::from_name);
+        let action = |node: &Node<'_>| node.choice(Action::NAMES, Action::from_name);
         let name = body.optional("name", |node| node.name(limits::KEY_NAME_CHARS));
         let actions = body.required("actions", |node| node.list(Action::ALL.len(), action));
         let maps = body.optional("maps", |node| node.list(limits::KEY_PATTERNS, pattern));
@@ -147,17 +124,6 @@ fn pattern(node: &Node<'_>) -> Option<MapPattern> {
     match node.string()?.parse::<MapPattern>() {
         Ok(pattern) => Some(pattern),
         Err(error) => node.refuse(error.to_string(), "[A-Za-z0-9._:*-]{1,128}, but neither . nor .."),
-    }
-}
-
-impl From<Action> for ActionName {
-    fn from(action: Action) -> Self {
-        match action {
-            Action::Read => Self::Read,
-            Action::Write => Self::Write,
-            Action::Query => Self::Query,
-            Action::Admin => Self::Admin,
-        }
     }
 }
 

@@ -4,6 +4,8 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::anchor::AnchorView;
+use super::backup::BackupView;
+use super::key::KeyView;
 use super::keyframe::{CovisibleView, KeyframeLine};
 use super::loops::LoopView;
 use super::map::MapView;
@@ -51,18 +53,36 @@ list!(
     CovisibleList of CovisibleView
 );
 
-/// Maps, by id.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct MapList {
-    /// The items of this part.
-    pub items: Vec<MapView>,
-    /// Where the next part starts; null after the last one.
-    #[schema(required)]
-    pub next_cursor: Option<String>,
+// Maps, keys and backups have no version of a map beside them.
+macro_rules! plain_list {
+    ($(#[$doc:meta])* $name:ident of $item:ident) => {
+        $(#[$doc])*
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+        pub struct $name {
+            /// The items of this part.
+            pub items: Vec<$item>,
+            /// Where the next part starts; null after the last one.
+            #[schema(required)]
+            pub next_cursor: Option<String>,
+        }
+
+        impl<T: Into<$item>> From<Page<T>> for $name {
+            fn from(page: Page<T>) -> Self {
+                Self { items: page.items.into_iter().map(Into::into).collect(), next_cursor: page.next_cursor }
+            }
+        }
+    };
 }
 
-impl<T: Into<MapView>> From<Page<T>> for MapList {
-    fn from(page: Page<T>) -> Self {
-        Self { items: page.items.into_iter().map(Into::into).collect(), next_cursor: page.next_cursor }
-    }
-}
+plain_list!(
+    /// Maps, by id.
+    MapList of MapView
+);
+plain_list!(
+    /// Keys, in order of creation, revoked ones among them.
+    KeyList of KeyView
+);
+plain_list!(
+    /// Backups, the newest first.
+    BackupList of BackupView
+);

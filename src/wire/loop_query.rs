@@ -5,6 +5,7 @@ use utoipa::ToSchema;
 
 use super::keyframe::{self, KeyframeBody};
 use super::limits;
+use super::names::VerifyName;
 use super::read::{self, Decode, Node};
 use crate::model::request::{LoopQuery, Subject};
 use crate::model::verdict::Verify;
@@ -37,24 +38,12 @@ pub struct LoopQueryBody {
     pub seed: Option<i64>,
 }
 
-/// `auto` (the default): geometry where both keyframes have the features for it, else the anchors decide. `anchors`:
-/// never geometry. `geometry`: it must verify.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = Verify)]
-#[expect(missing_docs, reason = "said above")]
-pub enum VerifyName {
-    Auto,
-    Anchors,
-    Geometry,
-}
-
 impl Decode for LoopQuery {
     fn decode(node: &Node<'_>) -> Option<Self> {
         let body = node.object(&["keyframe", "inline", "verify", "max_wait_ms", "seed"])?;
         let stored = body.optional("keyframe", read::id);
         let inline = body.optional("inline", keyframe::unnamed);
-        let verify = body.optional("verify", |node| node.choice(&Verify::NAMES, Verify::from_name));
+        let verify = body.optional("verify", |node| node.choice(Verify::NAMES, Verify::from_name));
         let max_wait_ms = body.optional("max_wait_ms", |node| node.whole(limits::MAX_WAIT_MS));
         let seed = body.optional("seed", |node| node.whole(limits::SEED));
         if body.has("keyframe") == body.has("inline") {

@@ -4,8 +4,9 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::limits;
+use super::names::LoopWarningCodeName;
 use super::read::{self, Decode, Node};
-use crate::model::loop_warning::{LoopWarning, LoopWarningCode};
+use crate::model::loop_warning::LoopWarning;
 use crate::model::report::{LoopReport, MergeReport};
 use crate::model::request::NewLoop;
 
@@ -63,18 +64,6 @@ pub struct LoopWarningView {
     pub code: LoopWarningCodeName,
     /// One sentence for a person.
     pub detail: String,
-}
-
-/// `anchors_contradict`: sure identifiers around the two contradict each other, and outweigh what agrees. `not_supported`: a
-/// loop query about the two would not answer `loop`. `already_covisible`: the two are covisible without it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = LoopWarningCode)]
-#[expect(missing_docs, reason = "said above")]
-pub enum LoopWarningCodeName {
-    AnchorsContradict,
-    NotSupported,
-    AlreadyCovisible,
 }
 
 /// A loop is revoked.
@@ -153,12 +142,7 @@ impl LoopClosed {
 
 impl From<LoopWarning> for LoopWarningView {
     fn from(warning: LoopWarning) -> Self {
-        let code = match warning.code {
-            LoopWarningCode::AnchorsContradict => LoopWarningCodeName::AnchorsContradict,
-            LoopWarningCode::NotSupported => LoopWarningCodeName::NotSupported,
-            LoopWarningCode::AlreadyCovisible => LoopWarningCodeName::AlreadyCovisible,
-        };
-        Self { code, detail: warning.detail }
+        Self { code: warning.code.into(), detail: warning.detail }
     }
 }
 

@@ -5,12 +5,13 @@
 //!
 //! | file | concept |
 //! |---|---|
-//! | [`syntax`], [`read`] | bytes become a value, a value becomes the model, each fault with its place |
+//! | [`syntax`], [`read`], `faults` | bytes become a value, a value becomes the model, each fault with its place |
 //! | [`limits`], [`survey`] | how much one request may bring, and how much it brings |
 //! | [`digest`] | what makes two bodies the same |
 //! | [`space`], [`base64`] | vectors, poses, times; bytes inside JSON |
 //! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`anchor`], [`transcript`], [`loops`], [`event`] | resources |
-//! | [`loop_query`], [`verdict`], [`geometry`] | "is this keyframe a loop?" and its answer |
+//! | [`names`], [`words`] | the model's named values, with their meanings; the same for the viewer |
+//! | [`loop_query`], [`verdict`], [`geometry`], [`difference`] | "is this keyframe a loop?" and its answer |
 //! | [`semantics`], [`usage`], [`service`], [`backup`] | the three functions of §IV-A.2; what models cost; how the server is; copies of it |
 //! | [`trajectory`], [`recording`] | poses as TUM, KITTI and g2o write them; a map as a recording |
 //! | [`judgement`], [`model_verdict`] | a changed model asked again; what a model said elsewhere |
@@ -26,6 +27,7 @@ pub mod difference;
 pub mod digest;
 pub mod event;
 pub mod examples;
+mod faults;
 pub mod geometry;
 pub mod judgement;
 pub mod key;
@@ -36,6 +38,7 @@ pub mod loop_query;
 pub mod loops;
 pub mod map;
 pub mod model_verdict;
+pub mod names;
 pub mod poses;
 pub mod problem;
 pub mod read;
@@ -50,6 +53,7 @@ pub mod trajectory;
 pub mod transcript;
 pub mod usage;
 pub mod verdict;
+pub mod words;
 
 #[cfg(test)]
 mod tests;

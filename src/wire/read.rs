@@ -4,20 +4,16 @@
 //! So a body becomes a [`Value`] first, and this reader takes the model out of it. Each method returns `None` after
 //! it noted a fault; callers read all fields before they give up on any.
 
-use std::cell::{Cell, RefCell};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use serde_json::{Map, Value};
 
-use super::limits;
+use super::faults::{Bounds, Faults, kind, push_segment, shown};
 use crate::model::counted::counted;
 use crate::model::ids::{ID_FORM, IdError};
 use crate::model::invalid::FieldError;
-
-/// A pointer longer than this is cut: its names come from the client.
-const POINTER_CHARS: usize = 512;
 
 /// What can be read from a JSON body.
 pub trait Decode: Sized {
@@ -40,31 +36,6 @@ pub fn decode_with<T>(
     match (read, faults.into_list()) {
         (Some(read), list) if list.is_empty() => Ok(read),
         (_, list) => Err(list),
-    }
-}
-
-/// The faults noted so far.
-#[derive(Default)]
-struct Faults {
-    listed: RefCell<Vec<FieldError>>,
-    unlisted: Cell<usize>,
-}
-
-impl Faults {
-    fn into_list(self) -> Vec<FieldError> {
-        let mut list = self.listed.into_inner();
-        let unlisted = self.unlisted.get();
-        if unlisted > 0 {
-            list.push(FieldError::new(
-                "",
-                format!(
-                    "{} {} not listed",
-                    counted(unlisted, "more fault"),
-                    if unlisted == 1 { "is" } else { "are" }
-                ),
-            ));
-        }
-        list
     }
 }
 
@@ -99,8 +70,8 @@ impl<'a> Node<'a> {
         let mut pointer = self.parent.map(Node::pointer).unwrap_or_default();
         match self.step {
             Step::Root => {}
-            Step::Name(name) => push_name(&mut pointer, name),
-            Step::Index(index) => push_name(&mut pointer, &index.to_string()),
+            Step::Name(name) => push_segment(&mut pointer, name),
+            Step::Index(index) => push_segment(&mut pointer, &index.to_string()),
         }
         pointer
     }
@@ -121,12 +92,7 @@ impl<'a> Node<'a> {
     }
 
     fn note<T>(&self, fault: impl FnOnce(String) -> FieldError) -> Option<T> {
-        let mut listed = self.faults.listed.borrow_mut();
-        if listed.len() < limits::LISTED_FAULTS {
-            listed.push(fault(self.pointer()));
-        } else {
-            self.faults.unlisted.set(self.faults.unlisted.get() + 1);
-        }
+        self.faults.note(|| fault(self.pointer()));
         None
     }
 
@@ -308,60 +274,8 @@ impl Object<'_> {
     }
 }
 
-fn push_name(pointer: &mut String, name: &str) {
-    pointer.push('/');
-    for c in name.chars() {
-        if pointer.len() > POINTER_CHARS {
-            pointer.push('…');
-            return;
-        }
-        match c {
-            '~' => pointer.push_str("~0"),
-            '/' => pointer.push_str("~1"),
-            c => pointer.push(c),
-        }
-    }
-}
-
-/// A JSON pointer made of these names and indices.
-pub fn pointer<'s>(segments: impl IntoIterator<Item = &'s str>) -> String {
-    segments.into_iter().fold(String::new(), |mut pointer, segment| {
-        push_name(&mut pointer, segment);
-        pointer
-    })
-}
-
 /// 2^53 and below, where every whole number is an f64 of its own.
 fn exactly(number: f64) -> Option<i64> {
     const LARGEST: f64 = 9_007_199_254_740_992.0;
     (number.fract() == 0.0 && number.abs() <= LARGEST).then_some(number as i64)
-}
-
-struct Bounds<'r, T>(&'r RangeInclusive<T>);
-
-impl<T: Display> Display for Bounds<'_, T> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "[{}, {}]", self.0.start(), self.0.end())
-    }
-}
-
-fn kind(value: &Value) -> &'static str {
-    match value {
-        Value::Null => "null",
-        Value::Bool(_) => "true or false",
-        Value::Number(_) => "a number",
-        Value::String(_) => "a string",
-        Value::Array(_) => "a list",
-        Value::Object(_) => "an object",
-    }
-}
-
-/// A value as an error shows it: short, whatever was sent.
-fn shown(value: &Value) -> String {
-    match value {
-        Value::String(text) => format!("{:?}", text.chars().take(80).collect::<String>()),
-        Value::Array(items) => format!("a list of {}", items.len()),
-        Value::Object(members) => format!("an object of {}", counted(members.len(), "field")),
-        scalar => scalar.to_string(),
-    }
 }

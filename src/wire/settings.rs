@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use serde_json::{Map, Value, json};
+use utoipa::openapi::extensions::ExtensionsBuilder;
 use utoipa::openapi::schema::{AdditionalProperties, ArrayBuilder, ObjectBuilder, SchemaType, Type};
 use utoipa::openapi::{RefOr, Schema};
 use utoipa::{PartialSchema, ToSchema};
@@ -55,7 +56,7 @@ fn setting(node: &Node<'_>, row: &Setting) -> Option<(String, SettingValue)> {
         Err(error @ SettingError::Range { min, max }) => {
             node.refuse(error.to_string(), format!("[{min}, {max}]"))
         }
-        Err(error) => node.refuse(error.to_string(), row.doc),
+        Err(error) => node.refuse(error.to_string(), row.description()),
     }
 }
 
@@ -117,7 +118,9 @@ impl PartialSchema for MapSettings {
 }
 
 fn row_schema(row: &Setting) -> RefOr<Schema> {
-    let schema = ObjectBuilder::new().description(Some(row.doc));
+    let description = Some(row.description());
+    let unit = row.unit.map(|unit| ExtensionsBuilder::new().add("x-unit", unit).build());
+    let schema = ObjectBuilder::new().description(description.clone()).extensions(unit);
     let schema = match row.kind {
         SettingKind::Number { default, min, max } => schema
             .schema_type(SchemaType::Type(Type::Number))
@@ -136,16 +139,14 @@ fn row_schema(row: &Setting) -> RefOr<Schema> {
             .schema_type(SchemaType::Type(Type::String))
             .enum_values(Some(names.iter().copied()))
             .default(Some(json!(default))),
-        SettingKind::Patterns { .. } => return patterns_schema(row.doc),
+        SettingKind::Patterns { .. } => {
+            let pattern = ObjectBuilder::new()
+                .schema_type(SchemaType::Type(Type::String))
+                .min_length(Some(1))
+                .max_length(Some(limits::PATTERN_CHARS));
+            let list = ArrayBuilder::new().items(pattern).max_items(Some(limits::PATTERNS));
+            return list.description(description).default(Some(json!([]))).into();
+        }
     };
     schema.into()
-}
-
-fn patterns_schema(doc: &'static str) -> RefOr<Schema> {
-    let pattern = ObjectBuilder::new()
-        .schema_type(SchemaType::Type(Type::String))
-        .min_length(Some(1))
-        .max_length(Some(limits::PATTERN_CHARS));
-    let list = ArrayBuilder::new().items(pattern).max_items(Some(limits::PATTERNS));
-    list.description(Some(doc)).default(Some(json!([]))).into()
 }

@@ -10,8 +10,8 @@ use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess,
 use serde_json::{Map, Value};
 use serde_path_to_error::{Deserializer as Tracked, Segment, Track};
 
+use super::faults;
 use super::limits::BODY_VALUES;
-use super::read;
 use crate::model::invalid::FieldError;
 
 /// Why bytes are not a JSON value that we take.
@@ -77,7 +77,7 @@ fn place(bytes: &[u8]) -> String {
             Segment::Enum { .. } | Segment::Unknown => None,
         })
         .collect();
-    read::pointer(segments.iter().map(String::as_str))
+    faults::pointer(segments.iter().map(String::as_str))
 }
 
 /// Reads any JSON value; `left` is how many more it may hold.

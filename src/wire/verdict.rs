@@ -5,11 +5,11 @@ use utoipa::ToSchema;
 
 use super::difference::DifferenceView;
 use super::geometry::GeometryView;
+use super::names::{CandidateVerdictName, ReasonCodeName, VerdictName};
 use super::space::rounded;
 use crate::model::ids::KeyframeId;
 use crate::model::verdict::{
-    AnchorEvidence, BowEvidence, Candidate, CandidateDecision, ClosedLoop, ContradictionEvidence, Decision,
-    MatchEvidence, Reason, Verdict,
+    AnchorEvidence, BowEvidence, Candidate, ClosedLoop, ContradictionEvidence, MatchEvidence, Reason, Verdict,
 };
 
 /// The answer to "is this keyframe a loop?". The same map version, keyframe, settings and seed give the same bytes.
@@ -40,8 +40,7 @@ pub struct LoopAnswer {
     /// The loops of this keyframe that are confirmed already, by id, at most 100.
     #[schema(max_items = 100)]
     pub closed: Vec<ClosedView>,
-    /// Why, where no candidate says it: `no_candidates`, `empty_bow`, or `already_closed` where the loop is confirmed and no
-    /// other is left.
+    /// Why, where no candidate says it: there is none, or the loop is confirmed and no other is left.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<ReasonView>,
     /// The candidates: loops first, then undecided, then rejected, each best first.
@@ -56,29 +55,6 @@ pub struct ClosedView {
     pub r#loop: String,
     /// The keyframe at its other end.
     pub keyframe: String,
-}
-
-/// `loop`: a candidate passed every check that could run. `no_loop`: none did. `undecided`: what is missing could turn
-/// the answer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = Verdict)]
-#[expect(missing_docs, reason = "said above")]
-pub enum VerdictName {
-    Loop,
-    NoLoop,
-    Undecided,
-}
-
-/// `loop`: passed every check that could run. `rejected`: a check stopped it. `undecided`: what is missing could turn it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = CandidateVerdict)]
-#[expect(missing_docs, reason = "said above")]
-pub enum CandidateVerdictName {
-    Loop,
-    Rejected,
-    Undecided,
 }
 
 /// A keyframe that was compared with the query.
@@ -173,8 +149,8 @@ pub struct ContradictionView {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[schema(as = Reason)]
 pub struct ReasonView {
-    /// A word for programs, such as `score_below_threshold` or `contradiction`.
-    pub code: String,
+    /// Which check, as a word for programs.
+    pub code: ReasonCodeName,
     /// What was measured, in the check's own unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measured: Option<f64>,
@@ -208,26 +184,6 @@ impl LoopAnswer {
 impl From<&ClosedLoop> for ClosedView {
     fn from(closed: &ClosedLoop) -> Self {
         Self { r#loop: closed.id.to_string(), keyframe: closed.keyframe.to_string() }
-    }
-}
-
-impl From<Decision> for VerdictName {
-    fn from(decision: Decision) -> Self {
-        match decision {
-            Decision::Loop => Self::Loop,
-            Decision::NoLoop => Self::NoLoop,
-            Decision::Undecided => Self::Undecided,
-        }
-    }
-}
-
-impl From<CandidateDecision> for CandidateVerdictName {
-    fn from(decision: CandidateDecision) -> Self {
-        match decision {
-            CandidateDecision::Loop => Self::Loop,
-            CandidateDecision::Undecided => Self::Undecided,
-            CandidateDecision::Rejected => Self::Rejected,
-        }
     }
 }
 
@@ -297,7 +253,7 @@ impl From<&ContradictionEvidence> for ContradictionView {
 impl From<&Reason> for ReasonView {
     fn from(reason: &Reason) -> Self {
         Self {
-            code: reason.code.as_str().to_owned(),
+            code: reason.code.into(),
             measured: reason.measured.map(rounded),
             limit: reason.limit.map(rounded),
             detail: reason.detail.clone(),

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use revisit::client::{Candidate, Client};
+use revisit::client::Client;
 use revisit::geometry::absolute_orientation::Scale;
 use revisit::hotel::arm::Arm;
 use revisit::hotel::chance::Chance;
@@ -15,6 +15,7 @@ use revisit::hotel::signs::SignPlan;
 use revisit::hotel::texture::Patterns;
 use revisit::hotel::trial::{Course, Driven, WordsAlone, absolute_pose_error_m, drive, odometry};
 use revisit::hotel::world::{World, WorldPlan};
+use revisit::wire::verdict::CandidateView;
 
 use crate::support::Server;
 
@@ -64,7 +65,7 @@ async fn words_alone_name_the_likest_keyframe_whether_it_is_this_room_or_its_twi
     let ours = drive_through(&course(false, &[3, 5, 3]), Arm::Ours).await;
     let (mut right, mut wrong) = (0, 0);
     for asked in &ours.asked {
-        let likest = asked.answer.candidates.iter().map(Candidate::bow_score).fold(0.0, f64::max);
+        let likest = asked.answer.candidates.iter().map(CandidateView::bow_score).fold(0.0, f64::max);
         match asked.words {
             WordsAlone::Names(named) => {
                 assert_eq!(named.score, likest, "{:?}", asked.keyframe);
@@ -85,7 +86,7 @@ async fn signs_that_hang_at_every_door_say_nothing_and_doors_in_a_row_are_told_a
     assert_eq!(by_query.precision(), 1.0, "{by_query:?}");
     let candidates = ours.asked.iter().flat_map(|asked| &asked.answer.candidates);
     let reasons: BTreeSet<&str> =
-        candidates.filter_map(|candidate| Some(candidate.reason.as_ref()?.code.as_str())).collect();
+        candidates.filter_map(|candidate| Some(candidate.reason.as_ref()?.code.0.as_str())).collect();
     for code in ["score_below_threshold", "odometry_disagrees_with_transform", "contradiction"] {
         assert!(reasons.contains(code), "{code} is not among {reasons:?}");
     }
@@ -110,9 +111,8 @@ async fn a_robot_without_depth_is_told_loops_with_the_ratio_of_two_scales() {
     let counts = counts(&driven).0;
     assert!(counts.found > 10, "{counts:?}");
     let right = driven.asked.iter().filter(|asked| asked.scored.outcome == Outcome::Right);
-    let scales: Vec<f64> = right
-        .filter_map(|asked| Some(asked.answer.leading()?.geometry.as_ref()?.full_transform()?.scale))
-        .collect();
+    let scales: Vec<f64> =
+        right.filter_map(|asked| Some(asked.answer.leading()?.geometry.full_transform()?.scale)).collect();
     assert!(!scales.is_empty(), "the images alone verify every loop, and they have no lengths");
     assert!(scales.iter().all(|scale| *scale != 1.0 && (0.7..1.4).contains(scale)), "{scales:?}");
     let error = driven.scale_error.expect("a monocular robot");

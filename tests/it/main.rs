@@ -6,6 +6,7 @@
 mod bad_input;
 mod bounds;
 mod closing;
+mod codes;
 mod crash;
 mod events;
 mod eviction;
@@ -27,6 +28,7 @@ mod raw;
 mod readme;
 mod recordings;
 mod replayed;
+mod settings;
 mod support;
 mod tidy;
 mod trajectories;

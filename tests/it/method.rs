@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use regex::Regex;
-use revisit::model::settings::{SettingValue, Settings};
+use revisit::model::settings::{SettingSource, SettingValue, Settings};
 
 const METHOD: &str = "docs/method.md";
 
@@ -97,7 +97,7 @@ fn every_setting_of_ours_belongs_to_an_entry_and_the_table_of_contents_lists_all
         |setting: &String| setting.split_once(" = ").map_or(setting.clone(), |(name, _)| name.to_owned());
     let named: BTreeSet<String> =
         choices.iter().flat_map(|choice| choice.settings.iter().map(name)).collect();
-    for row in Settings::TABLE.iter().filter(|row| row.doc.starts_with("ours")) {
+    for row in Settings::TABLE.iter().filter(|row| row.source == SettingSource::Ours) {
         assert!(named.contains(row.name), "no entry names {}", row.name);
     }
     for (at, Choice { number, title, settings, .. }) in choices.iter().enumerate() {

@@ -10,25 +10,29 @@ from .open_enum import OpenEnum
 
 
 class AnchorState(OpenEnum):
-    """How far an anchor's description is: not described yet, telling enough to be matched, or too little;
-    `retired`: three passages had the sign in view and did not see it (`signs_may_change`), so it takes
-    part in no comparison.
-    """
+    """How far an anchor's description is."""
 
     PENDING = "pending"
+    """Nothing has described it yet."""
     VALID = "valid"
+    """Its description says enough to tell it from others (§IV-B)."""
     UNINFORMATIVE = "uninformative"
+    """Its description says too little."""
     RETIRED = "retired"
+    """The sign hangs there no longer: three passages had it in view and did not see it
+    (`signs_may_change`, M18). It takes part in no comparison, and can be listed.
+    """
 
 
 class CandidateVerdict(OpenEnum):
-    """`loop`: passed every check that could run. `rejected`: a check stopped it. `undecided`: what is
-    missing could turn it.
-    """
+    """The decision on one candidate."""
 
     LOOP = "loop"
-    REJECTED = "rejected"
+    """It passed every check that could run."""
     UNDECIDED = "undecided"
+    """Missing facts could turn the answer."""
+    REJECTED = "rejected"
+    """A check stopped it."""
 
 
 class DetectionRange(OpenEnum):
@@ -39,32 +43,43 @@ class DetectionRange(OpenEnum):
 
 
 class DifferenceReason(OpenEnum):
-    """`not_sure`: an identifier was not read alike twice, and only one character differs. `another_place`:
-    the two do not stand at the same relative place. `known_elsewhere`: one of the two also hangs
-    elsewhere in the other map. `no_conflict`: the judge sees none, as between look-alike characters.
-    `paired_otherwise`: one of the two contradicts another anchor already. `outweighed`: it counts, and
-    what agrees weighs no less. `veto_off`: the map's settings leave contradictions out.
-    """
+    """Why a differing identifier did not count as a contradiction, or not enough."""
 
     NOT_SURE = "not_sure"
+    """Geometry found the place, and an identifier may be misread: it was not read alike twice, and only
+    one character differs.
+    """
     ANOTHER_PLACE = "another_place"
+    """The two do not stand at the same relative place."""
     KNOWN_ELSEWHERE = "known_elsewhere"
+    """One of the two also hangs elsewhere in the other map."""
     NO_CONFLICT = "no_conflict"
+    """The judge sees no conflict: look-alike characters, or numbers of different kinds of things."""
     PAIRED_OTHERWISE = "paired_otherwise"
+    """One of the two contradicts another anchor already; each counts once."""
     OUTWEIGHED = "outweighed"
+    """It counts, and the signs that agree weigh as much or more."""
     VETO_OFF = "veto_off"
+    """The map's settings leave contradictions out."""
 
 
 class EventKind(OpenEnum):
     """The kinds of events."""
 
     ANCHOR_DESCRIBED = "anchor_described"
+    """An anchor has a description, or another one than before."""
     ANCHORS_MATCHED = "anchors_matched"
+    """Two anchors match though their keyframes are not covisible: the robot has come back (§III)."""
     ANCHORS_MERGED = "anchors_merged"
+    """Two anchors became one."""
     ANCHOR_RETIRED = "anchor_retired"
+    """A sign hangs there no longer."""
     LOOP_FOUND = "loop_found"
+    """A keyframe that arrived is a loop."""
     LOOP_CONFIRMED = "loop_confirmed"
+    """A client closed a loop."""
     LOOP_REVOKED = "loop_revoked"
+    """A client took a loop back."""
 
 
 class GeometryModel(OpenEnum):
@@ -78,19 +93,36 @@ class GeometryModel(OpenEnum):
 
 
 class GeometryStatus(OpenEnum):
-    """`verified`, `failed`, or `skipped` with its reason."""
+    """The status of a geometric verification."""
 
-    VERIFIED = "verified"
-    FAILED = "failed"
     SKIPPED = "skipped"
+    """It did not run; `reason` says why."""
+    FAILED = "failed"
+    """It ran and found no transformation that explains enough."""
+    VERIFIED = "verified"
+    """It ran and found one."""
+
+
+class IgnoredReason(OpenEnum):
+    """Why a detection feeds no anchor."""
+
+    CLASS_NOT_ANCHORED = "class_not_anchored"
+    """The map's `anchor_classes` do not name its class."""
+    NO_PLACE = "no_place"
+    """It has neither map points nor a position."""
+    ANCHOR_DELETED = "anchor_deleted"
+    """An operator deleted the anchor it fed."""
 
 
 class JudgementAsks(OpenEnum):
-    """`all` (the default), `texts` (levels and merged texts), or `crops` (descriptions of crops)."""
+    """Which verdicts a job asks for again."""
 
     ALL = "all"
+    """The default: all of them."""
     TEXTS = "texts"
+    """Those about texts: levels and merged texts."""
     CROPS = "crops"
+    """The descriptions of crops."""
 
 
 class JudgementState(OpenEnum):
@@ -109,20 +141,24 @@ class KeyBodyActions(OpenEnum):
     """Values of `actions` in KeyBody."""
 
     READ = "read"
+    """Read maps and what is in them."""
     WRITE = "write"
+    """Change them."""
     QUERY = "query"
+    """Ask: loop queries, and the three functions about texts."""
     ADMIN = "admin"
+    """Keys and backups."""
 
 
 class LoopWarningCode(OpenEnum):
-    """`anchors_contradict`: sure identifiers around the two contradict each other, and outweigh what
-    agrees. `not_supported`: a loop query about the two would not answer `loop`. `already_covisible`:
-    the two are covisible without it.
-    """
+    """Why a loop that a client confirms may be wrong."""
 
     ANCHORS_CONTRADICT = "anchors_contradict"
+    """Sure identifiers around the two keyframes contradict each other, and outweigh the signs that agree."""
     NOT_SUPPORTED = "not_supported"
+    """A loop query about the two, at this version of the map, would not answer `loop`."""
     ALREADY_COVISIBLE = "already_covisible"
+    """The two are covisible without this loop: the present place, or a loop confirmed before."""
 
 
 class MatchKind(OpenEnum):
@@ -155,6 +191,79 @@ class OutcomeName(OpenEnum):
     IGNORED = "ignored"
 
 
+class ReasonCode(OpenEnum):
+    """The check that decided; in parentheses its effect on the verdict."""
+
+    NO_CANDIDATES = "no_candidates"
+    """No keyframe shares a word with the query, and none sees an anchor that it sees (rejects)."""
+    ALREADY_CLOSED = "already_closed"
+    """The loop was confirmed before, and no other keyframe is one (rejects)."""
+    EMPTY_BOW = "empty_bow"
+    """The query has no words (a blank wall?), and no anchor proposes a candidate (undecided)."""
+    BOW_BELOW_REFERENCE = "bow_below_reference"
+    """The words score `measured`, below `limit`, the share of the reference score that this map asks for
+    (rejects).
+    """
+    NO_ANCHORS = "no_anchors"
+    """There are no described anchors to compare (depends)."""
+    NEIGHBOURS_VOUCH = "neighbours_vouch"
+    """It is a loop: the anchors near it leave it open, but its neighbours return here, and geometry
+    verifies the view with `measured` inliers (accepts).
+    """
+    LLM_PENDING = "llm_pending"
+    """Anchors are not described yet, and their descriptions could turn the answer. Ask again in a while
+    (waits).
+    """
+    LLM_UNAVAILABLE = "llm_unavailable"
+    """The language model is away, and its descriptions could turn the answer. Ask again in a while
+    (waits).
+    """
+    NOT_DESCRIBED = "not_described"
+    """Nothing has described some of the anchors, no model is going to, and a description could turn the
+    answer (undecided).
+    """
+    SCORE_BELOW_THRESHOLD = "score_below_threshold"
+    """The anchors around the two do not agree enough: S of Eq. (2) is `measured` and must exceed `limit`
+    (rejects).
+    """
+    CONTRADICTION = "contradiction"
+    """Sure identifiers at the same relative place exclude each other. The contradicting signs weigh
+    `measured`, the agreeing ones `limit` (rejects).
+    """
+    NOT_DISTINCTIVE = "not_distinctive"
+    """Every sign that agrees hangs in several places: it could be any of them (undecided)."""
+    NO_WITNESS = "no_witness"
+    """Only texts without an identifier agree, which may hang in many places: nothing else says that it is
+    this one (undecided).
+    """
+    TRACKED_ONLY = "tracked_only"
+    """Every sign that agrees was seen in this same passage: it was tracked, and shows no return
+    (undecided).
+    """
+    NO_FEATURES = "no_features"
+    """Geometry had to verify, and it could not run (undecided)."""
+    TOO_FEW_INLIERS = "too_few_inliers"
+    """Too few features fit one transformation: `measured`, and `limit` are needed (depends)."""
+    ANCHORS_DISAGREE_WITH_TRANSFORM = "anchors_disagree_with_transform"
+    """Under the verified transformation the matched anchors lie apart: S is `measured` and must exceed
+    `limit` (rejects).
+    """
+    ANCHORS_DISPLACED = "anchors_displaced"
+    """Signs that hang once would hang in two places if this were a loop. They weigh `measured`, the
+    agreeing ones `limit` (rejects).
+    """
+    ODOMETRY_DISAGREES_WITH_TRANSFORM = "odometry_disagrees_with_transform"
+    """The robot knows from its own tracking that it is somewhere else (rejects)."""
+    AMBIGUOUS_PLACES = "ambiguous_places"
+    """Geometry alone speaks for it, and nearly as much for another place: `measured` inliers, and `limit`
+    are needed (undecided).
+    """
+    TWINS_KNOWN = "twins_known"
+    """Geometry alone speaks for it, with `measured` inliers, and this map has shown one view in two
+    places: that proves nothing here (undecided).
+    """
+
+
 class SettingsGeometryAcceptance(OpenEnum):
     """Values of `geometry_acceptance` in Settings."""
 
@@ -185,23 +294,25 @@ class SettingsWithoutAnchors(OpenEnum):
 
 
 class Verdict(OpenEnum):
-    """`loop`: a candidate passed every check that could run. `no_loop`: none did. `undecided`: what is
-    missing could turn the answer.
-    """
+    """The answer to a loop query."""
 
     LOOP = "loop"
+    """At least one candidate passed every check that could run."""
     NO_LOOP = "no_loop"
+    """Every candidate was rejected, or there was none."""
     UNDECIDED = "undecided"
+    """No candidate passed, and missing facts could turn the answer of at least one."""
 
 
 class Verify(OpenEnum):
-    """`auto` (the default): geometry where both keyframes have the features for it, else the anchors
-    decide. `anchors`: never geometry. `geometry`: it must verify.
-    """
+    """Which checks a query asks for."""
 
     AUTO = "auto"
+    """The default: geometry where both keyframes have the features for it, else the anchors decide."""
     ANCHORS = "anchors"
+    """Never geometry."""
     GEOMETRY = "geometry"
+    """Geometry must verify."""
 
 
 class Anchor(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -550,7 +661,7 @@ class Detection(msgspec.Struct, kw_only=True, omit_defaults=True):
     position: list[float] | None = None
     """Where the object stands in the session's frame, in metres; serves where it has no map points."""
     range: DetectionRange | None = None
-    """How the distance of a position was come by."""
+    """The origin of a position's distance."""
     text: str | None = None
     """What a reader made of it."""
     description: str | None = None
@@ -566,8 +677,8 @@ class DetectionOutcome(msgspec.Struct, kw_only=True, omit_defaults=True):
     """What became of it."""
     anchor: str | None = None
     """The anchor that it feeds."""
-    reason: str | None = None
-    """Why it was ignored: `class_not_anchored`, `no_place` or `anchor_deleted`."""
+    reason: IgnoredReason | None = None
+    """Why it was ignored."""
     state: AnchorState | None = None
     """How far the anchor's description is."""
 
@@ -590,14 +701,14 @@ class DetectionView(msgspec.Struct, kw_only=True, omit_defaults=True):
     position: list[float] | None = None
     """Where the object stands in the session's frame, in metres."""
     range: DetectionRange | None = None
-    """How the distance of a position was come by."""
+    """The origin of a position's distance."""
     text: str | None = None
     """What a reader made of it."""
     description: str | None = None
     """What a model or a person made of it."""
     anchor: str | None = None
     """The anchor that it feeds."""
-    reason: str | None = None
+    reason: IgnoredReason | None = None
     """Why it was ignored."""
     state: AnchorState | None = None
     """How far the anchor's description is."""
@@ -1008,9 +1119,7 @@ class LoopAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     `twins`)? Left out where it has not.
     """
     reason: Reason | None = None
-    """Why, where no candidate says it: `no_candidates`, `empty_bow`, or `already_closed` where the loop is
-    confirmed and no other is left.
-    """
+    """Why, where no candidate says it: there is none, or the loop is confirmed and no other is left."""
 
 
 class LoopBody(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -1365,8 +1474,8 @@ class Reading(msgspec.Struct, kw_only=True, omit_defaults=True):
 class Reason(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The check that decided, with what it measured and what it asked for."""
 
-    code: str
-    """A word for programs, such as `score_below_threshold` or `contradiction`."""
+    code: ReasonCode
+    """Which check, as a word for programs."""
     detail: str
     """One sentence for a person."""
     measured: float | None = None
@@ -1408,11 +1517,9 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     named beside it wins. An answer shows the settings
     """
     association_min_point_share: float | None = None
-    """sigma of §IV-C.1: the least share of a detection's map points that an anchor's box must cover"""
+    """§IV-C.1: sigma, the least share of a detection's map points that an anchor's box must cover"""
     covisibility_min_shared_points: int | None = None
-    """keyframes of a session that share at least this many map points are covisible (ORB-SLAM's
-    covisibility graph)
-    """
+    """ORB-SLAM: keyframes of a session that share at least this many map points are covisible"""
     description_min_information_level: int | None = None
     """§IV-B: an anchor is valid when its description's InformationLevel is no smaller"""
     description_min_crop_area_px: float | None = None
@@ -1424,7 +1531,7 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     seconds
     """
     agreeing_reads: int | None = None
-    """ours: a model reads an anchor's crops until so many reads agree; fewer alike are not sure by
+    """ours: a model reads an anchor's crops until this many reads agree; fewer alike are not sure by
     themselves
     """
     matching_min_similarity_level: int | None = None
@@ -1438,7 +1545,7 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     anchor_map_min_similarity: float | None = None
     """§V-B: two local anchor maps match when S of Eq. (2) is greater"""
     anchor_map_min_distance_m: float | None = None
-    """bounds the weight 1/d of §V-B: a nearer anchor weighs as if it stood at this distance, in metres"""
+    """§V-B: bounds the weight 1/d: a nearer anchor weighs as if it stood at this distance, in metres"""
     one_to_one: bool | None = None
     """ours: an anchor matches at most one of the other map (assignment by maximum weight), which keeps 0
     <= S <= 1; off is the paper's Eq. (2)
@@ -1497,8 +1604,8 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     joins them
     """
     without_anchors: SettingsWithoutAnchors | None = None
-    """the verdict when either local anchor map is empty, which §V-B leaves open (0/0): undecided, reject
-    or geometry
+    """§V-B: the verdict when either local anchor map is empty, which the paper leaves open (0/0):
+    undecided, reject or geometry
     """
     association_position_radius_m: float | None = None
     """ours: a detection with a position and no map points joins an anchor within this distance, in metres;
@@ -1539,8 +1646,8 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     as before
     """
     keep_history: bool | None = None
-    """keeps what corrections replace, so that export gives what was sent; decides no verdict. Off, a
-    corrected map takes less room on disk, and export gives poses and points as last corrected
+    """storage: keeps what corrections replace, so that export gives what was sent; decides no verdict.
+    Off, a corrected map takes less room on disk, and export gives poses and points as last corrected
     """
     geometry_models: SettingsGeometryModels | None = None
     """ours: auto verifies by a similarity where enough points are triangulated, else by an essential

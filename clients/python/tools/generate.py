@@ -11,6 +11,7 @@ import keyword
 import re
 import sys
 import textwrap
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -45,15 +46,22 @@ def docstring(text: str, indent: int) -> str:
     return f'{pad}"""' + f"\n{pad}".join(lines) + f'\n{pad}"""\n'
 
 
+def notes(schema: dict[str, Any]) -> tuple[str, list[str]]:
+    """Return the note of an enumeration and those of its values; where these stand apart, the list in the note goes."""
+    note, of_values = schema.get("description", ""), schema.get("x-enum-descriptions", [])
+    return (note.split("\n\n")[0] if of_values else note), of_values
+
+
 class Models:
     """The schemas of the document as msgspec structs and open enumerations."""
 
     def __init__(self, schemas: dict[str, Any]) -> None:
         self.schemas = schemas
-        self.enums: dict[str, tuple[tuple[str, ...], str]] = {}
+        # The values, the note of the class, and a note for each value where the document has one.
+        self.enums: dict[str, tuple[tuple[str, ...], str, list[str]]] = {}
         for name, schema in schemas.items():
             if "enum" in schema:
-                self.enums[name] = (tuple(schema["enum"]), schema.get("description", ""))
+                self.enums[name] = (tuple(schema["enum"]), *notes(schema))
 
     def type_of(self, schema: dict[str, Any], owner: str, field: str) -> str:
         """Return the Python type of a schema; enumerations written in place get a name."""
@@ -62,7 +70,7 @@ class Models:
             target = self.schemas[name]
             return name if "properties" in target or "enum" in target else self.type_of(target, owner, field)
         if "enum" in schema:
-            return self.named(tuple(schema["enum"]), owner, field)
+            return self.named(schema, owner, field)
         kinds = schema.get("type")
         if isinstance(kinds, list):
             inner = {**schema, "type": next(kind for kind in kinds if kind != "null")}
@@ -73,12 +81,13 @@ class Models:
             return f"dict[str, {self.type_of(schema['additionalProperties'], owner, field)}]"
         return {"string": "str", "integer": "int", "number": "float", "boolean": "bool"}.get(kinds, "Any")
 
-    def named(self, values: tuple[str, ...], owner: str, field: str) -> str:
-        for name, (others, _) in self.enums.items():
+    def named(self, schema: dict[str, Any], owner: str, field: str) -> str:
+        values = tuple(schema["enum"])
+        for name, (others, *_) in self.enums.items():
             if others == values and name.endswith(camel(field)):
                 return name
         name = owner + camel(field)
-        self.enums[name] = (values, f"Values of `{field}` in {owner}.")
+        self.enums[name] = (values, f"Values of `{field}` in {owner}.", notes(schema)[1])
         return name
 
     def struct(self, name: str, schema: dict[str, Any]) -> str:
@@ -102,8 +111,10 @@ class Models:
     def source(self) -> str:
         structs = [self.struct(name, schema) for name, schema in sorted(self.schemas.items()) if "properties" in schema]
         enums = []
-        for name, (values, note) in sorted(self.enums.items()):
-            members = "".join(f'    {python_name(value).upper()} = "{value}"\n' for value in values)
+        for name, (values, note, of_values) in sorted(self.enums.items()):
+            members = ""
+            for value, meaning in zip_longest(values, of_values, fillvalue=""):
+                members += f'    {python_name(value).upper()} = "{value}"\n' + (docstring(meaning, 4) if meaning else "")
             enums.append(f"class {name}(OpenEnum):\n" + docstring(note, 4) + "\n" + members)
         imports = "from typing import Any\n\nimport msgspec\n\nfrom .open_enum import OpenEnum\n\n\n"
         return HEAD.format(title="Shapes of requests and answers.") + imports + "\n\n".join(enums + structs)

@@ -2,6 +2,7 @@
 
 use super::ids::{AnchorSeq, KeyframeSeq, PointId};
 use super::judged::CropReading;
+use super::named::named;
 use crate::geometry::Point3;
 
 /// One detection of one keyframe that feeds an anchor.
@@ -40,61 +41,29 @@ pub enum Outcome {
     Ignored(IgnoredReason),
 }
 
-/// Why a detection feeds no anchor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum IgnoredReason {
-    /// The map's `anchor_classes` do not name its class.
-    ClassNotAnchored,
-    /// It has neither map points nor a position.
-    NoPlace,
-    /// An operator deleted the anchor it fed.
-    AnchorDeleted,
-}
-
-impl IgnoredReason {
-    /// The reason's name in the API document.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::ClassNotAnchored => "class_not_anchored",
-            Self::NoPlace => "no_place",
-            Self::AnchorDeleted => "anchor_deleted",
-        }
-    }
-
-    /// The reason of a name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        [Self::ClassNotAnchored, Self::NoPlace, Self::AnchorDeleted].into_iter().find(|r| r.as_str() == name)
+named! {
+    /// Why a detection feeds no anchor.
+    IgnoredReason {
+        /// The map's `anchor_classes` do not name its class.
+        ClassNotAnchored = "class_not_anchored",
+        /// It has neither map points nor a position.
+        NoPlace = "no_place",
+        /// An operator deleted the anchor it fed.
+        AnchorDeleted = "anchor_deleted",
     }
 }
 
-/// How far an anchor's description is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum AnchorState {
-    /// Nothing has described it yet.
-    Pending,
-    /// Its description says enough to tell it from others (§IV-B).
-    Valid,
-    /// Its description says too little.
-    Uninformative,
-    /// Retired: the sign hangs there no longer (M18). It takes part in no comparison, and can be listed.
-    Retired,
-}
-
-impl AnchorState {
-    /// The state's name in the API document.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Pending => "pending",
-            Self::Valid => "valid",
-            Self::Uninformative => "uninformative",
-            Self::Retired => "retired",
-        }
-    }
-
-    /// The state of a name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        [Self::Pending, Self::Valid, Self::Uninformative, Self::Retired]
-            .into_iter()
-            .find(|s| s.as_str() == name)
+named! {
+    /// How far an anchor's description is.
+    AnchorState {
+        /// Nothing has described it yet.
+        Pending = "pending",
+        /// Its description says enough to tell it from others (§IV-B).
+        Valid = "valid",
+        /// Its description says too little.
+        Uninformative = "uninformative",
+        /// The sign hangs there no longer: three passages had it in view and did not see it (`signs_may_change`, M18). It takes
+        /// part in no comparison, and can be listed.
+        Retired = "retired",
     }
 }

@@ -1,5 +1,6 @@
 //! Difference: identifiers of two local anchor maps that differ, and why that did not count as a contradiction.
 
+use super::named::named;
 use super::verdict::AnchorName;
 
 /// A pair of anchors of one class whose identifiers differ, and which did not stop the candidate.
@@ -23,21 +24,35 @@ pub struct DifferenceEvidence {
     pub detail: String,
 }
 
-/// Why a differing identifier did not count as a contradiction.
+/// A reason's words for people, beside its meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DifferenceReason {
-    /// Geometry found the place, and an identifier may be misread: only one passage read it.
-    NotSure,
-    /// The two do not stand at the same relative place.
-    AnotherPlace,
-    /// One of the two also hangs elsewhere in the other map.
-    KnownElsewhere,
-    /// The judge sees no conflict: look-alike characters, or numbers of different kinds of things.
-    NoConflict,
-    /// One of the two contradicts another anchor already; each counts once.
-    PairedOtherwise,
-    /// It counts, and what agrees weighs as much or more.
-    Outweighed,
-    /// The map's settings leave contradictions out.
-    VetoOff,
+pub struct DifferenceWords {
+    /// A few words that follow the two identifiers and a colon.
+    pub title: &'static str,
+}
+
+/// Makes a row of the table.
+const fn row(title: &'static str) -> DifferenceWords {
+    DifferenceWords { title }
+}
+
+named! {
+    /// Why a differing identifier did not count as a contradiction, or not enough.
+    DifferenceReason: DifferenceWords {
+        /// Geometry found the place, and an identifier may be misread: it was not read alike twice, and only one character
+        /// differs.
+        NotSure = "not_sure", row("it may be misread");
+        /// The two do not stand at the same relative place.
+        AnotherPlace = "another_place", row("they stand at different places");
+        /// One of the two also hangs elsewhere in the other map.
+        KnownElsewhere = "known_elsewhere", row("the other map knows it, elsewhere");
+        /// The judge sees no conflict: look-alike characters, or numbers of different kinds of things.
+        NoConflict = "no_conflict", row("the two do not exclude each other");
+        /// One of the two contradicts another anchor already; each counts once.
+        PairedOtherwise = "paired_otherwise", row("one of them contradicts another sign already");
+        /// It counts, and the signs that agree weigh as much or more.
+        Outweighed = "outweighed", row("the signs that agree weigh no less");
+        /// The map's settings leave contradictions out.
+        VetoOff = "veto_off", row("this map leaves contradictions out");
+    }
 }

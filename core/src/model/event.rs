@@ -1,53 +1,25 @@
 //! What happened in a map, for those who listen.
 
 use super::ids::{AnchorSeq, KeyframeId, LoopId};
+use super::named::named;
 
-/// The kinds of events (`openapi/openapi.yaml`).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EventKind {
-    /// An anchor has a description, or another one than before.
-    AnchorDescribed,
-    /// Two anchors match though their keyframes are not covisible: the robot has come back (§III).
-    AnchorsMatched,
-    /// Two anchors became one.
-    AnchorsMerged,
-    /// A sign hangs there no longer.
-    AnchorRetired,
-    /// A keyframe that arrived is a loop.
-    LoopFound,
-    /// A client closed a loop.
-    LoopConfirmed,
-    /// A client took a loop back.
-    LoopRevoked,
-}
-
-impl EventKind {
-    const ALL: [Self; 7] = [
-        Self::AnchorDescribed,
-        Self::AnchorsMatched,
-        Self::AnchorsMerged,
-        Self::AnchorRetired,
-        Self::LoopFound,
-        Self::LoopConfirmed,
-        Self::LoopRevoked,
-    ];
-
-    /// The kind's name in the API document.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::AnchorDescribed => "anchor_described",
-            Self::AnchorsMatched => "anchors_matched",
-            Self::AnchorsMerged => "anchors_merged",
-            Self::AnchorRetired => "anchor_retired",
-            Self::LoopFound => "loop_found",
-            Self::LoopConfirmed => "loop_confirmed",
-            Self::LoopRevoked => "loop_revoked",
-        }
-    }
-
-    /// The kind of a name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.as_str() == name)
+named! {
+    /// The kinds of events.
+    EventKind {
+        /// An anchor has a description, or another one than before.
+        AnchorDescribed = "anchor_described",
+        /// Two anchors match though their keyframes are not covisible: the robot has come back (§III).
+        AnchorsMatched = "anchors_matched",
+        /// Two anchors became one.
+        AnchorsMerged = "anchors_merged",
+        /// A sign hangs there no longer.
+        AnchorRetired = "anchor_retired",
+        /// A keyframe that arrived is a loop.
+        LoopFound = "loop_found",
+        /// A client closed a loop.
+        LoopConfirmed = "loop_confirmed",
+        /// A client took a loop back.
+        LoopRevoked = "loop_revoked",
     }
 }
 

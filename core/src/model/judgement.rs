@@ -1,33 +1,21 @@
 //! Judgements: jobs that ask a changed model again about what a map's verdicts say.
 
 use super::ids::{JudgementId, KeyframeSeq};
+use super::named::named;
 
-/// Which verdicts a job asks for again.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Asks {
-    /// All of them.
-    #[default]
-    All,
-    /// Those about texts.
-    Texts,
-    /// The readings of crops.
-    Crops,
+named! {
+    /// Which verdicts a job asks for again.
+    Asks default All {
+        /// The default: all of them.
+        All = "all",
+        /// Those about texts: levels and merged texts.
+        Texts = "texts",
+        /// The descriptions of crops.
+        Crops = "crops",
+    }
 }
 
 impl Asks {
-    /// The names in the API document.
-    pub const NAMES: [&'static str; 3] = ["all", "texts", "crops"];
-
-    /// Returns the name in the API document.
-    pub fn as_str(self) -> &'static str {
-        Self::NAMES[self as usize]
-    }
-
-    /// Returns what a name in the API document means.
-    pub fn from_name(name: &str) -> Option<Self> {
-        [Self::All, Self::Texts, Self::Crops].into_iter().find(|asks| asks.as_str() == name)
-    }
-
     /// Whether crops are read again.
     pub fn crops(self) -> bool {
         self != Self::Texts
@@ -39,30 +27,15 @@ impl Asks {
     }
 }
 
-/// The functions of §IV-A.2, in the order in which a job asks them again.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum TextFunction {
-    /// InformationLevel.
-    Information,
-    /// MergeText.
-    Merge,
-    /// SimilarityLevel.
-    Similarity,
-}
-
-impl TextFunction {
-    /// Returns the name in the API document and in the store, which sorts as the functions do.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Information => "information",
-            Self::Merge => "merge",
-            Self::Similarity => "similarity",
-        }
-    }
-
-    /// Returns the function of a name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        [Self::Information, Self::Merge, Self::Similarity].into_iter().find(|known| known.as_str() == name)
+named! {
+    /// The functions of §IV-A.2, in the order in which a job asks them again; the store sorts them by name.
+    TextFunction {
+        /// InformationLevel.
+        Information = "information",
+        /// MergeText.
+        Merge = "merge",
+        /// SimilarityLevel.
+        Similarity = "similarity",
     }
 }
 
@@ -115,30 +88,15 @@ pub struct Estimate {
     pub microusd: u64,
 }
 
-/// How a job stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum JobState {
-    /// It asks.
-    Running,
-    /// Every question is settled.
-    Done,
-    /// It was stopped.
-    Stopped,
-}
-
-impl JobState {
-    /// Returns the name in the API document and in the store.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Running => "running",
-            Self::Done => "done",
-            Self::Stopped => "stopped",
-        }
-    }
-
-    /// Returns the state of a name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        [Self::Running, Self::Done, Self::Stopped].into_iter().find(|known| known.as_str() == name)
+named! {
+    /// How a job stands.
+    JobState {
+        /// It asks.
+        Running = "running",
+        /// Every question is settled.
+        Done = "done",
+        /// It was stopped.
+        Stopped = "stopped",
     }
 }
 

@@ -8,34 +8,19 @@ use thiserror::Error;
 
 use super::ids::{MapId, StoredId as _};
 use super::keyframe::Stamp;
+use super::named::named;
 
-/// What a key may be allowed to do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Action {
-    /// Read maps and what is in them.
-    Read,
-    /// Change them.
-    Write,
-    /// Ask: loop queries, and the three functions about texts.
-    Query,
-    /// Keys and backups.
-    Admin,
-}
-
-impl Action {
-    /// All of them, as they are listed.
-    pub const ALL: [Self; 4] = [Self::Read, Self::Write, Self::Query, Self::Admin];
-    /// Their names, in the same order.
-    pub const NAMES: [&'static str; 4] = ["read", "write", "query", "admin"];
-
-    /// The name in the API document.
-    pub fn as_str(self) -> &'static str {
-        Self::NAMES[self as usize]
-    }
-
-    /// The action of a name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|action| action.as_str() == name)
+named! {
+    /// What a key may be allowed to do.
+    Action {
+        /// Read maps and what is in them.
+        Read = "read",
+        /// Change them.
+        Write = "write",
+        /// Ask: loop queries, and the three functions about texts.
+        Query = "query",
+        /// Keys and backups.
+        Admin = "admin",
     }
 }
 

@@ -1,6 +1,8 @@
 //! Loop warning: what speaks against a loop that a client confirms. The client decides; the warning says so once.
 
-/// Why a confirmed loop may be none.
+use super::named::named;
+
+/// Why a confirmed loop may be wrong.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LoopWarning {
     /// Which kind.
@@ -9,13 +11,14 @@ pub struct LoopWarning {
     pub detail: String,
 }
 
-/// The kinds of warnings.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LoopWarningCode {
-    /// Sure identifiers around the two keyframes contradict each other, and outweigh what agrees.
-    AnchorsContradict,
-    /// A loop query about the two, at this version of the map, would not answer `loop`.
-    NotSupported,
-    /// The two are covisible without this loop: the present place, or a loop confirmed before.
-    AlreadyCovisible,
+named! {
+    /// Why a loop that a client confirms may be wrong.
+    LoopWarningCode {
+        /// Sure identifiers around the two keyframes contradict each other, and outweigh the signs that agree.
+        AnchorsContradict = "anchors_contradict",
+        /// A loop query about the two, at this version of the map, would not answer `loop`.
+        NotSupported = "not_supported",
+        /// The two are covisible without this loop: the present place, or a loop confirmed before.
+        AlreadyCovisible = "already_covisible",
+    }
 }

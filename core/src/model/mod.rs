@@ -11,7 +11,8 @@
 //! | facts that decisions change, and the values they replace | [`change`], [`former`] |
 //! | what models said of anchors | [`judged`] |
 //! | jobs that ask a changed model again | [`judgement`] |
-//! | the answer to "is it a loop?" | [`verdict`] |
+//! | the answer to "is it a loop?", and the table of its reasons | [`verdict`], [`reason`] |
+//! | enums with names for programs and meanings for people | [`named`] |
 //! | what happened, for those who listen | [`event`] |
 //! | which models a server has | [`roles`] |
 //! | what a client asks for | [`request`] |
@@ -36,11 +37,14 @@ pub mod keyframe;
 pub mod loop_warning;
 pub mod map;
 pub mod method;
+pub mod named;
 pub mod point_list;
+pub mod reason;
 pub mod recorded;
 pub mod report;
 pub mod request;
 pub mod roles;
+mod setting;
 pub mod settings;
 pub mod trajectory;
 pub mod varint;

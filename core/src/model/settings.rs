@@ -6,253 +6,40 @@
 
 use std::f64::consts::FRAC_PI_3;
 
-use thiserror::Error;
+use self::SettingSource::{OrbSlam, Ours, Paper, Storage};
+use super::named::named;
+use super::setting::Field;
+pub use super::setting::{Setting, SettingError, SettingKind, SettingSource, SettingValue};
 
-use crate::semantics::{Numbering, PatternError};
-
-/// What a setting's value is.
-#[derive(Clone, Debug, PartialEq)]
-pub enum SettingValue {
-    /// A real number; its unit is in the setting's name.
-    Number(f64),
-    /// A whole number.
-    Count(u32),
-    /// On or off.
-    Switch(bool),
-    /// One of the setting's names.
-    Choice(&'static str),
-    /// Regular expressions.
-    Patterns(Vec<String>),
-}
-
-/// The values a setting takes, and where it starts.
-#[derive(Clone, Debug, PartialEq)]
-pub enum SettingKind {
-    /// A real number in `[min, max]`.
-    Number {
-        /// Where it starts.
-        default: f64,
-        /// The smallest value.
-        min: f64,
-        /// The largest value.
-        max: f64,
-    },
-    /// A whole number in `[min, max]`.
-    Count {
-        /// Where it starts.
-        default: u32,
-        /// The smallest value.
-        min: u32,
-        /// The largest value.
-        max: u32,
-    },
-    /// On or off.
-    Switch {
-        /// Where it starts.
-        default: bool,
-    },
-    /// One of several names.
-    Choice {
-        /// Where it starts.
-        default: &'static str,
-        /// The names.
-        names: &'static [&'static str],
-    },
-    /// Regular expressions, as [`Numbering::given`] takes them.
-    Patterns {
-        /// Where it starts.
-        default: Vec<String>,
-    },
-}
-
-/// One row of the table of settings.
-#[derive(Clone, Debug)]
-pub struct Setting {
-    /// The setting's name, with its unit.
-    pub name: &'static str,
-    /// What it does and where it comes from.
-    pub doc: &'static str,
-    /// Its values.
-    pub kind: SettingKind,
-}
-
-/// Why a setting is refused.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum SettingError {
-    /// There is no setting of this name.
-    #[error("there is no such setting")]
-    Unknown,
-    /// The value has another type.
-    #[error("expected {0}")]
-    Type(&'static str),
-    /// The value lies outside the bounds.
-    #[error("must lie in [{min}, {max}]")]
-    Range {
-        /// The smallest value allowed.
-        min: f64,
-        /// The largest value allowed.
-        max: f64,
-    },
-    /// A pattern is none.
-    #[error("{0}")]
-    Pattern(PatternError),
-}
-
-/// Makes an enum whose values have names.
-macro_rules! choices {
-    ($(#[$doc:meta])* $type:ident, $expected:literal, $($(#[$of_value:meta])* $value:ident = $name:literal,)*) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-        pub enum $type {
-            $($(#[$of_value])* $value,)*
-        }
-
-        impl $type {
-            /// The values' names.
-            pub const NAMES: &'static [&'static str] = &[$($name,)*];
-
-            /// Returns the value's name.
-            pub const fn as_str(self) -> &'static str {
-                Self::NAMES[self as usize]
-            }
-
-            /// Returns the value of a name.
-            pub fn from_name(name: &str) -> Option<Self> {
-                [$(Self::$value,)*].into_iter().find(|value| value.as_str() == name)
-            }
-        }
-
-        impl Field for $type {
-            const EXPECTED: &'static str = $expected;
-
-            fn read(&self) -> SettingValue {
-                SettingValue::Choice(self.as_str())
-            }
-
-            fn accept(_: &SettingKind, value: SettingValue) -> Result<Self, SettingError> {
-                match value {
-                    SettingValue::Choice(name) => Self::from_name(name),
-                    _ => None,
-                }
-                .ok_or(SettingError::Type(Self::EXPECTED))
-            }
-        }
-    };
-}
-
-choices! {
+named! {
     /// The decision on a candidate when either local anchor map is empty: §V-B leaves 0/0 open.
-    WithoutAnchors, "\"undecided\", \"reject\" or \"geometry\"",
-    /// The anchors cannot tell: `undecided`.
-    #[default]
-    Undecided = "undecided",
-    /// No semantic agreement, no loop.
-    Reject = "reject",
-    /// Geometry alone decides.
-    Geometry = "geometry",
+    WithoutAnchors default Undecided {
+        /// The anchors cannot tell.
+        Undecided = "undecided",
+        /// No semantic agreement, no loop.
+        Reject = "reject",
+        /// Geometry alone decides.
+        Geometry = "geometry",
+    }
 }
 
-choices! {
+named! {
     /// Which geometric models may verify a candidate.
-    GeometryModels, "\"auto\" or \"sim3\"",
-    /// A similarity where points are triangulated, else what two images allow.
-    #[default]
-    Auto = "auto",
-    /// A similarity and nothing else, as ORB-SLAM.
-    Sim3 = "sim3",
+    GeometryModels default Auto {
+        /// A similarity where points are triangulated, else the model that the two images allow.
+        Auto = "auto",
+        /// A similarity and nothing else, as ORB-SLAM.
+        Sim3 = "sim3",
+    }
 }
 
-choices! {
+named! {
     /// The rule by which inliers are enough.
-    GeometryAcceptance, "\"significance\" or \"count\"",
-    /// Chance does not explain as many.
-    #[default]
-    Significance = "significance",
-    /// There are `geometry_min_inliers`, as in ORB-SLAM.
-    Count = "count",
-}
-
-/// Ties one field's type to its kind of setting.
-trait Field: Sized {
-    const EXPECTED: &'static str;
-    fn read(&self) -> SettingValue;
-    fn accept(kind: &SettingKind, value: SettingValue) -> Result<Self, SettingError>;
-}
-
-impl Field for f64 {
-    const EXPECTED: &'static str = "a number";
-
-    fn read(&self) -> SettingValue {
-        SettingValue::Number(*self)
-    }
-
-    fn accept(kind: &SettingKind, value: SettingValue) -> Result<Self, SettingError> {
-        let value = match value {
-            SettingValue::Number(number) => number,
-            SettingValue::Count(count) => f64::from(count),
-            _ => return Err(SettingError::Type(Self::EXPECTED)),
-        };
-        match kind {
-            SettingKind::Number { min, max, .. } if !(*min..=*max).contains(&value) => {
-                Err(SettingError::Range { min: *min, max: *max })
-            }
-            _ => Ok(value),
-        }
-    }
-}
-
-impl Field for u32 {
-    const EXPECTED: &'static str = "a whole number";
-
-    fn read(&self) -> SettingValue {
-        SettingValue::Count(*self)
-    }
-
-    fn accept(kind: &SettingKind, value: SettingValue) -> Result<Self, SettingError> {
-        let SettingKind::Count { min, max, .. } = *kind else {
-            return Err(SettingError::Type(Self::EXPECTED));
-        };
-        let range = SettingError::Range { min: f64::from(min), max: f64::from(max) };
-        match value {
-            SettingValue::Count(count) if (min..=max).contains(&count) => Ok(count),
-            SettingValue::Count(_) => Err(range),
-            // JSON has one kind of number: -1 is out of range, 1.5 is no whole number.
-            SettingValue::Number(number) if number.fract() == 0.0 => Err(range),
-            _ => Err(SettingError::Type(Self::EXPECTED)),
-        }
-    }
-}
-
-impl Field for bool {
-    const EXPECTED: &'static str = "true or false";
-
-    fn read(&self) -> SettingValue {
-        SettingValue::Switch(*self)
-    }
-
-    fn accept(_: &SettingKind, value: SettingValue) -> Result<Self, SettingError> {
-        match value {
-            SettingValue::Switch(switch) => Ok(switch),
-            _ => Err(SettingError::Type(Self::EXPECTED)),
-        }
-    }
-}
-
-impl Field for Vec<String> {
-    const EXPECTED: &'static str = "a list of regular expressions";
-
-    fn read(&self) -> SettingValue {
-        SettingValue::Patterns(self.clone())
-    }
-
-    fn accept(_: &SettingKind, value: SettingValue) -> Result<Self, SettingError> {
-        match value {
-            SettingValue::Patterns(patterns) => match Numbering::given(&patterns) {
-                Ok(_) => Ok(patterns),
-                Err(error) => Err(SettingError::Pattern(error)),
-            },
-            _ => Err(SettingError::Type(Self::EXPECTED)),
-        }
+    GeometryAcceptance default Significance {
+        /// Chance does not explain as many.
+        Significance = "significance",
+        /// There are `geometry_min_inliers`, as in ORB-SLAM.
+        Count = "count",
     }
 }
 
@@ -265,8 +52,26 @@ macro_rules! setting_kind {
     };
 }
 
+macro_rules! setting_value {
+    (Choice, $type:ty, $value:expr) => {
+        SettingValue::Choice(<$type>::as_str($value))
+    };
+    ($kind:ident, $type:ty, $value:expr) => {
+        SettingValue::$kind($value)
+    };
+}
+
+/// Gives the first of several values.
+macro_rules! first {
+    ($first:expr $(, $($rest:expr),+)?) => {
+        $first
+    };
+}
+
+// A row: name, type, default, bounds, unit, value in the paper's method if it has another, source, meaning.
 macro_rules! settings {
-    ($($name:ident: $type:ty = $kind:ident { $default:expr $(, $min:expr, $max:expr)? }, $doc:literal;)*) => {
+    ($($name:ident: $type:ty = $kind:ident { $default:expr $(, $min:expr, $max:expr, $unit:literal)? $(; paper: $paper:expr)? },
+        $source:expr, $doc:literal;)*) => {
         /// A map's settings; [`super::method::Method`] tells the paper's from ours.
         #[derive(Clone, Debug, PartialEq)]
         pub struct Settings {
@@ -284,8 +89,11 @@ macro_rules! settings {
             pub const TABLE: &'static [Setting] = &[
                 $(Setting {
                     name: stringify!($name),
-                    doc: $doc,
+                    unit: first!($(Some($unit),)? None),
                     kind: setting_kind!($kind, $type, $default $(, $min, $max)?),
+                    paper: first!($(Some(setting_value!($kind, $type, $paper)),)? None),
+                    source: $source,
+                    doc: $doc,
                 },)*
             ];
 
@@ -311,95 +119,96 @@ macro_rules! settings {
 }
 
 settings! {
-    association_min_point_share: f64 = Number { 0.2, 0.0, 1.0 },
-        "sigma of §IV-C.1: the least share of a detection's map points that an anchor's box must cover";
-    covisibility_min_shared_points: u32 = Count { 15, 1, 1_000_000 },
-        "keyframes of a session that share at least this many map points are covisible (ORB-SLAM's covisibility graph)";
-    description_min_information_level: u32 = Count { 4, 1, 5 },
-        "§IV-B: an anchor is valid when its description's InformationLevel is no smaller";
-    description_min_crop_area_px: f64 = Number { 256.0, 0.0, 1e9 },
-        "§IV-B: a model describes a crop whose box has at least this area, in square pixels; a smaller one only once description_refresh_s have passed";
-    description_refresh_s: f64 = Number { 600.0, 0.0, 1e9 },
-        "§IV-B: an anchor not described for this long, by the clock of its keyframes, is described again, in seconds";
-    agreeing_reads: u32 = Count { 1, 1, 9 },
-        "ours: a model reads an anchor's crops until so many reads agree; fewer alike are not sure by themselves";
-    matching_min_similarity_level: u32 = Count { 4, 1, 5 },
-        "§IV-C.2: two anchors match when their descriptions' SimilarityLevel is no smaller";
-    candidates_max: u32 = Count { 20, 1, 1000 },
-        "§V, check 2: how many places each channel brings; a place is the best keyframe of a covisible group";
-    anchor_map_max_angle_difference_rad: f64 = Number { FRAC_PI_3, 0.0, 4.0 },
-        "§V-B: matching anchors differ by less than this in bearing, in radians";
-    anchor_map_max_distance_difference_m: f64 = Number { 1.0, 0.0, 1000.0 },
-        "§V-B: matching anchors differ by less than this in distance, in metres";
-    anchor_map_min_similarity: f64 = Number { 0.3, 0.0, 1000.0 },
-        "§V-B: two local anchor maps match when S of Eq. (2) is greater";
-    anchor_map_min_distance_m: f64 = Number { 0.1, 1e-6, 1000.0 },
-        "bounds the weight 1/d of §V-B: a nearer anchor weighs as if it stood at this distance, in metres";
-    one_to_one: bool = Switch { true },
-        "ours: an anchor matches at most one of the other map (assignment by maximum weight), which keeps 0 <= S <= 1; off is the paper's Eq. (2)";
-    distinctive_weights: bool = Switch { true },
-        "ours: an anchor whose description stands in p places weighs (1/d)/p";
-    distinctive_place_radius_m: f64 = Number { 3.0, 0.0, 1e6 },
-        "ours: anchors farther apart than this stand in different places, in metres";
-    contradiction_veto: bool = Switch { true },
-        "ours: two different, sure identifiers of one class at the same relative place speak against the loop";
-    aligned_anchors: bool = Switch { true },
-        "ours: once Sim3 has given a transform, matched anchors must agree with it";
-    undecided_min_score_ratio: f64 = Number { 0.3, 0.0, 1000.0 },
-        "ours: a candidate without anchors that agree, whose BoW score is below this share of reference_score, does not make the answer undecided; 0 = off";
-    reading_min_confidence: f64 = Number { 0.8, 0.0, 1.0 },
-        "ours: a text of fewer than three specific words that a detection of less confidence read tells nothing until another keyframe of the map reads it alike; 0 = off";
-    identifier_patterns: Vec<String> = Patterns { Vec::new() },
-        "ours: regular expressions of this building's own numbers, at most 16 of 256 bytes; a text that one matches whole, whatever its case, is an identifier, and no other text is one; empty: see learned_identifiers";
-    learned_identifiers: bool = Switch { true },
-        "ours: learns for each class how the building writes its numbers, from ten values that were read alike in two keyframes or more each; from then on no other text of the class is an identifier";
-    company: bool = Switch { true },
-        "ours: a text beside which different numbers hang at the same offset, less than 1 m apart, hangs in two places";
-    odometry_max_drift_share: f64 = Number { 0.05, 0.0, 1000.0 },
-        "ours: along an unbroken chain of a session's keyframes odometry is off by at most this share of the way; no transformation may contradict it, and two sightings are two places only if it can tell; 0 = off";
-    odometry_slack_m: f64 = Number { 1.0, 0.0, 1e6 },
-        "ours: how far a transformation may be off odometry on any way, in metres";
-    tracked_loops_need_geometry: bool = Switch { true },
-        "ours: where all that agrees was tracked through this same passage, only verified geometry makes a loop";
-    single_text_needs_witness: bool = Switch { true },
-        "ours: a text without an identifier and with fewer than three specific words closes a loop only beside a matched identifier, along unbroken odometry, or under geometry on map points";
-    near_miss_neighbours: bool = Switch { true },
-        "ours: where a candidate reaches half of geometry_min_inliers, its covisible keyframes are checked as candidates in its stead";
-    neighbours_vouch: bool = Switch { true },
-        "ours: where there are no anchors, or all that agrees hangs in several places, it is a loop if geometry on map points verifies it and the anchors around its neighbours agree or a confirmed loop joins them";
-    without_anchors: WithoutAnchors = Choice { WithoutAnchors::Undecided },
-        "the verdict when either local anchor map is empty, which §V-B leaves open (0/0): undecided, reject or geometry";
-    association_position_radius_m: f64 = Number { 0.75, 0.0, 1000.0 },
-        "ours: a detection with a position and no map points joins an anchor within this distance, in metres; also the distance at which covisible anchors that match are merged";
-    candidates_min_score_ratio: f64 = Number { 0.0, 0.0, 1000.0 },
-        "ours: a bag-of-words candidate must score at least this share of reference_score; 0 is off";
-    geometry_min_matches: u32 = Count { 20, 3, 100_000 },
-        "ORB-SLAM: the fewest descriptor matches with which a transformation is estimated; with fewer geometry is skipped and rejects nothing";
-    geometry_min_inliers: u32 = Count { 20, 3, 100_000 },
-        "ORB-SLAM: the fewest inliers of a verified transformation, where geometry_acceptance is count";
-    geometry_landmark_sigma_px: f64 = Number { 3.35, 0.0, 100.0 },
-        "ours: what the error of a map point's own place adds to that of a keypoint, standard deviation in pixels at any octave; 0 = the letter: keypoints alone scatter";
-    geometry_resection: bool = Switch { true },
-        "ours: where a keyframe's points are farther off in its own image than half of them should be, its camera's pose among them is taken from the image (motion-only bundle adjustment)";
-    geometry_alone_min_inliers: u32 = Count { 100, 3, 100_000 },
-        "ours: the fewest inliers with which geometry alone (without_anchors: geometry) closes a loop where no map point is projected: a homography, a rotation or an essential matrix proves a view, and not a place";
-    rival_min_ratio: f64 = Number { 2.0, 0.0, 1000.0 },
-        "ours: what geometry alone verifies is a loop only if it has this many times the inliers of the best candidate that is known to be another place; 0 = off";
-    twin_guard: bool = Switch { true },
-        "ours: once geometry has verified two keyframes of this map around which different signs hang, geometry alone (without_anchors: geometry) closes no loop in it, while they hang there";
-    signs_may_change: bool = Switch { true },
-        "ours: a sign that three separate passages of a session that has read it had in view and did not see, or read otherwise, is retired: it neither agrees nor contradicts, until one passage reads it twice as before";
-    keep_history: bool = Switch { true },
+    association_min_point_share: f64 = Number { 0.2, 0.0, 1.0, "1" }, Paper("§IV-C.1"),
+        "sigma, the least share of a detection's map points that an anchor's box must cover";
+    covisibility_min_shared_points: u32 = Count { 15, 1, 1_000_000, "1" }, OrbSlam,
+        "keyframes of a session that share at least this many map points are covisible";
+    description_min_information_level: u32 = Count { 4, 1, 5, "1" }, Paper("§IV-B"),
+        "an anchor is valid when its description's InformationLevel is no smaller";
+    description_min_crop_area_px: f64 = Number { 256.0, 0.0, 1e9, "px^2" }, Paper("§IV-B"),
+        "a model describes a crop whose box has at least this area, in square pixels; a smaller one only once description_refresh_s have passed";
+    description_refresh_s: f64 = Number { 600.0, 0.0, 1e9, "s" }, Paper("§IV-B"),
+        "an anchor not described for this long, by the clock of its keyframes, is described again, in seconds";
+    agreeing_reads: u32 = Count { 1, 1, 9, "1" }, Ours,
+        "a model reads an anchor's crops until this many reads agree; fewer alike are not sure by themselves";
+    matching_min_similarity_level: u32 = Count { 4, 1, 5, "1" }, Paper("§IV-C.2"),
+        "two anchors match when their descriptions' SimilarityLevel is no smaller";
+    candidates_max: u32 = Count { 20, 1, 1000, "1" }, Paper("§V, check 2"),
+        "how many places each channel brings; a place is the best keyframe of a covisible group";
+    anchor_map_max_angle_difference_rad: f64 = Number { FRAC_PI_3, 0.0, 4.0, "rad" }, Paper("§V-B"),
+        "matching anchors differ by less than this in bearing, in radians";
+    anchor_map_max_distance_difference_m: f64 = Number { 1.0, 0.0, 1000.0, "m" }, Paper("§V-B"),
+        "matching anchors differ by less than this in distance, in metres";
+    anchor_map_min_similarity: f64 = Number { 0.3, 0.0, 1000.0, "1"; paper: 0.3 }, Paper("§V-B"),
+        "two local anchor maps match when S of Eq. (2) is greater";
+    anchor_map_min_distance_m: f64 = Number { 0.1, 1e-6, 1000.0, "m" }, Paper("§V-B"),
+        "bounds the weight 1/d: a nearer anchor weighs as if it stood at this distance, in metres";
+    one_to_one: bool = Switch { true; paper: false }, Ours,
+        "an anchor matches at most one of the other map (assignment by maximum weight), which keeps 0 <= S <= 1; off is the paper's Eq. (2)";
+    distinctive_weights: bool = Switch { true; paper: false }, Ours,
+        "an anchor whose description stands in p places weighs (1/d)/p";
+    distinctive_place_radius_m: f64 = Number { 3.0, 0.0, 1e6, "m" }, Ours,
+        "anchors farther apart than this stand in different places, in metres";
+    contradiction_veto: bool = Switch { true; paper: false }, Ours,
+        "two different, sure identifiers of one class at the same relative place speak against the loop";
+    aligned_anchors: bool = Switch { true; paper: false }, Ours,
+        "once Sim3 has given a transform, matched anchors must agree with it";
+    undecided_min_score_ratio: f64 = Number { 0.3, 0.0, 1000.0, "1"; paper: 0.0 }, Ours,
+        "a candidate without anchors that agree, whose BoW score is below this share of reference_score, does not make the answer undecided; 0 = off";
+    reading_min_confidence: f64 = Number { 0.8, 0.0, 1.0, "1"; paper: 0.0 }, Ours,
+        "a text of fewer than three specific words that a detection of less confidence read tells nothing until another keyframe of the map reads it alike; 0 = off";
+    identifier_patterns: Vec<String> = Patterns { Vec::new(); paper: Vec::new() }, Ours,
+        "regular expressions of this building's own numbers, at most 16 of 256 bytes; a text that one matches whole, whatever its case, is an identifier, and no other text is one; empty: see learned_identifiers";
+    learned_identifiers: bool = Switch { true; paper: false }, Ours,
+        "learns for each class how the building writes its numbers, from ten values that were read alike in two keyframes or more each; from then on no other text of the class is an identifier";
+    company: bool = Switch { true; paper: false }, Ours,
+        "a text beside which different numbers hang at the same offset, less than 1 m apart, hangs in two places";
+    odometry_max_drift_share: f64 = Number { 0.05, 0.0, 1000.0, "1"; paper: 0.0 }, Ours,
+        "along an unbroken chain of a session's keyframes odometry is off by at most this share of the way; no transformation may contradict it, and two sightings are two places only if it can tell; 0 = off";
+    odometry_slack_m: f64 = Number { 1.0, 0.0, 1e6, "m" }, Ours,
+        "how far a transformation may be off odometry on any way, in metres";
+    tracked_loops_need_geometry: bool = Switch { true; paper: false }, Ours,
+        "where all that agrees was tracked through this same passage, only verified geometry makes a loop";
+    single_text_needs_witness: bool = Switch { true; paper: false }, Ours,
+        "a text without an identifier and with fewer than three specific words closes a loop only beside a matched identifier, along unbroken odometry, or under geometry on map points";
+    near_miss_neighbours: bool = Switch { true; paper: false }, Ours,
+        "where a candidate reaches half of geometry_min_inliers, its covisible keyframes are checked as candidates in its stead";
+    neighbours_vouch: bool = Switch { true; paper: false }, Ours,
+        "where there are no anchors, or all that agrees hangs in several places, it is a loop if geometry on map points verifies it and the anchors around its neighbours agree or a confirmed loop joins them";
+    without_anchors: WithoutAnchors = Choice { WithoutAnchors::Undecided }, Paper("§V-B"),
+        "the verdict when either local anchor map is empty, which the paper leaves open (0/0): undecided, reject or geometry";
+    association_position_radius_m: f64 = Number { 0.75, 0.0, 1000.0, "m" }, Ours,
+        "a detection with a position and no map points joins an anchor within this distance, in metres; also the distance at which covisible anchors that match are merged";
+    candidates_min_score_ratio: f64 = Number { 0.0, 0.0, 1000.0, "1" }, Ours,
+        "a bag-of-words candidate must score at least this share of reference_score; 0 is off";
+    geometry_min_matches: u32 = Count { 20, 3, 100_000, "1" }, OrbSlam,
+        "the fewest descriptor matches with which a transformation is estimated; with fewer geometry is skipped and rejects nothing";
+    geometry_min_inliers: u32 = Count { 20, 3, 100_000, "1" }, OrbSlam,
+        "the fewest inliers of a verified transformation, where geometry_acceptance is count";
+    geometry_landmark_sigma_px: f64 = Number { 3.35, 0.0, 100.0, "px"; paper: 0.0 }, Ours,
+        "what the error of a map point's own place adds to that of a keypoint, standard deviation in pixels at any octave; 0 = the letter: keypoints alone scatter";
+    geometry_resection: bool = Switch { true; paper: false }, Ours,
+        "where a keyframe's points are farther off in its own image than half of them should be, its camera's pose among them is taken from the image (motion-only bundle adjustment)";
+    geometry_alone_min_inliers: u32 = Count { 100, 3, 100_000, "1" }, Ours,
+        "the fewest inliers with which geometry alone (without_anchors: geometry) closes a loop where no map point is projected: a homography, a rotation or an essential matrix proves a view, and not a place";
+    rival_min_ratio: f64 = Number { 2.0, 0.0, 1000.0, "1"; paper: 0.0 }, Ours,
+        "what geometry alone verifies is a loop only if it has this many times the inliers of the best candidate that is known to be another place; 0 = off";
+    twin_guard: bool = Switch { true; paper: false }, Ours,
+        "once geometry has verified two keyframes of this map around which different signs hang, geometry alone (without_anchors: geometry) closes no loop in it, while they hang there";
+    signs_may_change: bool = Switch { true; paper: false }, Ours,
+        "a sign that three separate passages of a session that has read it had in view and did not see, or read otherwise, is retired: it neither agrees nor contradicts, until one passage reads it twice as before";
+    keep_history: bool = Switch { true }, Storage,
         "keeps what corrections replace, so that export gives what was sent; decides no verdict. Off, a corrected map takes less room on disk, and export gives poses and points as last corrected";
-    geometry_models: GeometryModels = Choice { GeometryModels::Auto },
-        "ours: auto verifies by a similarity where enough points are triangulated, else by an essential matrix, a homography or a rotation, whichever the two images allow; sim3 is the letter: a similarity or nothing";
-    geometry_acceptance: GeometryAcceptance = Choice { GeometryAcceptance::Significance },
-        "ours: significance accepts inliers that matches placed at random would give less than once in a million candidates (log10 of the number of false alarms at most -6; Moisan and Stival 2004); count is the letter: geometry_min_inliers, 60 % of which, and an eighth of the matches, have near descriptors and points on both sides";
+    geometry_models: GeometryModels = Choice { GeometryModels::Auto; paper: GeometryModels::Sim3 }, Ours,
+        "auto verifies by a similarity where enough points are triangulated, else by an essential matrix, a homography or a rotation, whichever the two images allow; sim3 is the letter: a similarity or nothing";
+    geometry_acceptance: GeometryAcceptance = Choice { GeometryAcceptance::Significance; paper: GeometryAcceptance::Count }, Ours,
+        "significance accepts inliers that matches placed at random would give less than once in a million candidates (log10 of the number of false alarms at most -6; Moisan and Stival 2004); count is the letter: geometry_min_inliers, 60 % of which, and an eighth of the matches, have near descriptors and points on both sides";
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::semantics::PatternError;
 
     #[test]
     fn every_row_of_the_table_reads_its_own_default_back() {
@@ -409,6 +218,18 @@ mod tests {
             assert_eq!(settings.set(row.name, value), Ok(()), "{}", row.name);
         }
         assert_eq!(settings, Settings::default());
+    }
+
+    #[test]
+    fn every_row_has_the_unit_of_its_name_a_source_and_a_meaning() {
+        for row in Settings::TABLE {
+            let units = [("_rad", "rad"), ("_area_px", "px^2"), ("_px", "px"), ("_m", "m"), ("_s", "s")];
+            let of_name = units.into_iter().find(|(suffix, _)| row.name.ends_with(suffix));
+            let is_number = matches!(row.kind, SettingKind::Number { .. } | SettingKind::Count { .. });
+            assert_eq!(row.unit, is_number.then(|| of_name.map_or("1", |(_, unit)| unit)), "{}", row.name);
+            let from_paper = matches!(row.source, Paper(section) if !section.starts_with('§'));
+            assert!(!from_paper && !row.doc.is_empty() && !row.doc.ends_with('.'), "{}", row.name);
+        }
     }
 
     #[test]
@@ -430,6 +251,7 @@ mod tests {
             Err(SettingError::Range { min: 1.0, max: 1000.0 }),
         );
         check("one_to_one", SettingValue::Count(1), Err(SettingError::Type("true or false")));
+        check("geometry_models", SettingValue::Choice("se3"), Err(SettingError::Choice(&["auto", "sim3"])));
         check("sigma", SettingValue::Count(1), Err(SettingError::Unknown));
         let pattern = |pattern: &str| SettingValue::Patterns(vec![pattern.to_owned()]);
         check("identifier_patterns", pattern(r"\d\.\d\d"), Ok(()));

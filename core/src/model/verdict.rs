@@ -2,139 +2,45 @@
 
 use super::difference::DifferenceEvidence;
 use super::ids::{KeyframeId, LoopId};
+use super::named::named;
+use super::reason::ReasonClass;
+pub use super::reason::{Reason, ReasonCode};
 use crate::geometry::{Bearing, Sim3};
 
-/// What the service says of a query.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Decision {
-    /// At least one candidate passed every check that could run.
-    Loop,
-    /// Every candidate was rejected, or there was none.
-    NoLoop,
-    /// No candidate passed, and what is missing could turn the answer of at least one.
-    Undecided,
-}
-
-impl Decision {
-    /// The decision's name in the API document.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Loop => "loop",
-            Self::NoLoop => "no_loop",
-            Self::Undecided => "undecided",
-        }
+named! {
+    /// The answer to a loop query.
+    Decision {
+        /// At least one candidate passed every check that could run.
+        Loop = "loop",
+        /// Every candidate was rejected, or there was none.
+        NoLoop = "no_loop",
+        /// No candidate passed, and missing facts could turn the answer of at least one.
+        Undecided = "undecided",
     }
 }
 
-/// What the service says of one candidate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CandidateDecision {
-    /// It passed every check that could run.
-    Loop,
-    /// What is missing could turn the answer.
-    Undecided,
-    /// A check stopped it.
-    Rejected,
+named! {
+    /// The decision on one candidate.
+    CandidateDecision {
+        /// It passed every check that could run.
+        Loop = "loop",
+        /// Missing facts could turn the answer.
+        Undecided = "undecided",
+        /// A check stopped it.
+        Rejected = "rejected",
+    }
 }
 
 impl CandidateDecision {
-    /// The decision's name in the API document.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Loop => "loop",
-            Self::Undecided => "undecided",
-            Self::Rejected => "rejected",
+    /// Whether a reason of this class may stand beside the decision.
+    pub fn fits(self, class: ReasonClass) -> bool {
+        match class {
+            ReasonClass::Accepts => self == Self::Loop,
+            ReasonClass::Rejects => self == Self::Rejected,
+            ReasonClass::Undecided | ReasonClass::Waits => self == Self::Undecided,
+            ReasonClass::Depends => self != Self::Loop,
         }
     }
-}
-
-/// Why a verdict is not `loop` (`reason.code` of `openapi/openapi.yaml`).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ReasonCode {
-    /// No keyframe shares a word or a revisited anchor with the query.
-    NoCandidates,
-    /// The query's loop is confirmed already, and no other keyframe is one.
-    AlreadyClosed,
-    /// The query has no bag of words, and no anchor proposes a candidate.
-    EmptyBow,
-    /// The candidate's bag-of-words score is too small a share of the reference score.
-    BowBelowReference,
-    /// Either local anchor map is empty.
-    NoAnchors,
-    /// The anchors near leave it open; its neighbours return to this place, and geometry has verified the view.
-    NeighboursVouch,
-    /// Anchors not described yet could turn the answer.
-    LlmPending,
-    /// The same, and the model that could describe them is away.
-    LlmUnavailable,
-    /// Anchors that nothing has described could turn the answer, and no model is going to describe them.
-    NotDescribed,
-    /// S of Eq. (2) does not exceed its limit.
-    ScoreBelowThreshold,
-    /// Sure identifiers contradict each other at the same relative place.
-    Contradiction,
-    /// Everything that agrees hangs in several places: it could be any of them.
-    NotDistinctive,
-    /// Only texts without an identifier agree, and nothing else says that it is this place.
-    NoWitness,
-    /// All that agrees was tracked in this same passage, and geometry could not verify a return.
-    TrackedOnly,
-    /// Geometry had to verify, and features are missing.
-    NoFeatures,
-    /// No transformation explains enough features.
-    TooFewInliers,
-    /// Under the verified transformation too few matched anchors stand where they should.
-    AnchorsDisagreeWithTransform,
-    /// Under the verified transformation signs that hang once would hang in two places.
-    AnchorsDisplaced,
-    /// The verified transformation contradicts the robot's own tracking.
-    OdometryDisagreesWithTransform,
-    /// Geometry alone speaks for it, and nearly as much for a candidate that is known to be another place.
-    AmbiguousPlaces,
-    /// Geometry alone speaks for it, in a map that has shown one view in two places.
-    TwinsKnown,
-}
-
-impl ReasonCode {
-    /// The code's name in the API document.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::NoCandidates => "no_candidates",
-            Self::AlreadyClosed => "already_closed",
-            Self::EmptyBow => "empty_bow",
-            Self::BowBelowReference => "bow_below_reference",
-            Self::NoAnchors => "no_anchors",
-            Self::NeighboursVouch => "neighbours_vouch",
-            Self::LlmPending => "llm_pending",
-            Self::LlmUnavailable => "llm_unavailable",
-            Self::NotDescribed => "not_described",
-            Self::ScoreBelowThreshold => "score_below_threshold",
-            Self::Contradiction => "contradiction",
-            Self::NotDistinctive => "not_distinctive",
-            Self::NoWitness => "no_witness",
-            Self::TrackedOnly => "tracked_only",
-            Self::NoFeatures => "no_features",
-            Self::TooFewInliers => "too_few_inliers",
-            Self::AnchorsDisagreeWithTransform => "anchors_disagree_with_transform",
-            Self::AnchorsDisplaced => "anchors_displaced",
-            Self::OdometryDisagreesWithTransform => "odometry_disagrees_with_transform",
-            Self::AmbiguousPlaces => "ambiguous_places",
-            Self::TwinsKnown => "twins_known",
-        }
-    }
-}
-
-/// The check that decided, with what it measured and what it asked for.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Reason {
-    /// Which check.
-    pub code: ReasonCode,
-    /// What was measured, in the check's own unit.
-    pub measured: Option<f64>,
-    /// What it was held against.
-    pub limit: Option<f64>,
-    /// One sentence for a person.
-    pub detail: String,
 }
 
 /// Check 2 of §V: bag of words.
@@ -254,25 +160,15 @@ pub struct GeometryFigures {
     pub covariance: Option<[f64; 36]>,
 }
 
-/// The status of a geometric verification.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GeometryStatus {
-    /// It did not run.
-    Skipped,
-    /// It ran and found no transformation that explains enough.
-    Failed,
-    /// It ran and found one.
-    Verified,
-}
-
-impl GeometryStatus {
-    /// The status' name in the API document.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Skipped => "skipped",
-            Self::Failed => "failed",
-            Self::Verified => "verified",
-        }
+named! {
+    /// The status of a geometric verification.
+    GeometryStatus {
+        /// It did not run; `reason` says why.
+        Skipped = "skipped",
+        /// It ran and found no transformation that explains enough.
+        Failed = "failed",
+        /// It ran and found one.
+        Verified = "verified",
     }
 }
 
@@ -330,30 +226,15 @@ pub struct ClosedLoop {
     pub keyframe: KeyframeId,
 }
 
-/// Which checks a query asks for (`verify` of `openapi/openapi.yaml`).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Verify {
-    /// Geometry where both keyframes have the features for it, else the anchors decide.
-    #[default]
-    Auto,
-    /// Never geometry.
-    Anchors,
-    /// Geometry must verify.
-    Geometry,
-}
-
-impl Verify {
-    /// The values' names.
-    pub const NAMES: [&'static str; 3] = ["auto", "anchors", "geometry"];
-
-    /// The value's name.
-    pub fn as_str(self) -> &'static str {
-        Self::NAMES[self as usize]
-    }
-
-    /// The value of a name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        [Self::Auto, Self::Anchors, Self::Geometry].into_iter().find(|v| v.as_str() == name)
+named! {
+    /// Which checks a query asks for.
+    Verify default Auto {
+        /// The default: geometry where both keyframes have the features for it, else the anchors decide.
+        Auto = "auto",
+        /// Never geometry.
+        Anchors = "anchors",
+        /// Geometry must verify.
+        Geometry = "geometry",
     }
 }
 

@@ -1,13 +1,12 @@
 //! Random worlds under noise, one table row for each kind; or one world, with its reasons.
 
 use futures_util::{StreamExt as _, TryStreamExt as _};
-use serde_json::Value;
 
 use super::driven_worlds::DrivenWorlds;
 use super::progress::Progress;
 use super::{HotelArgs, files};
 use crate::cli::{Failure, write_out};
-use crate::client::Client;
+use crate::client::{AnchorSearch, Client, Page};
 use crate::hotel::arm::Arm;
 use crate::hotel::explain::Narrator;
 use crate::hotel::noise::NoiseKind;
@@ -89,24 +88,21 @@ async fn drive_world(
 
 /// Counts what became of the signs of a map.
 async fn count_signs(client: &Client, map: &str, scenario: &Scenario) -> Result<Signs, Failure> {
-    let (mut anchors, mut cursor): (Vec<Value>, Option<String>) = (Vec::new(), None);
+    let mut anchors = Vec::new();
+    let mut search =
+        AnchorSearch { page: Page { limit: Some(1000), cursor: None }, ..AnchorSearch::default() };
     loop {
-        let after = cursor.as_deref().map(|cursor| ("cursor", cursor));
-        let query: Vec<(&str, &str)> = [("limit", "1000")].into_iter().chain(after).collect();
-        let mut page: Value = client.get(&["v1", "maps", map, "anchors"], &query).await?;
-        if let Some(items) = page["items"].as_array_mut() {
-            anchors.append(items);
-        }
-        cursor = page["next_cursor"].as_str().map(str::to_owned);
-        if cursor.is_none() {
+        let part = client.list_anchors(map, &search).await?;
+        anchors.extend(part.items);
+        search.page.cursor = part.next_cursor;
+        if search.page.cursor.is_none() {
             break;
         }
     }
-    let text = |anchor: &Value, field: &str| anchor[field].as_str().unwrap_or_default().to_owned();
-    let told: Vec<[String; 3]> = (anchors.iter())
-        .map(|anchor| ["state", "class", "description"].map(|field| text(anchor, field)))
-        .collect();
-    let told = told.iter().map(|[state, class, said]| (state.as_str(), class.as_str(), said.as_str()));
+    let told = anchors.iter().map(|anchor| {
+        let description = anchor.description.as_deref().unwrap_or_default();
+        (anchor.state.0.as_str(), anchor.class.as_str(), description)
+    });
     Ok(Signs::count(told, &scenario.world, &scenario.eras))
 }
 

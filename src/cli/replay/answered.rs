@@ -3,7 +3,9 @@
 use serde::Serialize;
 
 use super::score::{Best, Marked};
-use crate::client::{Candidate, LoopAnswer, Reason, Verdict};
+use crate::model::reason::ReasonCode;
+use crate::model::verdict::Decision;
+use crate::wire::verdict::{CandidateView, LoopAnswer, ReasonView};
 
 /// What the recording says is true of a query.
 #[derive(Clone, Debug, Default)]
@@ -24,9 +26,9 @@ pub(super) struct Answered {
     /// None: the recording does not say what is true, so nothing can be scored.
     pub labels: Option<Labels>,
     /// The answer.
-    pub verdict: Verdict,
+    pub verdict: Decision,
     /// Why it is no loop: the answer's own reason, or its leading candidate's.
-    pub reason: Option<Reason>,
+    pub reason: Option<ReasonView>,
     /// The keyframe named best.
     best: Option<String>,
     /// Every keyframe that the answer calls a loop.
@@ -38,7 +40,7 @@ pub(super) struct Answered {
     /// The keyframe that BoW alone would name, with its score.
     bow_best: Option<(String, f64)>,
     /// Why each candidate was stopped, as codes.
-    pub candidate_reasons: Vec<String>,
+    pub candidate_reasons: Vec<ReasonCode>,
 }
 
 /// A candidate in a line.
@@ -53,7 +55,7 @@ pub(super) struct Figures {
     /// Inliers of the geometry.
     pub inliers: Option<u64>,
     /// The check that stopped it.
-    pub reason: Option<Reason>,
+    pub reason: Option<ReasonView>,
 }
 
 impl Answered {
@@ -66,7 +68,7 @@ impl Answered {
         Self {
             map: map.to_owned(),
             keyframe: keyframe.to_owned(),
-            verdict: answer.verdict,
+            verdict: answer.verdict.0,
             reason: answer.reason.clone().or_else(|| leading.and_then(|candidate| candidate.reason.clone())),
             best: answer.best.clone(),
             loops: answer.loops.clone(),
@@ -76,7 +78,7 @@ impl Answered {
             candidate_reasons: answer
                 .candidates
                 .iter()
-                .filter_map(|candidate| Some(candidate.reason.as_ref()?.code.clone()))
+                .filter_map(|candidate| Some(candidate.reason.as_ref()?.code.0))
                 .collect(),
             labels,
         }
@@ -84,7 +86,7 @@ impl Answered {
 
     /// The service's answer, if it is to be scored.
     pub fn service(&self) -> Option<Marked> {
-        let accepted = self.verdict == Verdict::Loop;
+        let accepted = self.verdict == Decision::Loop;
         let best = self.best.as_deref().map(|best| (best, 1.0));
         let mut marked = self.mark(best)?;
         if !accepted {
@@ -122,7 +124,7 @@ impl Answered {
     /// Any of the loops said is not true, whether or not the best is scored.
     pub fn has_wrong_loop(&self) -> bool {
         let labels = self.labels.as_ref();
-        let best = self.best.iter().filter(|_| self.verdict == Verdict::Loop);
+        let best = self.best.iter().filter(|_| self.verdict == Decision::Loop);
         labels.is_some_and(|labels| {
             let known = |id: &String| labels.truth.contains(id) || labels.ignore.contains(id);
             !self.loops.iter().chain(best).all(known)
@@ -137,7 +139,7 @@ impl Answered {
 
     /// There is a loop, and it was not said.
     pub fn is_missed(&self) -> bool {
-        self.has_truth() && self.verdict != Verdict::Loop
+        self.has_truth() && self.verdict != Decision::Loop
     }
 
     fn mark(&self, best: Option<(&str, f64)>) -> Option<Marked> {
@@ -154,7 +156,7 @@ impl Answered {
 }
 
 impl Figures {
-    fn of(candidate: &Candidate) -> Self {
+    fn of(candidate: &CandidateView) -> Self {
         Self {
             keyframe: candidate.keyframe.clone(),
             similarity: candidate.similarity(),
@@ -166,7 +168,7 @@ impl Figures {
 }
 
 /// The highest score, of equal ones the smallest id; what shares no word is no BoW candidate.
-fn bow_best(candidates: &[Candidate]) -> Option<(String, f64)> {
+fn bow_best(candidates: &[CandidateView]) -> Option<(String, f64)> {
     candidates
         .iter()
         .filter(|candidate| candidate.bow_score() > 0.0)
@@ -194,11 +196,13 @@ mod tests {
         let candidates: Vec<Value> = bow
             .iter()
             .map(|(id, score)| {
-                json!({"keyframe": id, "verdict": "rejected", "bow": {"score": score},
-                "reason": {"code": "no_anchors"}})
+                json!({"keyframe": id, "verdict": "rejected", "geometry": {"status": "skipped"},
+                    "bow": {"score": score, "common_words": 1, "reference_score": 0.0},
+                    "reason": {"code": "no_anchors", "detail": ""}})
             })
             .collect();
-        json!({"id": "q-1", "verdict": verdict, "best": best, "candidates": candidates})
+        json!({"id": "q-1", "map_version": 1, "verdict": verdict, "best": best, "loops": [], "degraded": false,
+            "excluded_covisible": 0, "closed": [], "candidates": candidates})
     }
 
     /// (has a true loop, accepted and whether it is right) of a scored query.
@@ -236,7 +240,9 @@ mod tests {
         assert!(wrong(&["a"], &[], "a", &["a", "b"]));
         assert!(wrong(&[], &["i"], "i", &["i", "b"]), "not scored, and wrong all the same");
         assert!(wrong(&[], &[], "b", &["b"]));
-        let said = serde_json::from_value(json!({"id": "q", "verdict": "loop", "best": "b", "loops": ["b"]}));
+        let mut said = answer("loop", Some("b"), &[]);
+        said["loops"] = json!(["b"]);
+        let said = serde_json::from_value(said);
         let unlabelled = Answered::new("m", "q", None, &said.expect("an answer"));
         assert!(!unlabelled.has_wrong_loop(), "nobody knows");
     }
@@ -269,13 +275,13 @@ mod tests {
         let query = answered(&["a", "b"], &[], said.clone());
         assert_eq!(query.leading.expect("a candidate").keyframe, "c");
         assert_eq!(query.nearest_true.expect("a candidate").keyframe, "a");
-        assert_eq!(query.reason.expect("a reason").code, "no_anchors");
-        assert_eq!(query.candidate_reasons, ["no_anchors"; 3]);
+        assert_eq!(query.reason.expect("a reason").code.0, ReasonCode::NoAnchors);
+        assert_eq!(query.candidate_reasons, [ReasonCode::NoAnchors; 3]);
         said["candidates"][1]["verdict"] = json!("undecided");
         let query = answered(&["b"], &[], said.clone());
         assert_eq!(query.leading.expect("a candidate").keyframe, "a");
-        said["reason"] = json!({"code": "empty_bow"});
+        said["reason"] = json!({"code": "empty_bow", "detail": ""});
         let query = answered(&["a"], &[], said);
-        assert_eq!(query.reason.expect("a reason").code, "empty_bow");
+        assert_eq!(query.reason.expect("a reason").code.0, ReasonCode::EmptyBow);
     }
 }

@@ -13,7 +13,7 @@ use super::latency::Times;
 use super::overrides::Overrides;
 use super::recording::{Body, Deleted, Line, Op, Recording};
 use super::{ReplayArgs, ReplayError};
-use crate::client::{Client, ClientError};
+use crate::client::{Client, ClientError, Recorded};
 
 /// The HTTP status of "there is another one by that name".
 const CONFLICT: u16 = 409;
@@ -117,20 +117,20 @@ impl Player {
                 self.query(map, keyframe, body, labels).await?;
             }
             Op::Loop { body } => {
-                self.client.post_loop(map, &Value::Object(body)).await?;
+                self.client.post_loop(map, &Recorded(body)).await?;
                 self.played.loops += 1;
             }
             Op::Poses { body } => {
-                self.client.post_poses(map, &Value::Object(body)).await?;
+                self.client.post_poses(map, &Recorded(body)).await?;
                 self.played.poses += 1;
             }
             Op::Description { keyframe, detection, body } => {
                 let anchor = self.client.anchor_of(map, &keyframe, detection).await?;
-                self.client.patch_anchor(map, &anchor, &Value::Object(body)).await?;
+                self.client.patch_anchor(map, &anchor, &Recorded(body)).await?;
                 self.played.descriptions += 1;
             }
             Op::Judgement { body } => {
-                self.client.post_model_verdict(map, &Value::Object(body)).await?;
+                self.client.post_model_verdict(map, &Recorded(body)).await?;
                 self.played.judgements += 1;
             }
             Op::Delete(deleted) => {
@@ -144,7 +144,7 @@ impl Player {
     /// Declares a map; a later line with another body changes what it names of it.
     async fn map(&mut self, map: &str, mut body: Body) -> Result<(), ClientError> {
         self.overrides.apply(&mut body);
-        let body = Value::Object(body);
+        let body = Recorded(body);
         if self.played.maps.contains(map) {
             return self.client.patch_map(map, &body).await.map(drop);
         }
@@ -158,19 +158,19 @@ impl Player {
 
     async fn delete(&self, map: &str, deleted: Deleted) -> Result<(), ClientError> {
         match deleted {
-            Deleted::Keyframe(keyframe) => self.client.delete_keyframe(map, &keyframe).await,
+            Deleted::Keyframe(keyframe) => self.client.delete_keyframe(map, &keyframe).await.map(drop),
             Deleted::Anchor { keyframe, detection } => {
                 let anchor = self.client.anchor_of(map, &keyframe, detection).await?;
-                self.client.delete_anchor(map, &anchor).await
+                self.client.delete_anchor(map, &anchor).await.map(drop)
             }
-            Deleted::Loop(closed) => self.client.delete_loop(map, &closed).await,
+            Deleted::Loop(closed) => self.client.delete_loop(map, &closed).await.map(drop),
         }
     }
 
     async fn keyframe(&mut self, map: &str, id: &str, mut body: Body) -> Result<(), ClientError> {
         self.overrides.apply_to_keyframe(&mut body);
         self.played.frames.saw(map, id, &body);
-        let body = Value::Object(body);
+        let body = Recorded(body);
         let start = Instant::now();
         let answer = self.client.put_keyframe(map, id, &body, false).await?;
         self.played.keyframe_times.add(start.elapsed());
@@ -198,7 +198,7 @@ impl Player {
         if let Some(wait) = self.max_wait_ms {
             body.insert("max_wait_ms".to_owned(), wait.into());
         }
-        let body = Value::Object(body);
+        let body = Recorded(body);
         let start = Instant::now();
         let answer = self.client.loop_query(map, &body).await?;
         self.played.query_times.add(start.elapsed());

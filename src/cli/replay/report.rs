@@ -11,7 +11,8 @@ use super::frames::TransformErrors;
 use super::latency::Latency;
 use super::play::Played;
 use super::score::{Accuracy, BowOnly, accuracy, bow_only};
-use crate::client::{Reason, Verdict};
+use crate::model::verdict::Decision;
+use crate::wire::verdict::ReasonView;
 
 /// The score of a recording.
 #[derive(Clone, Debug, Serialize)]
@@ -73,7 +74,7 @@ pub(super) struct QueryLine {
     pub map: String,
     pub keyframe: String,
     pub verdict: &'static str,
-    pub reason: Option<Reason>,
+    pub reason: Option<ReasonView>,
     /// The candidate that the answer is about.
     pub best: Option<Figures>,
     /// Of the true candidates, the one that came nearest.
@@ -98,8 +99,8 @@ impl Report {
             deletions: played.deletions,
             queries: queries.len(),
             accuracy: accuracy(&service),
-            no_loop: count(|query| query.verdict == Verdict::NoLoop),
-            undecided: count(|query| query.verdict == Verdict::Undecided),
+            no_loop: count(|query| query.verdict == Decision::NoLoop),
+            undecided: count(|query| query.verdict == Decision::Undecided),
             ignored: count(Answered::is_ignored),
             unlabelled: count(|query| query.labels.is_none()),
             loops_wrong: count(Answered::has_wrong_loop),
@@ -125,12 +126,12 @@ impl Reasons {
     fn of(queries: &[Answered]) -> Self {
         let mut reasons = Self::default();
         for query in queries {
-            if query.verdict != Verdict::Loop {
-                let code = query.reason.as_ref().map_or("none given", |reason| &reason.code);
+            if query.verdict != Decision::Loop {
+                let code = query.reason.as_ref().map_or("none given", |reason| reason.code.0.as_str());
                 *reasons.queries.entry(code.to_owned()).or_default() += 1;
             }
             for code in &query.candidate_reasons {
-                *reasons.candidates.entry(code.clone()).or_default() += 1;
+                *reasons.candidates.entry(code.as_str().to_owned()).or_default() += 1;
             }
         }
         reasons
@@ -147,11 +148,7 @@ impl QueryLine {
         Self {
             map: query.map.clone(),
             keyframe: query.keyframe.clone(),
-            verdict: match query.verdict {
-                Verdict::Loop => "loop",
-                Verdict::NoLoop => "no_loop",
-                Verdict::Undecided => "undecided",
-            },
+            verdict: query.verdict.as_str(),
             reason: query.reason.clone(),
             best: query.leading.clone(),
             nearest_true: query.nearest_true.clone(),

@@ -7,7 +7,7 @@ use super::answered::Figures;
 use super::latency::Latency;
 use super::report::{QueryLine, Reasons, Report};
 use super::score::{Accuracy, BowOnly};
-use crate::client::Reason;
+use crate::wire::verdict::ReasonView;
 
 impl Display for Report {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
@@ -161,13 +161,13 @@ fn figures(candidate: &Figures) -> String {
     format!("{keyframe} S {similarity} BoW {bow_score:.3}{inliers}")
 }
 
-fn said(reason: &Reason) -> String {
-    let code = &reason.code;
+fn said(reason: &ReasonView) -> String {
+    let code = reason.code.0.as_str();
     match (reason.measured, reason.limit) {
         (Some(measured), Some(limit)) => format!("{code} {}/{}", number(measured), number(limit)),
         (Some(measured), None) => format!("{code} {}", number(measured)),
         (None, Some(limit)) => format!("{code} limit {}", number(limit)),
-        (None, None) => code.clone(),
+        (None, None) => code.to_owned(),
     }
 }
 

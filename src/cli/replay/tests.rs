@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 use tokio::net::TcpListener;
 
 use super::*;
+use crate::wire::examples;
 
 #[derive(Parser)]
 struct CommandLine {
@@ -56,21 +57,27 @@ fn answer(request: &str, body: &Value) -> Response {
         "PUT /v1/maps/taken" | "PUT /v1/maps/before/keyframes/k2" => {
             problem(StatusCode::CONFLICT, "Conflict")
         }
-        "PUT /v1/maps/before" => ([("idempotent-replayed", "true")], "{}").into_response(),
+        "PUT /v1/maps/before" => ([("idempotent-replayed", "true")], Json(examples::map())).into_response(),
         request if request.contains("/before/keyframes/") => {
-            ([("idempotent-replayed", "true")], r#"{"keyframe":"k"}"#).into_response()
+            ([("idempotent-replayed", "true")], Json(examples::keyframe_answer())).into_response()
         }
         request if request.contains("/bad-") => problem(StatusCode::UNPROCESSABLE_ENTITY, "Bad keyframe"),
         request if request.ends_with("/loop-queries") => Json(loop_answer(body)).into_response(),
-        request if request.ends_with("/poses") => StatusCode::NO_CONTENT.into_response(),
-        _ => (StatusCode::CREATED, Json(json!({"id": "l1", "keyframe": "k"}))).into_response(),
+        request if request.ends_with("/poses") => Json(examples::poses_answer()).into_response(),
+        request if request.ends_with("/loops") => Json(examples::loop_closed()).into_response(),
+        request if request.contains("/keyframes/") => Json(examples::keyframe_answer()).into_response(),
+        _ => (StatusCode::CREATED, Json(examples::map())).into_response(),
     }
 }
 
 fn loop_answer(body: &Value) -> Value {
     let candidate = |id: &str, verdict: &str, bow: f64, similarity: f64| {
-        let reason = json!({"code": "score_below_threshold", "measured": similarity, "limit": 0.3});
-        json!({"keyframe": id, "verdict": verdict, "bow": {"score": bow}, "anchors": {"similarity": similarity},
+        let reason =
+            json!({"code": "score_below_threshold", "measured": similarity, "limit": 0.3, "detail": ""});
+        json!({"keyframe": id, "verdict": verdict, "geometry": {"status": "skipped"},
+            "bow": {"score": bow, "common_words": 1, "reference_score": 0.0},
+            "anchors": {"similarity": similarity, "threshold": 0.3, "in_query": 1, "in_candidate": 1, "pending": 0,
+                "matches": [], "contradictions": [], "differences": []},
             "reason": if verdict == "loop" { Value::Null } else { reason }})
     };
     let (verdict, best, candidates) = match body["keyframe"].as_str() {
@@ -86,9 +93,14 @@ fn loop_answer(body: &Value) -> Value {
             vec![candidate("k1", "rejected", 0.1, 0.2), candidate("k9", "rejected", 0.05, 0.25)],
         ),
         Some("unsure") => ("loop", Some("k5"), vec![candidate("k5", "loop", 0.3, 0.5)]),
-        _ => return json!({"id": "q", "verdict": "undecided", "best": null, "reason": {"code": "empty_bow"}}),
+        _ => ("undecided", None, Vec::new()),
     };
-    json!({"id": "q", "verdict": verdict, "best": best, "candidates": candidates})
+    let mut answer = json!({"id": "q", "map_version": 1, "verdict": verdict, "best": best, "loops": [],
+        "degraded": false, "excluded_covisible": 0, "closed": [], "candidates": candidates});
+    if verdict == "undecided" {
+        answer["reason"] = json!({"code": "empty_bow", "detail": ""});
+    }
+    answer
 }
 
 const RECORDING: &str = r#"{"op":"map","id":"m","body":{"settings":{"candidates_max":3}}}

@@ -11,8 +11,9 @@ use crate::http::query::{Paging, Query};
 use crate::http::refusals::{OfBackup, OfList};
 use crate::model::request::NewBackup;
 use crate::service::Service;
-use crate::wire::backup::{BackupBody, BackupList, BackupView};
+use crate::wire::backup::{BackupBody, BackupView};
 use crate::wire::examples;
+use crate::wire::list::BackupList;
 
 /// Take a backup
 ///

@@ -12,7 +12,8 @@ use crate::http::refusals::{OfKeyDelete, OfList, OfWrite};
 use crate::model::key::KeyProperties;
 use crate::service::Service;
 use crate::service::lockout::Lockout;
-use crate::wire::key::{self, KeyBody, KeyList, KeyView};
+use crate::wire::key::{self, KeyBody, KeyView};
+use crate::wire::list::KeyList;
 
 /// List keys
 ///

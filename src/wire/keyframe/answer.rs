@@ -3,17 +3,15 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::RangeName;
-use super::detection::ASSUMED;
-use super::{BowShape, CameraShape, CovisibleShape, FeaturesShape, PointsShape};
+use super::shape::{BowShape, CameraShape, CovisibleShape, FeaturesShape, PointsShape, RangeName};
 use crate::geometry::Point3;
 use crate::model::anchor::{AnchorState, Outcome};
 use crate::model::bow::BowVector;
 use crate::model::ids::{AnchorSeq, KeyframeId, PointId};
 use crate::model::keyframe::{Camera, Detection, Features, Keypoint};
 use crate::model::report::{KeyframeRecord, KeyframeReport, KeyframeSummary};
-use crate::wire::anchor::AnchorStateName;
 use crate::wire::base64;
+use crate::wire::names::{AnchorStateName, IgnoredReasonName};
 use crate::wire::space::{Time, Transform};
 use crate::wire::verdict::LoopAnswer;
 
@@ -42,9 +40,9 @@ pub struct OutcomeView {
     pub anchor: Option<String>,
     /// What became of it.
     pub outcome: OutcomeName,
-    /// Why it was ignored: `class_not_anchored`, `no_place` or `anchor_deleted`.
+    /// Why it was ignored.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub reason: Option<String>,
+    pub reason: Option<IgnoredReasonName>,
     /// How far the anchor's description is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub state: Option<AnchorStateName>,
@@ -110,8 +108,8 @@ pub struct DetectionView {
     pub position: Option<[f64; 3]>,
     /// `assumed` if nothing measured the distance of `position`; else left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<RangeName>, inline)]
-    pub range: Option<String>,
+    #[schema(inline)]
+    pub range: Option<RangeName>,
     /// What a reader made of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub text: Option<String>,
@@ -127,7 +125,7 @@ pub struct DetectionView {
     pub outcome: OutcomeName,
     /// Why it was ignored.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub reason: Option<String>,
+    pub reason: Option<IgnoredReasonName>,
     /// How far the anchor's description is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub state: Option<AnchorStateName>,
@@ -176,7 +174,7 @@ impl From<(Outcome, Option<AnchorState>)> for OutcomeView {
         let (outcome, anchor, reason) = match outcome {
             Outcome::Created(anchor) => (OutcomeName::Created, Some(anchor.public()), None),
             Outcome::Observed(anchor) => (OutcomeName::Observed, Some(anchor.public()), None),
-            Outcome::Ignored(reason) => (OutcomeName::Ignored, None, Some(reason.as_str().to_owned())),
+            Outcome::Ignored(reason) => (OutcomeName::Ignored, None, Some(reason.into())),
         };
         Self { anchor, outcome, reason, state: state.map(AnchorStateName::from) }
     }
@@ -215,7 +213,7 @@ impl From<(Detection, (Outcome, Option<AnchorState>))> for DetectionView {
             box_px: detection.box_px,
             map_points: detection.map_points,
             position: detection.position_in_session.map(|point| point.coords.into()),
-            range: detection.range_assumed.then(|| ASSUMED.to_owned()),
+            range: detection.range_assumed.then_some(RangeName::Assumed),
             text: detection.text,
             description: detection.description,
             has_crop: detection.crop.is_some(),

@@ -1,12 +1,13 @@
 //! A keyframe read out of JSON, with every fault in it.
 
 use std::collections::HashSet;
-use std::hash::Hash;
 
 use serde_json::Value;
 
-use super::{detection, features};
-use crate::geometry::{Point3, Pose};
+use super::detection::decode as decode_detection;
+use super::features::decode as decode_features;
+use super::points::{ascending, points, unique};
+use crate::geometry::Pose;
 use crate::model::bow::BowVector;
 use crate::model::ids::{KeyframeId, PointId, SessionId};
 use crate::model::invalid::FieldError;
@@ -88,12 +89,12 @@ fn keyframe(node: &Node<'_>, id: &KeyframeId, stored: bool) -> Option<SentKeyfra
     let pose = body.required("pose", Pose::decode);
     let camera = body.optional("camera", camera);
     let bow = body.optional("bow", bow);
-    let features = body.optional("features", features::decode);
+    let features = body.optional("features", decode_features);
     let map_points = body.optional("map_points", points);
     let observes =
         body.optional("observes", |node| node.list(limits::MAP_POINTS, |point| point.whole(limits::POINT)));
     let covisible = body.optional("covisible", |node| covisible(node, stored.then_some(id)));
-    let detections = body.optional("detections", |node| node.list(limits::DETECTIONS, detection::decode));
+    let detections = body.optional("detections", |node| node.list(limits::DETECTIONS, decode_detection));
     let features = features?;
     let (bow, vocabulary) = bow?.map_or_else(Default::default, |(bow, vocabulary)| (bow, Some(vocabulary)));
     let keyframe = NewKeyframe {
@@ -119,13 +120,6 @@ fn observed(mut listed: Vec<PointId>, features: Option<&Features>) -> Vec<PointI
     ascending(listed)
 }
 
-/// A set of map points in the order in which the model keeps them.
-pub(super) fn ascending(mut points: Vec<PointId>) -> Vec<PointId> {
-    points.sort_unstable();
-    points.dedup();
-    points
-}
-
 fn camera(node: &Node<'_>) -> Option<Camera> {
     let body = node.object(&["fx", "fy", "cx", "cy", "width", "height"])?;
     let [fx, fy] = ["fx", "fy"].map(|name| body.required(name, |node| node.number(limits::FOCAL_LENGTH_PX)));
@@ -149,19 +143,6 @@ fn bow(node: &Node<'_>) -> Option<(BowVector, Box<str>)> {
     }
 }
 
-/// Reads numbers and positions of map points, in parallel, and returns them ascending by number: the order in which a
-/// client lists a set says nothing.
-pub fn points(node: &Node<'_>) -> Option<Vec<(PointId, Point3)>> {
-    let body = node.object(&["ids", "positions"])?;
-    let ids =
-        body.required("ids", |node| unique(node, limits::MAP_POINTS, |point| point.whole(limits::POINT)));
-    let positions = body.required("positions", |node| node.list(limits::MAP_POINTS, Point3::decode));
-    body.parallel("ids", "positions")?;
-    let mut points: Vec<(PointId, Point3)> = ids?.into_iter().zip(positions?).collect();
-    points.sort_unstable_by_key(|(id, _)| *id);
-    Some(points)
-}
-
 fn covisible(node: &Node<'_>, this: Option<&KeyframeId>) -> Option<Vec<(KeyframeId, u32)>> {
     let mut seen = HashSet::new();
     node.list(limits::COVISIBLE, |entry| {
@@ -178,18 +159,5 @@ fn covisible(node: &Node<'_>, this: Option<&KeyframeId>) -> Option<Vec<(Keyframe
         });
         let shared = body.required("shared", |node| node.count(limits::SHARED));
         Some((keyframe?, shared?))
-    })
-}
-
-/// A list in which nothing may be twice; the second one is told off.
-pub fn unique<T: Clone + Eq + Hash>(
-    node: &Node<'_>,
-    max: usize,
-    mut read: impl FnMut(&Node<'_>) -> Option<T>,
-) -> Option<Vec<T>> {
-    let mut seen = HashSet::new();
-    node.list(max, |item| {
-        let value = read(item)?;
-        if seen.insert(value.clone()) { Some(value) } else { item.refuse("listed twice", "each one once") }
     })
 }

@@ -1,6 +1,6 @@
 //! A detection read: its box, its place and what was read of it.
 
-use super::decode::ascending;
+use super::points::ascending;
 use crate::geometry::Point3;
 use crate::model::counted::counted;
 use crate::model::keyframe::{Crop, Detection};
@@ -12,8 +12,8 @@ const FIELDS: [&str; 9] =
     ["class", "confidence", "box", "map_points", "position", "range", "text", "description", "crop"];
 
 /// The distance of `position` was guessed, say from the height that letters have as a rule.
-pub const ASSUMED: &str = "assumed";
-/// How the distance of `position` was come by.
+const ASSUMED: &str = "assumed";
+/// The origins of the distance of `position`.
 const RANGES: [&str; 2] = ["measured", ASSUMED];
 
 /// Reads one of `detections`.

@@ -2,8 +2,9 @@
 
 use std::collections::HashSet;
 
-use super::detection::ASSUMED;
-use super::{BowShape, CovisibleShape, DetectionShape, FeaturesShape, KeyframeBody, PointsShape};
+use super::shape::{
+    BowShape, CovisibleShape, DetectionShape, FeaturesShape, KeyframeBody, PointsShape, RangeName,
+};
 use crate::geometry::Point3;
 use crate::model::bow::BowVector;
 use crate::model::ids::PointId;
@@ -72,7 +73,7 @@ impl From<Detection> for DetectionShape {
             box_px: detection.box_px,
             map_points: filled(detection.map_points),
             position: detection.position_in_session.map(|at| [at.x, at.y, at.z]),
-            range: detection.range_assumed.then(|| ASSUMED.to_owned()),
+            range: detection.range_assumed.then_some(RangeName::Assumed),
             text: detection.text,
             description: detection.description,
             crop: detection.crop.map(|crop| base64::encode(&crop.bytes)),

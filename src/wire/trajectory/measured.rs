@@ -2,8 +2,9 @@
 
 use serde::Deserialize;
 
-use super::super::geometry::{GeometryModel, GeometryStatusName, GeometryView};
 use crate::geometry::Pose;
+use crate::model::verdict::GeometryStatus;
+use crate::wire::geometry::{GeometryModel, GeometryView};
 
 /// A loop's transformation, as it was verified when the query was answered.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,7 +34,7 @@ impl MeasuredLoop {
         let kept: Kept = serde_json::from_slice(answer).ok()?;
         let geometry = kept.candidates.into_iter().find(|it| it.keyframe == candidate)?.geometry?;
         let full = matches!(geometry.model, Some(GeometryModel::Sim3 | GeometryModel::Se3));
-        if geometry.status != GeometryStatusName::Verified || !full {
+        if geometry.status.0 != GeometryStatus::Verified || !full {
             return None;
         }
         let found = geometry.candidate_from_query?;

@@ -22,7 +22,7 @@ SIGN_CLASS = "sign"
 NAME_CLASS = "name"
 # Readings below this are left out: they are seldom text.
 MIN_CONFIDENCE = 0.5
-# The server takes a reading below its `reading_min_confidence` (0.8) for unsure until it is read alike again.
+# The server takes a reading below its `reading_min_confidence` for unsure until it is read alike again.
 DISAGREED_CONFIDENCE = 0.6
 CUT_CONFIDENCE = 0.5
 # A single letter or digit is what a reader makes of lamps and handles; a real one is read without any doubt.

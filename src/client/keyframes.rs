@@ -1,0 +1,84 @@
+//! Keyframes: written, read and removed.
+
+use reqwest::Method;
+use serde::Serialize;
+
+use super::body::Body;
+use super::connection::{Client, Written};
+use super::error::ClientError;
+use super::maps::{Page, borrowed};
+use crate::wire::anchor::LocalAnchorMap;
+use crate::wire::bulk::BulkLine;
+use crate::wire::keyframe::{KeyframeAnswer, KeyframeBody, KeyframeView};
+use crate::wire::list::{CovisibleList, KeyframeList};
+use crate::wire::map::MapVersion;
+
+/// A keyframe with its id: a line of a bulk request.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NamedKeyframe {
+    /// Its id.
+    pub id: String,
+    /// The keyframe.
+    #[serde(flatten)]
+    pub keyframe: KeyframeBody,
+}
+
+impl Client {
+    /// Lists the keyframes, in order of arrival.
+    pub async fn list_keyframes(&self, map: &str, page: &Page) -> Result<KeyframeList, ClientError> {
+        self.read(&["v1", "maps", map, "keyframes"], &borrowed(&page.parameters())).await
+    }
+
+    /// Reads a keyframe as it stands now.
+    pub async fn keyframe(&self, map: &str, keyframe: &str) -> Result<KeyframeView, ClientError> {
+        self.read(&["v1", "maps", map, "keyframes", keyframe], &[]).await
+    }
+
+    /// Stores a keyframe, and asks the loop query in the same round trip if `ask_loop`.
+    pub async fn put_keyframe(
+        &self,
+        map: &str,
+        keyframe: &str,
+        body: &impl Body<KeyframeBody>,
+        ask_loop: bool,
+    ) -> Result<Written<KeyframeAnswer>, ClientError> {
+        let query: &[(&str, &str)] = if ask_loop { &[("query", "loop")] } else { &[] };
+        self.write(Method::PUT, &["v1", "maps", map, "keyframes", keyframe], query, body).await
+    }
+
+    /// Stores many keyframes in one request; the answer has one line for each of them.
+    pub async fn put_keyframes(
+        &self,
+        map: &str,
+        keyframes: &[NamedKeyframe],
+    ) -> Result<Vec<BulkLine>, ClientError> {
+        self.write_lines(&["v1", "maps", map, "keyframes"], keyframes).await
+    }
+
+    /// Removes a keyframe, and everything that rests on it alone.
+    pub async fn delete_keyframe(&self, map: &str, keyframe: &str) -> Result<MapVersion, ClientError> {
+        self.remove(&["v1", "maps", map, "keyframes", keyframe], &[]).await?.decode()
+    }
+
+    /// Lists the keyframes that are covisible with one.
+    pub async fn covisible(&self, map: &str, keyframe: &str) -> Result<CovisibleList, ClientError> {
+        self.read(&["v1", "maps", map, "keyframes", keyframe, "covisible"], &[]).await
+    }
+
+    /// Reads the local anchor map around a keyframe.
+    pub async fn local_anchor_map(&self, map: &str, keyframe: &str) -> Result<LocalAnchorMap, ClientError> {
+        self.read(&["v1", "maps", map, "keyframes", keyframe, "local-anchor-map"], &[]).await
+    }
+
+    /// Returns the anchor that a detection feeds: the server names anchors, the client its detections.
+    pub async fn anchor_of(
+        &self,
+        map: &str,
+        keyframe: &str,
+        detection: usize,
+    ) -> Result<String, ClientError> {
+        let stored = self.keyframe(map, keyframe).await?;
+        let named = stored.detections.into_iter().nth(detection).and_then(|detection| detection.anchor);
+        named.ok_or_else(|| ClientError::NoAnchor { keyframe: keyframe.to_owned(), detection })
+    }
+}

@@ -1,0 +1,47 @@
+//! Loops: asked about, confirmed, listed and revoked.
+
+use reqwest::Method;
+
+use super::body::Body;
+use super::connection::{Client, Written};
+use super::error::ClientError;
+use super::maps::{Page, borrowed};
+use crate::wire::list::LoopList;
+use crate::wire::loop_query::LoopQueryBody;
+use crate::wire::loops::{LoopBody, LoopClosed, LoopRevoked};
+use crate::wire::verdict::LoopAnswer;
+
+impl Client {
+    /// Asks "is this keyframe a loop?".
+    pub async fn loop_query(
+        &self,
+        map: &str,
+        body: &impl Body<LoopQueryBody>,
+    ) -> Result<LoopAnswer, ClientError> {
+        Ok(self.write(Method::POST, &["v1", "maps", map, "loop-queries"], &[], body).await?.answer)
+    }
+
+    /// Reads an earlier answer.
+    pub async fn loop_answer(&self, map: &str, query: &str) -> Result<LoopAnswer, ClientError> {
+        self.read(&["v1", "maps", map, "loop-queries", query], &[]).await
+    }
+
+    /// Lists the confirmed loops, oldest first.
+    pub async fn list_loops(&self, map: &str, page: &Page) -> Result<LoopList, ClientError> {
+        self.read(&["v1", "maps", map, "loops"], &borrowed(&page.parameters())).await
+    }
+
+    /// Confirms a loop that the client closed.
+    pub async fn post_loop(
+        &self,
+        map: &str,
+        body: &impl Body<LoopBody>,
+    ) -> Result<Written<LoopClosed>, ClientError> {
+        self.write(Method::POST, &["v1", "maps", map, "loops"], &[], body).await
+    }
+
+    /// Revokes a loop; the anchors that it merged are split again.
+    pub async fn delete_loop(&self, map: &str, id: &str) -> Result<LoopRevoked, ClientError> {
+        self.remove(&["v1", "maps", map, "loops", id], &[]).await?.decode()
+    }
+}

@@ -1,0 +1,104 @@
+//! Maps: declared, changed, read, corrected, exported and removed.
+
+use std::io;
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+use reqwest::Method;
+
+use super::body::Body;
+use super::connection::{Client, Written};
+use super::error::ClientError;
+use crate::wire::list::MapList;
+use crate::wire::map::{MapBody, MapPatchBody, MapView};
+use crate::wire::poses::{PosesAnswer, PosesBody};
+
+/// A map of a million keyframes is exported within this time.
+const EXPORT_TIMEOUT: Duration = Duration::from_hours(12);
+
+/// A part of a list.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Page {
+    /// The number of items at most.
+    pub limit: Option<usize>,
+    /// `next_cursor` of the part before.
+    pub cursor: Option<String>,
+}
+
+impl Page {
+    /// Returns the parameters of a request.
+    pub(super) fn parameters(&self) -> Vec<(&'static str, String)> {
+        let limit = self.limit.map(|limit| ("limit", limit.to_string()));
+        let cursor = self.cursor.clone().map(|cursor| ("cursor", cursor));
+        limit.into_iter().chain(cursor).collect()
+    }
+}
+
+/// Borrows parameters as a request takes them.
+pub(super) fn borrowed<'a>(parameters: &'a [(&'static str, String)]) -> Vec<(&'static str, &'a str)> {
+    parameters.iter().map(|(name, value)| (*name, value.as_str())).collect()
+}
+
+impl Client {
+    /// Lists the maps, by id.
+    pub async fn list_maps(&self, page: &Page) -> Result<MapList, ClientError> {
+        self.read(&["v1", "maps"], &borrowed(&page.parameters())).await
+    }
+
+    /// Reads a map's properties and figures.
+    pub async fn map(&self, map: &str) -> Result<MapView, ClientError> {
+        self.read(&["v1", "maps", map], &[]).await
+    }
+
+    /// Declares a map.
+    pub async fn put_map(
+        &self,
+        map: &str,
+        body: &impl Body<MapBody>,
+    ) -> Result<Written<MapView>, ClientError> {
+        self.write(Method::PUT, &["v1", "maps", map], &[], body).await
+    }
+
+    /// Changes the properties that the body names.
+    pub async fn patch_map(&self, map: &str, body: &impl Body<MapPatchBody>) -> Result<MapView, ClientError> {
+        Ok(self.write(Method::PATCH, &["v1", "maps", map], &[], body).await?.answer)
+    }
+
+    /// Removes a map with all that is in it.
+    pub async fn delete_map(&self, map: &str) -> Result<(), ClientError> {
+        self.remove(&["v1", "maps", map], &[]).await.map(drop)
+    }
+
+    /// Sends poses and map points as the client's optimisation corrected them.
+    pub async fn post_poses(
+        &self,
+        map: &str,
+        body: &impl Body<PosesBody>,
+    ) -> Result<PosesAnswer, ClientError> {
+        Ok(self.write(Method::POST, &["v1", "maps", map, "poses"], &[], body).await?.answer)
+    }
+
+    /// Reads a map as a recording; `take` receives it piece by piece.
+    pub async fn export(
+        &self,
+        map: &str,
+        mut take: impl FnMut(&[u8]) -> io::Result<()>,
+    ) -> Result<(), ClientError> {
+        let path = ["v1", "maps", map, "export"];
+        let take = |_: &str, piece: &[u8]| take(piece).map(ControlFlow::Continue).map_err(ClientError::Write);
+        self.pieces(&path, &[], EXPORT_TIMEOUT, take).await
+    }
+
+    /// Reads the trajectory in a format (`tum`, `kitti` or `g2o`), of one session where the format takes one only.
+    pub async fn trajectory(
+        &self,
+        map: &str,
+        format: &str,
+        session: Option<&str>,
+    ) -> Result<String, ClientError> {
+        let query: Vec<(&str, &str)> =
+            [("format", format)].into_iter().chain(session.map(|session| ("session", session))).collect();
+        let path = ["v1", "maps", map, "trajectory"];
+        Ok(self.send(Method::GET, &path, &query, None::<&()>).await?.text())
+    }
+}
