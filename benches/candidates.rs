@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use revisit::model::bow::BowVector;
+use revisit::domain::bow::BowVector;
 use revisit::recognition::inverted_file::{InvertedFile, Scratch};
 use revisit::recognition::places::{PlaceLimits, PlaceScratch, best_places};
 

@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
+use revisit::domain::bow::BowVector;
+use revisit::domain::keyframe::{Detection, NewKeyframe, Stamp};
+use revisit::domain::verdict::Verify;
 use revisit::geometry::{Point3, Pose};
-use revisit::model::bow::BowVector;
-use revisit::model::keyframe::{Detection, NewKeyframe, Stamp};
-use revisit::model::verdict::Verify;
 use revisit::recognition::index::MapIndex;
 use revisit::recognition::ingest::ingest;
 use revisit::recognition::loop_check::screen;

@@ -10,14 +10,14 @@ mod robot;
 use std::process::Command;
 use std::sync::Arc;
 
-use revisit::model::ids::MapId;
-use revisit::model::keyframe::NewKeyframe;
-use revisit::model::map::MapProperties;
-use revisit::model::request::{LoopQuery, Subject};
-use revisit::model::verdict::Verify;
+use revisit::domain::ids::MapId;
+use revisit::domain::keyframe::NewKeyframe;
+use revisit::domain::map::MapProperties;
+use revisit::domain::request::{LoopQuery, Subject};
+use revisit::domain::verdict::Verify;
+use revisit::engine::{Service, ServiceOptions};
 use revisit::recognition::index::MapIndex;
 use revisit::recognition::ingest::ingest;
-use revisit::service::{Service, ServiceOptions};
 
 use robot::{Robot, Sends};
 

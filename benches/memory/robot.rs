@@ -6,12 +6,12 @@
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use revisit::geometry::{Point3, Pose};
-use revisit::model::bow::BowVector;
-use revisit::model::ids::KeyframeId;
-use revisit::model::keyframe::{
+use revisit::domain::bow::BowVector;
+use revisit::domain::ids::KeyframeId;
+use revisit::domain::keyframe::{
     CLIENTS_VOCABULARY, Camera, Detection, Features, Keypoint, NewKeyframe, Stamp,
 };
+use revisit::geometry::{Point3, Pose};
 
 const WORDS: usize = 700;
 const WORDS_IN_BUILDING: u32 = 60_000;

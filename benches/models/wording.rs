@@ -10,9 +10,9 @@ use std::sync::Arc;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use revisit::model::change::Change;
-use revisit::model::judged::{Finding, ModelVerdict};
-use revisit::model::roles::Roles;
+use revisit::domain::change::Change;
+use revisit::domain::judged::{Finding, ModelVerdict};
+use revisit::domain::roles::Roles;
 use revisit::recognition::index::MapIndex;
 use revisit::recognition::ingest::ingest;
 use revisit::recognition::lacking::{Lack, lacking};

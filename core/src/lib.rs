@@ -53,17 +53,17 @@
 //! assert_eq!(reason.code.as_str(), "contradiction");
 //! ```
 
+pub mod domain;
 pub mod geometry;
-pub mod model;
 pub mod recognition;
 pub mod semantics;
 pub mod vocabulary;
 
-pub use model::bow::BowVector;
-pub use model::keyframe::{Camera, Detection, Features, Keypoint, NewKeyframe, Stamp};
-pub use model::map::MapProperties;
-pub use model::settings::Settings;
-pub use model::verdict::{Candidate, CandidateDecision, Decision, ReasonCode, Verdict, Verify};
+pub use domain::bow::BowVector;
+pub use domain::keyframe::{Camera, Detection, Features, Keypoint, NewKeyframe, Stamp};
+pub use domain::map::MapProperties;
+pub use domain::settings::Settings;
+pub use domain::verdict::{Candidate, CandidateDecision, Decision, ReasonCode, Verdict, Verify};
 pub use recognition::closing::{close_loop, revoke_loop};
 pub use recognition::correction::{Correction, correct};
 pub use recognition::culling::cull_keyframe;

@@ -2,11 +2,11 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use revisit::model::map::MapProperties;
-use revisit::model::request::{LoopQuery, MapPatch, NewLoop, NewVerdict, PoseCorrection};
-use revisit::wire::anchor::AnchorPatch;
-use revisit::wire::semantics::{OneText, TextPair};
-use revisit::wire::{read, syntax};
+use revisit::domain::map::MapProperties;
+use revisit::domain::request::{LoopQuery, MapPatch, NewLoop, NewVerdict, PoseCorrection};
+use revisit::api::anchor::AnchorPatch;
+use revisit::api::semantics::{OneText, TextPair};
+use revisit::api::decoding::{read, syntax};
 
 fuzz_target!(|bytes: &[u8]| {
     let Some((kind, bytes)) = bytes.split_first() else { return };

@@ -2,7 +2,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use revisit::wire::{bulk, syntax};
+use revisit::api::bulk;
+use revisit::api::decoding::syntax;
 
 fuzz_target!(|bytes: &[u8]| {
     for line in bytes.split(|byte| *byte == b'\n') {

@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use revisit::model::ids::{AnchorSeq, KeyframeId, MapId};
+use revisit::domain::ids::{AnchorSeq, KeyframeId, MapId};
 
 fuzz_target!(|text: &str| {
     if let Ok(id) = text.parse::<MapId>() {

@@ -2,9 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use revisit::semantics::{
-    Text, addresses_a_model, clean, conflict, information, merge, similarity, similarity_level,
-};
+use revisit::semantics::{Text, addresses_a_model, clean, conflict, information, merge, similarity, similarity_level};
 
 fuzz_target!(|texts: (&str, &str)| {
     let (a, b) = (Text::parse(texts.0), Text::parse(texts.1));

@@ -2,7 +2,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use revisit::wire::{keyframe, syntax};
+use revisit::api::keyframe;
+use revisit::api::decoding::syntax;
 
 fuzz_target!(|bytes: &[u8]| {
     let Ok(body) = syntax::parse(bytes) else { return };

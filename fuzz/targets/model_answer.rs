@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use revisit::models::parse;
+use revisit::llm::parse;
 
 fuzz_target!(|content: &str| {
     if let Ok((level, reason)) = parse::level(content) {

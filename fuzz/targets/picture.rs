@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use revisit::models::picture::Picture;
+use revisit::llm::picture::Picture;
 
 fuzz_target!(|bytes: &[u8]| {
     let Ok(picture) = Picture::decode(bytes) else { return };

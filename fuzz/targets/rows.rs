@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use revisit::store::unpacks;
-use revisit::wire::{base64, read};
+use revisit::api::decoding::{base64, read};
 
 fuzz_target!(|bytes: &[u8]| {
     unpacks(bytes);

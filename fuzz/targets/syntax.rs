@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use revisit::wire::syntax;
+use revisit::api::decoding::syntax;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok(value) = syntax::parse(bytes) {

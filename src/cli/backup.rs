@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{Failure, write_out};
-use crate::model::counted::counted;
+use crate::domain::counted::counted;
 use crate::store::backup::{Copied, Copy, folder_of, regular_or_free};
-use crate::store::files::DatabaseFiles;
+use crate::store::files::paths::DatabaseFiles;
 use crate::store::restore::{Allowed, restore};
 
 /// What is added to the name of a copy that has faults.
@@ -71,7 +71,7 @@ pub async fn run(args: BackupArgs) -> Result<(), Failure> {
         return Err(keep_damaged(copy, &args)?.into());
     }
     let copied = copy.place(&args.file, args.force)?;
-    let (file, holds, verified) = (args.file.display(), told(&copied), verified(&copied));
+    let (file, holds, verified) = (args.file.display(), report(&copied), verified(&copied));
     Ok(write_out(&format!(
         "{file}: {holds}; {} bytes, {verified}, sha256 {}\n",
         copied.bytes, copied.sha256
@@ -101,7 +101,7 @@ pub async fn run_restore(args: RestoreArgs) -> Result<(), Failure> {
     let target = DatabaseFiles::of_url(&args.database)?;
     let backup = DatabaseFiles::of_path(&args.file);
     let restored = restore(&backup, &target, Allowed { replace: args.force, faults: args.damaged }).await?;
-    let holds = told(&restored.copied);
+    let holds = report(&restored.copied);
     // Its sum is not told: SQLite has written it anew, and it differs from the backup's.
     let verified = match restored.faults.len() {
         0 => verified(&restored.copied).to_owned(),
@@ -130,7 +130,7 @@ fn verified(copied: &Copied) -> &'static str {
     }
 }
 
-fn told(copied: &Copied) -> String {
+fn report(copied: &Copied) -> String {
     let holds = copied.holds;
     format!(
         "{}, {}, {}, schema {}",

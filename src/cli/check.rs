@@ -4,9 +4,9 @@ use clap::Args;
 use serde_json::json;
 
 use super::{Failure, write_out};
-use crate::model::counted::counted;
+use crate::domain::counted::counted;
 use crate::store::check::{Checked, MapCheck, check};
-use crate::store::files::DatabaseFiles;
+use crate::store::files::paths::DatabaseFiles;
 
 /// At most so many faults are listed for a person; `--json` has them all.
 const LISTED: usize = 20;

@@ -7,25 +7,25 @@ use clap::Args;
 use super::hotel::hotel_server;
 use super::{Failure, stop_on_signal, write_out};
 use crate::client::Client;
+use crate::domain::verdict::Decision;
 use crate::geometry::absolute_orientation::Scale;
-use crate::hotel::arm::Arm;
-use crate::hotel::explain::{Narrator, keyframe_id};
-use crate::hotel::paper::SEQUENCES;
-use crate::hotel::results::{ArmResult, Confusion, SequenceResult};
+use crate::hotel::building::texture::Patterns;
+use crate::hotel::method::Method;
+use crate::hotel::run::{self, Asked, RunResult, absolute_pose_error_m, drive};
 use crate::hotel::scenario::Scenario;
-use crate::hotel::tables;
-use crate::hotel::texture::Patterns;
-use crate::hotel::trial::{self, Asked, Driven, absolute_pose_error_m, drive};
-use crate::model::verdict::Decision;
+use crate::hotel::scoring::explain::{Narrator, keyframe_id};
+use crate::hotel::scoring::paper::SEQUENCES;
+use crate::hotel::scoring::results::{ArmResult, Confusion, SequenceResult};
+use crate::hotel::scoring::tables;
 
 /// The sequence of the paper's Figure 6.
 const SEQUENCE: &str = "SE2 00";
 /// The map that stays to be looked at.
 const MAP: &str = "hotel";
 /// The arms that drive after ours, and what they are.
-const OTHERS: [(Arm, &str); 2] = [
-    (Arm::Paper, "the paper's method to the letter, its loops confirmed as ORB-SLAM3 does"),
-    (Arm::BagOfWords, "bag of words and Sim3 without signs, confirmed in the same way"),
+const OTHERS: [(Method, &str); 2] = [
+    (Method::Paper, "the paper's method to the letter, its loops confirmed as ORB-SLAM3 does"),
+    (Method::BagOfWords, "bag of words and Sim3 without signs, confirmed in the same way"),
 ];
 /// A line for every rejected look-alike would be hundreds: of a run of them one is told.
 const REJECTIONS_EVERY: usize = 25;
@@ -68,7 +68,7 @@ pub async fn run(args: DemoArgs) -> Result<(), Failure> {
         server.url()
     ))?;
     let mut teller = Teller::new(narrator, scenario.course.order.len());
-    let ours = drive(&client, MAP, Arm::Ours, &scenario.course, |asked| teller.hear(asked)).await?;
+    let ours = drive(&client, MAP, Method::Ours, &scenario.course, |asked| teller.hear(asked)).await?;
     let mut drives = vec![ours];
     for (arm, method) in OTHERS {
         write_out(&format!("\nThe same drive again, with {method} ...\n"))?;
@@ -83,7 +83,7 @@ pub async fn run(args: DemoArgs) -> Result<(), Failure> {
         keyframes: scenario.course.order.len(),
         odometry_m: absolute_pose_error_m(
             &scenario.course.journeys,
-            &trial::odometry(&scenario.course),
+            &run::odometry(&scenario.course),
             Scale::Fixed,
         ),
         arms: drives.iter().map(ArmResult::of).collect(),
@@ -167,7 +167,7 @@ impl<'a> Teller<'a> {
     }
 }
 
-fn next_steps(url: &str, ours: &Driven) -> String {
+fn next_steps(url: &str, ours: &RunResult) -> String {
     let found = ours.asked.iter().rev().find(|asked| asked.answer.verdict.0 == Decision::Loop);
     let keyframe = found.map_or_else(|| String::from("kf-0"), |asked| keyframe_id(asked.keyframe));
     let query = found.map_or("q", |asked| asked.answer.id.as_str());

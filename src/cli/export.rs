@@ -9,13 +9,13 @@ use clap::Args;
 use tempfile::NamedTempFile;
 
 use super::Failure;
+use crate::api::recording::write_line;
 use crate::client::Client;
-use crate::model::counted::counted;
-use crate::model::ids::MapId;
+use crate::domain::counted::counted;
+use crate::domain::ids::MapId;
 use crate::store::Export;
 use crate::store::backup::{folder_of, regular_or_free};
-use crate::store::files::DatabaseFiles;
-use crate::wire::recording::write_line;
+use crate::store::files::paths::DatabaseFiles;
 
 /// Compression level of a file that ends in `.zst`.
 const ZSTD_LEVEL: i32 = 3;

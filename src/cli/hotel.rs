@@ -5,7 +5,7 @@ use clap::Subcommand;
 use super::replay::OwnServer;
 use super::serve::temporary_server;
 use super::{Failure, demo, eval};
-use crate::hotel::texture::Patterns;
+use crate::hotel::building::texture::Patterns;
 
 /// The subcommands of the simulated hotel.
 #[derive(Debug, Subcommand)]

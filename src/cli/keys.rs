@@ -5,14 +5,14 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use clap::{Args, Subcommand};
 
 use super::{Failure, write_out};
-use crate::model::counted::counted;
-use crate::model::key::{Action, Key, KeyProperties, MapPattern};
-use crate::model::keyframe::Stamp;
-use crate::service::ServiceError;
-use crate::service::keyring::Keyring;
-use crate::service::lockout::{Lockout, WAY_BACK};
+use crate::domain::counted::counted;
+use crate::domain::key::{Action, Key, KeyProperties, MapPattern};
+use crate::domain::keyframe::Stamp;
+use crate::engine::ServiceError;
+use crate::engine::keys::keyring::Keyring;
+use crate::engine::keys::lockout::{Lockout, WAY_BACK};
 use crate::store::Store;
-use crate::store::files::DatabaseFiles;
+use crate::store::files::paths::DatabaseFiles;
 
 /// Make, list and revoke API keys.
 ///

@@ -14,8 +14,8 @@ use crate::config::memory::MemoryArgs;
 use crate::config::quotas::Quotas;
 use crate::config::traces::Traces;
 use crate::config::{build, limits, listen, logging, traces};
+use crate::engine::{ModelChoice, Service, ServiceOptions};
 use crate::http::{self, RunningServer};
-use crate::service::{ModelChoice, Service, ServiceOptions};
 use crate::vocabulary::Vocabulary;
 
 /// Files that the database, the runtime and the log keep open.

@@ -7,11 +7,11 @@ use super::body::Body;
 use super::connection::Client;
 use super::error::ClientError;
 use super::maps::{Page, borrowed};
-use crate::wire::anchor::{AnchorPatchBody, AnchorView};
-use crate::wire::list::AnchorList;
-use crate::wire::map::MapVersion;
-use crate::wire::names::AnchorStateName;
-use crate::wire::transcript::TranscriptList;
+use crate::api::anchor::{AnchorPatchBody, AnchorView};
+use crate::api::list::AnchorList;
+use crate::api::map::MapVersion;
+use crate::api::names::AnchorStateName;
+use crate::api::transcript::TranscriptList;
 
 /// The anchors to be listed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -2,8 +2,8 @@
 
 use std::cmp::Ordering;
 
-use crate::wire::geometry::{GeometryModel, GeometryView, Similarity};
-use crate::wire::verdict::{CandidateView, LoopAnswer};
+use crate::api::geometry::{GeometryModel, GeometryView, Similarity};
+use crate::api::verdict::{CandidateView, LoopAnswer};
 
 impl LoopAnswer {
     /// Returns the candidate that the answer is about: `best`, or the one that came nearest to being it, an undecided one before

@@ -3,17 +3,17 @@
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use crate::wire::anchor::AnchorPatchBody;
-use crate::wire::backup::BackupBody;
-use crate::wire::judgement::JudgementBody;
-use crate::wire::key::KeyBody;
-use crate::wire::keyframe::KeyframeBody;
-use crate::wire::loop_query::LoopQueryBody;
-use crate::wire::loops::LoopBody;
-use crate::wire::map::{MapBody, MapPatchBody};
-use crate::wire::model_verdict::ModelVerdictBody;
-use crate::wire::poses::PosesBody;
-use crate::wire::semantics::{OneText, TextPair};
+use crate::api::anchor::AnchorPatchBody;
+use crate::api::backup::BackupBody;
+use crate::api::judgement::JudgementBody;
+use crate::api::key::KeyBody;
+use crate::api::keyframe::KeyframeBody;
+use crate::api::loop_query::LoopQueryBody;
+use crate::api::loops::LoopBody;
+use crate::api::map::{MapBody, MapPatchBody};
+use crate::api::model_verdict::ModelVerdictBody;
+use crate::api::poses::PosesBody;
+use crate::api::semantics::{OneText, TextPair};
 
 /// A body for an operation that takes `Shape`.
 pub trait Body<Shape>: Serialize {}

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::connection::{Client, decode};
 use super::error::ClientError;
-use crate::wire::event::EventView;
+use crate::api::event::EventView;
 
 /// A stream is listened to for at most this long; then the caller listens again from the last number.
 const LISTEN_TIMEOUT: Duration = Duration::from_hours(12);

@@ -7,11 +7,11 @@ use super::body::Body;
 use super::connection::{Client, Written};
 use super::error::ClientError;
 use super::maps::{Page, borrowed};
-use crate::wire::anchor::LocalAnchorMap;
-use crate::wire::bulk::BulkLine;
-use crate::wire::keyframe::{KeyframeAnswer, KeyframeBody, KeyframeView};
-use crate::wire::list::{CovisibleList, KeyframeList};
-use crate::wire::map::MapVersion;
+use crate::api::anchor::LocalAnchorMap;
+use crate::api::bulk::BulkLine;
+use crate::api::keyframe::{KeyframeAnswer, KeyframeBody, KeyframeView};
+use crate::api::list::{CovisibleList, KeyframeList};
+use crate::api::map::MapVersion;
 
 /// A keyframe with its id: a line of a bulk request.
 #[derive(Clone, Debug, PartialEq, Serialize)]

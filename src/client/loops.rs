@@ -6,10 +6,10 @@ use super::body::Body;
 use super::connection::{Client, Written};
 use super::error::ClientError;
 use super::maps::{Page, borrowed};
-use crate::wire::list::LoopList;
-use crate::wire::loop_query::LoopQueryBody;
-use crate::wire::loops::{LoopBody, LoopClosed, LoopRevoked};
-use crate::wire::verdict::LoopAnswer;
+use crate::api::list::LoopList;
+use crate::api::loop_query::LoopQueryBody;
+use crate::api::loops::{LoopBody, LoopClosed, LoopRevoked};
+use crate::api::verdict::LoopAnswer;
 
 impl Client {
     /// Asks "is this keyframe a loop?".

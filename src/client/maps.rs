@@ -9,9 +9,9 @@ use reqwest::Method;
 use super::body::Body;
 use super::connection::{Client, Written};
 use super::error::ClientError;
-use crate::wire::list::MapList;
-use crate::wire::map::{MapBody, MapPatchBody, MapView};
-use crate::wire::poses::{PosesAnswer, PosesBody};
+use crate::api::list::MapList;
+use crate::api::map::{MapBody, MapPatchBody, MapView};
+use crate::api::poses::{PosesAnswer, PosesBody};
 
 /// A map of a million keyframes is exported within this time.
 const EXPORT_TIMEOUT: Duration = Duration::from_hours(12);

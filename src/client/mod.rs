@@ -1,4 +1,4 @@
-//! Client: the API over plain HTTP, in the shapes of [`crate::wire`], for every part of this program that talks to a server.
+//! Client: the API over plain HTTP, in the shapes of [`crate::api`], for every part of this program that talks to a server.
 //!
 //! | file | concept |
 //! |---|---|

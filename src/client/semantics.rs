@@ -5,10 +5,10 @@ use reqwest::Method;
 use super::body::Body;
 use super::connection::{Client, Written};
 use super::error::ClientError;
-use crate::wire::judgement::{JudgementBody, JudgementView};
-use crate::wire::model_verdict::{ModelVerdictAnswer, ModelVerdictBody};
-use crate::wire::semantics::{LevelAnswer, MergeAnswer, OneText, TextPair};
-use crate::wire::usage::Usage;
+use crate::api::judgement::{JudgementBody, JudgementView};
+use crate::api::model_verdict::{ModelVerdictAnswer, ModelVerdictBody};
+use crate::api::semantics::{LevelAnswer, MergeAnswer, OneText, TextPair};
+use crate::api::usage::Usage;
 
 impl Client {
     /// Asks for the SimilarityLevel of two texts.

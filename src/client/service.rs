@@ -6,10 +6,10 @@ use super::body::Body;
 use super::connection::{Client, Written};
 use super::error::ClientError;
 use super::maps::{Page, borrowed};
-use crate::wire::backup::{BackupBody, BackupView};
-use crate::wire::key::{KeyBody, KeyView};
-use crate::wire::list::{BackupList, KeyList};
-use crate::wire::service::{Health, Version};
+use crate::api::backup::{BackupBody, BackupView};
+use crate::api::key::{KeyBody, KeyView};
+use crate::api::list::{BackupList, KeyList};
+use crate::api::service::{Health, Version};
 
 impl Client {
     /// Reads whether the server is ready.

@@ -13,10 +13,10 @@ use tokio::net::TcpListener;
 
 use super::connection::BUSY_ATTEMPTS;
 use super::*;
-use crate::model::anchor::AnchorState;
-use crate::wire::examples;
-use crate::wire::keyframe::KeyframeBody;
-use crate::wire::loops::LoopBody;
+use crate::api::examples;
+use crate::api::keyframe::KeyframeBody;
+use crate::api::loops::LoopBody;
+use crate::domain::anchor::AnchorState;
 
 /// A request as it came in: `METHOD /path?query`, authorization, body.
 type Seen = Arc<Mutex<Vec<(String, Option<String>, Value)>>>;

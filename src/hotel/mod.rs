@@ -20,12 +20,12 @@
 //! | how it did | [`score`], [`absolute_pose_error`], [`results`], [`curve`] |
 //! | for a person | [`tables`], [`figures`], [`explain`], [`tum`], [`paper`] |
 //! | a tour for `revisit replay` | [`recording`] |
-//! | randomness, and which worlds may be looked at | [`chance`], [`seeds`] |
+//! | randomness, and which worlds may be looked at | [`rng`], [`seeds`] |
 //! | is it realistic? | [`realism`] |
 //!
 //! # How real is it?
 //!
-//! A simulation that is easier than the world proves nothing. These figures are measured by [`realism::measure`] on a tour
+//! A simulation that is easier than the world proves nothing. These figures are measured by [`building::realism::measure`] on a tour
 //! through SE1, and a test holds them in range:
 //!
 //! | figure | here | held against |
@@ -41,45 +41,16 @@
 //! What it leaves out: images themselves (features are simulated, so blur, lighting and people are not), lens distortion, a
 //! robot that loses track, and rooms whose furniture has moved between visits.
 
-pub mod absolute_pose_error;
-pub mod arm;
-pub mod camera;
-pub mod chance;
-pub mod common_regions;
-pub mod curve;
-pub mod explain;
+pub mod building;
 pub mod figures;
-pub mod floor_plan;
-pub mod furnishing;
-pub mod journey;
-pub mod loop_closing;
-pub mod message;
-pub mod monocular;
-pub mod noise;
-pub mod ocr;
-pub mod odometry;
-pub mod paper;
-pub mod pose_graph;
-pub mod reader;
-pub mod realism;
+pub mod method;
 pub mod recording;
-pub mod renumbering;
-pub mod results;
+pub mod rng;
 pub mod robot;
 pub mod route;
-pub mod scale_graph;
+pub mod run;
 pub mod scenario;
-pub mod score;
+pub mod scoring;
 pub mod seeds;
-pub mod sensor;
-pub mod signs;
-pub mod slam_map;
-pub mod storeys;
-pub mod tables;
-pub mod texture;
-pub mod tracking;
-pub mod trial;
-pub mod triangulation;
-pub mod truth;
-pub mod tum;
-pub mod world;
+pub mod sensing;
+pub mod sequence;

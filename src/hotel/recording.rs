@@ -4,14 +4,14 @@
 
 use serde_json::{Value, json};
 
-use super::arm::Arm;
-use super::explain::keyframe_id;
-use super::message;
-use super::trial::{Course, odometry, session};
-use super::truth::KeyframeIndex;
+use super::method::Method;
+use super::robot::message;
+use super::run::{Course, odometry, session};
+use super::scoring::explain::keyframe_id;
+use super::scoring::truth::KeyframeIndex;
+use crate::api::keyframe::BowShape;
 use crate::geometry::Sim3;
 use crate::vocabulary::{DescriptorMismatch, Vocabulary};
-use crate::wire::keyframe::BowShape;
 
 /// The lines of a course: its map, and each keyframe with its query. Words come with the keyframes, so that a server
 /// needs no vocabulary.
@@ -22,10 +22,10 @@ pub fn recording(
 ) -> Result<Vec<Value>, DescriptorMismatch> {
     let poses = odometry(course);
     let mut lines =
-        vec![json!({"op": "map", "id": map, "body": message::map(Arm::Ours, "the simulated hotel")})];
+        vec![json!({"op": "map", "id": map, "body": message::map(Method::Ours, "the simulated hotel")})];
     for (at, answerable) in course.order.iter().zip(&course.answers) {
         let (step, pose) = (&course.journeys[at.0].steps[at.1], &poses[at.0][at.1]);
-        let mut body = message::keyframe(Arm::Ours, &session(at.0), at.1, step, &Sim3::from(*pose));
+        let mut body = message::keyframe(Method::Ours, &session(at.0), at.1, step, &Sim3::from(*pose));
         let words =
             vocabulary.transform(vocabulary.descriptor_bytes(), &message::descriptor_bytes(step), 0)?.words;
         let (words, weights): (Vec<u32>, Vec<f64>) = words.entries().iter().copied().unzip();

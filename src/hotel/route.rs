@@ -5,9 +5,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::camera::Stand;
-use super::chance::Chance;
-use super::floor_plan::{CORRIDOR_HALF_WIDTH_M, FloorPlan};
+use super::building::floor_plan::{CORRIDOR_HALF_WIDTH_M, FloorPlan};
+use super::rng::SeededRng;
+use super::sensing::camera::Stand;
 
 /// A keyframe after at most so many metres.
 pub const KEYFRAME_EVERY_M: f64 = 0.6;
@@ -47,7 +47,7 @@ pub struct Stop {
 /// The robot's way so far.
 struct Walk<'a> {
     plan: &'a FloorPlan,
-    chance: &'a mut Chance,
+    rng: &'a mut SeededRng,
     stops: Vec<Stop>,
     at: Stand,
     visit: usize,
@@ -55,11 +55,11 @@ struct Walk<'a> {
 }
 
 /// The keyframes of a tour through these rooms, the first of which is where it starts.
-pub fn tour(plan: &FloorPlan, rooms: &[usize], chance: &mut Chance) -> Vec<Stop> {
+pub fn tour(plan: &FloorPlan, rooms: &[usize], rng: &mut SeededRng) -> Vec<Stop> {
     let Some(&first) = rooms.first() else { return Vec::new() };
     let door = plan.rooms[first].door;
     let at = Stand { at: door.at(0.0, ROOM_MIDDLE_M), heading_rad: door.heading_rad() };
-    let mut walk = Walk { plan, chance, stops: Vec::new(), at, visit: 0, place: Place::Room(first) };
+    let mut walk = Walk { plan, rng, stops: Vec::new(), at, visit: 0, place: Place::Room(first) };
     walk.stop();
     walk.look_around();
     for pair in rooms.windows(2) {
@@ -76,7 +76,7 @@ pub fn tour(plan: &FloorPlan, rooms: &[usize], chance: &mut Chance) -> Vec<Stop>
 impl Walk<'_> {
     fn stop(&mut self) {
         let mut stand = self.at;
-        stand.heading_rad += self.chance.normal(HEADING_SCATTER_RAD);
+        stand.heading_rad += self.rng.normal(HEADING_SCATTER_RAD);
         let place = self.plan.room_around(stand.at).map_or(Place::Corridor, Place::Room);
         if place != self.place {
             self.visit += 1;
@@ -101,13 +101,13 @@ impl Walk<'_> {
     }
 
     fn look_around(&mut self) {
-        let turn = if self.chance.happens(0.5) { TAU } else { -TAU };
+        let turn = if self.rng.happens(0.5) { TAU } else { -TAU };
         self.turn_by(turn);
     }
 
     /// Drives straight to about there, looking ahead.
     fn drive_to(&mut self, [x, y]: [f64; 2]) {
-        let mut scatter = || self.chance.within(-PASS_SCATTER_M, PASS_SCATTER_M);
+        let mut scatter = || self.rng.within(-PASS_SCATTER_M, PASS_SCATTER_M);
         let to = [x + scatter(), y + scatter()];
         let from = self.at.at;
         let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
@@ -171,9 +171,9 @@ impl Walk<'_> {
 }
 
 /// So many rooms in some order, and back to the first.
-pub fn some_rooms(plan: &FloorPlan, count: usize, chance: &mut Chance) -> Vec<usize> {
+pub fn some_rooms(plan: &FloorPlan, count: usize, rng: &mut SeededRng) -> Vec<usize> {
     let mut rooms: Vec<usize> = (0..plan.rooms.len()).collect();
-    chance.shuffle(&mut rooms);
+    rng.shuffle(&mut rooms);
     rooms.truncate(count);
     rooms.push(rooms[0]);
     rooms
@@ -186,16 +186,16 @@ pub fn heading_difference_rad(a: f64, b: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::floor_plan::{Layout, is_hidden};
+    use super::super::building::floor_plan::{Layout, is_hidden};
     use super::*;
 
     #[test]
     fn a_tour_goes_through_no_wall_and_ends_where_it_began() {
         for (seed, layout) in [Layout::SE1, Layout::SE2].into_iter().cycle().take(8).enumerate() {
             let plan = FloorPlan::new(layout);
-            let mut chance = Chance::new(seed as u64, "route");
-            let rooms = some_rooms(&plan, 6, &mut chance);
-            let stops = tour(&plan, &rooms, &mut chance);
+            let mut rng = SeededRng::new(seed as u64, "route");
+            let rooms = some_rooms(&plan, 6, &mut rng);
+            let stops = tour(&plan, &rooms, &mut rng);
             for pair in stops.windows(2) {
                 let (a, b) = (pair[0].stand, pair[1].stand);
                 assert!(!is_hidden(a.at, b.at, &plan.walls), "{a:?} -> {b:?}");

@@ -1,17 +1,17 @@
 //! Scenario: which world, which tour, which noise; the paper's twelve sequences, and any number of random ones.
 
-use super::chance::Chance;
-use super::floor_plan::Layout;
-use super::journey::Journey;
-use super::noise::NoiseKind;
-use super::paper::PrintedSequence;
-use super::renumbering::{Era, ROOMS, ROUNDS, eras, round_of, world_of};
+use super::building::floor_plan::Layout;
+use super::building::renumbering::{Era, ROOMS, ROUNDS, eras, round_of, world_of};
+use super::building::signs::SignPlan;
+use super::building::storeys::Storeys;
+use super::building::texture::Patterns;
+use super::building::world::{World, WorldPlan};
+use super::rng::SeededRng;
 use super::route::{some_rooms, tour};
-use super::signs::SignPlan;
-use super::storeys::Storeys;
-use super::texture::Patterns;
-use super::trial::Course;
-use super::world::{World, WorldPlan};
+use super::run::Course;
+use super::scoring::paper::PrintedSequence;
+use super::sensing::noise::NoiseKind;
+use super::sequence::Sequence;
 
 /// Rooms of a tour: six in the paper's, fewer in random worlds, so that many fit into a night.
 const PAPER_ROOMS: usize = 6;
@@ -53,20 +53,20 @@ impl Scenario {
 
     /// A random world under some noise.
     pub fn random(seed: u64, kind: NoiseKind, patterns: &Patterns) -> Self {
-        let mut chance = Chance::new(seed, "scenario");
+        let mut rng = SeededRng::new(seed, "scenario");
         if kind == NoiseKind::SecondHotel {
-            return Self::of_storeys(&mut chance, patterns, seed);
+            return Self::of_storeys(&mut rng, patterns, seed);
         }
         let plan = WorldPlan {
-            layout: Layout::random(&mut chance),
-            floor: 1 + chance.below(12) as u32,
+            layout: Layout::random(&mut rng),
+            floor: 1 + rng.below(12) as u32,
             signs: SignPlan { repeated: kind.noise().repeated_signs, ..SignPlan::default() },
             seed,
         };
         let world = World::new(&plan, patterns);
         let robots = if kind == NoiseKind::Fleet { 2 } else { 1 };
         let drifts_m: Vec<f64> =
-            (0..robots).map(|_| chance.within(RANDOM_DRIFT_M[0], RANDOM_DRIFT_M[1])).collect();
+            (0..robots).map(|_| rng.within(RANDOM_DRIFT_M[0], RANDOM_DRIFT_M[1])).collect();
         match kind {
             NoiseKind::Renumbered => Self::renumbered(world, drifts_m[0], patterns, seed),
             kind => Self::drive(world, kind, RANDOM_ROOMS, &drifts_m, seed),
@@ -74,9 +74,9 @@ impl Scenario {
     }
 
     /// The second hotel.
-    fn of_storeys(chance: &mut Chance, patterns: &Patterns, seed: u64) -> Self {
-        let (layout, lowest) = (Layout::random(chance), 1 + chance.below(10) as u32);
-        let drifts_m = std::array::from_fn(|_| chance.within(RANDOM_DRIFT_M[0], RANDOM_DRIFT_M[1]));
+    fn of_storeys(rng: &mut SeededRng, patterns: &Patterns, seed: u64) -> Self {
+        let (layout, lowest) = (Layout::random(rng), 1 + rng.below(10) as u32);
+        let drifts_m = std::array::from_fn(|_| rng.within(RANDOM_DRIFT_M[0], RANDOM_DRIFT_M[1]));
         let Storeys { mut floors, journeys, tours } =
             Storeys::new(layout, lowest, RANDOM_ROOMS, drifts_m, patterns, seed);
         let upper = floors.split_off(1);
@@ -86,33 +86,33 @@ impl Scenario {
 
     /// One robot on a tour of many rounds, with odometry that drifts in each as it does in a tour of one.
     fn renumbered(world: World, drift_m: f64, patterns: &Patterns, seed: u64) -> Self {
-        let mut chance = Chance::new(seed, "route");
-        let mut round = some_rooms(&world.plan, ROOMS, &mut chance);
+        let mut rng = SeededRng::new(seed, "route");
+        let mut round = some_rooms(&world.plan, ROOMS, &mut rng);
         round.pop();
-        let eras = eras(&world, &round, patterns, &mut Chance::new(seed, "renumbering"));
+        let eras = eras(&world, &round, patterns, &mut SeededRng::new(seed, "renumbering"));
         let rooms: Vec<usize> = round.iter().cycle().take(ROUNDS * round.len() + 1).copied().collect();
-        let stops = tour(&world.plan, &rooms, &mut chance);
+        let stops = tour(&world.plan, &rooms, &mut rng);
         let world_at = |visit: usize| world_of(&world, &eras, round_of(visit));
         let noise = NoiseKind::Renumbered.noise();
-        let journey = Journey::through(world_at, &stops, noise, drift_m * ROUNDS as f64, seed);
+        let journey = Sequence::through(world_at, &stops, noise, drift_m * ROUNDS as f64, seed);
         Self { course: Course::new(vec![journey]), tours: vec![rooms], upper: Vec::new(), world, eras }
     }
 
     /// One robot for each drift; robots of a fleet share half their rooms.
     fn drive(world: World, kind: NoiseKind, rooms: usize, drifts_m: &[f64], seed: u64) -> Self {
-        let mut chance = Chance::new(seed, "route");
+        let mut rng = SeededRng::new(seed, "route");
         let (mut journeys, mut tours) = (Vec::new(), Vec::<Vec<usize>>::new());
         for (robot, drift_m) in drifts_m.iter().enumerate() {
-            let mut tour_rooms = some_rooms(&world.plan, rooms, &mut chance);
+            let mut tour_rooms = some_rooms(&world.plan, rooms, &mut rng);
             if let Some(other) = tours.first() {
                 let shared = tour_rooms.len() / 2;
                 tour_rooms[1..=shared].copy_from_slice(&other[1..=shared]);
                 tour_rooms[1..=shared].reverse();
                 tour_rooms.dedup();
             }
-            let stops = tour(&world.plan, &tour_rooms, &mut chance);
+            let stops = tour(&world.plan, &tour_rooms, &mut rng);
             let seed = seed ^ ((robot as u64) << 32);
-            journeys.push(Journey::record(&world, &stops, kind.noise(), *drift_m, seed));
+            journeys.push(Sequence::record(&world, &stops, kind.noise(), *drift_m, seed));
             tours.push(tour_rooms);
         }
         Self { world, upper: Vec::new(), course: Course::new(journeys), tours, eras: Vec::new() }

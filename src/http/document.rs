@@ -8,11 +8,11 @@ use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityRequirement, Secur
 use utoipa::openapi::{RefOr, Schema};
 use utoipa::{Modify, OpenApi};
 
-use super::access::SCHEME;
-use super::{refusals, routes};
+use super::guards::access::SCHEME;
+use super::{error_responses, routes};
+use crate::api::event::EventView;
+use crate::api::problem::ProblemView;
 use crate::recognition::constants::{self, Constant};
-use crate::wire::event::EventView;
-use crate::wire::problem::ProblemView;
 
 #[derive(OpenApi)]
 #[openapi(
@@ -69,12 +69,12 @@ pub fn frame() -> utoipa::openapi::OpenApi {
 pub fn document() -> utoipa::openapi::OpenApi {
     let (_, mut document) = routes::api(frame()).split_for_parts();
     if let Some(components) = &mut document.components {
-        components.responses.extend(refusals::components());
+        components.responses.extend(error_responses::components());
         components.schemas.values_mut().for_each(settle);
     }
     document.paths.paths.values_mut().flat_map(operations).for_each(|operation| {
         if wants_key(operation) {
-            operation.responses.responses.extend(refusals::of_keys());
+            operation.responses.responses.extend(error_responses::of_keys());
         }
         for parameter in operation.parameters.iter_mut().flatten() {
             if let RefOr::T(Parameter { schema: Some(schema), .. }) = parameter {

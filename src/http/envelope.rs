@@ -19,7 +19,7 @@ use tracing::field::Empty;
 
 use super::problem::{Kind, Problem};
 use crate::config::traces;
-use crate::model::ids::KeyframeId;
+use crate::domain::ids::KeyframeId;
 
 /// The header that names a request.
 pub const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");

@@ -9,7 +9,7 @@
 //! | [`router`] | the layers around the routes |
 //! | [`server`] | the accept loop, and how it stops |
 //! | [`access`], [`this_machine`] | who asks, and may they? |
-//! | [`seats`], [`refused`] | how many connections there are, who gives way, and what the others hear |
+//! | [`slots`], [`refused`] | how many connections there are, who gives way, and what the others hear |
 //! | [`streams`] | how many of them one key may listen on |
 //! | [`patient`], [`watched`], [`paced`] | how long a client is waited for: its head, its taking the answer, its body |
 //! | [`unheard`] | what is told of a request that is no HTTP |
@@ -18,43 +18,22 @@
 //! | [`sockets`] | options of connections, and how the listener is closed |
 //! | [`admission`] | which requests are worked on, and which are refused at once |
 //! | [`inflate`], [`memory`] | what a body becomes, and how much of the memory it may have |
-//! | [`metrics`], [`gauges`], [`process`], [`traffic`] | what Prometheus reads |
+//! | [`metrics`], [`gauges`], [`process`], [`shed_metrics`] | what Prometheus reads |
 //! | [`mod@document`], [`refusals`] | the API document |
 //! | [`pages`] | the viewer and the reference |
 
-pub mod access;
-pub mod admission;
 pub mod answer;
-pub mod body;
+pub mod connection;
 pub mod document;
 pub mod envelope;
-pub mod gauges;
-pub mod if_match;
-pub mod inflate;
-pub mod memory;
+pub mod error_responses;
+pub mod extract;
+pub mod guards;
 pub mod metrics;
-pub mod paced;
 pub mod pages;
-pub mod path;
-pub mod patient;
 pub mod problem;
-pub mod process;
-pub mod query;
-pub mod refusals;
-pub mod refused;
 pub mod router;
 pub mod routes;
-pub mod seats;
-pub mod server;
-pub mod sockets;
-pub mod streams;
-pub mod this_machine;
-pub mod traffic;
-pub mod trajectory_query;
-pub mod unheard;
-pub mod unread;
-pub mod untaken;
-pub mod watched;
 
 use std::io;
 use std::ops::Deref;
@@ -65,18 +44,18 @@ use bytes::Bytes;
 use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 
+pub use connection::server::{RunningServer, serve};
 pub use document::document;
-pub use server::{RunningServer, serve};
 
 use crate::config::limits::LimitArgs;
-use crate::service::Service;
-use access::Needs;
-use memory::Memory;
-use metrics::Metrics;
-use paced::Pace;
-use seats::Seats;
-use streams::Streams;
-use untaken::AnswerMemory;
+use crate::engine::Service;
+use connection::answer_memory::AnswerMemory;
+use connection::connection_limit::ConnectionSlots;
+use connection::min_rate_body::MinRate;
+use guards::access::RoutePermissions;
+use guards::body_memory::BodyMemory;
+use guards::stream_limit::StreamLimit;
+use metrics::counters::Metrics;
 
 /// The state that handlers work with; clones share everything.
 #[derive(Clone)]
@@ -91,7 +70,7 @@ pub struct Parts {
     /// The API document as JSON.
     pub document: Bytes,
     /// What each operation asks of who calls it.
-    pub needs: Needs,
+    pub needs: RoutePermissions,
     /// Cancelled when the server is told to stop.
     pub stopping: CancellationToken,
     /// Loop checks that anchors have triggered and that nobody waits for.
@@ -99,13 +78,13 @@ pub struct Parts {
     /// How much at once, and how patient.
     pub limits: LimitArgs,
     /// How slow a body may be.
-    pub pace: Pace,
+    pub pace: MinRate,
     /// The connections.
-    pub seats: Arc<Seats>,
+    pub slots: Arc<ConnectionSlots>,
     /// The answers without an end.
-    pub streams: Arc<Streams>,
+    pub streams: Arc<StreamLimit>,
     /// What large bodies may take.
-    pub memory: Memory,
+    pub memory: BodyMemory,
     /// What large answers may take.
     pub answers: Arc<AnswerMemory>,
 }
@@ -126,15 +105,15 @@ impl App {
         let document = serde_json::to_vec(&document())?;
         Ok(Self(Arc::new(Parts {
             service,
-            needs: Needs::of(&serde_json::from_slice(&document)?),
+            needs: RoutePermissions::of(&serde_json::from_slice(&document)?),
             metrics: Metrics::default(),
             document: document.into(),
             stopping,
             triggers: Arc::new(Semaphore::new(routes::TRIGGERS_AT_ONCE)),
-            pace: Pace::of(&limits),
-            seats: Seats::new(limits.max_connections),
-            streams: Streams::new(limits.streams()),
-            memory: Memory::new(limits.max_body_memory),
+            pace: MinRate::of(&limits),
+            slots: ConnectionSlots::new(limits.max_connections),
+            streams: StreamLimit::new(limits.streams()),
+            memory: BodyMemory::new(limits.max_body_memory),
             answers: AnswerMemory::new(limits.max_answer_memory),
             limits,
         })))
@@ -142,7 +121,7 @@ impl App {
 
     /// The same app with other needs.
     #[cfg(test)]
-    pub fn with_needs(self, needs: Needs) -> Self {
+    pub fn with_needs(self, needs: RoutePermissions) -> Self {
         let mut parts = Arc::into_inner(self.0).unwrap_or_else(|| unreachable!("nobody else has it yet"));
         parts.needs = needs;
         Self(Arc::new(parts))

@@ -6,9 +6,9 @@ use axum::http::header::{RETRY_AFTER, WWW_AUTHENTICATE};
 use axum::http::{HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 
-use crate::model::invalid::FieldError;
-use crate::service::ServiceError;
-use crate::wire::problem::{FaultView, ProblemView};
+use crate::api::problem::{FaultView, ProblemView};
+use crate::domain::invalid::FieldError;
+use crate::engine::ServiceError;
 
 /// A kind of problem: its status, its code and its title go together, and `/docs` explains each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

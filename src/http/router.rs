@@ -11,12 +11,12 @@ use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
 use tower_http::limit::RequestBodyLimitLayer;
 
-use super::access::authorise;
-use super::admission::admit;
+use super::connection::answer_memory::bound_answers;
 use super::envelope::{self, envelope};
-use super::untaken::bound_answers;
+use super::guards::access::authorise;
+use super::guards::admission::admit;
 use super::{App, document, pages, routes};
-use crate::wire::limits;
+use crate::api::limits;
 
 /// Every route, in its layers.
 pub fn router(app: App) -> Router {

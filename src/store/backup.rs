@@ -9,9 +9,10 @@ use sqlx::sqlite::SqliteConnectOptions;
 use sqlx::{ConnectOptions as _, Connection as _, SqliteConnection};
 use tempfile::NamedTempFile;
 
+use super::StoreError;
 use super::check::check_any_schema;
-use super::files::DatabaseFiles;
-use super::{StoreError, log, schema};
+use super::files::paths::DatabaseFiles;
+use super::files::{log, schema};
 
 /// How a copy is called until it is whole; one that a crash has left behind is known by it.
 pub const PARTIAL: &str = ".revisit-partial";

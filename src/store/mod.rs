@@ -19,49 +19,17 @@
 //! | copies of it, and back | [`backup`], [`restore`] |
 //! | is it whole? | [`check`], [`log`] |
 
-mod additions;
 pub mod backup;
-mod blob;
-mod changed_sign_rows;
 pub mod check;
-mod committer;
-mod cost;
-mod decode;
-mod deferred;
-mod deletion;
+mod commit;
 mod error;
 mod export;
 pub mod files;
-mod fold;
-mod former_values;
-mod health;
-mod job;
-mod judgement_rows;
-mod key_rows;
-mod keyframe_rows;
-mod lanes;
-#[cfg(test)]
-mod laws;
-mod load;
-mod lock;
-mod log;
-mod map_rows;
-mod model_rows;
-mod operations;
-mod parts;
-mod read;
-mod renewal;
-mod replaced_rows;
-mod reserve;
 pub mod restore;
 mod rows;
-mod schema;
 mod slices;
-mod transaction;
-mod twin_rows;
-mod validate;
-mod write;
-mod writer;
+#[cfg(test)]
+mod slices_equal_direct_writes;
 
 use std::str::FromStr;
 use std::sync::Arc;
@@ -71,21 +39,21 @@ use sqlx::sqlite::{
     SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
 };
 
-pub use blob::unpacks;
-pub use committer::{CommitStats, Committer, Line};
+pub use commit::commit_queue::{CommitStats, Committer, PoisonFlag};
+pub use commit::job::{Batch, Job, MapKey, NewKeyframeRows};
+use commit::transaction::Transaction;
 pub use error::StoreError;
 pub use export::Export;
-use files::DatabaseFiles;
-pub use job::{Batch, Job, MapKey, NewKeyframeRows};
-pub use judgement_rows::Fingerprints;
-pub use key_rows::{KeyTable, NewKeyRow};
-pub use load::Loaded;
-use lock::{DatabaseLock, Purpose};
-pub use map_rows::MapRow;
-pub use model_rows::{Spent, UsageRow};
-pub use read::{DetectionRow, KeyframeRow};
-use reserve::Reserve;
-use transaction::Transaction;
+use files::disk_reserve::Reserve;
+use files::lock::{DatabaseLock, Purpose};
+use files::paths::DatabaseFiles;
+pub use rows::blob::unpacks;
+pub use rows::judgement_rows::Fingerprints;
+pub use rows::key_rows::{KeyTable, NewKeyRow};
+pub use rows::load::Loaded;
+pub use rows::map_rows::MapRow;
+pub use rows::model_rows::{Spent, UsageRow};
+pub use rows::read::{DetectionRow, KeyframeRow};
 
 /// SQLite before this release can lose committed writes in WAL mode (the WAL-reset bug).
 const OLDEST_SAFE_SQLITE: &str = "3.51.3";
@@ -155,7 +123,7 @@ impl Store {
         let reserve = Reserve::beside(files.database());
         // Before SQLite opens the database: it takes what the log has for all that was committed.
         if lock.is_some() {
-            for fault in log::look(&files)?.faults {
+            for fault in files::log::look(&files)?.faults {
                 tracing::error!(database = %files.database().display(), fault, "the database has lost writes; restore a backup");
             }
         }
@@ -179,11 +147,11 @@ impl Store {
             .await?;
         check_sqlite(&writer).await?;
         if lock.is_some() {
-            renewal::renew(&writer, files.database()).await?;
-            schema::migrate(&writer).await?;
+            files::wal_recovery::renew(&writer, files.database()).await?;
+            files::schema::migrate(&writer).await?;
         } else {
             // Another process works with the log and the schema as they are.
-            schema::expect_newest(&writer).await?;
+            files::schema::expect_newest(&writer).await?;
         }
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS)
@@ -255,7 +223,7 @@ mod tests {
         // A test that loses its machine has other worries.
         let options = options.synchronous(SqliteSynchronous::Off);
         let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options).await.expect("a pool");
-        schema::migrate(&pool).await.expect("a schema");
+        files::schema::migrate(&pool).await.expect("a schema");
         (folder, pool)
     }
 

@@ -9,10 +9,10 @@ use sqlx::{ConnectOptions as _, Connection as _};
 use super::StoreError;
 use super::backup::{Copied, Copy, regular_or_free, sync_folder};
 use super::check::check;
-use super::files::DatabaseFiles;
-use super::lock::{DatabaseLock, Purpose};
-use crate::model::counted::counted;
-use crate::model::key::KeySeq;
+use super::files::lock::{DatabaseLock, Purpose};
+use super::files::paths::DatabaseFiles;
+use crate::domain::counted::counted;
+use crate::domain::key::KeySeq;
 
 /// Names tried for the database that was there, one for each second from now on.
 const NAMES_TRIED: u64 = 1_000;

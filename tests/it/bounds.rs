@@ -1,14 +1,15 @@
 //! Bounds: what the API document promises of a body, the server's reader holds it to, field by field.
 
+use revisit::api::anchor::AnchorPatch;
+use revisit::api::decoding::read;
+use revisit::api::semantics::{OneText, TextPair};
+use revisit::api::settings::MapSettings;
+use revisit::api::{examples, keyframe};
+use revisit::domain::invalid::FieldError;
+use revisit::domain::map::MapProperties;
+use revisit::domain::request::{LoopQuery, MapPatch, NewLoop, PoseCorrection};
+use revisit::domain::settings::Settings;
 use revisit::http::document;
-use revisit::model::invalid::FieldError;
-use revisit::model::map::MapProperties;
-use revisit::model::request::{LoopQuery, MapPatch, NewLoop, PoseCorrection};
-use revisit::model::settings::Settings;
-use revisit::wire::anchor::AnchorPatch;
-use revisit::wire::semantics::{OneText, TextPair};
-use revisit::wire::settings::MapSettings;
-use revisit::wire::{examples, keyframe, read};
 use serde_json::{Value, json};
 
 type Read<'r> = &'r dyn Fn(&Value) -> Vec<FieldError>;

@@ -4,11 +4,11 @@ use std::fs;
 use std::path::Path;
 
 use regex::Regex;
+use revisit::domain::difference::DifferenceReason;
+use revisit::domain::loop_warning::LoopWarningCode;
+use revisit::domain::named::Named;
+use revisit::domain::reason::{ReasonCheck, ReasonClass, ReasonCode};
 use revisit::http::document;
-use revisit::model::difference::DifferenceReason;
-use revisit::model::loop_warning::LoopWarningCode;
-use revisit::model::named::Named;
-use revisit::model::reason::{ReasonCheck, ReasonClass, ReasonCode};
 use serde_json::{Value, json};
 
 fn read(path: &str) -> String {

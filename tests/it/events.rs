@@ -1,7 +1,7 @@
 //! Events: a client that resumes misses nothing, or is told that it would.
 
 use reqwest::Method;
-use revisit::service::ModelChoice;
+use revisit::engine::ModelChoice;
 use serde_json::{Value, json};
 
 use crate::raw::Connection;

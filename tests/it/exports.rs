@@ -5,7 +5,7 @@ use std::process::{Command, Output};
 use reqwest::Method;
 use serde_json::{Value, json};
 
-use revisit::service::ModelChoice;
+use revisit::engine::ModelChoice;
 
 use crate::support::{Answer, Server, pose};
 

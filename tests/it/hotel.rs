@@ -2,20 +2,20 @@
 
 use std::collections::BTreeSet;
 
+use revisit::api::verdict::CandidateView;
 use revisit::client::Client;
 use revisit::geometry::absolute_orientation::Scale;
-use revisit::hotel::arm::Arm;
-use revisit::hotel::chance::Chance;
-use revisit::hotel::floor_plan::Layout;
-use revisit::hotel::journey::Journey;
-use revisit::hotel::noise::Noise;
+use revisit::hotel::building::floor_plan::Layout;
+use revisit::hotel::building::signs::SignPlan;
+use revisit::hotel::building::texture::Patterns;
+use revisit::hotel::building::world::{World, WorldPlan};
+use revisit::hotel::method::Method;
+use revisit::hotel::rng::SeededRng;
 use revisit::hotel::route::tour;
-use revisit::hotel::score::{Counts, Outcome, by_query, by_visit};
-use revisit::hotel::signs::SignPlan;
-use revisit::hotel::texture::Patterns;
-use revisit::hotel::trial::{Course, Driven, WordsAlone, absolute_pose_error_m, drive, odometry};
-use revisit::hotel::world::{World, WorldPlan};
-use revisit::wire::verdict::CandidateView;
+use revisit::hotel::run::{Course, RunResult, WordsAlone, absolute_pose_error_m, drive, odometry};
+use revisit::hotel::scoring::score::{Counts, Outcome, by_query, by_visit};
+use revisit::hotel::sensing::noise::Noise;
+use revisit::hotel::sequence::Sequence;
 
 use crate::support::Server;
 
@@ -29,11 +29,11 @@ fn course(repeated: bool, rooms: &[usize]) -> Course {
         seed: 7,
     };
     let world = World::new(&plan, &Patterns::new());
-    let stops = tour(&world.plan, rooms, &mut Chance::new(7, "route"));
-    Course::new(vec![Journey::record(&world, &stops, Noise::default(), DRIFT_M, 7)])
+    let stops = tour(&world.plan, rooms, &mut SeededRng::new(7, "route"));
+    Course::new(vec![Sequence::record(&world, &stops, Noise::default(), DRIFT_M, 7)])
 }
 
-async fn drive_through(course: &Course, arm: Arm) -> Driven {
+async fn drive_through(course: &Course, arm: Method) -> RunResult {
     let directory = tempfile::tempdir().unwrap();
     let vocabulary = directory.path().join("hotel.voc");
     Patterns::new().vocabulary().unwrap().write_binary(std::fs::File::create(&vocabulary).unwrap()).unwrap();
@@ -42,7 +42,7 @@ async fn drive_through(course: &Course, arm: Arm) -> Driven {
     drive(&client, arm.name(), arm, course, |_| {}).await.unwrap()
 }
 
-fn counts(driven: &Driven) -> (Counts, Counts) {
+fn counts(driven: &RunResult) -> (Counts, Counts) {
     let scored = driven.scored();
     (by_query(&scored), by_visit(&scored))
 }
@@ -50,7 +50,7 @@ fn counts(driven: &Driven) -> (Counts, Counts) {
 #[tokio::test]
 async fn a_robot_among_twin_rooms_is_told_true_loops_only_and_ends_up_nearer_to_the_truth() {
     let course = course(false, &[3, 5, 3]);
-    let ours = drive_through(&course, Arm::Ours).await;
+    let ours = drive_through(&course, Method::Ours).await;
     let (by_query, by_visit) = counts(&ours);
     assert_eq!(by_query.precision(), 1.0, "{by_query:?}");
     assert!(by_query.recall() > 0.7, "{by_query:?}");
@@ -62,7 +62,7 @@ async fn a_robot_among_twin_rooms_is_told_true_loops_only_and_ends_up_nearer_to_
 
 #[tokio::test]
 async fn words_alone_name_the_likest_keyframe_whether_it_is_this_room_or_its_twin() {
-    let ours = drive_through(&course(false, &[3, 5, 3]), Arm::Ours).await;
+    let ours = drive_through(&course(false, &[3, 5, 3]), Method::Ours).await;
     let (mut right, mut wrong) = (0, 0);
     for asked in &ours.asked {
         let likest = asked.answer.candidates.iter().map(CandidateView::bow_score).fold(0.0, f64::max);
@@ -81,7 +81,7 @@ async fn words_alone_name_the_likest_keyframe_whether_it_is_this_room_or_its_twi
 #[tokio::test]
 async fn signs_that_hang_at_every_door_say_nothing_and_doors_in_a_row_are_told_apart() {
     let course = course(true, &[2, 6, 2]);
-    let ours = drive_through(&course, Arm::Ours).await;
+    let ours = drive_through(&course, Method::Ours).await;
     let (by_query, _) = counts(&ours);
     assert_eq!(by_query.precision(), 1.0, "{by_query:?}");
     let candidates = ours.asked.iter().flat_map(|asked| &asked.answer.candidates);
@@ -90,7 +90,7 @@ async fn signs_that_hang_at_every_door_say_nothing_and_doors_in_a_row_are_told_a
     for code in ["score_below_threshold", "odometry_disagrees_with_transform", "contradiction"] {
         assert!(reasons.contains(code), "{code} is not among {reasons:?}");
     }
-    let paper = drive_through(&course, Arm::Paper).await;
+    let paper = drive_through(&course, Method::Paper).await;
     let told: Vec<bool> = (paper.asked.iter().zip(&course.answers))
         .filter_map(|(asked, answerable)| {
             let best = asked.answer.best.as_ref()?.strip_prefix("kf-")?.parse().unwrap();
@@ -107,7 +107,7 @@ async fn signs_that_hang_at_every_door_say_nothing_and_doors_in_a_row_are_told_a
 #[tokio::test]
 async fn a_robot_without_depth_is_told_loops_with_the_ratio_of_two_scales() {
     let course = course(false, &[3, 5, 3]);
-    let driven = drive_through(&course, Arm::OursMonocular).await;
+    let driven = drive_through(&course, Method::OursMonocular).await;
     let counts = counts(&driven).0;
     assert!(counts.found > 10, "{counts:?}");
     let right = driven.asked.iter().filter(|asked| asked.scored.outcome == Outcome::Right);

@@ -3,7 +3,7 @@
 use std::io::{Read as _, Write as _};
 
 use reqwest::Method;
-use revisit::service::pressure::{Kind, Turn};
+use revisit::engine::limits::load_shedding::{Kind, RequestPermit};
 use serde_json::{Value, json};
 
 use crate::raw::{Connection, statuses};
@@ -12,7 +12,7 @@ use crate::support::{Answer, Server, keyframe};
 const MAP: &str = "/v1/maps/m";
 const HEALTH: &str = "GET /healthz HTTP/1.1\r\nhost: localhost\r\n\r\n";
 
-async fn with_map(limits: &[&str]) -> (Server, revisit::service::Service) {
+async fn with_map(limits: &[&str]) -> (Server, revisit::engine::Service) {
     let (server, service) = Server::within(limits).await;
     server.put(MAP, &json!({})).await.expect(201);
     (server, service)
@@ -108,7 +108,7 @@ async fn when_all_seats_are_at_work_a_newcomer_is_told_to_come_back() {
 }
 
 /// So many requests are being worked on.
-fn work(service: &revisit::service::Service, kind: Kind, count: usize) -> Vec<Turn> {
+fn work(service: &revisit::engine::Service, kind: Kind, count: usize) -> Vec<RequestPermit> {
     (0..count).map(|_| service.pressure().admit(kind).expect("room")).collect()
 }
 

@@ -4,8 +4,8 @@ use std::str::FromStr as _;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use revisit::model::map::MapProperties;
-use revisit::service::{Service, ServiceError, ServiceOptions};
+use revisit::domain::map::MapProperties;
+use revisit::engine::{Service, ServiceError, ServiceOptions};
 use serde_json::json;
 use sqlx::sqlite::SqliteConnectOptions;
 use sqlx::{ConnectOptions as _, Executor as _};
@@ -51,7 +51,7 @@ async fn a_deletion_goes_to_its_end_when_its_client_has_gone() {
     let folder = tempfile::tempdir().unwrap();
     let database = format!("sqlite://{}", folder.path().join("test.db").display());
     let service = Service::open(ServiceOptions::on(database)).await.unwrap();
-    let id = revisit::model::ids::MapId::from_str("m").unwrap();
+    let id = revisit::domain::ids::MapId::from_str("m").unwrap();
     let mut finished = 0;
     for polls in 0..12 {
         let stored = service.put_map(id.clone(), MapProperties::default(), None).await.unwrap();
@@ -82,7 +82,7 @@ async fn a_deletion_goes_to_its_end_when_its_client_has_gone() {
 #[tokio::test(flavor = "multi_thread")]
 async fn what_waits_for_a_slow_disk_is_counted_and_bounded() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Arc::new(Server::on(folder.path(), None, revisit::service::ModelChoice::None).await);
+    let server = Arc::new(Server::on(folder.path(), None, revisit::engine::ModelChoice::None).await);
     server.put("/v1/maps/m", &json!({})).await.expect(201);
     server.put_keyframe("/v1/maps/m/keyframes/kf").await.expect(201);
     // As slow as a disk can be: the lock to write is somebody else's.

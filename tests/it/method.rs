@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use regex::Regex;
-use revisit::model::settings::{SettingSource, SettingValue, Settings};
+use revisit::domain::settings::{SettingSource, SettingValue, Settings};
 
 const METHOD: &str = "docs/method.md";
 

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::Path;
 
+use revisit::domain::settings::{Setting, SettingKind, SettingValue, Settings};
 use revisit::http::document;
-use revisit::model::settings::{Setting, SettingKind, SettingValue, Settings};
 
 fn read(path: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);

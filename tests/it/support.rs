@@ -7,8 +7,8 @@ use reqwest::header::{CONTENT_TYPE, HeaderMap};
 use reqwest::{Method, RequestBuilder, StatusCode};
 use revisit::config::limits::LimitArgs;
 use revisit::config::quotas::Quotas;
+use revisit::engine::{ModelChoice, Service, ServiceOptions};
 use revisit::http::RunningServer;
-use revisit::service::{ModelChoice, Service, ServiceOptions};
 use serde_json::{Value, json};
 
 /// A server; it stops, and its database goes, when this value goes.

@@ -11,12 +11,12 @@ const LAYERS: &[&[&str]] = &[
     &["cli"],
     &["hotel"],
     &["http", "client"],
-    &["service", "wire"],
-    &["models"],
+    &["engine", "api"],
+    &["llm"],
     &["store"],
     &["recognition"],
     &["vocabulary"],
-    &["model"],
+    &["domain"],
     &["geometry", "semantics", "config"],
 ];
 
@@ -61,7 +61,7 @@ fn room(path: &Path) -> String {
 
 fn is_test(path: &Path) -> bool {
     let name = path.file_stem().unwrap().to_string_lossy();
-    matches!(&*name, "tests" | "law" | "laws" | "golden")
+    matches!(&*name, "tests" | "rebuild_equals_live" | "slices_equal_direct_writes" | "laws" | "golden")
         || path.components().any(|part| part.as_os_str() == "tests")
 }
 

@@ -14,9 +14,9 @@ use super::contradiction::{Contradiction, contradict};
 use super::difference::{Differing, Placement, Ruling};
 use super::index::{Certainty, MapIndex};
 use super::passage::settle;
+use crate::domain::difference::DifferenceEvidence;
+use crate::domain::settings::Settings;
 use crate::geometry::{Point3, Sim3};
-use crate::model::difference::DifferenceEvidence;
-use crate::model::settings::Settings;
 
 /// Under a transformation, anchors this near to each other stand at the same place, in metres (M7).
 pub(super) const SAME_PLACE_M: f64 = 0.75;
@@ -211,9 +211,9 @@ fn in_camera(anchor: &LocalAnchor) -> Point3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::domain::anchor::AnchorState;
+    use crate::domain::ids::AnchorSeq;
     use crate::geometry::{Bearing, Pose};
-    use crate::model::anchor::AnchorState;
-    use crate::model::ids::AnchorSeq;
     use nalgebra::{UnitQuaternion, Vector3};
 
     fn anchor(number: u32, at: [f64; 3], places: usize) -> LocalAnchor {

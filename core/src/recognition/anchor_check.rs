@@ -18,9 +18,9 @@ use super::sight::Sight;
 use super::standing_in::{AtWorst, at_worst, awaited, model_is_missed};
 use super::vouching::{Voucher, may_vouch, widened};
 use super::witness::{lacks_witness, loop_joins};
-use crate::model::ids::KeyframeSeq;
-use crate::model::settings::{Settings, WithoutAnchors};
-use crate::model::verdict::{Candidate, CandidateDecision, Reason, ReasonCode, Verify};
+use crate::domain::ids::KeyframeSeq;
+use crate::domain::settings::{Settings, WithoutAnchors};
+use crate::domain::verdict::{Candidate, CandidateDecision, Reason, ReasonCode, Verify};
 
 /// A query's surroundings, to be held against those of its candidates.
 #[derive(Debug)]

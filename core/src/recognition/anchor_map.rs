@@ -10,11 +10,11 @@ use std::sync::Arc;
 use super::association::{Association, associate};
 use super::distinctiveness::PlaceCounts;
 use super::index::{Certainty, MapIndex, TextId};
+use crate::domain::anchor::AnchorState;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
+use crate::domain::keyframe::NewKeyframe;
+use crate::domain::verdict::AnchorName;
 use crate::geometry::{Bearing, Point3, Pose};
-use crate::model::anchor::AnchorState;
-use crate::model::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
-use crate::model::keyframe::NewKeyframe;
-use crate::model::verdict::AnchorName;
 use crate::semantics::Text;
 
 /// Which anchor an entry of a local map is.

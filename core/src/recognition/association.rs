@@ -12,10 +12,10 @@
 use std::collections::BTreeSet;
 
 use super::index::{MapIndex, Object};
+use crate::domain::anchor::{AnchorState, IgnoredReason};
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
+use crate::domain::keyframe::Detection;
 use crate::geometry::Point3;
-use crate::model::anchor::{AnchorState, IgnoredReason};
-use crate::model::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
-use crate::model::keyframe::Detection;
 use crate::semantics::{self, Text};
 
 /// What becomes of a detection.

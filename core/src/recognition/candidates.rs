@@ -13,8 +13,8 @@ use super::inverted_file::{Scores, Scratch};
 use super::matching;
 use super::places::{PlaceLimits, PlaceScratch, best_places, greedy_places};
 use super::query::Query;
-use crate::model::bow::Score;
-use crate::model::ids::{AnchorSeq, KeyframeSeq};
+use crate::domain::bow::Score;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 
 /// An anchor that stands in more places than this proposes only the oldest of them: it says next
 /// to nothing about which, and a thousand EXIT signs must not cost a thousand looks.

@@ -6,12 +6,12 @@ use super::distinctiveness::PlaceCounts;
 use super::index::{MapIndex, Object};
 use super::loop_warning::loop_warning;
 use super::recorder::{Decided, Recorder};
-use crate::model::change::{Change, Loop, Merge, MergeCause};
-use crate::model::event::{Event, EventKind};
-use crate::model::ids::{AnchorSeq, KeyframeSeq, LoopId};
-use crate::model::loop_warning::LoopWarning;
-use crate::model::report::MergeReport;
-use crate::model::settings::Settings;
+use crate::domain::change::{Change, Loop, Merge, MergeCause};
+use crate::domain::event::{Event, EventKind};
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, LoopId};
+use crate::domain::loop_warning::LoopWarning;
+use crate::domain::report::MergeReport;
+use crate::domain::settings::Settings;
 
 /// Closes a loop: merges the pairs that match between the two local anchor maps, one-to-one
 /// whatever the map's reading of Eq. (2) is (three EXIT signs are not one), and makes the two

@@ -14,7 +14,7 @@ use super::anchor_map::{Centre, LocalAnchor, LocalAnchorMap, LocalName, local_an
 use super::comparison::{Comparison, similar};
 use super::distinctiveness::PlaceCounts;
 use super::index::MapIndex;
-use crate::model::ids::AnchorSeq;
+use crate::domain::ids::AnchorSeq;
 use crate::semantics;
 
 /// Two offsets this near are one, in metres.

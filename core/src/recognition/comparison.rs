@@ -14,9 +14,9 @@ use super::dispute::disputed;
 use super::index::{MapIndex, TextIndex};
 use super::passage::is_sure;
 use super::sighting::Sighting;
-use crate::model::anchor::AnchorState;
-use crate::model::ids::{KeyframeSeq, SessionSeq};
-use crate::model::settings::Settings;
+use crate::domain::anchor::AnchorState;
+use crate::domain::ids::{KeyframeSeq, SessionSeq};
+use crate::domain::settings::Settings;
 use crate::semantics::{self, Source};
 
 /// What an inline keyframe sees is held against stored anchors by its place alone.

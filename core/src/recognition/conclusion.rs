@@ -10,7 +10,7 @@ use super::passage::Returning;
 use super::rivals::{Concluded, Seen, settle_rivals};
 use super::screening::{Screened, Screening, Standing};
 use super::verification::{Failure, Status, Verification};
-use crate::model::verdict::{
+use crate::domain::verdict::{
     Candidate, CandidateDecision, Decision, GeometryStatus, Reason, ReasonCode, Verdict, Verify,
 };
 

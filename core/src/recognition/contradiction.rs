@@ -9,7 +9,7 @@ use super::anchor_map::LocalAnchor;
 use super::assignment::assign;
 use super::comparison::similar;
 use super::index::TextIndex;
-use crate::model::settings::Settings;
+use crate::domain::settings::Settings;
 use crate::semantics;
 
 /// A pair of anchors that cannot be the same object, though they stand at the same relative place.

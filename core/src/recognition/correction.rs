@@ -4,9 +4,9 @@ use std::collections::HashSet;
 
 use super::index::MapIndex;
 use super::recorder::{Decided, Recorder};
+use crate::domain::change::Change;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
 use crate::geometry::{Point3, Pose};
-use crate::model::change::Change;
-use crate::model::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
 
 /// Corrected poses and map points of one session, by dense number.
 #[derive(Clone, Debug, Default, PartialEq)]

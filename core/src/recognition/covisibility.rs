@@ -9,7 +9,7 @@
 //! is *crowded*: it lists none, and its neighbours are counted from the points whenever they are asked for.
 
 use super::numbered::Numbered;
-use crate::model::ids::KeyframeSeq;
+use crate::domain::ids::KeyframeSeq;
 
 /// The most neighbours by shared points that a keyframe lists: several times as many as on a robot's way, and 2 KiB. In
 /// this crate's own tests two, so that the laws of maps hold across the bound as well.

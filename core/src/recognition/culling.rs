@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use super::index::MapIndex;
 use super::recorder::{Decided, Recorder};
-use crate::model::bow::BowVector;
-use crate::model::change::{Change, Merge, MergeCause};
-use crate::model::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
+use crate::domain::bow::BowVector;
+use crate::domain::change::{Change, Merge, MergeCause};
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
 
 /// Culls a keyframe: its covisibility and its observations go, with the last observation the anchor, and
 /// with the last observer the map point. Its bag of words says which postings go.

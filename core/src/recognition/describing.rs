@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use super::index::MapIndex;
 use super::ingest::{merge_all, tell_description, tell_revisits};
 use super::recorder::{Decided, Recorder};
-use crate::model::change::Change;
-use crate::model::ids::AnchorSeq;
+use crate::domain::change::Change;
+use crate::domain::ids::AnchorSeq;
 
 /// Sets an anchor's description, or gives it back to its readings.
 pub fn describe(index: &mut MapIndex, anchor: AnchorSeq, description: Option<Box<str>>) -> Decided {

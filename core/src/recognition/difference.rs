@@ -9,8 +9,8 @@ use super::comparison::{Comparison, same_relative_place, similar};
 use super::contradiction::Contradiction;
 use super::index::{Certainty, MapIndex, TextIndex};
 use super::passage::{SURE_PASSAGES, settle};
-use crate::model::difference::{DifferenceEvidence, DifferenceReason};
-use crate::model::settings::Settings;
+use crate::domain::difference::{DifferenceEvidence, DifferenceReason};
+use crate::domain::settings::Settings;
 use crate::semantics;
 
 /// Anchors of each map that an explanation looks at, so that a hall full of plates costs no more than a corridor.

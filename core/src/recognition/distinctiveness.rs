@@ -13,8 +13,8 @@ use super::anchor_map::Centre;
 use super::index::{MapIndex, TextId};
 use super::match_sets::{MatchSets, SetId};
 use super::sighting::Sighting;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::geometry::Point3;
-use crate::model::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::semantics::{self, Text};
 
 /// Counting ends at this number of places: what hangs in more says next to nothing of any.
@@ -155,9 +155,9 @@ fn places(index: &MapIndex, sightings: &[Sighting<'_>]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::domain::bow::BowVector;
+    use crate::domain::keyframe::{Detection, NewKeyframe, Stamp};
     use crate::geometry::Pose;
-    use crate::model::bow::BowVector;
-    use crate::model::keyframe::{Detection, NewKeyframe, Stamp};
     use crate::recognition::ingest::ingest;
     use crate::recognition::query::Query;
     use proptest::prelude::*;

@@ -10,10 +10,10 @@ use super::standing_in::AtWorst;
 use super::tracked_path::Discrepancy;
 use super::verification::{Failure, Status, Verification};
 use super::vouching::Voucher;
-use crate::model::bow::Score;
-use crate::model::counted::counted;
-use crate::model::settings::Settings;
-use crate::model::verdict::{
+use crate::domain::bow::Score;
+use crate::domain::counted::counted;
+use crate::domain::settings::Settings;
+use crate::domain::verdict::{
     AnchorEvidence, BowEvidence, Candidate, CandidateDecision, ClosedLoop, ContradictionEvidence,
     GeometryEvidence, GeometryFigures, GeometryStatus, MatchEvidence, Reason, ReasonCode,
 };

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use crate::domain::ids::{KeyframeSeq, PointId};
+use crate::domain::keyframe::{Features, Keypoint};
 use crate::geometry::hamming::PackedDescriptors;
-use crate::model::ids::{KeyframeSeq, PointId};
-use crate::model::keyframe::{Features, Keypoint};
 
 /// Features as the verification reads them; the lists run in parallel. Immutable like the keyframe they belong to.
 #[derive(Clone, Debug)]

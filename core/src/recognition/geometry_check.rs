@@ -7,9 +7,9 @@ use super::screening::{Screened, Screening, Standing};
 use super::sight::Sight;
 use super::verification::resection::resection;
 use super::verification::{Failure, Landmark, Limits, Verification, View, verify_by_any_model};
+use crate::domain::settings::{GeometryAcceptance, Settings};
+use crate::domain::verdict::Verify;
 use crate::geometry::{Point3, Sim3};
-use crate::model::settings::{GeometryAcceptance, Settings};
-use crate::model::verdict::Verify;
 
 /// A keyframe that geometry can look at.
 pub type Seeing<'a> = (&'a Sight, &'a MatchableFeatures);

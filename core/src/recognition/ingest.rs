@@ -7,12 +7,12 @@ use super::association::{Association, associate};
 use super::index::{MapIndex, Object};
 use super::matching;
 use super::recorder::{Decided, Recorder};
-use crate::model::anchor::{Observation, Outcome};
-use crate::model::change::{Change, Keyframe};
-use crate::model::event::{Event, EventKind};
-use crate::model::ids::{AnchorSeq, KeyframeId, KeyframeSeq, SessionSeq};
-use crate::model::invalid::FieldError;
-use crate::model::keyframe::{Detection, NewKeyframe};
+use crate::domain::anchor::{Observation, Outcome};
+use crate::domain::change::{Change, Keyframe};
+use crate::domain::event::{Event, EventKind};
+use crate::domain::ids::{AnchorSeq, KeyframeId, KeyframeSeq, SessionSeq};
+use crate::domain::invalid::FieldError;
+use crate::domain::keyframe::{Detection, NewKeyframe};
 
 /// At most so many revisits of one anchor are told one by one; an EXIT sign has thousands.
 const MAX_REVISITS_TOLD: usize = 8;

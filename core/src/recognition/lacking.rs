@@ -6,9 +6,9 @@ use std::collections::{BTreeMap, HashSet};
 
 use super::index::{MapIndex, Object};
 use super::pairs::{Embeddings, Settled, pairs};
-use crate::model::anchor::{AnchorState, Observation};
-use crate::model::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
-use crate::model::roles::Roles;
+use crate::domain::anchor::{AnchorState, Observation};
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
+use crate::domain::roles::Roles;
 use crate::semantics::{self, Text};
 
 /// A crop replaces the one described before when its area is so many times as large.

@@ -6,11 +6,11 @@ use super::index::{MapIndex, Object};
 use super::ingest::{merge_all, tell_description, tell_revisits};
 use super::matching;
 use super::recorder::{Decided, Recorder};
-use crate::model::anchor::AnchorState;
-use crate::model::change::Change;
-use crate::model::event::{Event, EventKind};
-use crate::model::ids::{AnchorSeq, KeyframeId};
-use crate::model::judged::{CropRead, Finding, ModelVerdict};
+use crate::domain::anchor::AnchorState;
+use crate::domain::change::Change;
+use crate::domain::event::{Event, EventKind};
+use crate::domain::ids::{AnchorSeq, KeyframeId};
+use crate::domain::judged::{CropRead, Finding, ModelVerdict};
 
 /// At most so many objects that carry one text are followed up; an EXIT sign hangs at thousands of doors.
 const MAX_FOLLOWED: usize = 64;

@@ -12,9 +12,9 @@ use super::rivals::find_rivals;
 use super::screening::{Screened, Screening, Standing};
 use super::tracked_path::TrackedPath;
 use super::witness::{loop_joins, odometry_agrees};
-use crate::model::bow::Score;
-use crate::model::ids::KeyframeSeq;
-use crate::model::verdict::{Candidate, CandidateDecision, ReasonCode, Verify};
+use crate::domain::bow::Score;
+use crate::domain::ids::KeyframeSeq;
+use crate::domain::verdict::{Candidate, CandidateDecision, ReasonCode, Verify};
 
 /// Runs checks 1 to 3 at this version of the map. Pure: the same arguments give the same answer.
 pub fn screen(index: &MapIndex, map_version: u64, query: &Query<'_>, verify: Verify) -> Screening {

@@ -10,9 +10,9 @@ use super::distinctiveness::PlaceCounts;
 use super::index::MapIndex;
 use super::screening::{Passed, Standing};
 use super::standing_in::at_worst;
-use crate::model::change::Loop;
-use crate::model::loop_warning::{LoopWarning, LoopWarningCode};
-use crate::model::verdict::ReasonCode;
+use crate::domain::change::Loop;
+use crate::domain::loop_warning::{LoopWarning, LoopWarningCode};
+use crate::domain::verdict::ReasonCode;
 
 /// Returns the warning about a loop that the index does not hold yet, if anything speaks against it.
 pub fn loop_warning(index: &MapIndex, closed: &Loop) -> Option<LoopWarning> {

@@ -6,7 +6,7 @@ use super::anchor_map::LocalAnchorMap;
 use super::comparison::{Comparison, similar};
 use super::difference::{EXPLAINED_MAX, Placement, relative_placement};
 use super::index::TextIndex;
-use crate::model::settings::Settings;
+use crate::domain::settings::Settings;
 
 /// Says in one sentence why two local anchor maps agree too little.
 pub fn explain_low_score(

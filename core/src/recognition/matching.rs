@@ -9,8 +9,8 @@
 use std::collections::BTreeSet;
 
 use super::index::{MapIndex, Object, Shape};
-use crate::model::change::{Merge, MergeCause};
-use crate::model::ids::{AnchorSeq, KeyframeSeq};
+use crate::domain::change::{Merge, MergeCause};
+use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 
 /// The first object that `root` must be merged with, among those that the keyframes covisible
 /// with `around` see.

@@ -11,7 +11,7 @@ use super::anchor_map::{LocalAnchor, LocalName};
 use super::comparison::{Comparison, Matched};
 use super::index::{Certainty, MapIndex, Object};
 use super::query::Query;
-use crate::model::ids::{AnchorSeq, KeyframeSeq};
+use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::semantics::Text;
 
 /// The passages in which a text must be read alike to be sure: they see it from where each drove, and do not err alike.

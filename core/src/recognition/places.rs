@@ -7,7 +7,7 @@ use std::cmp::Ordering;
 use std::collections::HashSet;
 
 use super::inverted_file::Scores;
-use crate::model::bow::{BowVector, Score};
+use crate::domain::bow::{BowVector, Score};
 
 /// How many of the best keyframes are looked at first for each place asked for; when they belong to too few
 /// places, so many times more are looked at.

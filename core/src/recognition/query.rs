@@ -5,10 +5,10 @@ use std::collections::BTreeSet;
 use super::anchor_map::{Centre, inline_centre};
 use super::index::{MapIndex, TextId};
 use super::sight::Sight;
-use crate::model::bow::BowVector;
-use crate::model::ids::{AnchorSeq, KeyframeSeq};
-use crate::model::keyframe::NewKeyframe;
-use crate::model::roles::Roles;
+use crate::domain::bow::BowVector;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq};
+use crate::domain::keyframe::NewKeyframe;
+use crate::domain::roles::Roles;
 
 /// "Is this keyframe a loop?", ready to be answered.
 #[derive(Clone, Debug)]

@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 
 use super::index::MapIndex;
-use crate::model::change::Change;
-use crate::model::event::Event;
-use crate::model::former::FormerValues;
-use crate::model::ids::AnchorSeq;
+use crate::domain::change::Change;
+use crate::domain::event::Event;
+use crate::domain::former::FormerValues;
+use crate::domain::ids::AnchorSeq;
 
 /// What a request changed, and what there is to tell about it.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -6,10 +6,10 @@ use super::index::{MapIndex, Object};
 use super::lacking::Lack;
 use super::learning::{Learned, learn_verdict, replace_reading};
 use super::recorder::{Decided, Recorder};
-use crate::model::change::Change;
-use crate::model::ids::KeyframeId;
-use crate::model::judged::Answer;
-use crate::model::judgement::{JudgementProgress, PastQuestion, TextFunction};
+use crate::domain::change::Change;
+use crate::domain::ids::KeyframeId;
+use crate::domain::judged::Answer;
+use crate::domain::judgement::{JudgementProgress, PastQuestion, TextFunction};
 
 /// Returns a past question as a model is asked today; `None` if the map no longer holds what it is about.
 pub fn asked_today(index: &MapIndex, question: &PastQuestion) -> Option<Lack> {

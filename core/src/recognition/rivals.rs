@@ -13,10 +13,10 @@ use super::index::{Certainty, MapIndex};
 use super::screening::{Screened, Standing};
 use super::sight::Sight;
 use super::tracked_path::{TrackedPath, drift_m};
+use crate::domain::ids::{KeyframeSeq, SessionSeq};
+use crate::domain::settings::Settings;
+use crate::domain::verdict::{Candidate, CandidateDecision};
 use crate::geometry::Point3;
-use crate::model::ids::{KeyframeSeq, SessionSeq};
-use crate::model::settings::Settings;
-use crate::model::verdict::{Candidate, CandidateDecision};
 
 /// Whether nothing but geometry can make it a loop: no anchor that bears an identifier matches.
 fn needs_geometry_alone(screened: &Screened) -> bool {

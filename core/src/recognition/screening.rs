@@ -9,10 +9,10 @@ use super::query::Query;
 use super::sight::Sight;
 use super::tracked_path::TrackedPath;
 use super::vouching::{Vouched, Voucher};
-use crate::model::change::Loop;
-use crate::model::ids::KeyframeSeq;
-use crate::model::settings::Settings;
-use crate::model::verdict::{
+use crate::domain::change::Loop;
+use crate::domain::ids::KeyframeSeq;
+use crate::domain::settings::Settings;
+use crate::domain::verdict::{
     CLOSED_MAX, Candidate, CandidateDecision, ClosedLoop, Reason, ReasonCode, Verify,
 };
 

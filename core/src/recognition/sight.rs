@@ -8,9 +8,9 @@ use std::collections::{BTreeMap, HashMap};
 use super::features::MatchableFeatures;
 use super::index::MapIndex;
 use super::verification::Landmark;
+use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
+use crate::domain::keyframe::{Camera, NewKeyframe};
 use crate::geometry::{Point3, Pose, Sim3};
-use crate::model::ids::{KeyframeSeq, PointId, SessionSeq};
-use crate::model::keyframe::{Camera, NewKeyframe};
 
 /// Keyframes covisible with a candidate whose points join the guided search, those that share most
 /// first. ORB-SLAM3 takes ten as well.

@@ -7,8 +7,8 @@ use std::collections::BTreeSet;
 
 use super::index::{MapIndex, Milestone, Object};
 use super::tracked_path::drift_m;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::geometry::Point3;
-use crate::model::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 
 /// An object, or what an inline keyframe sees, in the frame of one session.
 #[derive(Clone, Copy, Debug)]

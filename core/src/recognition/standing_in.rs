@@ -4,7 +4,7 @@
 use super::anchor_map::{LocalAnchor, LocalAnchorMap, LocalName};
 use super::comparison::{Comparison, equation_2, same_relative_place};
 use super::index::MapIndex;
-use crate::model::anchor::AnchorState;
+use crate::domain::anchor::AnchorState;
 use crate::semantics::{self, Route};
 
 /// Would a model that is away have had a say in the comparison of two local anchor maps?
@@ -93,7 +93,7 @@ pub fn at_worst(
 /// Has nothing described this anchor, and is there a crop that a model has not looked at?
 fn is_awaited(index: &MapIndex, anchor: &LocalAnchor) -> bool {
     let LocalName::Object(root) = anchor.name else { return false };
-    let unread = |member: &crate::model::ids::AnchorSeq| {
+    let unread = |member: &crate::domain::ids::AnchorSeq| {
         let mut seen = index.anchor(*member).into_iter().flat_map(|anchor| anchor.observations.values());
         seen.any(|seen| seen.crop_area_px.is_some() && seen.crop_reading.is_none())
     };

@@ -8,9 +8,9 @@ use nalgebra::Vector3;
 
 use super::index::{MapIndex, UM_PER_M};
 use super::way_by_loops::way_by_loops_um;
+use crate::domain::ids::KeyframeSeq;
+use crate::domain::settings::Settings;
 use crate::geometry::{Pose, Sim3};
-use crate::model::ids::KeyframeSeq;
-use crate::model::settings::Settings;
 
 /// The turn that is allowed for each whole of the drift share s, in radians. A heading that scatters along a way of length L
 /// is off by sqrt(3) s radians at its end where it has moved the place by s L.

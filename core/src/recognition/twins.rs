@@ -20,10 +20,10 @@ use super::rivals::known_contradiction;
 use super::screening::{Screened, Screening, Standing};
 use super::sight::Sight;
 use super::verification::Status;
-use crate::model::change::{Change, Twins};
-use crate::model::ids::{AnchorSeq, KeyframeSeq};
-use crate::model::settings::WithoutAnchors;
-use crate::model::verdict::{CandidateDecision, ReasonCode, Verify};
+use crate::domain::change::{Change, Twins};
+use crate::domain::ids::{AnchorSeq, KeyframeSeq};
+use crate::domain::settings::WithoutAnchors;
+use crate::domain::verdict::{CandidateDecision, ReasonCode, Verify};
 
 /// Pairs of a map that are kept: one is enough, and the next stands in where its signs change.
 pub const KEPT_MAX: usize = 8;

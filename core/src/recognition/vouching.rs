@@ -10,7 +10,7 @@ use super::anchor_map::{Centre, LocalAnchorMap, local_anchor_map};
 use super::distinctiveness::PlaceCounts;
 use super::index::MapIndex;
 use super::query::Query;
-use crate::model::verdict::{CandidateDecision, Reason, Verify};
+use crate::domain::verdict::{CandidateDecision, Reason, Verify};
 
 /// A reason why a candidate that its own anchors leave open may be a loop all the same, and its decision where geometry does
 /// not verify it.

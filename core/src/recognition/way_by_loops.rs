@@ -9,7 +9,7 @@ use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 
 use super::index::MapIndex;
-use crate::model::ids::KeyframeSeq;
+use crate::domain::ids::KeyframeSeq;
 
 /// Keyframes that are looked at for the way between two.
 pub const LOOKED_AT_MAX: usize = 4096;

@@ -12,8 +12,8 @@ use super::anchor_map::LocalAnchor;
 use super::comparison::Comparison;
 use super::index::MapIndex;
 use super::tracked_path::{TrackedPath, drift_m};
-use crate::model::ids::KeyframeSeq;
-use crate::model::settings::Settings;
+use crate::domain::ids::KeyframeSeq;
+use crate::domain::settings::Settings;
 
 /// Whether all that agrees are pairs of texts that need a witness.
 pub fn lacks_witness(comparison: &Comparison<'_>) -> bool {

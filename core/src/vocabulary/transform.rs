@@ -3,7 +3,7 @@
 use super::groups::FeatureGroups;
 use super::words::WordVector;
 use super::{LEVELS_UP, Vocabulary};
-use crate::model::keyframe::Features;
+use crate::domain::keyframe::Features;
 
 /// What the vocabulary makes of an image.
 #[derive(Clone, Debug, Default, PartialEq)]

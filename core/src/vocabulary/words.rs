@@ -1,6 +1,6 @@
 //! A bag of words in doubles, as DBoW2 has it: its sums run in ascending order of words.
 
-use crate::model::bow::{BowError, BowVector};
+use crate::domain::bow::{BowError, BowVector};
 
 /// Words and their weights, L1-normalised; words ascend, and none has weight 0.
 ///

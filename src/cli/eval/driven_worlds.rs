@@ -16,8 +16,8 @@ use sha2::{Digest as _, Sha256};
 use tempfile::NamedTempFile;
 
 use crate::cli::Failure;
-use crate::hotel::noise::NoiseKind;
-use crate::hotel::results::WorldResult;
+use crate::hotel::scoring::results::WorldResult;
+use crate::hotel::sensing::noise::NoiseKind;
 
 const FILE: &str = "worlds.ndjson";
 

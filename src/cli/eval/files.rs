@@ -8,15 +8,15 @@ use serde_json::json;
 use crate::cli::Failure;
 use crate::geometry::absolute_orientation::Scale;
 use crate::geometry::{Point3, Pose};
-use crate::hotel::absolute_pose_error::alignment;
-use crate::hotel::arm::Arm;
-use crate::hotel::curve::curve;
 use crate::hotel::figures::{Panel, precision_recall, trajectories};
-use crate::hotel::results::{SequenceResult, WorldResult};
+use crate::hotel::method::Method;
+use crate::hotel::run::RunResult;
 use crate::hotel::scenario::Scenario;
-use crate::hotel::score::Outcome;
-use crate::hotel::trial::Driven;
-use crate::hotel::tum;
+use crate::hotel::scoring::absolute_pose_error::alignment;
+use crate::hotel::scoring::curve::curve;
+use crate::hotel::scoring::results::{SequenceResult, WorldResult};
+use crate::hotel::scoring::score::Outcome;
+use crate::hotel::scoring::tum;
 
 /// The paper's Figure 6 shows this sequence.
 const FIGURE_6: &str = "SE2 00";
@@ -28,7 +28,7 @@ pub(super) struct Driven12 {
     /// Its world and its truth.
     pub scenario: Scenario,
     /// The arms at the end of their drives.
-    pub arms: Vec<Driven>,
+    pub arms: Vec<RunResult>,
     /// Odometry alone.
     pub odometry: Vec<Vec<Pose>>,
 }
@@ -50,10 +50,10 @@ pub(super) fn write_sequences(folder: &Path, drives: &[Driven12]) -> Result<(), 
     if let Some(shown) = drives.iter().find(|driven| driven.result.sequence == FIGURE_6) {
         fs::write(folder.join("figure6.svg"), trajectories(&panels(shown))?)?;
     }
-    let of_arm = |arm: Arm| -> Vec<&Driven> {
+    let of_arm = |arm: Method| -> Vec<&RunResult> {
         drives.iter().flat_map(|driven| &driven.arms).filter(|driven| driven.arm == arm).collect()
     };
-    let curves: Vec<_> = Arm::OF_SEQUENCES.into_iter().filter_map(|arm| curve(&of_arm(arm))).collect();
+    let curves: Vec<_> = Method::OF_SEQUENCES.into_iter().filter_map(|arm| curve(&of_arm(arm))).collect();
     fs::write(folder.join("precision-recall.svg"), precision_recall(&curves)?)?;
     let results: Vec<&SequenceResult> = drives.iter().map(|driven| &driven.result).collect();
     write_json(folder, &json!({"sequences": results}))
@@ -75,19 +75,19 @@ fn truth(driven: &Driven12) -> Vec<Pose> {
 }
 
 fn panels(driven: &Driven12) -> Vec<Panel> {
-    let arm = |arm: Arm| driven.arms.iter().find(|driven| driven.arm == arm);
+    let arm = |arm: Method| driven.arms.iter().find(|driven| driven.arm == arm);
     let mut panels = Vec::new();
-    if let Some(bow) = arm(Arm::BagOfWords) {
+    if let Some(bow) = arm(Method::BagOfWords) {
         panels.push(panel(driven, "(a) bag of words + Sim3, no anchors", &bow.poses[0], Some(bow)));
     }
     panels.push(panel(driven, "(b) odometry alone", &driven.odometry[0], None));
-    if let Some(ours) = arm(Arm::Ours) {
+    if let Some(ours) = arm(Method::Ours) {
         panels.push(panel(driven, "(c) ours", &ours.poses[0], Some(ours)));
     }
     panels
 }
 
-fn panel(driven: &Driven12, title: &str, poses: &[Pose], arm: Option<&Driven>) -> Panel {
+fn panel(driven: &Driven12, title: &str, poses: &[Pose], arm: Option<&RunResult>) -> Panel {
     let centres = |poses: &[Pose]| -> Vec<Point3> { poses.iter().map(Pose::centre).collect() };
     let (truth, estimate) = (centres(&truth(driven)), centres(poses));
     let laid_over: Vec<Point3> = match alignment(&estimate, &truth, Scale::Fixed) {

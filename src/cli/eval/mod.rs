@@ -25,9 +25,9 @@ use clap::{ArgGroup, Args, Subcommand, ValueEnum};
 use super::Failure;
 use super::hotel::hotel_server;
 use crate::client::Client;
-use crate::hotel::arm::Arm;
-use crate::hotel::noise::NoiseKind;
-use crate::hotel::paper::{PrintedSequence, SEQUENCES};
+use crate::hotel::method::Method;
+use crate::hotel::scoring::paper::{PrintedSequence, SEQUENCES};
+use crate::hotel::sensing::noise::NoiseKind;
 
 /// Run an experiment.
 #[derive(Args, Debug)]
@@ -101,7 +101,7 @@ struct HotelArgs {
     world: Option<u64>,
     /// With --world: the arm that is explained: ours, monocular or paper
     #[arg(long, value_name = "ARM", requires = "world", default_value = "ours", value_parser = arm)]
-    arm: Arm,
+    arm: Method,
     /// Write a tour as a recording for `revisit replay` instead of driving it: that of --world, or of SE2 00 (.ndjson, .gz
     /// or .zst)
     #[arg(long, value_name = "FILE", conflicts_with = "worlds")]
@@ -124,9 +124,9 @@ fn sequence(name: &str) -> Result<PrintedSequence, String> {
     found.ok_or_else(|| String::from("SE1-00 to SE1-05 and SE2-00 to SE2-05"))
 }
 
-fn arm(name: &str) -> Result<Arm, String> {
-    let found = Arm::OF_WORLDS.into_iter().find(|arm| arm.name() == name);
-    found.ok_or_else(|| format!("one of {}", Arm::OF_WORLDS.map(Arm::name).join(", ")))
+fn arm(name: &str) -> Result<Method, String> {
+    let found = Method::OF_WORLDS.into_iter().find(|arm| arm.name() == name);
+    found.ok_or_else(|| format!("one of {}", Method::OF_WORLDS.map(Method::name).join(", ")))
 }
 
 /// The generator that draws the worlds.

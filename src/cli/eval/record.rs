@@ -9,11 +9,11 @@ use flate2::write::GzEncoder;
 
 use super::HotelArgs;
 use crate::cli::Failure;
-use crate::hotel::noise::NoiseKind;
-use crate::hotel::paper::SEQUENCES;
+use crate::hotel::building::texture::Patterns;
 use crate::hotel::recording::recording;
 use crate::hotel::scenario::Scenario;
-use crate::hotel::texture::Patterns;
+use crate::hotel::scoring::paper::SEQUENCES;
+use crate::hotel::sensing::noise::NoiseKind;
 
 /// The sequence of the paper's Figure 6, which the demo drives as well.
 const SEQUENCE: &str = "SE2 00";

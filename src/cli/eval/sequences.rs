@@ -9,18 +9,18 @@ use super::words_alone::words_alone;
 use crate::cli::{Failure, write_out};
 use crate::client::Client;
 use crate::geometry::absolute_orientation::Scale;
-use crate::hotel::arm::Arm;
-use crate::hotel::paper::{PrintedSequence, SEQUENCES};
-use crate::hotel::results::{ArmResult, Confusion, SequenceResult};
+use crate::hotel::building::texture::Patterns;
+use crate::hotel::method::Method;
+use crate::hotel::run::{self, absolute_pose_error_m, drive};
 use crate::hotel::scenario::Scenario;
-use crate::hotel::tables;
-use crate::hotel::texture::Patterns;
-use crate::hotel::trial::{self, absolute_pose_error_m, drive};
+use crate::hotel::scoring::paper::{PrintedSequence, SEQUENCES};
+use crate::hotel::scoring::results::{ArmResult, Confusion, SequenceResult};
+use crate::hotel::scoring::tables;
 
 /// Drives those that are asked for, all twelve if none is, prints the tables and writes the files.
 pub(super) async fn run(args: &HotelArgs, client: &Client) -> Result<(), Failure> {
     let asked = if args.sequences.is_empty() { SEQUENCES.to_vec() } else { args.sequences.clone() };
-    let progress = Progress::new(asked.len() * Arm::OF_SEQUENCES.len());
+    let progress = Progress::new(asked.len() * Method::OF_SEQUENCES.len());
     let drives: Vec<Driven12> = futures_util::stream::iter(asked)
         .map(|printed| drive_sequence(client, printed, &progress))
         .buffered(usize::from(args.jobs))
@@ -49,9 +49,9 @@ async fn drive_sequence(
 ) -> Result<Driven12, Failure> {
     let scenario =
         tokio::task::spawn_blocking(move || Scenario::of_paper(&printed, &Patterns::new())).await?;
-    let odometry = trial::odometry(&scenario.course);
+    let odometry = run::odometry(&scenario.course);
     let mut arms = Vec::new();
-    for arm in Arm::OF_SEQUENCES {
+    for arm in Method::OF_SEQUENCES {
         let mut shown =
             progress.drive(format!("{}, {}", printed.name(), arm.title()), scenario.course.order.len());
         let map = format!("{}-{}", printed.name().replace(' ', "-"), arm.name());
@@ -66,7 +66,7 @@ async fn drive_sequence(
         arms: arms.iter().map(ArmResult::of).collect(),
         confusion: arms
             .iter()
-            .find(|driven| driven.arm == Arm::BagOfWords)
+            .find(|driven| driven.arm == Method::BagOfWords)
             .map(Confusion::of)
             .unwrap_or_default(),
         printed,

@@ -10,9 +10,9 @@ use std::fmt::Write as _;
 
 use super::files::Driven12;
 use crate::cli::replay::score::{Accuracy, Best, Marked, bow_only};
-use crate::hotel::arm::Arm;
-use crate::hotel::paper::ORB_SLAM3_PRECISION;
-use crate::hotel::trial::{Asked, WordsAlone};
+use crate::hotel::method::Method;
+use crate::hotel::run::{Asked, WordsAlone};
+use crate::hotel::scoring::paper::ORB_SLAM3_PRECISION;
 
 /// Returns a line for each data set and each way to choose a threshold.
 pub(super) fn words_alone(drives: &[Driven12]) -> String {
@@ -22,7 +22,7 @@ pub(super) fn words_alone(drives: &[Driven12]) -> String {
     );
     for (dataset, _) in ORB_SLAM3_PRECISION {
         let of_dataset = drives.iter().filter(|driven| driven.result.printed.dataset == dataset);
-        let ours = of_dataset.flat_map(|driven| &driven.arms).filter(|driven| driven.arm == Arm::Ours);
+        let ours = of_dataset.flat_map(|driven| &driven.arms).filter(|driven| driven.arm == Method::Ours);
         let marked: Vec<Marked> = ours.flat_map(|driven| &driven.asked).filter_map(marked).collect();
         if marked.is_empty() {
             continue;

@@ -7,17 +7,17 @@ use super::progress::Progress;
 use super::{HotelArgs, files};
 use crate::cli::{Failure, write_out};
 use crate::client::{AnchorSearch, Client, Page};
-use crate::hotel::arm::Arm;
-use crate::hotel::explain::Narrator;
-use crate::hotel::noise::NoiseKind;
-use crate::hotel::renumbering::{Signs, by_round};
-use crate::hotel::results::{ArmResult, WorldResult};
+use crate::hotel::building::renumbering::{Signs, by_round};
+use crate::hotel::building::texture::Patterns;
+use crate::hotel::method::Method;
+use crate::hotel::run::drive;
 use crate::hotel::scenario::Scenario;
-use crate::hotel::score::Outcome;
+use crate::hotel::scoring::explain::Narrator;
+use crate::hotel::scoring::results::{ArmResult, WorldResult};
+use crate::hotel::scoring::score::Outcome;
+use crate::hotel::scoring::tables::{self, pooled_worlds};
 use crate::hotel::seeds;
-use crate::hotel::tables::{self, pooled_worlds};
-use crate::hotel::texture::Patterns;
-use crate::hotel::trial::drive;
+use crate::hotel::sensing::noise::NoiseKind;
 
 /// So many worlds under each kind of noise.
 pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result<(), Failure> {
@@ -43,7 +43,7 @@ pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result
     progress.finish();
     let results = driven.all(now, &worlds);
     files::write_worlds(folder, &results)?;
-    let table = tables::noise_table(&results, &Arm::OF_WORLDS);
+    let table = tables::noise_table(&results, &Method::OF_WORLDS);
     let monocular = tables::monocular(&results);
     let failures = tables::failures(&results, args.held_out);
     let losses = tables::losses(pooled_worlds(&results).map(|result| result.arms.as_slice()));
@@ -54,11 +54,11 @@ pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result
 }
 
 /// Returns the arms that drive under a kind of noise: the paper knows no new numbers, and eight rounds take long.
-fn arms_of(kind: NoiseKind) -> &'static [Arm] {
+fn arms_of(kind: NoiseKind) -> &'static [Method] {
     match kind {
-        NoiseKind::Renumbered => &[Arm::Ours],
-        NoiseKind::None | NoiseKind::SecondHotel => &Arm::OF_WORLDS,
-        _ => &[Arm::Ours, Arm::Paper],
+        NoiseKind::Renumbered => &[Method::Ours],
+        NoiseKind::None | NoiseKind::SecondHotel => &Method::OF_WORLDS,
+        _ => &[Method::Ours, Method::Paper],
     }
 }
 
@@ -77,7 +77,7 @@ async fn drive_world(
         let driven = drive(client, &map, arm, &scenario.course, |_| shown.keyframe()).await?;
         shown.end();
         arms.push(ArmResult::of(&driven));
-        if arm == Arm::Ours && kind == NoiseKind::Renumbered {
+        if arm == Method::Ours && kind == NoiseKind::Renumbered {
             rounds = by_round(&driven, &scenario.course.journeys[0], &scenario.world, &scenario.eras);
             signs = Some(count_signs(client, &map, &scenario).await?);
         }

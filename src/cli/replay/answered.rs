@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use super::score::{Best, Marked};
-use crate::model::reason::ReasonCode;
-use crate::model::verdict::Decision;
-use crate::wire::verdict::{CandidateView, LoopAnswer, ReasonView};
+use crate::api::verdict::{CandidateView, LoopAnswer, ReasonView};
+use crate::domain::reason::ReasonCode;
+use crate::domain::verdict::Decision;
 
 /// What the recording says is true of a query.
 #[derive(Clone, Debug, Default)]

@@ -13,9 +13,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::latency::percentile;
+use crate::api::geometry::Similarity;
+use crate::api::space::Transform;
 use crate::geometry::Pose;
-use crate::wire::geometry::Similarity;
-use crate::wire::space::Transform;
 
 /// Where each session's frame lies in a common one, and where each keyframe was taken.
 #[derive(Debug, Default)]

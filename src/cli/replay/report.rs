@@ -11,8 +11,8 @@ use super::frames::TransformErrors;
 use super::latency::Latency;
 use super::play::Played;
 use super::score::{Accuracy, BowOnly, accuracy, bow_only};
-use crate::model::verdict::Decision;
-use crate::wire::verdict::ReasonView;
+use crate::api::verdict::ReasonView;
+use crate::domain::verdict::Decision;
 
 /// The score of a recording.
 #[derive(Clone, Debug, Serialize)]

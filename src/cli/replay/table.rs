@@ -7,7 +7,7 @@ use super::answered::Figures;
 use super::latency::Latency;
 use super::report::{QueryLine, Reasons, Report};
 use super::score::{Accuracy, BowOnly};
-use crate::wire::verdict::ReasonView;
+use crate::api::verdict::ReasonView;
 
 impl Display for Report {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
@@ -125,7 +125,7 @@ fn write_missed(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
     };
     writeln!(f, "\nwith a true loop, not accepted: {}", missed.len())?;
     for line in missed {
-        let why = line.reason.as_ref().map_or("no reason given".to_owned(), said);
+        let why = line.reason.as_ref().map_or("no reason given".to_owned(), sentence);
         let nearest = line.best.as_ref().map_or("no candidate".to_owned(), figures);
         write!(f, "  {}  {}  {why}; {nearest}", name(report, line), line.verdict)?;
         writeln!(f, "{}", true_candidate(line))?;
@@ -140,7 +140,7 @@ fn true_candidate(line: &QueryLine) -> String {
         (_, None) => "; no true candidate".to_owned(),
         (Some(best), Some(right)) if best.keyframe == right.keyframe => " (true)".to_owned(),
         (_, Some(right)) => {
-            let why = right.reason.as_ref().map_or(String::new(), said);
+            let why = right.reason.as_ref().map_or(String::new(), sentence);
             format!("; true {} {why}", figures(right)).trim_end().to_owned()
         }
     }
@@ -161,7 +161,7 @@ fn figures(candidate: &Figures) -> String {
     format!("{keyframe} S {similarity} BoW {bow_score:.3}{inliers}")
 }
 
-fn said(reason: &ReasonView) -> String {
+fn sentence(reason: &ReasonView) -> String {
     let code = reason.code.0.as_str();
     match (reason.measured, reason.limit) {
         (Some(measured), Some(limit)) => format!("{code} {}/{}", number(measured), number(limit)),

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use tokio::net::TcpListener;
 
 use super::*;
-use crate::wire::examples;
+use crate::api::examples;
 
 #[derive(Parser)]
 struct CommandLine {

@@ -4,7 +4,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::FigureError;
-use crate::hotel::floor_plan::{Flat, Wall};
+use crate::hotel::building::floor_plan::{Flat, Wall};
 
 /// One trajectory with what is to be seen behind it.
 #[derive(Clone, Debug)]

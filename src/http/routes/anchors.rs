@@ -5,29 +5,29 @@ use axum::extract::State;
 use axum::http::header::{CONTENT_TYPE, ETAG, X_CONTENT_TYPE_OPTIONS};
 use axum::response::{IntoResponse, Response};
 
-use crate::http::body::Body;
-use crate::http::if_match::{IfMatch, etag};
-use crate::http::path::{AnchorPath, InAnchor, InMap, MapPath};
+use crate::api::anchor::{AnchorPatch, AnchorPatchBody, AnchorView};
+use crate::api::examples;
+use crate::api::list::AnchorList;
+use crate::api::map::MapVersion;
+use crate::api::transcript::TranscriptList;
+use crate::engine::Service;
+use crate::http::error_responses::{OfPatch, OfVersionedDelete, ReadErrors};
+use crate::http::extract::body::Body;
+use crate::http::extract::if_match::{IfMatch, etag};
+use crate::http::extract::path::{AnchorPath, AnchorPathParams, MapPath, MapPathParams};
+use crate::http::extract::query::{AnchorPage, AnchorSearch, Paging, Query};
 use crate::http::problem::Problem;
-use crate::http::query::{AnchorPage, AnchorSearch, Paging, Query};
-use crate::http::refusals::{OfPatch, OfRead, OfVersionedDelete};
-use crate::service::Service;
-use crate::wire::anchor::{AnchorPatch, AnchorPatchBody, AnchorView};
-use crate::wire::examples;
-use crate::wire::list::AnchorList;
-use crate::wire::map::MapVersion;
-use crate::wire::transcript::TranscriptList;
 
 /// Search anchors
 ///
 /// Oldest first, one part at a time. Anchors that go by another one's name are left out unless asked for.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/anchors", tag = "anchors", params(MapPath, AnchorSearch, Paging), security(("key" = ["read"])),
-    responses((status = 200, description = "One part of the list", body = AnchorList, example = examples::anchors), OfRead)
+    get, path = "/v1/maps/{map}/anchors", tag = "anchors", params(MapPathParams, AnchorSearch, Paging), security(("key" = ["read"])),
+    responses((status = 200, description = "One part of the list", body = AnchorList, example = examples::anchors), ReadErrors)
 )]
 pub async fn list_anchors(
     State(service): State<Service>,
-    InMap(map): InMap,
+    MapPath(map): MapPath,
     Query(AnchorPage { filter, page }): Query<AnchorPage>,
 ) -> Result<Json<AnchorList>, Problem> {
     let (version, anchors) = service.list_anchors(&map, filter, page.cursor.as_deref(), page.limit).await?;
@@ -38,16 +38,16 @@ pub async fn list_anchors(
 ///
 /// With its readings, its place in each session's frame and the anchors that match it.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors", params(AnchorPath), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors", params(AnchorPathParams), security(("key" = ["read"])),
     responses(
         (status = 200, description = "The anchor", body = AnchorView, 
             headers(("etag" = String, description = "The anchor's version, for `if-match`")), example = examples::anchor),
-        OfRead
+        ReadErrors
     )
 )]
 pub async fn get_anchor(
     State(service): State<Service>,
-    InAnchor { map, anchor }: InAnchor,
+    AnchorPath { map, anchor }: AnchorPath,
 ) -> Result<Response, Problem> {
     let (version, report) = service.get_anchor(&map, anchor).await?;
     Ok(tagged(AnchorView::at(version, report)))
@@ -58,7 +58,7 @@ pub async fn get_anchor(
 /// The description stands whatever is read later; null takes it back. `if-match` says which version was seen.
 #[utoipa::path(
     patch, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors", security(("key" = ["write"])),
-    params(AnchorPath, ("if-match" = String, Header, description = "The anchor's `etag`, or `*` for any version", example = "*")),
+    params(AnchorPathParams, ("if-match" = String, Header, description = "The anchor's `etag`, or `*` for any version", example = "*")),
     request_body(content = AnchorPatchBody, example = examples::anchor_patch),
     responses(
         (status = 200, description = "The anchor as it is now", body = AnchorView, 
@@ -68,7 +68,7 @@ pub async fn get_anchor(
 )]
 pub async fn patch_anchor(
     State(service): State<Service>,
-    InAnchor { map, anchor }: InAnchor,
+    AnchorPath { map, anchor }: AnchorPath,
     seen: IfMatch,
     Body(patch): Body<AnchorPatch>,
 ) -> Result<Response, Problem> {
@@ -83,7 +83,7 @@ pub async fn patch_anchor(
 #[utoipa::path(
     delete, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors", security(("key" = ["write"])),
     params(
-        AnchorPath,
+        AnchorPathParams,
         ("if-match" = Option<String>, Header, description = "The anchor's `etag`; without it any version goes",
             example = "\"4\"")
     ),
@@ -94,7 +94,7 @@ pub async fn patch_anchor(
 )]
 pub async fn delete_anchor(
     State(service): State<Service>,
-    InAnchor { map, anchor }: InAnchor,
+    AnchorPath { map, anchor }: AnchorPath,
     seen: IfMatch,
 ) -> Result<Json<MapVersion>, Problem> {
     let map_version = service.delete_anchor(&map, anchor, seen.optional()).await?;
@@ -105,18 +105,18 @@ pub async fn delete_anchor(
 ///
 /// The largest image of it that a detection brought, as it was sent.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/anchors/{anchor}/crop", tag = "anchors", params(AnchorPath), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/anchors/{anchor}/crop", tag = "anchors", params(AnchorPathParams), security(("key" = ["read"])),
     responses(
         (status = 200, description = "The image", content(
             (ImageFile = "image/png", example = "(the bytes of a PNG file)"),
             (ImageFile = "image/jpeg", example = "(the bytes of a JPEG file)")
         )),
-        OfRead
+        ReadErrors
     )
 )]
 pub async fn get_crop(
     State(service): State<Service>,
-    InAnchor { map, anchor }: InAnchor,
+    AnchorPath { map, anchor }: AnchorPath,
 ) -> Result<Response, Problem> {
     let crop = service.crop(&map, anchor).await?;
     // A client sent it, and browsers shall not find a page in it.
@@ -128,12 +128,12 @@ pub async fn get_crop(
 /// The dialogues between a language model and a vision model about its crops, the newest first; none where no model
 /// has read one.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/anchors/{anchor}/transcript", tag = "anchors", params(AnchorPath), security(("key" = ["read"])),
-    responses((status = 200, description = "The dialogues", body = TranscriptList, example = examples::transcript), OfRead)
+    get, path = "/v1/maps/{map}/anchors/{anchor}/transcript", tag = "anchors", params(AnchorPathParams), security(("key" = ["read"])),
+    responses((status = 200, description = "The dialogues", body = TranscriptList, example = examples::transcript), ReadErrors)
 )]
 pub async fn get_transcript(
     State(service): State<Service>,
-    InAnchor { map, anchor }: InAnchor,
+    AnchorPath { map, anchor }: AnchorPath,
 ) -> Result<Json<TranscriptList>, Problem> {
     let (version, transcripts) = service.transcripts(&map, anchor).await?;
     Ok(Json(TranscriptList::of(version, anchor, transcripts)))

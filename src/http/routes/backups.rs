@@ -4,16 +4,16 @@ use axum::Json;
 use axum::extract::State;
 use axum::response::Response;
 
+use crate::api::backup::{BackupBody, BackupView};
+use crate::api::examples;
+use crate::api::list::BackupList;
+use crate::domain::request::NewBackup;
+use crate::engine::Service;
 use crate::http::answer::written;
-use crate::http::body::Body;
+use crate::http::error_responses::{OfBackup, OfList};
+use crate::http::extract::body::Body;
+use crate::http::extract::query::{Paging, Query};
 use crate::http::problem::Problem;
-use crate::http::query::{Paging, Query};
-use crate::http::refusals::{OfBackup, OfList};
-use crate::model::request::NewBackup;
-use crate::service::Service;
-use crate::wire::backup::{BackupBody, BackupView};
-use crate::wire::examples;
-use crate::wire::list::BackupList;
 
 /// Take a backup
 ///

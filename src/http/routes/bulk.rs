@@ -13,20 +13,20 @@ use serde_json::Value;
 
 use super::lines::{Line, Lines};
 use super::trigger::trigger_loop_check;
+use crate::api::bulk::{self, BulkItem, BulkLine};
+use crate::api::examples;
+use crate::api::limits;
+use crate::engine::keys::access::Access;
+use crate::engine::{PendingKeyframe, PinnedMap};
 use crate::http::App;
-use crate::http::access::Caller;
-use crate::http::admission::Working;
-use crate::http::body::{Text, all_faults, decoded, expect_type};
 use crate::http::envelope::RequestId;
-use crate::http::inflate::Encoding;
-use crate::http::path::{InMap, MapPath};
+use crate::http::error_responses::OfWrite;
+use crate::http::extract::body::{Text, all_faults, decoded, expect_type};
+use crate::http::extract::decompression::Encoding;
+use crate::http::extract::path::{MapPath, MapPathParams};
+use crate::http::guards::access::Caller;
+use crate::http::guards::admission::HeldPermit;
 use crate::http::problem::{Kind, Problem};
-use crate::http::refusals::OfWrite;
-use crate::service::access::Access;
-use crate::service::{PendingKeyframe, PinnedMap};
-use crate::wire::bulk::{self, BulkItem, BulkLine};
-use crate::wire::examples;
-use crate::wire::limits;
 
 pub(super) const NDJSON: &str = "application/x-ndjson";
 
@@ -35,7 +35,7 @@ pub(super) const NDJSON: &str = "application/x-ndjson";
 /// One keyframe a line, each with its `id`; blank lines are passed over. They are stored in their order, each for itself:
 /// a bad line gets its problem and the others go on. The answer has one line an item.
 #[utoipa::path(
-    post, path = "/v1/maps/{map}/keyframes", tag = "keyframes", params(MapPath), security(("key" = ["write"])),
+    post, path = "/v1/maps/{map}/keyframes", tag = "keyframes", params(MapPathParams), security(("key" = ["write"])),
     request_body(content = BulkItem, content_type = "application/x-ndjson", example = examples::bulk_body),
     responses(
         (status = 200, description = "Every keyframe is stored", body = BulkLine, content_type = "application/x-ndjson",
@@ -48,9 +48,9 @@ pub(super) const NDJSON: &str = "application/x-ndjson";
 pub async fn put_keyframes(
     State(app): State<App>,
     caller: Caller,
-    InMap(map): InMap,
+    MapPath(map): MapPath,
     Extension(request_id): Extension<RequestId>,
-    Extension(working): Extension<Working>,
+    Extension(working): Extension<HeldPermit>,
     request: Request,
 ) -> Result<Response, Problem> {
     let accepted =
@@ -109,7 +109,7 @@ impl Answer {
         }
     }
 
-    async fn take(&mut self, mut lines: Lines, working: &Working) {
+    async fn take(&mut self, mut lines: Lines, working: &HeldPermit) {
         for number in 1.. {
             let line = match self.next_line(&mut lines).await {
                 Ok(Some(line)) => line,
@@ -176,11 +176,11 @@ impl Answer {
 
     /// Waits until the key may store another line: a bulk is slowed down where single requests are refused. Nobody else
     /// goes without a turn for that: it counts neither as a request nor, with what it has decided, as writes under way.
-    async fn key_allows(&mut self, working: &Working) {
+    async fn key_allows(&mut self, working: &HeldPermit) {
         let Access::Key(held) = self.access.clone() else { return };
         if held.count().is_err() {
             self.all_committed().await;
-            working.aside(held.wait()).await;
+            working.release_while(held.wait()).await;
         }
     }
 

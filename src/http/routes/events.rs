@@ -8,20 +8,20 @@ use axum::http::request::Parts;
 use axum::response::sse::{Event as Sent, KeepAlive, Sse};
 use futures_util::Stream;
 
+use crate::api::event::EventView;
+use crate::api::examples;
+use crate::domain::event::Event;
+use crate::domain::invalid::FieldError;
+use crate::engine::Listener;
+use crate::engine::keys::access::Access;
+use crate::engine::{PinnedMap, ServiceError};
 use crate::http::App;
-use crate::http::access::Caller;
-use crate::http::path::{InMap, MapPath};
+use crate::http::error_responses::OfStream;
+use crate::http::extract::path::{MapPath, MapPathParams};
+use crate::http::extract::query::{Query, Since};
+use crate::http::guards::access::Caller;
+use crate::http::guards::stream_limit::Listening;
 use crate::http::problem::{Kind, Problem};
-use crate::http::query::{Query, Since};
-use crate::http::refusals::OfStream;
-use crate::http::streams::Listening;
-use crate::model::event::Event;
-use crate::model::invalid::FieldError;
-use crate::service::Listener;
-use crate::service::access::Access;
-use crate::service::{PinnedMap, ServiceError};
-use crate::wire::event::EventView;
-use crate::wire::examples;
 
 /// How many events are fetched at once.
 const BATCH: usize = 256;
@@ -37,7 +37,7 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
 #[utoipa::path(
     get, path = "/v1/maps/{map}/events", tag = "events", security(("key" = ["read"])),
     params(
-        MapPath, Since,
+        MapPathParams, Since,
         ("last-event-id" = Option<u64>, Header, description = "The number of the last event seen; wins over `since`",
             example = 30)
     ),
@@ -50,7 +50,7 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
 pub async fn listen(
     State(app): State<App>,
     caller: Caller,
-    InMap(map): InMap,
+    MapPath(map): MapPath,
     Query(Since { since }): Query<Since>,
     LastEventId(last): LastEventId,
 ) -> Result<Sse<impl Stream<Item = Result<Sent, Infallible>>>, Problem> {

@@ -7,15 +7,15 @@ use axum::response::{IntoResponse, Response};
 use futures_util::Stream;
 
 use super::bulk::NDJSON;
+use crate::api::recording::write_line;
+use crate::domain::ids::MapId;
+use crate::engine::keys::access::Access;
+use crate::engine::{MapExport, ServiceError};
 use crate::http::App;
-use crate::http::access::Caller;
-use crate::http::path::{InMap, MapPath};
+use crate::http::error_responses::ReadErrors;
+use crate::http::extract::path::{MapPath, MapPathParams};
+use crate::http::guards::access::Caller;
 use crate::http::problem::Problem;
-use crate::http::refusals::OfRead;
-use crate::model::ids::MapId;
-use crate::service::access::Access;
-use crate::service::{MapExport, ServiceError};
-use crate::wire::recording::write_line;
 
 /// Lines are sent in pieces of about this size.
 const PIECE_BYTES: usize = 64 << 10;
@@ -28,17 +28,17 @@ const PIECE_BYTES: usize = 64 << 10;
 /// them. Playing it gives a map with the same verdicts, under other ids of anchors and queries. An answer that breaks off
 /// is not whole; at most two exports run at once.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/export", tag = "maps", params(MapPath), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/export", tag = "maps", params(MapPathParams), security(("key" = ["read"])),
     responses(
         (status = 200, description = "The recording", body = String, content_type = "application/x-ndjson",
             example = "{\"op\":\"map\",\"id\":\"hotel\",\"body\":{}}\n"),
-        OfRead
+        ReadErrors
     )
 )]
 pub async fn export_map(
     State(app): State<App>,
     caller: Caller,
-    InMap(map): InMap,
+    MapPath(map): MapPath,
 ) -> Result<Response, Problem> {
     let export = app.service.export(&map).await?;
     let headers = [

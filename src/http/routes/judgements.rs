@@ -4,15 +4,15 @@ use axum::Json;
 use axum::extract::State;
 use axum::response::{IntoResponse as _, Response};
 
+use crate::api::examples;
+use crate::api::judgement::{JudgementBody, JudgementView};
+use crate::domain::request::NewJudgement;
+use crate::engine::Service;
 use crate::http::answer::written;
-use crate::http::body::Body;
-use crate::http::path::{InJudgement, InMap, JudgementPath, MapPath};
+use crate::http::error_responses::{OfDelete, OfWrite, ReadErrors};
+use crate::http::extract::body::Body;
+use crate::http::extract::path::{JudgementPath, JudgementPathParams, MapPath, MapPathParams};
 use crate::http::problem::Problem;
-use crate::http::refusals::{OfDelete, OfRead, OfWrite};
-use crate::model::request::NewJudgement;
-use crate::service::Service;
-use crate::wire::examples;
-use crate::wire::judgement::{JudgementBody, JudgementView};
 
 /// Ask a changed model again
 ///
@@ -21,7 +21,7 @@ use crate::wire::judgement::{JudgementBody, JudgementView};
 /// budget and over restarts; one job of a map runs at a time. Verdicts that it replaces stay on record, and anchors that
 /// were merged stay merged.
 #[utoipa::path(
-    post, path = "/v1/maps/{map}/judgements", tag = "anchors", params(MapPath), security(("key" = ["write"])),
+    post, path = "/v1/maps/{map}/judgements", tag = "anchors", params(MapPathParams), security(("key" = ["write"])),
     request_body(content = JudgementBody, example = examples::judgement_body),
     responses(
         (status = 201, description = "The job is started", body = JudgementView, example = examples::judgement),
@@ -33,7 +33,7 @@ use crate::wire::judgement::{JudgementBody, JudgementView};
 )]
 pub async fn judge_again(
     State(service): State<Service>,
-    InMap(map): InMap,
+    MapPath(map): MapPath,
     Body(new): Body<NewJudgement>,
 ) -> Result<Response, Problem> {
     let is_preview = new.preview;
@@ -46,13 +46,13 @@ pub async fn judge_again(
 ///
 /// How far it is, and which verdicts it has replaced by others.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/judgements/{id}", tag = "anchors", params(JudgementPath),
+    get, path = "/v1/maps/{map}/judgements/{id}", tag = "anchors", params(JudgementPathParams),
     security(("key" = ["read"])),
-    responses((status = 200, description = "The job", body = JudgementView, example = examples::judgement), OfRead)
+    responses((status = 200, description = "The job", body = JudgementView, example = examples::judgement), ReadErrors)
 )]
 pub async fn get_judgement(
     State(service): State<Service>,
-    InJudgement { map, id }: InJudgement,
+    JudgementPath { map, id }: JudgementPath,
 ) -> Result<Json<JudgementView>, Problem> {
     Ok(Json(service.judgement(&map, &id).await?.into()))
 }
@@ -61,7 +61,7 @@ pub async fn get_judgement(
 ///
 /// What it has learned stays. The job can still be read; one that has ended stays as it is.
 #[utoipa::path(
-    delete, path = "/v1/maps/{map}/judgements/{id}", tag = "anchors", params(JudgementPath),
+    delete, path = "/v1/maps/{map}/judgements/{id}", tag = "anchors", params(JudgementPathParams),
     security(("key" = ["write"])),
     responses(
         (status = 200, description = "The job asks nothing more", body = JudgementView, example = examples::judgement),
@@ -70,7 +70,7 @@ pub async fn get_judgement(
 )]
 pub async fn stop_judgement(
     State(service): State<Service>,
-    InJudgement { map, id }: InJudgement,
+    JudgementPath { map, id }: JudgementPath,
 ) -> Result<Json<JudgementView>, Problem> {
     Ok(Json(service.stop_judgement(&map, &id).await?.into()))
 }

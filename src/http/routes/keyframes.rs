@@ -6,33 +6,33 @@ use axum::response::Response;
 
 use super::loop_queries::{ask, kept};
 use super::trigger::trigger_loop_check;
+use crate::api::anchor::LocalAnchorMap;
+use crate::api::examples;
+use crate::api::keyframe::{KeyframeAnswer, KeyframeBody, KeyframeView};
+use crate::api::list::{CovisibleList, KeyframeList};
+use crate::api::map::MapVersion;
+use crate::api::verdict::LoopAnswer;
+use crate::domain::ids::{KeyframeId, MapId};
+use crate::domain::key::Action;
+use crate::domain::report::Page;
+use crate::domain::request::{LoopQuery, Subject};
+use crate::domain::verdict::{Decision, Verify};
+use crate::engine::Service;
 use crate::http::App;
-use crate::http::access::Caller;
 use crate::http::answer::written;
-use crate::http::body::KeyframeInPath;
-use crate::http::path::{InKeyframe, InMap, KeyframePath, MapPath};
+use crate::http::error_responses::{OfDelete, OfWrite, ReadErrors};
+use crate::http::extract::body::KeyframeInPath;
+use crate::http::extract::path::{KeyframePath, KeyframePathParams, MapPath, MapPathParams};
+use crate::http::extract::query::{KeyframeParams, Paging, Query};
+use crate::http::guards::access::Caller;
 use crate::http::problem::Problem;
-use crate::http::query::{Ask, Paging, Query};
-use crate::http::refusals::{OfDelete, OfRead, OfWrite};
-use crate::model::ids::{KeyframeId, MapId};
-use crate::model::key::Action;
-use crate::model::report::Page;
-use crate::model::request::{LoopQuery, Subject};
-use crate::model::verdict::{Decision, Verify};
-use crate::service::Service;
-use crate::wire::anchor::LocalAnchorMap;
-use crate::wire::examples;
-use crate::wire::keyframe::{KeyframeAnswer, KeyframeBody, KeyframeView};
-use crate::wire::list::{CovisibleList, KeyframeList};
-use crate::wire::map::MapVersion;
-use crate::wire::verdict::LoopAnswer;
 
 /// Store a keyframe
 ///
 /// Its detections are associated with anchors; with `?query=loop` the loop query is answered in the same round trip.
 /// The same body again changes nothing and answers 200; another body under the same id is a conflict.
 #[utoipa::path(
-    put, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePath, Ask), security(("key" = ["write"])),
+    put, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePathParams, KeyframeParams), security(("key" = ["write"])),
     request_body(content = KeyframeBody, example = examples::keyframe_body),
     responses(
         (status = 201, description = "The keyframe is stored", body = KeyframeAnswer, example = examples::keyframe_answer),
@@ -44,8 +44,8 @@ use crate::wire::verdict::LoopAnswer;
 pub async fn put_keyframe(
     State(app): State<App>,
     caller: Caller,
-    Query(also): Query<Ask>,
-    KeyframeInPath { place: InKeyframe { map, keyframe }, sent }: KeyframeInPath,
+    Query(also): Query<KeyframeParams>,
+    KeyframeInPath { place: KeyframePath { map, keyframe }, sent }: KeyframeInPath,
 ) -> Result<Response, Problem> {
     let asked = also.query.is_some();
     if asked {
@@ -74,15 +74,15 @@ async fn ask_about(app: &App, map: &MapId, keyframe: KeyframeId, new: bool) -> R
 ///
 /// In order of arrival, one part at a time.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/keyframes", tag = "keyframes", params(MapPath, Paging), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/keyframes", tag = "keyframes", params(MapPathParams, Paging), security(("key" = ["read"])),
     responses(
         (status = 200, description = "One part of the list", body = KeyframeList, example = examples::keyframes),
-        OfRead
+        ReadErrors
     )
 )]
 pub async fn list_keyframes(
     State(service): State<Service>,
-    InMap(map): InMap,
+    MapPath(map): MapPath,
     Query(page): Query<Paging>,
 ) -> Result<Json<KeyframeList>, Problem> {
     let (version, keyframes) = service.list_keyframes(&map, page.cursor.as_deref(), page.limit).await?;
@@ -93,12 +93,12 @@ pub async fn list_keyframes(
 ///
 /// As it was sent, with its pose and its points as last corrected, and what became of its detections.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePath), security(("key" = ["read"])),
-    responses((status = 200, description = "The keyframe", body = KeyframeView, example = examples::keyframe), OfRead)
+    get, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePathParams), security(("key" = ["read"])),
+    responses((status = 200, description = "The keyframe", body = KeyframeView, example = examples::keyframe), ReadErrors)
 )]
 pub async fn get_keyframe(
     State(service): State<Service>,
-    InKeyframe { map, keyframe }: InKeyframe,
+    KeyframePath { map, keyframe }: KeyframePath,
 ) -> Result<Json<KeyframeView>, Problem> {
     let (version, record) = service.get_keyframe(&map, &keyframe).await?;
     Ok(Json(KeyframeView::of(version, record)))
@@ -108,7 +108,7 @@ pub async fn get_keyframe(
 ///
 /// Its observations go with it; an anchor that loses its last one goes too.
 #[utoipa::path(
-    delete, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePath), security(("key" = ["write"])),
+    delete, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePathParams), security(("key" = ["write"])),
     responses(
         (status = 200, description = "The keyframe is gone", body = MapVersion, example = examples::map_version),
         OfDelete
@@ -116,7 +116,7 @@ pub async fn get_keyframe(
 )]
 pub async fn delete_keyframe(
     State(service): State<Service>,
-    InKeyframe { map, keyframe }: InKeyframe,
+    KeyframePath { map, keyframe }: KeyframePath,
 ) -> Result<Json<MapVersion>, Problem> {
     let map_version = service.delete_keyframe(&map, &keyframe).await?;
     Ok(Json(MapVersion { map_version }))
@@ -126,15 +126,15 @@ pub async fn delete_keyframe(
 ///
 /// Those that share enough map points with it, and those declared covisible, by a client or by a confirmed loop.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/keyframes/{keyframe}/covisible", tag = "keyframes", params(KeyframePath), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/keyframes/{keyframe}/covisible", tag = "keyframes", params(KeyframePathParams), security(("key" = ["read"])),
     responses(
         (status = 200, description = "All of them", body = CovisibleList, example = examples::covisible),
-        OfRead
+        ReadErrors
     )
 )]
 pub async fn list_covisible(
     State(service): State<Service>,
-    InKeyframe { map, keyframe }: InKeyframe,
+    KeyframePath { map, keyframe }: KeyframePath,
 ) -> Result<Json<CovisibleList>, Problem> {
     let (version, items) = service.covisible(&map, &keyframe).await?;
     Ok(Json(CovisibleList::of(version, Page { items, next_cursor: None })))
@@ -144,15 +144,15 @@ pub async fn list_covisible(
 ///
 /// M_k of §V-A: the anchors seen by a keyframe and those covisible with it, as bearings and distances from its camera.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/keyframes/{keyframe}/local-anchor-map", tag = "keyframes", params(KeyframePath), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/keyframes/{keyframe}/local-anchor-map", tag = "keyframes", params(KeyframePathParams), security(("key" = ["read"])),
     responses(
         (status = 200, description = "The local anchor map", body = LocalAnchorMap, example = examples::local_anchor_map),
-        OfRead
+        ReadErrors
     )
 )]
 pub async fn get_local_anchor_map(
     State(service): State<Service>,
-    InKeyframe { map, keyframe }: InKeyframe,
+    KeyframePath { map, keyframe }: KeyframePath,
 ) -> Result<Json<LocalAnchorMap>, Problem> {
     let (map_version, anchors) = service.local_anchor_map(&map, &keyframe).await?;
     let anchors = anchors.into_iter().map(Into::into).collect();

@@ -4,16 +4,16 @@ use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
 
-use crate::http::body::Body;
-use crate::http::path::{InKey, KeyPath};
+use crate::api::key::{self, KeyBody, KeyView};
+use crate::api::list::KeyList;
+use crate::domain::key::KeyProperties;
+use crate::engine::Service;
+use crate::engine::keys::lockout::Lockout;
+use crate::http::error_responses::{OfKeyDelete, OfList, OfWrite};
+use crate::http::extract::body::Body;
+use crate::http::extract::path::{KeyPath, KeyPathParams};
+use crate::http::extract::query::{LastAdmin, Paging, Query};
 use crate::http::problem::Problem;
-use crate::http::query::{LastAdmin, Paging, Query};
-use crate::http::refusals::{OfKeyDelete, OfList, OfWrite};
-use crate::model::key::KeyProperties;
-use crate::service::Service;
-use crate::service::lockout::Lockout;
-use crate::wire::key::{self, KeyBody, KeyView};
-use crate::wire::list::KeyList;
 
 /// List keys
 ///
@@ -57,12 +57,12 @@ pub async fn create_key(
 /// It is refused from now on, and stays in the list. Revoking it again changes nothing. The last key that may administer is
 /// revoked only with `last_admin=true` (else 409).
 #[utoipa::path(
-    delete, path = "/v1/keys/{id}", tag = "keys", params(KeyPath, LastAdmin), security(("key" = ["admin"])),
+    delete, path = "/v1/keys/{id}", tag = "keys", params(KeyPathParams, LastAdmin), security(("key" = ["admin"])),
     responses((status = 204, description = "The key is good no longer"), OfKeyDelete)
 )]
 pub async fn revoke_key(
     State(service): State<Service>,
-    InKey(id): InKey,
+    KeyPath(id): KeyPath,
     Query(LastAdmin { last_admin }): Query<LastAdmin>,
 ) -> Result<StatusCode, Problem> {
     let lockout = if last_admin { Lockout::Meant } else { Lockout::Refused };

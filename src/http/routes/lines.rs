@@ -8,11 +8,11 @@ use axum::body::HttpBody as _;
 use bytes::{Buf as _, Bytes, BytesMut};
 use http_body_util::BodyExt as _;
 
-use crate::http::body::unreadable;
-use crate::http::inflate::Encoding;
-use crate::http::memory::{Held, Memory, becomes_at_most};
+use crate::api::limits::{BULK_BYTES, LINE_BYTES};
+use crate::http::extract::body::unreadable;
+use crate::http::extract::decompression::Encoding;
+use crate::http::guards::body_memory::{BodyMemory, HeldMemory, becomes_at_most};
 use crate::http::problem::{Kind, Problem};
-use crate::wire::limits::{BULK_BYTES, LINE_BYTES};
 
 /// What is compressed well is inflated without ever waiting; after so many bytes others get their turn.
 const YIELD_BYTES: usize = 256 << 10;
@@ -42,8 +42,8 @@ pub struct Lines {
     is_long: bool,
     taken: usize,
     unyielded: usize,
-    memory: Memory,
-    held: Held,
+    memory: BodyMemory,
+    held: HeldMemory,
     compressed: Option<Compressed>,
 }
 
@@ -56,8 +56,8 @@ struct Compressed {
 
 impl Lines {
     /// The lines of this body. They share the memory of large bodies.
-    pub fn of(body: Body, encoding: Encoding, memory: Memory) -> Result<Self, Problem> {
-        let mut held = Held::default();
+    pub fn of(body: Body, encoding: Encoding, memory: BodyMemory) -> Result<Self, Problem> {
+        let mut held = HeldMemory::default();
         let (body, compressed) = if encoding == Encoding::Identity {
             (body, None)
         } else {
@@ -190,7 +190,7 @@ mod tests {
         let stream =
             futures_util::stream::iter(chunks.iter().map(|chunk| Ok::<_, std::io::Error>(chunk.as_bytes())));
         let body = Body::from_stream(stream);
-        let mut lines = Lines::of(body, Encoding::Identity, Memory::new(64)).expect("memory");
+        let mut lines = Lines::of(body, Encoding::Identity, BodyMemory::new(64)).expect("memory");
         let mut all = Vec::new();
         while let Some(line) = lines.next().await.expect("a whole body") {
             all.push(line);

@@ -5,18 +5,18 @@ use axum::http::HeaderName;
 use axum::response::{IntoResponse as _, Response};
 use bytes::Bytes;
 
+use crate::api::examples;
+use crate::api::loop_query::LoopQueryBody;
+use crate::api::verdict::LoopAnswer;
+use crate::domain::ids::MapId;
+use crate::domain::request::LoopQuery;
+use crate::engine::{QueryAnswer, Service, Timings};
 use crate::http::App;
 use crate::http::answer::json_bytes;
-use crate::http::body::QueryOfMap;
-use crate::http::path::{InQuery, MapPath, QueryPath};
+use crate::http::error_responses::{OfMapQuestion, ReadErrors};
+use crate::http::extract::body::QueryOfMap;
+use crate::http::extract::path::{MapPathParams, QueryPath, QueryPathParams};
 use crate::http::problem::Problem;
-use crate::http::refusals::{OfMapQuestion, OfRead};
-use crate::model::ids::MapId;
-use crate::model::request::LoopQuery;
-use crate::service::{QueryAnswer, Service, Timings};
-use crate::wire::examples;
-use crate::wire::loop_query::LoopQueryBody;
-use crate::wire::verdict::LoopAnswer;
 
 /// The W3C header in which a server tells what it spent its time on.
 const SERVER_TIMING: HeaderName = HeaderName::from_static("server-timing");
@@ -30,7 +30,7 @@ const SERVER_TIMING: HeaderName = HeaderName::from_static("server-timing");
 /// with `POST /v1/maps/{map}/loops`. From then on the two keyframes are covisible, and the same question is answered with the
 /// loop in `closed` and the reason `already_closed`.
 #[utoipa::path(
-    post, path = "/v1/maps/{map}/loop-queries", tag = "loops", params(MapPath), security(("key" = ["query"])),
+    post, path = "/v1/maps/{map}/loop-queries", tag = "loops", params(MapPathParams), security(("key" = ["query"])),
     request_body(content = LoopQueryBody, example = examples::loop_query),
     responses(
         (status = 200, description = "The verdict", body = LoopAnswer, example = examples::loop_answer),
@@ -50,12 +50,12 @@ pub async fn query_loop(
 ///
 /// The very bytes that were answered. Records are bounded for each map, the oldest go first.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/loop-queries/{query}", tag = "loops", params(QueryPath), security(("key" = ["read"])),
-    responses((status = 200, description = "The verdict", body = LoopAnswer, example = examples::loop_answer), OfRead)
+    get, path = "/v1/maps/{map}/loop-queries/{query}", tag = "loops", params(QueryPathParams), security(("key" = ["read"])),
+    responses((status = 200, description = "The verdict", body = LoopAnswer, example = examples::loop_answer), ReadErrors)
 )]
 pub async fn get_loop_query(
     State(service): State<Service>,
-    InQuery { map, query }: InQuery,
+    QueryPath { map, query }: QueryPath,
 ) -> Result<Response, Problem> {
     Ok(json_bytes(service.kept_query(&map, &query).await?))
 }

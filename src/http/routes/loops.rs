@@ -4,24 +4,24 @@ use axum::Json;
 use axum::extract::State;
 use axum::response::Response;
 
+use crate::api::examples;
+use crate::api::list::LoopList;
+use crate::api::loops::{LoopBody, LoopClosed, LoopRevoked};
+use crate::domain::request::NewLoop;
+use crate::engine::{ConfirmedLoop, Service};
 use crate::http::answer::written;
-use crate::http::body::Body;
-use crate::http::path::{InLoop, InMap, LoopPath, MapPath};
+use crate::http::error_responses::{OfDelete, OfWrite, ReadErrors};
+use crate::http::extract::body::Body;
+use crate::http::extract::path::{LoopPath, LoopPathParams, MapPath, MapPathParams};
+use crate::http::extract::query::{Paging, Query};
 use crate::http::problem::Problem;
-use crate::http::query::{Paging, Query};
-use crate::http::refusals::{OfDelete, OfRead, OfWrite};
-use crate::model::request::NewLoop;
-use crate::service::{ConfirmedLoop, Service};
-use crate::wire::examples;
-use crate::wire::list::LoopList;
-use crate::wire::loops::{LoopBody, LoopClosed, LoopRevoked};
 
 /// Confirm a loop
 ///
 /// The client has closed it: anchors matched between the two local maps become one, and the two keyframes covisible. Only this
 /// closes a loop; a verdict of a query changes nothing. What speaks against it is told in `warnings`.
 #[utoipa::path(
-    post, path = "/v1/maps/{map}/loops", tag = "loops", params(MapPath), security(("key" = ["write"])),
+    post, path = "/v1/maps/{map}/loops", tag = "loops", params(MapPathParams), security(("key" = ["write"])),
     request_body(content = LoopBody, example = examples::loop_body),
     responses(
         (status = 201, description = "The loop is confirmed", body = LoopClosed, example = examples::loop_closed),
@@ -33,7 +33,7 @@ use crate::wire::loops::{LoopBody, LoopClosed, LoopRevoked};
 )]
 pub async fn confirm_loop(
     State(service): State<Service>,
-    InMap(map): InMap,
+    MapPath(map): MapPath,
     Body(new): Body<NewLoop>,
 ) -> Result<Response, Problem> {
     let stored = service.confirm_loop(&map, new).await?;
@@ -45,12 +45,12 @@ pub async fn confirm_loop(
 ///
 /// Oldest first, one part at a time.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/loops", tag = "loops", params(MapPath, Paging), security(("key" = ["read"])),
-    responses((status = 200, description = "One part of the list", body = LoopList, example = examples::loops), OfRead)
+    get, path = "/v1/maps/{map}/loops", tag = "loops", params(MapPathParams, Paging), security(("key" = ["read"])),
+    responses((status = 200, description = "One part of the list", body = LoopList, example = examples::loops), ReadErrors)
 )]
 pub async fn list_loops(
     State(service): State<Service>,
-    InMap(map): InMap,
+    MapPath(map): MapPath,
     Query(page): Query<Paging>,
 ) -> Result<Json<LoopList>, Problem> {
     let (version, loops) = service.list_loops(&map, page.cursor.as_deref(), page.limit).await?;
@@ -61,7 +61,7 @@ pub async fn list_loops(
 ///
 /// It was none after all: what it merged is split again, and the two keyframes are no longer covisible through it.
 #[utoipa::path(
-    delete, path = "/v1/maps/{map}/loops/{loop}", tag = "loops", params(LoopPath), security(("key" = ["write"])),
+    delete, path = "/v1/maps/{map}/loops/{loop}", tag = "loops", params(LoopPathParams), security(("key" = ["write"])),
     responses(
         (status = 200, description = "The loop is revoked", body = LoopRevoked, example = examples::loop_revoked),
         OfDelete
@@ -69,7 +69,7 @@ pub async fn list_loops(
 )]
 pub async fn revoke_loop(
     State(service): State<Service>,
-    InLoop { map, id }: InLoop,
+    LoopPath { map, id }: LoopPath,
 ) -> Result<Json<LoopRevoked>, Problem> {
     let (version, report) = service.revoke_loop(&map, &id).await?;
     Ok(Json(LoopRevoked::of(version, report)))

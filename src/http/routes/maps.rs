@@ -5,19 +5,19 @@ use axum::extract::State;
 use axum::http::StatusCode;
 use axum::response::Response;
 
-use crate::http::access::Caller;
+use crate::api::examples;
+use crate::api::list::MapList;
+use crate::api::map::{MapBody, MapPatchBody, MapView};
+use crate::domain::map::MapProperties;
+use crate::domain::request::MapPatch;
+use crate::engine::Service;
 use crate::http::answer::written;
-use crate::http::body::Body;
-use crate::http::path::{InMap, MapPath};
+use crate::http::error_responses::{OfDelete, OfList, OfWrite, ReadErrors};
+use crate::http::extract::body::Body;
+use crate::http::extract::path::{MapPath, MapPathParams};
+use crate::http::extract::query::{Paging, Query};
+use crate::http::guards::access::Caller;
 use crate::http::problem::Problem;
-use crate::http::query::{Paging, Query};
-use crate::http::refusals::{OfDelete, OfList, OfRead, OfWrite};
-use crate::model::map::MapProperties;
-use crate::model::request::MapPatch;
-use crate::service::Service;
-use crate::wire::examples;
-use crate::wire::list::MapList;
-use crate::wire::map::{MapBody, MapPatchBody, MapView};
 
 /// List maps
 ///
@@ -39,7 +39,7 @@ pub async fn list_maps(
 ///
 /// The same body again changes nothing and answers 200; another body under the same id is a conflict.
 #[utoipa::path(
-    put, path = "/v1/maps/{map}", tag = "maps", params(MapPath), security(("key" = ["write"])),
+    put, path = "/v1/maps/{map}", tag = "maps", params(MapPathParams), security(("key" = ["write"])),
     request_body(content = MapBody, example = examples::map_body),
     responses(
         (status = 201, description = "The map is made", body = MapView, example = examples::map),
@@ -51,7 +51,7 @@ pub async fn list_maps(
 pub async fn put_map(
     State(service): State<Service>,
     caller: Caller,
-    InMap(map): InMap,
+    MapPath(map): MapPath,
     Body(properties): Body<MapProperties>,
 ) -> Result<Response, Problem> {
     let stored = service.put_map(map, properties, caller.0.key()).await?;
@@ -62,10 +62,13 @@ pub async fn put_map(
 ///
 /// With every setting in force.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}", tag = "maps", params(MapPath), security(("key" = ["read"])),
-    responses((status = 200, description = "The map", body = MapView, example = examples::map), OfRead)
+    get, path = "/v1/maps/{map}", tag = "maps", params(MapPathParams), security(("key" = ["read"])),
+    responses((status = 200, description = "The map", body = MapView, example = examples::map), ReadErrors)
 )]
-pub async fn get_map(State(service): State<Service>, InMap(map): InMap) -> Result<Json<MapView>, Problem> {
+pub async fn get_map(
+    State(service): State<Service>,
+    MapPath(map): MapPath,
+) -> Result<Json<MapView>, Problem> {
     Ok(Json(service.get_map(&map).await?.into()))
 }
 
@@ -73,13 +76,13 @@ pub async fn get_map(State(service): State<Service>, InMap(map): InMap) -> Resul
 ///
 /// What is left out stays as it is; `settings` changes the settings it names.
 #[utoipa::path(
-    patch, path = "/v1/maps/{map}", tag = "maps", params(MapPath), security(("key" = ["write"])),
+    patch, path = "/v1/maps/{map}", tag = "maps", params(MapPathParams), security(("key" = ["write"])),
     request_body(content = MapPatchBody, example = examples::map_patch),
     responses((status = 200, description = "The map as it is now", body = MapView, example = examples::map), OfWrite)
 )]
 pub async fn patch_map(
     State(service): State<Service>,
-    InMap(map): InMap,
+    MapPath(map): MapPath,
     Body(patch): Body<MapPatch>,
 ) -> Result<Json<MapView>, Problem> {
     Ok(Json(service.patch_map(&map, patch).await?.into()))
@@ -89,10 +92,13 @@ pub async fn patch_map(
 ///
 /// With everything in it.
 #[utoipa::path(
-    delete, path = "/v1/maps/{map}", tag = "maps", params(MapPath), security(("key" = ["write"])),
+    delete, path = "/v1/maps/{map}", tag = "maps", params(MapPathParams), security(("key" = ["write"])),
     responses((status = 204, description = "The map is gone"), OfDelete)
 )]
-pub async fn delete_map(State(service): State<Service>, InMap(map): InMap) -> Result<StatusCode, Problem> {
+pub async fn delete_map(
+    State(service): State<Service>,
+    MapPath(map): MapPath,
+) -> Result<StatusCode, Problem> {
     service.delete_map(&map).await?;
     Ok(StatusCode::NO_CONTENT)
 }

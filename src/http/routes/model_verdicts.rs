@@ -3,14 +3,14 @@
 use axum::Json;
 use axum::extract::State;
 
-use crate::http::body::Body;
-use crate::http::path::{InMap, MapPath};
+use crate::api::examples;
+use crate::api::model_verdict::{ModelVerdictAnswer, ModelVerdictBody};
+use crate::domain::request::NewVerdict;
+use crate::engine::Service;
+use crate::http::error_responses::OfWrite;
+use crate::http::extract::body::Body;
+use crate::http::extract::path::{MapPath, MapPathParams};
 use crate::http::problem::Problem;
-use crate::http::refusals::OfWrite;
-use crate::model::request::NewVerdict;
-use crate::service::Service;
-use crate::wire::examples;
-use crate::wire::model_verdict::{ModelVerdictAnswer, ModelVerdictBody};
 
 /// Bring what a model said
 ///
@@ -18,7 +18,7 @@ use crate::wire::model_verdict::{ModelVerdictAnswer, ModelVerdictBody};
 /// this server had said it, and asks none. So a copy of a map, or a model that runs elsewhere, brings its verdicts. Where no
 /// anchor carries the texts, or the crop was read for good, it changes nothing.
 #[utoipa::path(
-    post, path = "/v1/maps/{map}/model-verdicts", tag = "anchors", params(MapPath), security(("key" = ["write"])),
+    post, path = "/v1/maps/{map}/model-verdicts", tag = "anchors", params(MapPathParams), security(("key" = ["write"])),
     request_body(content = ModelVerdictBody, example = examples::model_verdict),
     responses(
         (status = 200, description = "What became of it", body = ModelVerdictAnswer, example = examples::model_verdict_answer),
@@ -27,7 +27,7 @@ use crate::wire::model_verdict::{ModelVerdictAnswer, ModelVerdictBody};
 )]
 pub async fn bring_model_verdict(
     State(service): State<Service>,
-    InMap(map): InMap,
+    MapPath(map): MapPath,
     Body(new): Body<NewVerdict>,
 ) -> Result<Json<ModelVerdictAnswer>, Problem> {
     let (map_version, applied) = service.bring_verdict(&map, new).await?;

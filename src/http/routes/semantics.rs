@@ -3,14 +3,14 @@
 use axum::Json;
 use axum::extract::State;
 
-use crate::http::access::Caller;
-use crate::http::body::Body;
+use crate::api::examples;
+use crate::api::semantics::{LevelAnswer, MergeAnswer, OneText, TextPair};
+use crate::engine::Service;
+use crate::http::error_responses::OfQuestion;
+use crate::http::extract::body::Body;
+use crate::http::guards::access::Caller;
 use crate::http::problem::Problem;
-use crate::http::refusals::OfQuestion;
-use crate::models::judge::Judged;
-use crate::service::Service;
-use crate::wire::examples;
-use crate::wire::semantics::{LevelAnswer, MergeAnswer, OneText, TextPair};
+use crate::llm::judge::Judged;
 
 /// SimilarityLevel of two descriptions
 ///

@@ -5,18 +5,18 @@ use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
 
+use crate::api::examples;
+use crate::api::service::{Health, Version};
 use crate::config::build;
+use crate::engine::Service;
 use crate::http::App;
 use crate::http::answer::json_bytes;
-use crate::http::gauges::Figures;
-use crate::http::metrics::Metrics;
+use crate::http::error_responses::{OfNobody, OfReadiness};
+use crate::http::metrics::counters::Metrics;
+use crate::http::metrics::gauges::Figures;
+use crate::http::metrics::process::Process;
 use crate::http::problem::{Kind, Problem};
-use crate::http::process::Process;
-use crate::http::refusals::{OfNobody, OfReadiness};
 use crate::http::routes::TRIGGERS_AT_ONCE;
-use crate::service::Service;
-use crate::wire::examples;
-use crate::wire::service::{Health, Version};
 
 /// Is the process alive?
 ///
@@ -74,7 +74,7 @@ pub async fn get_version(State(service): State<Service>) -> Result<Json<Version>
     )
 )]
 pub async fn get_metrics(State(app): State<App>) -> impl IntoResponse {
-    app.metrics.traffic.now(app.seats.open(), app.service.pressure().working());
+    app.metrics.shed_metrics.now(app.slots.open(), app.service.pressure().working());
     // Nothing here waits for the database, or for a request: an operator looks most when the server is busiest.
     let figures = Figures {
         stats: app.service.stats(),

@@ -5,15 +5,15 @@ use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
 use tokio::task::spawn_blocking;
 
-use crate::http::path::{InMap, MapPath};
+use crate::api::trajectory::{MeasuredLoop, TrajectoryFormat, write_trajectory};
+use crate::domain::ids::MapId;
+use crate::domain::trajectory::TrajectoryReport;
+use crate::engine::{Service, ServiceError};
+use crate::http::error_responses::ReadErrors;
+use crate::http::extract::path::{MapPath, MapPathParams};
+use crate::http::extract::query::Query;
+use crate::http::extract::trajectory_query::{TrajectoryQuery, TrajectorySearch};
 use crate::http::problem::Problem;
-use crate::http::query::Query;
-use crate::http::refusals::OfRead;
-use crate::http::trajectory_query::{TrajectoryQuery, TrajectorySearch};
-use crate::model::ids::MapId;
-use crate::model::trajectory::TrajectoryReport;
-use crate::service::{Service, ServiceError};
-use crate::wire::trajectory::{MeasuredLoop, TrajectoryFormat, write_trajectory};
 
 /// Read a trajectory
 ///
@@ -23,16 +23,16 @@ use crate::wire::trajectory::{MeasuredLoop, TrajectoryFormat, write_trajectory};
 /// `query`, with the information that its `covariance` leaves. A loop whose query is not kept, or verified no full
 /// transformation, is a comment. Information is in metres and radians, as gtsam and Ceres read it.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/trajectory", tag = "keyframes", params(MapPath, TrajectorySearch), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/trajectory", tag = "keyframes", params(MapPathParams, TrajectorySearch), security(("key" = ["read"])),
     responses(
         (status = 200, description = "The trajectory", body = String, content_type = "text/plain",
             example = "# timestamp tx ty tz qx qy qz qw\n1.000000000 0 0 0 0 0 0 1\n"),
-        OfRead
+        ReadErrors
     )
 )]
 pub async fn get_trajectory(
     State(service): State<Service>,
-    InMap(map): InMap,
+    MapPath(map): MapPath,
     Query(asked): Query<TrajectoryQuery>,
 ) -> Result<Response, Problem> {
     let report = service.trajectory(&map, asked.session).await?;

@@ -1,10 +1,10 @@
 //! The trigger of §III: a keyframe that shows an anchor seen before is asked about, even if nobody asks.
 
 use super::loop_queries::{ask, kept};
+use crate::domain::ids::{KeyframeId, MapId};
+use crate::domain::request::{LoopQuery, Subject};
+use crate::domain::verdict::{Decision, Verify};
 use crate::http::App;
-use crate::model::ids::{KeyframeId, MapId};
-use crate::model::request::{LoopQuery, Subject};
-use crate::model::verdict::{Decision, Verify};
 
 /// At most so many triggered checks wait at once. More are passed over: who wants to know asks.
 pub const TRIGGERS_AT_ONCE: usize = 64;

@@ -3,10 +3,10 @@
 use axum::Json;
 use axum::extract::State;
 
-use crate::http::refusals::OfReadiness;
-use crate::service::Service;
-use crate::wire::examples;
-use crate::wire::usage::Usage;
+use crate::api::examples;
+use crate::api::usage::Usage;
+use crate::engine::Service;
+use crate::http::error_responses::OfReadiness;
 
 /// Read the usage of models
 ///

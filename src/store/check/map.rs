@@ -3,10 +3,10 @@
 use sqlx::SqliteConnection;
 
 use super::{MAP_FAULTS_MAX, rows};
-use crate::model::ids::MapId;
-use crate::model::map::MapFigures;
+use crate::domain::ids::MapId;
+use crate::domain::map::MapFigures;
 use crate::store::StoreError;
-use crate::store::load::{Loaded, Order, load};
+use crate::store::rows::load::{Loaded, Order, load};
 
 /// What was found in a map.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -17,11 +17,12 @@ use sqlx::{ConnectOptions as _, Connection as _, SqliteConnection};
 
 pub use map::MapCheck;
 
+use super::StoreError;
 use super::backup::{Holdings, holdings};
-use super::files::DatabaseFiles;
-use super::lock::DatabaseLock;
-use super::{StoreError, log, schema};
-use crate::model::ids::{MapId, StoredId as _};
+use super::files::lock::DatabaseLock;
+use super::files::paths::DatabaseFiles;
+use super::files::{log, schema};
+use crate::domain::ids::{MapId, StoredId as _};
 
 /// SQLite stops looking after so many faults.
 const STRUCTURAL_FAULTS_MAX: usize = 100;

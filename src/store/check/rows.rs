@@ -4,12 +4,13 @@ use futures_util::TryStreamExt as _;
 use sqlx::{Row, SqliteConnection};
 
 use super::map::MapCheck;
-use crate::model::keyframe::Crop;
+use crate::domain::keyframe::Crop;
 use crate::recognition::features::MatchableFeatures;
-use crate::store::job::MapKey;
-use crate::store::load::Loaded;
-use crate::store::parts::Kind;
-use crate::store::{StoreError, decode, former_values, operations, read};
+use crate::store::StoreError;
+use crate::store::commit::job::MapKey;
+use crate::store::rows::load::Loaded;
+use crate::store::rows::{decode, former_value_rows, operation_rows, read};
+use crate::store::slices::parts::Kind;
 
 /// Checks the rows of a map that was loaded.
 pub(super) async fn check(
@@ -122,14 +123,14 @@ async fn history(
     faults: &mut Vec<String>,
 ) -> Result<(), StoreError> {
     let mut versions = Vec::new();
-    match operations::all(&mut *db, loaded.key).await {
+    match operation_rows::all(&mut *db, loaded.key).await {
         Ok(operations) => versions.extend(operations.into_iter().map(|(version, _)| version)),
         Err(error) => faults.push(error.fault()),
     }
     let select = "select version, kind, entries from former_values where map_key = $1";
     let mut rows = sqlx::query_as::<_, (i64, String, Vec<u8>)>(select).bind(loaded.key).fetch(db);
     while let Some((version, kind, entries)) = rows.try_next().await? {
-        let read = Kind::from_name(&kind).and_then(|kind| former_values::unpacked(kind, &entries));
+        let read = Kind::from_name(&kind).and_then(|kind| former_value_rows::unpacked(kind, &entries));
         if let Err(error) = read {
             faults.push(format!("the former values of version {version}: {error}"));
         }

@@ -12,13 +12,15 @@ use std::path::Path;
 use sqlx::SqliteConnection;
 use tempfile::SpooledTempFile;
 
+use crate::domain::change::Change;
+use crate::domain::former::FormerValues;
+use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
 use crate::geometry::{Point3, Pose};
-use crate::model::change::Change;
-use crate::model::former::FormerValues;
-use crate::model::ids::{KeyframeSeq, PointId, SessionSeq};
-use crate::store::job::MapKey;
-use crate::store::parts::Kind;
-use crate::store::{StoreError, decode, deferred, former_values};
+use crate::store::StoreError;
+use crate::store::commit::job::MapKey;
+use crate::store::rows::{decode, former_value_rows};
+use crate::store::slices::deferred;
+use crate::store::slices::parts::Kind;
 
 /// The temporary file is kept in memory up to this size.
 const SPOOLED_BYTES: usize = 4 << 20;
@@ -107,7 +109,7 @@ impl History {
             };
             let entries = sqlx::query_scalar(select).bind(map).bind(version).bind(part);
             let entries: Vec<u8> = entries.fetch_one(&mut *db).await?;
-            let former = former_values::unpacked(kind, &entries)?;
+            let former = former_value_rows::unpacked(kind, &entries)?;
             let new = history.values_for(db, &former).await?;
             history.write(version as u64, &new)?;
             history.standing.set(&former);
@@ -145,7 +147,7 @@ impl History {
             let mut entries = vec![0; written.bytes];
             self.file.seek(SeekFrom::Start(written.offset)).map_err(temporary)?;
             self.file.read_exact(&mut entries).map_err(temporary)?;
-            let values = former_values::unpacked(written.kind, &entries)?;
+            let values = former_value_rows::unpacked(written.kind, &entries)?;
             self.standing.set(&values);
             self.standing.forget(&values.forgotten, true);
             new.poses.extend(values.poses);
@@ -225,7 +227,7 @@ impl History {
     }
 
     fn write(&mut self, version: u64, new: &NewValues) -> Result<(), StoreError> {
-        for part in former_values::packed(new) {
+        for part in former_value_rows::packed(new) {
             let offset = self.file.seek(SeekFrom::End(0)).map_err(temporary)?;
             self.file.write_all(&part.entries).map_err(temporary)?;
             self.written.push(Written { version, kind: part.kind, offset, bytes: part.entries.len() });

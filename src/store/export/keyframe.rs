@@ -7,12 +7,13 @@ use sqlx::sqlite::SqliteRow;
 use sqlx::{Row as _, SqliteConnection};
 
 use super::{Export, Step};
-use crate::model::ids::{KeyframeId, KeyframeSeq, PointId, SessionSeq};
-use crate::model::keyframe::{Crop, Detection, NewKeyframe};
-use crate::model::recorded::Recorded;
-use crate::model::request::PoseCorrection;
-use crate::store::job::MapKey;
-use crate::store::{StoreError, decode, read};
+use crate::domain::ids::{KeyframeId, KeyframeSeq, PointId, SessionSeq};
+use crate::domain::keyframe::{Crop, Detection, NewKeyframe};
+use crate::domain::recorded::Recorded;
+use crate::domain::request::PoseCorrection;
+use crate::store::StoreError;
+use crate::store::commit::job::MapKey;
+use crate::store::rows::{decode, read};
 
 /// The most points of one line; a keyframe that inherits more gives the rest to a correction.
 const POINTS_MAX: usize = 100_000;

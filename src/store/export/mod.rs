@@ -17,17 +17,19 @@ use std::fs::File;
 use sqlx::Row as _;
 use sqlx::sqlite::{SqlitePoolOptions, SqliteRow};
 
-use super::files::DatabaseFiles;
-use super::job::MapKey;
-use super::lock::DatabaseLock;
-use super::operations::{self, Operation};
-use super::transaction::Transaction;
-use super::{Store, StoreError, decode, map_rows, model_rows, schema};
-use crate::model::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, MapId, SessionId, SessionSeq};
-use crate::model::map::MapProperties;
-use crate::model::recorded::{NamedDetection, Recorded};
-use crate::model::request::{MapPatch, NewLoop, PoseCorrection};
-use crate::model::settings::Settings;
+use super::commit::job::MapKey;
+use super::commit::transaction::Transaction;
+use super::files::lock::DatabaseLock;
+use super::files::paths::DatabaseFiles;
+use super::files::schema;
+use super::rows::operation_rows::{self, Operation};
+use super::rows::{decode, map_rows, model_rows};
+use super::{Store, StoreError};
+use crate::domain::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, MapId, SessionId, SessionSeq};
+use crate::domain::map::MapProperties;
+use crate::domain::recorded::{NamedDetection, Recorded};
+use crate::domain::request::{MapPatch, NewLoop, PoseCorrection};
+use crate::domain::settings::Settings;
 use history::{History, NewValues};
 use keyframe::Introduced;
 
@@ -100,7 +102,7 @@ impl Export {
             vocabulary: vocabulary.map(Into::into),
             history: History::rewind(&mut db, map).await?,
             keyframe: None,
-            operations: operations::all(&mut db, map).await?.into(),
+            operations: operation_rows::all(&mut db, map).await?.into(),
             models: model_rows::by_version(&mut db, map).await?.into(),
             properties,
             introduced: Introduced::of(&mut db, map).await?,
@@ -286,7 +288,7 @@ fn named_detection(found: Option<(String, u16)>) -> Result<Option<NamedDetection
 /// Returns the changes that turn one set of properties into another.
 fn difference(before: &MapProperties, now: &MapProperties) -> MapPatch {
     let differs =
-        |row: &&crate::model::settings::Setting| before.settings.get(row.name) != now.settings.get(row.name);
+        |row: &&crate::domain::settings::Setting| before.settings.get(row.name) != now.settings.get(row.name);
     MapPatch {
         description: (before.description != now.description).then(|| now.description.clone()),
         anchor_classes: (before.anchor_classes != now.anchor_classes).then(|| now.anchor_classes.clone()),

@@ -5,8 +5,8 @@
 
 use base64::Engine as _;
 use reqwest::Method;
+use revisit::engine::ModelChoice;
 use revisit::geometry::Point3;
-use revisit::service::ModelChoice;
 use serde_json::{Value, json};
 
 use super::scene::{pose, random};

@@ -1,8 +1,8 @@
 //! M16: a building that shows one view in two places teaches its map that geometry alone proves nothing in it.
 
 use reqwest::Method;
+use revisit::engine::ModelChoice;
 use revisit::geometry::Pose;
-use revisit::service::ModelChoice;
 use serde_json::{Value, json};
 
 use super::scene::{Shot, ask, pose, query_pose, store};

@@ -4,10 +4,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use revisit::config::models::{ImageForm, ModelArgs, ResponseFormat, SystemRole, TokenParameter};
-use revisit::models::adapters::{BuiltIn, Dialect, Endpoint, OpenAi, Scripted, Vqa};
-use revisit::models::parse;
-use revisit::models::picture::Picture;
-use revisit::models::port::{Fault, Model, Question, Round};
+use revisit::llm::adapters::{BuiltIn, Dialect, Endpoint, OpenAi, Scripted, Vqa};
+use revisit::llm::parse;
+use revisit::llm::picture::Picture;
+use revisit::llm::port::{Fault, Model, Question, Round};
 use serde_json::{Value, json};
 
 use super::scene::png;

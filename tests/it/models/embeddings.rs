@@ -3,7 +3,7 @@
 use std::process::Command;
 use std::time::Duration;
 
-use revisit::service::ModelChoice;
+use revisit::engine::ModelChoice;
 use serde_json::{Value, json};
 
 use super::scene::{described, hear, keyframe, put};

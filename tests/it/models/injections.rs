@@ -256,7 +256,7 @@ async fn a_sign_that_hangs_in_buildings_keeps_its_information() {
 /// A piece of the red plate's file as it is sent.
 fn red_plate() -> String {
     use base64::Engine as _;
-    use revisit::models::picture::Picture;
+    use revisit::llm::picture::Picture;
     let file = super::scene::png(60, 40, [255, 0, 0]);
     let sent = base64::engine::general_purpose::STANDARD.encode(Picture::decode(&file).unwrap().png);
     sent[40..120].to_owned()

@@ -151,7 +151,7 @@ async fn a_job_goes_on_after_a_restart_where_it_was() {
     server.stop().await;
 
     // Without any model it waits; with one it goes on.
-    let server = Server::on(folder.path(), None, revisit::service::ModelChoice::None).await;
+    let server = Server::on(folder.path(), None, revisit::engine::ModelChoice::None).await;
     until(&server, "again", is("waiting")).await;
     server.stop().await;
     stub.script(judges(5));

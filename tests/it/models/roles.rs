@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::scene::{crop, described, keyframe, put};
 use super::stub::{Reply, Stub};
 use crate::support::Server;
-use revisit::service::ModelChoice;
+use revisit::engine::ModelChoice;
 
 /// Two lobbies with one painting, and a plate beside it that nothing has read.
 async fn lobbies(server: &Server) {

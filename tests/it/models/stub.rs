@@ -9,7 +9,7 @@ use axum::extract::State;
 use axum::http::HeaderMap;
 use axum::response::Response;
 use revisit::config::models::ModelArgs;
-use revisit::service::ModelChoice;
+use revisit::engine::ModelChoice;
 use serde_json::{Value, json};
 use tokio::net::TcpListener;
 

@@ -116,7 +116,7 @@ async fn what_a_model_said_stands_after_a_restart_without_a_model() {
     };
     let before = ask(&server).await;
     server.stop().await;
-    let server = Server::on(directory.path(), None, revisit::service::ModelChoice::None).await;
+    let server = Server::on(directory.path(), None, revisit::engine::ModelChoice::None).await;
     let after = ask(&server).await;
     // Another configuration has records of its own; the verdict is the same.
     assert_ne!(after["id"], before["id"]);
@@ -196,7 +196,7 @@ async fn wait_for(server: &Server, wanted: impl Fn(&Value) -> bool) -> Value {
 
 pub(super) fn sent(colour: [u8; 3]) -> String {
     use base64::Engine as _;
-    let picture = revisit::models::picture::Picture::decode(&super::scene::png(60, 40, colour)).unwrap();
+    let picture = revisit::llm::picture::Picture::decode(&super::scene::png(60, 40, colour)).unwrap();
     base64::engine::general_purpose::STANDARD.encode(picture.png)
 }
 
@@ -324,6 +324,6 @@ async fn a_job_under_way_when_the_server_stops_is_finished() {
         gate.notify_one();
     };
     tokio::join!(server.stop(), let_go);
-    let server = Server::on(directory.path(), None, revisit::service::ModelChoice::None).await;
+    let server = Server::on(directory.path(), None, revisit::engine::ModelChoice::None).await;
     assert_eq!(anchor(&server, "a-0").await["description"], "room 901");
 }

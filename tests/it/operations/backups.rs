@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use revisit::model::counted::counted;
+use revisit::domain::counted::counted;
 use serde_json::json;
 
 use super::{checked, keyframe, names, revisit, url};

@@ -7,9 +7,9 @@ use std::collections::BTreeMap;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree as _;
 use proptest::test_runner::TestRunner;
-use revisit::service::ModelChoice;
+use revisit::engine::ModelChoice;
 use revisit::store::backup::Copy;
-use revisit::store::files::DatabaseFiles;
+use revisit::store::files::paths::DatabaseFiles;
 use revisit::store::restore::{Allowed, restore};
 use serde_json::{Value, json};
 

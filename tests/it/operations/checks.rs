@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use revisit::service::ModelChoice;
+use revisit::engine::ModelChoice;
 use revisit::store::backup::Copy;
-use revisit::store::files::DatabaseFiles;
+use revisit::store::files::paths::DatabaseFiles;
 use revisit::store::restore::{Allowed, restore};
 use serde_json::{Value, json};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode};

@@ -3,7 +3,7 @@
 use std::os::unix::fs::FileTypeExt as _;
 use std::path::Path;
 
-use revisit::service::ModelChoice;
+use revisit::engine::ModelChoice;
 use serde_json::{Value, json};
 
 use super::checks::{run_sql, sound_database};

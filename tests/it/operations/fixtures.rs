@@ -5,7 +5,7 @@ use std::io::Read as _;
 use std::path::Path;
 
 use flate2::read::GzDecoder;
-use revisit::service::ModelChoice;
+use revisit::engine::ModelChoice;
 use serde_json::Value;
 
 use super::{checked, keyframe};

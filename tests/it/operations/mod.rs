@@ -19,7 +19,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use revisit::store::check::{Checked, check};
-use revisit::store::files::DatabaseFiles;
+use revisit::store::files::paths::DatabaseFiles;
 use serde_json::{Value, json};
 
 /// How a subcommand ended.

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use reqwest::Method;
+use revisit::engine::{Service, ServiceOptions};
 use revisit::http::RunningServer;
-use revisit::service::{Service, ServiceOptions};
 use serde_json::{Value, json};
 
 use super::scene::{Keyframe, NAMES, Scene, door, keyframe, thing, unread};

@@ -2,8 +2,8 @@
 //! itself; one that says nothing of keys fails.
 
 use reqwest::{Method, RequestBuilder};
+use revisit::domain::key::Action;
 use revisit::http::document;
-use revisit::model::key::Action;
 use serde_json::{Value, json};
 
 use crate::support::{Answer, Server, keyframe};

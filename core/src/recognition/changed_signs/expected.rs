@@ -3,12 +3,12 @@
 use std::cmp::Reverse;
 
 use super::seen::is_alike;
+use crate::domain::anchor::AnchorState;
+use crate::domain::change::Keyframe;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
+use crate::domain::keyframe::Camera;
 use crate::geometry::pinhole::Pinhole;
 use crate::geometry::{Point3, Pose};
-use crate::model::anchor::AnchorState;
-use crate::model::change::Keyframe;
-use crate::model::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
-use crate::model::keyframe::Camera;
 use crate::recognition::index::{MapIndex, Object};
 
 /// A camera sees a sign from the same side up to this angle between the two directions, in radians (30 degrees).

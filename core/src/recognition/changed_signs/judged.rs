@@ -6,11 +6,11 @@ use std::collections::BTreeMap;
 use super::passages::Passage;
 use super::seen::{InItsPlace, in_its_place, read_alike, read_otherwise, reads_another};
 use super::split::{match_anew, split};
+use crate::domain::anchor::AnchorState;
+use crate::domain::change::{Change, MissedSign};
+use crate::domain::event::{Event, EventKind};
+use crate::domain::ids::AnchorSeq;
 use crate::geometry::Point3;
-use crate::model::anchor::AnchorState;
-use crate::model::change::{Change, MissedSign};
-use crate::model::event::{Event, EventKind};
-use crate::model::ids::AnchorSeq;
 use crate::recognition::index::{Certainty, MapIndex, Object};
 use crate::recognition::recorder::{Decided, Recorder};
 

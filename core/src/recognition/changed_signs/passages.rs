@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 
 use super::expected::{Expecting, Sign, centre_of, is_in_image};
 use super::seen::reads_alike;
+use crate::domain::anchor::AnchorState;
+use crate::domain::change::Keyframe;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::geometry::Point3;
-use crate::model::anchor::AnchorState;
-use crate::model::change::Keyframe;
-use crate::model::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::recognition::index::MapIndex;
 
 /// Keyframes of a session that are looked back at, from the one that arrived.

@@ -7,8 +7,8 @@ use std::collections::BTreeSet;
 
 use super::expected::{Expecting, is_in_image};
 use super::passages::Passage;
+use crate::domain::ids::{KeyframeSeq, PointId};
 use crate::geometry::{Point3, Sim3};
-use crate::model::ids::{KeyframeSeq, PointId};
 use crate::recognition::features::FeatureSet;
 use crate::recognition::geometry_check::{Asked, Terms, verify_views};
 use crate::recognition::index::MapIndex;

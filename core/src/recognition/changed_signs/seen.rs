@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::passages::Passage;
+use crate::domain::anchor::Observation;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::geometry::Point3;
-use crate::model::anchor::Observation;
-use crate::model::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::recognition::index::{Anchor, MapIndex, Object};
 use crate::semantics::{self, Text};
 

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 
 use super::passages::Passage;
 use super::seen::read_otherwise;
-use crate::model::change::{Change, MovedObservation};
-use crate::model::ids::AnchorSeq;
+use crate::domain::change::{Change, MovedObservation};
+use crate::domain::ids::AnchorSeq;
 use crate::recognition::index::MapIndex;
 use crate::recognition::ingest::{merge_all, tell_description, tell_revisits};
 use crate::recognition::recorder::Recorder;

@@ -4,9 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::points::Points;
 use super::votes::Votes;
+use crate::domain::anchor::Observation;
+use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
 use crate::geometry::{Aabb, Point3};
-use crate::model::anchor::Observation;
-use crate::model::ids::{KeyframeSeq, PointId, SessionSeq};
 
 /// A semantic anchor (§IV-B) with the facts that are its own. Which anchors are one object
 /// is told by [`super::objects`]; an anchor keeps its observations when it is merged, so that

@@ -6,12 +6,12 @@ use super::anchor::Anchor;
 use super::objects::Judging;
 use super::texts::TextIndex;
 use super::{MapIndex, Object};
-use crate::model::anchor::{AnchorState, Observation};
-use crate::model::bow::BowVector;
-use crate::model::change::{Change, Keyframe, Loop, Merge, MergeCause, MovedObservation};
-use crate::model::ids::{AnchorSeq, KeyframeSeq, LoopId, SessionSeq};
-use crate::model::judged::{Finding, ModelVerdict};
-use crate::model::map::MapProperties;
+use crate::domain::anchor::{AnchorState, Observation};
+use crate::domain::bow::BowVector;
+use crate::domain::change::{Change, Keyframe, Loop, Merge, MergeCause, MovedObservation};
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, LoopId, SessionSeq};
+use crate::domain::judged::{Finding, ModelVerdict};
+use crate::domain::map::MapProperties;
 
 /// What a batch of changes has touched.
 #[derive(Default)]

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
 use super::{MapIndex, Object};
-use crate::model::change::{Change, MissedSign};
-use crate::model::ids::{AnchorSeq, KeyframeSeq};
+use crate::domain::change::{Change, MissedSign};
+use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 
 /// The facts about signs that change.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -10,7 +10,7 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::MapIndex;
-use crate::model::ids::KeyframeSeq;
+use crate::domain::ids::KeyframeSeq;
 use crate::recognition::covisibility::{Edge, Neighbour};
 
 /// The graph of one map.

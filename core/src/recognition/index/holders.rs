@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::anchor::Shape;
-use crate::model::ids::{AnchorSeq, PointId, SessionSeq};
+use crate::domain::ids::{AnchorSeq, PointId, SessionSeq};
 
 /// The anchors by map point.
 #[derive(Clone, Debug, Default, PartialEq)]

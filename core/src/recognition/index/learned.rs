@@ -1,10 +1,10 @@
 //! Knowledge of a map about its building: its numbering, and the views that it has twice (M20, M16).
 
 use super::{Certainty, MapIndex, Object};
-use crate::model::anchor::AnchorState;
-use crate::model::change::Twins;
-use crate::model::ids::AnchorSeq;
-use crate::model::map::{Learned, NamedTwins};
+use crate::domain::anchor::AnchorState;
+use crate::domain::change::Twins;
+use crate::domain::ids::AnchorSeq;
+use crate::domain::map::{Learned, NamedTwins};
 use crate::semantics;
 
 impl MapIndex {

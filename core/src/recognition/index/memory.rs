@@ -1,12 +1,12 @@
 //! What an index takes in memory, estimated from counts that are at hand: the one place to calibrate it.
 //!
-//! The budget of maps in memory (`service/eviction.rs`) rests on this estimate, so it may not cost a walk over the map. Each
+//! The budget of maps in memory (`engine/maps/eviction.rs`) rests on this estimate, so it may not cost a walk over the map. Each
 //! constant is the growth of a process per thing counted, with the allocator's own share. `proofs/evict` holds the sum
 //! against the resident memory of a server and fails beyond a factor of two.
 
 use super::MapIndex;
-use crate::model::anchor::Observation;
-use crate::model::change::Keyframe;
+use crate::domain::anchor::Observation;
+use crate::domain::change::Keyframe;
 
 /// An index that holds nothing, with the locks and queues of a map in memory.
 const MAP: u64 = 6 * 1024;

@@ -40,9 +40,9 @@ use self::objects::Judging;
 use super::covisibility::CovisibilityLists;
 use super::inverted_file::InvertedFile;
 use super::numbered::Numbered;
-use crate::model::change::{Keyframe, Loop, Twins};
-use crate::model::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, SessionId, SessionSeq};
-use crate::model::map::{MapFigures, MapProperties};
+use crate::domain::change::{Keyframe, Loop, Twins};
+use crate::domain::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, SessionId, SessionSeq};
+use crate::domain::map::{MapFigures, MapProperties};
 
 /// One map: facts first, then what follows from them.
 #[derive(Clone, Debug, Default, PartialEq)]

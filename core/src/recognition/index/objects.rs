@@ -8,11 +8,11 @@ use super::changed_signs::ChangedSigns;
 use super::readings::Readings;
 use super::verdicts::Verdicts;
 use super::votes::Votes;
+use crate::domain::anchor::AnchorState;
+use crate::domain::change::{Merge, MergeCause};
+use crate::domain::ids::{AnchorSeq, LoopId, SessionSeq};
+use crate::domain::settings::Settings;
 use crate::geometry::Aabb;
-use crate::model::anchor::AnchorState;
-use crate::model::change::{Merge, MergeCause};
-use crate::model::ids::{AnchorSeq, LoopId, SessionSeq};
-use crate::model::settings::Settings;
 use crate::recognition::numbered::Numbered;
 use crate::semantics::{Numbering, Text};
 

@@ -11,8 +11,8 @@ use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use super::MapIndex;
-use crate::model::change::Keyframe;
-use crate::model::ids::{KeyframeSeq, SessionSeq};
+use crate::domain::change::Keyframe;
+use crate::domain::ids::{KeyframeSeq, SessionSeq};
 use crate::recognition::numbered::Numbered;
 
 /// Keyframes of a block: enough that blocks are few, and few enough to be moved along at an insert.

@@ -6,9 +6,9 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
-use crate::model::anchor::Observation;
-use crate::model::ids::{AnchorSeq, KeyframeSeq};
-use crate::model::settings::Settings;
+use crate::domain::anchor::Observation;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq};
+use crate::domain::settings::Settings;
 use crate::semantics::{Numbering, Shape, Text};
 
 /// A detection that read a text, and the anchor it feeds; ascending, so by keyframe first.

@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{MapIndex, Object};
+use crate::domain::ids::{AnchorSeq, SessionSeq};
 use crate::geometry::Point3;
-use crate::model::ids::{AnchorSeq, SessionSeq};
 
 /// The side of a cell, in metres.
 pub const CELL_M: f64 = 10.0;

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use crate::model::judged::{Finding, ModelVerdict};
+use crate::domain::judged::{Finding, ModelVerdict};
 use crate::semantics::{self, Source, Text};
 
 /// A class and a text in normal form.

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::model::anchor::Observation;
-use crate::model::ids::KeyframeSeq;
-use crate::model::report::ReadingReport;
+use crate::domain::anchor::Observation;
+use crate::domain::ids::KeyframeSeq;
+use crate::domain::report::ReadingReport;
 use crate::semantics::Text;
 
 /// Votes are summed in millionths of a detection's confidence: integers add up to the same

@@ -24,7 +24,7 @@ use std::fmt;
 use self::block::Block;
 use self::row::Row;
 pub use self::scores::{Scores, Scratch};
-use crate::model::bow::BowVector;
+use crate::domain::bow::BowVector;
 
 /// Rows kept until they become a segment. A query looks at each of them in full, about half a microsecond,
 /// and each merge pays for every word of the map: 64 keeps both small.

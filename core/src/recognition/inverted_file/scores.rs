@@ -2,7 +2,7 @@
 
 use super::block::{self, BLOCK_KEYFRAMES};
 use super::row::Row;
-use crate::model::bow::Score;
+use crate::domain::bow::Score;
 
 /// Memory that queries reuse, one for each thread; a query allocates nothing once it is warm. It carries nothing from one query to the next.
 #[derive(Debug, Default)]

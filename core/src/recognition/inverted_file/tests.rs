@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
-use crate::model::bow::Score;
+use crate::domain::bow::Score;
 
 /// The accumulators of a block.
 const BLOCK_BYTES: usize = 8 * block::BLOCK_KEYFRAMES;

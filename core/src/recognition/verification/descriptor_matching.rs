@@ -2,8 +2,8 @@
 
 use super::limits::MatchingLimits;
 use super::orientation::keep_consistent_rotations;
+use crate::domain::keyframe::Keypoint;
 use crate::geometry::hamming::{Columns, PackedDescriptors, distance};
-use crate::model::keyframe::Keypoint;
 
 /// The node of a feature that has none, such as one whose word has weight 0.
 pub const NO_NODE: u32 = u32::MAX;

@@ -1,6 +1,6 @@
 //! The keypoints of an image by square cells, to find those around a pixel.
 
-use crate::model::keyframe::{Camera, Keypoint};
+use crate::domain::keyframe::{Camera, Keypoint};
 
 /// The side of a cell, in pixels (ORB-SLAM: 10; larger here, since the radius is).
 const CELL_PX: f64 = 16.0;

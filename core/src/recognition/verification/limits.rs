@@ -4,8 +4,8 @@
 //! 0.3 m) says why: what is measured there is in the docs of the field.
 
 use super::correspondence::Depth;
+use crate::domain::settings::{GeometryAcceptance, GeometryModels};
 use crate::geometry::pinhole::MIN_DEPTH;
-use crate::model::settings::{GeometryAcceptance, GeometryModels};
 
 /// Every threshold. [`Limits::default`] is what the service uses.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -33,11 +33,11 @@ pub mod significance;
 pub mod similarity;
 pub mod two_views;
 
+use crate::domain::keyframe::{Camera, Keypoint};
+use crate::domain::settings::GeometryModels;
 use crate::geometry::Point3;
 use crate::geometry::hamming::PackedDescriptors;
 use crate::geometry::pinhole::Pinhole;
-use crate::model::keyframe::{Camera, Keypoint};
-use crate::model::settings::GeometryModels;
 use descriptor_matching::Side;
 pub use limits::{GuidedLimits, Limits, MatchingLimits, SamplingLimits, SureLimits};
 pub use outcome::{Failure, Model, Status, Verification};

@@ -1,7 +1,7 @@
 //! Matches that turn the image alike: when a camera rolls, all its keypoints turn by the same angle.
 
 use super::descriptor_matching::Match;
-use crate::model::keyframe::Keypoint;
+use crate::domain::keyframe::Keypoint;
 
 /// Bins of 12 degrees (ORB-SLAM's `HISTO_LENGTH`).
 pub(in crate::recognition) const BINS: usize = 30;

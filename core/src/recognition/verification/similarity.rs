@@ -11,8 +11,8 @@ use super::ransac::sample_consensus;
 use super::refinement::refine;
 use super::significance::{self, Evidence, ImageMatch};
 use super::{Landmark, View, side};
+use crate::domain::settings::GeometryAcceptance;
 use crate::geometry::Sim3;
-use crate::model::settings::GeometryAcceptance;
 
 /// Points in a sample.
 const SAMPLE: u32 = 3;

@@ -8,8 +8,8 @@ use proptest::prelude::*;
 use rand::seq::SliceRandom;
 
 use super::*;
+use crate::domain::settings::GeometryAcceptance;
 use crate::geometry::Sim3;
-use crate::model::settings::GeometryAcceptance;
 use scene::{Keyframe, Scene, from_yaw, rng};
 
 const LIMITS: Limits = Limits::DEFAULT;

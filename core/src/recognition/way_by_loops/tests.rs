@@ -5,12 +5,12 @@ use std::sync::Arc;
 use proptest::prelude::*;
 
 use super::*;
+use crate::domain::bow::BowVector;
+use crate::domain::change::{Change, Keyframe, Loop};
+use crate::domain::ids::SessionSeq;
+use crate::domain::keyframe::Stamp;
+use crate::domain::map::MapProperties;
 use crate::geometry::Pose;
-use crate::model::bow::BowVector;
-use crate::model::change::{Change, Keyframe, Loop};
-use crate::model::ids::SessionSeq;
-use crate::model::keyframe::Stamp;
-use crate::model::map::MapProperties;
 
 const UM: f64 = 1e6;
 

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use proptest::prelude::*;
 
 use super::*;
+use crate::domain::bow::BowVector;
+use crate::domain::change::{Change, Keyframe, Loop};
+use crate::domain::ids::{KeyframeId, LoopId, PointId, SessionSeq};
+use crate::domain::keyframe::Stamp;
+use crate::domain::map::MapProperties;
 use crate::geometry::Pose;
-use crate::model::bow::BowVector;
-use crate::model::change::{Change, Keyframe, Loop};
-use crate::model::ids::{KeyframeId, LoopId, PointId, SessionSeq};
-use crate::model::keyframe::Stamp;
-use crate::model::map::MapProperties;
 
 #[derive(Clone, Debug)]
 enum Step {

@@ -3,9 +3,9 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::domain::keyframe::Stamp;
+use crate::domain::point_list::PointList;
 use crate::geometry::Pose;
-use crate::model::keyframe::Stamp;
-use crate::model::point_list::PointList;
 
 fn keyframe(seq: u32, session: u32, sec: i64, x_m: f64) -> Keyframe {
     Keyframe {

@@ -11,8 +11,8 @@ mod tests;
 use std::collections::HashMap;
 
 use self::page::Page;
+use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
 use crate::geometry::Point3;
-use crate::model::ids::{KeyframeSeq, PointId, SessionSeq};
 
 /// All map points of a map; numbers collide between sessions on purpose.
 #[derive(Clone, Debug, Default)]

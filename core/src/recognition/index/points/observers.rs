@@ -2,7 +2,7 @@
 //!
 //! The newest first, so that one more observer is written without reading the others.
 
-use crate::model::varint;
+use crate::domain::varint;
 
 /// Returns the keyframes of a list, newest first.
 pub(super) fn read(mut list: &[u8]) -> impl Iterator<Item = u32> + '_ {

@@ -4,9 +4,9 @@
 //! position and its observers is a few bits. A point numbered far from all others takes a page of its own.
 
 use super::observers;
+use crate::domain::ids::{KeyframeSeq, PointId};
+use crate::domain::varint;
 use crate::geometry::Point3;
-use crate::model::ids::{KeyframeSeq, PointId};
-use crate::model::varint;
 
 /// Points of a page: one bit of a word each.
 const POINTS: PointId = 64;

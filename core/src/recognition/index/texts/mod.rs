@@ -25,9 +25,9 @@ use self::identities::{Identities, Judging};
 use self::matches::{Matches, Verdict};
 pub use self::word_groups::{GroupId, WordGroups};
 use super::verdicts::Verdicts;
-use crate::model::ids::AnchorSeq;
-use crate::model::judged::{Finding, ModelVerdict};
-use crate::model::settings::Settings;
+use crate::domain::ids::AnchorSeq;
+use crate::domain::judged::{Finding, ModelVerdict};
+use crate::domain::settings::Settings;
 use crate::semantics::{self, Source, Text};
 
 /// Texts that match from this level on share a blocking key. A map that asks for less pays with every text of

@@ -4,10 +4,10 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::super::outcome::Status;
 use super::*;
+use crate::domain::keyframe::{Camera, Keypoint};
 use crate::geometry::hamming::PackedDescriptors;
 use crate::geometry::sampling::SplitMix64;
 use crate::geometry::{Point3, Pose};
-use crate::model::keyframe::{Camera, Keypoint};
 
 const CAMERA: Camera = Camera { fx: 525.0, fy: 525.0, cx: 320.0, cy: 240.0, width: 640, height: 480 };
 

@@ -1,0 +1,288 @@
+//! Anchor: what a reader is shown of a semantic anchor, and what an operator may change (`openapi/openapi.yaml`).
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::decoding::read::{Decode, Node};
+use super::limits;
+use super::names::AnchorStateName;
+use super::space::rounded;
+use crate::domain::ids::AnchorSeq;
+use crate::domain::report::{AnchorMatchReport, AnchorReport, ReadingReport};
+use crate::domain::verdict::LocalAnchorReport;
+use crate::geometry::{Aabb, Point3};
+
+/// A semantic anchor with all that was derived about it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = Anchor)]
+pub struct AnchorView {
+    /// Its id, given by the service.
+    pub id: String,
+    /// The map's version; left out inside a list, which says it once.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map_version: Option<u64>,
+    /// Its class.
+    pub class: String,
+    /// How far its description is.
+    pub state: AnchorStateName,
+    /// Its description, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub description: Option<String>,
+    /// Who described it: `readings` (the vote over all readings) or `operator`.
+    pub description_source: String,
+    /// The identifiers found in the description, such as a room's number.
+    pub identifiers: Vec<String>,
+    /// InformationLevel of the description, 1 (says nothing) to 5 (an identifier in context).
+    #[schema(minimum = 1, maximum = 5)]
+    pub information_level: u8,
+    /// One sentence for a person that says why it has that level; left out without a description.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub information_reason: Option<String>,
+    /// How the building writes its numbers on signs of this class, given or learned: patterns, or shapes such as `#.99`, in
+    /// which `#` is a run of digits of any length and `9` one digit; left out while it is not known.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub numbering: Vec<String>,
+    /// The distinct readings with their votes, heaviest first.
+    pub readings: Vec<ReadingView>,
+    /// Two readings by models or people that cannot be of one object, such as "901 is not 910"; left out if there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disagreement: Option<String>,
+    /// The keyframes that saw it, in order of arrival.
+    pub keyframes: Vec<String>,
+    /// Its box in the frame of the oldest session that saw it; left out while its place is unknown.
+    #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
+    pub bounds: Option<BoxView>,
+    /// The box's centre, `[x,y,z]` in metres, in the same frame.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub center: Option<[f64; 3]>,
+    /// Its box in the frame of each session that saw it, oldest session first.
+    pub frames: Vec<AnchorFrameView>,
+    /// How many distinct map points it has.
+    pub map_points: usize,
+    /// The anchors that match it, oldest first; at most 100 of `matches_total`.
+    pub matches: Vec<AnchorMatchView>,
+    /// How many anchors match it in all.
+    pub matches_total: usize,
+    /// Of a retired one, the anchor that hangs in its place, if any does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub replaced_by: Option<String>,
+    /// The anchor whose name it goes by since they became one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub merged_into: Option<String>,
+    /// The anchors that go by its name.
+    pub merged_from: Vec<String>,
+    /// Is there a crop at `.../crop`?
+    pub has_crop: bool,
+    /// Grows with each fact about this anchor; the `etag` of its answers, wanted by `if-match`.
+    pub version: u64,
+}
+
+/// A distinct reading of an anchor.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = Reading)]
+pub struct ReadingView {
+    /// The text, as last read.
+    pub text: String,
+    /// The sum of its detections' confidences.
+    pub weight: f64,
+    /// How many detections read it.
+    pub count: usize,
+}
+
+/// An axis-aligned box, in metres; it may be flat.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = Box)]
+pub struct BoxView {
+    /// The corner with the smallest `[x,y,z]`.
+    pub min: [f64; 3],
+    /// The corner with the largest `[x,y,z]`.
+    pub max: [f64; 3],
+}
+
+/// An anchor's place in one session's frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = AnchorFrame)]
+pub struct AnchorFrameView {
+    /// The session whose frame it is.
+    pub session: String,
+    /// The anchor's box in that frame.
+    #[serde(rename = "box")]
+    pub bounds: BoxView,
+    /// The box's centre, `[x,y,z]` in metres.
+    pub center: [f64; 3],
+}
+
+/// Another anchor with the same meaning.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = AnchorMatch)]
+pub struct AnchorMatchView {
+    /// The other anchor.
+    pub anchor: String,
+    /// SimilarityLevel of the two descriptions, 1 (different objects) to 5 (the same).
+    #[schema(minimum = 1, maximum = 5)]
+    pub level: u8,
+    /// Who judged: `identical`, `identifiers`, `lexical`, `operator` or `model:<name>`.
+    pub source: String,
+    /// Were the two seen apart, so that the robot has come back?
+    pub kind: MatchKind,
+    /// One sentence for a person.
+    pub reason: String,
+}
+
+/// `revisit`: none of the two anchors' keyframes are covisible, the robot has come back. `covisible`: some are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+#[expect(missing_docs, reason = "said above")]
+pub enum MatchKind {
+    Revisit,
+    Covisible,
+}
+
+/// A description by hand.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AnchorPatchBody {
+    /// The description that stands from now on, whatever is read; null takes an earlier one back.
+    #[schema(required, max_length = 4096)]
+    pub description: Option<String>,
+}
+
+/// What an operator wants to change about an anchor.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AnchorPatch {
+    /// The new description; `None` lets the readings describe it again.
+    pub description: Option<String>,
+}
+
+/// The local anchor map M_k of §V-A.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct LocalAnchorMap {
+    /// The central keyframe.
+    pub keyframe: String,
+    /// The map's version.
+    pub map_version: u64,
+    /// The anchors that the keyframe and those covisible with it see.
+    pub anchors: Vec<LocalAnchorView>,
+}
+
+/// An anchor as seen from a central keyframe.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = LocalAnchor)]
+pub struct LocalAnchorView {
+    /// The anchor.
+    pub anchor: String,
+    /// Its class.
+    pub class: String,
+    /// How far its description is; only valid ones count in S.
+    pub state: AnchorStateName,
+    /// Its description, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub description: Option<String>,
+    /// Unit vector towards its centre in the camera's frame, `[x,y,z]`: right, down, forward.
+    pub bearing: [f64; 3],
+    /// Its distance, in metres.
+    pub distance_m: f64,
+    /// Its weight in Eq. (2), in 1/m.
+    pub weight: f64,
+}
+
+impl Decode for AnchorPatch {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let body = node.object(&["description"])?;
+        body.required("description", |node| {
+            if node.value().is_null() {
+                return Some(Self { description: None });
+            }
+            node.text(limits::TEXT_CHARS).map(|text| Self { description: Some(text) })
+        })
+    }
+}
+
+impl From<AnchorReport> for AnchorView {
+    fn from(anchor: AnchorReport) -> Self {
+        let frames: Vec<AnchorFrameView> = anchor
+            .frames
+            .into_iter()
+            .map(|(session, aabb)| AnchorFrameView {
+                session: session.to_string(),
+                bounds: aabb.into(),
+                center: shown(&aabb.centre()),
+            })
+            .collect();
+        Self {
+            id: anchor.anchor.public(),
+            map_version: None,
+            class: anchor.class,
+            state: anchor.state.into(),
+            description: anchor.description,
+            description_source: anchor.description_source.to_owned(),
+            identifiers: anchor.identifiers,
+            information_level: anchor.information_level,
+            information_reason: anchor.information_reason,
+            numbering: anchor.numbering,
+            readings: anchor.readings.into_iter().map(ReadingView::from).collect(),
+            disagreement: anchor.disagreement,
+            keyframes: anchor.keyframes.iter().map(ToString::to_string).collect(),
+            bounds: frames.first().map(|frame| frame.bounds.clone()),
+            center: frames.first().map(|frame| frame.center),
+            frames,
+            map_points: anchor.map_points,
+            matches: anchor.matches.into_iter().map(AnchorMatchView::from).collect(),
+            matches_total: anchor.matches_total,
+            replaced_by: anchor.replaced_by.map(AnchorSeq::public),
+            merged_into: anchor.merged_into.map(AnchorSeq::public),
+            merged_from: anchor.merged_from.into_iter().map(AnchorSeq::public).collect(),
+            has_crop: anchor.has_crop,
+            version: anchor.version,
+        }
+    }
+}
+
+impl AnchorView {
+    /// An anchor as an answer of its own, at a version of its map.
+    pub fn at(map_version: u64, anchor: AnchorReport) -> Self {
+        Self { map_version: Some(map_version), ..anchor.into() }
+    }
+}
+
+impl From<ReadingReport> for ReadingView {
+    fn from(reading: ReadingReport) -> Self {
+        Self { text: reading.text, weight: rounded(reading.weight), count: reading.count }
+    }
+}
+
+impl From<AnchorMatchReport> for AnchorMatchView {
+    fn from(report: AnchorMatchReport) -> Self {
+        Self {
+            anchor: report.anchor.public(),
+            level: report.level,
+            source: report.source,
+            kind: if report.revisit { MatchKind::Revisit } else { MatchKind::Covisible },
+            reason: report.reason,
+        }
+    }
+}
+
+impl From<Aabb> for BoxView {
+    fn from(aabb: Aabb) -> Self {
+        Self { min: shown(&aabb.min()), max: shown(&aabb.max()) }
+    }
+}
+
+impl From<LocalAnchorReport> for LocalAnchorView {
+    fn from(anchor: LocalAnchorReport) -> Self {
+        Self {
+            anchor: anchor.anchor.to_text(),
+            class: anchor.class,
+            state: anchor.state.into(),
+            description: anchor.description,
+            bearing: anchor.bearing.direction_in_camera().map(rounded),
+            distance_m: rounded(anchor.bearing.distance_m()),
+            weight: rounded(anchor.weight),
+        }
+    }
+}
+
+fn shown(point: &Point3) -> [f64; 3] {
+    [point.x, point.y, point.z].map(rounded)
+}

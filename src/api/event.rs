@@ -1,0 +1,58 @@
+//! Event: what happened in a map, as the stream tells it.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::names::EventName;
+use crate::domain::event::Event;
+use crate::domain::ids::AnchorSeq;
+
+/// One event: the `data` of a server-sent event whose `id` is `seq`. It is flat; what a kind does not speak of is left out.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = Event)]
+pub struct EventView {
+    /// Its number in its map, growing by one.
+    pub seq: u64,
+    /// What happened.
+    pub event: EventName,
+    /// The map's version in which it happened.
+    pub map_version: u64,
+    /// The anchor it is about; of two that merged, the one whose name both go by.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub anchor: Option<String>,
+    /// The other anchor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub other: Option<String>,
+    /// The keyframe that came back.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub keyframe: Option<String>,
+    /// The keyframe it came back to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub candidate: Option<String>,
+    /// The loop it is about.
+    #[serde(rename = "loop", skip_serializing_if = "Option::is_none")]
+    pub loop_id: Option<String>,
+    /// The loop query that found it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub query: Option<String>,
+    /// The description, or one sentence for a person.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub detail: Option<String>,
+}
+
+impl From<Event> for EventView {
+    fn from(event: Event) -> Self {
+        Self {
+            seq: event.seq,
+            event: event.kind.into(),
+            map_version: event.map_version,
+            anchor: event.anchor.map(AnchorSeq::public),
+            other: event.other.map(AnchorSeq::public),
+            keyframe: event.keyframe.map(|id| id.to_string()),
+            candidate: event.candidate.map(|id| id.to_string()),
+            loop_id: event.loop_id.map(|id| id.to_string()),
+            query: event.query,
+            detail: event.detail,
+        }
+    }
+}

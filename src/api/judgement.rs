@@ -1,0 +1,165 @@
+//! Judgement: a job that asks a changed model again about what it judged before.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::decoding::read::{self, Decode, Node};
+use super::names::AsksName;
+use crate::domain::judgement::{Asks, JobState, Replaced};
+use crate::domain::report::JudgementReport;
+use crate::domain::request::NewJudgement;
+
+/// Microdollars in a dollar.
+const MICROUSD: f64 = 1e6;
+
+/// A job to be started, or to be counted first.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct JudgementBody {
+    /// Its id; the server finds one if it is left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(min_length = 1, max_length = 128, pattern = "^[A-Za-z0-9._:-]{1,128}$")]
+    pub id: Option<String>,
+    /// Which verdicts to ask for again.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub asks: Option<AsksName>,
+    /// Only counts the questions and what they may cost, and starts nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(default = false)]
+    pub preview: Option<bool>,
+}
+
+/// `preview`: only counted. `running`. `waiting`: running, while no model can be asked (none is configured, it is away,
+/// or the day's budget is spent). `done`. `stopped`: by DELETE.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+#[schema(as = JudgementState)]
+#[expect(missing_docs, reason = "said above")]
+pub enum StateName {
+    Preview,
+    Running,
+    Waiting,
+    Done,
+    Stopped,
+}
+
+/// A job that asks again, as it stands.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = Judgement)]
+pub struct JudgementView {
+    /// Its id; left out of a preview.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub id: Option<String>,
+    /// The map's version.
+    pub map_version: u64,
+    /// How it stands.
+    pub state: StateName,
+    /// Which verdicts it asks for again.
+    pub asks: AsksName,
+    /// Questions that other models or prompts answered than those configured now, as counted when the job began.
+    pub questions: u64,
+    /// The most calls of models that they may take; answers that are kept take none.
+    pub calls_max: u64,
+    /// The most that these calls may cost, in US dollars.
+    pub cost_max_usd: f64,
+    /// Questions answered otherwise than before.
+    pub changed: u64,
+    /// Questions answered as before.
+    pub unchanged: u64,
+    /// Questions about something that the map no longer holds.
+    pub gone: u64,
+    /// Questions that the model did not answer, though it answered others; their verdicts stand.
+    pub failed: u64,
+    /// Questions that are left.
+    pub left: u64,
+    /// Verdicts that were replaced by others since the job began, the newest first, at most 100 of them.
+    pub replaced: Vec<ReplacedView>,
+}
+
+/// A verdict that was replaced, beside the one that stands now.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = ReplacedVerdict)]
+pub struct ReplacedView {
+    /// The version of the map that replaced it: earlier answers rest on the verdict before.
+    pub map_version: u64,
+    /// What was asked: `similarity`, `information`, `merge` or `describe`.
+    pub operation: String,
+    /// The class of the objects.
+    pub class: String,
+    /// The texts that were judged, in normal form; none of a crop.
+    pub texts: Vec<String>,
+    /// The keyframe of a crop.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub keyframe: Option<String>,
+    /// The detection of a crop.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub detection: Option<u16>,
+    /// The level or the text that was replaced.
+    pub before: String,
+    /// Who gave it.
+    pub source_before: String,
+    /// The level or the text that stands now.
+    pub after: String,
+    /// Who gave it.
+    pub source_after: String,
+}
+
+impl Decode for NewJudgement {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let body = node.object(&["id", "asks", "preview"])?;
+        let id = body.optional("id", read::id);
+        let asks = body.optional("asks", |node| node.choice(Asks::NAMES, Asks::from_name));
+        let preview = body.optional("preview", read::switch);
+        Some(Self { id: id?, asks: asks?.unwrap_or_default(), preview: preview?.unwrap_or(false) })
+    }
+}
+
+impl From<JudgementReport> for JudgementView {
+    fn from(report: JudgementReport) -> Self {
+        let state = match report.state {
+            None => StateName::Preview,
+            Some(JobState::Running) if report.waits => StateName::Waiting,
+            Some(JobState::Running) => StateName::Running,
+            Some(JobState::Done) => StateName::Done,
+            Some(JobState::Stopped) => StateName::Stopped,
+        };
+        let left = match state {
+            StateName::Done => 0,
+            _ => report.questions.saturating_sub(report.tally.settled()),
+        };
+        Self {
+            id: report.id.map(|id| id.to_string()),
+            map_version: report.map_version,
+            state,
+            asks: report.asks.into(),
+            questions: report.questions,
+            calls_max: report.estimate.calls,
+            cost_max_usd: report.estimate.microusd as f64 / MICROUSD,
+            changed: report.tally.changed,
+            unchanged: report.tally.unchanged,
+            gone: report.tally.gone,
+            failed: report.tally.failed,
+            left,
+            replaced: report.replaced.into_iter().map(ReplacedView::from).collect(),
+        }
+    }
+}
+
+impl From<Replaced> for ReplacedView {
+    fn from(replaced: Replaced) -> Self {
+        let (keyframe, detection) = replaced.crop.unzip();
+        let ((before, source_before), (after, source_after)) = (replaced.before, replaced.after);
+        Self {
+            map_version: replaced.map_version,
+            operation: replaced.operation,
+            class: replaced.class,
+            texts: replaced.texts,
+            keyframe,
+            detection,
+            before,
+            source_before,
+            after,
+            source_after,
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! Key: an API key as it is made, and as it is read back without its secret.
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use utoipa::ToSchema;
+
+use super::decoding::read::{Decode, Node};
+use super::limits;
+use super::names::ActionName;
+use super::space::Time;
+use crate::domain::key::{Action, Actions, Key, KeyProperties, MadeKey, MapPattern};
+use crate::domain::keyframe::Stamp;
+
+/// What the answer to a server's first key says.
+const FIRST_KEY_NOTICE: &str = "This is the server's first key: from now on every request needs a key, sent as \
+    `authorization: Bearer <secret>`, and the viewer asks for one. Keep the secret; it is not shown again.";
+
+/// A key to be made.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct KeyBody {
+    /// Whose it is, for people.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(min_length = 1, max_length = 128)]
+    pub name: Option<String>,
+    /// What it may do, at least one.
+    #[schema(min_items = 1, max_items = 4, inline)]
+    pub actions: Vec<ActionName>,
+    /// The maps that exist for it: ids in which `*` stands for any characters. Left out: every map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(min_items = 1, max_items = 100, value_type = Option<Vec<PatternShape>>, inline)]
+    pub maps: Option<Vec<String>>,
+    /// From when on it is no longer good. Left out: never.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub expires: Option<Time>,
+    /// Requests a second; a second's worth may come at once, and a bulk line counts as a request. Left out: any number.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(minimum = 1, maximum = 1_000_000)]
+    pub rate_per_s: Option<u32>,
+    /// Calls of models a day (UTC) for the maps it makes and the texts it asks about. Left out: any number.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(minimum = 0, maximum = 1_000_000_000)]
+    pub model_daily_calls: Option<u32>,
+    /// What these calls may cost, in US dollars. Left out: any sum.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(minimum = 0, maximum = 1_000_000)]
+    pub model_daily_usd: Option<f64>,
+}
+
+/// A map's id in which `*` stands for any number of characters.
+#[derive(ToSchema)]
+#[schema(min_length = 1, max_length = 128, pattern = "^(\\.{0,2}[A-Za-z0-9_:*-]|\\.{3})[A-Za-z0-9._:*-]*$")]
+pub struct PatternShape(#[expect(dead_code, reason = "a schema only")] String);
+
+/// A key, without its secret.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct KeyView {
+    /// Its id, `key-7`.
+    pub id: String,
+    /// Whose it is.
+    pub name: String,
+    /// What it may do.
+    #[schema(inline)]
+    pub actions: Vec<ActionName>,
+    /// The maps that exist for it.
+    pub maps: Vec<String>,
+    /// When it was made.
+    pub created: Time,
+    /// From when on it is no longer good; left out if it does not expire.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub expires: Option<Time>,
+    /// When it was revoked; left out while it is good.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub revoked: Option<Time>,
+    /// Requests a second.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate_per_s: Option<u32>,
+    /// Calls of models a day.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model_daily_calls: Option<u32>,
+    /// What these calls may cost, in US dollars.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model_daily_usd: Option<f64>,
+    /// What to send as `authorization: Bearer <secret>`. Told once, when the key is made, and kept nowhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub secret: Option<String>,
+    /// What changes from now on, if this is the server's first key.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub notice: Option<String>,
+}
+
+impl Decode for KeyProperties {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let body = node.object(&[
+            "name",
+            "actions",
+            "maps",
+            "expires",
+            "rate_per_s",
+            "model_daily_calls",
+            "model_daily_usd",
+        ])?;
+        let action = |node: &Node<'_>| node.choice(Action::NAMES, Action::from_name);
+        let name = body.optional("name", |node| node.name(limits::KEY_NAME_CHARS));
+        let actions = body.required("actions", |node| node.list(Action::ALL.len(), action));
+        let maps = body.optional("maps", |node| node.list(limits::KEY_PATTERNS, pattern));
+        let expires = body.optional("expires", Stamp::decode);
+        let rate_per_s = body.optional("rate_per_s", |node| node.count(limits::KEY_RATE_PER_S));
+        let calls = body.optional("model_daily_calls", |node| node.count(limits::KEY_DAILY_CALLS));
+        let usd = body.optional("model_daily_usd", |node| node.number(limits::KEY_DAILY_USD));
+        Some(Self {
+            name: name?.unwrap_or_default(),
+            actions: actions?.into_iter().collect(),
+            maps: maps?.unwrap_or_else(|| vec![MapPattern::every()]),
+            expires: expires?,
+            rate_per_s: rate_per_s?,
+            model_daily_calls: calls?,
+            model_daily_microusd: usd?.map(|usd| (usd * 1e6).round() as u64),
+        })
+    }
+}
+
+fn pattern(node: &Node<'_>) -> Option<MapPattern> {
+    match node.string()?.parse::<MapPattern>() {
+        Ok(pattern) => Some(pattern),
+        Err(error) => node.refuse(error.to_string(), "[A-Za-z0-9._:*-]{1,128}, but neither . nor .."),
+    }
+}
+
+fn actions(actions: Actions) -> Vec<ActionName> {
+    actions.iter().map(ActionName::from).collect()
+}
+
+impl From<Key> for KeyView {
+    fn from(key: Key) -> Self {
+        let second = |sec| Time { sec, nanosec: 0 };
+        let Key { seq, properties, created_sec, revoked_sec } = key;
+        Self {
+            id: seq.public(),
+            name: properties.name,
+            actions: actions(properties.actions),
+            maps: properties.maps.iter().map(ToString::to_string).collect(),
+            created: second(created_sec),
+            expires: properties.expires.map(Time::from),
+            revoked: revoked_sec.map(second),
+            rate_per_s: properties.rate_per_s,
+            model_daily_calls: properties.model_daily_calls,
+            model_daily_usd: properties.model_daily_microusd.map(|microusd| microusd as f64 / 1e6),
+            secret: None,
+            notice: None,
+        }
+    }
+}
+
+impl From<MadeKey> for KeyView {
+    fn from(made: MadeKey) -> Self {
+        let notice = made.is_first.then(|| FIRST_KEY_NOTICE.to_owned());
+        Self { secret: Some(made.secret), notice, ..made.key.into() }
+    }
+}
+
+/// A key to be made, for the API document: the administrator's, because a server's first key must be one.
+pub fn example_body() -> Value {
+    json!({"name": "administrator", "actions": Action::NAMES})
+}
+
+fn administrator() -> Value {
+    let mut key = example_body();
+    key["id"] = json!("key-1");
+    key["maps"] = json!(["*"]);
+    key["created"] = json!({"sec": 1_795_000_000, "nanosec": 0});
+    key
+}
+
+fn robots() -> Value {
+    json!({
+        "id": "key-2",
+        "name": "cleaning robots, tower",
+        "actions": ["read", "write", "query"],
+        "maps": ["tower", "tower-*"],
+        "created": {"sec": 1_795_000_000, "nanosec": 0},
+        "expires": {"sec": 1_893_456_000, "nanosec": 0},
+        "rate_per_s": 200,
+        "model_daily_usd": 1.5
+    })
+}
+
+/// A key that was just made, for the API document.
+pub fn example_made() -> Value {
+    let mut key = administrator();
+    key["secret"] = json!("revisit_0123456789abcdefghijklmnopqrstuvwxyzABCDEFG");
+    key["notice"] = json!(FIRST_KEY_NOTICE);
+    key
+}
+
+/// Keys, for the API document.
+pub fn example_list() -> Value {
+    json!({"items": [administrator(), robots()], "next_cursor": null})
+}

@@ -1,0 +1,286 @@
+//! Keyframes as the service answers them.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::shape::{BowShape, CameraShape, CovisibleShape, FeaturesShape, PointsShape, RangeName};
+use crate::api::decoding::base64;
+use crate::api::names::{AnchorStateName, IgnoredReasonName};
+use crate::api::space::{Time, Transform};
+use crate::api::verdict::LoopAnswer;
+use crate::domain::anchor::{AnchorState, Outcome};
+use crate::domain::bow::BowVector;
+use crate::domain::ids::{AnchorSeq, KeyframeId, PointId};
+use crate::domain::keyframe::{Camera, Detection, Features, Keypoint};
+use crate::domain::report::{KeyframeRecord, KeyframeReport, KeyframeSummary};
+use crate::geometry::Point3;
+
+/// A keyframe is stored.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct KeyframeAnswer {
+    /// Its id.
+    pub keyframe: String,
+    /// The map's version after it.
+    pub map_version: u64,
+    /// How many keyframes are covisible with it.
+    pub covisible: usize,
+    /// What became of its detections, in their order.
+    pub detections: Vec<OutcomeView>,
+    /// The answer to the loop query, if the request asked it.
+    #[serde(rename = "loop", skip_serializing_if = "Option::is_none")]
+    pub loop_answer: Option<LoopAnswer>,
+}
+
+/// What became of a detection.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = DetectionOutcome)]
+pub struct OutcomeView {
+    /// The anchor that it feeds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub anchor: Option<String>,
+    /// What became of it.
+    pub outcome: OutcomeName,
+    /// Why it was ignored.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<IgnoredReasonName>,
+    /// How far the anchor's description is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub state: Option<AnchorStateName>,
+}
+
+/// What can become of a detection: it founds an anchor, is one more sight of a known one, or feeds none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+#[expect(missing_docs, reason = "said above")]
+pub enum OutcomeName {
+    Created,
+    Observed,
+    Ignored,
+}
+
+/// A keyframe as it stands now: what was sent, as last corrected, and what became of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct KeyframeView {
+    /// Its id.
+    pub id: String,
+    /// The map's version.
+    pub map_version: u64,
+    /// Its session.
+    pub session: String,
+    /// When it was taken.
+    pub stamp: Time,
+    /// `map_from_camera` in the session's frame, in metres, as last corrected.
+    pub pose: Transform,
+    /// The camera.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera: Option<CameraShape>,
+    /// The bag of words, words ascending, weights summing to one.
+    pub bow: BowShape,
+    /// The features.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub features: Option<FeaturesShape>,
+    /// The map points it brought, at their present positions.
+    pub map_points: PointsShape,
+    /// Every map point it observes, ascending.
+    pub observes: Vec<i64>,
+    /// The covisible keyframes that its client declared; all of them are listed at `.../covisible`.
+    pub covisible: Vec<CovisibleShape>,
+    /// How many keyframes are covisible with it, by shared points or by declaration.
+    pub covisible_total: usize,
+    /// Its detections, each with what became of it.
+    pub detections: Vec<DetectionView>,
+}
+
+/// A detection as stored; its crop is read through its anchor.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct DetectionView {
+    /// The object's class.
+    pub class: String,
+    /// The detector's confidence, 0 to 1.
+    pub confidence: f64,
+    /// `[x0,y0,x1,y1]`, in pixels.
+    #[serde(rename = "box")]
+    pub box_px: [f64; 4],
+    /// The map points that the box covers, ascending.
+    pub map_points: Vec<i64>,
+    /// Where the object stands in the session's frame, in metres.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<[f64; 3]>,
+    /// `assumed` if nothing measured the distance of `position`; else left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(inline)]
+    pub range: Option<RangeName>,
+    /// What a reader made of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub text: Option<String>,
+    /// What a model or a person made of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub description: Option<String>,
+    /// Did a crop come with it?
+    pub has_crop: bool,
+    /// The anchor that it feeds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub anchor: Option<String>,
+    /// What became of it.
+    pub outcome: OutcomeName,
+    /// Why it was ignored.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<IgnoredReasonName>,
+    /// How far the anchor's description is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub state: Option<AnchorStateName>,
+}
+
+/// A line of the list of keyframes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct KeyframeLine {
+    /// Its id.
+    pub id: String,
+    /// Its session.
+    pub session: String,
+    /// When it was taken.
+    pub stamp: Time,
+    /// `map_from_camera` in the session's frame, in metres, as last corrected.
+    pub pose: Transform,
+    /// How many keyframes are covisible with it.
+    pub covisible: usize,
+    /// The anchors it sees.
+    pub anchors: Vec<String>,
+}
+
+/// A keyframe that is covisible with another.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct CovisibleView {
+    /// The other keyframe.
+    pub keyframe: String,
+    /// How many map points they share: by observation, or as declared.
+    pub shared: u32,
+}
+
+impl From<KeyframeReport> for KeyframeAnswer {
+    fn from(report: KeyframeReport) -> Self {
+        Self {
+            keyframe: report.keyframe.to_string(),
+            map_version: report.map_version,
+            covisible: report.covisible,
+            detections: report.detections.into_iter().map(OutcomeView::from).collect(),
+            loop_answer: None,
+        }
+    }
+}
+
+impl From<(Outcome, Option<AnchorState>)> for OutcomeView {
+    fn from((outcome, state): (Outcome, Option<AnchorState>)) -> Self {
+        let (outcome, anchor, reason) = match outcome {
+            Outcome::Created(anchor) => (OutcomeName::Created, Some(anchor.public()), None),
+            Outcome::Observed(anchor) => (OutcomeName::Observed, Some(anchor.public()), None),
+            Outcome::Ignored(reason) => (OutcomeName::Ignored, None, Some(reason.into())),
+        };
+        Self { anchor, outcome, reason, state: state.map(AnchorStateName::from) }
+    }
+}
+
+impl KeyframeView {
+    /// A keyframe at a version of its map.
+    pub fn of(map_version: u64, record: KeyframeRecord) -> Self {
+        let KeyframeRecord { keyframe, detections: outcomes, covisible } = record;
+        let numbers = |(id, point): (PointId, Point3)| (id, [point.x, point.y, point.z]);
+        let (ids, positions) = keyframe.map_points.into_iter().map(numbers).unzip();
+        Self {
+            id: keyframe.id.to_string(),
+            map_version,
+            session: keyframe.session.to_string(),
+            stamp: keyframe.stamp.into(),
+            pose: keyframe.map_from_camera.into(),
+            camera: keyframe.camera.map(CameraShape::from),
+            bow: (&keyframe.bow).into(),
+            features: keyframe.features.map(FeaturesShape::from),
+            map_points: PointsShape { ids, positions },
+            observes: keyframe.observes,
+            covisible: keyframe.covisible.into_iter().map(CovisibleShape::from).collect(),
+            covisible_total: covisible,
+            detections: keyframe.detections.into_iter().zip(outcomes).map(DetectionView::from).collect(),
+        }
+    }
+}
+
+impl From<(Detection, (Outcome, Option<AnchorState>))> for DetectionView {
+    fn from((detection, outcome): (Detection, (Outcome, Option<AnchorState>))) -> Self {
+        let OutcomeView { anchor, outcome, reason, state } = outcome.into();
+        Self {
+            class: detection.class,
+            confidence: detection.confidence,
+            box_px: detection.box_px,
+            map_points: detection.map_points,
+            position: detection.position_in_session.map(|point| point.coords.into()),
+            range: detection.range_assumed.then_some(RangeName::Assumed),
+            text: detection.text,
+            description: detection.description,
+            has_crop: detection.crop.is_some(),
+            anchor,
+            outcome,
+            reason,
+            state,
+        }
+    }
+}
+
+impl From<KeyframeSummary> for KeyframeLine {
+    fn from(summary: KeyframeSummary) -> Self {
+        Self {
+            id: summary.id.to_string(),
+            session: summary.session.to_string(),
+            stamp: summary.stamp.into(),
+            pose: summary.map_from_camera.into(),
+            covisible: summary.covisible,
+            anchors: summary.anchors.into_iter().map(AnchorSeq::public).collect(),
+        }
+    }
+}
+
+impl From<(KeyframeId, u32)> for CovisibleView {
+    fn from((keyframe, shared): (KeyframeId, u32)) -> Self {
+        Self { keyframe: keyframe.to_string(), shared }
+    }
+}
+
+impl From<(KeyframeId, u32)> for CovisibleShape {
+    fn from((keyframe, shared): (KeyframeId, u32)) -> Self {
+        Self { keyframe: keyframe.to_string(), shared }
+    }
+}
+
+impl From<Camera> for CameraShape {
+    fn from(camera: Camera) -> Self {
+        let Camera { fx, fy, cx, cy, width, height } = camera;
+        Self { fx, fy, cx, cy, width, height }
+    }
+}
+
+impl From<&BowVector> for BowShape {
+    fn from(bow: &BowVector) -> Self {
+        // Ten decimals: one unit of 2^-31 is 4.7e-10, and no word's weight may become zero.
+        let shown = |units: u32| (f64::from(units) / f64::from(BowVector::ONE) * 1e10).round() / 1e10;
+        Self {
+            words: bow.words().to_vec(),
+            weights: bow.weights().iter().map(|&units| shown(units)).collect(),
+            vocabulary: None,
+        }
+    }
+}
+
+impl From<Features> for FeaturesShape {
+    fn from(features: Features) -> Self {
+        let numbers = |keypoint: &Keypoint| {
+            let mut numbers = vec![keypoint.u, keypoint.v, f64::from(keypoint.octave)];
+            numbers.extend(keypoint.angle_deg);
+            numbers
+        };
+        Self {
+            descriptor_bytes: features.descriptor_bytes as u32,
+            descriptors: base64::encode(&features.descriptors),
+            keypoints: features.keypoints.iter().map(numbers).collect(),
+            map_points: Some(features.map_points.iter().map(|point| point.unwrap_or(-1)).collect()),
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! A keyframe read out of JSON, with every fault in it.
+
+use std::collections::HashSet;
+
+use serde_json::Value;
+
+use super::detection::decode as decode_detection;
+use super::features::decode as decode_features;
+use super::points::{ascending, points, unique};
+use crate::api::decoding::digest::{self, Digest};
+use crate::api::decoding::read::{self, Decode, Node};
+use crate::api::limits;
+use crate::domain::bow::BowVector;
+use crate::domain::ids::{KeyframeId, PointId, SessionId};
+use crate::domain::invalid::FieldError;
+use crate::domain::keyframe::{CLIENTS_VOCABULARY, Camera, Features, NewKeyframe, Stamp};
+use crate::geometry::Pose;
+
+const FIELDS: [&str; 10] = [
+    "session",
+    "stamp",
+    "pose",
+    "camera",
+    "bow",
+    "features",
+    "map_points",
+    "observes",
+    "covisible",
+    "detections",
+];
+
+/// The name of a keyframe that is asked about and not stored.
+const INLINE: &str = "inline";
+
+/// A keyframe as sent, with the digest that tells a retry from another keyframe.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SentKeyframe {
+    /// The keyframe, checked.
+    pub keyframe: NewKeyframe,
+    /// The digest of its body.
+    pub digest: Digest,
+}
+
+/// Why a body is no keyframe, as far as that can be told without its map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Faulty {
+    /// The faults.
+    pub faults: Vec<FieldError>,
+    /// The keyframes it declares covisible, with their places in the list: only the map can tell whether they exist.
+    pub declared: Vec<(usize, KeyframeId)>,
+}
+
+impl Faulty {
+    /// Joins these faults with what the keyframe's body declares.
+    pub fn of(faults: Vec<FieldError>, body: &Value) -> Self {
+        let list =
+            body.get("covisible").and_then(Value::as_array).filter(|list| list.len() <= limits::COVISIBLE);
+        let named = |entry: &Value| entry.get("keyframe")?.as_str()?.parse().ok();
+        let declared = list.into_iter().flatten().map(named).enumerate();
+        Self { faults, declared: declared.filter_map(|(place, id)| Some((place, id?))).collect() }
+    }
+
+    /// All faults, with those that the map has found. A place is told off once.
+    pub fn with(mut self, found: Vec<FieldError>) -> Vec<FieldError> {
+        for fault in found {
+            let is_told = self.faults.iter().any(|told| told.pointer == fault.pointer);
+            if !is_told && self.faults.len() < limits::LISTED_FAULTS {
+                self.faults.push(fault);
+            }
+        }
+        self.faults
+    }
+}
+
+/// A keyframe whose name stands in the path, or in a bulk line.
+pub fn named(body: &Value, id: &KeyframeId) -> Result<SentKeyframe, Vec<FieldError>> {
+    read::decode_with(body, |node| keyframe(node, id, true))
+}
+
+/// A keyframe to be asked about and not stored: a member of a larger body, without a name of its own.
+pub fn unnamed(node: &Node<'_>) -> Option<SentKeyframe> {
+    keyframe(node, &INLINE.parse().ok()?, false)
+}
+
+fn keyframe(node: &Node<'_>, id: &KeyframeId, stored: bool) -> Option<SentKeyframe> {
+    let body = node.object(&FIELDS)?;
+    let session = body.optional("session", read::id::<SessionId>);
+    let stamp = body.required("stamp", Stamp::decode);
+    let pose = body.required("pose", Pose::decode);
+    let camera = body.optional("camera", camera);
+    let bow = body.optional("bow", bow);
+    let features = body.optional("features", decode_features);
+    let map_points = body.optional("map_points", points);
+    let observes =
+        body.optional("observes", |node| node.list(limits::MAP_POINTS, |point| point.whole(limits::POINT)));
+    let covisible = body.optional("covisible", |node| covisible(node, stored.then_some(id)));
+    let detections = body.optional("detections", |node| node.list(limits::DETECTIONS, decode_detection));
+    let features = features?;
+    let (bow, vocabulary) = bow?.map_or_else(Default::default, |(bow, vocabulary)| (bow, Some(vocabulary)));
+    let keyframe = NewKeyframe {
+        id: id.clone(),
+        session: session?.unwrap_or_default(),
+        stamp: stamp?,
+        map_from_camera: pose?,
+        camera: camera?,
+        bow,
+        vocabulary,
+        observes: observed(observes?.unwrap_or_default(), features.as_ref()),
+        features,
+        map_points: map_points?.unwrap_or_default(),
+        covisible: covisible?.unwrap_or_default(),
+        detections: detections?.unwrap_or_default(),
+    };
+    Some(SentKeyframe { keyframe, digest: digest::of(node.value()) })
+}
+
+/// Observed is what the client lists, and what its features see; one listed twice is observed once.
+fn observed(mut listed: Vec<PointId>, features: Option<&Features>) -> Vec<PointId> {
+    listed.extend(features.into_iter().flat_map(|features| features.map_points.iter().flatten()));
+    ascending(listed)
+}
+
+fn camera(node: &Node<'_>) -> Option<Camera> {
+    let body = node.object(&["fx", "fy", "cx", "cy", "width", "height"])?;
+    let [fx, fy] = ["fx", "fy"].map(|name| body.required(name, |node| node.number(limits::FOCAL_LENGTH_PX)));
+    let [cx, cy] = ["cx", "cy"].map(|name| body.required(name, |node| node.number(limits::PIXEL)));
+    let [width, height] =
+        ["width", "height"].map(|name| body.required(name, |node| node.count(limits::IMAGE_SIDE_PX)));
+    Some(Camera { fx: fx?, fy: fy?, cx: cx?, cy: cy?, width: width?, height: height? })
+}
+
+/// The bag of words, and whose words they are.
+fn bow(node: &Node<'_>) -> Option<(BowVector, Box<str>)> {
+    let body = node.object(&["words", "weights", "vocabulary"])?;
+    let vocabulary = body.optional("vocabulary", |node| node.text(limits::VOCABULARY_CHARS));
+    let words = body.required("words", |node| unique(node, limits::WORDS, |word| word.count(limits::WORD)));
+    let weights =
+        body.required("weights", |node| node.list(limits::WORDS, |weight| weight.number(limits::WEIGHT)));
+    body.parallel("words", "weights")?;
+    match BowVector::normalised(words?.into_iter().zip(weights?).collect()) {
+        Ok(bow) => Some((bow, vocabulary?.map_or_else(|| CLIENTS_VOCABULARY.into(), Into::into))),
+        Err(error) => node.refuse(error.to_string(), "a bag of words"),
+    }
+}
+
+fn covisible(node: &Node<'_>, this: Option<&KeyframeId>) -> Option<Vec<(KeyframeId, u32)>> {
+    let mut seen = HashSet::new();
+    node.list(limits::COVISIBLE, |entry| {
+        let body = entry.object(&["keyframe", "shared"])?;
+        let keyframe = body.required("keyframe", |node| {
+            let keyframe: KeyframeId = read::id(node)?;
+            if Some(&keyframe) == this {
+                return node.refuse("a keyframe is not covisible with itself", "another keyframe");
+            }
+            if !seen.insert(keyframe.clone()) {
+                return node.refuse("the keyframe is listed twice", "each keyframe once");
+            }
+            Some(keyframe)
+        });
+        let shared = body.required("shared", |node| node.count(limits::SHARED));
+        Some((keyframe?, shared?))
+    })
+}

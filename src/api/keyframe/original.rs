@@ -1,0 +1,82 @@
+//! Keyframes as they were sent: the model back in the shape in which a client sends it.
+
+use std::collections::HashSet;
+
+use super::shape::{
+    BowShape, CovisibleShape, DetectionShape, FeaturesShape, KeyframeBody, PointsShape, RangeName,
+};
+use crate::api::decoding::base64;
+use crate::domain::bow::BowVector;
+use crate::domain::ids::PointId;
+use crate::domain::keyframe::{CLIENTS_VOCABULARY, Detection, NewKeyframe};
+use crate::geometry::Point3;
+
+impl From<NewKeyframe> for KeyframeBody {
+    fn from(keyframe: NewKeyframe) -> Self {
+        // Features without words are sent so on purpose, or a server would compute some.
+        let says_words = !keyframe.bow.is_empty() || keyframe.features.is_some();
+        let NewKeyframe { bow, vocabulary, features, observes, map_points, covisible, .. } = keyframe;
+        let named: HashSet<PointId> =
+            features.iter().flat_map(|features| features.map_points.iter().flatten().copied()).collect();
+        let observes: Vec<i64> = observes.into_iter().filter(|id| !named.contains(id)).collect();
+        Self {
+            session: Some(keyframe.session.to_string()),
+            stamp: keyframe.stamp.into(),
+            pose: keyframe.map_from_camera.into(),
+            camera: keyframe.camera.map(Into::into),
+            bow: says_words.then(|| exactly(&bow, vocabulary.map(Into::into).filter(is_named))),
+            features: features.map(|features| {
+                let shape = FeaturesShape::from(features);
+                FeaturesShape { map_points: shape.map_points.filter(|_| !named.is_empty()), ..shape }
+            }),
+            map_points: (!map_points.is_empty()).then(|| map_points.into()),
+            observes: filled(observes),
+            covisible: filled(covisible.into_iter().map(CovisibleShape::from).collect()),
+            detections: filled(keyframe.detections.into_iter().map(DetectionShape::from).collect()),
+        }
+    }
+}
+
+/// Whether a vocabulary has a name; words that came without one go without one.
+fn is_named(vocabulary: &String) -> bool {
+    vocabulary != CLIENTS_VOCABULARY
+}
+
+fn filled<T>(list: Vec<T>) -> Option<Vec<T>> {
+    (!list.is_empty()).then_some(list)
+}
+
+/// Writes weights that are normalised to the same vector: as answers show them if that does, else every digit.
+fn exactly(bow: &BowVector, vocabulary: Option<String>) -> BowShape {
+    let shown = BowShape::from(bow);
+    let entries = shown.words.iter().copied().zip(shown.weights.iter().copied());
+    if BowVector::normalised(entries.collect()).as_ref() == Ok(bow) {
+        return BowShape { vocabulary, ..shown };
+    }
+    let one = f64::from(BowVector::ONE);
+    let weights = bow.weights().iter().map(|units| f64::from(*units) / one).collect();
+    BowShape { words: shown.words, weights, vocabulary }
+}
+
+impl From<Vec<(PointId, Point3)>> for PointsShape {
+    fn from(points: Vec<(PointId, Point3)>) -> Self {
+        let (ids, positions) = points.into_iter().map(|(id, at)| (id, [at.x, at.y, at.z])).unzip();
+        Self { ids, positions }
+    }
+}
+
+impl From<Detection> for DetectionShape {
+    fn from(detection: Detection) -> Self {
+        Self {
+            class: detection.class,
+            confidence: detection.confidence,
+            box_px: detection.box_px,
+            map_points: filled(detection.map_points),
+            position: detection.position_in_session.map(|at| [at.x, at.y, at.z]),
+            range: detection.range_assumed.then_some(RangeName::Assumed),
+            text: detection.text,
+            description: detection.description,
+            crop: detection.crop.map(|crop| base64::encode(&crop.bytes)),
+        }
+    }
+}

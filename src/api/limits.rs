@@ -1,0 +1,120 @@
+//! Limits: how much of everything one request may bring.
+//!
+//! Each is far above what a robot sends and far below what would hurt the server. They stand in the API document
+//! too; a test compares the two.
+
+use std::ops::RangeInclusive;
+
+use crate::domain::bow::BowVector;
+
+/// The most bytes of a body, compressed and inflated alike.
+pub const BODY_BYTES: usize = 32 << 20;
+/// The most bytes of one line of a bulk request.
+pub const LINE_BYTES: usize = 8 << 20;
+/// The most bytes of a whole bulk request, inflated.
+pub const BULK_BYTES: usize = 1 << 30;
+/// The most lines of a bulk request.
+pub const BULK_ITEMS: usize = 100_000;
+/// The most values of a JSON body, counted over all its levels: a body of `0,0,0,...` takes many times its size in memory.
+/// The largest correction of poses has 1.6 million.
+pub const BODY_VALUES: usize = 2_000_000;
+/// The most items of any list; what a list of a kind may hold is less, and told with its name.
+pub const LIST_ITEMS: usize = 200_000;
+/// What a compressed body may become in memory, however small it came: as text, and as the values in it.
+pub const INFLATED_FREE_BYTES: usize = 2 << 20;
+/// And so many bytes more for each byte that came. Robots' keyframes are a tenth of their size when compressed; a bomb is
+/// a thousandth.
+pub const INFLATED_FOLD: usize = 64;
+/// The most faults of one body that are listed.
+pub const LISTED_FAULTS: usize = 100;
+
+/// Coordinates and lengths, in metres: to the Sun is farther, no building is.
+pub const COORDINATE_M: RangeInclusive<f64> = -1e9..=1e9;
+/// Image coordinates, focal lengths and box corners, in pixels; they may lie outside the image.
+pub const PIXEL: RangeInclusive<f64> = -1e6..=1e6;
+/// Focal lengths, in pixels.
+pub const FOCAL_LENGTH_PX: RangeInclusive<f64> = 1e-3..=1e6;
+/// Sides of an image, in pixels.
+pub const IMAGE_SIDE_PX: RangeInclusive<i64> = 1..=1_000_000;
+/// One number of a quaternion.
+pub const QUATERNION: RangeInclusive<f64> = -1.01..=1.01;
+/// A weight of a word, before it is normalised. 1e39 fits no f32, and neither does it fit here.
+pub const WEIGHT: RangeInclusive<f64> = 0.0..=1e30;
+/// A detector's confidence.
+pub const CONFIDENCE: RangeInclusive<f64> = 0.0..=1.0;
+/// A keypoint's orientation, in degrees; whether a detector counts to 360 or from -180 is its own affair.
+pub const ANGLE_DEG: RangeInclusive<f64> = -360.0..=360.0;
+/// A level of the image pyramid.
+pub const OCTAVE: RangeInclusive<i64> = 0..=63;
+
+/// Whole seconds of a time: within the years that a calendar library can print.
+pub const SEC: RangeInclusive<i64> = -62_135_596_800..=253_402_300_799;
+/// Nanoseconds within the second.
+pub const NANOSEC: RangeInclusive<i64> = 0..=999_999_999;
+
+/// Words of one keyframe.
+pub const WORDS: usize = BowVector::MAX_WORDS;
+/// A word's number in its vocabulary.
+pub const WORD: RangeInclusive<i64> = 0..=u32::MAX as i64;
+/// Features of one keyframe.
+pub const FEATURES: usize = 20_000;
+/// Characters of an id.
+pub const ID_CHARS: usize = 128;
+/// Bytes of one descriptor, a multiple of 8.
+pub const DESCRIPTOR_BYTES: RangeInclusive<i64> = 8..=512;
+/// Map points of one keyframe, observed, new or moved.
+pub const MAP_POINTS: usize = 100_000;
+/// A map point's number; ORB-SLAM counts in `unsigned long`, of which nobody has used the upper half.
+pub const POINT: RangeInclusive<i64> = 0..=i64::MAX;
+/// A feature's map point: as [`POINT`], and -1 for none.
+pub const POINT_OR_NONE: RangeInclusive<i64> = -1..=i64::MAX;
+/// Covisible keyframes that one keyframe declares.
+pub const COVISIBLE: usize = 10_000;
+/// Map points that two keyframes share.
+pub const SHARED: RangeInclusive<i64> = 0..=u32::MAX as i64;
+/// Detections of one keyframe.
+pub const DETECTIONS: usize = 500;
+/// The number of a detection in its keyframe.
+pub const DETECTION: RangeInclusive<i64> = 0..=DETECTIONS as i64 - 1;
+/// Characters of the name of a model, as the source of a verdict.
+pub const SOURCE_CHARS: usize = 128;
+/// A level of §IV-A.2.
+pub const LEVEL: RangeInclusive<i64> = 1..=5;
+/// Characters of a class.
+pub const CLASS_CHARS: usize = 64;
+/// Characters of a text, a description or a search.
+pub const TEXT_CHARS: usize = 4096;
+
+/// The name of a vocabulary, in characters.
+pub const VOCABULARY_CHARS: usize = 128;
+/// Bytes of a crop, decoded.
+pub const CROP_BYTES: usize = 4 << 20;
+
+/// Regular expressions of one list.
+pub const PATTERNS: usize = 16;
+/// Characters of a regular expression.
+pub const PATTERN_CHARS: usize = 256;
+/// Classes that a map may name.
+pub const ANCHOR_CLASSES: usize = 256;
+/// Keyframes, and map points, of one correction of poses.
+pub const CORRECTIONS: usize = 100_000;
+/// How long a loop query may wait for models, in milliseconds.
+pub const MAX_WAIT_MS: RangeInclusive<i64> = 0..=60_000;
+/// The seed of a query; 63 bits, because JSON readers in Java and C++ have signed numbers.
+pub const SEED: RangeInclusive<i64> = 0..=i64::MAX;
+/// Characters of a key's name.
+pub const KEY_NAME_CHARS: usize = 128;
+/// Patterns of maps of one key.
+pub const KEY_PATTERNS: usize = 100;
+/// Requests a second of one key.
+pub const KEY_RATE_PER_S: RangeInclusive<i64> = 1..=1_000_000;
+/// Calls of models a day of one key.
+pub const KEY_DAILY_CALLS: RangeInclusive<i64> = 0..=1_000_000_000;
+/// What they may cost, in US dollars.
+pub const KEY_DAILY_USD: RangeInclusive<f64> = 0.0..=1e6;
+/// Items of one part of a list.
+pub const PAGE: RangeInclusive<i64> = 1..=1000;
+/// Characters of a list's cursor.
+pub const CURSOR_CHARS: usize = 256;
+/// Items of one part of a list, if the client does not say.
+pub const PAGE_DEFAULT: usize = 100;

@@ -1,0 +1,88 @@
+//! List: one part of something long, and where the next part starts.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::anchor::AnchorView;
+use super::backup::BackupView;
+use super::key::KeyView;
+use super::keyframe::{CovisibleView, KeyframeLine};
+use super::loops::LoopView;
+use super::map::MapView;
+use crate::domain::report::Page;
+
+// One struct for each list and no generic one: generators name a schema after its type, and `List_AnchorView` is no name.
+macro_rules! list {
+    ($(#[$doc:meta])* $name:ident of $item:ident) => {
+        $(#[$doc])*
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+        pub struct $name {
+            /// The map's version.
+            pub map_version: u64,
+            /// The items of this part.
+            pub items: Vec<$item>,
+            /// Where the next part starts; null after the last one.
+            #[schema(required)]
+            pub next_cursor: Option<String>,
+        }
+
+        impl $name {
+            /// One part of the list, at a version of the map.
+            pub fn of<T: Into<$item>>(map_version: u64, page: Page<T>) -> Self {
+                let items = page.items.into_iter().map(Into::into).collect();
+                Self { map_version, items, next_cursor: page.next_cursor }
+            }
+        }
+    };
+}
+
+list!(
+    /// Keyframes, in order of arrival.
+    KeyframeList of KeyframeLine
+);
+list!(
+    /// Anchors, oldest first.
+    AnchorList of AnchorView
+);
+list!(
+    /// Confirmed loops, oldest first.
+    LoopList of LoopView
+);
+list!(
+    /// Covisible keyframes; this list comes in one part.
+    CovisibleList of CovisibleView
+);
+
+// Maps, keys and backups have no version of a map beside them.
+macro_rules! plain_list {
+    ($(#[$doc:meta])* $name:ident of $item:ident) => {
+        $(#[$doc])*
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+        pub struct $name {
+            /// The items of this part.
+            pub items: Vec<$item>,
+            /// Where the next part starts; null after the last one.
+            #[schema(required)]
+            pub next_cursor: Option<String>,
+        }
+
+        impl<T: Into<$item>> From<Page<T>> for $name {
+            fn from(page: Page<T>) -> Self {
+                Self { items: page.items.into_iter().map(Into::into).collect(), next_cursor: page.next_cursor }
+            }
+        }
+    };
+}
+
+plain_list!(
+    /// Maps, by id.
+    MapList of MapView
+);
+plain_list!(
+    /// Keys, in order of creation, revoked ones among them.
+    KeyList of KeyView
+);
+plain_list!(
+    /// Backups, the newest first.
+    BackupList of BackupView
+);

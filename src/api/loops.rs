@@ -1,0 +1,171 @@
+//! Loop: one that a client closed, what it merged, and what its revocation splits again (`openapi/openapi.yaml`).
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::decoding::read::{self, Decode, Node};
+use super::limits;
+use super::names::LoopWarningCodeName;
+use crate::domain::loop_warning::LoopWarning;
+use crate::domain::report::{LoopReport, MergeReport};
+use crate::domain::request::NewLoop;
+
+/// A loop that the client closed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LoopBody {
+    /// Its id.
+    #[schema(
+        min_length = 1,
+        max_length = 128,
+        pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$"
+    )]
+    pub id: String,
+    /// The keyframe that came back.
+    #[schema(
+        min_length = 1,
+        max_length = 128,
+        pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$"
+    )]
+    pub keyframe: String,
+    /// The keyframe it came back to.
+    #[schema(
+        min_length = 1,
+        max_length = 128,
+        pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$"
+    )]
+    pub candidate: String,
+    /// The id of the loop query that found it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(min_length = 1, max_length = 128)]
+    pub query: Option<String>,
+}
+
+/// A loop is closed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct LoopClosed {
+    /// Its id.
+    pub id: String,
+    /// The map's version after it.
+    pub map_version: u64,
+    /// The pairs of anchors that became one.
+    pub merged: Vec<MergeView>,
+    /// What speaks against it, as the map stood before it. The client decides: it is closed all the same, and can be revoked.
+    /// A retry (200) is answered without them.
+    #[schema(max_items = 1)]
+    pub warnings: Vec<LoopWarningView>,
+}
+
+/// What speaks against a loop that was confirmed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = LoopWarning)]
+pub struct LoopWarningView {
+    /// Which kind.
+    pub code: LoopWarningCodeName,
+    /// One sentence for a person.
+    pub detail: String,
+}
+
+/// A loop is revoked.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct LoopRevoked {
+    /// Its id.
+    pub id: String,
+    /// The map's version after it.
+    pub map_version: u64,
+    /// The pairs of anchors that are two again.
+    pub split: Vec<MergeView>,
+}
+
+/// A confirmed loop.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct LoopView {
+    /// Its id.
+    pub id: String,
+    /// The keyframe that came back.
+    pub keyframe: String,
+    /// The keyframe it came back to.
+    pub candidate: String,
+    /// The loop query that found it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub query: Option<String>,
+    /// The pairs of anchors that it made one.
+    pub merged: Vec<MergeView>,
+}
+
+/// A pair of anchors.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = Merge)]
+pub struct MergeView {
+    /// The older anchor, by whose name both go.
+    pub into: String,
+    /// The newer anchor.
+    pub from: String,
+}
+
+impl From<NewLoop> for LoopBody {
+    fn from(new: NewLoop) -> Self {
+        let NewLoop { id, keyframe, candidate, query } = new;
+        let (keyframe, candidate) = (keyframe.to_string(), candidate.to_string());
+        Self { id: id.to_string(), keyframe, candidate, query }
+    }
+}
+
+impl Decode for NewLoop {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let body = node.object(&["id", "keyframe", "candidate", "query"])?;
+        let id = body.required("id", read::id);
+        let keyframe = body.required("keyframe", read::id);
+        let candidate = body.required("candidate", |candidate| {
+            let id = read::id(candidate)?;
+            if Some(&id) == keyframe.as_ref() {
+                return candidate.refuse("a keyframe makes no loop with itself", "another keyframe");
+            }
+            Some(id)
+        });
+        let query = body.optional("query", |node| node.name(limits::ID_CHARS));
+        Some(Self { id: id?, candidate: candidate?, keyframe: keyframe?, query: query? })
+    }
+}
+
+impl LoopClosed {
+    /// The answer to a loop that was closed.
+    pub fn of(map_version: u64, report: LoopReport, warnings: Vec<LoopWarning>) -> Self {
+        Self {
+            id: report.id.to_string(),
+            map_version,
+            merged: pairs(report.merged),
+            warnings: warnings.into_iter().map(LoopWarningView::from).collect(),
+        }
+    }
+}
+
+impl From<LoopWarning> for LoopWarningView {
+    fn from(warning: LoopWarning) -> Self {
+        Self { code: warning.code.into(), detail: warning.detail }
+    }
+}
+
+impl LoopRevoked {
+    /// The answer to a loop that was revoked.
+    pub fn of(map_version: u64, report: LoopReport) -> Self {
+        Self { id: report.id.to_string(), map_version, split: pairs(report.merged) }
+    }
+}
+
+impl From<LoopReport> for LoopView {
+    fn from(report: LoopReport) -> Self {
+        Self {
+            id: report.id.to_string(),
+            keyframe: report.keyframe.to_string(),
+            candidate: report.candidate.to_string(),
+            query: report.query,
+            merged: pairs(report.merged),
+        }
+    }
+}
+
+fn pairs(merged: Vec<MergeReport>) -> Vec<MergeView> {
+    let pair = |merge: MergeReport| MergeView { into: merge.into.public(), from: merge.from.public() };
+    merged.into_iter().map(pair).collect()
+}

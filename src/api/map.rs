@@ -1,0 +1,207 @@
+//! Map: what a client says of a map, and what it reads of it (`openapi/openapi.yaml`).
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::decoding::read::{self, Decode, Node};
+use super::limits;
+use super::settings::{ChosenSettings, MapSettings};
+use crate::domain::map::{MapProperties, NamedTwins};
+use crate::domain::report::MapReport;
+use crate::domain::request::MapPatch;
+use crate::domain::settings::Settings;
+
+/// A map to be made.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MapBody {
+    /// Free text for people.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(max_length = 4096)]
+    pub description: Option<String>,
+    /// Are its lengths metres? Then the scale between two sessions is 1. If not, settings in metres are in the unit of the
+    /// poses that it is sent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(default = true)]
+    pub metric: Option<bool>,
+    /// The classes of which anchors are made; empty means every class.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(max_items = 256, value_type = Option<Vec<ClassName>>, inline)]
+    pub anchor_classes: Option<Vec<String>>,
+    /// The settings that differ from their defaults.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub settings: Option<MapSettings>,
+}
+
+/// What is to change about a map; what is left out stays as it is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MapPatchBody {
+    /// Free text for people.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(max_length = 4096)]
+    pub description: Option<String>,
+    /// Are its lengths metres?
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub metric: Option<bool>,
+    /// The classes of which anchors are made from now on; empty means every class.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(max_items = 256, value_type = Option<Vec<ClassName>>, inline)]
+    pub anchor_classes: Option<Vec<String>>,
+    /// The settings to be set; the others stay as they are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub settings: Option<MapSettings>,
+}
+
+/// The class of a detected object, such as `door_number`; printable.
+#[derive(ToSchema)]
+#[schema(min_length = 1, max_length = 64)]
+pub struct ClassName(#[expect(dead_code, reason = "a schema only")] String);
+
+/// A map at one version.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct MapView {
+    /// Its id.
+    pub id: String,
+    /// Grows by one with each write to the map.
+    pub map_version: u64,
+    /// Free text for people.
+    pub description: String,
+    /// Are its lengths metres?
+    pub metric: bool,
+    /// The classes of which anchors are made, sorted; empty means every class.
+    pub anchor_classes: Vec<String>,
+    /// Every setting in force.
+    pub settings: MapSettings,
+    /// The vocabulary its words belong to: a fingerprint, a name that a client gave, or `client`; left out while it has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vocabulary: Option<String>,
+    /// How many keyframes it holds.
+    pub keyframes: usize,
+    /// How many anchors it holds, merged ones counted once.
+    pub anchors: usize,
+    /// How many sessions have written to it.
+    pub sessions: usize,
+    /// How many confirmed loops it holds.
+    pub loops: usize,
+    /// What its facts take on disk, in bytes: keyframes with their words, features, detections, texts and crops, map points
+    /// with a position (once each, however often sent), sessions, and loops with what they merge.
+    pub bytes: u64,
+    /// By class, how the building writes its numbers, as learned from ten values or more: `#` stands for the first run of
+    /// digits, a `9` for each digit of the others (`#.99` for 7.04 and 10.01). Patterns that were given stand in `settings`.
+    #[schema(value_type = BTreeMap<String, Vec<String>>)]
+    pub numbering: BTreeMap<Box<str>, Vec<String>>,
+    /// The views that this map has in two places; while there is one, geometry alone closes no loop (`twin_guard`). Looked
+    /// for where `without_anchors` is `geometry`.
+    #[schema(max_items = 8)]
+    pub twins: Vec<TwinsView>,
+}
+
+/// Two keyframes of one view, by geometry, around which different signs hang.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = Twins)]
+pub struct TwinsView {
+    /// The keyframe that was written last.
+    pub keyframe: String,
+    /// The keyframe that it was taken for.
+    pub candidate: String,
+    /// A sign around the first.
+    pub anchor: String,
+    /// The sign that hangs in its place around the second.
+    pub candidate_anchor: String,
+}
+
+/// The map's version after a write that has nothing else to tell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct MapVersion {
+    /// Grows by one with each write to the map.
+    pub map_version: u64,
+}
+
+const FIELDS: [&str; 4] = ["description", "metric", "anchor_classes", "settings"];
+
+impl Decode for MapProperties {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let patch = MapPatch::decode(node)?;
+        let mut settings = Settings::default();
+        for (name, value) in patch.settings {
+            settings.set(&name, value).ok()?;
+        }
+        Some(Self {
+            description: patch.description.unwrap_or_default(),
+            metric: patch.metric.unwrap_or(true),
+            anchor_classes: patch.anchor_classes.unwrap_or_default(),
+            settings,
+        })
+    }
+}
+
+impl Decode for MapPatch {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let map = node.object(&FIELDS)?;
+        let description = map.optional("description", |node| node.text(limits::TEXT_CHARS));
+        let metric = map.optional("metric", read::switch);
+        let anchor_classes = map.optional("anchor_classes", classes);
+        let settings = map.optional("settings", ChosenSettings::decode);
+        Some(Self {
+            description: description?,
+            anchor_classes: anchor_classes?,
+            metric: metric?,
+            settings: settings?.unwrap_or_default().0,
+        })
+    }
+}
+
+impl From<MapPatch> for MapPatchBody {
+    fn from(patch: MapPatch) -> Self {
+        let MapPatch { description, anchor_classes, metric, settings } = patch;
+        Self {
+            description,
+            metric,
+            anchor_classes,
+            settings: (!settings.is_empty()).then(|| MapSettings::from(settings)),
+        }
+    }
+}
+
+/// A set: neither the order nor a class named twice makes another map.
+fn classes(node: &Node<'_>) -> Option<Vec<String>> {
+    let mut classes = node.list(limits::ANCHOR_CLASSES, |node| node.name(limits::CLASS_CHARS))?;
+    classes.sort_unstable();
+    classes.dedup();
+    Some(classes)
+}
+
+impl From<MapReport> for MapView {
+    fn from(map: MapReport) -> Self {
+        Self {
+            id: map.id.to_string(),
+            map_version: map.version,
+            vocabulary: map.vocabulary,
+            settings: (&map.properties.settings).into(),
+            description: map.properties.description,
+            metric: map.properties.metric,
+            anchor_classes: map.properties.anchor_classes,
+            keyframes: map.keyframes,
+            anchors: map.anchors,
+            sessions: map.sessions,
+            loops: map.loops,
+            bytes: map.bytes,
+            numbering: (*map.learned.numbering).clone(),
+            twins: map.learned.twins.into_iter().map(TwinsView::from).collect(),
+        }
+    }
+}
+
+impl From<NamedTwins> for TwinsView {
+    fn from(twins: NamedTwins) -> Self {
+        Self {
+            keyframe: twins.keyframe.to_string(),
+            candidate: twins.candidate.to_string(),
+            anchor: twins.anchor.public(),
+            candidate_anchor: twins.candidate_anchor.public(),
+        }
+    }
+}

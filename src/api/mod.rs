@@ -1,0 +1,54 @@
+//! Wire: the API's JSON, and plain functions to and from the model.
+//!
+//! Requests are read by an accumulating [`read`]er, so that a client learns every fault at once; the structs of
+//! requests serve the API document and our own client, and a test holds the two together.
+//!
+//! | file | concept |
+//! |---|---|
+//! | [`syntax`], [`read`], `faults` | bytes become a value, a value becomes the model, each fault with its place |
+//! | [`limits`], [`survey`] | how much one request may bring, and how much it brings |
+//! | [`digest`] | what makes two bodies the same |
+//! | [`space`], [`base64`] | vectors, poses, times; bytes inside JSON |
+//! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`anchor`], [`transcript`], [`loops`], [`event`] | resources |
+//! | [`names`], [`words`] | the model's named values, with their meanings; the same for the viewer |
+//! | [`loop_query`], [`verdict`], [`geometry`], [`difference`] | "is this keyframe a loop?" and its answer |
+//! | [`semantics`], [`usage`], [`service`], [`backup`] | the three functions of §IV-A.2; what models cost; how the server is; copies of it |
+//! | [`trajectory`], [`recording`] | poses as TUM, KITTI and g2o write them; a map as a recording |
+//! | [`judgement`], [`model_verdict`] | a changed model asked again; what a model said elsewhere |
+//! | [`key`] | API keys |
+//! | [`list`], [`problem`] | parts of lists; refusals |
+//! | [`examples`] | one example of each, for the API document |
+
+pub mod anchor;
+pub mod backup;
+pub mod bulk;
+pub mod decoding;
+pub mod difference;
+pub mod event;
+pub mod examples;
+pub mod geometry;
+pub mod judgement;
+pub mod key;
+pub mod keyframe;
+pub mod limits;
+pub mod list;
+pub mod loop_query;
+pub mod loops;
+pub mod map;
+pub mod model_verdict;
+pub mod names;
+pub mod poses;
+pub mod problem;
+pub mod recording;
+pub mod semantics;
+pub mod service;
+pub mod settings;
+pub mod space;
+pub mod trajectory;
+pub mod transcript;
+pub mod usage;
+pub mod verdict;
+pub mod words;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,117 @@
+//! Names: the model's named values as the API writes them, and as the API document explains them.
+
+use std::borrow::Cow;
+
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::Value;
+use utoipa::openapi::extensions::ExtensionsBuilder;
+use utoipa::openapi::schema::{ObjectBuilder, SchemaType, Type};
+use utoipa::openapi::{RefOr, Schema};
+use utoipa::{PartialSchema, ToSchema};
+
+use crate::domain::anchor::{AnchorState, IgnoredReason};
+use crate::domain::difference::DifferenceReason;
+use crate::domain::event::EventKind;
+use crate::domain::judgement::Asks;
+use crate::domain::key::Action;
+use crate::domain::loop_warning::LoopWarningCode;
+use crate::domain::named::Named;
+use crate::domain::reason::ReasonCode;
+use crate::domain::verdict::{CandidateDecision, Decision, GeometryStatus, Verify};
+
+/// A value of the model, written as its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Name<T>(pub T);
+
+/// The place of an enum in the API document.
+pub trait Documented: Named {
+    /// The schema's name.
+    const SCHEMA: &'static str;
+
+    /// Returns the meaning of a value in the API document.
+    fn explained(self) -> String {
+        self.meaning().to_owned()
+    }
+}
+
+/// Ties the names in a shape to an enum of the model and to a schema of the API document.
+macro_rules! names {
+    ($($alias:ident = $type:ident as $schema:literal;)+) => {
+        $(
+            #[doc = concat!("A name of the schema `", $schema, "`.")]
+            pub type $alias = Name<$type>;
+
+            impl Documented for $type {
+                const SCHEMA: &'static str = $schema;
+            }
+        )+
+    };
+}
+
+names! {
+    ActionName = Action as "ActionName";
+    AnchorStateName = AnchorState as "AnchorState";
+    AsksName = Asks as "JudgementAsks";
+    CandidateVerdictName = CandidateDecision as "CandidateVerdict";
+    DifferenceReasonName = DifferenceReason as "DifferenceReason";
+    EventName = EventKind as "EventKind";
+    GeometryStatusName = GeometryStatus as "GeometryStatus";
+    IgnoredReasonName = IgnoredReason as "IgnoredReason";
+    LoopWarningCodeName = LoopWarningCode as "LoopWarningCode";
+    VerdictName = Decision as "Verdict";
+    VerifyName = Verify as "Verify";
+}
+
+/// A name of the schema `ReasonCode`.
+pub type ReasonCodeName = Name<ReasonCode>;
+
+impl Documented for ReasonCode {
+    const SCHEMA: &'static str = "ReasonCode";
+
+    fn explained(self) -> String {
+        format!("{} ({}).", self.explanation().trim_end_matches('.'), self.words().class.as_str())
+    }
+}
+
+impl<T> From<T> for Name<T> {
+    fn from(value: T) -> Self {
+        Self(value)
+    }
+}
+
+impl<T: Named> Serialize for Name<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0.name())
+    }
+}
+
+impl<'de, T: Named> Deserialize<'de> for Name<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = Cow::<str>::deserialize(deserializer)?;
+        T::of_name(&name).map(Self).ok_or_else(|| D::Error::unknown_variant(&name, T::NAMES))
+    }
+}
+
+impl<T: Documented> ToSchema for Name<T> {
+    fn name() -> Cow<'static, str> {
+        T::SCHEMA.into()
+    }
+}
+
+impl<T: Documented> PartialSchema for Name<T> {
+    fn schema() -> RefOr<Schema> {
+        let meanings: Vec<String> = T::VALUES.iter().map(|value| value.explained()).collect();
+        let listed = T::NAMES.iter().zip(&meanings).map(|(name, meaning)| format!("- `{name}`: {meaning}"));
+        let listed: Vec<String> = listed.collect();
+        let meanings = meanings.into_iter().map(Value::String).collect();
+        // Generators put these beside the values; people read the list.
+        let extensions = ExtensionsBuilder::new().add("x-enum-descriptions", Value::Array(meanings)).build();
+        ObjectBuilder::new()
+            .schema_type(SchemaType::Type(Type::String))
+            .description(Some(format!("{}\n\n{}", T::ABOUT, listed.join("\n"))))
+            .enum_values(Some(T::NAMES.iter().copied()))
+            .extensions(Some(extensions))
+            .into()
+    }
+}

@@ -1,0 +1,52 @@
+//! Problem: the one shape of every answer of 400 and above (RFC 9457, `openapi/openapi.yaml`).
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use crate::domain::invalid::FieldError;
+
+/// Why a request was refused, or failed.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = Problem)]
+pub struct ProblemView {
+    /// Where the kind of problem is explained.
+    #[serde(rename = "type")]
+    pub kind: String,
+    /// The kind of problem in a few words.
+    pub title: String,
+    /// The HTTP status.
+    #[schema(minimum = 400, maximum = 599)]
+    pub status: u16,
+    /// What happened this time.
+    pub detail: String,
+    /// The kind of problem, for programs.
+    pub code: String,
+    /// The request's id, as in the header `x-request-id` and in the server's log.
+    pub request_id: String,
+    /// Every fault of the request at once; empty where the request itself is not at fault.
+    pub errors: Vec<FaultView>,
+}
+
+/// One fault of a request.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = Fault)]
+pub struct FaultView {
+    /// JSON pointer into the body (`/detections/0/box`), a query parameter (`?limit`), a part of the path (`{map}`)
+    /// or a header (`if-match:`).
+    pub pointer: String,
+    /// What is wrong.
+    pub detail: String,
+    /// What was sent, shortened.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub got: Option<String>,
+    /// What would have been allowed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit: Option<String>,
+}
+
+impl From<FieldError> for FaultView {
+    fn from(error: FieldError) -> Self {
+        let FieldError { pointer, detail, got, limit } = error;
+        Self { pointer, detail, got, limit }
+    }
+}

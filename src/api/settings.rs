@@ -1,0 +1,152 @@
+//! Settings: the table of `model::settings` as JSON, and as a schema with its defaults, bounds and meanings.
+
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+use utoipa::openapi::extensions::ExtensionsBuilder;
+use utoipa::openapi::schema::{AdditionalProperties, ArrayBuilder, ObjectBuilder, SchemaType, Type};
+use utoipa::openapi::{RefOr, Schema};
+use utoipa::{PartialSchema, ToSchema};
+
+use super::decoding::read::{self, Decode, Node};
+use super::limits;
+use crate::domain::method::Method;
+use crate::domain::settings::{Setting, SettingError, SettingKind, SettingValue, Settings};
+use crate::semantics::Numbering;
+
+/// The settings of a map, by name; in a request only those to be set.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, serde::Deserialize)]
+#[serde(transparent)]
+pub struct MapSettings(pub Map<String, Value>);
+
+/// The name under which a request chooses a method; an answer shows the settings that it stands for.
+const METHOD: &str = "method";
+
+/// Settings to be set, checked one by one.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ChosenSettings(pub Vec<(String, SettingValue)>);
+
+impl Decode for ChosenSettings {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let names: Vec<&str> = Settings::TABLE.iter().map(|row| row.name).chain([METHOD]).collect();
+        let object = node.object(&names)?;
+        let method = object.optional(METHOD, |node| node.choice(&Method::NAMES, Method::from_name));
+        let read: Vec<_> =
+            Settings::TABLE.iter().map(|row| object.optional(row.name, |node| setting(node, row))).collect();
+        let named: Option<Vec<_>> = read.into_iter().collect();
+        let of_method = method?.into_iter().flat_map(Method::settings);
+        let of_method = of_method.map(|(name, value)| (name.to_owned(), value));
+        // What is named in the same body comes later, and so wins.
+        Some(Self(of_method.chain(named?.into_iter().flatten()).collect()))
+    }
+}
+
+fn setting(node: &Node<'_>, row: &Setting) -> Option<(String, SettingValue)> {
+    let value = match row.kind {
+        SettingKind::Number { .. } => SettingValue::Number(node.number(f64::MIN..=f64::MAX)?),
+        SettingKind::Count { min, max, .. } => SettingValue::Count(node.count(min.into()..=max.into())?),
+        SettingKind::Switch { .. } => SettingValue::Switch(read::switch(node)?),
+        SettingKind::Choice { names, .. } => {
+            let named = |text: &str| names.iter().copied().find(|name| *name == text);
+            SettingValue::Choice(node.choice(names, named)?)
+        }
+        SettingKind::Patterns { .. } => SettingValue::Patterns(node.list(limits::PATTERNS, pattern)?),
+    };
+    match Settings::default().set(row.name, value.clone()) {
+        Ok(()) => Some((row.name.to_owned(), value)),
+        Err(error @ SettingError::Range { min, max }) => {
+            node.refuse(error.to_string(), format!("[{min}, {max}]"))
+        }
+        Err(error) => node.refuse(error.to_string(), row.description()),
+    }
+}
+
+fn pattern(node: &Node<'_>) -> Option<String> {
+    let pattern = node.text(limits::PATTERN_CHARS)?;
+    match Numbering::given(std::slice::from_ref(&pattern)) {
+        Ok(_) => Some(pattern),
+        Err(error) => node.refuse(error.to_string(), "a regular expression of 1 to 256 bytes"),
+    }
+}
+
+impl From<&Settings> for MapSettings {
+    fn from(settings: &Settings) -> Self {
+        let shown = |row: &Setting| settings.get(row.name).map(|value| (row.name.to_owned(), json_of(value)));
+        Self(Settings::TABLE.iter().filter_map(shown).collect())
+    }
+}
+
+impl From<Vec<(String, SettingValue)>> for MapSettings {
+    fn from(chosen: Vec<(String, SettingValue)>) -> Self {
+        Self(chosen.into_iter().map(|(name, value)| (name, json_of(value))).collect())
+    }
+}
+
+fn json_of(value: SettingValue) -> Value {
+    match value {
+        SettingValue::Number(number) => json!(number),
+        SettingValue::Count(count) => json!(count),
+        SettingValue::Switch(switch) => json!(switch),
+        SettingValue::Choice(name) => json!(name),
+        SettingValue::Patterns(patterns) => json!(patterns),
+    }
+}
+
+impl ToSchema for MapSettings {
+    fn name() -> std::borrow::Cow<'static, str> {
+        "Settings".into()
+    }
+}
+
+impl PartialSchema for MapSettings {
+    fn schema() -> RefOr<Schema> {
+        let object = ObjectBuilder::new()
+            .schema_type(SchemaType::Type(Type::Object))
+            .description(Some(
+                "Every threshold of the method; the defaults are the paper's, where it has one.",
+            ))
+            .additional_properties(Some(AdditionalProperties::FreeForm(false)));
+        let method = ObjectBuilder::new()
+            .schema_type(SchemaType::Type(Type::String))
+            .enum_values(Some(Method::NAMES))
+            .write_only(true)
+            .description(Some(
+                "In a request: sets every setting that tells the paper's method, to the letter, from ours; a setting named beside it wins. An answer shows the settings",
+            ));
+        let object = object.property(METHOD, method);
+        Settings::TABLE.iter().fold(object, |object, row| object.property(row.name, row_schema(row))).into()
+    }
+}
+
+fn row_schema(row: &Setting) -> RefOr<Schema> {
+    let description = Some(row.description());
+    let unit = row.unit.map(|unit| ExtensionsBuilder::new().add("x-unit", unit).build());
+    let schema = ObjectBuilder::new().description(description.clone()).extensions(unit);
+    let schema = match row.kind {
+        SettingKind::Number { default, min, max } => schema
+            .schema_type(SchemaType::Type(Type::Number))
+            .minimum(Some(min))
+            .maximum(Some(max))
+            .default(Some(json!(default))),
+        SettingKind::Count { default, min, max } => schema
+            .schema_type(SchemaType::Type(Type::Integer))
+            .minimum(Some(min))
+            .maximum(Some(max))
+            .default(Some(json!(default))),
+        SettingKind::Switch { default } => {
+            schema.schema_type(SchemaType::Type(Type::Boolean)).default(Some(json!(default)))
+        }
+        SettingKind::Choice { default, names } => schema
+            .schema_type(SchemaType::Type(Type::String))
+            .enum_values(Some(names.iter().copied()))
+            .default(Some(json!(default))),
+        SettingKind::Patterns { .. } => {
+            let pattern = ObjectBuilder::new()
+                .schema_type(SchemaType::Type(Type::String))
+                .min_length(Some(1))
+                .max_length(Some(limits::PATTERN_CHARS));
+            let list = ArrayBuilder::new().items(pattern).max_items(Some(limits::PATTERNS));
+            return list.description(description).default(Some(json!([]))).into();
+        }
+    };
+    schema.into()
+}

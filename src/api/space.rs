@@ -1,0 +1,142 @@
+//! Space and time: vectors, quaternions, transforms and stamps, written as ROS messages write them.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::decoding::read::{Decode, Node};
+use super::limits;
+use crate::domain::keyframe::Stamp;
+use crate::geometry::{Point3, Pose};
+
+/// A vector, in metres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Vector3 {
+    /// Along x, in metres.
+    #[schema(minimum = -1e9, maximum = 1e9)]
+    pub x: f64,
+    /// Along y, in metres.
+    #[schema(minimum = -1e9, maximum = 1e9)]
+    pub y: f64,
+    /// Along z, in metres.
+    #[schema(minimum = -1e9, maximum = 1e9)]
+    pub z: f64,
+}
+
+/// A rotation as a unit quaternion, without unit; a norm more than 1 % off one is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Quaternion {
+    /// Imaginary part, i.
+    #[schema(minimum = -1.01, maximum = 1.01)]
+    pub x: f64,
+    /// Imaginary part, j.
+    #[schema(minimum = -1.01, maximum = 1.01)]
+    pub y: f64,
+    /// Imaginary part, k.
+    #[schema(minimum = -1.01, maximum = 1.01)]
+    pub z: f64,
+    /// Real part.
+    #[schema(minimum = -1.01, maximum = 1.01)]
+    pub w: f64,
+}
+
+/// A rigid transformation, as ROS `geometry_msgs/Transform`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Transform {
+    /// In metres.
+    pub translation: Vector3,
+    /// A unit quaternion.
+    pub rotation: Quaternion,
+}
+
+/// A moment on the robot's clock, as ROS `builtin_interfaces/Time`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Time {
+    /// Whole seconds.
+    #[schema(minimum = -62_135_596_800_i64, maximum = 253_402_300_799_i64)]
+    pub sec: i64,
+    /// Nanoseconds within the second.
+    #[schema(minimum = 0, maximum = 999_999_999)]
+    pub nanosec: u32,
+}
+
+impl Decode for Pose {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let transform = node.object(&["translation", "rotation"])?;
+        let translation = transform.required("translation", |node| {
+            let vector = node.object(&["x", "y", "z"])?;
+            let [x, y, z] =
+                ["x", "y", "z"].map(|axis| vector.required(axis, |n| n.number(limits::COORDINATE_M)));
+            Some([x?, y?, z?])
+        });
+        let rotation = transform.required("rotation", |node| {
+            let quaternion = node.object(&["x", "y", "z", "w"])?;
+            let parts = ["x", "y", "z", "w"];
+            let [x, y, z, w] = parts.map(|part| quaternion.required(part, |n| n.number(limits::QUATERNION)));
+            // The norm of a quaternion with a part that is too large tells what is wrong with it: it was not normalised.
+            if let [Some(x), Some(y), Some(z), Some(w)] = parts.map(|part| node.value()[part].as_f64())
+                && Self::new([0.0; 3], [x, y, z, w]).is_none()
+            {
+                let norm = rounded((x * x + y * y + z * z + w * w).sqrt());
+                let detail = format!("not a unit quaternion: its norm is {norm}");
+                return node.refuse_as(detail, format!("a norm of {norm}"), "a norm of 1, within 1 %");
+            }
+            Some([x?, y?, z?, w?])
+        });
+        Self::new(translation?, rotation?)
+    }
+}
+
+impl Decode for Stamp {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let time = node.object(&["sec", "nanosec"])?;
+        let sec = time.required("sec", |node| node.whole(limits::SEC));
+        let nanosec = time.required("nanosec", |node| node.count(limits::NANOSEC));
+        Some(Self { sec: sec?, nanosec: nanosec? })
+    }
+}
+
+impl Decode for Point3 {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        node.numbers::<3>(limits::COORDINATE_M).map(Self::from)
+    }
+}
+
+impl From<Pose> for Transform {
+    fn from(pose: Pose) -> Self {
+        let [x, y, z] = pose.translation_m();
+        let translation = Vector3 { x, y, z };
+        let [x, y, z, w] = pose.rotation_xyzw();
+        Self { translation, rotation: Quaternion { x, y, z, w } }
+    }
+}
+
+impl From<Stamp> for Time {
+    fn from(stamp: Stamp) -> Self {
+        Self { sec: stamp.sec, nanosec: stamp.nanosec }
+    }
+}
+
+/// A number as answers show what was computed: to nine decimals, which is finer than any sensor and hides the noise
+/// of the last bits. What a client sent is given back as it was.
+pub fn rounded(number: f64) -> f64 {
+    const DECIMALS: f64 = 1e9;
+    let scaled = (number * DECIMALS).round();
+    // Beyond 2^53 there are no such decimals; and -0 is written "-0.0", which puzzles readers.
+    if scaled.abs() < 9e15 { scaled / DECIMALS + 0.0 } else { number }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn computed_numbers_have_nine_decimals() {
+        assert_eq!(rounded(0.1 + 0.2), 0.3);
+        assert_eq!(rounded(1e20 + 0.5), 1e20);
+        assert!(rounded(-1e-12).is_sign_positive());
+    }
+}

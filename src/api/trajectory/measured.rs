@@ -1,0 +1,46 @@
+//! Measured: what the kept answer of a loop's query says of the transformation between its keyframes.
+
+use serde::Deserialize;
+
+use crate::api::geometry::{GeometryModel, GeometryView};
+use crate::domain::verdict::GeometryStatus;
+use crate::geometry::Pose;
+
+/// A loop's transformation, as it was verified when the query was answered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredLoop {
+    /// `candidate_from_query`, its scale left out.
+    pub candidate_from_query: Pose,
+    /// The query's unit in the candidate's.
+    pub scale: f64,
+    /// Covariance, row by row (`GeometryView::covariance`).
+    pub covariance: Option<[f64; 36]>,
+}
+
+#[derive(Deserialize)]
+struct Kept {
+    candidates: Vec<KeptCandidate>,
+}
+
+#[derive(Deserialize)]
+struct KeptCandidate {
+    keyframe: String,
+    geometry: Option<GeometryView>,
+}
+
+impl MeasuredLoop {
+    /// Reads the transformation to one candidate from a kept answer; none where geometry verified no full transformation.
+    pub fn of(answer: &[u8], candidate: &str) -> Option<Self> {
+        let kept: Kept = serde_json::from_slice(answer).ok()?;
+        let geometry = kept.candidates.into_iter().find(|it| it.keyframe == candidate)?.geometry?;
+        let full = matches!(geometry.model, Some(GeometryModel::Sim3 | GeometryModel::Se3));
+        if geometry.status.0 != GeometryStatus::Verified || !full {
+            return None;
+        }
+        let found = geometry.candidate_from_query?;
+        let (t, q) = (found.translation, found.rotation);
+        let candidate_from_query = Pose::new([t.x, t.y, t.z], [q.x, q.y, q.z, q.w])?;
+        let covariance = geometry.covariance.and_then(|rows| <[f64; 36]>::try_from(rows.as_slice()).ok());
+        Some(Self { candidate_from_query, scale: found.scale, covariance })
+    }
+}

@@ -1,0 +1,262 @@
+//! Verdict: the answer to a loop query, each candidate with its figures and the check that stopped it (`openapi/openapi.yaml`).
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::difference::DifferenceView;
+use super::geometry::GeometryView;
+use super::names::{CandidateVerdictName, ReasonCodeName, VerdictName};
+use super::space::rounded;
+use crate::domain::ids::KeyframeId;
+use crate::domain::verdict::{
+    AnchorEvidence, BowEvidence, Candidate, ClosedLoop, ContradictionEvidence, MatchEvidence, Reason, Verdict,
+};
+
+/// The answer to "is this keyframe a loop?". The same map version, keyframe, settings and seed give the same bytes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct LoopAnswer {
+    /// The query's id, derived from what was asked, so that it repeats too.
+    pub id: String,
+    /// The keyframe that was asked about; left out for an inline one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub keyframe: Option<String>,
+    /// The map's version that was asked.
+    pub map_version: u64,
+    /// The answer.
+    pub verdict: VerdictName,
+    /// The keyframe to close the loop with; null unless the verdict is `loop`.
+    #[schema(required)]
+    pub best: Option<String>,
+    /// Every keyframe that passed, best first.
+    pub loops: Vec<String>,
+    /// Did a stand-in judge because a model was away?
+    pub degraded: bool,
+    /// Has the map shown one view in two places, so that geometry alone closes no loop in it (see the map's `twins`)? Left
+    /// out where it has not.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub has_twins: bool,
+    /// How many keyframes are no candidates because they are covisible with the query.
+    pub excluded_covisible: usize,
+    /// The loops of this keyframe that are confirmed already, by id, at most 100.
+    #[schema(max_items = 100)]
+    pub closed: Vec<ClosedView>,
+    /// Why, where no candidate says it: there is none, or the loop is confirmed and no other is left.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<ReasonView>,
+    /// The candidates: loops first, then undecided, then rejected, each best first.
+    pub candidates: Vec<CandidateView>,
+}
+
+/// A confirmed loop of the keyframe that was asked about.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = ConfirmedLoop)]
+pub struct ClosedView {
+    /// The loop.
+    pub r#loop: String,
+    /// The keyframe at its other end.
+    pub keyframe: String,
+}
+
+/// A keyframe that was compared with the query.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = Candidate)]
+pub struct CandidateView {
+    /// The candidate.
+    pub keyframe: String,
+    /// What became of it.
+    pub verdict: CandidateVerdictName,
+    /// Bag of words.
+    pub bow: BowFigures,
+    /// Local anchor maps, if it came so far.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub anchors: Option<AnchorFigures>,
+    /// Geometry.
+    pub geometry: GeometryView,
+    /// The check that stopped it; left out for a loop.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<ReasonView>,
+}
+
+/// Figures of the bag-of-words check.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct BowFigures {
+    /// DBoW2's L1 score, 0 to 1.
+    pub score: f64,
+    /// How many words the two keyframes share.
+    pub common_words: u32,
+    /// The lowest score of the query against its covisible keyframes, 0 without any.
+    pub reference_score: f64,
+}
+
+/// Figures of the comparison of the two local anchor maps.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct AnchorFigures {
+    /// S of Eq. (2).
+    pub similarity: f64,
+    /// What S must exceed.
+    pub threshold: f64,
+    /// Valid anchors in the query's local map.
+    pub in_query: usize,
+    /// Valid anchors in the candidate's local map.
+    pub in_candidate: usize,
+    /// Anchors of both maps that nothing has described yet.
+    pub pending: usize,
+    /// The pairs that match.
+    pub matches: Vec<MatchView>,
+    /// The pairs that contradict.
+    pub contradictions: Vec<ContradictionView>,
+    /// Of the nearest signs, the pairs whose identifiers differ without stopping the candidate, each with why; heaviest first.
+    #[schema(max_items = 8)]
+    pub differences: Vec<DifferenceView>,
+}
+
+/// A pair of anchors that match.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = Match)]
+pub struct MatchView {
+    /// The anchor of the query's local map; `inline-0` is the first detection of an inline keyframe.
+    pub query_anchor: String,
+    /// The anchor of the candidate's local map.
+    pub candidate_anchor: String,
+    /// SimilarityLevel of the two descriptions, 1 to 5.
+    #[schema(minimum = 1, maximum = 5)]
+    pub level: u8,
+    /// Who judged.
+    pub source: String,
+    /// Angle between the two bearings, in radians.
+    pub angle_difference_rad: f64,
+    /// Difference of the two distances, in metres.
+    pub distance_difference_m: f64,
+    /// The pair's two weights together, as Eq. (2) adds them, in 1/m.
+    pub weight: f64,
+}
+
+/// A pair of anchors whose sure identifiers exclude each other at the same relative place.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = Contradiction)]
+pub struct ContradictionView {
+    /// The anchor of the query's local map.
+    pub query_anchor: String,
+    /// The anchor of the candidate's local map.
+    pub candidate_anchor: String,
+    /// One sentence for a person.
+    pub reason: String,
+    /// The pair's two weights together, in 1/m.
+    pub weight: f64,
+}
+
+/// The check that decided, with what it measured and what it asked for.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = Reason)]
+pub struct ReasonView {
+    /// Which check, as a word for programs.
+    pub code: ReasonCodeName,
+    /// What was measured, in the check's own unit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measured: Option<f64>,
+    /// What it was held against.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit: Option<f64>,
+    /// One sentence for a person.
+    pub detail: String,
+}
+
+impl LoopAnswer {
+    /// The answer of a query.
+    pub fn of(id: &str, keyframe: Option<&KeyframeId>, verdict: &Verdict) -> Self {
+        Self {
+            id: id.to_owned(),
+            keyframe: keyframe.map(ToString::to_string),
+            map_version: verdict.map_version,
+            verdict: verdict.decision.into(),
+            best: verdict.best.as_ref().map(ToString::to_string),
+            loops: verdict.loops.iter().map(ToString::to_string).collect(),
+            degraded: verdict.degraded,
+            has_twins: verdict.has_twins,
+            excluded_covisible: verdict.excluded_covisible,
+            closed: verdict.closed.iter().map(ClosedView::from).collect(),
+            reason: verdict.reason.as_ref().map(ReasonView::from),
+            candidates: verdict.candidates.iter().map(CandidateView::from).collect(),
+        }
+    }
+}
+
+impl From<&ClosedLoop> for ClosedView {
+    fn from(closed: &ClosedLoop) -> Self {
+        Self { r#loop: closed.id.to_string(), keyframe: closed.keyframe.to_string() }
+    }
+}
+
+impl From<&Candidate> for CandidateView {
+    fn from(candidate: &Candidate) -> Self {
+        Self {
+            keyframe: candidate.keyframe.to_string(),
+            verdict: candidate.decision.into(),
+            bow: candidate.bow.into(),
+            anchors: candidate.anchors.as_ref().map(AnchorFigures::from),
+            geometry: (&candidate.geometry).into(),
+            reason: candidate.reason.as_ref().map(ReasonView::from),
+        }
+    }
+}
+
+impl From<BowEvidence> for BowFigures {
+    fn from(bow: BowEvidence) -> Self {
+        Self {
+            score: rounded(bow.score),
+            common_words: bow.common_words,
+            reference_score: rounded(bow.reference_score),
+        }
+    }
+}
+
+impl From<&AnchorEvidence> for AnchorFigures {
+    fn from(anchors: &AnchorEvidence) -> Self {
+        Self {
+            similarity: rounded(anchors.similarity),
+            threshold: anchors.threshold,
+            in_query: anchors.in_query,
+            in_candidate: anchors.in_candidate,
+            pending: anchors.pending,
+            matches: anchors.matches.iter().map(MatchView::from).collect(),
+            contradictions: anchors.contradictions.iter().map(ContradictionView::from).collect(),
+            differences: anchors.differences.iter().map(DifferenceView::from).collect(),
+        }
+    }
+}
+
+impl From<&MatchEvidence> for MatchView {
+    fn from(pair: &MatchEvidence) -> Self {
+        Self {
+            query_anchor: pair.query_anchor.to_text(),
+            candidate_anchor: pair.candidate_anchor.to_text(),
+            level: pair.level,
+            source: pair.source.clone(),
+            angle_difference_rad: rounded(pair.angle_difference_rad),
+            distance_difference_m: rounded(pair.distance_difference_m),
+            weight: rounded(pair.weight),
+        }
+    }
+}
+
+impl From<&ContradictionEvidence> for ContradictionView {
+    fn from(pair: &ContradictionEvidence) -> Self {
+        Self {
+            query_anchor: pair.query_anchor.to_text(),
+            candidate_anchor: pair.candidate_anchor.to_text(),
+            reason: pair.reason.clone(),
+            weight: rounded(pair.weight),
+        }
+    }
+}
+
+impl From<&Reason> for ReasonView {
+    fn from(reason: &Reason) -> Self {
+        Self {
+            code: reason.code.into(),
+            measured: reason.measured.map(rounded),
+            limit: reason.limit.map(rounded),
+            detail: reason.detail.clone(),
+        }
+    }
+}

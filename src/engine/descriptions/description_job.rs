@@ -1,0 +1,162 @@
+//! One job of the worker: a model is asked for what an anchor lacks, and its answer becomes a change of the map.
+
+use std::sync::Arc;
+
+use tokio::task::spawn_blocking;
+
+use crate::domain::ids::{AnchorSeq, KeyframeSeq};
+use crate::domain::judged::{Answer, CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
+use crate::engine::maps::live::{Decision, LiveMap};
+use crate::engine::{Service, ServiceError};
+use crate::llm::Models;
+use crate::llm::dialogue::{Described, Describer};
+use crate::llm::picture::Picture;
+use crate::llm::port::Fault;
+use crate::recognition::index::MapIndex;
+use crate::recognition::lacking::Lack;
+use crate::recognition::learning::{Learned, learn_reading, learn_verdict};
+
+/// Who says that a crop is no image.
+const DECODER: &str = "revisit";
+
+/// What came of a question.
+pub(in crate::engine) struct Asked {
+    pub answer: Answer,
+    /// Whether somebody stood in for a model that did not answer.
+    pub degraded: bool,
+}
+
+impl Service {
+    /// Asks for what is lacking and keeps the answer; an error if it must be asked for again.
+    pub(in crate::engine) async fn give(
+        &self,
+        live: &Arc<LiveMap>,
+        models: &Models,
+        lack: Lack,
+    ) -> Result<(), Fault> {
+        let Some(Asked { answer, degraded }) = self.ask(live, models, lack).await? else { return Ok(()) };
+        match answer {
+            // A reader's word is better than none until the model is back.
+            Answer::Reading(read) => {
+                let (service, of_map, keyframe) = (self.clone(), live.clone(), read.keyframe);
+                let learn = move |index: &mut MapIndex| {
+                    let mut learned = learn_reading(index, read)?;
+                    service.add_twins(&of_map, index, (keyframe, None), &mut learned.decided);
+                    Some(learned)
+                };
+                self.learn(live, learn).await?;
+            }
+            // A verdict of the built-in judge in the model's place is not kept.
+            Answer::Verdict(_) if degraded => {}
+            Answer::Verdict(verdict) => {
+                self.learn(live, move |index| learn_verdict(index, verdict)).await?;
+            }
+        }
+        if degraded { Err(Fault::Away) } else { Ok(()) }
+    }
+
+    /// Asks a model, at the expense of the map's owner; `None` if the question is about a crop that is gone, or its
+    /// answer changes no map.
+    pub(in crate::engine) async fn ask(
+        &self,
+        live: &Arc<LiveMap>,
+        models: &Models,
+        lack: Lack,
+    ) -> Result<Option<Asked>, Fault> {
+        let payer = self.payer(live.owner);
+        let judge = models.judge.paid_by(payer.clone());
+        let fingerprint: Arc<str> = models.fingerprints().texts.unwrap_or_default().into();
+        let (verdict, degraded) = match lack {
+            Lack::Embedding { text } => {
+                if let Some(embeddings) = &models.embeddings {
+                    embeddings.take(&text, payer).await?;
+                }
+                return Ok(None);
+            }
+            Lack::Reading { anchor, keyframe, detection, class, hint } => {
+                let at = (anchor, keyframe, detection);
+                let describer = models.describer.paid_by(payer);
+                return self.ask_about_crop(live, describer, at, &class, hint.as_deref()).await;
+            }
+            Lack::Information { class, text } => {
+                let judged = judge.information(&class, &text, None).await;
+                let finding = Finding::Information(judged.level);
+                let (source, reason) = (judged.source.into(), judged.reason.into());
+                let verdict =
+                    ModelVerdict { class, a: text, b: "".into(), finding, source, reason, fingerprint };
+                (verdict, judged.degraded)
+            }
+            Lack::Similarity { class, a, b } => {
+                let judged = judge.similarity(&class, &a, &b, None).await;
+                let finding = Finding::Similarity(judged.level);
+                let (source, reason) = (judged.source.into(), judged.reason.into());
+                (ModelVerdict { class, a, b, finding, source, reason, fingerprint }, judged.degraded)
+            }
+            Lack::Merge { class, a, b, as_read: [first, second] } => {
+                let merged = judge.merge(&class, &first, &second, None).await;
+                let finding = Finding::Merge(merged.text.into());
+                let (source, reason) = (merged.source.into(), "".into());
+                (ModelVerdict { class, a, b, finding, source, reason, fingerprint }, merged.degraded)
+            }
+        };
+        Ok(Some(Asked { answer: Answer::Verdict(verdict), degraded }))
+    }
+
+    async fn ask_about_crop(
+        &self,
+        live: &Arc<LiveMap>,
+        describer: Describer,
+        (anchor, keyframe, detection): (AnchorSeq, KeyframeSeq, u16),
+        class: &str,
+        hint: Option<&str>,
+    ) -> Result<Option<Asked>, Fault> {
+        let crop = self.store.crop(live.key, keyframe, detection).await;
+        // Culled meanwhile: nothing is lacking any more.
+        let Some(crop) = crop.map_err(|error| Fault::Store(error.to_string()))? else { return Ok(None) };
+        let decoded = spawn_blocking(move || Picture::decode(&crop.bytes)).await;
+        let told = match decoded.map_err(|_| Fault::Store("the decoder broke off".to_owned()))? {
+            Ok(picture) => describer.describe(Arc::new(picture), class, hint).await?,
+            Err(error) => undecodable(error.to_string()),
+        };
+        let degraded = told.degraded;
+        let reading =
+            CropReading { text: told.text.into(), source: told.source, described: told.described, degraded };
+        let fingerprint = describer.fingerprint().unwrap_or_default().into();
+        let transcript = told.transcript;
+        let read = CropRead { anchor, keyframe, detection, reading, transcript, fingerprint };
+        Ok(Some(Asked { answer: Answer::Reading(read), degraded }))
+    }
+
+    /// Checks a verdict against the map as it is now and applies it; what it triggers is asked about.
+    pub(in crate::engine) async fn learn(
+        &self,
+        live: &Arc<LiveMap>,
+        learn: impl FnOnce(&mut MapIndex) -> Option<Learned> + Send + 'static,
+    ) -> Result<(), Fault> {
+        let decide = move |index: &mut MapIndex| {
+            Ok(match learn(index) {
+                Some(Learned { decided, triggers }) => Decision::Changed(triggers, decided, None),
+                None => Decision::Unchanged(Vec::new()),
+            })
+        };
+        let (triggers, _) = match self.change(live, decide).await {
+            Ok(changed) => changed,
+            // The map is gone, and the question with it.
+            Err(ServiceError::NotFound(_)) => return Ok(()),
+            Err(error) => return Err(error.into()),
+        };
+        self.trigger(&live.id, triggers);
+        Ok(())
+    }
+}
+
+fn undecodable(answer: String) -> Described {
+    let step = TranscriptStep { speaker: DECODER.into(), question: "(decoding the crop)".to_owned(), answer };
+    Described {
+        text: String::new(),
+        source: DECODER.into(),
+        described: false,
+        degraded: false,
+        transcript: vec![step],
+    }
+}

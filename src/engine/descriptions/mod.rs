@@ -1,0 +1,7 @@
+//! Descriptions: background work of foundation models (§IV-A.1).
+
+pub(super) mod backlog;
+pub(super) mod description_job;
+pub(super) mod rejudging;
+pub(super) mod running_jobs;
+pub(super) mod worker;

@@ -1,0 +1,113 @@
+//! What a use case can answer instead of its result.
+
+use thiserror::Error;
+
+use crate::domain::invalid::FieldError;
+use crate::store::StoreError;
+
+/// Why a request was not served.
+#[derive(Clone, Debug, Error)]
+pub enum ServiceError {
+    /// The resource does not exist; the text names it.
+    #[error("{0}")]
+    NotFound(String),
+    /// The request contradicts what is stored.
+    #[error("{detail}")]
+    Conflict {
+        /// A name for programs.
+        code: &'static str,
+        /// A sentence for people.
+        detail: String,
+    },
+    /// What the request continues is gone.
+    #[error("{detail}")]
+    Gone {
+        /// A sentence for people.
+        detail: String,
+    },
+    /// The thing has another version than the client believes.
+    #[error("{detail}")]
+    PreconditionFailed {
+        /// A sentence for people.
+        detail: String,
+    },
+    /// The body means nothing here; every offending field is named.
+    #[error("{} fields of the body cannot be accepted", .0.len())]
+    Invalid(Vec<FieldError>),
+    /// The request or the map is too large.
+    #[error("{detail}")]
+    TooLarge {
+        /// A sentence for people.
+        detail: String,
+    },
+    /// The disk is full: writes are refused, reads and deletes go on.
+    #[error("the disk is full; nothing was written")]
+    DiskFull,
+    /// The map's quota is used up: writes to it are refused, reads and deletes go on.
+    #[error("{detail}")]
+    MapFull {
+        /// A sentence for people.
+        detail: String,
+    },
+    /// Not now.
+    #[error("{detail}")]
+    Unavailable {
+        /// A sentence for people.
+        detail: String,
+        /// When to try again, in seconds.
+        retry_after_s: u32,
+    },
+    /// There is more to do than can be done; nothing was begun.
+    #[error("{detail}")]
+    Overloaded {
+        /// A sentence for people.
+        detail: String,
+    },
+    /// A map is damaged on disk; the text names the map and the row.
+    #[error("{0}")]
+    Damaged(String),
+    /// A backup was taken of a database that is damaged; the text says where it lies and what is wrong.
+    #[error("{0}")]
+    NotVerified(String),
+    /// Something here is broken; the text is for the log.
+    #[error("{0}")]
+    Internal(String),
+}
+
+impl ServiceError {
+    pub(super) fn panicked(error: tokio::task::JoinError) -> Self {
+        Self::Internal(format!("a decision did not finish: {error}"))
+    }
+
+    /// Says that a map is not there, and how to make it.
+    pub fn no_map(id: impl std::fmt::Display) -> Self {
+        Self::NotFound(format!("there is no map {id}; `PUT /v1/maps/{id}` with {{}} as its body makes one"))
+    }
+
+    pub(super) fn no_keyframe(id: impl std::fmt::Display) -> Self {
+        Self::NotFound(format!("there is no keyframe {id} in this map"))
+    }
+
+    pub(super) fn no_anchor(id: impl std::fmt::Display) -> Self {
+        Self::NotFound(format!("there is no anchor {id} in this map"))
+    }
+}
+
+impl From<StoreError> for ServiceError {
+    fn from(error: StoreError) -> Self {
+        match error {
+            StoreError::DiskFull => Self::DiskFull,
+            StoreError::Superseded | StoreError::Closed | StoreError::Busy | StoreError::Disk(_) => {
+                Self::Unavailable { detail: error.to_string(), retry_after_s: 1 }
+            }
+            StoreError::Damaged { .. } => Self::Damaged(format!("{error}; other maps are not affected")),
+            StoreError::Database(_)
+            | StoreError::Corrupt(_)
+            | StoreError::SqliteTooOld { .. }
+            | StoreError::Newer { .. }
+            | StoreError::InUse(_)
+            | StoreError::Exists(_)
+            | StoreError::File { .. } => Self::Internal(error.to_string()),
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! Pressure: how much is being worked on, and what is left out when it is too much.
+//!
+//! | requests worked on, of `--max-requests` | what is left out |
+//! |---|---|
+//! | half | background work rests: triggered loop checks are passed over, the models' worker takes no new jobs, and a loop query's `max_wait_ms` is not waited for |
+//! | three quarters | reads and questions beyond a quarter are refused with 503; a map goes on being recorded |
+//! | three quarters, all writes | writes are refused with 503, too: the last quarter is for reads and questions |
+//! | all | everything is refused with 503 |
+//!
+//! So neither kind can keep the other out: a fleet that writes more than can be stored still hears which keyframes are
+//! loops, and one that asks too much is still recorded.
+//!
+//! Nothing queues in front of this: who is refused hears it at once, and comes back. What is admitted waits for its turn
+//! at a [`super::concurrency_limit`], which is bounded in number and time. Answers do not change under pressure: a verdict is the same
+//! bytes or a 503, never a cheaper verdict.
+
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// How much is being worked on.
+#[derive(Debug)]
+pub struct LoadShedding {
+    working: Mutex<Working>,
+    most: AtomicUsize,
+}
+
+/// Requests worked on, by kind.
+#[derive(Clone, Copy, Debug, Default)]
+struct Working {
+    reads: usize,
+    writes: usize,
+}
+
+/// What a request is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// It changes nothing, and can be asked again.
+    Read,
+    /// It brings something that its client may not keep.
+    Write,
+}
+
+/// One request that is being worked on, until this is dropped.
+#[derive(Debug)]
+pub struct RequestPermit {
+    pressure: Arc<LoadShedding>,
+    kind: Kind,
+    counts: AtomicBool,
+}
+
+impl Default for LoadShedding {
+    fn default() -> Self {
+        Self { working: Mutex::default(), most: AtomicUsize::new(usize::MAX) }
+    }
+}
+
+impl Working {
+    fn all(self) -> usize {
+        self.reads + self.writes
+    }
+
+    fn of(&mut self, kind: Kind) -> &mut usize {
+        match kind {
+            Kind::Read => &mut self.reads,
+            Kind::Write => &mut self.writes,
+        }
+    }
+
+    /// Is there room for one more, if so many are worked on at most?
+    fn has_room(self, kind: Kind, most: usize) -> bool {
+        let quarter = most / 4;
+        let (all, three_quarters) = (self.all(), most - quarter);
+        let fits = match kind {
+            Kind::Read => all < three_quarters || self.reads < quarter,
+            Kind::Write => self.writes < three_quarters,
+        };
+        fits && all < most
+    }
+}
+
+impl LoadShedding {
+    /// At most so many from now on.
+    pub fn allow(&self, most: usize) {
+        self.most.store(most, Ordering::Relaxed);
+    }
+
+    /// Begins to work on a request, unless there is too much.
+    pub fn admit(self: &Arc<Self>, kind: Kind) -> Option<RequestPermit> {
+        let mut working = self.lock();
+        if !working.has_room(kind, self.most.load(Ordering::Relaxed)) {
+            return None;
+        }
+        *working.of(kind) += 1;
+        Some(RequestPermit { pressure: self.clone(), kind, counts: AtomicBool::new(true) })
+    }
+
+    /// Requests worked on.
+    pub fn working(&self) -> usize {
+        self.lock().all()
+    }
+
+    /// Is it time for background work to rest?
+    pub fn is_high(&self) -> bool {
+        let most = self.most.load(Ordering::Relaxed);
+        // One request alone is no pressure, however small the limit.
+        let working = self.working();
+        working > 1 && working >= most / 2
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Working> {
+        self.working.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl RequestPermit {
+    /// It waits for its client, who may take long: it does not count meanwhile.
+    pub fn pause(&self) {
+        if self.counts.swap(false, Ordering::Relaxed) {
+            *self.pressure.lock().of(self.kind) -= 1;
+        }
+    }
+
+    /// Does not count while this goes on, which waits and does no work.
+    pub async fn release_while<T>(&self, waiting: impl Future<Output = T>) -> T {
+        self.pause();
+        let result = waiting.await;
+        self.resume();
+        result
+    }
+
+    /// It is worked on again. It was admitted: there may be more than the limit for a moment.
+    pub fn resume(&self) {
+        if !self.counts.swap(true, Ordering::Relaxed) {
+            *self.pressure.lock().of(self.kind) += 1;
+        }
+    }
+}
+
+impl Drop for RequestPermit {
+    fn drop(&mut self) {
+        self.pause();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Admits as many of a kind as there is room for, at most eight.
+    fn admit(pressure: &Arc<LoadShedding>, kind: Kind) -> Vec<RequestPermit> {
+        (0..8).map_while(|_| pressure.admit(kind)).collect()
+    }
+
+    #[test]
+    fn background_work_rests_first_then_reads_are_refused_and_writes_last() {
+        let pressure = Arc::new(LoadShedding::default());
+        pressure.allow(8);
+        let mut turns: Vec<RequestPermit> = (0..4).filter_map(|_| pressure.admit(Kind::Read)).collect();
+        assert!(pressure.is_high());
+        turns.extend(admit(&pressure, Kind::Read));
+        assert_eq!(turns.len(), 6);
+        turns.extend(admit(&pressure, Kind::Write));
+        assert_eq!(turns.len(), 8);
+        assert!(pressure.admit(Kind::Read).is_none());
+        drop(turns);
+        assert_eq!(pressure.working(), 0);
+        assert!(!pressure.is_high());
+    }
+
+    #[test]
+    fn a_flood_of_writes_leaves_a_quarter_to_reads_and_no_more() {
+        let pressure = Arc::new(LoadShedding::default());
+        pressure.allow(8);
+        let writes = admit(&pressure, Kind::Write);
+        let reads = admit(&pressure, Kind::Read);
+        assert_eq!((writes.len(), reads.len()), (6, 2));
+        // Whatever ends, its place goes to its own kind.
+        drop(writes);
+        let writes = admit(&pressure, Kind::Write);
+        drop(reads);
+        let reads = admit(&pressure, Kind::Read);
+        assert_eq!((writes.len(), reads.len()), (6, 2));
+    }
+
+    #[test]
+    fn the_smallest_limit_lets_either_kind_in() {
+        let pressure = Arc::new(LoadShedding::default());
+        pressure.allow(1);
+        for kind in [Kind::Read, Kind::Write] {
+            assert_eq!(admit(&pressure, kind).len(), 1);
+        }
+    }
+
+    #[test]
+    fn who_waits_for_a_client_does_not_count() {
+        let pressure = Arc::new(LoadShedding::default());
+        pressure.allow(1);
+        let slow = pressure.admit(Kind::Write).unwrap();
+        slow.pause();
+        slow.pause();
+        let quick = pressure.admit(Kind::Write).unwrap();
+        slow.resume();
+        assert_eq!(pressure.working(), 2);
+        drop((slow, quick));
+        assert_eq!(pressure.working(), 0);
+    }
+}

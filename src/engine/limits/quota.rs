@@ -1,0 +1,77 @@
+//! Quota: does what a request brings fit into its map?
+
+use crate::config::quotas::Quotas;
+use crate::domain::change::Loop;
+use crate::domain::ids::{PointId, SessionSeq};
+use crate::domain::keyframe::NewKeyframe;
+use crate::engine::ServiceError;
+use crate::geometry::Point3;
+use crate::recognition::index::{MapIndex, POINT_BYTES};
+
+/// Refuses a keyframe that would take its map beyond a quota.
+pub(in crate::engine) fn check_keyframe(
+    quotas: &Quotas,
+    index: &MapIndex,
+    keyframe: &NewKeyframe,
+) -> Result<(), ServiceError> {
+    let keyframes = index.keyframe_count() as u64;
+    if let Some(most) = over(quotas.map_max_keyframes, keyframes + 1) {
+        return Err(full("keyframes", keyframes, most));
+    }
+    let anchors = index.objects().len() as u64;
+    let adds_anchors = u64::from(!keyframe.detections.is_empty());
+    if let Some(most) = over(quotas.map_max_anchors, anchors + adds_anchors).filter(|_| adds_anchors > 0) {
+        return Err(full("anchors", anchors, most));
+    }
+    let session = index.session(&keyframe.session);
+    let of_session = session.map_or(keyframe.session.as_str().len() as u64, |_| 0);
+    check_bytes(
+        quotas,
+        index,
+        keyframe.bytes() + of_session + new_points(index, session, &keyframe.map_points),
+    )
+}
+
+/// Refuses map points that are new and would take their map beyond its quota; moving those it has goes on.
+pub(in crate::engine) fn check_points(
+    quotas: &Quotas,
+    index: &MapIndex,
+    session: SessionSeq,
+    points: &[(PointId, Point3)],
+) -> Result<(), ServiceError> {
+    check_bytes(quotas, index, new_points(index, Some(session), points))
+}
+
+/// Refuses a loop that would take its map beyond its quota. The one that reaches it may still merge what it matches.
+pub(in crate::engine) fn check_loop(
+    quotas: &Quotas,
+    index: &MapIndex,
+    closed: &Loop,
+) -> Result<(), ServiceError> {
+    check_bytes(quotas, index, closed.bytes())
+}
+
+fn check_bytes(quotas: &Quotas, index: &MapIndex, more: u64) -> Result<(), ServiceError> {
+    match over(quotas.map_max_bytes, index.bytes() + more).filter(|_| more > 0) {
+        Some(most) => Err(full("bytes", index.bytes(), most)),
+        None => Ok(()),
+    }
+}
+
+/// What the points that have no position yet will take, in bytes.
+fn new_points(index: &MapIndex, session: Option<SessionSeq>, points: &[(PointId, Point3)]) -> u64 {
+    let is_known = |id| session.is_some_and(|session| index.points().position(session, id).is_some());
+    points.iter().filter(|(id, _)| !is_known(*id)).count() as u64 * POINT_BYTES
+}
+
+fn over(quota: Option<u64>, after: u64) -> Option<u64> {
+    quota.filter(|most| after > *most)
+}
+
+fn full(what: &str, holds: u64, most: u64) -> ServiceError {
+    ServiceError::MapFull {
+        detail: format!(
+            "the map holds {holds} {what}, and may hold {most}; delete some, or ask the operator"
+        ),
+    }
+}

@@ -1,0 +1,135 @@
+//! Features of keyframes, read from disk for the few that geometry looks at; a cache bounded in bytes.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use futures_util::{StreamExt as _, TryStreamExt as _, stream};
+use moka::future::Cache;
+use tokio::task::spawn_blocking;
+
+use crate::config::logging::in_span;
+use crate::domain::ids::KeyframeSeq;
+use crate::domain::keyframe::Features;
+use crate::engine::ServiceError;
+use crate::engine::bow::NamedVocabulary;
+use crate::recognition::features::FeatureSet;
+use crate::recognition::features::MatchableFeatures;
+use crate::recognition::verification::descriptor_matching::NO_NODE;
+use crate::store::{MapKey, Store, StoreError};
+
+/// What the cache may hold: some thousand keyframes of a thousand features.
+const CACHE_BYTES: u64 = 256 * 1024 * 1024;
+
+/// So many keyframes are read at once.
+const READS_AT_ONCE: usize = 8;
+
+/// The features of keyframes, by map and number. Both are never given twice while the server runs, and a keyframe's
+/// features never change, so nothing in here can be out of date.
+#[derive(Clone, Debug)]
+pub(in crate::engine) struct FeatureCache {
+    cache: Cache<(MapKey, KeyframeSeq), Arc<MatchableFeatures>>,
+    /// Groups features by node, so that only those of one node are compared.
+    vocabulary: Option<Arc<NamedVocabulary>>,
+    hits: Arc<AtomicU64>,
+    misses: Arc<AtomicU64>,
+}
+
+/// How well the cache does.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::engine) struct FeatureFigures {
+    pub hits: u64,
+    pub misses: u64,
+    pub bytes: u64,
+}
+
+impl FeatureCache {
+    pub fn new(vocabulary: Option<Arc<NamedVocabulary>>) -> Self {
+        let weigh = |_: &(MapKey, KeyframeSeq), features: &Arc<MatchableFeatures>| {
+            u32::try_from(features.heap_bytes()).unwrap_or(u32::MAX)
+        };
+        let cache = Cache::builder().max_capacity(CACHE_BYTES).weigher(weigh).build();
+        Self { cache, vocabulary, hits: Arc::default(), misses: Arc::default() }
+    }
+
+    /// How well the cache does since the start.
+    pub fn figures(&self) -> FeatureFigures {
+        let [hits, misses] = [&self.hits, &self.misses].map(|count| count.load(Ordering::Relaxed));
+        FeatureFigures { hits, misses, bytes: self.cache.weighted_size() }
+    }
+
+    /// The features of these keyframes; those without any are left out.
+    pub async fn read(
+        &self,
+        store: &Store,
+        map: MapKey,
+        wanted: BTreeSet<KeyframeSeq>,
+    ) -> Result<FeatureSet, ServiceError> {
+        let found: Vec<_> = stream::iter(wanted)
+            .map(|seq| async move { Ok::<_, ServiceError>((seq, self.read_one(store, map, seq).await?)) })
+            .buffer_unordered(READS_AT_ONCE)
+            .try_collect()
+            .await?;
+        let stored = found.into_iter().filter_map(|(seq, features)| Some((seq, features?))).collect();
+        Ok(FeatureSet { inline: None, stored })
+    }
+
+    /// The features of a keyframe that is not stored, ready to be matched; `None` if their lists do not fit together.
+    pub async fn prepare(&self, features: Features) -> Result<Option<Arc<MatchableFeatures>>, ServiceError> {
+        let vocabulary = self.vocabulary.clone();
+        let prepared = spawn_blocking(in_span(move || prepare(features, vocabulary.as_deref())))
+            .await
+            .map_err(ServiceError::panicked)?;
+        Ok(prepared.map(Arc::new))
+    }
+
+    /// Nobody asks for a keyframe that is gone: its room is for others.
+    pub async fn forget(&self, map: MapKey, keyframe: KeyframeSeq) {
+        self.cache.invalidate(&(map, keyframe)).await;
+    }
+
+    /// The same for a whole map.
+    pub async fn forget_map(&self, map: MapKey) {
+        let of_map: Vec<_> = self.cache.iter().map(|(key, _)| *key).filter(|(of, _)| *of == map).collect();
+        for key in of_map {
+            self.cache.invalidate(&key).await;
+        }
+    }
+
+    async fn read_one(
+        &self,
+        store: &Store,
+        map: MapKey,
+        seq: KeyframeSeq,
+    ) -> Result<Option<Arc<MatchableFeatures>>, ServiceError> {
+        if let Some(known) = self.cache.get(&(map, seq)).await {
+            self.hits.fetch_add(1, Ordering::Relaxed);
+            return Ok(Some(known));
+        }
+        self.misses.fetch_add(1, Ordering::Relaxed);
+        let Some(features) = store.features(map, seq).await? else { return Ok(None) };
+        let prepared = self.prepare(features).await?;
+        let features = prepared.ok_or_else(|| {
+            StoreError::Corrupt(format!("the features of keyframe {} do not fit together", seq.0))
+        })?;
+        self.cache.insert((map, seq), features.clone()).await;
+        Ok(Some(features))
+    }
+}
+
+/// Packs features, and groups them by the vocabulary's nodes if it has descriptors of their length.
+fn prepare(features: Features, vocabulary: Option<&NamedVocabulary>) -> Option<MatchableFeatures> {
+    let groups =
+        vocabulary.and_then(|named| Some(named.vocabulary.transform_features(&features).ok()?.groups));
+    let mut prepared = MatchableFeatures::of(features)?;
+    prepared.nodes = groups.map(|groups| {
+        let mut nodes = vec![NO_NODE; prepared.keypoints.len()];
+        for (node, of_node) in groups.iter() {
+            for feature in of_node {
+                nodes[*feature as usize] = node;
+            }
+        }
+        nodes
+    });
+    Some(prepared)
+}

@@ -1,0 +1,364 @@
+//! A map in memory: its index, and its line of writes to the store.
+//!
+//! A request decides and applies under the map's lock, and queues its changes there, so that the
+//! store commits in the order of decisions; it is answered when they are on disk. Requests that arrive
+//! together thus share one fsync. What a reader has seen may not be on disk yet, so no answer leaves
+//! before the version it was made from is ([`LiveMap::on_disk`]).
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard};
+
+use bytes::Bytes;
+use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
+
+use super::feeds::Feed;
+use super::map_memory::{MapMemory, MemoryShare};
+use crate::domain::event::Event;
+use crate::domain::ids::MapId;
+use crate::domain::key::KeySeq;
+use crate::engine::error::ServiceError;
+use crate::engine::limits::concurrency_limit::ConcurrencyLimit;
+use crate::engine::{WAITING_MAX, cores};
+use crate::recognition::index::MapIndex;
+use crate::recognition::recorder::Decided;
+use crate::store::{Batch, Job, Loaded, MapKey, NewKeyframeRows, PoisonFlag, Store, StoreError};
+
+/// At most so many reads of one map compute at once, for each core: half of what all maps together may, so that readers who
+/// wait for one map's lock leave room for those of another.
+const READS_OF_A_MAP_PER_CORE: usize = 1;
+
+/// At most so many answers of a map's loop queries wait for the disk; what is answered meanwhile is not kept.
+const KEPT_UNDER_WAY_MAX: usize = 256;
+
+/// An index of a map with fewer bytes on disk is freed where it is dropped.
+const FREED_AT_ONCE_BYTES: u64 = 1 << 20;
+
+/// What is known of a map at one version.
+#[derive(Debug)]
+pub(in crate::engine) struct State {
+    /// Its facts and what follows from them.
+    pub index: MapIndex,
+    /// Grows by one with each write.
+    pub version: u64,
+    next_event: u64,
+}
+
+/// A map that is in memory.
+#[derive(Debug)]
+pub(in crate::engine) struct LiveMap {
+    pub id: MapId,
+    pub key: MapKey,
+    /// The key that made it, which pays for its models.
+    pub owner: Option<KeySeq>,
+    state: RwLock<State>,
+    /// Held by the one who waits for the lock of `state` to decide a write.
+    pub lane: tokio::sync::Mutex<()>,
+    line: PoisonFlag,
+    /// Is the map deleted? Set under the lock of `state`.
+    gone: AtomicBool,
+    /// Lets so many read at once: a map of which a write takes long keeps no more readers from the others.
+    pub reads: Arc<ConcurrencyLimit>,
+    /// The version of `state`.
+    newest: AtomicU64,
+    on_disk: watch::Sender<u64>,
+    feed: Arc<Feed>,
+    /// What it takes of the memory for maps.
+    pub memory: MemoryShare,
+    /// When a client used it last, counted in uses of maps.
+    pub last_use: AtomicU64,
+    /// Answers of loop queries that are still on their way to the disk.
+    kept: Mutex<HashMap<String, Bytes>>,
+    next_kept: AtomicI64,
+    /// As they were when somebody looked last.
+    figures: Mutex<Figures>,
+}
+
+/// How large a map is in memory.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::engine) struct Figures {
+    pub keyframes: u64,
+    pub anchors: u64,
+    pub postings: u64,
+    pub index_bytes: u64,
+}
+
+/// What a request decided.
+pub(in crate::engine) enum Decision<T> {
+    /// The index was changed.
+    Changed(T, Decided, Option<NewKeyframeRows>),
+    /// There was nothing to do.
+    Unchanged(T),
+}
+
+/// A decision on its way to the disk.
+pub(in crate::engine) struct Pending<T> {
+    pub value: T,
+    pub version: u64,
+    committed: Option<oneshot::Receiver<Result<(), StoreError>>>,
+}
+
+impl LiveMap {
+    /// A map that was loaded.
+    pub fn new(id: MapId, loaded: Loaded, feed: Arc<Feed>, memory: &Arc<MapMemory>) -> Arc<Self> {
+        Arc::new(Self {
+            id,
+            key: loaded.key,
+            owner: loaded.owner,
+            lane: tokio::sync::Mutex::default(),
+            line: Arc::new(AtomicBool::new(false)),
+            gone: AtomicBool::new(false),
+            reads: ConcurrencyLimit::new(READS_OF_A_MAP_PER_CORE * cores(), WAITING_MAX),
+            newest: AtomicU64::new(loaded.version),
+            on_disk: watch::Sender::new(loaded.version),
+            feed,
+            memory: memory.share(loaded.index.memory_bytes()),
+            last_use: AtomicU64::new(0),
+            kept: Mutex::default(),
+            next_kept: AtomicI64::new(loaded.next_kept),
+            figures: Mutex::default(),
+            state: RwLock::new(State {
+                index: loaded.index,
+                version: loaded.version,
+                next_event: loaded.next_event,
+            }),
+        })
+    }
+
+    /// Has a write failed? Then what is in memory is ahead of the disk, and must be loaded anew.
+    pub fn is_poisoned(&self) -> bool {
+        self.line.load(Ordering::Acquire)
+    }
+
+    /// Does it decide nothing any more, because a write failed or it was deleted?
+    pub fn is_over(&self) -> bool {
+        self.is_poisoned() || self.gone.load(Ordering::Acquire)
+    }
+
+    /// The map as it stands; its version may not be on disk yet. A panic under the lock (a bug) leaves
+    /// an index nobody can vouch for: the map is then loaded anew from its facts.
+    pub fn state(&self) -> Result<RwLockReadGuard<'_, State>, ServiceError> {
+        let state = self.state.read().map_err(|_| self.broke())?;
+        self.exists()?;
+        Ok(state)
+    }
+
+    fn exists(&self) -> Result<(), ServiceError> {
+        if self.gone.load(Ordering::Acquire) { Err(ServiceError::no_map(&self.id)) } else { Ok(()) }
+    }
+
+    fn broke(&self) -> ServiceError {
+        self.line.store(true, Ordering::Release);
+        StoreError::Superseded.into()
+    }
+
+    /// Decides under the lock, and queues what was decided, with the permit to write: it counts among the writes under
+    /// way until the disk has it, also when nobody waits for that. Blocks: not for async threads. `core` is its turn to compute.
+    pub fn decide<T>(
+        self: &Arc<Self>,
+        store: &Store,
+        permit: OwnedSemaphorePermit,
+        core: OwnedSemaphorePermit,
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError>,
+    ) -> Result<Pending<T>, ServiceError> {
+        let (mut state, _core) = if let Ok(state) = self.state.try_write() {
+            (state, Some(core))
+        } else {
+            // Whoever waits for readers of one map keeps no core from the writes of others.
+            drop(core);
+            (self.state.write().map_err(|_| self.broke())?, None)
+        };
+        self.exists()?;
+        if self.is_poisoned() {
+            return Err(StoreError::Superseded.into());
+        }
+        let (value, decided, new_keyframe) = match decide(&mut state.index)? {
+            Decision::Changed(value, decided, rows) => (value, decided, rows),
+            Decision::Unchanged(value) => {
+                return Ok(Pending { value, version: state.version, committed: None });
+            }
+        };
+        state.version += 1;
+        let version = state.version;
+        self.newest.store(version, Ordering::Release);
+        let events = number(&mut state, decided.events);
+        let memory_bytes = state.index.memory_bytes();
+        self.memory.set(memory_bytes);
+        let batch = Batch {
+            map: self.key,
+            version,
+            next_keyframe: state.index.next_keyframe(),
+            next_anchor: state.index.next_anchor(),
+            next_event: state.next_event,
+            figures: state.index.figures(),
+            learned: state.index.learned(),
+            memory_bytes,
+            changes: decided.changes,
+            former: decided.former,
+            new_keyframe,
+            events,
+        };
+        let job = Job::Change(Box::new(batch));
+        let committed = self.submit(store, job, version, state.next_event - 1, Some(permit));
+        Ok(Pending { value, version, committed: Some(committed) })
+    }
+
+    /// How large it is; as it was before, while a request holds the lock.
+    pub fn figures(&self) -> Figures {
+        let mut figures = self.figures.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Ok(state) = self.state.try_read() {
+            *figures = Figures {
+                keyframes: state.index.keyframe_count() as u64,
+                anchors: state.index.objects().len() as u64,
+                postings: state.index.inverted_file().posting_count() as u64,
+                index_bytes: state.index.inverted_file().heap_bytes() as u64,
+            };
+        }
+        *figures
+    }
+
+    /// Queues a job; when it is on disk, so is this version, with its events.
+    pub fn submit(
+        self: &Arc<Self>,
+        store: &Store,
+        job: Job,
+        version: u64,
+        event: u64,
+        permit: Option<OwnedSemaphorePermit>,
+    ) -> oneshot::Receiver<Result<(), StoreError>> {
+        let (committed, heard) = oneshot::channel();
+        let live = self.clone();
+        store.committer().submit(job, &self.line, move |result| {
+            if result.is_ok() {
+                live.on_disk.send_modify(|on_disk| *on_disk = version.max(*on_disk));
+                live.feed.reached(event);
+            } else {
+                // Wakes those who wait for a version that will never be.
+                live.on_disk.send_modify(|_| {});
+            }
+            drop(permit);
+            let _ = committed.send(result);
+        });
+        heard
+    }
+
+    /// Waits until a version is on disk.
+    pub async fn on_disk(&self, version: u64) -> Result<(), ServiceError> {
+        let mut on_disk = self.on_disk.subscribe();
+        let reached = on_disk.wait_for(|on_disk| *on_disk >= version || self.is_poisoned()).await;
+        match reached {
+            Ok(on_disk) if *on_disk >= version => Ok(()),
+            _ => Err(StoreError::Superseded.into()),
+        }
+    }
+
+    /// The newest version decided, which may not be on disk yet; read without the map's lock.
+    pub fn newest_version(&self) -> u64 {
+        self.newest.load(Ordering::Acquire)
+    }
+
+    /// Waits until the version on disk is another one.
+    pub async fn next_version(&self, after: u64) {
+        let _ = self.on_disk.subscribe().wait_for(|on_disk| *on_disk > after || self.is_poisoned()).await;
+    }
+
+    /// Tells events that belong to no change, written behind.
+    pub fn tell(self: &Arc<Self>, store: &Store, events: Vec<Event>) {
+        let Ok(mut state) = self.state.write() else { return };
+        if self.is_over() {
+            return;
+        }
+        let events = number(&mut state, events);
+        let (version, next_event) = (state.version, state.next_event);
+        drop(self.submit(
+            store,
+            Job::AppendEvents(self.key, next_event, events),
+            version,
+            next_event - 1,
+            None,
+        ));
+    }
+
+    /// Keeps the answer of a loop query, written behind.
+    pub fn keep_query(self: &Arc<Self>, store: &Store, id: &str, body: Bytes) {
+        if store.committer().refuses(false).is_some() {
+            return;
+        }
+        {
+            let mut under_way = self.lock_kept();
+            // An id stands for its answer, to the byte: one on its way to the disk need not go twice.
+            if under_way.len() >= KEPT_UNDER_WAY_MAX || under_way.contains_key(id) {
+                return;
+            }
+            under_way.insert(id.to_owned(), body.clone());
+        }
+        let kept = self.next_kept.fetch_add(1, Ordering::Relaxed);
+        let job = Job::KeepQuery { map: self.key, id: id.to_owned(), kept, body };
+        let (live, id) = (self.clone(), id.to_owned());
+        store.committer().submit(job, &self.line, move |_| drop(live.lock_kept().remove(&id)));
+    }
+
+    /// The answer of a loop query that is still on its way to the disk.
+    pub fn query_under_way(&self, id: &str) -> Option<Bytes> {
+        self.lock_kept().get(id).cloned()
+    }
+
+    fn lock_kept(&self) -> std::sync::MutexGuard<'_, HashMap<String, Bytes>> {
+        // A map of answers is whole after each of its operations.
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Nobody reads or writes the map from here on; queues its deletion.
+    pub fn delete(
+        self: &Arc<Self>,
+        store: &Store,
+    ) -> Result<oneshot::Receiver<Result<(), StoreError>>, ServiceError> {
+        let mut state = self.state.write().map_err(|_| self.broke())?;
+        self.exists()?;
+        self.gone.store(true, Ordering::Release);
+        free(std::mem::take(&mut state.index));
+        self.memory.set(state.index.memory_bytes());
+        Ok(self.submit(store, Job::DeleteMap(self.key), state.version, state.next_event, None))
+    }
+}
+
+impl Drop for State {
+    fn drop(&mut self) {
+        free(std::mem::take(&mut self.index));
+    }
+}
+
+/// Frees an index. A large one takes long, and its last owner may be an async thread or hold a lock.
+fn free(index: MapIndex) {
+    if index.bytes() < FREED_AT_ONCE_BYTES {
+        return;
+    }
+    // Without a runtime no one waits for this thread.
+    if let Ok(runtime) = tokio::runtime::Handle::try_current() {
+        runtime.spawn_blocking(move || drop(index));
+    }
+}
+
+/// Numbers events; their map's version is the one they belong to.
+fn number(state: &mut State, mut events: Vec<Event>) -> Vec<Event> {
+    for event in &mut events {
+        event.seq = state.next_event;
+        event.map_version = state.version;
+        state.next_event += 1;
+    }
+    events
+}
+
+impl<T> Pending<T> {
+    /// Waits until the decision is on disk.
+    pub async fn committed(self, live: &LiveMap) -> Result<(T, u64), ServiceError> {
+        match self.committed {
+            Some(committed) => match committed.await {
+                Ok(result) => result?,
+                Err(_) => return Err(StoreError::Closed.into()),
+            },
+            None => live.on_disk(self.version).await?,
+        }
+        Ok((self.value, self.version))
+    }
+}

@@ -1,0 +1,10 @@
+//! Maps in memory: how they are loaded, written, shared and evicted.
+
+pub(super) mod eviction;
+pub(super) mod features;
+pub(super) mod feeds;
+pub(super) mod live;
+pub(super) mod map_memory;
+pub(super) mod pinned;
+pub(super) mod registry;
+pub(super) mod write_path;

@@ -1,0 +1,137 @@
+//! How a request gets its turn on a map: to decide a write, or to read.
+
+use std::sync::Arc;
+
+use tokio::task::spawn_blocking;
+use tracing::Instrument as _;
+
+use super::live::{Decision, LiveMap, Pending, State};
+use crate::config::logging::in_part;
+use crate::config::traces;
+use crate::engine::{Service, ServiceError, closed};
+use crate::recognition::index::MapIndex;
+
+/// How often a read looks again because a write that it had seen failed.
+const READ_AGAIN_MAX: usize = 3;
+
+/// How a write gets its turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::engine) enum Manner {
+    /// It is refused if it would wait for too long.
+    Prompt,
+    /// It waits however long it takes.
+    Patient,
+    /// As [`Self::Prompt`], and it frees space: it goes on when the disk is full.
+    Freeing,
+}
+
+impl Service {
+    /// Decides a write off the async threads and queues it. If the client goes away, the decision is
+    /// committed all the same.
+    pub(in crate::engine) async fn begin<T: Send + 'static>(
+        &self,
+        live: &Arc<LiveMap>,
+        manner: Manner,
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
+    ) -> Result<Begun<T>, ServiceError> {
+        self.disk_takes(manner == Manner::Freeing)?;
+        let permit = match manner {
+            Manner::Patient => self.writes.acquire_unbounded().await?,
+            Manner::Prompt | Manner::Freeing => self.writes.enter().await?,
+        };
+        // One at a time takes a thread to wait for the map's lock; the others wait here, where waiting costs nothing.
+        let _lane = live.lane.lock().await;
+        let core = self.deciding.clone().acquire_owned().await.map_err(|_| closed())?;
+        let (deciding, store) = (live.clone(), self.store.clone());
+        let pending =
+            spawn_blocking(in_part("decide", move || deciding.decide(&store, permit, core, decide)))
+                .await
+                .map_err(ServiceError::panicked)??;
+        self.registry.keep_to_budget();
+        // Whatever was written, an anchor may lack something now.
+        self.worker.wake();
+        Ok(Begun { live: live.clone(), pending })
+    }
+
+    /// Refuses a write that the disk would not take, before the index is ahead of the disk.
+    pub(in crate::engine) fn disk_takes(&self, freeing: bool) -> Result<(), ServiceError> {
+        self.store.committer().refuses(freeing).map_or(Ok(()), |error| Err(error.into()))
+    }
+
+    /// Decides a write and waits until it is on disk.
+    pub(in crate::engine) async fn change<T: Send + 'static>(
+        &self,
+        live: &Arc<LiveMap>,
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
+    ) -> Result<(T, u64), ServiceError> {
+        self.begin(live, Manner::Prompt, decide).await?.committed().await
+    }
+
+    /// [`Self::change`] for a write that frees space: it goes on when the disk is full.
+    pub(in crate::engine) async fn free<T: Send + 'static>(
+        &self,
+        live: &Arc<LiveMap>,
+        decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
+    ) -> Result<(T, u64), ServiceError> {
+        self.begin(live, Manner::Freeing, decide).await?.committed().await
+    }
+
+    /// Reads the index off the async threads, and waits until what was read is on disk. If it never will be, because the
+    /// write failed, the map as it is on disk is read instead: reads go on when writes do not.
+    pub(in crate::engine) async fn read<T: Send + 'static>(
+        &self,
+        live: &Arc<LiveMap>,
+        read: impl Fn(&State) -> Result<T, ServiceError> + Send + Sync + 'static,
+    ) -> Result<(u64, T), ServiceError> {
+        let (read, mut live) = (Arc::new(read), live.clone());
+        let mut again = READ_AGAIN_MAX;
+        loop {
+            let looking = read.clone();
+            let on_disk = self.look(&live, move |state| looking(state)).await;
+            if on_disk.is_ok() || !live.is_poisoned() || again == 0 {
+                return on_disk;
+            }
+            again -= 1;
+            let anew = self.live(&live.id).await?;
+            if anew.key != live.key {
+                // Another map of this name: the question was about the one that is gone.
+                return on_disk;
+            }
+            live = anew;
+        }
+    }
+
+    /// [`Self::read`] for those who look again by themselves.
+    pub(in crate::engine) async fn look<T: Send + 'static>(
+        &self,
+        live: &Arc<LiveMap>,
+        look: impl FnOnce(&State) -> Result<T, ServiceError> + Send + 'static,
+    ) -> Result<(u64, T), ServiceError> {
+        let of_map = live.reads.enter().await?;
+        let permit = self.reads.enter().await?;
+        let looking = live.clone();
+        let (version, value) = spawn_blocking(in_part("read", move || {
+            let state = looking.state()?;
+            Ok::<_, ServiceError>((state.version, look(&state)?))
+        }))
+        .await
+        .map_err(ServiceError::panicked)??;
+        // Waiting for the disk takes no core.
+        drop((permit, of_map));
+        live.on_disk(version).await?;
+        Ok((version, value))
+    }
+}
+
+/// A write that is decided and on its way to the disk.
+pub(in crate::engine) struct Begun<T> {
+    live: Arc<LiveMap>,
+    pending: Pending<T>,
+}
+
+impl<T> Begun<T> {
+    /// Waits until it is on disk.
+    pub async fn committed(self) -> Result<(T, u64), ServiceError> {
+        self.pending.committed(&self.live).instrument(traces::part("commit")).await
+    }
+}

@@ -1,0 +1,146 @@
+//! Anchors: search, read, describe by hand, delete.
+
+use super::maps::bad_cursor;
+use super::views;
+use crate::domain::ids::{AnchorSeq, MapId};
+use crate::domain::keyframe::Crop;
+use crate::domain::report::{AnchorReport, Page};
+use crate::domain::request::AnchorFilter;
+use crate::engine::maps::live::Decision;
+use crate::engine::{Service, ServiceError};
+use crate::recognition::culling::delete_object;
+use crate::recognition::describing::describe;
+use crate::recognition::index::MapIndex;
+use crate::semantics::Text;
+
+impl Service {
+    /// The anchors that pass a filter, oldest first.
+    pub async fn list_anchors(
+        &self,
+        map: &MapId,
+        filter: AnchorFilter,
+        cursor: Option<&str>,
+        limit: usize,
+    ) -> Result<(u64, Page<AnchorReport>), ServiceError> {
+        let live = self.live(map).await?;
+        let from = match cursor {
+            Some(cursor) => AnchorSeq::from_public(cursor).ok_or_else(|| bad_cursor(cursor))?,
+            None => AnchorSeq(0),
+        };
+        self.read(&live, move |state| {
+            let index = &state.index;
+            let text = filter.text.as_deref().map(|text| Text::parse(text).normalised().to_owned());
+            let mut wanted =
+                index.anchors_from(from).filter(|seq| passes(index, *seq, &filter, text.as_deref()));
+            let items = wanted.by_ref().take(limit).filter_map(|seq| views::anchor(index, seq)).collect();
+            Ok(Page { items, next_cursor: wanted.next().map(AnchorSeq::public) })
+        })
+        .await
+    }
+
+    /// An anchor as it stands.
+    pub async fn get_anchor(
+        &self,
+        map: &MapId,
+        anchor: AnchorSeq,
+    ) -> Result<(u64, AnchorReport), ServiceError> {
+        let live = self.live(map).await?;
+        self.read(&live, move |state| find(&state.index, anchor)).await
+    }
+
+    /// Sets an anchor's description by hand, or gives it back to its readings; `expected` is the
+    /// version the operator looked at.
+    pub async fn describe_anchor(
+        &self,
+        map: &MapId,
+        anchor: AnchorSeq,
+        expected: Option<u64>,
+        description: Option<String>,
+    ) -> Result<(u64, AnchorReport), ServiceError> {
+        let live = self.live(map).await?;
+        let (service, of_map) = (self.clone(), live.clone());
+        let decide = move |index: &mut MapIndex| {
+            check_version(index, anchor, expected)?;
+            let mut decided = describe(index, anchor, description.map(Into::into));
+            let newest = index.anchor(anchor).and_then(|anchor| anchor.keyframes().max());
+            if let Some(keyframe) = newest {
+                service.add_twins(&of_map, index, (keyframe, None), &mut decided);
+            }
+            // It may have become one with an older anchor.
+            let anchor = index.objects().root(anchor).unwrap_or(anchor);
+            Ok(Decision::Changed(find(index, anchor)?, decided, None))
+        };
+        let (report, version) = self.change(&live, decide).await?;
+        Ok((version, report))
+    }
+
+    /// Deletes an anchor with all that was merged into it.
+    pub async fn delete_anchor(
+        &self,
+        map: &MapId,
+        anchor: AnchorSeq,
+        expected: Option<u64>,
+    ) -> Result<u64, ServiceError> {
+        let live = self.live(map).await?;
+        let decide = move |index: &mut MapIndex| {
+            check_version(index, anchor, expected)?;
+            Ok(Decision::Changed((), delete_object(index, anchor), None))
+        };
+        Ok(self.free(&live, decide).await?.1)
+    }
+
+    /// The best image crop of an anchor.
+    pub async fn crop(&self, map: &MapId, anchor: AnchorSeq) -> Result<Crop, ServiceError> {
+        let live = self.live(map).await?;
+        let (_, best) = self
+            .read(&live, move |state| {
+                let root = state.index.objects().root(anchor);
+                let object = root.and_then(|root| state.index.objects().get(root));
+                let object = object.ok_or_else(|| ServiceError::no_anchor(anchor.public()))?;
+                Ok(views::best_crop(&state.index, object))
+            })
+            .await?;
+        let none = || ServiceError::NotFound(format!("anchor {} has no crop", anchor.public()));
+        let (keyframe, detection) = best.ok_or_else(none)?;
+        self.store.crop(live.key, keyframe, detection).await?.ok_or_else(none)
+    }
+}
+
+fn find(index: &MapIndex, anchor: AnchorSeq) -> Result<AnchorReport, ServiceError> {
+    views::anchor(index, anchor).ok_or_else(|| ServiceError::no_anchor(anchor.public()))
+}
+
+fn passes(index: &MapIndex, seq: AnchorSeq, filter: &AnchorFilter, text: Option<&str>) -> bool {
+    let Some(anchor) = index.anchor(seq) else { return false };
+    if filter.class.as_deref().is_some_and(|class| *class != *anchor.class) {
+        return false;
+    }
+    let is_root = index.objects().root(seq) == Some(seq);
+    if !is_root && !filter.merged {
+        return false;
+    }
+    if text.is_none() && filter.state.is_none() {
+        return true;
+    }
+    let alone = if is_root { None } else { index.anchor_alone(seq) };
+    let Some(object) = alone.as_ref().or_else(|| index.objects().get(seq)) else { return false };
+    let description = object.description.as_ref().map_or("", |description| description.text.normalised());
+    filter.state.is_none_or(|state| state == object.state)
+        && text.is_none_or(|text| description.contains(text))
+}
+
+fn check_version(index: &MapIndex, anchor: AnchorSeq, expected: Option<u64>) -> Result<(), ServiceError> {
+    let Some(stored) = index.anchor(anchor) else { return Err(ServiceError::no_anchor(anchor.public())) };
+    let root = index.objects().root(anchor).unwrap_or(anchor);
+    if root != anchor {
+        let detail =
+            format!("anchor {} was merged into {}; address that one", anchor.public(), root.public());
+        return Err(ServiceError::Conflict { code: "anchor_merged", detail });
+    }
+    match expected {
+        Some(expected) if expected != stored.version => Err(ServiceError::PreconditionFailed {
+            detail: format!("the anchor has version {}, not {expected}; read it again", stored.version),
+        }),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,156 @@
+//! Jobs that ask a changed model again: counted beforehand, started, read, stopped.
+
+use crate::domain::ids::{JudgementId, MapId};
+use crate::domain::judgement::{Asks, JobState, Judgement, Tally};
+use crate::domain::report::JudgementReport;
+use crate::domain::request::NewJudgement;
+use crate::engine::maps::live::LiveMap;
+use crate::engine::{Service, ServiceError, Stored};
+use crate::store::{Fingerprints, Job};
+
+/// A job shows at most this number of the verdicts that it replaced.
+const REPLACED_SHOWN: usize = 100;
+
+impl Service {
+    /// Starts a job that asks again about all that other models or prompts answered, or counts what it would ask.
+    /// One job of a map runs at a time. The id of a job that is there already is answered with that job.
+    pub async fn judge_again(
+        &self,
+        map: &MapId,
+        new: NewJudgement,
+    ) -> Result<Stored<JudgementReport>, ServiceError> {
+        let live = self.live(map).await?;
+        // Two requests at once would both find no job running.
+        let _starting = self.rejudging.starting.lock().await;
+        if let Some(id) = new.id.as_ref().filter(|_| !new.preview)
+            && let Some(known) = self.store.judgement(live.key, id).await?
+        {
+            if known.asks != new.asks {
+                let detail = format!("judgement {id} was started with another body");
+                return Err(ServiceError::Conflict { code: "conflict", detail });
+            }
+            return self.stored(&live, false, known).await;
+        }
+        let workload = self.store.workload(live.key, &self.fingerprints(new.asks)).await?;
+        let estimate =
+            self.models.as_ref().map_or_else(Default::default, |models| models.estimate(&workload));
+        let map_version = live.newest_version();
+        let questions = workload.questions();
+        if new.preview {
+            let value = JudgementReport {
+                map_version,
+                id: None,
+                asks: new.asks,
+                state: None,
+                waits: false,
+                questions,
+                estimate,
+                tally: Tally::default(),
+                replaced: Vec::new(),
+            };
+            return Ok(Stored { created: false, map_version, value });
+        }
+        let (number, running) = self.store.next_judgement(live.key).await?;
+        if let Some(running) = running {
+            let detail = format!("judgement {running} of this map is running; wait for it, or stop it");
+            return Err(ServiceError::Conflict { code: "conflict", detail });
+        }
+        let id = match new.id {
+            Some(id) => id,
+            None => self.free_id(&live, number).await?,
+        };
+        let state = if questions == 0 { JobState::Done } else { JobState::Running };
+        let (asks, tally) = (new.asks, Tally::default());
+        let job = Judgement {
+            id,
+            asks,
+            state,
+            since_version: map_version,
+            questions,
+            estimate,
+            tally,
+            position: None,
+        };
+        self.disk_takes(false)?;
+        self.store.committer().commit(Job::StartJudgement(live.key, Box::new(job.clone()))).await?;
+        self.rejudging.wake();
+        self.stored(&live, true, job).await
+    }
+
+    /// Returns a job as it stands.
+    pub async fn judgement(&self, map: &MapId, id: &JudgementId) -> Result<JudgementReport, ServiceError> {
+        let live = self.live(map).await?;
+        let job = self.find_judgement(&live, id).await?;
+        self.report(&live, job).await
+    }
+
+    /// Stops a job. What it has learned stays; a job that has ended stays as it is.
+    pub async fn stop_judgement(
+        &self,
+        map: &MapId,
+        id: &JudgementId,
+    ) -> Result<JudgementReport, ServiceError> {
+        let live = self.live(map).await?;
+        self.find_judgement(&live, id).await?;
+        self.store.committer().commit(Job::StopJudgement(live.key, id.clone())).await?;
+        self.rejudging.wake();
+        let job = self.find_judgement(&live, id).await?;
+        self.report(&live, job).await
+    }
+
+    /// Returns the fingerprints of the models that a job would ask.
+    pub(in crate::engine) fn fingerprints(&self, asks: Asks) -> Fingerprints {
+        let models = self.models.as_ref();
+        models.map_or_else(Fingerprints::default, |models| models.fingerprints().concerned(asks))
+    }
+
+    /// Whether no model can be asked about a map now.
+    pub(in crate::engine) fn must_wait(&self, live: &LiveMap) -> bool {
+        let Some(models) = &self.models else { return true };
+        let spent = self.payer(live.owner).is_some_and(|payer| models.budget().is_spent_for(&payer));
+        models.is_away() || spent
+    }
+
+    async fn find_judgement(&self, live: &LiveMap, id: &JudgementId) -> Result<Judgement, ServiceError> {
+        let found = self.store.judgement(live.key, id).await?;
+        found.ok_or_else(|| ServiceError::NotFound(format!("there is no judgement {id} in this map")))
+    }
+
+    /// Finds an id for a job that its client gave none: `j-7`, unless a client took that one.
+    async fn free_id(&self, live: &LiveMap, mut number: u64) -> Result<JudgementId, ServiceError> {
+        loop {
+            let id: JudgementId = format!("j-{number}")
+                .parse()
+                .map_err(|_| ServiceError::Internal("a number that makes no id".to_owned()))?;
+            if self.store.judgement(live.key, &id).await?.is_none() {
+                return Ok(id);
+            }
+            number += 1;
+        }
+    }
+
+    async fn stored(
+        &self,
+        live: &LiveMap,
+        created: bool,
+        job: Judgement,
+    ) -> Result<Stored<JudgementReport>, ServiceError> {
+        let value = self.report(live, job).await?;
+        Ok(Stored { created, map_version: value.map_version, value })
+    }
+
+    async fn report(&self, live: &LiveMap, job: Judgement) -> Result<JudgementReport, ServiceError> {
+        let replaced = self.store.replaced(live.key, job.since_version, REPLACED_SHOWN).await?;
+        Ok(JudgementReport {
+            map_version: live.newest_version(),
+            waits: job.state == JobState::Running && self.must_wait(live),
+            id: Some(job.id),
+            asks: job.asks,
+            state: Some(job.state),
+            questions: job.questions,
+            estimate: job.estimate,
+            tally: job.tally,
+            replaced,
+        })
+    }
+}

@@ -1,0 +1,349 @@
+//! Keyframes: take in, read, cull.
+
+use std::sync::Arc;
+
+use super::maps::bad_cursor;
+use crate::domain::anchor::{AnchorState, Outcome};
+use crate::domain::ids::{KeyframeId, KeyframeSeq, MapId};
+use crate::domain::invalid::FieldError;
+use crate::domain::keyframe::NewKeyframe;
+use crate::domain::report::{KeyframeRecord, KeyframeReport, KeyframeSummary, Page};
+use crate::domain::request::Digest;
+use crate::domain::verdict::LocalAnchorReport;
+use crate::engine::bow::check_vocabulary;
+use crate::engine::limits::quota::check_keyframe;
+use crate::engine::maps::live::{Decision, LiveMap, State};
+use crate::engine::maps::pinned::PinnedMap;
+use crate::engine::maps::write_path::{Begun, Manner};
+use crate::engine::{Service, ServiceError, Stored};
+use crate::recognition::anchor_map::{Centre, local_anchor_map};
+use crate::recognition::culling::cull_keyframe;
+use crate::recognition::distinctiveness::PlaceCounts;
+use crate::recognition::index::MapIndex;
+use crate::recognition::ingest::{ingest, unknown_covisible};
+use crate::store::{KeyframeRow, NewKeyframeRows};
+
+/// What became of a `PUT` under the map's lock.
+enum Put {
+    Created(KeyframeReport),
+    Exists(KeyframeSeq),
+}
+
+/// A keyframe that is decided and on its way to the disk.
+pub struct PendingKeyframe {
+    service: Service,
+    live: Arc<LiveMap>,
+    keyframe: Arc<NewKeyframe>,
+    digest: Digest,
+    manner: Manner,
+    begun: Begun<Put>,
+}
+
+/// How often a PUT begins anew because the keyframe that it found was culled before it could be read.
+const PUT_AGAIN_MAX: usize = 16;
+
+impl PendingKeyframe {
+    /// Waits until it is on disk.
+    pub async fn committed(self) -> Result<Stored<KeyframeReport>, ServiceError> {
+        let Self { service, live, keyframe, digest, manner, mut begun } = self;
+        for _ in 0..PUT_AGAIN_MAX {
+            let seq = match begun.committed().await? {
+                (Put::Created(mut value), map_version) => {
+                    value.map_version = map_version;
+                    return Ok(Stored { created: true, map_version, value });
+                }
+                (Put::Exists(seq), _) => seq,
+            };
+            if let Some(stored) = service.put_again(&live, &keyframe.id, seq, digest).await? {
+                return Ok(stored);
+            }
+            // Culled since it was found: it is not there any more, so this request stores it.
+            begun = service.begin_put(&live, keyframe.clone(), digest, manner).await?;
+        }
+        let detail = format!("keyframe {} is deleted again and again", keyframe.id);
+        Err(ServiceError::Unavailable { detail, retry_after_s: 1 })
+    }
+}
+
+impl Service {
+    /// Stores a keyframe and associates its detections, or finds that this very request had done so.
+    pub async fn put_keyframe(
+        &self,
+        map: &MapId,
+        keyframe: NewKeyframe,
+        digest: Digest,
+    ) -> Result<Stored<KeyframeReport>, ServiceError> {
+        let live = self.live(map).await?;
+        self.keyframe_begun(live, keyframe, digest, Manner::Prompt).await?.committed().await
+    }
+
+    /// The first half of [`Self::put_keyframe`]: decided and queued, in the order of calls. Who has many keyframes
+    /// begins the next one before the disk has this one, and waits for its turn however long that takes: its client
+    /// cannot send more meanwhile.
+    pub async fn begin_keyframe(
+        &self,
+        map: &PinnedMap,
+        keyframe: NewKeyframe,
+        digest: Digest,
+    ) -> Result<PendingKeyframe, ServiceError> {
+        let live = self.live_pinned(map).await?;
+        self.keyframe_begun(live, keyframe, digest, Manner::Patient).await
+    }
+
+    async fn keyframe_begun(
+        &self,
+        live: Arc<LiveMap>,
+        keyframe: NewKeyframe,
+        digest: Digest,
+        manner: Manner,
+    ) -> Result<PendingKeyframe, ServiceError> {
+        let keyframe = Arc::new(self.compute_bow(keyframe).await?);
+        let begun = self.begin_put(&live, keyframe.clone(), digest, manner).await?;
+        Ok(PendingKeyframe { service: self.clone(), live, keyframe, digest, manner, begun })
+    }
+
+    /// Decides whether the keyframe is new, and queues it if so.
+    async fn begin_put(
+        &self,
+        live: &Arc<LiveMap>,
+        keyframe: Arc<NewKeyframe>,
+        digest: Digest,
+        manner: Manner,
+    ) -> Result<Begun<Put>, ServiceError> {
+        let (quotas, service, of_map) = (self.quotas, self.clone(), live.clone());
+        let decide = move |index: &mut MapIndex| {
+            if let Some(seq) = index.keyframe_seq(&keyframe.id) {
+                return Ok(Decision::Unchanged(Put::Exists(seq)));
+            }
+            let declared = keyframe.covisible.iter().enumerate().map(|(place, (id, _))| (place, id));
+            let errors = unknown_covisible(index, declared);
+            if !errors.is_empty() {
+                return Err(ServiceError::Invalid(errors));
+            }
+            check_vocabulary(index, &keyframe)?;
+            check_keyframe(&quotas, index, &keyframe)?;
+            let mut ingested = ingest(index, &keyframe);
+            let arrived = (ingested.keyframe, Some(&*keyframe));
+            service.add_twins(&of_map, index, arrived, &mut ingested.decided);
+            service.add_changed_signs(&of_map, index, ingested.keyframe, &mut ingested.decided);
+            let mut report = report(index, &keyframe.id, ingested.keyframe, &ingested.outcomes);
+            report.revisits = ingested.revisits;
+            let rows = NewKeyframeRows { keyframe, digest };
+            Ok(Decision::Changed(Put::Created(report), ingested.decided, Some(rows)))
+        };
+        self.begin(live, manner, decide).await
+    }
+
+    /// Answers a PUT of a keyframe that exists; `None` if it was culled meanwhile.
+    async fn put_again(
+        &self,
+        live: &Arc<LiveMap>,
+        id: &KeyframeId,
+        seq: KeyframeSeq,
+        digest: Digest,
+    ) -> Result<Option<Stored<KeyframeReport>>, ServiceError> {
+        let Some(row) = self.store.keyframe(live.key, seq).await? else { return Ok(None) };
+        if row.digest != digest {
+            return Err(ServiceError::Conflict {
+                code: "keyframe_exists",
+                detail: format!(
+                    "keyframe {id} exists and was sent with another body; a keyframe is never changed, only its pose is (POST poses)"
+                ),
+            });
+        }
+        let name = id.clone();
+        let outcomes: Vec<Outcome> = row.detections.iter().map(|detection| detection.outcome).collect();
+        let (map_version, mut value) =
+            self.read(live, move |state| Ok(report(&state.index, &name, seq, &outcomes))).await?;
+        value.map_version = map_version;
+        Ok(Some(Stored { created: false, map_version, value }))
+    }
+
+    /// Finds the declared covisible keyframes that the map does not have. For bodies with other faults, which never come
+    /// before the map: so that a client is told all faults at once.
+    pub async fn unknown_covisible(
+        &self,
+        map: &MapId,
+        declared: Vec<(usize, KeyframeId)>,
+    ) -> Result<Vec<FieldError>, ServiceError> {
+        let live = self.live(map).await?;
+        let look = move |state: &State| {
+            Ok(unknown_covisible(&state.index, declared.iter().map(|(place, id)| (*place, id))))
+        };
+        Ok(self.read(&live, look).await?.1)
+    }
+
+    async fn keyframe_row(
+        &self,
+        live: &LiveMap,
+        id: &KeyframeId,
+        seq: KeyframeSeq,
+    ) -> Result<KeyframeRow, ServiceError> {
+        // Culled between the look at the index and the look at the store.
+        self.store.keyframe(live.key, seq).await?.ok_or_else(|| ServiceError::no_keyframe(id))
+    }
+
+    /// The keyframes, in order of arrival.
+    pub async fn list_keyframes(
+        &self,
+        map: &MapId,
+        cursor: Option<&str>,
+        limit: usize,
+    ) -> Result<(u64, Page<KeyframeSummary>), ServiceError> {
+        let live = self.live(map).await?;
+        let from: u32 = cursor.map_or(Ok(0), |cursor| cursor.parse().map_err(|_| bad_cursor(cursor)))?;
+        let from = KeyframeSeq(from);
+        self.read(&live, move |state| {
+            let index = &state.index;
+            let mut rest = index.keyframes_from(from);
+            let items = rest.by_ref().take(limit).map(|keyframe| summary(index, keyframe)).collect();
+            Ok(Page { items, next_cursor: rest.next().map(|keyframe| keyframe.seq.0.to_string()) })
+        })
+        .await
+    }
+
+    /// A keyframe as it stands.
+    pub async fn get_keyframe(
+        &self,
+        map: &MapId,
+        id: &KeyframeId,
+    ) -> Result<(u64, KeyframeRecord), ServiceError> {
+        let live = self.live(map).await?;
+        let name = id.clone();
+        let (_, seq) = self.read(&live, move |state| find(&state.index, &name)).await?;
+        let row = self.keyframe_row(&live, id, seq).await?;
+        let name = id.clone();
+        self.read(&live, move |state| record(&state.index, &name, seq, row.clone())).await
+    }
+
+    /// Culls a keyframe; anchors and covisibility follow.
+    pub async fn delete_keyframe(&self, map: &MapId, id: &KeyframeId) -> Result<u64, ServiceError> {
+        let live = self.live(map).await?;
+        let name = id.clone();
+        let (_, seq) = self.read(&live, move |state| find(&state.index, &name)).await?;
+        let bow = self.store.bow(live.key, seq).await?.ok_or_else(|| ServiceError::no_keyframe(id))?;
+        let name = id.clone();
+        let decide = move |index: &mut MapIndex| {
+            // Somebody else may have culled it meanwhile, and given its name to another.
+            if index.keyframe_seq(&name) != Some(seq) {
+                return Err(ServiceError::no_keyframe(&name));
+            }
+            Ok(Decision::Changed((), cull_keyframe(index, seq, Arc::new(bow)), None))
+        };
+        let ((), version) = self.free(&live, decide).await?;
+        self.features.forget(live.key, seq).await;
+        Ok(version)
+    }
+
+    /// The keyframes covisible with one, each with its number of shared points, most first.
+    pub async fn covisible(
+        &self,
+        map: &MapId,
+        id: &KeyframeId,
+    ) -> Result<(u64, Vec<(KeyframeId, u32)>), ServiceError> {
+        let live = self.live(map).await?;
+        let id = id.clone();
+        self.read(&live, move |state| {
+            let index = &state.index;
+            let seq = find(index, &id)?;
+            let named = |(other, shared)| Some((index.keyframe(other)?.id.clone(), shared));
+            let mut items: Vec<_> = index.covisibility().shared(seq).filter_map(named).collect();
+            items.sort_by(|(a, of_a), (b, of_b)| of_b.cmp(of_a).then_with(|| a.cmp(b)));
+            Ok(items)
+        })
+        .await
+    }
+
+    /// M_k of §V-A.
+    pub async fn local_anchor_map(
+        &self,
+        map: &MapId,
+        id: &KeyframeId,
+    ) -> Result<(u64, Vec<LocalAnchorReport>), ServiceError> {
+        let live = self.live(map).await?;
+        let id = id.clone();
+        self.read(&live, move |state| {
+            let index = &state.index;
+            let centre =
+                Centre::stored(index, find(index, &id)?).ok_or_else(|| ServiceError::no_keyframe(&id))?;
+            let local = local_anchor_map(index, &centre, &mut PlaceCounts::default());
+            let report = |anchor: crate::recognition::anchor_map::LocalAnchor| LocalAnchorReport {
+                anchor: anchor.name.public(),
+                class: anchor.class.into(),
+                state: anchor.state,
+                description: anchor.description.map(Into::into),
+                bearing: anchor.bearing,
+                weight: anchor.weight,
+            };
+            Ok(local.anchors.into_iter().map(report).collect())
+        })
+        .await
+    }
+}
+
+pub(in crate::engine) fn find(index: &MapIndex, id: &KeyframeId) -> Result<KeyframeSeq, ServiceError> {
+    index.keyframe_seq(id).ok_or_else(|| ServiceError::no_keyframe(id))
+}
+
+/// The anchor's object, and its state.
+fn current(index: &MapIndex, outcome: Outcome) -> (Outcome, Option<AnchorState>) {
+    let rooted = |anchor| index.objects().root(anchor).unwrap_or(anchor);
+    let state = |anchor| index.objects().get(rooted(anchor)).map(|object| object.state);
+    match outcome {
+        Outcome::Created(anchor) => (Outcome::Created(rooted(anchor)), state(anchor)),
+        Outcome::Observed(anchor) => (Outcome::Observed(rooted(anchor)), state(anchor)),
+        Outcome::Ignored(reason) => (Outcome::Ignored(reason), None),
+    }
+}
+
+/// The version is the caller's to fill in.
+fn report(index: &MapIndex, id: &KeyframeId, seq: KeyframeSeq, outcomes: &[Outcome]) -> KeyframeReport {
+    KeyframeReport {
+        keyframe: id.clone(),
+        map_version: 0,
+        covisible: index.covisibility().degree(seq),
+        detections: outcomes.iter().map(|outcome| current(index, *outcome)).collect(),
+        revisits: false,
+    }
+}
+
+fn summary(index: &MapIndex, keyframe: &crate::domain::change::Keyframe) -> KeyframeSummary {
+    KeyframeSummary {
+        id: keyframe.id.clone(),
+        session: index.sessions()[keyframe.session.index()].clone(),
+        stamp: keyframe.stamp,
+        map_from_camera: keyframe.map_from_camera,
+        covisible: index.covisibility().degree(keyframe.seq),
+        anchors: index.objects_seen_by(keyframe.seq).into_iter().collect(),
+    }
+}
+
+fn record(
+    index: &MapIndex,
+    id: &KeyframeId,
+    seq: KeyframeSeq,
+    row: KeyframeRow,
+) -> Result<KeyframeRecord, ServiceError> {
+    let stored = index.keyframe(seq).ok_or_else(|| ServiceError::no_keyframe(id))?;
+    let position = |id: i64| Some((id, index.points().position(stored.session, id)?));
+    let named = |(other, shared): &(KeyframeSeq, u32)| Some((index.keyframe(*other)?.id.clone(), *shared));
+    let outcomes: Vec<Outcome> = row.detections.iter().map(|detection| detection.outcome).collect();
+    Ok(KeyframeRecord {
+        keyframe: NewKeyframe {
+            id: id.clone(),
+            session: index.sessions()[stored.session.index()].clone(),
+            stamp: stored.stamp,
+            map_from_camera: stored.map_from_camera,
+            camera: stored.camera,
+            bow: row.bow,
+            vocabulary: None,
+            features: row.features,
+            map_points: row.sent_points.into_iter().filter_map(position).collect(),
+            observes: stored.observes.to_vec(),
+            covisible: stored.declared.iter().filter_map(named).collect(),
+            detections: row.detections.into_iter().map(|detection| detection.detection).collect(),
+        },
+        detections: outcomes.into_iter().map(|outcome| current(index, outcome)).collect(),
+        covisible: index.covisibility().degree(seq),
+    })
+}

@@ -1,0 +1,137 @@
+//! Loops that clients closed: confirm, list, revoke.
+
+use super::keyframes::find;
+use crate::domain::change::Loop;
+use crate::domain::ids::{KeyframeId, LoopId, MapId};
+use crate::domain::invalid::FieldError;
+use crate::domain::loop_warning::LoopWarning;
+use crate::domain::report::{LoopReport, Page};
+use crate::domain::request::NewLoop;
+use crate::engine::limits::quota::check_loop;
+use crate::engine::maps::live::Decision;
+use crate::engine::{Service, ServiceError, Stored};
+use crate::recognition::closing::{close_loop, merges_of, revoke_loop};
+use crate::recognition::index::MapIndex;
+
+impl Service {
+    /// Confirms a loop: matched anchors merge, and the two keyframes are covisible from now on.
+    pub async fn confirm_loop(
+        &self,
+        map: &MapId,
+        new: NewLoop,
+    ) -> Result<Stored<ConfirmedLoop>, ServiceError> {
+        let live = self.live(map).await?;
+        let quotas = self.quotas;
+        let decide = move |index: &mut MapIndex| {
+            if let Some(known) = index.loops().get(&new.id) {
+                return again(index, known, &new);
+            }
+            let closed = resolve(index, new)?;
+            check_loop(&quotas, index, &closed)?;
+            let id = closed.id.clone();
+            let (warning, decided) = close_loop(index, closed);
+            Ok(Decision::Changed((true, confirmed(index, &id, warning)), decided, None))
+        };
+        let ((created, value), map_version) = self.change(&live, decide).await?;
+        let value =
+            value.ok_or_else(|| ServiceError::Internal("a loop vanished under the lock".to_owned()))?;
+        Ok(Stored { created, map_version, value })
+    }
+
+    /// The loops by name.
+    pub async fn list_loops(
+        &self,
+        map: &MapId,
+        cursor: Option<&str>,
+        limit: usize,
+    ) -> Result<(u64, Page<LoopReport>), ServiceError> {
+        let live = self.live(map).await?;
+        let after: Option<LoopId> =
+            cursor.map(|cursor| cursor.parse().map_err(|_| super::maps::bad_cursor(cursor))).transpose()?;
+        self.read(&live, move |state| {
+            let rest = state.index.loops().keys().filter(|id| after.as_ref().is_none_or(|after| *id > after));
+            let mut items: Vec<LoopReport> =
+                rest.take(limit + 1).filter_map(|id| report(&state.index, id)).collect();
+            let more = items.len() > limit;
+            items.truncate(limit);
+            let next_cursor = items.last().filter(|_| more).map(|report| report.id.to_string());
+            Ok(Page { items, next_cursor })
+        })
+        .await
+    }
+
+    /// Takes a loop back: what it merged parts again.
+    pub async fn revoke_loop(&self, map: &MapId, id: &LoopId) -> Result<(u64, LoopReport), ServiceError> {
+        let live = self.live(map).await?;
+        let id = id.clone();
+        let decide = move |index: &mut MapIndex| {
+            let known = report(index, &id);
+            let mut known =
+                known.ok_or_else(|| ServiceError::NotFound(format!("there is no loop {id} in this map")))?;
+            let (parted, decided) = revoke_loop(index, &id);
+            known.merged = parted;
+            Ok(Decision::Changed(known, decided, None))
+        };
+        let (report, version) = self.free(&live, decide).await?;
+        Ok((version, report))
+    }
+}
+
+/// A confirmed loop, and what speaks against it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConfirmedLoop {
+    /// The loop.
+    pub report: LoopReport,
+    /// What spoke against it when it was confirmed; none in the answer to a retry.
+    pub warnings: Vec<LoopWarning>,
+}
+
+type Confirmed = (bool, Option<ConfirmedLoop>);
+
+fn confirmed(index: &MapIndex, id: &LoopId, warning: Option<LoopWarning>) -> Option<ConfirmedLoop> {
+    Some(ConfirmedLoop { report: report(index, id)?, warnings: warning.into_iter().collect() })
+}
+
+fn again(index: &MapIndex, known: &Loop, new: &NewLoop) -> Result<Decision<Confirmed>, ServiceError> {
+    let same =
+        known.keyframe_id == new.keyframe && known.candidate_id == new.candidate && known.query == new.query;
+    if same {
+        // What spoke against it was judged without it. Now the two maps overlap, and would agree with themselves.
+        return Ok(Decision::Unchanged((false, confirmed(index, &new.id, None))));
+    }
+    let detail = format!("loop {} exists between {} and {}", new.id, known.keyframe_id, known.candidate_id);
+    Err(ServiceError::Conflict { code: "loop_exists", detail })
+}
+
+fn resolve(index: &MapIndex, new: NewLoop) -> Result<Loop, ServiceError> {
+    let mut errors = Vec::new();
+    let mut seq = |pointer: &str, id: &KeyframeId| {
+        find(index, id).map_err(|error| errors.push(FieldError::new(pointer, error.to_string()).got(id))).ok()
+    };
+    let (keyframe, candidate) = (seq("/keyframe", &new.keyframe), seq("/candidate", &new.candidate));
+    if keyframe.is_some() && keyframe == candidate {
+        errors.push(FieldError::new("/candidate", "a keyframe is no loop with itself").got(&new.candidate));
+    }
+    match (keyframe, candidate) {
+        (Some(keyframe), Some(candidate)) if errors.is_empty() => Ok(Loop {
+            id: new.id,
+            keyframe,
+            candidate,
+            keyframe_id: new.keyframe,
+            candidate_id: new.candidate,
+            query: new.query,
+        }),
+        _ => Err(ServiceError::Invalid(errors)),
+    }
+}
+
+fn report(index: &MapIndex, id: &LoopId) -> Option<LoopReport> {
+    let closed = index.loops().get(id)?;
+    Some(LoopReport {
+        id: closed.id.clone(),
+        keyframe: closed.keyframe_id.clone(),
+        candidate: closed.candidate_id.clone(),
+        query: closed.query.clone(),
+        merged: merges_of(index, id),
+    })
+}

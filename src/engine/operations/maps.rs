@@ -1,0 +1,180 @@
+//! Maps: make, read, change, delete.
+
+use sha2::{Digest as _, Sha256};
+use tokio::task::spawn_blocking;
+use tracing::Instrument as _;
+
+use crate::config::traces;
+use crate::domain::change::Change;
+use crate::domain::ids::MapId;
+use crate::domain::invalid::FieldError;
+use crate::domain::key::KeySeq;
+use crate::domain::map::MapProperties;
+use crate::domain::report::{MapReport, Page};
+use crate::domain::request::{Digest, MapPatch};
+use crate::domain::settings::Settings;
+use crate::engine::maps::live::Decision;
+use crate::engine::{Service, ServiceError, Stored};
+use crate::recognition::recorder::Recorder;
+use crate::store::{Job, MapRow, StoreError};
+
+/// The version of a map that was just made.
+const FIRST_VERSION: u64 = 1;
+
+impl Service {
+    /// The maps by name, as far as they are visible to who asks.
+    pub async fn list_maps(
+        &self,
+        cursor: Option<&str>,
+        limit: usize,
+        visible: impl Fn(&MapId) -> bool,
+    ) -> Result<Page<MapReport>, ServiceError> {
+        let mut after = cursor.map(|cursor| cursor.parse().map_err(|_| bad_cursor(cursor))).transpose()?;
+        let mut ids: Vec<MapId> = Vec::new();
+        while ids.len() <= limit {
+            let found = self.store.map_ids(after.as_ref(), limit + 1).await?;
+            let last = found.len() <= limit;
+            after = found.last().cloned();
+            ids.extend(found.into_iter().filter(&visible));
+            if last {
+                break;
+            }
+        }
+        let more = ids.len() > limit;
+        ids.truncate(limit);
+        let next_cursor = ids.last().filter(|_| more).map(ToString::to_string);
+        // As committed. What was deleted since the names were read is left out.
+        let items = self.store.map_rows(&ids).await?.into_iter().map(|row| row.report).collect();
+        Ok(Page { items, next_cursor })
+    }
+
+    /// Makes a map, or finds that this very request had made it.
+    pub async fn put_map(
+        &self,
+        id: MapId,
+        properties: MapProperties,
+        owner: Option<KeySeq>,
+    ) -> Result<Stored<MapReport>, ServiceError> {
+        let digest = fingerprint(&properties);
+        let _birth = self.registry.births.lock().await;
+        let mut row = self.map_row(&id).await?;
+        if row.is_none() {
+            // It may be on its way to the disk for a client that went away.
+            self.store.committer().settled().await;
+            row = self.map_row(&id).await?;
+        }
+        if let Some(MapRow { report: value, digest: made_by }) = row {
+            if made_by == digest {
+                return Ok(Stored { created: false, map_version: value.version, value });
+            }
+            let detail = format!("map {id} exists and was made by another body; change it with PATCH");
+            return Err(ServiceError::Conflict { code: "map_exists", detail });
+        }
+        self.disk_takes(false)?;
+        let key = self.registry.next_key();
+        let job = Job::CreateMap { key, id: id.clone(), properties: Box::new(properties), digest, owner };
+        self.store.committer().commit(job).instrument(traces::part("commit")).await?;
+        Ok(Stored { created: true, map_version: FIRST_VERSION, value: self.get_map(&id).await? })
+    }
+
+    /// Returns a map as committed: from its row, so that it need not be in memory.
+    pub async fn get_map(&self, id: &MapId) -> Result<MapReport, ServiceError> {
+        let row = self.map_row(id).await?;
+        row.map(|row| row.report).ok_or_else(|| ServiceError::no_map(id))
+    }
+
+    async fn map_row(&self, id: &MapId) -> Result<Option<MapRow>, ServiceError> {
+        Ok(self.store.map_rows(std::slice::from_ref(id)).await?.pop())
+    }
+
+    /// Changes a map's description, classes or settings. What the settings decided before (which detection
+    /// joined which anchor) stays; what is derived (states, matches, covisibility) follows at once.
+    pub async fn patch_map(&self, id: &MapId, patch: MapPatch) -> Result<MapReport, ServiceError> {
+        let live = self.live(id).await?;
+        self.change(&live, move |index| {
+            let properties = patched(index.properties(), patch)?;
+            let mut record = Recorder::new(index);
+            record.apply(vec![Change::MapSet(Box::new(properties))]);
+            Ok(Decision::Changed((), record.finish(), None))
+        })
+        .await?;
+        self.get_map(id).await
+    }
+
+    /// Deletes a map with everything in it; whoever asks for it meanwhile waits for what the disk says.
+    pub async fn delete_map(&self, id: &MapId) -> Result<(), ServiceError> {
+        let birth = self.registry.births.clone().lock_owned().await;
+        let live = match self.live(id).await {
+            Err(ServiceError::Damaged(_)) => return self.delete_damaged(id).await,
+            live => live?,
+        };
+        self.disk_takes(true)?;
+        let service = self.clone();
+        // To its end, also when the client has gone.
+        let deletion = async move {
+            let deleting = live.clone();
+            let store = service.store.clone();
+            let queued =
+                spawn_blocking(move || deleting.delete(&store)).await.map_err(ServiceError::panicked)??;
+            let deleted = queued.await.map_err(|_| StoreError::Closed)?;
+            service.features.forget_map(live.key).await;
+            service.registry.forget_over(&live.id);
+            drop(birth);
+            deleted?;
+            tracing::info!(map = %live.id, "a map was deleted");
+            Ok(())
+        };
+        tokio::spawn(deletion.in_current_span()).await.map_err(ServiceError::panicked)?
+    }
+
+    /// Deletes a map that cannot be loaded; its name is free again then.
+    async fn delete_damaged(&self, id: &MapId) -> Result<(), ServiceError> {
+        self.disk_takes(true)?;
+        let key = self.key_of(id).await?;
+        self.store.committer().commit(Job::DeleteMap(key)).await?;
+        tracing::info!(map = %id, "a damaged map was deleted");
+        Ok(())
+    }
+}
+
+/// What makes two requests for a map the same. A setting counts only where it differs from its default, so
+/// that a setting added by a later version does not make a retry look like another map.
+fn fingerprint(properties: &MapProperties) -> Digest {
+    let defaults = Settings::default();
+    let chosen: Vec<_> = Settings::TABLE
+        .iter()
+        .map(|row| (row.name, properties.settings.get(row.name)))
+        .filter(|(name, value)| *value != defaults.get(name))
+        .collect();
+    let said = (&properties.description, properties.metric, &properties.anchor_classes, chosen);
+    Sha256::digest(format!("{said:?}")).into()
+}
+
+fn patched(before: &MapProperties, patch: MapPatch) -> Result<MapProperties, ServiceError> {
+    let mut properties = before.clone();
+    if let Some(description) = patch.description {
+        properties.description = description;
+    }
+    if let Some(mut classes) = patch.anchor_classes {
+        classes.sort();
+        classes.dedup();
+        properties.anchor_classes = classes;
+    }
+    if let Some(metric) = patch.metric {
+        properties.metric = metric;
+    }
+    let mut errors = Vec::new();
+    for (name, value) in patch.settings {
+        if let Err(error) = properties.settings.set(&name, value) {
+            errors.push(FieldError::new(format!("/settings/{name}"), error.to_string()));
+        }
+    }
+    if errors.is_empty() { Ok(properties) } else { Err(ServiceError::Invalid(errors)) }
+}
+
+/// A cursor that this server did not give.
+pub(in crate::engine) fn bad_cursor(cursor: &str) -> ServiceError {
+    ServiceError::Invalid(vec![
+        FieldError::new("?cursor", "is not a cursor that this server gave").got(cursor),
+    ])
+}

@@ -1,0 +1,19 @@
+//! Operations: one file for each kind of resource that clients read and write.
+
+pub(super) mod anchors;
+pub(super) mod backups;
+pub(super) mod changed_signs;
+pub(super) mod events;
+pub(super) mod export;
+pub(super) mod judgements;
+pub(super) mod keyframes;
+pub(super) mod loops;
+pub(super) mod maps;
+pub(super) mod model_verdicts;
+pub(super) mod poses;
+pub(super) mod queries;
+pub(super) mod stats;
+pub(super) mod text_functions;
+pub(super) mod trajectories;
+pub(super) mod twins;
+pub(super) mod views;

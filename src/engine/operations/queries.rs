@@ -1,0 +1,225 @@
+//! "Is this keyframe a loop?"
+
+use std::fmt::Write as _;
+use std::sync::Arc;
+use std::time::Duration;
+
+use bytes::Bytes;
+use sha2::{Digest as _, Sha256};
+use tokio::task::spawn_blocking;
+use tokio::time::{Instant, timeout_at};
+
+use super::keyframes::find;
+use crate::config::logging::in_part;
+use crate::domain::bow::BowVector;
+use crate::domain::ids::{KeyframeId, MapId};
+use crate::domain::request::{LoopQuery, Subject};
+use crate::domain::roles::Roles;
+use crate::domain::verdict::{ReasonCode, Verdict};
+use crate::engine::bow::check_vocabulary;
+use crate::engine::maps::live::LiveMap;
+use crate::engine::maps::pinned::HeldMap;
+use crate::engine::{Service, ServiceError, milliseconds_since};
+use crate::recognition::conclusion::conclude;
+use crate::recognition::index::MapIndex;
+use crate::recognition::ingest::unknown_covisible;
+use crate::recognition::loop_check::screen;
+use crate::recognition::query::Query;
+use crate::recognition::screening::Screening;
+
+/// A verdict and its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct QueryAnswer {
+    /// The map that was asked, to keep the answer in.
+    pub map: HeldMap,
+    /// Derived from the map's version and the query, so that the same question has the same name.
+    pub id: String,
+    /// The keyframe that was asked about, unless it was inline.
+    pub keyframe: Option<KeyframeId>,
+    /// The answer.
+    pub verdict: Verdict,
+    /// What it took. Not a part of the answer's body, which the same question gives again to the byte.
+    pub timings: Timings,
+}
+
+/// Milliseconds that the steps of a query took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Timings {
+    /// Checks 1 to 3, with the reading of the bag of words.
+    pub screen_ms: f64,
+    /// Reading features from disk or cache.
+    pub features_ms: f64,
+    /// Geometric verification and the conclusion.
+    pub geometry_ms: f64,
+}
+
+impl Service {
+    /// Answers a loop query. Changes nothing, and calls no model.
+    pub async fn loop_query(&self, map: &MapId, query: LoopQuery) -> Result<QueryAnswer, ServiceError> {
+        let live = self.live(map).await?;
+        let mut query = query;
+        if let Subject::Inline(keyframe, _) = &mut query.subject {
+            **keyframe = self.compute_bow((**keyframe).clone()).await?;
+        }
+        let query = Arc::new(query);
+        let deadline = Instant::now() + Duration::from_millis(query.max_wait_ms);
+        loop {
+            let answer = self.check(&live, &query).await?;
+            // Only a write can bring what is missing; each is worth another look.
+            let version = answer.verdict.map_version;
+            let waits = waits_for_descriptions(&answer.verdict) && !self.pressure.is_high();
+            if !waits || Instant::now() >= deadline {
+                return Ok(answer);
+            }
+            if timeout_at(deadline, live.next_version(version)).await.is_err() {
+                return Ok(answer);
+            }
+        }
+    }
+
+    /// Returns the configuration that this server's verdicts depend on.
+    pub(in crate::engine) fn configured(&self) -> Configured<'_> {
+        Configured {
+            roles: self.models.as_ref().map_or_else(Roles::default, |models| models.roles()),
+            vocabulary: self.vocabulary().map(|(fingerprint, _)| fingerprint),
+        }
+    }
+
+    async fn check(&self, live: &Arc<LiveMap>, query: &Arc<LoopQuery>) -> Result<QueryAnswer, ServiceError> {
+        let mut timings = Timings::default();
+        let started = Instant::now();
+        let bow = self.bow_of(live, &query.subject).await?;
+        let asked = query.clone();
+        let configured = self.configured();
+        let roles = configured.roles;
+        let (version, screening) = self
+            .read(live, move |state| screen_subject(&state.index, state.version, &asked, &bow, roles))
+            .await?;
+        timings.screen_ms = milliseconds_since(started.into_std());
+
+        let started = Instant::now();
+        let wanted = screening.wanted_features();
+        let mut features = self.features.read(&self.store, live.key, wanted).await?;
+        if let Subject::Inline(keyframe, _) = &query.subject
+            && let Some(own) = keyframe.features.clone()
+        {
+            features.inline = self.features.prepare(own).await?;
+        }
+        timings.features_ms = milliseconds_since(started.into_std());
+
+        let started = Instant::now();
+        let verdict = if screening.waiting().next().is_none() {
+            conclude(screening, &features, query.seed)
+        } else {
+            // Verification keeps a core busy; it waits its turn, off the async threads and without the map's lock.
+            let _permit = self.reads.enter().await?;
+            let seed = query.seed;
+            spawn_blocking(in_part("verify", move || conclude(screening, &features, seed)))
+                .await
+                .map_err(ServiceError::panicked)?
+        };
+        timings.geometry_ms = milliseconds_since(started.into_std());
+        let keyframe = match &query.subject {
+            Subject::Stored(id) => Some(id.clone()),
+            Subject::Inline(..) => None,
+        };
+        let id = name(&live.id, version, query, configured);
+        Ok(QueryAnswer { map: HeldMap(live.clone()), id, keyframe, verdict, timings })
+    }
+
+    /// The bag of words of a stored keyframe; it lies on disk only.
+    async fn bow_of(&self, live: &Arc<LiveMap>, subject: &Subject) -> Result<BowVector, ServiceError> {
+        let Subject::Stored(id) = subject else { return Ok(BowVector::default()) };
+        let name = id.clone();
+        let (_, seq) = self.read(live, move |state| find(&state.index, &name)).await?;
+        self.store.bow(live.key, seq).await?.ok_or_else(|| ServiceError::no_keyframe(id))
+    }
+
+    /// Keeps an answer, as sent, for reading back: written behind, bounded, oldest out first.
+    pub fn keep_query(&self, answer: &QueryAnswer, body: Bytes) {
+        answer.map.live().keep_query(&self.store, &answer.id, body);
+    }
+
+    /// A kept answer.
+    pub async fn kept_query(&self, map: &MapId, id: &str) -> Result<Bytes, ServiceError> {
+        // One that is on its way to the disk keeps its map in memory.
+        let live = self.registry.in_memory_now(map);
+        if let Some(body) = live.and_then(|live| live.query_under_way(id)) {
+            return Ok(body);
+        }
+        let found = self.store.kept_query(self.key_of(map).await?, id).await?;
+        found
+            .map(Bytes::from)
+            .ok_or_else(|| ServiceError::NotFound(format!("there is no loop query {id} in this map")))
+    }
+}
+
+fn screen_subject(
+    index: &MapIndex,
+    version: u64,
+    query: &LoopQuery,
+    bow: &BowVector,
+    roles: Roles,
+) -> Result<Screening, ServiceError> {
+    let subject = match &query.subject {
+        Subject::Stored(keyframe) => {
+            let seq = find(index, keyframe)?;
+            Query::stored(index, seq, bow).ok_or_else(|| ServiceError::no_keyframe(keyframe))?
+        }
+        Subject::Inline(keyframe, _) => {
+            let declared = keyframe.covisible.iter().enumerate().map(|(place, (id, _))| (place, id));
+            let errors = unknown_covisible(index, declared);
+            if !errors.is_empty() {
+                return Err(ServiceError::Invalid(errors.into_iter().map(within_inline).collect()));
+            }
+            check_vocabulary(index, keyframe)?;
+            Query::inline(index, keyframe)
+        }
+    };
+    Ok(screen(index, version, &subject.with_roles(roles), query.verify))
+}
+
+fn waits_for_descriptions(verdict: &Verdict) -> bool {
+    verdict.candidates.iter().any(|candidate| {
+        candidate.reason.as_ref().is_some_and(|reason| reason.code == ReasonCode::LlmPending)
+    })
+}
+
+fn within_inline(mut error: crate::domain::invalid::FieldError) -> crate::domain::invalid::FieldError {
+    error.pointer = format!("/inline{}", error.pointer);
+    error
+}
+
+/// All of a server's configuration that a verdict depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::engine) struct Configured<'a> {
+    /// Whether descriptions may still come.
+    pub roles: Roles,
+    /// The fingerprint of the vocabulary: it computes the words of an inline keyframe that brings none, and groups the
+    /// features that geometry matches.
+    pub vocabulary: Option<&'a str>,
+}
+
+/// Returns the id of an answer: the same for the same question of the same version, answered by servers of one
+/// configuration.
+fn name(map: &MapId, version: u64, query: &LoopQuery, configured: Configured<'_>) -> String {
+    let mut hash = Sha256::new();
+    hash.update(format!("{map}\n{version}\n{}\n{}\n", query.verify.as_str(), query.seed));
+    let Configured { roles, vocabulary } = configured;
+    // Left out where there is neither, so that records kept by earlier versions are found.
+    if !roles.is_none() || vocabulary.is_some() {
+        let vocabulary = vocabulary.unwrap_or_default();
+        hash.update(format!("vision {} text {} vocabulary {vocabulary}\n", roles.vision, roles.text));
+    }
+    match &query.subject {
+        Subject::Stored(id) => hash.update(format!("stored\n{id}")),
+        Subject::Inline(_, digest) => {
+            hash.update("inline\n");
+            hash.update(digest);
+        }
+    }
+    hash.finalize().iter().take(8).fold(String::from("q-"), |mut name, byte| {
+        let _ = write!(name, "{byte:02x}");
+        name
+    })
+}

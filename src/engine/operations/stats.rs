@@ -1,0 +1,145 @@
+//! Stats: figures for the metrics page. They are read while everything else is stuck, so nothing here waits for a lock
+//! that a request holds while it works, and nothing asks the database.
+
+use crate::engine::Service;
+
+/// Figures for the metrics page.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stats {
+    /// Maps in memory.
+    pub maps: u64,
+    /// Bytes that these maps take, about.
+    pub map_memory_bytes: u64,
+    /// Bytes that they may take.
+    pub map_memory_limit_bytes: u64,
+    /// Maps that came to memory since the start.
+    pub map_loads: u64,
+    /// Microseconds that their loading took.
+    pub map_load_microseconds: u64,
+    /// Loads of maps larger than the limit.
+    pub map_loads_oversized: u64,
+    /// Maps that left memory for others since the start.
+    pub map_evictions: u64,
+    /// Keyframes of these maps.
+    pub keyframes: u64,
+    /// Anchors of these maps, merged ones counted once.
+    pub anchors: u64,
+    /// Postings of their inverted files.
+    pub postings: u64,
+    /// Bytes of their inverted files.
+    pub index_bytes: u64,
+    /// Writes committed since the start.
+    pub commits: u64,
+    /// Transactions they took.
+    pub commit_batches: u64,
+    /// Writes waiting for the disk.
+    pub queue_depth: u64,
+    /// Writes that are being decided, or wait for the disk.
+    pub writes_under_way: u64,
+    /// Writes that wait for their turn to be decided.
+    pub writes_waiting: u64,
+    /// Heavy reads that compute.
+    pub reads_under_way: u64,
+    /// Heavy reads that wait for their turn.
+    pub reads_waiting: u64,
+    /// Keyframes to be asked about because of what models have found.
+    pub triggers_waiting: u64,
+    /// Features that geometry found in the cache.
+    pub feature_cache_hits: u64,
+    /// Features that it had to read from disk.
+    pub feature_cache_misses: u64,
+    /// Bytes of the features in the cache.
+    pub feature_cache_bytes: u64,
+    /// Bytes of the database.
+    pub database_bytes: u64,
+    /// Bytes of its write-ahead log.
+    pub wal_bytes: u64,
+    /// When the newest backup of POST /v1/backups was asked for, in seconds since 1970; 0 without any.
+    pub newest_backup_s: u64,
+    /// Questions that models are to be asked.
+    pub model_jobs: u64,
+    /// Questions that models could not answer since the start.
+    pub model_failures: u64,
+    /// 1 while a model is away or the day's budget is spent.
+    pub models_away: u64,
+    /// Calls of models since the database was made.
+    pub model_calls: u64,
+    /// Questions answered without a call.
+    pub model_cache_hits: u64,
+    /// What models cost, in millionths of a US dollar.
+    pub model_microusd: u64,
+}
+
+impl Service {
+    /// Figures for the metrics page, of the maps in memory.
+    pub fn stats(&self) -> Stats {
+        let commits = self.store.committer().stats();
+        let (files, features) = (self.store.files().sizes(), self.features.figures());
+        let (memory, loads) = (&self.registry.memory, self.registry.loads.figures());
+        let mut stats = Stats {
+            map_memory_bytes: memory.used(),
+            map_memory_limit_bytes: memory.budget(),
+            map_loads: loads.loads,
+            map_load_microseconds: loads.load_microseconds,
+            map_loads_oversized: loads.oversized,
+            map_evictions: loads.evictions,
+            model_jobs: self.worker.open_jobs(),
+            model_failures: self.models.as_ref().map_or(0, |models| models.failures()),
+            models_away: self.models.as_ref().map_or(0, |models| u64::from(models.is_away())),
+            commits: commits.jobs,
+            commit_batches: commits.transactions,
+            queue_depth: commits.waiting,
+            writes_under_way: self.writes.inside() as u64,
+            writes_waiting: self.writes.waiting() as u64,
+            reads_under_way: self.reads.inside() as u64,
+            reads_waiting: self.reads.waiting() as u64,
+            triggers_waiting: self.worker.triggers_waiting(),
+            feature_cache_hits: features.hits,
+            feature_cache_misses: features.misses,
+            feature_cache_bytes: features.bytes,
+            database_bytes: files.database,
+            wal_bytes: files.wal,
+            newest_backup_s: self.backups.as_ref().map_or(0, |backups| backups.newest_s()),
+            ..Stats::default()
+        };
+        for line in self.usage().into_iter().flat_map(|usage| usage.lines) {
+            stats.model_calls += line.calls;
+            stats.model_cache_hits += line.cache_hits;
+            stats.model_microusd += line.microusd;
+        }
+        self.registry.each_in_memory(|live| {
+            let figures = live.figures();
+            stats.maps += 1;
+            stats.keyframes += figures.keyframes;
+            stats.anchors += figures.anchors;
+            stats.postings += figures.postings;
+            stats.index_bytes += figures.index_bytes;
+            // Mostly they wait before their map; only then before all maps.
+            stats.reads_waiting += live.reads.waiting() as u64;
+        });
+        stats
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::domain::map::MapProperties;
+    use crate::engine::maps::live::Decision;
+    use crate::engine::{Service, ServiceOptions};
+
+    #[tokio::test(flavor = "multi_thread")]
+    async fn figures_are_told_while_a_request_holds_a_map() {
+        let folder = tempfile::tempdir().unwrap();
+        let database = format!("sqlite://{}/stats.db", folder.path().display());
+        let service = Service::open(ServiceOptions::on(database)).await.unwrap();
+        let id = "hotel".parse().unwrap();
+        service.put_map(id, MapProperties::default(), None).await.unwrap();
+        let live = service.live(&"hotel".parse().unwrap()).await.unwrap();
+        // Under the map's lock: if the figures waited for it, this would never end.
+        let within = service.clone();
+        let told = service.change(&live, move |_| Ok(Decision::Unchanged(within.stats()))).await.unwrap().0;
+        assert_eq!((told.maps, told.writes_under_way), (1, 1));
+        assert!(told.wal_bytes > 0);
+        service.close().await;
+    }
+}

@@ -1,0 +1,106 @@
+//! The three functions of §IV-A.2 asked by hand, what models cost, and the dialogues that described an anchor.
+
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId};
+use crate::domain::judged::{CropReading, Transcript};
+use crate::domain::key::KeySeq;
+use crate::domain::report::{UsageLine, UsageReport};
+use crate::engine::keys::access::Access;
+use crate::engine::{Service, ServiceError};
+use crate::llm::budget::{Limits, Payer};
+use crate::llm::judge::{Judge, Judged, Merged};
+
+/// An anchor shows at most so many dialogues, the newest first.
+const TRANSCRIPTS_SHOWN: usize = 32;
+
+impl Service {
+    /// The three functions, at the expense of who asks.
+    fn judge(&self, asks: &Access) -> Judge {
+        let Some(models) = &self.models else { return Judge::default() };
+        models.judge.paid_by(self.payer(asks.key()))
+    }
+
+    /// Who pays, with the limits of the key.
+    pub(in crate::engine) fn payer(&self, key: Option<KeySeq>) -> Option<Payer> {
+        let key = key?;
+        let properties = self.keys.properties(key)?;
+        let limits = Limits {
+            calls: properties.model_daily_calls.map(i64::from),
+            microusd: properties.model_daily_microusd.map(|microusd| microusd as i64),
+        };
+        Some(Payer { key, limits })
+    }
+
+    /// SimilarityLevel of two texts of one class.
+    pub async fn similarity(&self, asks: &Access, class: &str, a: &str, b: &str) -> Judged {
+        let patience = self.models.as_ref().map(|models| models.patience);
+        self.judge(asks).similarity(class, a, b, patience).await
+    }
+
+    /// InformationLevel of a text.
+    pub async fn information(&self, asks: &Access, class: &str, text: &str) -> Judged {
+        let patience = self.models.as_ref().map(|models| models.patience);
+        self.judge(asks).information(class, text, patience).await
+    }
+
+    /// MergeText of two texts of one class.
+    pub async fn merge_text(&self, asks: &Access, class: &str, a: &str, b: &str) -> Merged {
+        let patience = self.models.as_ref().map(|models| models.patience);
+        self.judge(asks).merge(class, a, b, patience).await
+    }
+
+    /// What models were asked and what it cost; `None` without any.
+    pub fn usage(&self) -> Option<UsageReport> {
+        let models = self.models.as_ref()?;
+        let (calls_today, microusd_today, limits) = models.budget().today();
+        let lines = models.budget().usage().into_iter().map(|(operation, model, totals)| UsageLine {
+            operation,
+            model,
+            calls: totals.calls as u64,
+            input_tokens: totals.input_tokens as u64,
+            output_tokens: totals.output_tokens as u64,
+            microusd: totals.microusd as u64,
+            cache_hits: totals.cache_hits as u64,
+        });
+        Some(UsageReport {
+            lines: lines.collect(),
+            calls_today: calls_today as u64,
+            microusd_today: microusd_today as u64,
+            daily_calls: limits.calls.map(|calls| calls as u64),
+            daily_microusd: limits.microusd.map(|microusd| microusd as u64),
+            away: models.is_away(),
+        })
+    }
+
+    /// The dialogues that described an anchor, the newest first.
+    pub async fn transcripts(
+        &self,
+        map: &MapId,
+        anchor: AnchorSeq,
+    ) -> Result<(u64, Vec<Transcript>), ServiceError> {
+        let live = self.live(map).await?;
+        let (version, readings) = self
+            .read(&live, move |state| {
+                let index = &state.index;
+                let root = index.objects().root(anchor).and_then(|root| index.objects().get(root));
+                let object = root.ok_or_else(|| ServiceError::no_anchor(anchor.public()))?;
+                let members = object.members.iter().filter_map(|member| index.anchor(*member));
+                let mut readings: Vec<(KeyframeSeq, u16, String, CropReading)> = members
+                    .flat_map(|anchor| anchor.observations.values())
+                    .filter_map(|seen| {
+                        let keyframe = index.keyframe(seen.keyframe)?.id.to_string();
+                        Some((seen.keyframe, seen.detection, keyframe, seen.crop_reading.clone()?))
+                    })
+                    .collect();
+                readings.sort_by_key(|(keyframe, detection, ..)| std::cmp::Reverse((*keyframe, *detection)));
+                readings.truncate(TRANSCRIPTS_SHOWN);
+                Ok(readings)
+            })
+            .await?;
+        let mut transcripts = Vec::new();
+        for (seq, detection, keyframe, reading) in readings {
+            let steps = self.store.transcript(live.key, seq, detection).await?;
+            transcripts.push(Transcript { keyframe, detection, reading, steps });
+        }
+        Ok((version, transcripts))
+    }
+}

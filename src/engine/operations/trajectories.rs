@@ -1,0 +1,65 @@
+//! Trajectories: the poses of a map's sessions, read for tools that compare and optimise them.
+
+use crate::domain::change::{Keyframe, Loop};
+use crate::domain::ids::{MapId, SessionId, SessionSeq};
+use crate::domain::trajectory::{SessionTrack, TrackedPose, TrajectoryReport};
+use crate::engine::{Service, ServiceError};
+use crate::recognition::index::MapIndex;
+
+impl Service {
+    /// The trajectories of a map, or of one of its sessions with the loops within it.
+    pub async fn trajectory(
+        &self,
+        map: &MapId,
+        session: Option<SessionId>,
+    ) -> Result<TrajectoryReport, ServiceError> {
+        let live = self.live(map).await?;
+        let chosen = move |index: &MapIndex| {
+            let Some(id) = &session else { return Ok(None) };
+            let seq = index.session(id);
+            seq.map(Some)
+                .ok_or_else(|| ServiceError::NotFound(format!("there is no session {id} in this map")))
+        };
+        let (map_version, tracks) = self
+            .read(&live, move |state| {
+                let session = chosen(&state.index)?;
+                Ok((tracks(&state.index, session), loops(&state.index, session)))
+            })
+            .await?;
+        let (sessions, loops) = tracks;
+        Ok(TrajectoryReport { map_version, sessions, loops })
+    }
+}
+
+fn tracks(index: &MapIndex, only: Option<SessionSeq>) -> Vec<SessionTrack> {
+    let mut by_session: Vec<Vec<&Keyframe>> = vec![Vec::new(); index.sessions().len()];
+    for keyframe in index.keyframes().filter(|keyframe| only.is_none_or(|only| keyframe.session == only)) {
+        by_session[keyframe.session.index()].push(keyframe);
+    }
+    let mut tracks = Vec::new();
+    for (session, mut keyframes) in index.sessions().iter().zip(by_session) {
+        // Robots may send late what they saw early. The sort keeps the order of arrival within one stamp.
+        keyframes.sort_by_key(|keyframe| (keyframe.stamp.sec, keyframe.stamp.nanosec));
+        if !keyframes.is_empty() {
+            let keyframes = keyframes.into_iter().map(pose).collect();
+            tracks.push(SessionTrack { session: session.clone(), keyframes });
+        }
+    }
+    tracks
+}
+
+fn pose(keyframe: &Keyframe) -> TrackedPose {
+    TrackedPose {
+        keyframe: keyframe.id.clone(),
+        stamp: keyframe.stamp,
+        map_from_camera: keyframe.map_from_camera,
+    }
+}
+
+/// The loops whose two keyframes are there, and of one session if only that was asked for.
+fn loops(index: &MapIndex, only: Option<SessionSeq>) -> Vec<Loop> {
+    let is_there =
+        |seq| index.keyframe(seq).is_some_and(|keyframe| only.is_none_or(|only| keyframe.session == only));
+    let closed = index.loops().values();
+    closed.filter(|closed| is_there(closed.keyframe) && is_there(closed.candidate)).cloned().collect()
+}

@@ -1,0 +1,113 @@
+//! What a reader is shown of an anchor.
+
+use std::collections::BTreeSet;
+
+use crate::domain::anchor::AnchorState;
+use crate::domain::ids::AnchorSeq;
+use crate::domain::report::{AnchorMatchReport, AnchorReport};
+use crate::recognition::index::{Description, MapIndex, Object};
+use crate::recognition::matching;
+use crate::semantics::{self, Source};
+
+/// An anchor shows at most so many of those that match it; an EXIT sign has thousands.
+const MATCHES_SHOWN: usize = 100;
+
+/// An anchor as it stands; of a merged one, what is its own. `None` if there is no such anchor.
+pub(in crate::engine) fn anchor(index: &MapIndex, seq: AnchorSeq) -> Option<AnchorReport> {
+    let root = index.objects().root(seq)?;
+    let alone = if root == seq { None } else { Some(index.anchor_alone(seq)?) };
+    let object = alone.as_ref().or_else(|| index.objects().get(root))?;
+    let description = object.description.as_ref();
+    let named = |keyframe| index.keyframe(keyframe).map(|keyframe| keyframe.id.clone());
+    let (matches, matches_total) = if root == seq { matches(index, root, object) } else { (Vec::new(), 0) };
+    Some(AnchorReport {
+        anchor: seq,
+        class: index.class_of(object).to_owned(),
+        state: object.state,
+        description: description.map(|description| description.raw.to_string()),
+        description_source: if description.is_some_and(|d| d.by_hand) { "operator" } else { "readings" },
+        identifiers: description
+            .map(|d| d.text.identifiers().iter().map(|identifier| identifier.as_str().to_owned()).collect())
+            .unwrap_or_default(),
+        information_level: description.map_or(1, |description| description.information_level),
+        information_reason: description.map(|description| information_reason(index, object, description)),
+        numbering: (index.readings().numbering(index.class_of(object)).into_iter())
+            .flat_map(|numbering| numbering.shown().map(str::to_owned))
+            .collect(),
+        readings: object.votes.report(),
+        disagreement: object.votes.disagreement(),
+        keyframes: index.keyframes_of(object).into_iter().filter_map(named).collect(),
+        frames: object
+            .shapes
+            .iter()
+            .filter_map(|(session, shape)| Some((index.sessions()[session.index()].clone(), shape.aabb?)))
+            .collect(),
+        map_points: object.shapes.values().map(|shape| shape.map_points.len()).sum(),
+        matches,
+        matches_total,
+        replaced_by: index.replacement_of(object).filter(|_| object.state == AnchorState::Retired),
+        merged_into: (root != seq).then_some(root),
+        merged_from: object.members.iter().copied().filter(|member| *member != seq).collect(),
+        version: index.anchor(seq)?.version,
+        has_crop: best_crop(index, object).is_some(),
+    })
+}
+
+/// Why a description has its InformationLevel.
+fn information_reason(index: &MapIndex, object: &Object, description: &Description) -> String {
+    let (level, reason) = semantics::information(&description.text);
+    let by_model = index.verdicts().information(index.class_of(object), &description.text);
+    match () {
+        () if description.information_level == level => reason,
+        () if by_model == Some(description.information_level) => "a model judged so".to_owned(),
+        () => "it was read once, by a reader that was not confident, and never alike again".to_owned(),
+    }
+}
+
+fn matches(index: &MapIndex, root: AnchorSeq, object: &Object) -> (Vec<AnchorMatchReport>, usize) {
+    let texts = index.texts();
+    let Some(text) = texts.of(root) else { return (Vec::new(), 0) };
+    let total = matching::matches(index, root).count();
+    let near = if total == 0 { BTreeSet::default() } else { matching::neighbourhood(index, root) };
+    let shown = matching::matches(index, root).take(MATCHES_SHOWN).filter_map(|other| {
+        let (level, source) = texts.level(text, texts.of(other)?)?;
+        let (ours, theirs) =
+            (object.description.as_ref()?, index.objects().get(other)?.description.as_ref()?);
+        Some(AnchorMatchReport {
+            anchor: other,
+            level,
+            source: source.as_str().to_owned(),
+            revisit: !near.contains(&other),
+            reason: match &source {
+                // The built-in judge's reason would be of another level, by another judge.
+                Source::Model(model) => {
+                    let class = index.class_of(object);
+                    let reason = index.verdicts().reason(class, &ours.text, &theirs.text);
+                    reason.map_or_else(|| format!("{model} judged so, without a reason"), str::to_owned)
+                }
+                _ => semantics::similarity(&ours.text, &theirs.text).reason,
+            },
+        })
+    });
+    let mut shown: Vec<AnchorMatchReport> = shown.collect();
+    shown.sort_by_key(|report| report.anchor);
+    (shown, total)
+}
+
+/// The keyframe and the detection with the largest crop of an object; of equals, the newest.
+pub(in crate::engine) fn best_crop(
+    index: &MapIndex,
+    object: &Object,
+) -> Option<(crate::domain::ids::KeyframeSeq, u16)> {
+    let observations = object
+        .members
+        .iter()
+        .filter_map(|member| index.anchor(*member))
+        .flat_map(|a| a.observations.values());
+    observations
+        .filter_map(|observation| {
+            Some((observation.crop_area_px?, observation.keyframe, observation.detection))
+        })
+        .max_by(|a, b| a.0.total_cmp(&b.0).then_with(|| (a.1, a.2).cmp(&(b.1, b.2))))
+        .map(|(_, keyframe, detection)| (keyframe, detection))
+}

@@ -1,0 +1,10 @@
+//! The building: floor plan, furniture, signs, and what changes in them.
+
+pub mod floor_plan;
+pub mod furnishing;
+pub mod realism;
+pub mod renumbering;
+pub mod signs;
+pub mod storeys;
+pub mod texture;
+pub mod world;

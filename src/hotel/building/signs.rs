@@ -1,0 +1,288 @@
+//! Signs: what hangs on the walls and can be read or described: door plates, paintings, exit signs, floor signs.
+
+use super::floor_plan::{CORRIDOR_HALF_WIDTH_M, FloorPlan, Spot};
+use super::furnishing::WorldPoint;
+use super::texture::{Descriptor, Patterns, copy};
+use crate::hotel::rng::SeededRng;
+
+/// What kind of sign, which is the class of its detections.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum SignKind {
+    /// A door number beside its door.
+    DoorPlate,
+    /// A painting on the corridor's wall.
+    Painting,
+    /// An exit sign.
+    ExitSign,
+    /// The floor's number, the same everywhere.
+    FloorSign,
+}
+
+impl SignKind {
+    /// The class as a detector names it.
+    pub fn class(self) -> &'static str {
+        match self {
+            Self::DoorPlate => "door_number",
+            Self::Painting => "painting",
+            Self::ExitSign => "exit_sign",
+            Self::FloorSign => "floor_sign",
+        }
+    }
+
+    /// How far off a detector still finds it, in metres.
+    pub fn detected_within_m(self) -> f64 {
+        match self {
+            Self::DoorPlate | Self::FloorSign => 5.2,
+            Self::Painting | Self::ExitSign => 6.5,
+        }
+    }
+
+    fn half_size_m(self) -> [f64; 2] {
+        match self {
+            Self::DoorPlate | Self::FloorSign => [0.10, 0.07],
+            Self::Painting => [0.30, 0.22],
+            Self::ExitSign => [0.16, 0.08],
+        }
+    }
+}
+
+/// A sign on a wall.
+#[derive(Clone, Debug)]
+pub struct Sign {
+    /// What it is.
+    pub kind: SignKind,
+    /// What stands on it, or what it shows: the truth, which a reader may get wrong.
+    pub text: String,
+    /// Its middle, in metres.
+    pub centre: [f64; 3],
+    /// Where it looks; a unit vector.
+    pub normal: [f64; 2],
+    /// Half its width and height, in metres.
+    pub half_size_m: [f64; 2],
+    /// Its points among the world's.
+    pub points: std::ops::Range<usize>,
+}
+
+/// What the signs of a world are like.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SignPlan {
+    /// The same painting on every wall, and a floor's number and an exit sign with a description at every door.
+    pub repeated: bool,
+    /// The number of different paintings, hung one after the other; 0: as many as there are walls for them.
+    pub prints: usize,
+}
+
+/// Points of one sign.
+const POINTS_PER_SIGN: usize = 16;
+/// One plate point in so many, from the first, is on its digits and differs from plate to plate.
+pub const POINTS_PER_DIGIT_POINT: usize = 3;
+/// Where a plate hangs, right of the middle of its door, and how high.
+const PLATE_U_M: f64 = 0.62;
+const PLATE_Z_M: f64 = 1.45;
+/// Where repeated signs hang, left of the middle of the door.
+const REPEATED_U_M: f64 = -0.62;
+/// Where a painting may hang, right of the middle of the door across the corridor.
+const PAINTING_U_M: [f64; 3] = [0.0, 0.5, -0.5];
+/// A door with its plate needs so much wall on either side of its middle, and half a painting more.
+const DOOR_AND_PLATE_M: f64 = 1.05;
+/// The height of a painting's middle.
+const PAINTING_Z_M: f64 = 1.5;
+/// The height of an exit sign's middle.
+const EXIT_Z_M: f64 = 1.95;
+
+/// What repeated exit signs are described as: enough words to be an anchor, and nothing that tells one from another.
+pub const REPEATED_EXIT: &str = "an illuminated pictogram of a running figure heading for a doorway";
+
+/// Hangs the signs of a floor. The points of a sign are appended to `points`.
+pub struct Decorator<'a> {
+    /// Where.
+    pub plan: &'a FloorPlan,
+    /// What corners look like.
+    pub patterns: &'a Patterns,
+    /// All points of the world so far.
+    pub points: &'a mut Vec<WorldPoint>,
+}
+
+impl Decorator<'_> {
+    /// Hangs everything; `numbers` are the rooms', in their order.
+    pub fn hang(&mut self, numbers: &[String], signs: SignPlan, rng: &mut SeededRng) -> Vec<Sign> {
+        let mut hung = Vec::new();
+        let mut titles = paintings(self.plan.rooms.len() + 8, rng);
+        let patterns = self.patterns;
+        let look_like_no_other = |rng: &mut SeededRng| -> Vec<Descriptor> {
+            (0..POINTS_PER_SIGN).map(|_| patterns.model(rng)).collect()
+        };
+        let [same_painting, exit, floor] = [(); 3].map(|()| look_like_no_other(rng));
+        let prints: Vec<Vec<Descriptor>> = (0..signs.prints).map(|_| look_like_no_other(rng)).collect();
+        if signs.prints > 0 {
+            titles = (0..titles.len()).map(|number| titles[number % signs.prints].clone()).collect();
+        }
+        let look_of_painting = |number: usize, rng: &mut SeededRng| match prints.len() {
+            0 => look_like_no_other(rng),
+            different => prints[number % different].clone(),
+        };
+        let floor_number = numbers[0].chars().take(numbers[0].len().saturating_sub(2)).collect::<String>();
+        for (number, room) in self.plan.rooms.iter().enumerate() {
+            // The digits differ little: a plate's points look like its neighbours' but for some of them.
+            let digits = look_like_no_other(rng);
+            let look: Vec<Descriptor> = floor
+                .iter()
+                .zip(&digits)
+                .enumerate()
+                .map(|(i, (a, b))| if i % POINTS_PER_DIGIT_POINT == 0 { *b } else { *a })
+                .collect();
+            let plate = place(&room.door, PLATE_U_M, 0.0, PLATE_Z_M, -1.0);
+            hung.push(self.sign(SignKind::DoorPlate, numbers[number].clone(), plate, &look, rng));
+            let opposite = -2.0 * CORRIDOR_HALF_WIDTH_M;
+            // Where it is seen through the open door, if another door leaves room for it.
+            let free = PAINTING_U_M.into_iter().find(|u| self.is_free(room.door.at(*u, opposite)));
+            if let Some(u) = free {
+                let spot = place(&room.door, u, opposite, PAINTING_Z_M, 1.0);
+                let (title, look) = if signs.repeated {
+                    (titles[0].clone(), same_painting.clone())
+                } else {
+                    (titles[number].clone(), look_of_painting(number, rng))
+                };
+                hung.push(self.sign(SignKind::Painting, title, spot, &look, rng));
+            }
+            if signs.repeated {
+                let spot = place(&room.door, REPEATED_U_M, 0.0, PLATE_Z_M, -1.0);
+                hung.push(self.sign(SignKind::FloorSign, format!("Floor {floor_number}"), spot, &floor, rng));
+                let spot = place(&room.door, REPEATED_U_M - 0.1, 0.0, EXIT_Z_M, -1.0);
+                hung.push(self.sign(SignKind::ExitSign, REPEATED_EXIT.to_owned(), spot, &exit, rng));
+            }
+        }
+        let rooms = self.plan.rooms.len();
+        for (corner, corner_m) in self.plan.corners_m().into_iter().enumerate() {
+            // On the outer walls, seen by who comes along either way.
+            let ([x, y], heading) = self.plan.centreline(corner_m - 1e-6);
+            let ahead = Spot { origin: [x, y], facing: [heading.cos(), heading.sin()] };
+            let aside = Spot { origin: [x, y], facing: [heading.sin(), -heading.cos()] };
+            let spot = place(&ahead, 0.0, CORRIDOR_HALF_WIDTH_M, EXIT_Z_M, -1.0);
+            let text = if signs.repeated { REPEATED_EXIT } else { "EXIT" };
+            hung.push(self.sign(SignKind::ExitSign, text.to_owned(), spot, &exit, rng));
+            for (number, wall) in [ahead, aside].into_iter().enumerate() {
+                let spot = place(&wall, 0.0, CORRIDOR_HALF_WIDTH_M, PAINTING_Z_M, -1.0);
+                let (title, look) = if signs.repeated {
+                    (titles[0].clone(), same_painting.clone())
+                } else {
+                    {
+                        let number = rooms + 2 * corner + number;
+                        (titles[number].clone(), look_of_painting(number, rng))
+                    }
+                };
+                hung.push(self.sign(SignKind::Painting, title, spot, &look, rng));
+            }
+        }
+        hung
+    }
+
+    /// Is there wall here, and no door near?
+    fn is_free(&self, place: [f64; 2]) -> bool {
+        self.plan.rooms.iter().all(|room| {
+            let [x, y] = room.door.origin;
+            (place[0] - x).hypot(place[1] - y) > DOOR_AND_PLATE_M
+        })
+    }
+
+    fn sign(
+        &mut self,
+        kind: SignKind,
+        text: String,
+        (centre, normal): ([f64; 3], [f64; 2]),
+        look: &[Descriptor],
+        rng: &mut SeededRng,
+    ) -> Sign {
+        let half_size_m = kind.half_size_m();
+        let along = [-normal[1], normal[0]];
+        let start = self.points.len();
+        for descriptor in look {
+            let (s, z) =
+                (rng.within(-half_size_m[0], half_size_m[0]), rng.within(-half_size_m[1], half_size_m[1]));
+            self.points.push(WorldPoint {
+                position: [centre[0] + s * along[0], centre[1] + s * along[1], centre[2] + z],
+                normal: [normal[0], normal[1], 0.0],
+                descriptor: copy(*descriptor, rng),
+                reference_m: rng.within(1.6, 2.6),
+                angle_deg: rng.within(0.0, 360.0),
+            });
+        }
+        Sign { kind, text, centre, normal, half_size_m, points: start..self.points.len() }
+    }
+}
+
+/// A place on a wall: its middle and where it looks.
+fn place(spot: &Spot, u: f64, v: f64, z: f64, towards: f64) -> ([f64; 3], [f64; 2]) {
+    let [x, y] = spot.at(u, v);
+    ([x, y, z], spot.direction(0.0, towards))
+}
+
+const SUBJECTS: [&str; 36] = [
+    "fox",
+    "lighthouse",
+    "violinist",
+    "sailboat",
+    "horse",
+    "mill",
+    "heron",
+    "locomotive",
+    "shepherd",
+    "pumpkin",
+    "castle",
+    "dancer",
+    "tractor",
+    "owl",
+    "glacier",
+    "beekeeper",
+    "cathedral",
+    "lemon",
+    "zebra",
+    "canoe",
+    "volcano",
+    "cellist",
+    "kingfisher",
+    "orchard",
+    "airship",
+    "whale",
+    "gondola",
+    "juggler",
+    "cheetah",
+    "vineyard",
+    "blacksmith",
+    "parrot",
+    "submarine",
+    "waterfall",
+    "fiddler",
+    "hedgehog",
+];
+const COMPANIONS: [&str; 14] = [
+    "barrel", "umbrella", "birch", "bicycle", "fountain", "teapot", "ladder", "lantern", "piano", "cactus",
+    "wagon", "anchor", "mirror", "hammock",
+];
+const SETTINGS: [&str; 14] = [
+    "sunset",
+    "winter",
+    "harvest",
+    "thunderstorm",
+    "fog",
+    "moonlight",
+    "springtime",
+    "carnival",
+    "dawn",
+    "rain",
+    "desert",
+    "seaside",
+    "mountains",
+    "jungle",
+];
+
+/// Titles of different paintings.
+fn paintings(count: usize, rng: &mut SeededRng) -> Vec<String> {
+    let mut subjects = SUBJECTS;
+    rng.shuffle(&mut subjects);
+    let title = |number: usize, rng: &mut SeededRng| {
+        let subject = subjects[number % subjects.len()];
+        format!("a painting of a {subject} and a {}, {}", rng.one_of(&COMPANIONS), rng.one_of(&SETTINGS))
+    };
+    (0..count).map(|number| title(number, rng)).collect()
+}

@@ -1,0 +1,141 @@
+//! Texture: what a point looks like, as a 256-bit descriptor in the manner of ORB.
+//!
+//! Corners in the world are variations of a few thousand patterns (a door frame's corner, the leg of a chair), which
+//! is why a vocabulary trained on one building works in another. A descriptor is therefore made in layers, each turning
+//! over a share of the bits: the pattern; the model (this corner of this make of chair); the copy (this very chair, a
+//! scratch); the side it is seen from; and the noise of one image. Shares add up to what is measured of ORB: two views of
+//! one point differ in 20 to 45 of 256 bits, different points in about 128 (E. Rublee et al., ICCV 2011).
+
+use crate::hotel::rng::SeededRng;
+use crate::vocabulary::Vocabulary;
+use crate::vocabulary::train::{TrainError, TrainSettings, TrainingSet, train};
+
+/// A descriptor of 256 bits.
+pub type Descriptor = [u64; 4];
+
+/// How many bits a descriptor has.
+pub const DESCRIPTOR_BITS: usize = 256;
+/// How many patterns the world is made of.
+pub const PATTERNS: usize = 1_500;
+/// What a model's corner differs from its pattern by, in bits.
+const MODEL_BITS: f64 = 22.0;
+/// What a copy differs from its model by.
+const COPY_BITS: f64 = 17.0;
+/// What a side differs from the front by.
+const SIDE_BITS: f64 = 9.0;
+/// What one image differs from the next by.
+const IMAGE_BITS: f64 = 8.0;
+/// The vocabulary is learnt from so many images, drawn apart from every world.
+const TRAINING_IMAGES: usize = 150;
+/// And each of them shows so many corners.
+const TRAINING_CORNERS: usize = 80;
+/// The patterns are the same for all worlds, as corners are the same in all buildings.
+const PATTERN_SEED: u64 = 0x4f52_4220_7061_7474;
+
+/// The patterns that the world is made of.
+#[derive(Clone, Debug)]
+pub struct Patterns(Vec<Descriptor>);
+
+impl Patterns {
+    /// The patterns, always the same.
+    pub fn new() -> Self {
+        let mut rng = SeededRng::new(PATTERN_SEED, "patterns");
+        Self((0..PATTERNS).map(|_| std::array::from_fn(|_| rng.bits())).collect())
+    }
+
+    /// A new model's corner: a variation of a random pattern.
+    pub fn model(&self, rng: &mut SeededRng) -> Descriptor {
+        varied(*rng.one_of(&self.0), MODEL_BITS, rng)
+    }
+
+    /// A vocabulary learnt from other images than any world's.
+    pub fn vocabulary(&self) -> Result<Vocabulary, TrainError> {
+        let mut rng = SeededRng::new(PATTERN_SEED, "vocabulary");
+        let mut set = TrainingSet::new();
+        for _ in 0..TRAINING_IMAGES {
+            let corners = (0..TRAINING_CORNERS).map(|_| copy(self.model(&mut rng), &mut rng));
+            let image: Vec<u8> = corners.collect::<Vec<_>>().iter().flat_map(bytes).collect();
+            set.add_image(DESCRIPTOR_BITS / 8, &image)?;
+        }
+        // Five levels, so that the nodes that guide matching lie one below the root.
+        train(&set, TrainSettings { branching: 10, levels: 5, ..TrainSettings::default() }, |_| {})
+    }
+}
+
+impl Default for Patterns {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// This very copy of a model's corner.
+pub fn copy(model: Descriptor, rng: &mut SeededRng) -> Descriptor {
+    varied(model, COPY_BITS, rng)
+}
+
+/// The point as seen from a side: the same bits turn over whenever it is seen from there.
+pub fn from_side(point: Descriptor, side: i32) -> Descriptor {
+    let seed = point[0] ^ (side as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    varied(point, SIDE_BITS, &mut SeededRng::new(seed, "side"))
+}
+
+/// The point in one image.
+pub fn in_image(side: Descriptor, rng: &mut SeededRng) -> Descriptor {
+    varied(side, IMAGE_BITS, rng)
+}
+
+/// A descriptor's bytes, as it travels.
+pub fn bytes(descriptor: &Descriptor) -> impl Iterator<Item = u8> + use<> {
+    descriptor.map(u64::to_le_bytes).into_iter().flatten()
+}
+
+/// Turns over so many random bits on average, within a third of it.
+fn varied(mut descriptor: Descriptor, mean_bits: f64, rng: &mut SeededRng) -> Descriptor {
+    let count = rng.within(mean_bits * 0.67, mean_bits * 1.33).round() as usize;
+    for _ in 0..count {
+        let bit = rng.below(DESCRIPTOR_BITS);
+        descriptor[bit / 64] ^= 1 << (bit % 64);
+    }
+    descriptor
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn distance(a: &Descriptor, b: &Descriptor) -> u32 {
+        a.iter().zip(b).map(|(a, b)| (a ^ b).count_ones()).sum()
+    }
+
+    #[test]
+    fn layers_add_up_to_what_is_measured_of_orb() {
+        let (patterns, mut rng) = (Patterns::new(), SeededRng::new(5, "test"));
+        let mut mean = |a: &dyn Fn(&mut SeededRng) -> (Descriptor, Descriptor)| -> f64 {
+            let sum: u32 = (0..300)
+                .map(|_| {
+                    let (a, b) = a(&mut rng);
+                    distance(&a, &b)
+                })
+                .sum();
+            f64::from(sum) / 300.0
+        };
+        let one_side = mean(&|rng| {
+            let point = patterns.model(rng);
+            (in_image(from_side(point, 0), rng), in_image(from_side(point, 0), rng))
+        });
+        let two_sides = mean(&|rng| {
+            let point = patterns.model(rng);
+            (in_image(from_side(point, 0), rng), in_image(from_side(point, 2), rng))
+        });
+        let twins = mean(&|rng| {
+            let model = patterns.model(rng);
+            let (a, b) = (copy(model, rng), copy(model, rng));
+            (in_image(from_side(a, 0), rng), in_image(from_side(b, 0), rng))
+        });
+        let strangers = mean(&|rng| (patterns.model(rng), patterns.model(rng)));
+        assert!((12.0..20.0).contains(&one_side), "one side: {one_side}");
+        assert!((25.0..40.0).contains(&two_sides), "two sides: {two_sides}");
+        assert!((40.0..60.0).contains(&twins), "twins: {twins}");
+        assert!((120.0..135.0).contains(&strangers), "strangers: {strangers}");
+    }
+}

@@ -1,0 +1,91 @@
+//! Arms: the methods that drive through the same data.
+
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use crate::api::settings::MapSettings;
+
+/// A method of finding loops.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// Revisit as it comes.
+    Ours,
+    /// The paper's method to the letter, every switch of ours off, built into ORB-SLAM3 (§III).
+    Paper,
+    /// Bag of words and Sim3 without anchors, as ORB-SLAM3 closes loops.
+    #[serde(rename = "bow")]
+    BagOfWords,
+    /// Revisit as it comes, for a robot with one camera and no depth ([`super::sensing::monocular`]).
+    #[serde(rename = "monocular")]
+    OursMonocular,
+}
+
+impl Method {
+    /// Those that drive the paper's sequences, in the order of tables.
+    pub const OF_SEQUENCES: [Self; 3] = [Self::Ours, Self::Paper, Self::BagOfWords];
+    /// Those that drive random worlds: bag of words with Sim3 is lost in each of them.
+    pub const OF_WORLDS: [Self; 3] = [Self::Ours, Self::OursMonocular, Self::Paper];
+
+    /// A word for file names and map ids.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ours => "ours",
+            Self::Paper => "paper",
+            Self::BagOfWords => "bow",
+            Self::OursMonocular => "monocular",
+        }
+    }
+
+    /// What a table calls it.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Ours => "Ours",
+            Self::Paper => "Paper's letter",
+            Self::BagOfWords => "BoW + Sim3",
+            Self::OursMonocular => "Ours monocular",
+        }
+    }
+
+    /// Returns the settings of its map.
+    pub fn settings(self) -> MapSettings {
+        let settings = match self {
+            Self::Ours | Self::OursMonocular => json!({}),
+            Self::Paper => json!({"method": "paper"}),
+            Self::BagOfWords => {
+                json!({"without_anchors": "geometry", "candidates_max": 3, "aligned_anchors": false,
+                    "odometry_max_drift_share": 0, "geometry_models": "sim3", "geometry_acceptance": "count", "rival_min_ratio": 0, "twin_guard": false, "geometry_resection": false,
+                    "near_miss_neighbours": false, "neighbours_vouch": false})
+            }
+        };
+        MapSettings(settings.as_object().cloned().unwrap_or_default())
+    }
+
+    /// Does its robot close a loop only once it is confirmed as in ORB-SLAM3 ([`super::robot::common_regions`])? Ours closes what
+    /// it is told.
+    pub fn confirms(self) -> bool {
+        !matches!(self, Self::Ours | Self::OursMonocular)
+    }
+
+    /// Has its robot one camera and no depth, so that its lengths have a unit of their own?
+    pub fn is_monocular(self) -> bool {
+        self == Self::OursMonocular
+    }
+
+    /// Does it look at signs?
+    pub fn sees_signs(self) -> bool {
+        self != Self::BagOfWords
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_arm_has_one_name_in_maps_and_in_results() {
+        for arm in Method::OF_SEQUENCES.into_iter().chain(Method::OF_WORLDS) {
+            assert_eq!(serde_json::to_value(arm).unwrap(), arm.name());
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! Robot: a SLAM client with odometry and a pose graph of its own, that asks the server on each keyframe.
+//!
+//! A loop that it closes becomes an edge of its pose graph, false or not. That is the point of the experiment.
+
+use super::message;
+use super::pose_graph::{Edge, PoseGraphError, optimise};
+use super::slam_map::SlamMap;
+use crate::api::loops::LoopBody;
+use crate::api::verdict::LoopAnswer;
+use crate::client::{Client, ClientError};
+use crate::geometry::{Point3, Pose, Sim3};
+use crate::hotel::method::Method;
+use crate::hotel::sensing::camera::Stand;
+use crate::hotel::sequence::Step;
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// After it has closed a loop, a robot collects so many keyframes before it optimises again (ORB-SLAM2: 10).
+const CLOSING_EVERY_KEYFRAMES: usize = 10;
+/// What odometry errs by between two keyframes, as far as the pose graph is told.
+const ODOMETRY_SIGMA_M: f64 = 0.01;
+const ODOMETRY_SIGMA_RAD: f64 = 0.004;
+/// And what a loop's transformation errs by.
+const LOOP_SIGMA_M: f64 = 0.02;
+const LOOP_SIGMA_RAD: f64 = 0.006;
+/// The same of the logarithm of a monocular robot's scale.
+const ODOMETRY_SIGMA_LOG_SCALE: f64 = 0.01;
+const LOOP_SIGMA_LOG_SCALE: f64 = 0.01;
+/// Poses and points that moved less are not sent again.
+const MOVED_M: f64 = 0.001;
+const MOVED_RAD: f64 = 0.0005;
+/// And those whose scale changed by less.
+const MOVED_LOG_SCALE: f64 = 0.0005;
+/// The most points of one request (its limit).
+const POINTS_PER_CORRECTION: usize = 100_000;
+
+/// Why a drive ended early.
+#[derive(Debug, thiserror::Error)]
+pub enum DriveError {
+    /// The server refused, or was not there.
+    #[error(transparent)]
+    Client(#[from] ClientError),
+    /// The pose graph has no solution.
+    #[error(transparent)]
+    PoseGraph(#[from] PoseGraphError),
+}
+
+/// A robot on its way.
+#[derive(Debug)]
+pub struct Robot<'a> {
+    client: &'a Client,
+    /// The map's id on the server.
+    map: &'a str,
+    arm: Method,
+    session: String,
+    slam_map: SlamMap<'a>,
+    /// Its keyframes' poses and scales, as last told to the server.
+    told: Vec<(Pose, f64)>,
+    edges: Vec<Edge>,
+    /// Loops accepted since the last optimisation.
+    waiting: Vec<WaitingLoop>,
+    last_closing: usize,
+    closed: usize,
+}
+
+#[derive(Debug)]
+struct WaitingLoop {
+    keyframe: String,
+    closed_with: LoopToClose,
+}
+
+/// A loop that a robot closes with its latest keyframe.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoopToClose {
+    /// The id of the keyframe to close it with.
+    pub candidate: String,
+    /// The latest keyframe's pose in the candidate's camera frame, in lengths of the map, and the ratio of their scales.
+    pub candidate_from_query: Sim3,
+    /// The id of the server's answer that proposed it.
+    pub answer: String,
+}
+
+impl<'a> Robot<'a> {
+    /// A robot before its first keyframe.
+    pub fn new(client: &'a Client, map: &'a str, arm: Method, session: impl Into<String>) -> Self {
+        Self {
+            client,
+            map,
+            arm,
+            session: session.into(),
+            slam_map: SlamMap::default(),
+            told: Vec::new(),
+            edges: Vec::new(),
+            waiting: Vec::new(),
+            last_closing: 0,
+            closed: 0,
+        }
+    }
+
+    /// The map that it keeps itself, in its own frame.
+    pub fn slam_map(&self) -> &SlamMap<'a> {
+        &self.slam_map
+    }
+
+    /// How often it has optimised its pose graph.
+    pub fn closed(&self) -> usize {
+        self.closed
+    }
+
+    /// A keyframe's id.
+    pub fn keyframe_id(&self, number: usize) -> String {
+        format!("{}-{number}", self.session)
+    }
+
+    /// The keyframe's number, if it is one of this robot's.
+    pub fn number_of(&self, keyframe: &str) -> Option<usize> {
+        keyframe.strip_prefix(&self.session)?.strip_prefix('-')?.parse().ok()
+    }
+
+    /// Sends the next keyframe with the question, and returns the answer.
+    pub async fn ask(&mut self, step: &'a Step) -> Result<LoopAnswer, DriveError> {
+        let similarity = match self.slam_map.latest() {
+            Some(last) => last.after(&Sim3::from(step.motion)),
+            // Its frame is its own: it does not know where it woke up.
+            None => Sim3::from(Stand { at: [0.0, 0.0], heading_rad: 0.0 }.map_from_camera()),
+        };
+        let (pose, scale) = (similarity.without_scale(), similarity.scale());
+        let number = self.slam_map.push(step, &similarity);
+        if number > 0 {
+            self.edges.push(Edge {
+                from: number - 1,
+                to: number,
+                from_from_to: Sim3::from(step.motion),
+                sigma_m: ODOMETRY_SIGMA_M,
+                sigma_rad: ODOMETRY_SIGMA_RAD,
+                sigma_log_scale: ODOMETRY_SIGMA_LOG_SCALE,
+            });
+        }
+        self.told.push((pose, scale));
+        let body = message::keyframe(self.arm, &self.session, number, step, &similarity);
+        let id = self.keyframe_id(number);
+        let answer = self.client.put_keyframe(self.map, &id, &body, true).await?;
+        Ok(answer.answer.loop_answer.unwrap_or_else(|| unreachable!("it was asked for")))
+    }
+
+    /// Takes a loop of its latest keyframe, if there is one, and optimises when enough keyframes have come.
+    pub async fn close(&mut self, closed_with: Option<LoopToClose>) -> Result<(), DriveError> {
+        let Some(latest) = self.slam_map.poses().len().checked_sub(1) else { return Ok(()) };
+        if let Some(closed_with) = closed_with {
+            // A loop with another robot's keyframe moves nothing: each keeps a frame of its own.
+            if let Some(earlier) = self.number_of(&closed_with.candidate) {
+                self.edges.push(Edge {
+                    from: earlier,
+                    to: latest,
+                    from_from_to: self.in_units(earlier, latest, &closed_with.candidate_from_query),
+                    sigma_m: LOOP_SIGMA_M,
+                    sigma_rad: LOOP_SIGMA_RAD,
+                    sigma_log_scale: LOOP_SIGMA_LOG_SCALE,
+                });
+            }
+            self.waiting.push(WaitingLoop { keyframe: self.keyframe_id(latest), closed_with });
+        }
+        if !self.waiting.is_empty() && latest >= self.last_closing + CLOSING_EVERY_KEYFRAMES {
+            self.close_loops().await?;
+        }
+        Ok(())
+    }
+
+    /// Closes what is left at the end of the drive.
+    pub async fn finish(&mut self) -> Result<(), DriveError> {
+        if self.waiting.is_empty() { Ok(()) } else { self.close_loops().await }
+    }
+
+    /// Optimises the pose graph, tells the server what moved, and which loop was closed.
+    async fn close_loops(&mut self) -> Result<(), DriveError> {
+        let mut similarities = self.slam_map.similarities();
+        optimise(&mut similarities, &self.edges)?;
+        self.slam_map.correct(&similarities);
+        let poses = self.slam_map.poses();
+        self.last_closing = poses.len() - 1;
+        self.closed += 1;
+        let moved: Vec<usize> = (0..poses.len()).filter(|number| self.has_moved(*number)).collect();
+        if !moved.is_empty() {
+            let keyframes: Vec<(String, Pose)> =
+                moved.iter().map(|number| (self.keyframe_id(*number), poses[*number])).collect();
+            let points: Vec<(u64, Point3)> = (self.slam_map.points().into_iter())
+                .filter(|(_, reference, _)| self.has_moved(*reference))
+                .map(|(id, _, place)| (id, place))
+                .collect();
+            // Poses with the first points: a long tour has more points than one request takes.
+            let mut parts = points.chunks(POINTS_PER_CORRECTION);
+            let first = message::poses(&self.session, &keyframes, parts.next().unwrap_or_default());
+            self.client.post_poses(self.map, &first).await?;
+            for part in parts {
+                self.client.post_poses(self.map, &message::poses(&self.session, &[], part)).await?;
+            }
+            for number in moved {
+                self.told[number] = (self.slam_map.poses()[number], self.slam_map.scales()[number]);
+            }
+        }
+        // One loop for each closing, the newest: the others are its neighbours.
+        if let Some(closing) = self.waiting.drain(..).next_back() {
+            let body = LoopBody {
+                id: format!("{}-loop-{}", self.session, self.closed),
+                keyframe: closing.keyframe,
+                candidate: closing.closed_with.candidate,
+                query: Some(closing.closed_with.answer),
+            };
+            self.client.post_loop(self.map, &body).await?;
+        }
+        Ok(())
+    }
+
+    /// Returns a loop's transformation in the units of the two frames: the server knows both in lengths of the map.
+    fn in_units(&self, candidate: usize, query: usize, candidate_from_query: &Sim3) -> Sim3 {
+        let [in_candidate, in_query] = [candidate, query].map(|number| self.slam_map.scales()[number]);
+        let length = |scale: f64| Sim3::from_parts(scale, UnitQuaternion::identity(), Vector3::zeros());
+        length(in_candidate).inverse().after(candidate_from_query).after(&length(in_query))
+    }
+
+    fn has_moved(&self, number: usize) -> bool {
+        let (told, told_scale) = &self.told[number];
+        let change = told.inverse().after(&self.slam_map.poses()[number]);
+        let [_, _, _, w] = change.rotation_xyzw();
+        let log_scale = (self.slam_map.scales()[number] / told_scale).ln();
+        change.centre().coords.norm() > MOVED_M
+            || 2.0 * w.abs().min(1.0).acos() > MOVED_RAD
+            || log_scale.abs() > MOVED_LOG_SCALE
+    }
+}

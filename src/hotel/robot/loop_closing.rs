@@ -1,0 +1,100 @@
+//! Loop closing: which of the loops that the server answers a robot closes.
+
+use super::client::{LoopToClose, Robot};
+use super::common_regions::confirmation::{Confirmation, Proposal};
+use super::message;
+use super::slam_map::SlamMap;
+use crate::api::verdict::{CandidateView, LoopAnswer};
+use crate::domain::verdict::Decision;
+use crate::geometry::Sim3;
+use crate::hotel::method::Method;
+use crate::hotel::scoring::truth::KeyframeIndex;
+
+/// One robot's way of closing loops.
+#[derive(Clone, Debug)]
+pub enum LoopClosing {
+    /// It closes what it is told.
+    AsTold,
+    /// It closes what three keyframes confirm, as ORB-SLAM3 does.
+    OnceConfirmed(Confirmation),
+}
+
+/// A loop that a robot takes for one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Accepted {
+    /// The keyframe it is with.
+    pub candidate: KeyframeIndex,
+    /// The number of points that agree: the server's inliers, or what the confirmation found.
+    pub inliers: u64,
+    /// The loop to close; none where the server verified no transformation with known lengths.
+    pub to_close: Option<LoopToClose>,
+}
+
+impl LoopClosing {
+    /// The way of an arm's robots.
+    pub fn of(arm: Method) -> Self {
+        if arm.confirms() { Self::OnceConfirmed(Confirmation::default()) } else { Self::AsTold }
+    }
+
+    /// Hears the answer to a keyframe, the latest of its robot.
+    pub fn hear(
+        &mut self,
+        robots: &[Robot<'_>],
+        query: KeyframeIndex,
+        answer: &LoopAnswer,
+    ) -> Option<Accepted> {
+        match self {
+            Self::AsTold => as_told(robots, answer),
+            Self::OnceConfirmed(confirmation) => {
+                let maps: Vec<&SlamMap<'_>> = robots.iter().map(Robot::slam_map).collect();
+                let confirmed = confirmation.hear(&maps, query, &proposals(robots, answer))?;
+                let (robot, number) = confirmed.candidate;
+                Some(Accepted {
+                    candidate: confirmed.candidate,
+                    inliers: confirmed.found as u64,
+                    to_close: Some(LoopToClose {
+                        candidate: robots[robot].keyframe_id(number),
+                        candidate_from_query: Sim3::from(confirmed.candidate_from_query),
+                        answer: confirmed.answer,
+                    }),
+                })
+            }
+        }
+    }
+}
+
+/// Finds the keyframe of this id among those of all robots.
+pub fn find(robots: &[Robot<'_>], keyframe: &str) -> Option<KeyframeIndex> {
+    robots.iter().enumerate().find_map(|(robot, own)| Some((robot, own.number_of(keyframe)?)))
+}
+
+fn as_told(robots: &[Robot<'_>], answer: &LoopAnswer) -> Option<Accepted> {
+    let best = answer.best.as_deref().filter(|_| answer.verdict.0 == Decision::Loop)?;
+    let candidate = answer.candidate(best)?;
+    Some(Accepted {
+        candidate: find(robots, best)?,
+        inliers: candidate.inliers().unwrap_or(0),
+        to_close: transform(candidate).map(|candidate_from_query| LoopToClose {
+            candidate: best.to_owned(),
+            candidate_from_query,
+            answer: answer.id.clone(),
+        }),
+    })
+}
+
+/// Every loop of an answer that has a transformation.
+fn proposals(robots: &[Robot<'_>], answer: &LoopAnswer) -> Vec<Proposal> {
+    let proposal = |keyframe: &String| {
+        Some(Proposal {
+            candidate: find(robots, keyframe)?,
+            // Robots that confirm measure depth.
+            candidate_from_query: transform(answer.candidate(keyframe)?)?.without_scale(),
+            answer: answer.id.clone(),
+        })
+    };
+    answer.loops.iter().filter_map(proposal).collect()
+}
+
+fn transform(candidate: &CandidateView) -> Option<Sim3> {
+    message::similarity(candidate.geometry.full_transform()?)
+}

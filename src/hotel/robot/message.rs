@@ -1,0 +1,128 @@
+//! Message: what the robot says to the server, in the words of the API document.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+
+use crate::api::geometry::Similarity;
+use crate::api::keyframe::{CameraShape, DetectionShape, FeaturesShape, KeyframeBody, PointsShape};
+use crate::api::map::MapBody;
+use crate::api::poses::{PoseList, PosesBody};
+use crate::api::space::{Time, Transform};
+use crate::geometry::{Point3, Pose, Sim3};
+use crate::hotel::building::texture::{DESCRIPTOR_BITS, bytes};
+use crate::hotel::method::Method;
+use crate::hotel::sensing::camera::{FOCAL_LENGTH_PX, IMAGE_PX};
+use crate::hotel::sequence::Step;
+
+/// Keyframes come this often by their stamps, in nanoseconds.
+pub const STEP_NS: u64 = 500_000_000;
+
+/// Returns the map of one arm.
+pub fn map(arm: Method, description: &str) -> MapBody {
+    MapBody {
+        description: Some(description.to_owned()),
+        metric: Some(!arm.is_monocular()),
+        anchor_classes: None,
+        settings: Some(arm.settings()),
+    }
+}
+
+/// Returns a keyframe with the map points that it places; `map_from_camera` has the scale of its frame's unit.
+pub fn keyframe(
+    arm: Method,
+    session: &str,
+    number: usize,
+    step: &Step,
+    map_from_camera: &Sim3,
+) -> KeyframeBody {
+    let placed: Vec<(u64, Point3)> = (step.placed.iter())
+        .map(|placed| (step.map_points[placed.feature].0, map_from_camera.transform(&placed.in_camera)))
+        .collect();
+    let keypoints = step.features.iter().map(|feature| {
+        let keypoint = feature.keypoint;
+        let angle_deg = keypoint.angle_deg.unwrap_or(0.0);
+        vec![
+            hundredths(keypoint.u),
+            hundredths(keypoint.v),
+            f64::from(keypoint.octave),
+            hundredths(angle_deg),
+        ]
+    });
+    let detections = if arm.sees_signs() { detections(step) } else { Vec::new() };
+    let stamp_ns = number as u64 * STEP_NS;
+    KeyframeBody {
+        session: Some(session.to_owned()),
+        stamp: Time { sec: (stamp_ns / 1_000_000_000) as i64, nanosec: (stamp_ns % 1_000_000_000) as u32 },
+        pose: map_from_camera.without_scale().into(),
+        camera: Some(CameraShape {
+            fx: FOCAL_LENGTH_PX,
+            fy: FOCAL_LENGTH_PX,
+            cx: IMAGE_PX[0] / 2.0,
+            cy: IMAGE_PX[1] / 2.0,
+            width: IMAGE_PX[0] as u32,
+            height: IMAGE_PX[1] as u32,
+        }),
+        bow: None,
+        features: Some(FeaturesShape {
+            descriptor_bytes: (DESCRIPTOR_BITS / 8) as u32,
+            descriptors: STANDARD.encode(descriptor_bytes(step)),
+            keypoints: keypoints.collect(),
+            map_points: Some(step.map_points.iter().map(|(id, _)| *id as i64).collect()),
+        }),
+        map_points: Some(points(&placed)),
+        observes: None,
+        covisible: None,
+        detections: Some(detections),
+    }
+}
+
+/// The descriptors of a keyframe, one after the other.
+pub fn descriptor_bytes(step: &Step) -> Vec<u8> {
+    step.features.iter().flat_map(|feature| bytes(&feature.descriptor)).collect()
+}
+
+/// Returns corrected poses and points, after an optimisation.
+pub fn poses(session: &str, keyframes: &[(String, Pose)], moved_points: &[(u64, Point3)]) -> PosesBody {
+    let (ids, poses) = keyframes.iter().map(|(id, pose)| (id.clone(), Transform::from(*pose))).unzip();
+    PosesBody {
+        session: Some(session.to_owned()),
+        keyframes: Some(PoseList { ids, poses }),
+        map_points: Some(points(moved_points)),
+    }
+}
+
+/// The transformation of an answer; its scale is 1 if the map is metric.
+pub fn similarity(said: &Similarity) -> Option<Sim3> {
+    let (t, q) = (said.translation, said.rotation);
+    Sim3::new(said.scale, [t.x, t.y, t.z], [q.x, q.y, q.z, q.w])
+}
+
+fn detections(step: &Step) -> Vec<DetectionShape> {
+    let detection = |seen: &crate::hotel::sequence::Detection| DetectionShape {
+        class: seen.class.to_owned(),
+        confidence: hundredths(seen.confidence),
+        box_px: seen.bounding_box.map(hundredths),
+        map_points: Some(seen.features.iter().map(|feature| step.map_points[*feature].0 as i64).collect()),
+        position: None,
+        range: None,
+        text: Some(seen.text.clone()),
+        description: None,
+        crop: None,
+    };
+    step.detections.iter().map(detection).collect()
+}
+
+fn points(points: &[(u64, Point3)]) -> PointsShape {
+    let place = |(id, p): &(u64, Point3)| (*id as i64, [p.x, p.y, p.z].map(tenths_of_millimetres));
+    let (ids, positions) = points.iter().map(place).unzip();
+    PointsShape { ids, positions }
+}
+
+/// Digits that no sensor has are not sent.
+fn hundredths(value: f64) -> f64 {
+    (value * 1e2).round() / 1e2
+}
+
+fn tenths_of_millimetres(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4
+}

@@ -1,0 +1,9 @@
+//! The robot: a SLAM client with a pose graph of its own.
+
+pub mod client;
+pub mod common_regions;
+pub mod loop_closing;
+pub mod message;
+pub mod pose_graph;
+pub mod scale_graph;
+pub mod slam_map;

@@ -1,0 +1,145 @@
+//! SLAM map: what a robot keeps of its way itself: keyframes, its estimates of their poses, and map points.
+
+use std::collections::HashMap;
+
+use crate::geometry::{Point3, Pose, Sim3};
+use crate::hotel::sensing::sensor::Feature;
+use crate::hotel::sequence::Step;
+
+/// Keyframes that share so many map points are covisible (ORB-SLAM's covisibility graph, and the service's default).
+pub const COVISIBLE_POINTS: usize = 15;
+
+/// A robot's keyframes, poses and map points, in a frame of its own.
+#[derive(Clone, Debug, Default)]
+pub struct SlamMap<'a> {
+    steps: Vec<&'a Step>,
+    poses: Vec<Pose>,
+    /// How long the unit of each keyframe's frame is in the map; 1 where depth is measured.
+    scales: Vec<f64>,
+    points: HashMap<u64, MapPoint>,
+}
+
+/// A map point: the keyframes that see it, its look in the first of them, and its place in the last that placed it.
+#[derive(Clone, Debug)]
+struct MapPoint {
+    first: Sight,
+    reference: Option<Reference>,
+    observers: Vec<usize>,
+}
+
+/// A map point's place in the camera frame of a keyframe, in that frame's unit.
+#[derive(Clone, Copy, Debug)]
+struct Reference {
+    keyframe: usize,
+    in_camera: Point3,
+}
+
+/// A feature of a keyframe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Sight {
+    keyframe: usize,
+    feature: usize,
+}
+
+impl<'a> SlamMap<'a> {
+    /// Adds the next keyframe and returns its number.
+    pub fn push(&mut self, step: &'a Step, map_from_camera: &Sim3) -> usize {
+        let keyframe = self.steps.len();
+        for (feature, (id, _)) in step.map_points.iter().enumerate() {
+            let first = Sight { keyframe, feature };
+            let point = self.points.entry(*id).or_insert_with(|| MapPoint {
+                first,
+                reference: None,
+                observers: Vec::new(),
+            });
+            point.observers.push(keyframe);
+        }
+        for placed in &step.placed {
+            if let Some(point) = self.points.get_mut(&step.map_points[placed.feature].0) {
+                point.reference = Some(Reference { keyframe, in_camera: placed.in_camera });
+            }
+        }
+        self.steps.push(step);
+        self.poses.push(map_from_camera.without_scale());
+        self.scales.push(map_from_camera.scale());
+        keyframe
+    }
+
+    /// Its keyframes' poses, `map_from_camera`.
+    pub fn poses(&self) -> &[Pose] {
+        &self.poses
+    }
+
+    /// How long the units of its keyframes' frames are in the map.
+    pub fn scales(&self) -> &[f64] {
+        &self.scales
+    }
+
+    /// A keyframe's pose with its scale, if it is there.
+    pub fn similarity(&self, keyframe: usize) -> Option<Sim3> {
+        let (pose, scale) = (self.poses.get(keyframe)?.isometry(), self.scales.get(keyframe)?);
+        Some(Sim3::from_parts(*scale, pose.rotation, pose.translation.vector))
+    }
+
+    /// That of the latest keyframe.
+    pub fn latest(&self) -> Option<Sim3> {
+        self.similarity(self.poses.len().checked_sub(1)?)
+    }
+
+    /// Those of all keyframes.
+    pub fn similarities(&self) -> Vec<Sim3> {
+        (0..self.poses.len()).filter_map(|keyframe| self.similarity(keyframe)).collect()
+    }
+
+    /// Moves its keyframes, and with them the points that they placed.
+    pub fn correct(&mut self, similarities: &[Sim3]) {
+        debug_assert_eq!(similarities.len(), self.poses.len(), "one for each keyframe");
+        self.poses = similarities.iter().map(Sim3::without_scale).collect();
+        self.scales = similarities.iter().map(Sim3::scale).collect();
+    }
+
+    /// The features of a keyframe.
+    pub fn features(&self, keyframe: usize) -> &'a [Feature] {
+        &self.steps[keyframe].features
+    }
+
+    /// The map points of a keyframe, one for each feature.
+    pub fn point_ids(&self, keyframe: usize) -> impl Iterator<Item = u64> + use<'a> {
+        self.steps[keyframe].map_points.iter().map(|(id, _)| *id)
+    }
+
+    /// The map points that have a place, with the keyframe that placed each, in the order of their numbers.
+    pub fn points(&self) -> Vec<(u64, usize, Point3)> {
+        let placed = |(id, point): (&u64, &MapPoint)| {
+            let reference = point.reference?;
+            Some((*id, reference.keyframe, self.place(reference)))
+        };
+        let mut points: Vec<_> = self.points.iter().filter_map(placed).collect();
+        points.sort_unstable_by_key(|(id, ..)| *id);
+        points
+    }
+
+    /// A map point's place in the map's frame, if it has one; the pose of the camera that saw it first, and that sight.
+    pub fn point(&self, id: u64) -> Option<(Point3, &Pose, &'a Feature)> {
+        let point = self.points.get(&id)?;
+        let Sight { keyframe, feature } = point.first;
+        Some((self.place(point.reference?), &self.poses[keyframe], &self.steps[keyframe].features[feature]))
+    }
+
+    /// Up to `limit` covisible keyframes, those that share most points first, of equals the older.
+    pub fn covisible(&self, keyframe: usize, limit: usize) -> Vec<usize> {
+        let mut shared: HashMap<usize, usize> = HashMap::new();
+        for observer in self.point_ids(keyframe).flat_map(|id| &self.points[&id].observers) {
+            *shared.entry(*observer).or_default() += 1;
+        }
+        let is_covisible =
+            |(other, points): &(usize, usize)| *other != keyframe && *points >= COVISIBLE_POINTS;
+        let mut covisible: Vec<(usize, usize)> = shared.into_iter().filter(is_covisible).collect();
+        covisible.sort_unstable_by_key(|(other, points)| (std::cmp::Reverse(*points), *other));
+        covisible.into_iter().take(limit).map(|(other, _)| other).collect()
+    }
+
+    fn place(&self, Reference { keyframe, in_camera }: Reference) -> Point3 {
+        self.poses[keyframe].transform(&(in_camera * self.scales[keyframe]))
+    }
+}

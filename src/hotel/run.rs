@@ -1,0 +1,282 @@
+//! Trial: one arm drives through recorded journeys, and what it was told is held against the truth.
+
+use std::collections::HashMap;
+
+use super::method::Method;
+use super::robot::client::{DriveError, Robot};
+use super::robot::loop_closing::{LoopClosing, find};
+use super::robot::message;
+use super::route::Place;
+use super::scoring::absolute_pose_error::rmse_after_alignment;
+use super::scoring::score::{Outcome, Scored};
+use super::scoring::truth::{Answerable, KeyframeIndex, answers, apart_m};
+use super::sensing::monocular::{self, ScaleError};
+use super::sequence::Sequence;
+use crate::api::verdict::{CandidateView, LoopAnswer};
+use crate::client::Client;
+use crate::domain::reason::ReasonCode;
+use crate::domain::verdict::Decision;
+use crate::geometry::absolute_orientation::Scale;
+use crate::geometry::{Point3, Pose};
+
+/// Journeys with their truth, ready to be driven through by every arm.
+#[derive(Clone, Debug)]
+pub struct Course {
+    /// One for each robot.
+    pub journeys: Vec<Sequence>,
+    /// The keyframes of all robots in the order in which they are taken: turn by turn.
+    pub order: Vec<KeyframeIndex>,
+    /// What is right for each of them.
+    pub answers: Vec<Answerable>,
+    /// The first visit to each room of each floor: which robot's, and which of its visits.
+    first_stays: HashMap<(usize, Place), (usize, usize)>,
+}
+
+impl Course {
+    /// Robots drive at the same time, keyframe by keyframe.
+    pub fn new(journeys: Vec<Sequence>) -> Self {
+        let longest = journeys.iter().map(|journey| journey.steps.len()).max().unwrap_or(0);
+        let order: Vec<KeyframeIndex> = (0..longest)
+            .flat_map(|number| (0..journeys.len()).map(move |robot| (robot, number)))
+            .filter(|(robot, number)| *number < journeys[*robot].steps.len())
+            .collect();
+        let answers = answers(&journeys, &order);
+        let first_stays = first_stays(&journeys, &order);
+        Self { journeys, order, answers, first_stays }
+    }
+
+    /// Was this keyframe taken in a room that a robot, this one or another, had visited before?
+    fn is_revisit(&self, keyframe: KeyframeIndex) -> bool {
+        let stop = self.journeys[keyframe.0].steps[keyframe.1].stop;
+        let stay = (keyframe.0, stop.visit);
+        self.first_stays.get(&(stop.storey, stop.place)).is_some_and(|first| *first != stay)
+    }
+}
+
+fn first_stays(journeys: &[Sequence], order: &[KeyframeIndex]) -> HashMap<(usize, Place), (usize, usize)> {
+    let mut first = HashMap::new();
+    for (robot, number) in order {
+        let stop = journeys[*robot].steps[*number].stop;
+        if stop.place != Place::Corridor {
+            first.entry((stop.storey, stop.place)).or_insert((*robot, stop.visit));
+        }
+    }
+    first
+}
+
+/// One query with its answer.
+#[derive(Clone, Debug)]
+pub struct Asked {
+    /// Which keyframe.
+    pub keyframe: KeyframeIndex,
+    /// The keyframe with which the robot takes it for a loop.
+    pub accepted: Option<KeyframeIndex>,
+    /// The distance between the two in truth, in metres.
+    pub apart_m: Option<f64>,
+    /// The candidate that the arm ranks first, whether it passed its threshold or not.
+    pub ranked: Option<Ranked>,
+    /// The answer of bag of words alone.
+    pub words: WordsAlone,
+    /// How it is scored.
+    pub scored: Scored,
+    /// Why a loop that was there was not found: the reason of the right candidate that came farthest.
+    pub lost_by: Option<String>,
+    /// What the server said.
+    pub answer: LoopAnswer,
+}
+
+/// The candidate that an arm ranks first, for its curve of precision over recall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ranked {
+    /// What it ranks by: S of Eq. (2), or inliers without anchors.
+    pub score: f64,
+    /// Is it the same place?
+    pub is_right: bool,
+}
+
+/// The answer of bag of words alone: the candidate whose words are most alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WordsAlone {
+    /// One that is neither right nor wrong.
+    Unscored,
+    /// None.
+    Nothing,
+    /// One, with the score of its words.
+    Names(Ranked),
+}
+
+/// An arm at the end of its drive.
+#[derive(Clone, Debug)]
+pub struct RunResult {
+    /// Which arm.
+    pub arm: Method,
+    /// Every query, in order.
+    pub asked: Vec<Asked>,
+    /// Each robot's own estimate of its keyframes' poses, in its own frame.
+    pub poses: Vec<Vec<Pose>>,
+    /// RMSE of the positions after alignment, in metres, over all robots; by scale too where the robot is monocular.
+    pub absolute_pose_error_m: f64,
+    /// The share by which its lengths are off along the way, where the robot is monocular.
+    pub scale_error: Option<ScaleError>,
+    /// How often pose graphs were optimised.
+    pub closed: usize,
+}
+
+impl RunResult {
+    /// The queries as they are scored.
+    pub fn scored(&self) -> Vec<Scored> {
+        self.asked.iter().map(|asked| asked.scored).collect()
+    }
+}
+
+/// Drives an arm through a course, on a map of its own. `told` hears of each answer.
+pub async fn drive(
+    client: &Client,
+    map: &str,
+    arm: Method,
+    course: &Course,
+    mut told: impl FnMut(&Asked),
+) -> Result<RunResult, DriveError> {
+    client.put_map(map, &message::map(arm, "the simulated hotel")).await?;
+    let without_depth: Vec<Sequence> = if arm.is_monocular() {
+        course.journeys.iter().map(monocular::without_depth).collect()
+    } else {
+        Vec::new()
+    };
+    let journeys = if arm.is_monocular() { &without_depth } else { &course.journeys };
+    let mut robots: Vec<Robot<'_>> =
+        (0..journeys.len()).map(|number| Robot::new(client, map, arm, session(number))).collect();
+    let mut closing: Vec<LoopClosing> = robots.iter().map(|_| LoopClosing::of(arm)).collect();
+    let mut asked = Vec::with_capacity(course.order.len());
+    for (keyframe, answerable) in course.order.iter().zip(&course.answers) {
+        let step = &journeys[keyframe.0].steps[keyframe.1];
+        let answer = robots[keyframe.0].ask(step).await?;
+        let taken = closing[keyframe.0].hear(&robots, *keyframe, &answer);
+        let accepted = taken.as_ref().map(|taken| taken.candidate);
+        let inliers = taken.as_ref().map_or(0, |taken| taken.inliers);
+        robots[keyframe.0].close(taken.and_then(|taken| taken.to_close)).await?;
+        let outcome = outcome(accepted, answerable);
+        let has_truth = !answerable.truth.is_empty();
+        let visit = (step.stop.place != Place::Corridor).then_some((keyframe.0, step.stop.visit));
+        let is_revisit = course.is_revisit(*keyframe);
+        let scored = Scored { visit, is_revisit, has_truth, outcome, inliers };
+        let ranked = ranked(arm, &answer, answerable, |keyframe| find(&robots, keyframe));
+        let lost_by =
+            (outcome == Outcome::Missed).then(|| lost_by(&answer, answerable, |id| find(&robots, id)));
+        let apart_m = accepted.map(|other| apart_m(step, &course.journeys[other.0].steps[other.1]));
+        let words = words_alone(&answer, answerable, |keyframe| find(&robots, keyframe));
+        let this = Asked { keyframe: *keyframe, accepted, apart_m, ranked, words, scored, lost_by, answer };
+        told(&this);
+        asked.push(this);
+    }
+    for robot in &mut robots {
+        robot.finish().await?;
+    }
+    let poses: Vec<Vec<Pose>> = robots.iter().map(|robot| robot.slam_map().poses().to_vec()).collect();
+    let scales: Vec<&[f64]> = robots.iter().map(|robot| robot.slam_map().scales()).collect();
+    let alignment = if arm.is_monocular() { Scale::Free } else { Scale::Fixed };
+    Ok(RunResult {
+        arm,
+        asked,
+        absolute_pose_error_m: absolute_pose_error_m(journeys, &poses, alignment),
+        scale_error: arm.is_monocular().then(|| ScaleError::of(journeys, &scales)),
+        closed: robots.iter().map(Robot::closed).sum(),
+        poses,
+    })
+}
+
+/// The robots' poses by odometry alone.
+pub fn odometry(course: &Course) -> Vec<Vec<Pose>> {
+    let motions = |journey: &Sequence| -> Vec<Pose> {
+        let after_first = journey.steps.iter().skip(1);
+        super::sensing::odometry::integrate(
+            &Pose::identity(),
+            &after_first.map(|step| step.motion).collect::<Vec<_>>(),
+        )
+    };
+    course.journeys.iter().map(motions).collect()
+}
+
+/// RMSE of the robots' positions, each aligned with its own truth, in metres.
+pub fn absolute_pose_error_m(journeys: &[Sequence], poses: &[Vec<Pose>], scale: Scale) -> f64 {
+    let squared = journeys.iter().zip(poses).map(|(journey, poses)| {
+        let truth: Vec<Point3> =
+            journey.steps.iter().map(|step| step.stop.stand.map_from_camera().centre()).collect();
+        let estimated: Vec<Point3> = poses.iter().map(Pose::centre).collect();
+        rmse_after_alignment(&estimated, &truth, scale).map_or(f64::NAN, |rmse| rmse * rmse)
+    });
+    (squared.sum::<f64>() / journeys.len() as f64).sqrt()
+}
+
+/// The session of a robot, which its keyframe ids start with.
+pub fn session(robot: usize) -> String {
+    if robot == 0 { "kf".to_owned() } else { format!("kf{}", robot + 1) }
+}
+
+fn ranked(
+    arm: Method,
+    answer: &LoopAnswer,
+    answerable: &Answerable,
+    find: impl Fn(&str) -> Option<KeyframeIndex>,
+) -> Option<Ranked> {
+    let score = |candidate: &CandidateView| match arm {
+        Method::BagOfWords => candidate.inliers().unwrap_or(0) as f64,
+        Method::Ours | Method::OursMonocular | Method::Paper => candidate.similarity().unwrap_or(0.0),
+    };
+    // What passed is ranked as the server answered it, confirmed or not; beyond the threshold, what only that threshold stopped.
+    let threshold =
+        if arm == Method::BagOfWords { ReasonCode::TooFewInliers } else { ReasonCode::ScoreBelowThreshold };
+    let is_near =
+        |candidate: &&CandidateView| candidate.reason.as_ref().is_some_and(|r| r.code.0 == threshold);
+    let first = match answer.verdict.0 {
+        Decision::Loop => answer.leading()?,
+        _ => answer.candidates.iter().filter(is_near).max_by(|a, b| score(a).total_cmp(&score(b)))?,
+    };
+    let keyframe = find(&first.keyframe)?;
+    let is_right = answerable.truth.contains(&keyframe);
+    (is_right || !answerable.ignore.contains(&keyframe)).then(|| Ranked { score: score(first), is_right })
+}
+
+fn words_alone(
+    answer: &LoopAnswer,
+    answerable: &Answerable,
+    find: impl Fn(&str) -> Option<KeyframeIndex>,
+) -> WordsAlone {
+    let by_words = answer.candidates.iter().filter(|candidate| candidate.bow_score() > 0.0);
+    let best = by_words.rev().max_by(|a, b| a.bow_score().total_cmp(&b.bow_score()));
+    let Some((candidate, keyframe)) = best.and_then(|best| Some((best, find(&best.keyframe)?))) else {
+        return WordsAlone::Nothing;
+    };
+    match answerable.truth.contains(&keyframe) {
+        false if answerable.ignore.contains(&keyframe) => WordsAlone::Unscored,
+        is_right => WordsAlone::Names(Ranked { score: candidate.bow_score(), is_right }),
+    }
+}
+
+/// Returns the reason code of the first right candidate, which is the best of those that failed; `not_confirmed` if the server
+/// took it for a loop, `not_a_candidate` if the answer has none.
+fn lost_by(
+    answer: &LoopAnswer,
+    answerable: &Answerable,
+    find: impl Fn(&str) -> Option<KeyframeIndex>,
+) -> String {
+    let is_right = |candidate: &&CandidateView| {
+        find(&candidate.keyframe).is_some_and(|key| answerable.truth.contains(&key))
+    };
+    let right = answer.candidates.iter().find(is_right);
+    match right.map(|candidate| candidate.reason.as_ref()) {
+        None => String::from("not_a_candidate"),
+        Some(None) => String::from("not_confirmed"),
+        Some(Some(reason)) => reason.code.0.as_str().to_owned(),
+    }
+}
+
+fn outcome(accepted: Option<KeyframeIndex>, answerable: &Answerable) -> Outcome {
+    match accepted {
+        None if answerable.truth.is_empty() => Outcome::RightlyNone,
+        None => Outcome::Missed,
+        Some(other) if answerable.truth.contains(&other) => Outcome::Right,
+        Some(other) if answerable.ignore.contains(&other) => Outcome::Unscored,
+        Some(_) => Outcome::Wrong,
+    }
+}

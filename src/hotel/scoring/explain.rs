@@ -1,0 +1,93 @@
+//! Explain: one line a person can follow for what the robot was told.
+
+use super::score::Outcome;
+use crate::api::verdict::CandidateView;
+use crate::domain::verdict::Decision;
+use crate::hotel::route::Place;
+use crate::hotel::run::Asked;
+use crate::hotel::scenario::Scenario;
+
+/// Tells what happened at keyframes of one course.
+#[derive(Clone, Copy, Debug)]
+pub struct Narrator<'a> {
+    /// The floors, for the rooms' numbers, and the journeys through them.
+    pub scenario: &'a Scenario,
+}
+
+impl Narrator<'_> {
+    /// Where a keyframe was taken, in truth.
+    pub fn place(&self, (robot, number): (usize, usize)) -> String {
+        let floor = self.scenario.floor_of(robot);
+        match self.scenario.course.journeys[robot].steps[number].stop.place {
+            Place::Room(room) => format!("room {}", floor.numbers[room]),
+            Place::Corridor if self.scenario.upper.is_empty() => String::from("the corridor"),
+            Place::Corridor => format!("the corridor of room {}", floor.numbers[0]),
+        }
+    }
+
+    /// What was answered, with the figures that decided.
+    pub fn answer(&self, asked: &Asked) -> String {
+        let keyframe = format!("{} in {}", keyframe_id(asked.keyframe), self.place(asked.keyframe));
+        let Some(candidate) = asked.answer.leading() else {
+            return format!("{keyframe}: nothing like it in the map");
+        };
+        let looks = format!("{keyframe} looks like {} ({:.2})", candidate.keyframe, candidate.bow_score());
+        match asked.answer.verdict.0 {
+            Decision::Loop => format!("{looks}{}: a loop", agreement(candidate)),
+            Decision::NoLoop => format!("{looks} but {}: rejected", why(candidate)),
+            Decision::Undecided => format!("{looks} but {}: left open", why(candidate)),
+        }
+    }
+
+    /// The same, with what is true beside it.
+    pub fn judged(&self, asked: &Asked) -> String {
+        let truth = match asked.scored.outcome {
+            Outcome::Right => "right",
+            Outcome::RightlyNone => "right, there was none",
+            Outcome::Missed => "missed: it was there before",
+            Outcome::Wrong => "WRONG",
+            Outcome::Unscored => "not scored: near by, or the same things from afar",
+        };
+        let accepted = asked.accepted;
+        let accepted =
+            accepted.map_or_else(String::new, |other| format!(" (taken in {})", self.place(other)));
+        format!("{}{accepted} [{truth}]", self.answer(asked))
+    }
+}
+
+/// The id that a keyframe has on the server.
+pub fn keyframe_id((robot, number): (usize, usize)) -> String {
+    format!("{}-{number}", crate::hotel::run::session(robot))
+}
+
+fn agreement(candidate: &CandidateView) -> String {
+    let matches = candidate.anchors.as_ref().map_or(0, |anchors| anchors.matches.len());
+    let anchors = match (matches, candidate.similarity()) {
+        (0, _) | (_, None) => String::new(),
+        (1, Some(similarity)) => format!(", the same sign at the same place (S = {similarity:.2})"),
+        (n, Some(similarity)) => format!(", the same {n} signs at the same places (S = {similarity:.2})"),
+    };
+    match candidate.inliers() {
+        Some(inliers) => format!("{anchors}, {inliers} points fit{}", at_scale(candidate)),
+        None => anchors,
+    }
+}
+
+/// The ratio of the two keyframes' scales, where lengths have no common unit.
+fn at_scale(candidate: &CandidateView) -> String {
+    let geometry = &candidate.geometry;
+    match geometry.full_transform().map(|transform| transform.scale) {
+        Some(scale) if scale != 1.0 => format!(" at scale {scale:.2}"),
+        Some(_) => String::new(),
+        None => format!(" by {}", geometry.model.map_or("no model", |model| model.as_str())),
+    }
+}
+
+fn why(candidate: &CandidateView) -> String {
+    let contradictions = candidate.anchors.as_ref().map(|anchors| anchors.contradictions.as_slice());
+    if let Some([first, ..]) = contradictions {
+        return first.reason.clone();
+    }
+    let detail = candidate.reason.as_ref().map(|reason| reason.detail.clone());
+    detail.unwrap_or_else(|| String::from("a check said no"))
+}

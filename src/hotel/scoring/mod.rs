@@ -1,0 +1,11 @@
+//! Scoring: truth, precision and recall, pose errors, and the tables of the paper.
+
+pub mod absolute_pose_error;
+pub mod curve;
+pub mod explain;
+pub mod paper;
+pub mod results;
+pub mod score;
+pub mod tables;
+pub mod truth;
+pub mod tum;

@@ -1,0 +1,210 @@
+//! Results: an experiment's figures, for tables and as JSON.
+
+use crate::api::verdict::CandidateView;
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::paper::PrintedSequence;
+use super::score::{Counts, Outcome, by_query, by_visit, confidence_interval};
+use crate::hotel::building::renumbering::{Round, Signs};
+use crate::hotel::method::Method;
+use crate::hotel::run::{Asked, RunResult};
+use crate::hotel::sensing::monocular::ScaleError;
+use crate::hotel::sensing::noise::NoiseKind;
+
+/// The distance in truth, in metres, below which the two keyframes of a wrong loop were taken near each other.
+pub const NEAR_M: f64 = 3.0;
+
+/// A share with the figures behind it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Share {
+    /// So many ...
+    pub part: u64,
+    /// ... of so many.
+    pub whole: u64,
+    /// Their quotient; 1 of none.
+    pub share: f64,
+    /// Wilson's interval at 95 %.
+    pub confidence_interval: (f64, f64),
+}
+
+/// Precision and recall.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Accuracy {
+    /// Right answers of all answers.
+    pub precision: Share,
+    /// Right answers of all that had one.
+    pub recall: Share,
+}
+
+/// One arm on one sequence or world.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ArmResult {
+    /// `ours`, `paper` or `bow`.
+    pub arm: Method,
+    /// By query.
+    pub by_query: Accuracy,
+    /// By visit, the paper's unit.
+    pub by_visit: Accuracy,
+    /// RMSE of the positions after alignment, in metres; NaN (`null`) where they cannot be aligned.
+    #[serde(deserialize_with = "nan_of_null")]
+    pub absolute_pose_error_m: f64,
+    /// The share by which its lengths are off along the way, where the robot is monocular.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale_error: Option<ScaleError>,
+    /// How often the robots optimised their pose graphs.
+    pub optimised: usize,
+    /// The keyframes whose answer was wrong.
+    pub wrong: Vec<String>,
+    /// Those of them that were taken less than [`NEAR_M`] from the place that they were taken for.
+    pub wrong_near: usize,
+    /// Those that had a true loop and no answer.
+    pub missed: Vec<String>,
+    /// The reason codes of the right candidates at those, each with how often it decided.
+    pub lost_by: BTreeMap<String, u64>,
+}
+
+/// One sequence of the paper.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SequenceResult {
+    /// `SE1 00`.
+    pub sequence: String,
+    /// How many keyframes it has.
+    pub keyframes: usize,
+    /// Odometry alone, in metres.
+    pub odometry_m: f64,
+    /// The arms.
+    pub arms: Vec<ArmResult>,
+    /// What confuses bag of words and Sim3.
+    pub confusion: Confusion,
+    /// What the paper printed for it.
+    #[serde(skip)]
+    pub printed: PrintedSequence,
+}
+
+/// The figures behind right and wrong loops of the arm without anchors, at the median; but for their count those that the
+/// keyframe itself proposed, and not an earlier one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Confusion {
+    /// Wrong loops.
+    pub wrong: usize,
+    /// Their bag-of-words score.
+    pub score_of_wrong: f64,
+    /// Their inliers.
+    pub inliers_of_wrong: f64,
+    /// The score of right loops.
+    pub score_of_right: f64,
+    /// Their inliers.
+    pub inliers_of_right: f64,
+}
+
+/// One random world under one kind of noise.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WorldResult {
+    /// The trouble that makes it harder.
+    pub noise: NoiseKind,
+    /// The world's number.
+    pub seed: u64,
+    /// How many keyframes its tours have.
+    pub keyframes: usize,
+    /// The arms.
+    pub arms: Vec<ArmResult>,
+    /// Ours, round by round, where door numbers change.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rounds: Vec<Round>,
+    /// The signs of its map at the end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub signs: Option<Signs>,
+}
+
+fn nan_of_null<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
+}
+
+impl Accuracy {
+    /// Of some counts.
+    pub fn of(counts: &Counts) -> Self {
+        Self {
+            precision: Share::of(counts.right, counts.accepted),
+            recall: Share::of(counts.found, counts.with_truth),
+        }
+    }
+
+    /// The counts behind it.
+    pub fn counts(&self) -> Counts {
+        Counts {
+            accepted: self.precision.whole,
+            right: self.precision.part,
+            with_truth: self.recall.whole,
+            found: self.recall.part,
+        }
+    }
+}
+
+impl Share {
+    fn of(part: u64, whole: u64) -> Self {
+        let share = if whole == 0 { 1.0 } else { part as f64 / whole as f64 };
+        Self { part, whole, share, confidence_interval: confidence_interval(part, whole) }
+    }
+}
+
+impl Confusion {
+    /// Of a drive.
+    pub fn of(driven: &RunResult) -> Self {
+        let figures = |outcome: Outcome, of: fn(&CandidateView) -> f64| -> Vec<f64> {
+            let answers = driven.asked.iter().filter(|asked| asked.scored.outcome == outcome);
+            // One that later keyframes confirmed need not be among the candidates of the last.
+            let accepted = |asked: &Asked| Some(super::explain::keyframe_id(asked.accepted?));
+            answers.filter_map(|asked| asked.answer.candidate(&accepted(asked)?).map(of)).collect()
+        };
+        let inliers: fn(&CandidateView) -> f64 = |candidate| candidate.inliers().unwrap_or(0) as f64;
+        Self {
+            wrong: driven.asked.iter().filter(|asked| asked.scored.outcome == Outcome::Wrong).count(),
+            score_of_wrong: median(figures(Outcome::Wrong, CandidateView::bow_score)),
+            inliers_of_wrong: median(figures(Outcome::Wrong, inliers)),
+            score_of_right: median(figures(Outcome::Right, CandidateView::bow_score)),
+            inliers_of_right: median(figures(Outcome::Right, inliers)),
+        }
+    }
+}
+
+fn median(mut figures: Vec<f64>) -> f64 {
+    figures.sort_by(f64::total_cmp);
+    figures.get(figures.len() / 2).copied().unwrap_or(0.0)
+}
+
+impl ArmResult {
+    /// Of a drive.
+    pub fn of(driven: &RunResult) -> Self {
+        let scored = driven.scored();
+        let with = |outcome: Outcome| -> Vec<String> {
+            let those = driven.asked.iter().filter(|asked| asked.scored.outcome == outcome);
+            those.map(|asked| super::explain::keyframe_id(asked.keyframe)).collect()
+        };
+        let wrong = || driven.asked.iter().filter(|asked| asked.scored.outcome == Outcome::Wrong);
+        let mut lost_by = BTreeMap::new();
+        for code in driven.asked.iter().filter_map(|asked| asked.lost_by.clone()) {
+            *lost_by.entry(code).or_default() += 1;
+        }
+        Self {
+            arm: driven.arm,
+            by_query: Accuracy::of(&by_query(&scored)),
+            by_visit: Accuracy::of(&by_visit(&scored)),
+            absolute_pose_error_m: driven.absolute_pose_error_m,
+            scale_error: driven.scale_error,
+            optimised: driven.closed,
+            wrong: with(Outcome::Wrong),
+            wrong_near: wrong().filter(|asked| asked.apart_m.is_some_and(|apart_m| apart_m < NEAR_M)).count(),
+            missed: with(Outcome::Missed),
+            lost_by,
+        }
+    }
+}
+
+/// An arm's counts by query and by visit over several results.
+pub fn pooled<'a>(results: impl Iterator<Item = &'a [ArmResult]>, arm: Method) -> [Counts; 2] {
+    results.flatten().filter(|result| result.arm == arm).fold([Counts::default(); 2], |sum, result| {
+        [sum[0].plus(result.by_query.counts()), sum[1].plus(result.by_visit.counts())]
+    })
+}

@@ -1,0 +1,272 @@
+//! Tables: the paper's Tables II and III beside what was measured, and one row for each kind of noise.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+
+use super::paper::ORB_SLAM3_PRECISION;
+use super::results::{Accuracy, ArmResult, Confusion, NEAR_M, SequenceResult, Share, WorldResult, pooled};
+use super::score::Counts;
+use crate::hotel::building::renumbering::{Round, Signs};
+use crate::hotel::method::Method;
+use crate::hotel::sensing::monocular::ScaleError;
+use crate::hotel::sensing::noise::NoiseKind;
+
+/// Table II: precision and recall on each data set, by query and by the paper's unit.
+pub fn table_2(results: &[SequenceResult]) -> String {
+    let mut text = String::from(
+        "Table II: loop closure detection, by query and by visit to a room (the paper's unit)\n\
+         \n                     by query                                by visit                                printed in the paper\n\
+         \x20                    precision           recall              precision           recall              precision  recall\n",
+    );
+    for (dataset, orb_slam3) in ORB_SLAM3_PRECISION {
+        let of_dataset: Vec<&SequenceResult> =
+            results.iter().filter(|r| r.printed.dataset == dataset).collect();
+        if of_dataset.is_empty() {
+            continue;
+        }
+        for arm in Method::OF_SEQUENCES {
+            let counts = pooled(of_dataset.iter().map(|result| result.arms.as_slice()), arm);
+            let [query, visit] = [Accuracy::of(&counts[0]), Accuracy::of(&counts[1])];
+            let printed = match arm {
+                Method::Ours | Method::OursMonocular => String::from("      -       -"),
+                Method::Paper => String::from("  100.0   100.0"),
+                Method::BagOfWords => format!("{:>7.1}   100.0  (ORB-SLAM3)", 100.0 * orb_slam3),
+            };
+            let _ = writeln!(
+                text,
+                "{dataset}  {:14}  {}  {}  {}  {}  {printed}",
+                arm.title(),
+                interval(&query.precision),
+                interval(&query.recall),
+                interval(&visit.precision),
+                interval(&visit.recall),
+            );
+        }
+    }
+    text.push_str("\nin %, in brackets Wilson's interval at 95 %\n");
+    text
+}
+
+/// Tells what a reader of Table II must know about it.
+pub fn caveats(results: &[SequenceResult]) -> String {
+    let mut text = String::from(
+        "The paper printed its figures for a hotel of its own, which is not public. A tour comes back to one of its rooms, so that\n\
+         by visit one wrong loop weighs as much as that return. Ours closes a loop that one keyframe finds. The robots of the other\n\
+         two ask what ORB-SLAM3 asks before it closes one: 50 and 80 points of the candidate's surroundings, and three keyframes\n\
+         that agree; so they answer fewer keyframes.\n",
+    );
+    for arm in Method::OF_SEQUENCES {
+        let of_arm = || results.iter().filter_map(|result| arm_of(&result.arms, arm));
+        let wrong: usize = of_arm().map(|result| result.wrong.len()).sum();
+        let near: usize = of_arm().map(|result| result.wrong_near).sum();
+        let _ = writeln!(
+            text,
+            "  {:14} {wrong:>5} wrong loops, {near} of them less than {NEAR_M} m from the place that was named",
+            arm.title()
+        );
+    }
+    text
+}
+
+/// What confuses bag of words and Sim3, on average over the sequences.
+pub fn confusion(results: &[SequenceResult]) -> String {
+    let mut text = String::from(
+        "what confuses bag of words + Sim3: one place taken for another that is furnished alike\n",
+    );
+    for (dataset, _) in ORB_SLAM3_PRECISION {
+        let of_dataset: Vec<&Confusion> =
+            results.iter().filter(|r| r.printed.dataset == dataset).map(|r| &r.confusion).collect();
+        let mean = |of: fn(&Confusion) -> f64| {
+            of_dataset.iter().map(|confusion| of(confusion)).sum::<f64>() / of_dataset.len().max(1) as f64
+        };
+        let wrong: usize = of_dataset.iter().map(|confusion| confusion.wrong).sum();
+        let _ = writeln!(
+            text,
+            "{dataset}  {wrong} wrong loops: words score {:.2} with {:.0} inliers; right ones {:.2} with {:.0}",
+            mean(|confusion| confusion.score_of_wrong),
+            mean(|confusion| confusion.inliers_of_wrong),
+            mean(|confusion| confusion.score_of_right),
+            mean(|confusion| confusion.inliers_of_right),
+        );
+    }
+    text
+}
+
+/// Table III: absolute pose error of each sequence, in metres.
+pub fn table_3(results: &[SequenceResult]) -> String {
+    let mut text = String::from(
+        "Table III: absolute pose error in metres (RMSE of positions after alignment, as evo_ape -a)\n\
+         \n            measured                                    printed in the paper\n\
+         sequence    ours  paper's  BoW+Sim3  odometry      ours  ORB-SLAM3  ORB-VO\n",
+    );
+    for result in results {
+        let of = |arm: Method| arm_of(&result.arms, arm).map_or(f64::NAN, |arm| arm.absolute_pose_error_m);
+        let printed = &result.printed;
+        let _ = writeln!(
+            text,
+            "{:8} {:7.3} {:8.3} {:9.3} {:9.3} {:9.3} {:10.3} {:7.3}",
+            result.sequence,
+            of(Method::Ours),
+            of(Method::Paper),
+            of(Method::BagOfWords),
+            result.odometry_m,
+            printed.ours_m,
+            printed.orb_slam3_m,
+            printed.orb_vo_m,
+        );
+    }
+    let mean =
+        |of: &dyn Fn(&SequenceResult) -> f64| results.iter().map(of).sum::<f64>() / results.len() as f64;
+    let ours_m = mean(&|r| arm_of(&r.arms, Method::Ours).map_or(f64::NAN, |arm| arm.absolute_pose_error_m));
+    let (odometry_m, printed) =
+        (mean(&|r| r.odometry_m), mean(&|r| r.printed.orb_vo_m) / mean(&|r| r.printed.ours_m));
+    let _ = writeln!(
+        text,
+        "\nodometry alone is {:.1} times as far off as ours on average (the paper: {printed:.1} times)",
+        odometry_m / ours_m
+    );
+    text
+}
+
+/// What each kind of noise does to ours and to the paper's method.
+pub fn noise_table(results: &[WorldResult], arms: &[Method]) -> String {
+    let mut text = String::from(
+        "                                                      by query                                by visit (the paper's unit)\n\
+         noise                                 arm             precision           recall              precision           recall\n",
+    );
+    let mut row = |name: &str, arm: Method, [query, visit]: [Counts; 2]| {
+        if query == Counts::default() {
+            // It drove through none of them.
+            return;
+        }
+        let [query, visit] = [Accuracy::of(&query), Accuracy::of(&visit)];
+        let _ = writeln!(
+            text,
+            "{name:37} {:14}  {}  {}  {}  {}",
+            arm.title(),
+            interval(&query.precision),
+            interval(&query.recall),
+            interval(&visit.precision),
+            interval(&visit.recall),
+        );
+    };
+    for kind in NoiseKind::ALL {
+        let of_kind: Vec<&WorldResult> = results.iter().filter(|result| result.noise == kind).collect();
+        for arm in arms.iter().filter(|_| !of_kind.is_empty()) {
+            row(kind.title(), *arm, pooled(of_kind.iter().map(|result| result.arms.as_slice()), *arm));
+        }
+    }
+    let kinds: BTreeSet<NoiseKind> = pooled_worlds(results).map(|result| result.noise).collect();
+    for arm in arms.iter().filter(|_| kinds.len() > 1) {
+        let of_kinds = pooled_worlds(results).map(|result| result.arms.as_slice());
+        row("pooled, one kind at a time", *arm, pooled(of_kinds, *arm));
+    }
+    text.push_str("\nin %, in brackets Wilson's interval at 95 %\n");
+    text
+}
+
+/// What the monocular robots' lengths and positions are off by, on average over the worlds; empty without any.
+pub fn monocular(results: &[WorldResult]) -> String {
+    let of_arm = |arm: Method| results.iter().filter_map(move |result| arm_of(&result.arms, arm));
+    let errors: Vec<ScaleError> =
+        of_arm(Method::OursMonocular).filter_map(|result| result.scale_error).collect();
+    if errors.is_empty() {
+        return String::new();
+    }
+    let mean = |of: fn(&ScaleError) -> f64| 100.0 * errors.iter().map(of).sum::<f64>() / errors.len() as f64;
+    let pose_m = |arm: Method| {
+        let off_m: Vec<f64> = of_arm(arm).map(|result| result.absolute_pose_error_m).collect();
+        off_m.iter().sum::<f64>() / off_m.len() as f64
+    };
+    format!(
+        "monocular: lengths scatter by {:.1} % along a tour by odometry, by {:.1} % after its loops; positions are off by {:.2} m\n\
+         after alignment by scale too, those of ours with depth by {:.2} m\n",
+        mean(|error| error.odometry),
+        mean(|error| error.corrected),
+        pose_m(Method::OursMonocular),
+        pose_m(Method::Ours),
+    )
+}
+
+/// Returns the worlds that are pooled: those with one trouble each, or all if there are no others.
+pub fn pooled_worlds(results: &[WorldResult]) -> impl Iterator<Item = &WorldResult> {
+    let is_pooled = |result: &&WorldResult| result.noise != NoiseKind::Mixed;
+    let all = !results.iter().any(|result| is_pooled(&result));
+    results.iter().filter(move |result| all || is_pooled(result))
+}
+
+/// Returns the true loops that ours did not find, by the reason of the right candidate that came farthest.
+pub fn losses<'a>(results: impl Iterator<Item = &'a [ArmResult]>) -> String {
+    let (mut by_code, mut there): (BTreeMap<&str, u64>, u64) = (BTreeMap::new(), 0);
+    for ours in results.filter_map(|arms| arm_of(arms, Method::Ours)) {
+        there += ours.by_query.recall.whole;
+        for (code, count) in &ours.lost_by {
+            *by_code.entry(code).or_default() += count;
+        }
+    }
+    let mut rows: Vec<(&str, u64)> = by_code.into_iter().collect();
+    rows.sort_by_key(|(code, count)| (std::cmp::Reverse(*count), *code));
+    let lost: u64 = rows.iter().map(|(_, count)| count).sum();
+    let mut text =
+        format!("ours did not find {lost} of {there} true loops, by the reason of the right candidate:\n");
+    for (code, count) in rows {
+        let _ = writeln!(text, "  {code:34} {count:>6}  {:>5.1} %", 100.0 * count as f64 / there as f64);
+    }
+    text
+}
+
+/// Ours, round by round, where door numbers change; empty where none do.
+pub fn rounds(results: &[WorldResult]) -> String {
+    let rounds = results.iter().map(|result| result.rounds.len()).max().unwrap_or(0);
+    let mut text = String::new();
+    if rounds > 0 {
+        text.push_str(
+            "\nours, round by round: one plate in ten is new from round 2 on, those of one side from round 5 on\n\
+             round   all: right of accepted, found of true   in view of new plates alone\n",
+        );
+    }
+    for round in 0..rounds {
+        let of_round = || results.iter().filter_map(|result| result.rounds.get(round));
+        let sum = |of: fn(&Round) -> Counts| of_round().map(of).fold(Counts::default(), Counts::plus);
+        let [all, new] = [sum(|round| round.all), sum(|round| round.at_new_plates)];
+        let figures = |c: Counts| format!("{} / {}, {} / {}", c.right, c.accepted, c.found, c.with_truth);
+        let _ = writeln!(text, "{:>5}   {:37}  {}", round + 1, figures(all), figures(new));
+    }
+    if let Some(signs) = results.iter().filter_map(|result| result.signs).reduce(Signs::plus) {
+        let Signs { retired_gone, retired_hanging, retired_misread, valid_gone } = signs;
+        let _ = writeln!(
+            text,
+            "signs at the end: {retired_gone} retired that hang there no longer, {retired_hanging} that do, \
+             {retired_misread} that never did; {valid_gone} valid that hang there no longer"
+        );
+    }
+    text
+}
+
+/// Returns the worlds in which ours was wrong, and how to look into one; of those that are held out their number, for nobody
+/// looks into them.
+pub fn failures(results: &[WorldResult], held_out: bool) -> String {
+    let wrong_in =
+        |result: &WorldResult| arm_of(&result.arms, Method::Ours).map_or(0, |ours| ours.wrong.len());
+    let failed = || results.iter().filter(|result| wrong_in(result) > 0);
+    let mut text = format!("ours was wrong in {} of {} worlds\n", failed().count(), results.len());
+    for result in failed().filter(|_| !held_out) {
+        let (seed, noise) = (result.seed, result.noise.name());
+        let option = if result.noise == NoiseKind::SecondHotel { "hotel" } else { "noise" };
+        let _ = writeln!(
+            text,
+            "  {} times in world {seed} under {noise} (to look into it: revisit eval hotel --world {seed} --{option} {noise})",
+            wrong_in(result),
+        );
+    }
+    text
+}
+
+fn arm_of(arms: &[ArmResult], arm: Method) -> Option<&ArmResult> {
+    arms.iter().find(|result| result.arm == arm)
+}
+
+fn interval(share: &Share) -> String {
+    let (low, high) = share.confidence_interval;
+    format!("{:5.1} [{:4.1} {:5.1}]", share.share * 100.0, low * 100.0, high * 100.0)
+}

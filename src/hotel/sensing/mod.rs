@@ -1,0 +1,11 @@
+//! Sensing: camera, depth, odometry, detector and text recognition, each with its noise.
+
+pub mod camera;
+pub mod monocular;
+pub mod noise;
+pub mod ocr;
+pub mod odometry;
+pub mod reader;
+pub mod sensor;
+pub mod tracking;
+pub mod triangulation;

@@ -1,0 +1,144 @@
+//! Reader: what a detector's text recognition, or a model that describes pictures, makes of a sign.
+
+use super::noise::Noise;
+use super::ocr;
+use crate::hotel::building::signs::{Sign, SignKind};
+use crate::hotel::rng::SeededRng;
+
+/// Characters that are taken for each other.
+const LOOK_ALIKE: [(char, &str); 10] = [
+    ('0', "869"),
+    ('1', "74"),
+    ('2', "7"),
+    ('3', "89"),
+    ('4', "91"),
+    ('5', "683"),
+    ('6', "580"),
+    ('7', "12"),
+    ('8', "3069"),
+    ('9', "084"),
+];
+
+/// Of readings that are wrong, this share has lost a character; the others have it replaced.
+const DROPPED_SHARE: f64 = 0.25;
+
+/// Words that describe the same painting, each the other's.
+const SYNONYMS: [(&str, &str); 12] = [
+    ("sunset", "dusk"),
+    ("dawn", "sunrise"),
+    ("moonlight", "night"),
+    ("fog", "mist"),
+    ("mountains", "peaks"),
+    ("seaside", "beach"),
+    ("rain", "downpour"),
+    ("umbrella", "parasol"),
+    ("bicycle", "bike"),
+    ("wagon", "cart"),
+    ("sailboat", "yacht"),
+    ("locomotive", "train"),
+];
+
+/// What a reader makes of the signs of one visit.
+#[derive(Clone, Debug)]
+pub struct Reader {
+    noise: Noise,
+    /// Signs that this visit's light makes look like something else: (sign, what is read).
+    glare: Vec<(usize, String)>,
+    visit: usize,
+}
+
+impl Reader {
+    /// A reader under this noise.
+    pub fn new(noise: Noise) -> Self {
+        Self { noise, glare: Vec::new(), visit: usize::MAX }
+    }
+
+    /// Reads a sign in this box, in pixels: the class of the detection and what it says; nothing where it sees no text.
+    pub fn detect(
+        &mut self,
+        number: usize,
+        sign: &Sign,
+        bounding_box: [f64; 4],
+        visit: usize,
+        rng: &mut SeededRng,
+    ) -> Option<(&'static str, String)> {
+        let text = self.read(number, sign, visit, rng);
+        if !self.noise.ocr || sign.kind == SignKind::Painting {
+            return Some((sign.kind.class(), text));
+        }
+        Some((ocr::CLASS, ocr::read(&text, sign, bounding_box, rng)?))
+    }
+
+    /// Reads what is not there: texts with their boxes, in pixels.
+    pub fn imagine(&self, rng: &mut SeededRng) -> Vec<(String, [f64; 4])> {
+        if self.noise.ocr { ocr::imagine(rng) } else { Vec::new() }
+    }
+
+    /// What it says of the sign in this image.
+    fn read(&mut self, number: usize, sign: &Sign, visit: usize, rng: &mut SeededRng) -> String {
+        if self.visit != visit {
+            self.visit = visit;
+            self.glare.clear();
+        }
+        if sign.kind == SignKind::Painting {
+            return self.describe(&sign.text, rng);
+        }
+        if sign.kind != SignKind::DoorPlate {
+            return sign.text.clone();
+        }
+        let mut number_read = sign.text.clone();
+        if !self.glare.iter().any(|(known, _)| *known == number) {
+            let seen = if rng.happens(self.noise.glare_share) {
+                misread(&sign.text, rng)
+            } else {
+                sign.text.clone()
+            };
+            self.glare.push((number, seen));
+        }
+        if let Some((_, seen)) = self.glare.iter().find(|(known, _)| *known == number) {
+            number_read.clone_from(seen);
+        }
+        if rng.happens(self.noise.misread_share) {
+            number_read = misread(&number_read, rng);
+        }
+        if self.noise.other_wording {
+            let wording =
+                *rng.one_of(&["{}", "Room {}", "door number {}", "a door plate that reads {}", "No. {}"]);
+            return wording.replace("{}", &number_read);
+        }
+        number_read
+    }
+
+    fn describe(&self, title: &str, rng: &mut SeededRng) -> String {
+        if !self.noise.other_wording {
+            return title.to_owned();
+        }
+        let mut described = title.to_owned();
+        for (word, other) in SYNONYMS {
+            if rng.happens(0.5) {
+                described = described.replace(word, other);
+            }
+        }
+        let what = described.trim_start_matches("a painting of ");
+        let wording = *rng.one_of(&[
+            "a painting of {}",
+            "a framed picture that shows {}",
+            "{}, oil on canvas",
+            "artwork with {}",
+        ]);
+        wording.replace("{}", what)
+    }
+}
+
+/// A number as it may be misread.
+pub fn misread(number: &str, rng: &mut SeededRng) -> String {
+    let mut characters: Vec<char> = number.chars().collect();
+    let at = rng.below(characters.len());
+    if rng.happens(DROPPED_SHARE) && characters.len() > 1 {
+        characters.remove(at);
+    } else if let Some((_, alike)) = LOOK_ALIKE.iter().find(|(character, _)| *character == characters[at]) {
+        let alike: Vec<char> = alike.chars().collect();
+        characters[at] = *rng.one_of(&alike);
+    }
+    characters.into_iter().collect()
+}

@@ -1,0 +1,139 @@
+//! Journey: everything a robot's sensors say on one tour, and the truth beside it.
+//!
+//! A journey is recorded once and then driven through by each arm of the experiment, so that all see the same data.
+
+use super::building::signs::SignKind;
+use super::building::world::World;
+use super::rng::SeededRng;
+use super::route::Stop;
+use super::sensing::noise::Noise;
+use super::sensing::ocr;
+use super::sensing::odometry::{drifting_motions, scale_drift};
+use super::sensing::reader::Reader;
+use super::sensing::sensor::{Feature, take_image};
+use super::sensing::tracking::Tracker;
+use crate::geometry::{Point3, Pose};
+
+/// The confidence of a reader in text that is none.
+const IMAGINED_CONFIDENCE: f64 = 0.7;
+
+/// A detection as the robot sends it.
+#[derive(Clone, Debug)]
+pub struct Detection {
+    /// Its class.
+    pub class: &'static str,
+    /// How sure the detector is.
+    pub confidence: f64,
+    /// `[x0, y0, x1, y1]`, in pixels.
+    pub bounding_box: [f64; 4],
+    /// The features on it.
+    pub features: Vec<usize>,
+    /// What was read, or how it is described.
+    pub text: String,
+}
+
+/// A map point that a keyframe places, for the first time or anew.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placed {
+    /// The feature of the keyframe that it is.
+    pub feature: usize,
+    /// Its place in the keyframe's camera frame: in metres by depth, in the robot's own unit by triangulation.
+    pub in_camera: Point3,
+}
+
+/// A keyframe as the sensors give it.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// The truth: where it was taken, on which visit.
+    pub stop: Stop,
+    /// Its motion since the last keyframe, `previous_from_this`, as odometry has it. The first one's is the identity.
+    pub motion: Pose,
+    /// Its corners.
+    pub features: Vec<Feature>,
+    /// The map point of each, as the robot's tracking numbers it, and whether it is new.
+    pub map_points: Vec<(u64, bool)>,
+    /// The map points that it places.
+    pub placed: Vec<Placed>,
+    /// Its signs.
+    pub detections: Vec<Detection>,
+}
+
+/// One robot's tour.
+#[derive(Clone, Debug)]
+pub struct Sequence {
+    /// The keyframes in order.
+    pub steps: Vec<Step>,
+    /// How much longer a metre is at each keyframe in the unit of a robot without depth than at the first, as a natural
+    /// logarithm ([`scale_drift`]).
+    pub scale_drift: Vec<f64>,
+}
+
+impl Sequence {
+    /// Drives through a world and records it; odometry drifts by `drift_m`.
+    pub fn record(world: &World, stops: &[Stop], noise: Noise, drift_m: f64, seed: u64) -> Self {
+        Self::through(|_| world, stops, noise, drift_m, seed)
+    }
+
+    /// The same through a world that changes from visit to visit; no sign is hung or taken down.
+    pub fn through<'a>(
+        world_at: impl Fn(usize) -> &'a World,
+        stops: &[Stop],
+        noise: Noise,
+        drift_m: f64,
+        seed: u64,
+    ) -> Self {
+        let truth: Vec<Pose> = stops.iter().map(|stop| stop.stand.map_from_camera()).collect();
+        let motions = drifting_motions(&truth, drift_m, &mut SeededRng::new(seed, "odometry"));
+        let motions = std::iter::once(Pose::identity()).chain(motions);
+        let mut sensor = SeededRng::new(seed, "sensor");
+        let mut reading = SeededRng::new(seed, "reader");
+        let (mut tracker, mut reader) = (Tracker::default(), Reader::new(noise));
+        let mut plates = SeededRng::new(seed, "plates");
+        let missing: Vec<bool> = (world_at(0).signs.iter())
+            .map(|sign| plates.happens(noise.no_plate_share) && sign.kind == SignKind::DoorPlate)
+            .collect();
+        let scale_drift = scale_drift(&truth, &mut SeededRng::new(seed, "scale"));
+        let steps = (stops.iter().zip(motions).enumerate()).map(|(number, (stop, motion))| {
+            let world = world_at(stop.visit);
+            let image = take_image(world, &stop.stand, noise.missed_share, &mut sensor);
+            let map_points: Vec<(u64, bool)> =
+                image.features.iter().map(|feature| tracker.observe(feature.point, number)).collect();
+            let placed = placed_by_depth(&image.features, &map_points);
+            let seen = image.signs.into_iter().filter(|seen| !missing[seen.sign]);
+            let mut detections: Vec<Detection> = seen
+                .filter_map(|seen| {
+                    let (bounding_box, sign) = (seen.bounding_box, &world.signs[seen.sign]);
+                    let (class, text) =
+                        reader.detect(seen.sign, sign, bounding_box, stop.visit, &mut reading)?;
+                    let (confidence, features) = (seen.confidence, seen.features);
+                    Some(Detection { class, confidence, bounding_box, features, text })
+                })
+                .collect();
+            let imagined = reader.imagine(&mut reading).into_iter();
+            detections.extend(imagined.map(|(text, bounding_box)| Detection {
+                class: ocr::CLASS,
+                confidence: IMAGINED_CONFIDENCE,
+                bounding_box,
+                features: features_in(&image.features, bounding_box),
+                text,
+            }));
+            Step { stop: *stop, motion, features: image.features, map_points, placed, detections }
+        });
+        Self { steps: steps.collect(), scale_drift }
+    }
+}
+
+/// Returns the new map points where depth has them.
+fn placed_by_depth(features: &[Feature], map_points: &[(u64, bool)]) -> Vec<Placed> {
+    let features = features.iter().zip(map_points).enumerate();
+    let new = features.filter(|(_, (_, (_, is_new)))| *is_new);
+    new.map(|(feature, (seen, _))| Placed { feature, in_camera: seen.in_camera }).collect()
+}
+
+/// Returns the places of the features in a box, `[x0, y0, x1, y1]` in pixels.
+fn features_in(features: &[Feature], [x0, y0, x1, y1]: [f64; 4]) -> Vec<usize> {
+    let is_in = |feature: &Feature| {
+        (x0..=x1).contains(&feature.keypoint.u) && (y0..=y1).contains(&feature.keypoint.v)
+    };
+    features.iter().enumerate().filter(|(_, feature)| is_in(feature)).map(|(place, _)| place).collect()
+}

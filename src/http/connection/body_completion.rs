@@ -1,0 +1,49 @@
+//! Watched: an answer's body that tells when the last of it has left.
+
+use std::pin::Pin;
+use std::sync::Arc;
+use std::task::{Context, Poll};
+
+use axum::body::{Body, Bytes, HttpBody};
+use hyper::body::{Frame, SizeHint};
+
+use super::connection_limit::ConnectionSlot;
+
+/// An answer on its way out; when it goes, its connection waits for the next request.
+pub struct CompletionBody {
+    body: Body,
+    seat: Arc<ConnectionSlot>,
+}
+
+impl CompletionBody {
+    /// The body of an answer on the connection of this seat.
+    pub fn new(body: Body, seat: Arc<ConnectionSlot>) -> Self {
+        Self { body, seat }
+    }
+}
+
+impl Drop for CompletionBody {
+    fn drop(&mut self) {
+        self.seat.rests();
+    }
+}
+
+impl HttpBody for CompletionBody {
+    type Data = Bytes;
+    type Error = axum::Error;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        cx: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+        Pin::new(&mut self.body).poll_frame(cx)
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.body.is_end_stream()
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        self.body.size_hint()
+    }
+}

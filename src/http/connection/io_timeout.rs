@@ -1,0 +1,166 @@
+//! Patient: how long a connection waits for its client.
+//!
+//! hyper's own timer for heads also runs while a connection is idle, and it has none for answers that nobody takes. So
+//! the stream tells the seat what it hears and says, and is timed itself where it writes.
+//!
+//! A connection that is closed on bytes that were not read is reset, and an answer on its way is lost with it. So closing
+//! lingers: after the last answer the stream reads what its client still sends, until the client closes, too.
+
+use std::io;
+use std::mem::MaybeUninit;
+use std::pin::Pin;
+use std::sync::Arc;
+use std::task::{Context, Poll, ready};
+use std::time::Duration;
+
+use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
+use tokio::time::{Instant, Sleep, sleep_until};
+
+use super::connection_limit::{ConnectionSlot, Phase};
+use crate::api::limits;
+use crate::config::limits::LimitArgs;
+
+/// The longest that a closed connection lingers.
+const LINGER: Duration = Duration::from_secs(3);
+/// The longest that it lingers while its client sends nothing.
+const LINGER_SILENT: Duration = Duration::from_secs(1);
+/// The most that it reads meanwhile: the largest body.
+const LINGER_BYTES: usize = limits::BODY_BYTES;
+
+/// Resolves when the client should have sent a request long since.
+pub async fn overdue(seat: &ConnectionSlot, limits: &LimitArgs) {
+    // Looked at again and again: what a connection is about changes more often than this, and costs nothing so.
+    let again = limits.header_timeout / 4;
+    loop {
+        let now = Instant::now();
+        let due = match seat.phase() {
+            Phase::Waits { idle: true, since, .. } => since + limits.keep_alive,
+            Phase::Waits { idle: false, since, .. } => since + limits.header_timeout,
+            // While a request is worked on, its body has a timer of its own.
+            Phase::Works => now + again,
+        };
+        if due <= now {
+            return;
+        }
+        sleep_until(due.min(now + again)).await;
+    }
+}
+
+/// A stream with the patience of its server.
+pub struct TimeoutStream<S> {
+    stream: S,
+    seat: Arc<ConnectionSlot>,
+    stall: Duration,
+    writing: Option<Pin<Box<Sleep>>>,
+    lingering: Option<Linger>,
+}
+
+/// A stream that is closed on our side.
+struct Linger {
+    end: Instant,
+    timer: Pin<Box<Sleep>>,
+    left: usize,
+}
+
+impl<S> TimeoutStream<S> {
+    /// The stream of the connection on this seat.
+    pub fn new(stream: S, seat: Arc<ConnectionSlot>, limits: &LimitArgs) -> Self {
+        Self { stream, seat, stall: limits.stall_timeout, writing: None, lingering: None }
+    }
+
+    /// Something could be written, or nothing.
+    fn watch_writing(
+        &mut self,
+        cx: &mut Context<'_>,
+        written: Poll<io::Result<usize>>,
+    ) -> Poll<io::Result<usize>> {
+        if written.is_ready() {
+            self.writing = None;
+            self.seat.speaks();
+            return written;
+        }
+        let stall = self.stall;
+        let timer = self.writing.get_or_insert_with(|| Box::pin(sleep_until(Instant::now() + stall)));
+        ready!(timer.as_mut().poll(cx));
+        Poll::Ready(Err(io::Error::new(io::ErrorKind::TimedOut, "the client does not take its answer")))
+    }
+}
+
+impl<S: AsyncRead + Unpin> AsyncRead for TimeoutStream<S> {
+    fn poll_read(
+        mut self: Pin<&mut Self>,
+        cx: &mut Context<'_>,
+        buffer: &mut ReadBuf<'_>,
+    ) -> Poll<io::Result<()>> {
+        let before = buffer.filled().len();
+        let read = Pin::new(&mut self.stream).poll_read(cx, buffer);
+        if buffer.filled().len() > before {
+            self.seat.on_read();
+        }
+        read
+    }
+}
+
+impl<S: AsyncRead + AsyncWrite + Unpin> AsyncWrite for TimeoutStream<S> {
+    fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
+        let written = Pin::new(&mut self.stream).poll_write(cx, bytes);
+        self.watch_writing(cx, written)
+    }
+
+    fn poll_write_vectored(
+        mut self: Pin<&mut Self>,
+        cx: &mut Context<'_>,
+        slices: &[io::IoSlice<'_>],
+    ) -> Poll<io::Result<usize>> {
+        let written = Pin::new(&mut self.stream).poll_write_vectored(cx, slices);
+        self.watch_writing(cx, written)
+    }
+
+    fn is_write_vectored(&self) -> bool {
+        self.stream.is_write_vectored()
+    }
+
+    fn poll_flush(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_flush(cx)
+    }
+
+    fn poll_shutdown(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        if self.lingering.is_none() {
+            ready!(Pin::new(&mut self.stream).poll_shutdown(cx))?;
+            self.lingering = Some(Linger::from_now());
+        }
+        let Self { stream, lingering, .. } = &mut *self;
+        match lingering {
+            Some(linger) => linger.poll(stream, cx).map(Ok),
+            None => Poll::Ready(Ok(())),
+        }
+    }
+}
+
+impl Linger {
+    fn from_now() -> Self {
+        let now = Instant::now();
+        let timer = Box::pin(sleep_until(now + LINGER_SILENT));
+        Self { end: now + LINGER, timer, left: LINGER_BYTES }
+    }
+
+    /// Reads and forgets until the client closes, or has had its time.
+    fn poll<S: AsyncRead + Unpin>(&mut self, stream: &mut S, cx: &mut Context<'_>) -> Poll<()> {
+        let mut forgotten = [MaybeUninit::uninit(); 8 << 10];
+        loop {
+            let mut buffer = ReadBuf::uninit(&mut forgotten);
+            match Pin::new(&mut *stream).poll_read(cx, &mut buffer) {
+                Poll::Pending => return self.timer.as_mut().poll(cx),
+                Poll::Ready(Err(_)) => return Poll::Ready(()),
+                Poll::Ready(Ok(())) => {}
+            }
+            let now = Instant::now();
+            let read = buffer.filled().len();
+            self.left = self.left.saturating_sub(read);
+            if read == 0 || self.left == 0 || now > self.end {
+                return Poll::Ready(());
+            }
+            self.timer.as_mut().reset(self.end.min(now + LINGER_SILENT));
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Paced: a request's body that has to arrive at a least rate, on the average, and without long pauses.
+//!
+//! Only the time in which the server waits for its client is counted: one that sends faster than its lines can be stored
+//! is not held to anything. A gigabyte over a slow link may take its hours; a byte now and then may not.
+
+use std::error::Error;
+use std::fmt;
+use std::pin::Pin;
+use std::sync::Arc;
+use std::task::{Context, Poll};
+use std::time::Duration;
+
+use axum::BoxError;
+use axum::body::{Body, Bytes, HttpBody};
+use hyper::body::{Frame, SizeHint};
+use tokio::time::{Instant, Sleep, sleep_until};
+
+use crate::config::limits::LimitArgs;
+use crate::engine::limits::load_shedding::RequestPermit;
+
+/// How slow a body may be.
+#[derive(Clone, Copy, Debug)]
+pub struct MinRate {
+    /// Time that everybody has, whatever was sent.
+    grace: Duration,
+    /// The longest pause.
+    stall: Duration,
+    /// Bytes that buy a second.
+    rate: f64,
+}
+
+impl MinRate {
+    /// As the operator has it.
+    pub fn of(limits: &LimitArgs) -> Self {
+        let (grace, stall) = (limits.header_timeout, limits.stall_timeout);
+        Self { grace, stall, rate: limits.min_body_rate as f64 }
+    }
+
+    /// How long a body may be waited for now, after so much of it was, and so much arrived.
+    fn patience(&self, waited: Duration, received: u64) -> Duration {
+        let bought = Duration::try_from_secs_f64(received as f64 / self.rate).unwrap_or(Duration::MAX);
+        self.grace.saturating_add(bought).saturating_sub(waited).min(self.stall)
+    }
+}
+
+/// The body arrived too slowly.
+#[derive(Debug)]
+pub struct TooSlow;
+
+impl fmt::Display for TooSlow {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("the body arrived too slowly")
+    }
+}
+
+impl Error for TooSlow {}
+
+/// A body, timed.
+pub struct MinRateBody {
+    body: Body,
+    pace: MinRate,
+    /// Its request does not count as worked on while its client is waited for.
+    turn: Option<Arc<RequestPermit>>,
+    waited: Duration,
+    received: u64,
+    waiting: Option<(Instant, Pin<Box<Sleep>>)>,
+}
+
+impl MinRateBody {
+    /// A body at a pace.
+    pub fn new(body: Body, pace: MinRate, turn: Option<Arc<RequestPermit>>) -> Self {
+        Self { body, pace, turn, waited: Duration::ZERO, received: 0, waiting: None }
+    }
+
+    fn wait(&mut self, cx: &mut Context<'_>) -> Poll<()> {
+        let (turn, pace, waited, received) = (&self.turn, self.pace, self.waited, self.received);
+        let (_, timer) = self.waiting.get_or_insert_with(|| {
+            if let Some(turn) = turn {
+                turn.pause();
+            }
+            let now = Instant::now();
+            (now, Box::pin(sleep_until(now + pace.patience(waited, received))))
+        });
+        timer.as_mut().poll(cx)
+    }
+
+    fn goes_on(&mut self) {
+        if let Some((since, _)) = self.waiting.take() {
+            self.waited += since.elapsed();
+            if let Some(turn) = &self.turn {
+                turn.resume();
+            }
+        }
+    }
+}
+
+impl HttpBody for MinRateBody {
+    type Data = Bytes;
+    type Error = BoxError;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        cx: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, BoxError>>> {
+        match Pin::new(&mut self.body).poll_frame(cx) {
+            Poll::Pending => match self.wait(cx) {
+                Poll::Pending => Poll::Pending,
+                Poll::Ready(()) => {
+                    self.goes_on();
+                    Poll::Ready(Some(Err(TooSlow.into())))
+                }
+            },
+            Poll::Ready(frame) => {
+                self.goes_on();
+                if let Some(Ok(frame)) = &frame {
+                    self.received += frame.data_ref().map_or(0, |data| data.len() as u64);
+                }
+                Poll::Ready(frame.map(|frame| frame.map_err(Into::into)))
+            }
+        }
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.body.is_end_stream()
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        self.body.size_hint()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_sent_buys_time_and_no_pause_is_longer_than_the_longest() {
+        let secs = Duration::from_secs;
+        let pace = MinRate { grace: secs(5), stall: secs(30), rate: 1024.0 };
+        assert_eq!(pace.patience(secs(0), 0), secs(5));
+        assert_eq!(pace.patience(secs(4), 0), secs(1));
+        assert_eq!(pace.patience(secs(9), 10 << 10), secs(6));
+        assert_eq!(pace.patience(secs(9), 1 << 30), secs(30));
+        assert_eq!(pace.patience(secs(90), 10 << 10), secs(0));
+    }
+
+    /// Plays a body of equal chunks after equal pauses without a clock: the time it took, or after which it was cut off.
+    fn played(chunk: u64, every: Duration, chunks: u32) -> Result<Duration, Duration> {
+        let pace = MinRate { grace: Duration::from_secs(5), stall: Duration::from_secs(30), rate: 1024.0 };
+        let (mut waited, mut received) = (Duration::ZERO, 0);
+        for _ in 0..chunks {
+            let patience = pace.patience(waited, received);
+            if patience < every {
+                return Err(waited + patience);
+            }
+            waited += every;
+            received += chunk;
+        }
+        Ok(waited)
+    }
+
+    #[test]
+    fn a_byte_now_and_then_ends_and_a_slow_link_does_not() {
+        let sec = Duration::from_secs(1);
+        let cut = played(1, sec, 1000).expect_err("too slow");
+        assert!(cut < 6 * sec, "{cut:?}");
+        assert_eq!(played(2000, sec, 1000), Ok(1000 * sec));
+        assert_eq!(played(1 << 20, 31 * sec, 2), Err(5 * sec));
+    }
+
+    #[tokio::test]
+    async fn a_body_that_does_not_arrive_ends_after_its_time() {
+        use http_body_util::BodyExt as _;
+
+        let (grace, stall) = (Duration::from_millis(20), Duration::from_secs(30));
+        let never = Body::from_stream(futures_util::stream::pending::<std::io::Result<Bytes>>());
+        let started = Instant::now();
+        let ended = MinRateBody::new(never, MinRate { grace, stall, rate: 1024.0 }, None).collect().await;
+        assert!(ended.expect_err("too slow").is::<TooSlow>());
+        assert!(started.elapsed() >= grace);
+    }
+}

@@ -1,0 +1,47 @@
+//! Refused: what a connection hears for which there is no seat.
+
+use std::time::Duration;
+
+use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
+use tokio::net::TcpStream;
+use tokio::sync::OwnedSemaphorePermit;
+
+/// Told without having read what is asked; so there is no request id of the client's in it.
+const ANSWER: &str = "HTTP/1.1 503 Service Unavailable\r\n\
+    content-type: application/problem+json\r\n\
+    retry-after: 1\r\n\
+    connection: close\r\n\
+    content-length: 189\r\n\
+    x-content-type-options: nosniff\r\n\
+    x-request-id: refused\r\n\r\n\
+    {\"type\":\"/docs#problem-unavailable\",\"title\":\"The server is temporarily unavailable\",\"status\":503,\
+    \"detail\":\"every connection is taken\",\"code\":\"overloaded\",\"request_id\":\"refused\",\"errors\":[]}";
+
+/// How long such a connection is kept, so that its client gets to read the answer.
+const LINGER: Duration = Duration::from_secs(1);
+/// What it may send meanwhile: a connection closed on unread bytes is reset, and the answer with it.
+const DISCARDED_BYTES: u64 = 256 << 10;
+
+/// Answers and closes.
+pub async fn reject(mut stream: TcpStream, _permit: OwnedSemaphorePermit) {
+    let told = async {
+        stream.write_all(ANSWER.as_bytes()).await?;
+        stream.shutdown().await?;
+        tokio::io::copy(&mut (&mut stream).take(DISCARDED_BYTES), &mut tokio::io::sink()).await
+    };
+    // Whether it was heard or not, that was it.
+    let _ = tokio::time::timeout(LINGER, told).await;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_answer_says_how_long_it_is_and_is_a_problem() {
+        let (head, body) = ANSWER.split_once("\r\n\r\n").unwrap();
+        assert!(head.contains(&format!("content-length: {}\r\n", body.len())), "{}", body.len());
+        let problem: serde_json::Value = serde_json::from_str(body).unwrap();
+        assert_eq!(problem["status"], 503);
+    }
+}

@@ -1,0 +1,266 @@
+//! Server: accepts connections until it is told to stop, then finishes what is in flight.
+//!
+//! `axum::serve` waits for ever: for half a head, for a body, for an answer to be taken. Here each of these has its time
+//! ([`super::io_timeout`], [`super::min_rate_body`]), and connections have their number ([`super::connection_limit`]).
+//!
+//! Stopping resets no connection. Where the kernel can (Linux), the listener opens no new ones; it is closed after those that
+//! were being opened ([`HANDSHAKES`]) were accepted. Each connection is answered once more, with `connection: close`; one whose client sends
+//! no request is closed after [`LAST_REQUESTS`].
+
+use std::convert::Infallible;
+use std::io;
+use std::net::SocketAddr;
+use std::num::NonZeroU32;
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::Router;
+use axum::body::Body;
+use axum::extract::Request;
+use axum::http::HeaderValue;
+use axum::http::header::CONNECTION;
+use governor::{DefaultDirectRateLimiter, Quota, RateLimiter};
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::server::graceful::{GracefulShutdown, Watcher};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::Semaphore;
+use tokio::task::JoinHandle;
+use tokio_util::sync::CancellationToken;
+use tokio_util::task::TaskTracker;
+use tower::ServiceExt as _;
+
+use super::body_completion::CompletionBody;
+use super::connection_limit::{ConnectionSlot, SlotClaim};
+use super::io_timeout::{TimeoutStream, overdue};
+use super::protocol_errors::ProtocolErrors;
+use super::reject_connection;
+use super::sockets;
+use super::unread::Unread;
+use crate::config::limits::LimitArgs;
+use crate::engine::Service;
+use crate::http::router::router;
+use crate::http::{App, routes};
+
+/// How long requests in flight may take to finish once the server is told to stop.
+const DRAIN: Duration = Duration::from_secs(10);
+/// The time for connections that are being opened when the server stops: a round trip between continents.
+const HANDSHAKES: Duration = Duration::from_millis(250);
+/// How long a connection without a request stays open once the server stops: a client that has just sent one is answered.
+const LAST_REQUESTS: Duration = Duration::from_secs(1);
+/// The most bytes of a request's head, and of what is read ahead of a body.
+const HEAD_BYTES: usize = 64 << 10;
+/// After a failed accept (no file descriptors are left, mostly) the next try waits so long, and twice as long each time.
+const ACCEPT_AGAIN: [Duration; 2] = [Duration::from_millis(20), Duration::from_secs(1)];
+/// At most so many connections are being told at once that there is no seat; more are closed without a word.
+const REFUSALS_AT_ONCE: usize = 64;
+/// The log tells of connections without a seat no more often.
+const COMPLAINTS_PER_MINUTE: NonZeroU32 = NonZeroU32::new(6).unwrap();
+
+/// Serves until `stopping` is cancelled and what is in flight is finished, or has had its time.
+pub async fn serve(
+    listener: TcpListener,
+    service: Service,
+    limits: LimitArgs,
+    stopping: CancellationToken,
+) -> io::Result<()> {
+    let drain = limits.drain;
+    let app = App::new(service, limits, stopping.clone())?;
+    routes::ask_about_triggers(&app);
+    let server = Arc::new(Connections {
+        router: router(app.clone()),
+        app,
+        refusals: Arc::new(Semaphore::new(REFUSALS_AT_ONCE)),
+        complaints: RateLimiter::direct(Quota::per_minute(COMPLAINTS_PER_MINUTE)),
+        http: http(),
+        closing: CancellationToken::new(),
+        open: TaskTracker::new(),
+    });
+    let graceful = GracefulShutdown::new();
+    let stopped = async {
+        stopping.cancelled().await;
+        // `/readyz` says no already.
+        tokio::time::sleep(drain).await;
+    };
+    tokio::select! {
+        () = server.accept(&listener, &graceful) => {}
+        () = stopped => {}
+    }
+    server.closing.cancel();
+    sockets::open_no_more(&listener);
+    let _ = tokio::time::timeout(HANDSHAKES, server.accept(&listener, &graceful)).await;
+    match sockets::close(listener) {
+        Ok(opened) => opened.into_iter().for_each(|stream| server.admit(stream, graceful.watcher())),
+        // Those that are served already still finish.
+        Err(error) => tracing::warn!(%error, "connections that were opened are not served"),
+    }
+    server.open.close();
+    let finished = async {
+        let _ = tokio::time::timeout(LAST_REQUESTS, server.open.wait()).await;
+        graceful.shutdown().await;
+    };
+    if tokio::time::timeout(DRAIN, finished).await.is_err() {
+        tracing::warn!(seconds = DRAIN.as_secs(), "some requests did not finish in time");
+    }
+    Ok(())
+}
+
+fn http() -> http1::Builder {
+    let mut http = http1::Builder::new();
+    // Heads and idle connections are timed by `TimeoutStream`, which knows the one from the other.
+    http.timer(TokioTimer::new())
+        .header_read_timeout(None)
+        .max_buf_size(HEAD_BYTES)
+        .max_header_size(HEAD_BYTES);
+    http
+}
+
+struct Connections {
+    app: App,
+    router: Router,
+    refusals: Arc<Semaphore>,
+    complaints: DefaultDirectRateLimiter,
+    http: http1::Builder,
+    /// Cancelled when no connection is to stay open after its next answer.
+    closing: CancellationToken,
+    /// The tasks that serve connections.
+    open: TaskTracker,
+}
+
+impl Connections {
+    async fn accept(self: &Arc<Self>, listener: &TcpListener, graceful: &GracefulShutdown) {
+        let [mut again, again_max] = ACCEPT_AGAIN;
+        loop {
+            match listener.accept().await {
+                Ok((stream, _)) => {
+                    [again, _] = ACCEPT_AGAIN;
+                    self.admit(stream, graceful.watcher());
+                }
+                // The client was gone before we came to it.
+                Err(error) if sockets::is_the_clients(&error) => {}
+                Err(error) => {
+                    tracing::warn!(%error, "no connection can be accepted");
+                    tokio::time::sleep(again).await;
+                    again = (again * 2).min(again_max);
+                }
+            }
+        }
+    }
+
+    /// Gives the connection a seat, or tells it that there is none. Never waits: others are at the door.
+    fn admit(self: &Arc<Self>, stream: TcpStream, watcher: Watcher) {
+        let claimed = match self.app.slots.claim() {
+            SlotClaim::Free(permit) => Some(permit),
+            SlotClaim::Instead => {
+                self.app.metrics.shed_metrics.connection("evicted");
+                None
+            }
+            SlotClaim::Full => {
+                self.app.metrics.shed_metrics.connection("refused");
+                if self.complaints.check().is_ok() {
+                    tracing::warn!(
+                        "every connection is at work, and new ones are refused (--max-connections)"
+                    );
+                }
+                if let Ok(permit) = self.refusals.clone().try_acquire_owned() {
+                    self.open.spawn(reject_connection::reject(stream, permit));
+                }
+                return;
+            }
+        };
+        self.app.metrics.shed_metrics.connection("accepted");
+        let server = self.clone();
+        self.open.spawn(async move {
+            let Some(seat) = server.app.slots.acquire(claimed).await else { return };
+            server.converse(stream, seat, watcher).await;
+        });
+    }
+
+    async fn converse(&self, stream: TcpStream, seat: Arc<ConnectionSlot>, watcher: Watcher) {
+        if let Err(error) = sockets::prepare(&stream, self.app.limits.stall_timeout) {
+            tracing::debug!(%error, "a connection without its options");
+        }
+        let stream = TimeoutStream::new(stream, seat.clone(), &self.app.limits);
+        let stream = TokioIo::new(ProtocolErrors::new(stream, seat.clone()));
+        let (router, at_work, closing) = (self.router.clone(), seat.clone(), self.closing.clone());
+        let answer = hyper::service::service_fn(move |request: hyper::Request<hyper::body::Incoming>| {
+            at_work.works();
+            let (mut request, unread) = Unread::of(Request::from(request.map(Body::new)));
+            request.extensions_mut().insert(at_work.clone());
+            let answered = router.clone().oneshot(request);
+            let (at_work, closing) = (at_work.clone(), closing.clone());
+            async move {
+                let response = answered.await.unwrap_or_else(|never: Infallible| match never {});
+                let mut response = unread.settle(response).await;
+                if closing.is_cancelled() {
+                    response.headers_mut().insert(CONNECTION, HeaderValue::from_static("close"));
+                }
+                Ok::<_, Infallible>(response.map(|body| CompletionBody::new(body, at_work)))
+            }
+        });
+        let conversation = watcher.watch(self.http.serve_connection(stream, answer));
+        tokio::select! {
+            ended = conversation => if let Err(error) = ended {
+                tracing::debug!(%error, "a connection broke off");
+            },
+            () = overdue(&seat, &self.app.limits) => tracing::debug!("a client sent no request in time"),
+            () = seat.close_requested() => tracing::debug!("a connection gave way to another"),
+        }
+    }
+}
+
+/// A server in this process, for those who need one of their own: replay, demo and tests.
+pub struct RunningServer {
+    addr: SocketAddr,
+    stopping: CancellationToken,
+    served: Option<JoinHandle<io::Result<()>>>,
+    service: Service,
+}
+
+impl RunningServer {
+    /// Starts serving on a free port of this machine.
+    pub async fn start(service: Service) -> io::Result<Self> {
+        Self::start_within(service, LimitArgs::of::<&str>(&[]).map_err(io::Error::other)?).await
+    }
+
+    /// The same within limits of one's own.
+    pub async fn start_within(service: Service, limits: LimitArgs) -> io::Result<Self> {
+        let listener = TcpListener::bind((std::net::Ipv4Addr::LOCALHOST, 0)).await?;
+        let addr = listener.local_addr()?;
+        let stopping = CancellationToken::new();
+        let served = tokio::spawn(serve(listener, service.clone(), limits, stopping.clone()));
+        Ok(Self { addr, stopping, served: Some(served), service })
+    }
+
+    /// Where it listens.
+    pub fn addr(&self) -> SocketAddr {
+        self.addr
+    }
+
+    /// Where it listens, as a client wants it.
+    pub fn url(&self) -> String {
+        format!("http://{}", self.addr)
+    }
+
+    /// What SIGTERM does, without waiting for what follows.
+    pub fn tell_to_stop(&self) {
+        self.stopping.cancel();
+    }
+
+    /// Stops it as SIGTERM would, and closes its service.
+    pub async fn stop(mut self) -> io::Result<()> {
+        self.stopping.cancel();
+        let result = match self.served.take() {
+            Some(served) => served.await.unwrap_or_else(|error| Err(io::Error::other(error))),
+            None => Ok(()),
+        };
+        self.service.close().await;
+        result
+    }
+}
+
+impl Drop for RunningServer {
+    fn drop(&mut self) {
+        self.stopping.cancel();
+    }
+}

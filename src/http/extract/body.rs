@@ -1,0 +1,369 @@
+//! Body: a request's bytes become what they mean, within bounds and off the async threads where they are many.
+
+use std::error::Error;
+use std::io;
+
+use axum::RequestExt as _;
+use axum::extract::{FromRef, FromRequest, Request};
+use axum::http::HeaderMap;
+use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE, EXPECT};
+use bytes::{Bytes, BytesMut};
+use http_body_util::{BodyExt as _, LengthLimitError};
+use serde_json::Value;
+
+use super::decompression::Encoding;
+use super::path::{KeyframePath, MapPath};
+use crate::api::decoding::json_footprint::{TooMany, survey};
+use crate::api::decoding::read::{self, Decode};
+use crate::api::decoding::syntax::{self, Unreadable};
+use crate::api::keyframe::{self, Faulty, SentKeyframe};
+use crate::api::limits;
+use crate::config::logging::in_span;
+use crate::domain::ids::MapId;
+use crate::domain::request::LoopQuery;
+use crate::http::App;
+use crate::http::connection::min_rate_body::TooSlow;
+use crate::http::guards::body_memory::{BodyMemory, HeldMemory, becomes_at_most, tree_bytes};
+use crate::http::problem::{Kind, Problem};
+
+/// Bodies up to this are decoded where they are: a thread costs more. A larger one keeps others waiting there, those above
+/// all who only want to hear that the server is busy.
+const SMALL_BODY_BYTES: usize = 8 << 10;
+/// Up to this a body is read without looking first at what it becomes in memory.
+const UNSURVEYED_BYTES: usize = 64 << 10;
+/// Bodies up to this take memory without asking; keyframes mostly do.
+const UNCOUNTED_BYTES: usize = 256 << 10;
+/// How much more than allowed is read and thrown away, so that the client gets to see the answer: a connection closed
+/// on unread bytes is reset, and the answer with it.
+const DISCARDED_BYTES: usize = 4 * limits::BODY_BYTES;
+
+/// A JSON body, read into the model.
+pub struct Body<T>(pub T);
+
+impl<T: Decode + Send + 'static, S: Send + Sync> FromRequest<S> for Body<T>
+where
+    App: FromRef<S>,
+{
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, state: &S) -> Result<Self, Problem> {
+        let app = App::from_ref(state);
+        let text = json_text(request, &app).await?;
+        decoded(text, &app, |value| read::decode(&value).map_err(Problem::invalid)).await.map(Self)
+    }
+}
+
+/// A keyframe in the body, named by the path.
+pub struct KeyframeInPath {
+    /// Where it is to be stored.
+    pub place: KeyframePath,
+    /// The keyframe.
+    pub sent: SentKeyframe,
+}
+
+impl<S: Send + Sync> FromRequest<S> for KeyframeInPath
+where
+    App: FromRef<S>,
+{
+    type Rejection = Problem;
+
+    async fn from_request(mut request: Request, state: &S) -> Result<Self, Problem> {
+        let place: KeyframePath = request.extract_parts().await?;
+        let app = App::from_ref(state);
+        let text = json_text(request, &app).await?;
+        let id = place.keyframe.clone();
+        let read = move |value| Ok(keyframe::named(&value, &id).map_err(|faults| Faulty::of(faults, &value)));
+        match decoded(text, &app, read).await? {
+            Ok(sent) => Ok(Self { place, sent }),
+            Err(faulty) => Err(all_faults(&app, &place.map, "", faulty).await),
+        }
+    }
+}
+
+/// A loop query in the body, about a map named by the path.
+pub struct QueryOfMap {
+    /// The map.
+    pub map: MapId,
+    /// The query.
+    pub query: LoopQuery,
+}
+
+impl<S: Send + Sync> FromRequest<S> for QueryOfMap
+where
+    App: FromRef<S>,
+{
+    type Rejection = Problem;
+
+    async fn from_request(mut request: Request, state: &S) -> Result<Self, Problem> {
+        let MapPath(map) = request.extract_parts().await?;
+        let app = App::from_ref(state);
+        let text = json_text(request, &app).await?;
+        let read =
+            |value: Value| Ok(read::decode(&value).map_err(|faults| Faulty::of(faults, &value["inline"])));
+        match decoded(text, &app, read).await? {
+            Ok(query) => Ok(Self { map, query }),
+            Err(faulty) => Err(all_faults(&app, &map, "/inline", faulty).await),
+        }
+    }
+}
+
+/// Refuses a body with every fault that it has, those that only the map can tell of the keyframe at `place` among them.
+pub async fn all_faults(app: &App, map: &MapId, place: &str, mut faulty: Faulty) -> Problem {
+    let declared = std::mem::take(&mut faulty.declared);
+    // A map that cannot be asked is not what this refusal is about.
+    let mut unknown = if declared.is_empty() {
+        Vec::new()
+    } else {
+        app.service.unknown_covisible(map, declared).await.unwrap_or_default()
+    };
+    for fault in &mut unknown {
+        fault.pointer.insert_str(0, place);
+    }
+    Problem::invalid(faulty.with(unknown))
+}
+
+/// A JSON text as it came, not read yet.
+#[derive(Debug)]
+pub struct Text {
+    bytes: Bytes,
+    encoding: Encoding,
+    /// What it may become in memory, if it came compressed.
+    becomes_at_most: Option<usize>,
+    held: HeldMemory,
+}
+
+impl Text {
+    /// A line of a body; if that was compressed, with the most that the line may become.
+    pub fn line(bytes: Bytes, becomes_at_most: Option<usize>) -> Self {
+        Self { bytes, encoding: Encoding::Identity, becomes_at_most, held: HeldMemory::default() }
+    }
+
+    fn is_at_most(&self, bytes: usize) -> bool {
+        self.encoding == Encoding::Identity && self.bytes.len() <= bytes
+    }
+
+    /// Inflates and parses it, unless that would take too much memory.
+    fn value(&mut self, memory: &BodyMemory) -> Result<Value, Problem> {
+        if self.is_at_most(UNSURVEYED_BYTES) && self.becomes_at_most.is_none() {
+            return parsed(&self.bytes);
+        }
+        if self.encoding != Encoding::Identity {
+            self.inflate(memory)?;
+        }
+        let survey = survey(&self.bytes).map_err(too_many)?;
+        let becomes = tree_bytes(survey);
+        if self.becomes_at_most.is_some_and(|most| self.bytes.len() + becomes > most) {
+            return Err(too_dense());
+        }
+        memory.take(&mut self.held, becomes)?;
+        parsed(&self.bytes)
+    }
+
+    fn inflate(&mut self, memory: &BodyMemory) -> Result<(), Problem> {
+        let most = becomes_at_most(self.bytes.len());
+        let broken = |_: io::Error| broken();
+        let length = self.encoding.length(&self.bytes, most.min(limits::BODY_BYTES)).map_err(broken)?;
+        let length =
+            length.ok_or_else(|| if most < limits::BODY_BYTES { too_dense() } else { too_large() })?;
+        memory.take(&mut self.held, length)?;
+        self.bytes = self.encoding.text(&self.bytes, length).map_err(broken)?.into();
+        self.becomes_at_most = Some(most);
+        Ok(())
+    }
+}
+
+/// Parses a text and reads its value, on a thread where it may take its time if it is long.
+pub async fn decoded<T: Send + 'static>(
+    mut text: Text,
+    app: &App,
+    read: impl FnOnce(Value) -> Result<T, Problem> + Send + 'static,
+) -> Result<T, Problem> {
+    if text.is_at_most(SMALL_BODY_BYTES) {
+        return parsed(&text.bytes).and_then(read);
+    }
+    let memory = app.memory.clone();
+    let turn = memory.turn().await;
+    let decode = move || {
+        let _turn = turn;
+        text.value(&memory).and_then(read)
+    };
+    let decoded = tokio::task::spawn_blocking(in_span(decode)).await;
+    let decoded = decoded.unwrap_or_else(|error| Err(Problem::internal(error.to_string())));
+    decoded.inspect_err(|problem| count(app, problem))
+}
+
+/// A body is shed where there is no memory for it.
+fn count(app: &App, problem: &Problem) {
+    if problem.is_overload() {
+        app.metrics.shed_metrics.shed("body");
+    }
+}
+
+fn parsed(bytes: &[u8]) -> Result<Value, Problem> {
+    syntax::parse(bytes).map_err(|error| match error {
+        Unreadable::Syntax(fault) => Problem::new(Kind::SYNTAX, fault.detail.clone()).with(vec![fault]),
+        Unreadable::TooManyValues => too_many(TooMany::Values),
+    })
+}
+
+/// Refuses a body whose type is none of these; a body that does not say is taken at its word.
+pub fn expect_type(
+    headers: &HeaderMap,
+    accepted: impl Fn(&str) -> bool,
+    wanted: &str,
+) -> Result<(), Problem> {
+    let Some(given) = headers.get(CONTENT_TYPE) else { return Ok(()) };
+    let given = given.to_str().unwrap_or_default();
+    let essence = given.split(';').next().unwrap_or_default().trim().to_ascii_lowercase();
+    if accepted(&essence) {
+        return Ok(());
+    }
+    // What curl sends unless told otherwise; taken for JSON it would let any web page write here unasked.
+    let hint = if essence == "application/x-www-form-urlencoded" {
+        format!("; with curl, add -H 'content-type: {wanted}'")
+    } else {
+        String::new()
+    };
+    Err(Problem::new(
+        Kind::UNSUPPORTED_MEDIA_TYPE,
+        format!("the content-type is {essence:?}, not {wanted}{hint}"),
+    ))
+}
+
+async fn json_text(request: Request, app: &App) -> Result<Text, Problem> {
+    let is_json = |essence: &str| essence == "application/json" || essence.ends_with("+json");
+    expect_type(request.headers(), is_json, "application/json")?;
+    let encoding = Encoding::of(request.headers())?;
+    let announced = announced(request.headers());
+    // Who asks before sending gets the answer before sending.
+    if request.headers().contains_key(EXPECT) && announced > limits::BODY_BYTES {
+        return Err(too_large());
+    }
+    let mut body = request.into_body();
+    let mut arriving = Arriving::new(announced);
+    while let Some(frame) = body.frame().await {
+        let Ok(data) = frame.map_err(|error| unreadable(&error))?.into_data() else { continue };
+        if !arriving.take(&data, &app.memory) {
+            break;
+        }
+    }
+    let (bytes, held) = arriving.whole().inspect_err(|problem| count(app, problem))?;
+    Ok(Text { bytes, encoding, becomes_at_most: None, held })
+}
+
+/// A body on its way in.
+struct Arriving {
+    bytes: BytesMut,
+    announced: usize,
+    held: HeldMemory,
+    counted: usize,
+    refused: Option<Problem>,
+    discarded: usize,
+}
+
+impl Arriving {
+    fn new(announced: usize) -> Self {
+        let refused = (announced > limits::BODY_BYTES).then(too_large);
+        Self {
+            bytes: BytesMut::new(),
+            announced,
+            held: HeldMemory::default(),
+            counted: 0,
+            refused,
+            discarded: 0,
+        }
+    }
+
+    /// Keeps a piece; or throws it away, once it is clear that the body is refused. `false` if it is no use to go on.
+    fn take(&mut self, piece: &[u8], memory: &BodyMemory) -> bool {
+        if self.refused.is_none() {
+            self.refused = self.make_room(piece.len(), memory).err();
+        }
+        if self.refused.is_none() {
+            self.bytes.extend_from_slice(piece);
+            return true;
+        }
+        self.bytes = BytesMut::new();
+        self.held = HeldMemory::default();
+        self.discarded += piece.len();
+        self.discarded <= DISCARDED_BYTES
+    }
+
+    fn make_room(&mut self, more: usize, memory: &BodyMemory) -> Result<(), Problem> {
+        let needed = self.bytes.len() + more;
+        if needed > limits::BODY_BYTES {
+            return Err(too_large());
+        }
+        if needed <= self.bytes.capacity() {
+            return Ok(());
+        }
+        // What is announced is not believed before some of it is there.
+        let room = (2 * needed).max(self.announced.min(16 * needed)).min(limits::BODY_BYTES);
+        if room > UNCOUNTED_BYTES {
+            memory.take(&mut self.held, room - self.counted)?;
+            self.counted = room;
+        }
+        self.bytes.reserve(room - self.bytes.len());
+        Ok(())
+    }
+
+    fn whole(self) -> Result<(Bytes, HeldMemory), Problem> {
+        match self.refused {
+            Some(problem) => Err(problem),
+            None => Ok((self.bytes.freeze(), self.held)),
+        }
+    }
+}
+
+fn announced(headers: &HeaderMap) -> usize {
+    headers.get(CONTENT_LENGTH).and_then(|value| value.to_str().ok()?.parse().ok()).unwrap_or(0)
+}
+
+fn too_large() -> Problem {
+    Problem::new(
+        Kind::TOO_LARGE,
+        format!("a body has at most {} bytes, compressed or not", limits::BODY_BYTES),
+    )
+}
+
+fn too_dense() -> Problem {
+    let (free, fold) = (limits::INFLATED_FREE_BYTES, limits::INFLATED_FOLD);
+    let detail = format!(
+        "a compressed body may become {free} bytes and {fold} times its own, as text and values; this one becomes more: \
+         send it uncompressed, or in parts"
+    );
+    Problem::new(Kind::TOO_LARGE, detail)
+}
+
+fn too_many(what: TooMany) -> Problem {
+    let detail = match what {
+        TooMany::Values => format!("the body holds more than {} values", limits::BODY_VALUES),
+        TooMany::Items => format!("a list of the body has more than {} items", limits::LIST_ITEMS),
+    };
+    Problem::new(Kind::TOO_LARGE, detail)
+}
+
+fn broken() -> Problem {
+    let detail = "the body broke off, or is not compressed as its content-encoding says";
+    Problem::new(Kind::BAD_REQUEST, detail)
+}
+
+/// Why a body broke off: the layers below hide it in a chain of errors.
+pub fn unreadable(error: &axum::Error) -> Problem {
+    let mut cause: Option<&(dyn Error + 'static)> = Some(error);
+    while let Some(error) = cause {
+        if error.is::<LengthLimitError>() {
+            return too_large();
+        }
+        if error.is::<TooSlow>() {
+            return Problem::new(Kind::TIMEOUT, "the body arrived too slowly");
+        }
+        // An error inside one of IO is not its source: its source's source is.
+        let inside = error.downcast_ref::<io::Error>().and_then(io::Error::get_ref);
+        cause = match inside {
+            Some(inside) => Some(inside),
+            None => error.source(),
+        };
+    }
+    broken()
+}

@@ -1,0 +1,208 @@
+//! Path: the ids in a request's path, checked.
+
+use std::str::FromStr;
+
+use axum::extract::{FromRequestParts, RawPathParams};
+use axum::http::request::Parts;
+use utoipa::IntoParams;
+
+use crate::domain::ids::{AnchorSeq, ID_FORM, IdError, JudgementId, KeyframeId, LoopId, MapId};
+use crate::domain::invalid::FieldError;
+use crate::http::problem::{Kind, Problem};
+
+/// A map.
+pub struct MapPath(pub MapId);
+
+/// A keyframe of a map.
+pub struct KeyframePath {
+    /// The map.
+    pub map: MapId,
+    /// The keyframe.
+    pub keyframe: KeyframeId,
+}
+
+/// An anchor of a map.
+pub struct AnchorPath {
+    /// The map.
+    pub map: MapId,
+    /// The anchor.
+    pub anchor: AnchorSeq,
+}
+
+/// A confirmed loop of a map.
+pub struct LoopPath {
+    /// The map.
+    pub map: MapId,
+    /// The loop.
+    pub id: LoopId,
+}
+
+/// A job that asks a map's verdicts again.
+pub struct JudgementPath {
+    /// The map.
+    pub map: MapId,
+    /// The job.
+    pub id: JudgementId,
+}
+
+/// An API key.
+pub struct KeyPath(pub KeyframeId);
+
+/// A kept loop query of a map.
+pub struct QueryPath {
+    /// The map.
+    pub map: MapId,
+    /// The query.
+    pub query: String,
+}
+
+macro_rules! documented {
+    ($($shape:ident { $($(#[$doc:meta])* $field:ident,)* })*) => {
+        $(
+            #[doc = "For the API document."]
+            #[derive(IntoParams)]
+            #[into_params(parameter_in = Path)]
+            #[expect(dead_code, reason = "documents what the extractors read")]
+            pub struct $shape {
+                $($(#[$doc])*
+                #[param(min_length = 1, max_length = 128, pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$")]
+                $field: String,)*
+            }
+        )*
+    };
+}
+
+documented! {
+    MapPathParams {
+        /// The map's id, made by its client.
+        map,
+    }
+    KeyframePathParams {
+        /// The map's id, made by its client.
+        map,
+        /// The keyframe's id, made by its client.
+        keyframe,
+    }
+    AnchorPathParams {
+        /// The map's id, made by its client.
+        map,
+        /// The anchor's id, such as `a-7`, made by the service.
+        anchor,
+    }
+    LoopPathParams {
+        /// The map's id, made by its client.
+        map,
+        /// The loop's id, made by its client.
+        r#loop,
+    }
+    JudgementPathParams {
+        /// The map's id, made by its client.
+        map,
+        /// The job's id, such as `j-7`, made by its client or by the service.
+        id,
+    }
+    KeyPathParams {
+        /// The key's id, such as `key-7`, made by the service.
+        id,
+    }
+    QueryPathParams {
+        /// The map's id, made by its client.
+        map,
+        /// The query's id, as its answer told it.
+        query,
+    }
+}
+
+/// The parts of a path that have names.
+struct Named(RawPathParams);
+
+impl Named {
+    async fn of<S: Send + Sync>(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let malformed = |_| Problem::new(Kind::BAD_REQUEST, "the path is not percent-encoded UTF-8");
+        RawPathParams::from_request_parts(parts, state).await.map(Self).map_err(malformed)
+    }
+
+    fn id<T: FromStr<Err = IdError>>(&self, name: &str) -> Result<T, FieldError> {
+        let text = self.0.iter().find(|&(given, _)| given == name).map_or("", |(_, text)| text);
+        let fault = |error: IdError| FieldError::new(format!("{{{name}}}"), error.to_string());
+        text.parse().map_err(|error| fault(error).got(text).limit(ID_FORM))
+    }
+
+    /// Two ids, or the faults of both.
+    fn ids<A, B>(&self, first: &str, second: &str) -> Result<(A, B), Problem>
+    where
+        A: FromStr<Err = IdError>,
+        B: FromStr<Err = IdError>,
+    {
+        match (self.id(first), self.id(second)) {
+            (Ok(a), Ok(b)) => Ok((a, b)),
+            (a, b) => Err(Problem::invalid([a.err(), b.err()].into_iter().flatten().collect())),
+        }
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for MapPath {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let named = Named::of(parts, state).await?;
+        named.id("map").map(Self).map_err(|fault| Problem::invalid(vec![fault]))
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for KeyframePath {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let (map, keyframe) = Named::of(parts, state).await?.ids("map", "keyframe")?;
+        Ok(Self { map, keyframe })
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for AnchorPath {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let (map, anchor): (MapId, KeyframeId) = Named::of(parts, state).await?.ids("map", "anchor")?;
+        // Anchors are named by the service: any other name is nobody's.
+        let none = || Problem::new(Kind::NOT_FOUND, format!("there is no anchor {anchor}"));
+        let anchor = AnchorSeq::from_public(anchor.as_str()).ok_or_else(none)?;
+        Ok(Self { map, anchor })
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for LoopPath {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let (map, id) = Named::of(parts, state).await?.ids("map", "loop")?;
+        Ok(Self { map, id })
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for JudgementPath {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let (map, id) = Named::of(parts, state).await?.ids("map", "id")?;
+        Ok(Self { map, id })
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for KeyPath {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let named = Named::of(parts, state).await?;
+        named.id("id").map(Self).map_err(|fault| Problem::invalid(vec![fault]))
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for QueryPath {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let (map, query): (MapId, KeyframeId) = Named::of(parts, state).await?.ids("map", "query")?;
+        Ok(Self { map, query: query.to_string() })
+    }
+}

@@ -1,0 +1,162 @@
+//! Query: the parameters after the question mark, checked all at once; one that nobody knows is told, not passed over.
+
+use axum::extract::FromRequestParts;
+use axum::http::request::Parts;
+use serde_json::Value;
+use utoipa::IntoParams;
+
+use crate::api::decoding::read::{self, Decode, Node, Object};
+use crate::api::limits;
+use crate::domain::anchor::AnchorState;
+use crate::domain::invalid::FieldError;
+use crate::domain::request::AnchorFilter;
+use crate::http::problem::{Kind, Problem};
+
+/// A request's parameters, read into the model.
+pub struct Query<T>(pub T);
+
+impl<T: Decode, S: Send + Sync> FromRequestParts<S> for Query<T> {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
+        let malformed = |_| Problem::new(Kind::BAD_REQUEST, "the query is not percent-encoded UTF-8");
+        let pairs =
+            axum::extract::Query::<Vec<(String, String)>>::try_from_uri(&parts.uri).map_err(malformed)?.0;
+        let again = |at: usize| pairs[..at].iter().any(|(name, _)| *name == pairs[at].0);
+        if let Some(at) = (0..pairs.len()).find(|&at| again(at)) {
+            return Err(Problem::invalid(vec![FieldError::new(format!("?{}", pairs[at].0), "given twice")]));
+        }
+        // Read as the object of strings that they are: one reader tells the faults of bodies and of parameters.
+        let object =
+            Value::Object(pairs.into_iter().map(|(name, text)| (name, Value::String(text))).collect());
+        read::decode(&object).map(Self).map_err(|mut faults| {
+            for fault in &mut faults {
+                fault.pointer.replace_range(..fault.pointer.len().min(1), "?");
+            }
+            Problem::invalid(faults)
+        })
+    }
+}
+
+/// Which part of a list.
+#[derive(Clone, Debug, PartialEq, Eq, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct Paging {
+    /// How many items at most.
+    #[param(minimum = 1, maximum = 1000, default = 100, required = false)]
+    pub limit: usize,
+    /// Where to start: `next_cursor` of the part before.
+    #[param(max_length = 256)]
+    pub cursor: Option<String>,
+}
+
+/// Which anchors.
+#[derive(IntoParams)]
+#[into_params(parameter_in = Query)]
+#[expect(dead_code, reason = "documents what the reader reads")]
+pub struct AnchorSearch {
+    /// Only anchors of this class.
+    #[param(min_length = 1, max_length = 64)]
+    class: Option<String>,
+    /// Only anchors whose description has these words.
+    #[param(max_length = 4096)]
+    text: Option<String>,
+    /// Only anchors in this state.
+    #[param(inline)]
+    state: Option<crate::api::names::AnchorStateName>,
+    /// Also anchors that go by another one's name.
+    #[param(default = false)]
+    merged: Option<bool>,
+}
+
+/// Which anchors, and which part of them.
+pub struct AnchorPage {
+    /// Which anchors.
+    pub filter: AnchorFilter,
+    /// Which part.
+    pub page: Paging,
+}
+
+/// From where to listen.
+#[derive(Clone, Debug, PartialEq, Eq, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct Since {
+    /// The number of the last event seen; 0, the default, is before the first. `last-event-id` wins over it.
+    #[param(minimum = 0)]
+    pub since: Option<u64>,
+}
+
+/// What a PUT of a keyframe asks besides.
+#[derive(Clone, Debug, PartialEq, Eq, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct KeyframeParams {
+    /// `loop`: answer the loop query in the same round trip.
+    #[param(value_type = Option<String>, pattern = "^loop$")]
+    pub query: Option<AskLoop>,
+}
+
+/// The one question a PUT can carry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AskLoop;
+
+/// Whether the last key that may administer may go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct LastAdmin {
+    /// Revoke the key even if no key that may administer is left: then only `revisit keys create` makes another.
+    #[param(default = false, required = false)]
+    pub last_admin: bool,
+}
+
+impl Decode for LastAdmin {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let query = node.object(&["last_admin"])?;
+        let last_admin =
+            query.optional("last_admin", |node| node.choice(&["true", "false"], |text| text.parse().ok()));
+        Some(Self { last_admin: last_admin?.unwrap_or(false) })
+    }
+}
+
+impl Decode for Paging {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        paging(&node.object(&["limit", "cursor"])?)
+    }
+}
+
+fn paging(query: &Object<'_>) -> Option<Paging> {
+    let limit = query.optional("limit", |node| node.digits(limits::PAGE));
+    let cursor = query.optional("cursor", |node| node.name(limits::CURSOR_CHARS));
+    Some(Paging { limit: limit?.map_or(limits::PAGE_DEFAULT, |limit| limit as usize), cursor: cursor? })
+}
+
+impl Decode for AnchorPage {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let query = node.object(&["class", "text", "state", "merged", "limit", "cursor"])?;
+        let page = paging(&query);
+        let class = query.optional("class", |node| node.name(limits::CLASS_CHARS));
+        let text = query.optional("text", |node| node.text(limits::TEXT_CHARS));
+        let state = query.optional("state", |node| node.choice(AnchorState::NAMES, AnchorState::from_name));
+        let merged =
+            query.optional("merged", |node| node.choice(&["true", "false"], |text| text.parse().ok()));
+        let filter =
+            AnchorFilter { class: class?, text: text?, state: state?, merged: merged?.unwrap_or(false) };
+        Some(Self { filter, page: page? })
+    }
+}
+
+impl Decode for Since {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let query = node.object(&["since"])?;
+        let since = query.optional("since", |node| node.digits(limits::SEED));
+        Some(Self { since: since?.map(i64::unsigned_abs) })
+    }
+}
+
+impl Decode for KeyframeParams {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let query = node.object(&["query"])?;
+        let ask = query
+            .optional("query", |node| node.choice(&["loop"], |text| (text == "loop").then_some(AskLoop)));
+        Some(Self { query: ask? })
+    }
+}

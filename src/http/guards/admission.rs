@@ -1,0 +1,70 @@
+//! Admission: who is worked for, and who is told at once to come back.
+//!
+//! What is left out first is told in [`crate::engine::limits::load_shedding`]. A request that is refused is answered without its body,
+//! of which [`crate::http::connection::unread`] takes care.
+
+use std::sync::Arc;
+
+use axum::body::Body;
+use axum::extract::{MatchedPath, Request, State};
+use axum::http::Method;
+use axum::middleware::Next;
+use axum::response::{IntoResponse as _, Response};
+
+use crate::engine::limits::load_shedding::{Kind, RequestPermit};
+use crate::http::App;
+use crate::http::connection::min_rate_body::MinRateBody;
+use crate::http::problem::Problem;
+
+/// Asked when it matters most how the server is: never refused, and answered out of memory.
+const ALWAYS: [&str; 3] = ["/healthz", "/readyz", "/metrics"];
+/// Questions that come by POST.
+const QUESTIONS: [&str; 4] = [
+    "/v1/maps/{map}/loop-queries",
+    "/v1/semantics/similarity",
+    "/v1/semantics/information",
+    "/v1/semantics/merge",
+];
+/// A request's turn, for those inside who have to wait for something that is no work.
+#[derive(Clone, Debug, Default)]
+pub struct HeldPermit(Option<Arc<RequestPermit>>);
+
+impl HeldPermit {
+    /// The request does not count as worked on while this goes on.
+    pub async fn release_while<T>(&self, waiting: impl Future<Output = T>) -> T {
+        match &self.0 {
+            Some(turn) => turn.release_while(waiting).await,
+            None => waiting.await,
+        }
+    }
+}
+
+/// Lets a request in and times its body, or refuses it.
+pub async fn admit(State(app): State<App>, mut request: Request, next: Next) -> Response {
+    let route = request.extensions().get::<MatchedPath>().map_or("", MatchedPath::as_str);
+    let (kind, what) = kind(request.method(), route);
+    let turn = match app.service.pressure().admit(kind) {
+        Some(turn) => Some(Arc::new(turn)),
+        None if ALWAYS.contains(&route) => None,
+        None => {
+            app.metrics.shed_metrics.shed(what);
+            return Problem::overloaded("the server has all the work it can do at once").into_response();
+        }
+    };
+    request.extensions_mut().insert(HeldPermit(turn.clone()));
+    let pace = app.pace;
+    let timed = turn.clone();
+    let response = next.run(request.map(|body| Body::new(MinRateBody::new(body, pace, timed)))).await;
+    // The turn ends here: an answer on its way out, and a stream of events above all, needs no work.
+    drop(turn);
+    response
+}
+
+fn kind(method: &Method, route: &str) -> (Kind, &'static str) {
+    let asks = method == Method::POST && QUESTIONS.contains(&route);
+    if asks || matches!(*method, Method::GET | Method::HEAD | Method::OPTIONS) {
+        (Kind::Read, "read")
+    } else {
+        (Kind::Write, "write")
+    }
+}

@@ -1,0 +1,165 @@
+//! Metrics: what `/metrics` tells Prometheus.
+
+use std::sync::atomic::AtomicU64;
+use std::time::{Duration, Instant};
+
+use prometheus_client::encoding::{EncodeLabelSet, text};
+use prometheus_client::metrics::counter::Counter;
+use prometheus_client::metrics::family::Family;
+use prometheus_client::metrics::gauge::Gauge;
+use prometheus_client::metrics::histogram::Histogram;
+use prometheus_client::metrics::info::Info;
+use prometheus_client::registry::{Registry, Unit};
+
+use super::gauges::{Figures, GAUGES};
+use super::shed_metrics::ShedMetrics;
+use crate::config::build;
+use crate::domain::verdict::Decision;
+
+/// Upper bounds of the latency histogram, in seconds: a read takes well below a millisecond, a large bulk minutes.
+const LATENCY_BOUNDS_S: [f64; 14] =
+    [0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 10.0, 60.0];
+
+/// The metrics of one server.
+pub struct Metrics {
+    registry: Registry,
+    requests: Family<RequestLabels, Counter>,
+    refusals: Family<RefusalLabels, Counter>,
+    latency: Family<RouteLabels, Histogram>,
+    verdicts: Family<VerdictLabels, Counter>,
+    started: Instant,
+    /// What was refused because of too much.
+    pub shed_metrics: ShedMetrics,
+    /// Parallel to [`GAUGES`].
+    gauges: Vec<Gauge<u64, AtomicU64>>,
+    map_load: Gauge<f64, AtomicU64>,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct RequestLabels {
+    method: &'static str,
+    route: String,
+    status: &'static str,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct RefusalLabels {
+    status: u16,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct RouteLabels {
+    method: &'static str,
+    route: String,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct VerdictLabels {
+    verdict: &'static str,
+}
+
+impl Default for Metrics {
+    fn default() -> Self {
+        let mut registry = Registry::with_prefix("revisit");
+        let requests = Family::default();
+        registry.register("http_requests", "Requests by method, route and status", requests.clone());
+        let latency =
+            Family::new_with_constructor((|| Histogram::new(LATENCY_BOUNDS_S)) as fn() -> Histogram);
+        registry.register_with_unit("http_request", "Time to answer", Unit::Seconds, latency.clone());
+        let verdicts = Family::default();
+        registry.register("loop_verdicts", "Loop queries by verdict", verdicts.clone());
+        let refusals = Family::default();
+        registry.register(
+            "http_refusals",
+            "Requests that were refused or failed, by status",
+            refusals.clone(),
+        );
+        let built = vec![("version", build::VERSION)];
+        registry.register("build", "What runs", Info::new(built));
+        let shed_metrics = ShedMetrics::default();
+        shed_metrics.register(&mut registry);
+        let gauges: Vec<Gauge<u64, AtomicU64>> = GAUGES.iter().map(|_| Gauge::default()).collect();
+        for ((name, help, _), gauge) in GAUGES.iter().zip(&gauges) {
+            registry.register(*name, *help, gauge.clone());
+        }
+        let map_load = Gauge::default();
+        registry.register(
+            "map_load_seconds",
+            "Time spent loading maps into memory since the server started",
+            map_load.clone(),
+        );
+        let started = Instant::now();
+        Self { registry, requests, refusals, latency, verdicts, started, shed_metrics, gauges, map_load }
+    }
+}
+
+impl Metrics {
+    /// The media type of [`Metrics::text`].
+    pub const MEDIA_TYPE: &'static str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
+
+    /// How long the server runs.
+    pub fn uptime(&self) -> Duration {
+        self.started.elapsed()
+    }
+
+    /// A request was answered. The route is the pattern, never the path: a label for each id would fill the memory.
+    pub fn answered(&self, method: &str, route: &str, status: u16, took: Duration) {
+        let method = known(method);
+        if status >= 400 {
+            self.refusals.get_or_create(&RefusalLabels { status }).inc();
+        }
+        let status = ["1xx", "2xx", "3xx", "4xx", "5xx"][usize::from(status / 100).clamp(1, 5) - 1];
+        let route = route.to_owned();
+        self.latency.get_or_create(&RouteLabels { method, route: route.clone() }).observe(took.as_secs_f64());
+        self.requests.get_or_create(&RequestLabels { method, route, status }).inc();
+    }
+
+    /// A loop query was answered.
+    pub fn judged(&self, decision: Decision) {
+        self.verdicts.get_or_create(&VerdictLabels { verdict: decision.as_str() }).inc();
+    }
+
+    /// Everything, with the figures as they are now.
+    pub fn text(&self, figures: &Figures) -> String {
+        for ((_, _, read), gauge) in GAUGES.iter().zip(&self.gauges) {
+            gauge.set(read(figures));
+        }
+        self.map_load.set(figures.stats.map_load_microseconds as f64 / 1e6);
+        let mut out = String::new();
+        // Writing into a string does not fail.
+        let _ = text::encode(&mut out, &self.registry);
+        out
+    }
+}
+
+fn known(method: &str) -> &'static str {
+    const METHODS: [&str; 7] = ["GET", "HEAD", "PUT", "POST", "PATCH", "DELETE", "OPTIONS"];
+    METHODS.into_iter().find(|known| *known == method).unwrap_or("other")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::Stats;
+
+    #[test]
+    fn requests_verdicts_and_stats_are_told() {
+        let metrics = Metrics::default();
+        metrics.answered("GET", "/v1/maps/{map}", 404, Duration::from_millis(2));
+        metrics.answered("BREW", "unmatched", 405, Duration::ZERO);
+        metrics.judged(Decision::Loop);
+        let stats = Stats { keyframes: 7, ..Stats::default() };
+        let text = metrics.text(&Figures { stats, ..Figures::default() });
+        for line in [
+            r#"revisit_http_requests_total{method="GET",route="/v1/maps/{map}",status="4xx"} 1"#,
+            r#"revisit_http_requests_total{method="other",route="unmatched",status="4xx"} 1"#,
+            r#"revisit_http_request_seconds_bucket{le="0.0025",method="GET",route="/v1/maps/{map}"} 1"#,
+            r#"revisit_loop_verdicts_total{verdict="loop"} 1"#,
+            "revisit_keyframes 7",
+            r#"revisit_http_refusals_total{status="404"} 1"#,
+            r#"revisit_build_info{version=""#,
+        ] {
+            assert!(text.contains(line), "{line}\n{text}");
+        }
+    }
+}

@@ -1,0 +1,6 @@
+//! Metrics in the text format of Prometheus.
+
+pub mod counters;
+pub mod gauges;
+pub mod process;
+pub mod shed_metrics;

@@ -1,0 +1,58 @@
+//! Traffic: what was refused because of too much, and how much there is, for `/metrics`.
+
+use std::sync::atomic::AtomicU64;
+
+use prometheus_client::encoding::EncodeLabelSet;
+use prometheus_client::metrics::counter::Counter;
+use prometheus_client::metrics::family::Family;
+use prometheus_client::metrics::gauge::Gauge;
+use prometheus_client::registry::Registry;
+
+/// The counters of connections and of shed requests.
+#[derive(Debug, Default)]
+pub struct ShedMetrics {
+    open_connections: Gauge<u64, AtomicU64>,
+    in_flight: Gauge<u64, AtomicU64>,
+    connections: Family<FateLabels, Counter>,
+    shed: Family<ShedLabels, Counter>,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct FateLabels {
+    fate: &'static str,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct ShedLabels {
+    what: &'static str,
+}
+
+impl ShedMetrics {
+    /// Registers them.
+    pub fn register(&self, registry: &mut Registry) {
+        registry.register("connections_open", "Connections open", self.open_connections.clone());
+        registry.register("requests_in_flight", "Requests worked on", self.in_flight.clone());
+        registry.register(
+            "connections",
+            "Connections that were accepted, refused for want of a seat, or sent away for another",
+            self.connections.clone(),
+        );
+        registry.register("shed", "Requests answered 503 at once, by what they were", self.shed.clone());
+    }
+
+    /// How much there is now.
+    pub fn now(&self, open_connections: usize, in_flight: usize) {
+        self.open_connections.set(open_connections as u64);
+        self.in_flight.set(in_flight as u64);
+    }
+
+    /// A connection was `accepted`, `refused` or `evicted`.
+    pub fn connection(&self, fate: &'static str) {
+        self.connections.get_or_create(&FateLabels { fate }).inc();
+    }
+
+    /// A `read`, a `write`, a large `body` or a large `answer` was shed.
+    pub fn shed(&self, what: &'static str) {
+        self.shed.get_or_create(&ShedLabels { what }).inc();
+    }
+}

@@ -1,0 +1,281 @@
+//! The daily budget, a hard stop, and the usage. What a call may cost is on disk before the call is made, and settled
+//! by what the model reports: a crash can only make the books too cautious.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use super::port::{Fault, Operation};
+use crate::domain::key::KeySeq;
+use crate::store::{Job, Spent, Store, StoreError, UsageRow};
+
+const SECONDS_A_DAY: u64 = 86_400;
+
+/// US dollars a million tokens are millionths of a dollar a token.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prices {
+    /// A million tokens sent.
+    pub input_usd: f64,
+    /// A million tokens received.
+    pub output_usd: f64,
+}
+
+impl Prices {
+    /// What so many tokens cost, in millionths of a dollar, rounded up.
+    pub fn microusd(self, input_tokens: u64, output_tokens: u64) -> i64 {
+        (input_tokens as f64 * self.input_usd + output_tokens as f64 * self.output_usd).ceil() as i64
+    }
+}
+
+/// What a day (UTC) may bring.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Limits {
+    /// Millionths of a US dollar.
+    pub microusd: Option<i64>,
+    /// Calls.
+    pub calls: Option<i64>,
+}
+
+/// A key that pays, within limits of its own beside the server's.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Payer {
+    /// The key.
+    pub key: KeySeq,
+    /// What a day may bring for it.
+    pub limits: Limits,
+}
+
+impl Limits {
+    /// Would this be too much for a day?
+    fn broken_by(self, day: Day) -> bool {
+        let over = |limit: Option<i64>, sum: i64| limit.is_some_and(|limit| sum > limit);
+        over(self.calls, day.calls) || over(self.microusd, day.microusd)
+    }
+
+    /// Is nothing left of a day?
+    fn used_up_by(self, day: Day) -> bool {
+        let over = |limit: Option<i64>, sum: i64| limit.is_some_and(|limit| sum >= limit);
+        over(self.calls, day.calls) || over(self.microusd, day.microusd)
+    }
+}
+
+/// What a day has brought so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Day {
+    calls: i64,
+    microusd: i64,
+}
+
+impl Day {
+    fn and(self, microusd: i64) -> Self {
+        Self { calls: self.calls + 1, microusd: self.microusd + microusd }
+    }
+}
+
+/// Sums of one operation and model.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Totals {
+    /// Calls, failed ones among them.
+    pub calls: i64,
+    /// Tokens sent.
+    pub input_tokens: i64,
+    /// Tokens received.
+    pub output_tokens: i64,
+    /// Millionths of a US dollar.
+    pub microusd: i64,
+    /// Questions answered without a call.
+    pub cache_hits: i64,
+}
+
+/// The books.
+#[derive(Debug)]
+pub struct Budget {
+    store: Store,
+    limits: Limits,
+    books: Mutex<Books>,
+}
+
+#[derive(Debug, Default)]
+struct Books {
+    today: i64,
+    day: Day,
+    day_of_key: BTreeMap<KeySeq, Day>,
+    ever: BTreeMap<(String, String), Totals>,
+    /// Cache hits not written yet; they travel with the next call.
+    unwritten_hits: BTreeMap<(String, String), i64>,
+}
+
+/// A call that was entered and not settled yet.
+#[derive(Debug)]
+pub struct Reservation {
+    day: i64,
+    operation: Operation,
+    model: Arc<str>,
+    microusd: i64,
+    key: Option<KeySeq>,
+}
+
+impl Budget {
+    /// The books as they stand on disk.
+    pub async fn open(store: Store, limits: Limits) -> Result<Self, StoreError> {
+        let today = today();
+        let mut books = Books { today, ..Books::default() };
+        for row in store.usage_since(today).await? {
+            books.day.calls += row.calls;
+            books.day.microusd += row.cost_microusd;
+        }
+        for (key, calls, microusd) in store.usage_of_keys(today).await? {
+            books.day_of_key.insert(KeySeq(key), Day { calls, microusd });
+        }
+        for row in store.usage_since(i64::MIN).await? {
+            books.ever.insert((row.operation.clone(), row.model.clone()), totals(&row));
+        }
+        Ok(Self { store, limits, books: Mutex::new(books) })
+    }
+
+    /// Enters a call before it is made, at the most that it may cost.
+    pub async fn reserve(
+        &self,
+        operation: Operation,
+        model: &Arc<str>,
+        microusd: i64,
+        payer: Option<&Payer>,
+    ) -> Result<Reservation, Fault> {
+        let day = today();
+        let payers_key = payer.map(|payer| payer.key);
+        let cache_hits = {
+            let mut books = self.lock();
+            books.turn_to(day);
+            let with_this = books.day.and(microusd);
+            let of_payer = payer.map(|payer| (payer, books.of(payer.key).and(microusd)));
+            if self.limits.broken_by(with_this)
+                || of_payer.is_some_and(|(payer, day)| payer.limits.broken_by(day))
+            {
+                return Err(Fault::Spent);
+            }
+            books.day = with_this;
+            if let Some((payer, day)) = of_payer {
+                books.day_of_key.insert(payer.key, day);
+            }
+            let key = (operation.as_str().to_owned(), model.to_string());
+            let totals = books.ever.entry(key.clone()).or_default();
+            totals.calls += 1;
+            totals.microusd += microusd;
+            books.unwritten_hits.remove(&key).unwrap_or_default()
+        };
+        let spent = Spent {
+            day,
+            operation: operation.as_str(),
+            model: model.clone(),
+            calls: 1,
+            cost_microusd: microusd,
+            cache_hits,
+            key: payers_key,
+            ..Spent::default()
+        };
+        let written = self.store.committer().commit(Job::Spend(spent)).await;
+        written.map_err(|error| Fault::Store(error.to_string()))?;
+        Ok(Reservation { day, operation, model: model.clone(), microusd, key: payers_key })
+    }
+
+    /// Settles a call by what it took. Written behind: until then the books are too cautious.
+    pub fn settle(&self, reservation: Reservation, input_tokens: u64, output_tokens: u64, microusd: i64) {
+        let Reservation { day, operation, model, microusd: reserved, key } = reservation;
+        let (input_tokens, output_tokens) = (input_tokens as i64, output_tokens as i64);
+        let too_much = microusd - reserved;
+        {
+            let mut books = self.lock();
+            if books.today == day {
+                books.day.microusd += too_much;
+                if let Some(of_key) = key.and_then(|key| books.day_of_key.get_mut(&key)) {
+                    of_key.microusd += too_much;
+                }
+            }
+            let totals = books.ever.entry((operation.as_str().to_owned(), model.to_string())).or_default();
+            totals.microusd += too_much;
+            totals.input_tokens += input_tokens;
+            totals.output_tokens += output_tokens;
+        }
+        let spent = Spent {
+            day,
+            operation: operation.as_str(),
+            model,
+            input_tokens,
+            output_tokens,
+            cost_microusd: too_much,
+            key,
+            ..Spent::default()
+        };
+        self.store.committer().submit_alone(Job::Spend(spent));
+    }
+
+    /// A question was answered without a call.
+    pub fn hit(&self, operation: Operation, model: &str) {
+        let key = (operation.as_str().to_owned(), model.to_owned());
+        let mut books = self.lock();
+        books.ever.entry(key.clone()).or_default().cache_hits += 1;
+        *books.unwritten_hits.entry(key).or_default() += 1;
+    }
+
+    /// Is today's budget spent, as far as another call goes?
+    pub fn is_spent(&self) -> bool {
+        let mut books = self.lock();
+        books.turn_to(today());
+        self.limits.used_up_by(books.day)
+    }
+
+    /// Is a key's own budget of today spent, as far as another call goes?
+    pub fn is_spent_for(&self, payer: &Payer) -> bool {
+        let mut books = self.lock();
+        books.turn_to(today());
+        payer.limits.used_up_by(books.of(payer.key))
+    }
+
+    /// The sums by operation and model, since the database was made.
+    pub fn usage(&self) -> Vec<(String, String, Totals)> {
+        let books = self.lock();
+        books.ever.iter().map(|((operation, model), t)| (operation.clone(), model.clone(), *t)).collect()
+    }
+
+    /// Calls and millionths of a dollar of today, and their limits.
+    pub fn today(&self) -> (i64, i64, Limits) {
+        let mut books = self.lock();
+        books.turn_to(today());
+        (books.day.calls, books.day.microusd, self.limits)
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Books> {
+        // Sums: none is worth more than the last whole assignment.
+        self.books.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Books {
+    fn turn_to(&mut self, day: i64) {
+        if day != self.today {
+            self.today = day;
+            self.day = Day::default();
+            self.day_of_key.clear();
+        }
+    }
+
+    fn of(&self, key: KeySeq) -> Day {
+        self.day_of_key.get(&key).copied().unwrap_or_default()
+    }
+}
+
+fn totals(row: &UsageRow) -> Totals {
+    Totals {
+        calls: row.calls,
+        input_tokens: row.input_tokens,
+        output_tokens: row.output_tokens,
+        microusd: row.cost_microusd,
+        cache_hits: row.cache_hits,
+    }
+}
+
+/// Days since 1970, UTC.
+fn today() -> i64 {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    (since.as_secs() / SECONDS_A_DAY) as i64
+}

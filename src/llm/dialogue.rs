@@ -1,0 +1,307 @@
+//! The dialogue that describes a crop (§IV-A.1, after ChatCaptioner): one side sees, the other asks.
+//!
+//! The first question is always for the exact text. It stops early: when an identifier was read twice alike, or when
+//! two answers in a row say nothing. What the summary claims must have been answered.
+
+use std::sync::Arc;
+
+use super::budget::Payer;
+use super::gateway::Gateway;
+use super::judge::class_name;
+use super::parse;
+use super::picture::Picture;
+use super::port::{Fault, Question, Round};
+use super::tesseract::{self, Tesseract};
+use crate::domain::judged::TranscriptStep;
+use crate::semantics::{self, Text};
+
+/// Rounds about a door, a sign, a shelf: they are there to be read.
+const ROUNDS_OF_PLATE: usize = 3;
+
+/// Rounds about a picture: its motif takes more words.
+const ROUNDS_OF_PICTURE: usize = 5;
+
+/// So many answers in a row that say nothing end it.
+const SILENT_ANSWERS_MAX: usize = 2;
+
+/// A class with one of these in its name is a picture.
+const PICTURES: [&str; 7] = ["paint", "picture", "poster", "mural", "artwork", "photo", "drawing"];
+
+const AGAIN: &str =
+    "Read the number, name or code on it once more, character by character. What is it exactly?";
+
+/// What is said of a question that was not answered.
+const UNKNOWN: &str = "unknown";
+
+/// What a model is shown in place of an answer that addresses it.
+const WITHHELD: &str = "(a text, noted)";
+
+/// What is asked where no language model asks.
+const FIXED: [&str; 4] = [
+    "What does it show?",
+    "Which colours and shapes does it have?",
+    "What is special about it?",
+    "What is around it?",
+];
+
+/// Who takes part.
+#[derive(Clone, Debug, Default)]
+pub struct Describer {
+    /// Who sees.
+    pub eyes: Option<Gateway>,
+    /// Who asks and sums up.
+    pub tongue: Option<Gateway>,
+    /// Who reads characters.
+    pub reader: Option<Tesseract>,
+}
+
+/// What came of a crop.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Described {
+    /// The description; empty if nothing could be made of it.
+    pub text: String,
+    /// `model:<name>`, or the reader's name.
+    pub source: Arc<str>,
+    /// Did a model describe it?
+    pub described: bool,
+    /// Did somebody stand in for a model that is away?
+    pub degraded: bool,
+    /// How it came about.
+    pub transcript: Vec<TranscriptStep>,
+}
+
+impl Describer {
+    /// The same at somebody's expense.
+    pub fn paid_by(&self, payer: Option<Payer>) -> Self {
+        let paid = |gateway: &Option<Gateway>| gateway.as_ref().map(|gateway| gateway.paid_by(payer.clone()));
+        Self { eyes: paid(&self.eyes), tongue: paid(&self.tongue), reader: self.reader.clone() }
+    }
+
+    /// Returns the hash of all that a description depends on beside the crop; `None` where nothing describes.
+    pub fn fingerprint(&self) -> Option<String> {
+        let models = [&self.eyes, &self.tongue].map(|model| model.as_ref().map(Gateway::fingerprint));
+        let reader = if self.reader.is_some() { tesseract::SOURCE } else { "" };
+        let [eyes, tongue] = models.map(Option::unwrap_or_default);
+        self.reads().then(|| format!("{eyes}.{tongue}.{reader}"))
+    }
+
+    /// Can it make anything of a crop?
+    pub fn reads(&self) -> bool {
+        self.eyes.is_some() || self.reader.is_some()
+    }
+
+    /// Describes an object of a class; `text` is what the client read, if that says too little.
+    pub async fn describe(
+        &self,
+        picture: Arc<Picture>,
+        class: &str,
+        text: Option<&str>,
+    ) -> Result<Described, Fault> {
+        let mut transcript = Vec::new();
+        let read = self.read(&picture, &mut transcript).await;
+        let Some(eyes) = &self.eyes else { return Ok(by_reader(read, false, transcript)) };
+        let hint = read.clone().or_else(|| text.map(semantics::clean));
+        let hint = hint.filter(|hint| !says_nothing(hint) && !semantics::addresses_a_model(hint));
+        let mut dialogue =
+            Dialogue { describer: self, eyes, picture, class: class_name(class), hint, transcript };
+        match dialogue.hold().await {
+            Ok((text, degraded)) => Ok(Described {
+                text,
+                source: eyes.source(),
+                described: true,
+                degraded,
+                transcript: dialogue.transcript,
+            }),
+            // The reader stands in, and the crop is looked at again when the model is back.
+            Err(_) if read.is_some() => Ok(by_reader(read, true, dialogue.transcript)),
+            Err(fault) => Err(fault),
+        }
+    }
+
+    /// What the reader of characters makes of it, if that is anything.
+    async fn read(&self, picture: &Arc<Picture>, transcript: &mut Vec<TranscriptStep>) -> Option<String> {
+        let reader = self.reader.as_ref()?;
+        let read = match reader.read(picture.clone()).await {
+            Ok(read) => read,
+            Err(error) => {
+                tracing::warn!(%error, "the reader failed");
+                return None;
+            }
+        };
+        let question = "(one line of characters)".to_owned();
+        transcript.push(TranscriptStep { speaker: tesseract::SOURCE.into(), question, answer: read.clone() });
+        Some(read).filter(|read| !says_nothing(read))
+    }
+}
+
+fn by_reader(read: Option<String>, degraded: bool, transcript: Vec<TranscriptStep>) -> Described {
+    let text = read.unwrap_or_default();
+    Described { text, source: tesseract::SOURCE.into(), described: false, degraded, transcript }
+}
+
+/// Returns all that the answers say, each thing once.
+pub(super) fn summary(history: &[Round]) -> String {
+    let told = history.iter().map(|round| round.answer.as_str());
+    let informative = told.filter(|answer| Text::parse(answer).information_level() > 1);
+    informative
+        .map(str::to_owned)
+        .reduce(|all, answer| semantics::merge(&all, &answer))
+        .unwrap_or_else(|| "unknown".to_owned())
+}
+
+/// Returns how many rounds a dialogue about an object of a class takes at most.
+pub(super) fn rounds_of(class: &str) -> usize {
+    if is_picture(class) { ROUNDS_OF_PICTURE } else { ROUNDS_OF_PLATE }
+}
+
+fn is_picture(class: &str) -> bool {
+    let class = class.to_lowercase();
+    PICTURES.iter().any(|picture| class.contains(picture))
+}
+
+struct Dialogue<'a> {
+    describer: &'a Describer,
+    eyes: &'a Gateway,
+    picture: Arc<Picture>,
+    class: String,
+    hint: Option<String>,
+    transcript: Vec<TranscriptStep>,
+}
+
+impl Dialogue<'_> {
+    /// Asks until enough is known; the description, and whether the model was away for a part of it.
+    async fn hold(&mut self) -> Result<(String, bool), Fault> {
+        // What was asked, with "unknown" where nothing was answered; and the answers that say something.
+        let (mut asked, mut rounds): (Vec<Round>, Vec<Round>) = (Vec::new(), Vec::new());
+        let (mut silent, mut settled, mut flagged) = (0, false, false);
+        for number in 0..rounds_of(&self.class) {
+            let question = self.question(number, &asked).await;
+            let answer = self.look(&question, number, &asked).await?;
+            let told = useful(&question, &answer, &rounds);
+            let is_flagged = told.as_deref().is_some_and(semantics::addresses_a_model);
+            if is_flagged {
+                tracing::warn!(
+                    class = self.class,
+                    text = told,
+                    "a sign addresses a model: kept, not sent on"
+                );
+                flagged = true;
+            }
+            let shown = if is_flagged { Some(WITHHELD) } else { told.as_deref() };
+            let shown = shown.unwrap_or(UNKNOWN).to_owned();
+            asked.push(Round { question: question.clone(), answer: shown });
+            silent = if told.is_some() { 0 } else { silent + 1 };
+            rounds.extend(told.map(|answer| Round { question, answer }));
+            settled = read_twice_alike(&rounds);
+            if settled || silent == SILENT_ANSWERS_MAX {
+                break;
+            }
+        }
+        if rounds.is_empty() {
+            return Ok((String::new(), false));
+        }
+        let own = summary(&rounds);
+        match &self.describer.tongue {
+            // Without the flagged answer a model's summary would lose the sign.
+            Some(tongue) if !settled && !flagged => match self.sum_up(tongue, &rounds).await {
+                Ok(summary) if is_backed(&summary, &rounds) => Ok((summary, false)),
+                Ok(_) => Ok((own, false)),
+                Err(_) => Ok((own, true)),
+            },
+            _ => Ok((own, false)),
+        }
+    }
+
+    fn is_picture(&self) -> bool {
+        is_picture(&self.class)
+    }
+
+    async fn question(&mut self, number: usize, rounds: &[Round]) -> String {
+        if number == 0 {
+            let class = self.class.replace('_', " ");
+            return format!(
+                "Which text, number, name or code is written on this {class}? Answer with the exact characters, or: unknown."
+            );
+        }
+        if number == 1 && !self.is_picture() {
+            return AGAIN.to_owned();
+        }
+        let fixed = FIXED[(number - 1) % FIXED.len()].to_owned();
+        let Some(tongue) = &self.describer.tongue else { return fixed };
+        let question = Question::NextQuestion { class: self.class.clone(), history: rounds.to_vec() };
+        let asked = tongue.ask(question).await.and_then(|asked| parse::next_question(&asked.content));
+        match asked {
+            Ok(asked) if rounds.iter().all(|round| round.question != asked) => asked,
+            _ => fixed,
+        }
+    }
+
+    async fn look(&mut self, question: &str, number: usize, rounds: &[Round]) -> Result<String, Fault> {
+        // A second reading is worth something only if it does not know the first.
+        let history = if question == AGAIN { Vec::new() } else { rounds.to_vec() };
+        let hint = self.hint.clone().filter(|_| number == 0);
+        let look =
+            Question::Look { picture: self.picture.clone(), question: question.to_owned(), history, hint };
+        let answer = parse::look(&self.eyes.ask(look).await?.content)?;
+        self.transcript.push(TranscriptStep {
+            speaker: self.eyes.source(),
+            question: question.to_owned(),
+            answer: answer.clone(),
+        });
+        Ok(answer)
+    }
+
+    async fn sum_up(&mut self, tongue: &Gateway, rounds: &[Round]) -> Result<String, Fault> {
+        let question = Question::Summary { class: self.class.clone(), history: rounds.to_vec() };
+        let summary = parse::text(&tongue.ask(question).await?.content)?;
+        self.transcript.push(TranscriptStep {
+            speaker: tongue.source(),
+            question: "(summary)".to_owned(),
+            answer: summary.clone(),
+        });
+        Ok(summary)
+    }
+}
+
+/// Returns an answer, unless it says nothing or repeats an earlier one. A text that addresses a model is kept whole:
+/// "Level 5" and "Shop assistant wanted" hang in buildings, and the built-in judge obeys no text.
+fn useful(question: &str, answer: &str, rounds: &[Round]) -> Option<String> {
+    let text = Text::parse(answer);
+    let echoes = text == Text::parse(question)
+        || (text.identifiers().is_empty() && rounds.iter().any(|round| Text::parse(&round.answer) == text));
+    (!says_nothing(answer) && !echoes).then(|| answer.to_owned())
+}
+
+/// Empty, unsure, or a mere "no".
+fn says_nothing(answer: &str) -> bool {
+    let text = Text::parse(answer);
+    let words = text.normalised();
+    let denies = ["no text", "no number", "no name", "no code", "there is no", "none", "nothing", "no "];
+    text.information_level() == 1
+        || words == "no"
+        || (text.identifiers().is_empty() && denies.iter().any(|denial| words.starts_with(denial)))
+}
+
+/// Was the same identifier read in two answers?
+fn read_twice_alike(rounds: &[Round]) -> bool {
+    let values = |round: &Round| -> Vec<String> {
+        Text::parse(&round.answer).identifiers().iter().map(|identifier| identifier.value.clone()).collect()
+    };
+    let Some((last, earlier)) = rounds.split_last() else { return false };
+    let last = values(last);
+    !last.is_empty() && earlier.iter().any(|round| values(round) == last)
+}
+
+/// Does a summary say something, and only what was answered?
+fn is_backed(summary: &str, rounds: &[Round]) -> bool {
+    let answers: Vec<&str> = rounds.iter().map(|round| round.answer.as_str()).collect();
+    let known: Vec<Text> = answers.iter().map(|answer| Text::parse(answer)).collect();
+    let text = Text::parse(summary);
+    let backed = text.identifiers().iter().all(|claimed| {
+        known.iter().flat_map(Text::identifiers).any(|identifier| identifier.value == claimed.value)
+    });
+    !says_nothing(summary)
+        && backed
+        && semantics::has_no_new_digits(summary, &answers)
+        && !semantics::addresses_a_model(summary)
+}

@@ -1,0 +1,191 @@
+//! Additions: rows that the jobs of a group add, gathered and written with few statements.
+//!
+//! Each statement is a way to SQLite's thread and back, which costs as much as a row. So what only adds rows waits here;
+//! anything else is done after what was gathered before it, and the rows are those of jobs done one by one.
+
+use std::collections::{BTreeMap, HashSet};
+
+use sqlx::SqliteConnection;
+
+use super::job::{Batch, MapKey, NewKeyframeRows};
+use super::write::{EVENTS_KEPT, EVENTS_SWEPT_EVERY, QUERIES_KEPT, QUERIES_SWEPT, run};
+use crate::domain::bow::BowVector;
+use crate::domain::change::{Change, Keyframe};
+use crate::domain::event::Event;
+use crate::domain::ids::{AnchorSeq, KeyframeId, LoopId, PointId, SessionId, SessionSeq};
+use crate::geometry::Point3;
+use crate::store::StoreError;
+use crate::store::rows::bulk_insert::{Row, write_rows};
+use crate::store::rows::keyframe_rows::{self, Detected};
+use crate::store::rows::map_rows;
+use crate::store::slices::deferred;
+
+/// A keyframe that arrived.
+pub(in crate::store) struct Arrived<'j> {
+    pub map: MapKey,
+    pub version: u64,
+    pub keyframe: &'j Keyframe,
+    pub bow: &'j BowVector,
+    pub rows: &'j NewKeyframeRows,
+}
+
+/// The answer of a loop query, to be kept.
+pub(in crate::store) struct KeptQuery<'j> {
+    pub map: MapKey,
+    pub id: &'j str,
+    /// Its number in the map, by age.
+    pub kept: i64,
+    pub body: &'j [u8],
+}
+
+/// Rows gathered from the jobs of a group, not written yet.
+#[derive(Default)]
+pub(in crate::store) struct Additions<'j> {
+    /// The last batch of each map.
+    advanced: BTreeMap<MapKey, &'j Batch>,
+    sessions: Vec<(MapKey, SessionSeq, &'j SessionId)>,
+    keyframes: Vec<Arrived<'j>>,
+    anchors: Vec<(MapKey, AnchorSeq, &'j str)>,
+    detections: Vec<Detected<'j>>,
+    points: Vec<(MapKey, SessionSeq, PointId, Point3)>,
+    /// The last version of each anchor.
+    touched: BTreeMap<(MapKey, AnchorSeq), u64>,
+    events: Vec<(MapKey, &'j Event)>,
+    queries: Vec<KeptQuery<'j>>,
+    /// Maps that have no deferred changes, as far as was asked.
+    not_deferring: HashSet<MapKey>,
+}
+
+impl<'j> Additions<'j> {
+    /// Takes a change that only adds rows; returns whether it is one.
+    pub(in crate::store) fn take(
+        &mut self,
+        batch: &'j Batch,
+        change: &'j Change,
+    ) -> Result<bool, StoreError> {
+        let map = batch.map;
+        match change {
+            Change::SessionAdded(seq, id) => self.sessions.push((map, *seq, id)),
+            Change::KeyframeAdded(keyframe, bow) => {
+                let rows = batch.new_keyframe.as_ref();
+                let rows = rows.ok_or_else(|| StoreError::corrupt("a keyframe without its rows"))?;
+                let version = batch.version;
+                self.keyframes.push(Arrived { map, version, keyframe, bow, rows });
+            }
+            Change::AnchorAdded(seq, class) => self.anchors.push((map, *seq, class)),
+            Change::AnchorTouched(seq, version) => drop(self.touched.insert((map, *seq), *version)),
+            Change::PointSet(session, id, at) => self.points.push((map, *session, *id, *at)),
+            // Written with the keyframe's rows.
+            Change::Observed(..) | Change::OutcomeSet(..) => {}
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    /// Takes a map's version after a batch, with what follows from its facts.
+    pub(in crate::store) fn advance(&mut self, batch: &'j Batch) {
+        self.advanced.insert(batch.map, batch);
+    }
+
+    /// Takes detections. Their keyframe and the anchors that they name are taken or written before.
+    pub(in crate::store) fn detect(&mut self, rows: Vec<Detected<'j>>) {
+        self.detections.extend(rows);
+    }
+
+    /// Takes events of a map.
+    pub(in crate::store) fn tell(&mut self, map: MapKey, events: &'j [Event]) {
+        self.events.extend(events.iter().map(|event| (map, event)));
+    }
+
+    /// Takes the answer of a loop query.
+    pub(in crate::store) fn keep(&mut self, query: KeptQuery<'j>) {
+        self.queries.push(query);
+    }
+
+    /// Returns whether a map has deferred changes; asked once while only additions are gathered.
+    pub(in crate::store) async fn defers(
+        &mut self,
+        db: &mut SqliteConnection,
+        map: MapKey,
+    ) -> Result<bool, StoreError> {
+        if self.not_deferring.contains(&map) {
+            return Ok(false);
+        }
+        let defers = deferred::any(db, map).await?;
+        if !defers {
+            self.not_deferring.insert(map);
+        }
+        Ok(defers)
+    }
+
+    /// Writes what is gathered: each row after those that it refers to.
+    pub(in crate::store) async fn write(&mut self, db: &mut SqliteConnection) -> Result<(), StoreError> {
+        let gathered = std::mem::take(self);
+        if !gathered.advanced.is_empty() {
+            map_rows::advance(db, gathered.advanced.into_values()).await?;
+        }
+        let sessions = "insert into sessions (map_key, session, id) ";
+        write_rows(db, sessions, "", &gathered.sessions, |row, (map, seq, id)| {
+            row.push_bind(*map).push_bind(seq.0).push_bind(id.as_str().to_owned());
+        })
+        .await?;
+        keyframe_rows::add_keyframes(db, &gathered.keyframes).await?;
+        let anchors = "insert into anchors (map_key, anchor, class, version) ";
+        write_rows(db, anchors, "", &gathered.anchors, |row, (map, seq, class)| {
+            row.push_bind(*map).push_bind(seq.0).push_bind((*class).to_owned()).push_bind(1);
+        })
+        .await?;
+        keyframe_rows::add_detections(db, &gathered.detections).await?;
+        for of_map in gathered.points.chunk_by(|a, b| a.0 == b.0) {
+            let points: Vec<_> = of_map.iter().map(|(_, session, id, at)| (*session, *id, *at)).collect();
+            keyframe_rows::set_points(db, of_map[0].0, &points).await?;
+        }
+        let touched: Vec<_> = gathered.touched.into_iter().collect();
+        let set = "update anchors set version = column3 from (";
+        let of = ") where anchors.map_key = column1 and anchors.anchor = column2";
+        write_rows(db, set, of, &touched, |row, ((map, anchor), version)| {
+            row.push_bind(*map).push_bind(anchor.0).push_bind(*version as i64);
+        })
+        .await?;
+        add_events(db, &gathered.events).await?;
+        keep_queries(db, &gathered.queries).await
+    }
+}
+
+async fn add_events(db: &mut SqliteConnection, events: &[(MapKey, &Event)]) -> Result<(), StoreError> {
+    let head = "insert into events (map_key, seq, kind, map_version, anchor, other, keyframe, candidate, loop_id, query, detail) ";
+    let push = |row: &mut Row<'_>, (map, event): &(MapKey, &Event)| {
+        let id = |id: &KeyframeId| id.as_str().to_owned();
+        row.push_bind(*map).push_bind(event.seq as i64).push_bind(event.kind.as_str());
+        row.push_bind(event.map_version as i64);
+        row.push_bind(event.anchor.map(|anchor| anchor.0)).push_bind(event.other.map(|anchor| anchor.0));
+        row.push_bind(event.keyframe.as_ref().map(id)).push_bind(event.candidate.as_ref().map(id));
+        row.push_bind(event.loop_id.as_ref().map(LoopId::as_str).map(str::to_owned));
+        row.push_bind(event.query.clone()).push_bind(event.detail.clone());
+    };
+    write_rows(db, head, "", events, push).await?;
+    for (map, event) in events.iter().filter(|(_, event)| event.seq.is_multiple_of(EVENTS_SWEPT_EVERY)) {
+        let sweep = "delete from events where map_key = $1 and seq <= $2";
+        run(db, sqlx::query(sweep).bind(map).bind(event.seq.saturating_sub(EVENTS_KEPT) as i64)).await?;
+    }
+    Ok(())
+}
+
+async fn keep_queries(db: &mut SqliteConnection, queries: &[KeptQuery<'_>]) -> Result<(), StoreError> {
+    // A map may be gone by now: then there is nothing to keep.
+    let head =
+        "insert into loop_queries (map_key, id, kept, body) select column1, column2, column3, column4 from (";
+    let tail = ") where exists (select 1 from maps where map_key = column1 and deleted = 0)
+        on conflict (map_key, id) do update set kept = excluded.kept, body = excluded.body";
+    write_rows(db, head, tail, queries, |row, query| {
+        row.push_bind(query.map).push_bind(query.id.to_owned()).push_bind(query.kept);
+        row.push_bind(query.body.to_vec());
+    })
+    .await?;
+    for query in queries.iter().filter(|query| query.kept % QUERIES_SWEPT == 0) {
+        let sweep = "delete from loop_queries where map_key = $1 and kept <= $2";
+        let oldest = query.kept - QUERIES_KEPT + QUERIES_SWEPT;
+        run(db, sqlx::query(sweep).bind(query.map).bind(oldest)).await?;
+    }
+    Ok(())
+}

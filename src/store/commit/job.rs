@@ -1,0 +1,173 @@
+//! What the writer is asked to do, in pieces that hold or fall as a whole.
+
+use std::sync::Arc;
+
+use crate::domain::change::Change;
+use crate::domain::event::Event;
+use crate::domain::former::FormerValues;
+use crate::domain::ids::{AnchorSeq, JudgementId, KeyframeSeq, MapId};
+use crate::domain::judgement::Judgement;
+use crate::domain::key::KeySeq;
+use crate::domain::keyframe::NewKeyframe;
+use crate::domain::map::{Learned, MapFigures, MapProperties};
+use crate::domain::request::Digest;
+use crate::store::rows::key_rows::NewKeyRow;
+use crate::store::rows::model_rows::Spent;
+use crate::store::slices::parts::Part;
+
+/// A map's key in the database.
+pub type MapKey = i64;
+
+/// What one request changes in one map: committed as a whole.
+#[derive(Debug)]
+pub struct Batch {
+    /// The map.
+    pub map: MapKey,
+    /// The map's version after it.
+    pub version: u64,
+    /// The dense numbers given next after it.
+    pub next_keyframe: KeyframeSeq,
+    /// The dense numbers given next after it.
+    pub next_anchor: AnchorSeq,
+    /// The number of the next event after it.
+    pub next_event: u64,
+    /// How much the map holds after it.
+    pub figures: MapFigures,
+    /// The map's knowledge of its building after it.
+    pub learned: Learned,
+    /// What the map's index takes in memory after it, in bytes.
+    pub memory_bytes: u64,
+    /// The changes, in their order.
+    pub changes: Vec<Change>,
+    /// The values that they replaced.
+    pub former: FormerValues,
+    /// The heavy parts of the keyframe that arrived, if one did.
+    pub new_keyframe: Option<NewKeyframeRows>,
+    /// What happened, numbered.
+    pub events: Vec<Event>,
+}
+
+/// The parts of a new keyframe that the index does not keep.
+#[derive(Debug)]
+pub struct NewKeyframeRows {
+    /// The keyframe as sent.
+    pub keyframe: Arc<NewKeyframe>,
+    /// The digest of the body it was sent in.
+    pub digest: Digest,
+}
+
+/// What the writer is asked to do in one piece.
+#[derive(Debug)]
+pub enum Job {
+    /// A new map.
+    CreateMap {
+        /// Its key.
+        key: MapKey,
+        /// Its name.
+        id: MapId,
+        /// Its properties.
+        properties: Box<MapProperties>,
+        /// The digest of the body that made it.
+        digest: Digest,
+        /// The key that made it.
+        owner: Option<KeySeq>,
+    },
+    /// A map is deleted; its rows are removed in slices.
+    DeleteMap(MapKey),
+    /// A request's changes.
+    Change(Box<Batch>),
+    /// A part of a request's changes, which counts for nothing until the last of them is committed.
+    Stage {
+        /// The map.
+        map: MapKey,
+        /// The version that the request makes.
+        version: u64,
+        /// The part's number.
+        number: u32,
+        /// The part.
+        part: Part,
+        /// Whether the request takes something away.
+        frees_space: bool,
+    },
+    /// A request's changes, of which the poses and points are staged.
+    ChangeStaged {
+        /// The changes that are not staged.
+        batch: Box<Batch>,
+        /// The number of parts.
+        parts: u32,
+        /// Whether the request takes something away.
+        frees_space: bool,
+    },
+    /// Events that belong to no change.
+    AppendEvents(MapKey, u64, Vec<Event>),
+    /// A loop query's verdict is kept for reading back.
+    KeepQuery {
+        /// The map.
+        map: MapKey,
+        /// The query's id.
+        id: String,
+        /// Its number in the map, by age.
+        kept: i64,
+        /// The answer, as sent.
+        body: bytes::Bytes,
+    },
+    /// A model's answer is kept by the hash of all that it depends on.
+    KeepAnswer {
+        /// The hash.
+        key: [u8; 32],
+        /// What was asked for.
+        operation: &'static str,
+        /// Who answered.
+        model: Arc<str>,
+        /// The answer, as received.
+        answer: Arc<str>,
+    },
+    /// A job asks a map's verdicts again.
+    StartJudgement(MapKey, Box<Judgement>),
+    /// Such a job is stopped, if it is still running.
+    StopJudgement(MapKey, JudgementId),
+    /// No map waits for a model any more; those that did have another version now.
+    ForgetAway,
+    /// Calls of models, and what they cost or may cost.
+    Spend(Spent),
+    /// A new API key.
+    CreateKey(Box<NewKeyRow>),
+    /// An API key is good no longer, from this second on.
+    RevokeKey(KeySeq, i64),
+}
+
+impl Job {
+    /// Does it leave more room than it found? It is tried on a full disk, too.
+    pub(in crate::store) fn frees_space(&self) -> bool {
+        match self {
+            // A key must be revocable whatever the disk holds, and takes no space.
+            Self::DeleteMap(_) | Self::RevokeKey(..) => true,
+            Self::Change(batch) => Self::batch_frees_space(batch),
+            Self::Stage { frees_space, .. } | Self::ChangeStaged { frees_space, .. } => *frees_space,
+            _ => false,
+        }
+    }
+
+    /// Whether a batch leaves more room than it found.
+    pub(in crate::store) fn batch_frees_space(batch: &Batch) -> bool {
+        batch.new_keyframe.is_none() && frees_space(&batch.changes)
+    }
+
+    /// Whether it leaves work that is done in slices.
+    pub(in crate::store) fn leaves_slices(&self) -> bool {
+        matches!(self, Self::DeleteMap(_) | Self::ChangeStaged { .. })
+    }
+
+    /// Do later jobs of its map rest on it? A verdict that is not kept, or an event not told, is missed by none of them.
+    pub(in crate::store) fn is_planned_upon(&self) -> bool {
+        !matches!(self, Self::KeepQuery { .. } | Self::AppendEvents(..))
+    }
+}
+
+/// Do these changes take something away?
+fn frees_space(changes: &[Change]) -> bool {
+    let takes_away = |change: &Change| {
+        matches!(change, Change::KeyframeRemoved(..) | Change::AnchorRemoved(_) | Change::LoopRemoved(_))
+    };
+    changes.iter().any(takes_away)
+}

@@ -1,0 +1,11 @@
+//! Commits: one writer, a fair queue before it, and group commit.
+
+pub(super) mod additions;
+pub(super) mod commit_queue;
+pub(super) mod cost;
+pub(super) mod group_commit;
+pub(super) mod health;
+pub(super) mod job;
+pub(super) mod lanes;
+pub(super) mod transaction;
+pub(super) mod write;

@@ -1,0 +1,230 @@
+//! From changes to rows.
+
+use sqlx::{Sqlite, SqliteConnection};
+
+use super::additions::{Additions, KeptQuery};
+use super::job::{Batch, Job, MapKey};
+use crate::domain::change::{Change, Loop, Merge, MergeCause};
+use crate::store::StoreError;
+use crate::store::rows::blob::pack;
+use crate::store::rows::keyframe_rows::{detections, forget_points, pose_blob};
+use crate::store::rows::operation_rows::Operation;
+use crate::store::rows::{
+    changed_sign_rows, former_value_rows, judgement_rows, key_rows, map_rows, model_rows, operation_rows,
+    twin_rows,
+};
+use crate::store::slices::{deferred, deletion};
+
+/// The version of a map that was just made.
+const FIRST_VERSION: u64 = 1;
+
+/// Events of a map are kept up to this number, oldest out first.
+pub(in crate::store) const EVENTS_KEPT: u64 = 100_000;
+
+/// How often old events are taken out.
+pub(in crate::store) const EVENTS_SWEPT_EVERY: u64 = 256;
+
+/// Loop queries of a map are kept up to this number, oldest out first.
+pub(in crate::store) const QUERIES_KEPT: i64 = 1_000;
+
+/// Loop queries that are taken out at a time.
+pub(in crate::store) const QUERIES_SWEPT: i64 = 16;
+
+/// Does jobs in their order, within the transaction of their group.
+pub(in crate::store) async fn execute<'j>(
+    db: &mut SqliteConnection,
+    jobs: impl Iterator<Item = &'j Job>,
+) -> Result<(), StoreError> {
+    let mut additions = Additions::default();
+    for job in jobs {
+        match job {
+            Job::Change(batch) => change_map(db, &mut additions, batch).await?,
+            Job::KeepQuery { map, id, kept, body } => {
+                additions.keep(KeptQuery { map: *map, id, kept: *kept, body });
+            }
+            Job::AppendEvents(map, next_event, events) => {
+                additions.write(db).await?;
+                let update = "update maps set next_event = $2 where map_key = $1";
+                run(db, sqlx::query(update).bind(map).bind(*next_event as i64)).await?;
+                additions.tell(*map, events);
+            }
+            Job::ChangeStaged { batch, parts, .. } => {
+                additions.write(db).await?;
+                deferred::commit_staged(db, batch.map, batch.version, *parts).await?;
+                change_map(db, &mut additions, batch).await?;
+            }
+            other => {
+                additions.write(db).await?;
+                execute_alone(db, other).await?;
+            }
+        }
+    }
+    additions.write(db).await
+}
+
+/// Does a job that is no change of a map's facts.
+async fn execute_alone(db: &mut SqliteConnection, job: &Job) -> Result<(), StoreError> {
+    match job {
+        Job::CreateMap { key, id, properties, digest, owner } => {
+            map_rows::create(db, *key, id, properties, digest, *owner).await?;
+            operation_rows::add(db, (*key, FIRST_VERSION), &Operation::from(&**properties)).await
+        }
+        Job::DeleteMap(map) => {
+            map_rows::keep_event_numbers(db, *map).await?;
+            deletion::mark_deleted(db, *map).await
+        }
+        Job::Stage { map, version, number, part, .. } => {
+            deferred::stage(db, *map, *version, *number, part).await
+        }
+        Job::KeepAnswer { key, operation, model, answer } => {
+            model_rows::keep_answer(db, key, operation, model, answer).await
+        }
+        Job::ForgetAway => model_rows::forget_away(db).await,
+        Job::Spend(spent) => model_rows::spend(db, spent).await,
+        Job::CreateKey(key) => key_rows::create(db, key).await,
+        Job::RevokeKey(key, at) => key_rows::revoke(db, *key, *at).await,
+        Job::StartJudgement(map, judgement) => judgement_rows::start(db, *map, judgement).await,
+        Job::StopJudgement(map, id) => judgement_rows::stop(db, *map, id).await,
+        Job::Change(_) | Job::ChangeStaged { .. } | Job::AppendEvents(..) | Job::KeepQuery { .. } => {
+            unreachable!("done with what is gathered")
+        }
+    }
+}
+
+pub(in crate::store) type Query<'q> = sqlx::query::Query<'q, Sqlite, sqlx::sqlite::SqliteArguments>;
+
+pub(in crate::store) async fn run(db: &mut SqliteConnection, query: Query<'_>) -> Result<(), StoreError> {
+    query.execute(db).await?;
+    Ok(())
+}
+
+async fn change_map<'j>(
+    db: &mut SqliteConnection,
+    additions: &mut Additions<'j>,
+    batch: &'j Batch,
+) -> Result<(), StoreError> {
+    let map = batch.map;
+    // What must not overtake deferred changes is deferred behind them.
+    let defers = batch.changes.iter().any(deferred::is_ordered) && additions.defers(db, map).await?;
+    if defers {
+        additions.write(db).await?;
+        deferred::defer(db, batch).await?;
+    }
+    additions.advance(batch);
+    for change in &batch.changes {
+        if defers && deferred::is_ordered(change) || additions.take(batch, change)? {
+            continue;
+        }
+        additions.write(db).await?;
+        apply(db, (map, batch.version), change).await?;
+    }
+    former_value_rows::add(db, batch).await?;
+    // After the anchors they name.
+    additions.detect(detections(batch)?);
+    additions.tell(map, &batch.events);
+    Ok(())
+}
+
+async fn apply(
+    db: &mut SqliteConnection,
+    (map, version): (MapKey, u64),
+    change: &Change,
+) -> Result<(), StoreError> {
+    match change {
+        Change::MapSet(properties) => {
+            map_rows::set_properties(db, map, properties).await?;
+            operation_rows::add(db, (map, version), &Operation::from(&**properties)).await
+        }
+        Change::VocabularySet(name) => {
+            let update = "update maps set vocabulary = $2 where map_key = $1";
+            run(db, sqlx::query(update).bind(map).bind(&**name)).await
+        }
+        Change::KeyframeRemoved(seq, _) => {
+            let delete = "delete from keyframes where map_key = $1 and keyframe = $2";
+            run(db, sqlx::query(delete).bind(map).bind(seq.0)).await
+        }
+        Change::PoseSet(seq, pose) => {
+            let update = "update keyframes set pose = $3 where map_key = $1 and keyframe = $2";
+            run(db, sqlx::query(update).bind(map).bind(seq.0).bind(pose_blob(pose))).await
+        }
+        Change::PointsForgotten(session, ids) => forget_points(db, map, *session, ids).await,
+        Change::AnchorRemoved(seq) => {
+            let orphan =
+                "update detections set anchor = null, outcome = 'anchor_deleted', deleted_anchor = $2,
+                deleted_in = $3 where map_key = $1 and anchor = $2";
+            let orphan = sqlx::query(orphan).bind(map).bind(seq.0).bind(version as i64);
+            // One that lost its last detection with a keyframe has none to be deleted from.
+            if orphan.execute(&mut *db).await?.rows_affected() > 0 {
+                operation_rows::add(db, (map, version), &Operation::AnchorDeleted {}).await?;
+            }
+            let delete = "delete from anchors where map_key = $1 and anchor = $2";
+            run(db, sqlx::query(delete).bind(map).bind(seq.0)).await
+        }
+        Change::PositionSet(_, keyframe, detection, at) => {
+            let update =
+                "update detections set position = $4 where map_key = $1 and keyframe = $2 and detection = $3";
+            let position = pack([at.x, at.y, at.z]);
+            run(db, sqlx::query(update).bind(map).bind(keyframe.0).bind(*detection).bind(position)).await
+        }
+        Change::DescriptionSet(seq, text) => {
+            let update = "update anchors set description_by_hand = $3 where map_key = $1 and anchor = $2";
+            run(db, sqlx::query(update).bind(map).bind(seq.0).bind(text.as_deref())).await?;
+            operation_rows::add(db, (map, version), &operation_rows::described(*seq, text.as_deref())).await
+        }
+        Change::Merged(merge) => add_merge(db, map, merge).await,
+        Change::LoopAdded(closed) => {
+            add_loop(db, map, closed).await?;
+            operation_rows::add(db, (map, version), &Operation::from(closed)).await
+        }
+        Change::TwinsFound(twins) => twin_rows::add(db, map, twins).await,
+        Change::TwinsWithdrawn(twins) => twin_rows::remove(db, map, twins).await,
+        Change::ObservationMoved(moved) => changed_sign_rows::move_observation(db, map, moved).await,
+        Change::SignMissed(missed) => changed_sign_rows::miss(db, map, missed).await,
+        Change::MissesWithdrawn(anchor) => changed_sign_rows::withdraw_misses(db, map, *anchor).await,
+        Change::SignRetired(anchor, other) => changed_sign_rows::retire(db, map, *anchor, *other).await,
+        Change::SignReturned(anchor) => changed_sign_rows::restore(db, map, *anchor).await,
+        Change::CropRead(read) => model_rows::add_reading(db, (map, version), read).await,
+        Change::Judged(verdict) => model_rows::add_verdict(db, (map, version), verdict).await,
+        Change::JudgementAdvanced(progress) => judgement_rows::advance(db, map, progress).await,
+        Change::ModelAway(away) => model_rows::set_away(db, map, *away).await,
+        Change::LoopRemoved(id) => {
+            let merges = "delete from anchor_merges where map_key = $1 and loop_id = $2";
+            run(db, sqlx::query(merges).bind(map).bind(id.as_str())).await?;
+            let delete = "delete from loops where map_key = $1 and id = $2";
+            run(db, sqlx::query(delete).bind(map).bind(id.as_str())).await?;
+            operation_rows::add(db, (map, version), &operation_rows::revoked(id)).await
+        }
+        Change::SessionAdded(..)
+        | Change::KeyframeAdded(..)
+        | Change::AnchorAdded(..)
+        | Change::AnchorTouched(..)
+        | Change::PointSet(..)
+        | Change::Observed(..)
+        | Change::OutcomeSet(..) => unreachable!("gathered"),
+    }
+}
+
+async fn add_merge(db: &mut SqliteConnection, map: MapKey, merge: &Merge) -> Result<(), StoreError> {
+    let by = match &merge.cause {
+        MergeCause::Covisible => "",
+        MergeCause::Loop(id) => id.as_str(),
+    };
+    let insert =
+        "insert into anchor_merges (map_key, into_anchor, from_anchor, loop_id) values ($1, $2, $3, $4)
+        on conflict do nothing";
+    run(db, sqlx::query(insert).bind(map).bind(merge.into.0).bind(merge.from.0).bind(by)).await
+}
+
+async fn add_loop(db: &mut SqliteConnection, map: MapKey, closed: &Loop) -> Result<(), StoreError> {
+    let insert = "insert into loops (map_key, id, keyframe, candidate, keyframe_id, candidate_id, query)
+        values ($1, $2, $3, $4, $5, $6, $7)";
+    let query = sqlx::query(insert)
+        .bind(map)
+        .bind(closed.id.as_str())
+        .bind(closed.keyframe.0)
+        .bind(closed.candidate.0)
+        .bind(closed.keyframe_id.as_str())
+        .bind(closed.candidate_id.as_str())
+        .bind(&closed.query);
+    run(db, query).await
+}

@@ -1,0 +1,99 @@
+//! Packed little-endian lists: how numbers that are never searched lie in a row.
+
+use crate::store::StoreError;
+
+/// A number of fixed width.
+pub(in crate::store) trait Packed: Sized {
+    const BYTES: usize;
+    fn put(&self, to: &mut Vec<u8>);
+    /// `from` has exactly [`Packed::BYTES`] bytes.
+    fn take(from: &[u8]) -> Option<Self>;
+}
+
+macro_rules! packed {
+    ($($number:ty),*) => {
+        $(impl Packed for $number {
+            const BYTES: usize = size_of::<Self>();
+
+            fn put(&self, to: &mut Vec<u8>) {
+                to.extend_from_slice(&self.to_le_bytes());
+            }
+
+            fn take(from: &[u8]) -> Option<Self> {
+                Some(Self::from_le_bytes(from.try_into().ok()?))
+            }
+        })*
+    };
+}
+
+packed!(u8, u32, i64, f64);
+
+impl<A: Packed, B: Packed> Packed for (A, B) {
+    const BYTES: usize = A::BYTES + B::BYTES;
+
+    fn put(&self, to: &mut Vec<u8>) {
+        self.0.put(to);
+        self.1.put(to);
+    }
+
+    fn take(from: &[u8]) -> Option<Self> {
+        let (a, b) = from.split_at_checked(A::BYTES)?;
+        Some((A::take(a)?, B::take(b)?))
+    }
+}
+
+impl<T: Packed, const N: usize> Packed for [T; N] {
+    const BYTES: usize = N * T::BYTES;
+
+    fn put(&self, to: &mut Vec<u8>) {
+        for item in self {
+            item.put(to);
+        }
+    }
+
+    fn take(from: &[u8]) -> Option<Self> {
+        let items: Option<Vec<T>> = from.chunks_exact(T::BYTES).map(T::take).collect();
+        items?.try_into().ok()
+    }
+}
+
+pub(in crate::store) fn pack<T: Packed>(list: impl IntoIterator<Item = T>) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    list.into_iter().for_each(|item| item.put(&mut bytes));
+    bytes
+}
+
+pub(in crate::store) fn unpack<T: Packed>(bytes: &[u8]) -> Result<Vec<T>, StoreError> {
+    let chunks = bytes.chunks_exact(T::BYTES);
+    if !chunks.remainder().is_empty() {
+        return Err(StoreError::corrupt("a packed list ends within a number"));
+    }
+    chunks
+        .map(|chunk| T::take(chunk).ok_or_else(|| StoreError::corrupt("a packed number is short")))
+        .collect()
+}
+
+pub(in crate::store) fn unpack_array<T: Packed, const N: usize>(bytes: &[u8]) -> Result<[T; N], StoreError> {
+    unpack(bytes)?.try_into().map_err(|_| StoreError::corrupt("a packed list has another length"))
+}
+
+/// Unpacks a blob as every kind of list that rows have, for fuzzing: what fits reads back, and nothing panics.
+///
+/// # Panics
+/// If a list that was unpacked is packed into other bytes.
+pub fn unpacks(bytes: &[u8]) {
+    fn check<T: Packed>(bytes: &[u8]) {
+        if let Ok(list) = unpack::<T>(bytes) {
+            assert_eq!(pack(list), bytes);
+        }
+    }
+    check::<u32>(bytes);
+    check::<i64>(bytes);
+    check::<f64>(bytes);
+    check::<(u32, u32)>(bytes);
+    check::<((f64, f64), (f64, u8))>(bytes);
+    check::<(u32, [f64; 7])>(bytes);
+    check::<((u32, i64), [f64; 3])>(bytes);
+    check::<([u32; 3], [f64; 3])>(bytes);
+    let _ = unpack_array::<f64, 7>(bytes);
+}

@@ -1,0 +1,122 @@
+//! The rows of API keys. They are few: a server holds all of them in memory and looks here whether that is still so.
+
+use std::collections::HashMap;
+
+use sqlx::sqlite::SqliteRow;
+use sqlx::{Row, SqliteConnection};
+
+use crate::domain::key::{Actions, Key, KeyProperties, KeySeq, MapPattern, SecretHash};
+use crate::domain::keyframe::Stamp;
+use crate::store::commit::write::run;
+use crate::store::{Store, StoreError};
+
+/// A key to be stored. Its number is the caller's guess of the next one; if another process took it meanwhile, the job fails.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NewKeyRow {
+    /// The key.
+    pub key: Key,
+    /// The hash of its secret.
+    pub hash: SecretHash,
+}
+
+/// Every key, as of one change.
+#[derive(Debug, Default)]
+pub struct KeyTable {
+    /// Grows with each key made or revoked.
+    pub change: i64,
+    /// The keys by the hash of their secrets, revoked ones among them.
+    pub by_hash: HashMap<SecretHash, Key>,
+}
+
+impl Store {
+    /// A number that grows with each key made or revoked, by whatever process.
+    pub async fn key_change(&self) -> Result<i64, StoreError> {
+        Ok(sqlx::query_scalar("select change from key_changes").fetch_one(&self.readers).await?)
+    }
+
+    /// Every key.
+    pub async fn keys(&self) -> Result<KeyTable, StoreError> {
+        let mut db = self.snapshot().await?;
+        let change = sqlx::query_scalar("select change from key_changes").fetch_one(&mut *db).await?;
+        let mut patterns: HashMap<i64, Vec<MapPattern>> = HashMap::new();
+        let select = "select key, pattern from key_maps order by key, place";
+        let rows: Vec<(i64, String)> = sqlx::query_as(select).fetch_all(&mut *db).await?;
+        for (key, pattern) in rows {
+            patterns.entry(key).or_default().push(stored_pattern(&pattern)?);
+        }
+        let mut by_hash = HashMap::new();
+        for row in sqlx::query("select * from keys").fetch_all(&mut *db).await? {
+            let seq: i64 = row.try_get("key")?;
+            let hash: &[u8] = row.try_get("hash")?;
+            let hash = hash.try_into().map_err(|_| StoreError::corrupt("a hash of another length"))?;
+            by_hash.insert(hash, key(&row, seq, patterns.remove(&seq).unwrap_or_default())?);
+        }
+        db.commit().await?;
+        Ok(KeyTable { change, by_hash })
+    }
+}
+
+fn key(row: &SqliteRow, seq: i64, maps: Vec<MapPattern>) -> Result<Key, StoreError> {
+    let bits: u8 = row.try_get("actions")?;
+    let expires: (Option<i64>, Option<u32>) = (row.try_get("expires_sec")?, row.try_get("expires_nanosec")?);
+    Ok(Key {
+        seq: KeySeq(seq),
+        properties: KeyProperties {
+            name: row.try_get("name")?,
+            actions: Actions::from_bits(bits)
+                .ok_or_else(|| StoreError::corrupt(format!("actions {bits} of key {seq}")))?,
+            maps,
+            expires: expires.0.zip(expires.1).map(|(sec, nanosec)| Stamp { sec, nanosec }),
+            rate_per_s: row.try_get("rate_per_s")?,
+            model_daily_calls: row.try_get("model_daily_calls")?,
+            model_daily_microusd: row
+                .try_get::<Option<i64>, _>("model_daily_microusd")?
+                .map(|microusd| microusd as u64),
+        },
+        created_sec: row.try_get("created_sec")?,
+        revoked_sec: row.try_get("revoked_sec")?,
+    })
+}
+
+pub(in crate::store) async fn create(db: &mut SqliteConnection, new: &NewKeyRow) -> Result<(), StoreError> {
+    let (key, properties) = (&new.key, &new.key.properties);
+    let insert =
+        "insert into keys (key, name, hash, actions, created_sec, expires_sec, expires_nanosec, rate_per_s,
+            model_daily_calls, model_daily_microusd)
+        values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10)";
+    let query = sqlx::query(insert)
+        .bind(key.seq.0)
+        .bind(&properties.name)
+        .bind(&new.hash[..])
+        .bind(properties.actions.bits())
+        .bind(key.created_sec)
+        .bind(properties.expires.map(|expires| expires.sec))
+        .bind(properties.expires.map(|expires| expires.nanosec))
+        .bind(properties.rate_per_s)
+        .bind(properties.model_daily_calls)
+        .bind(properties.model_daily_microusd.map(|microusd| microusd as i64));
+    run(db, query).await?;
+    for (place, pattern) in properties.maps.iter().enumerate() {
+        let insert = "insert into key_maps (key, place, pattern) values ($1, $2, $3)";
+        run(db, sqlx::query(insert).bind(key.seq.0).bind(place as i64).bind(pattern.to_string())).await?;
+    }
+    changed(db).await
+}
+
+pub(in crate::store) async fn revoke(
+    db: &mut SqliteConnection,
+    key: KeySeq,
+    at_sec: i64,
+) -> Result<(), StoreError> {
+    let update = "update keys set revoked_sec = $2 where key = $1 and revoked_sec is null";
+    run(db, sqlx::query(update).bind(key.0).bind(at_sec)).await?;
+    changed(db).await
+}
+
+async fn changed(db: &mut SqliteConnection) -> Result<(), StoreError> {
+    run(db, sqlx::query("update key_changes set change = change + 1")).await
+}
+
+fn stored_pattern(text: &str) -> Result<MapPattern, StoreError> {
+    MapPattern::stored(text).map_err(|error| StoreError::corrupt(format!("{text:?}: {error}")))
+}

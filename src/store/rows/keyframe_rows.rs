@@ -1,0 +1,169 @@
+//! The rows of a keyframe: itself, its features, its detections, its map points.
+
+use std::collections::HashMap;
+
+use sqlx::{Sqlite, SqliteConnection};
+
+use super::blob::pack;
+use super::bulk_insert::write_rows;
+use crate::domain::anchor::Outcome;
+use crate::domain::change::Change;
+use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
+use crate::domain::keyframe::{Camera, Detection};
+use crate::geometry::{Point3, Pose};
+use crate::store::StoreError;
+use crate::store::commit::additions::Arrived;
+use crate::store::commit::job::{Batch, MapKey};
+use crate::store::commit::write::run;
+
+/// SQLite takes at most 32,766 parameters; six for each point.
+const POINTS_PER_STATEMENT: usize = 512;
+
+/// One statement for each number of points there may be: kept, they would fill every connection's cache with large statements.
+const NOT_KEPT: bool = false;
+
+pub(in crate::store) fn pose_blob(pose: &Pose) -> Vec<u8> {
+    pack(pose.translation_m().into_iter().chain(pose.rotation_xyzw()))
+}
+
+/// Adds the rows of keyframes, and of their features.
+pub(in crate::store) async fn add_keyframes(
+    db: &mut SqliteConnection,
+    arrived: &[Arrived<'_>],
+) -> Result<(), StoreError> {
+    let head =
+        "insert into keyframes (map_key, keyframe, id, session, stamp_sec, stamp_nanosec, pose, camera,
+            observes, sent_points, declared, bow_words, bow_weights, digest, bytes, version) ";
+    write_rows(db, head, "", arrived, |row, Arrived { map, version, keyframe, bow, rows }| {
+        row.push_bind(*map).push_bind(keyframe.seq.0).push_bind(keyframe.id.as_str().to_owned());
+        row.push_bind(keyframe.session.0).push_bind(keyframe.stamp.sec).push_bind(keyframe.stamp.nanosec);
+        row.push_bind(pose_blob(&keyframe.map_from_camera)).push_bind(keyframe.camera.map(camera_blob));
+        row.push_bind(pack(keyframe.observes.iter()));
+        row.push_bind(pack(rows.keyframe.map_points.iter().map(|(id, _)| *id)));
+        row.push_bind(pack(keyframe.declared.iter().map(|(other, shared)| (other.0, *shared))));
+        row.push_bind(pack(bow.words().iter().copied())).push_bind(pack(bow.weights().iter().copied()));
+        row.push_bind(rows.digest.to_vec()).push_bind(keyframe.bytes as i64).push_bind(*version as i64);
+    })
+    .await?;
+    let with_features = |arrived: &'_ Arrived<'_>| arrived.rows.keyframe.features.is_some();
+    let arrived: Vec<&Arrived<'_>> = arrived.iter().filter(|arrived| with_features(arrived)).collect();
+    let head = "insert into keyframe_features (map_key, keyframe, descriptor_bytes, descriptors, keypoints, map_points) ";
+    write_rows(db, head, "", &arrived, |row, arrived| {
+        let Arrived { map, keyframe, rows, .. } = arrived;
+        let Some(features) = &rows.keyframe.features else { return };
+        let keypoints =
+            features.keypoints.iter().map(|k| ((k.u, k.v), (k.angle_deg.unwrap_or(f64::NAN), k.octave)));
+        row.push_bind(*map).push_bind(keyframe.seq.0).push_bind(features.descriptor_bytes as i64);
+        row.push_bind(features.descriptors.clone()).push_bind(pack(keypoints));
+        row.push_bind(pack(features.map_points.iter().map(|id| id.unwrap_or(-1))));
+    })
+    .await
+}
+
+fn camera_blob(camera: Camera) -> Vec<u8> {
+    let mut blob = pack([camera.fx, camera.fy, camera.cx, camera.cy]);
+    blob.extend(pack([camera.width, camera.height]));
+    blob
+}
+
+/// A detection, and what became of it.
+#[derive(Clone, Copy)]
+pub(in crate::store) struct Detected<'j> {
+    map: MapKey,
+    keyframe: KeyframeSeq,
+    number: u16,
+    detection: &'j Detection,
+    outcome: &'static str,
+    anchor: Option<u32>,
+}
+
+/// Returns the detections of the keyframe that arrived with a batch.
+pub(in crate::store) fn detections(batch: &Batch) -> Result<Vec<Detected<'_>>, StoreError> {
+    let arrived = batch.changes.iter().find_map(|change| match change {
+        Change::KeyframeAdded(keyframe, _) => Some(keyframe.seq),
+        _ => None,
+    });
+    let (Some(keyframe), Some(rows)) = (arrived, &batch.new_keyframe) else { return Ok(Vec::new()) };
+    let outcomes: HashMap<u16, Outcome> = batch
+        .changes
+        .iter()
+        .filter_map(|change| match change {
+            Change::OutcomeSet(of, detection, outcome) => (*of == keyframe).then_some((*detection, *outcome)),
+            _ => None,
+        })
+        .collect();
+    let row = |(number, detection)| {
+        let (outcome, anchor) = match outcomes.get(&number) {
+            Some(Outcome::Created(anchor)) => ("created", Some(anchor.0)),
+            Some(Outcome::Observed(anchor)) => ("observed", Some(anchor.0)),
+            Some(Outcome::Ignored(reason)) => (reason.as_str(), None),
+            None => return Err(StoreError::corrupt("a detection without an outcome")),
+        };
+        Ok(Detected { map: batch.map, keyframe, number, detection, outcome, anchor })
+    };
+    (0..).zip(&rows.keyframe.detections).map(row).collect()
+}
+
+/// Adds the rows of detections, and of their crops.
+pub(in crate::store) async fn add_detections(
+    db: &mut SqliteConnection,
+    detections: &[Detected<'_>],
+) -> Result<(), StoreError> {
+    let head = "insert into detections (map_key, keyframe, detection, class, confidence, box_px, map_points,
+            position, range_assumed, text, description, outcome, anchor) ";
+    write_rows(db, head, "", detections, |row, detected| {
+        let Detected { map, keyframe, number, detection, outcome, anchor } = *detected;
+        row.push_bind(map).push_bind(keyframe.0).push_bind(number);
+        row.push_bind(detection.class.clone()).push_bind(detection.confidence);
+        row.push_bind(pack(detection.box_px)).push_bind(pack(detection.map_points.iter().copied()));
+        row.push_bind(detection.position_in_session.map(|at| pack([at.x, at.y, at.z])));
+        row.push_bind(detection.range_assumed);
+        row.push_bind(detection.text.clone()).push_bind(detection.description.clone());
+        row.push_bind(outcome).push_bind(anchor);
+    })
+    .await?;
+    for Detected { map, keyframe, number, detection, .. } in detections {
+        if let Some(crop) = &detection.crop {
+            let insert = "insert into crops (map_key, keyframe, detection, media_type, bytes) values ($1, $2, $3, $4, $5)";
+            let query = sqlx::query(insert).bind(map).bind(keyframe.0).bind(*number);
+            run(db, query.bind(crop.media_type).bind(&crop.bytes)).await?;
+        }
+    }
+    Ok(())
+}
+
+pub(in crate::store) async fn set_points(
+    db: &mut SqliteConnection,
+    map: MapKey,
+    points: &[(SessionSeq, PointId, Point3)],
+) -> Result<(), StoreError> {
+    for chunk in points.chunks(POINTS_PER_STATEMENT) {
+        let mut insert =
+            sqlx::QueryBuilder::<Sqlite>::new("insert into map_points (map_key, session, point, x, y, z) ");
+        insert.push_values(chunk, |mut row, (session, id, at)| {
+            row.push_bind(map).push_bind(session.0).push_bind(*id);
+            row.push_bind(at.x).push_bind(at.y).push_bind(at.z);
+        });
+        insert.push(" on conflict (map_key, session, point) do update set x = excluded.x, y = excluded.y, z = excluded.z");
+        insert.build().persistent(NOT_KEPT).execute(&mut *db).await?;
+    }
+    Ok(())
+}
+
+pub(in crate::store) async fn forget_points(
+    db: &mut SqliteConnection,
+    map: MapKey,
+    session: SessionSeq,
+    ids: &[PointId],
+) -> Result<(), StoreError> {
+    for chunk in ids.chunks(POINTS_PER_STATEMENT) {
+        let mut delete = sqlx::QueryBuilder::<Sqlite>::new("delete from map_points where map_key = ");
+        delete.push_bind(map).push(" and session = ").push_bind(session.0).push(" and point in (");
+        let mut named = delete.separated(", ");
+        for id in chunk {
+            named.push_bind(*id);
+        }
+        delete.push(")").build().persistent(NOT_KEPT).execute(&mut *db).await?;
+    }
+    Ok(())
+}

@@ -1,0 +1,279 @@
+//! A map's own rows: its properties and settings, to the database and back.
+
+use std::collections::BTreeMap;
+
+use sqlx::sqlite::SqliteRow;
+use sqlx::{AssertSqlSafe, Row, SqliteConnection};
+
+use super::bulk_insert::write_rows;
+use super::decode::{self, digest};
+use crate::domain::ids::{AnchorSeq, MapId};
+use crate::domain::key::KeySeq;
+use crate::domain::map::{Learned, MapFigures, MapProperties, NamedTwins};
+use crate::domain::report::MapReport;
+use crate::domain::request::Digest;
+use crate::domain::settings::{SettingKind, SettingValue, Settings};
+use crate::store::commit::job::{Batch, MapKey};
+use crate::store::commit::write::run;
+use crate::store::{Store, StoreError};
+
+/// A new map. Its events are numbered from above those of every map that was deleted, so that a client that resumes with a
+/// number of a deleted map is recognised. The greatest number that a deleted map would have given next is SQLite's
+/// `user_version`: it is part of the database file, of its transactions and of its backups.
+pub(in crate::store) async fn create(
+    db: &mut SqliteConnection,
+    key: MapKey,
+    id: &MapId,
+    properties: &MapProperties,
+    digest: &Digest,
+    owner: Option<KeySeq>,
+) -> Result<(), StoreError> {
+    let insert = "insert into maps (map_key, id, description, metric, version, next_keyframe, next_anchor, next_event, digest, owner, learned)
+        select $1, $2, '', 0, 1, 0, 0, user_version + 1, $3, $4, $5 from pragma_user_version";
+    let query = sqlx::query(insert).bind(key).bind(id.as_str()).bind(&digest[..]);
+    run(db, query.bind(owner.map(|owner| owner.0)).bind(learned_text(&Learned::default()))).await?;
+    set_properties(db, key, properties).await
+}
+
+/// Notes before a map is deleted that its events' numbers were given; a map without events gave none.
+pub(in crate::store) async fn keep_event_numbers(
+    db: &mut SqliteConnection,
+    key: MapKey,
+) -> Result<(), StoreError> {
+    let select = "select next_event from maps, pragma_user_version
+        where map_key = $1 and next_event > user_version and exists (select 1 from events where map_key = $1)";
+    let higher: Option<i64> = sqlx::query_scalar(select).bind(key).fetch_optional(&mut *db).await?;
+    if let Some(next_event) = higher {
+        // SQLite keeps 32 bits of it.
+        let next_event = i32::try_from(next_event).unwrap_or(i32::MAX);
+        run(db, sqlx::query(AssertSqlSafe(format!("pragma user_version = {next_event}")))).await?;
+    }
+    Ok(())
+}
+
+/// Writes the number that [`keep_event_numbers`] keeps once more, and so a page of the database.
+pub(in crate::store) async fn rewrite_event_number(db: &mut SqliteConnection) -> Result<(), StoreError> {
+    let number: i64 = sqlx::query_scalar("pragma user_version").fetch_one(&mut *db).await?;
+    run(db, sqlx::query(AssertSqlSafe(format!("pragma user_version = {number}")))).await
+}
+
+/// Writes the versions of maps after a batch of each, with what follows from their facts: their figures.
+pub(in crate::store) async fn advance(
+    db: &mut SqliteConnection,
+    batches: impl Iterator<Item = &Batch>,
+) -> Result<(), StoreError> {
+    let batches: Vec<&Batch> = batches.collect();
+    let head = "update maps set version = column2, next_keyframe = column3, next_anchor = column4,
+        next_event = column5, keyframes = column6, anchors = column7, sessions = column8, loops = column9,
+        bytes = column10, memory_bytes = column11, learned = column12 from (";
+    write_rows(db, head, ") where maps.map_key = column1", &batches, |row, batch| {
+        let MapFigures { keyframes, anchors, sessions, loops, bytes } = batch.figures;
+        row.push_bind(batch.map).push_bind(batch.version as i64);
+        row.push_bind(batch.next_keyframe.0)
+            .push_bind(batch.next_anchor.0)
+            .push_bind(batch.next_event as i64);
+        row.push_bind(keyframes as i64).push_bind(anchors as i64).push_bind(sessions as i64);
+        row.push_bind(loops as i64).push_bind(bytes as i64).push_bind(batch.memory_bytes as i64);
+        row.push_bind(learned_text(&batch.learned));
+    })
+    .await
+}
+
+/// A map as its row shows it, without its index.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapRow {
+    /// What a reader is shown.
+    pub report: MapReport,
+    /// The digest of the body that made it.
+    pub digest: Digest,
+}
+
+impl Store {
+    /// Returns the rows of these maps by name; those that are not there are left out. One query, of the row of each map and
+    /// the few settings and classes beside it.
+    pub async fn map_rows(&self, ids: &[MapId]) -> Result<Vec<MapRow>, StoreError> {
+        let select = "select m.*,
+                (select json_group_object(s.name, s.value) from map_settings s where s.map_key = m.map_key) as chosen,
+                (select json_group_array(c.class) from map_anchor_classes c where c.map_key = m.map_key) as classes
+            from maps m where m.id in (select value from json_each($1)) order by m.id";
+        let ids: Vec<&str> = ids.iter().map(MapId::as_str).collect();
+        let ids = serde_json::to_string(&ids).map_err(|error| StoreError::Database(error.to_string()))?;
+        let rows = sqlx::query(select).bind(ids).fetch_all(&self.readers).await?;
+        rows.iter().map(map_row).collect()
+    }
+
+    /// Returns the key of the map that has this name.
+    pub async fn map_key(&self, id: &MapId) -> Result<Option<MapKey>, StoreError> {
+        let select = "select map_key from maps where id = $1";
+        Ok(sqlx::query_scalar(select).bind(id.as_str()).fetch_optional(&self.readers).await?)
+    }
+
+    /// Returns what a map's index took in memory when it was last written to, in bytes; `None` if there is no such map.
+    pub async fn map_memory(&self, id: &MapId) -> Result<Option<u64>, StoreError> {
+        let select = "select memory_bytes from maps where id = $1";
+        let found: Option<i64> =
+            sqlx::query_scalar(select).bind(id.as_str()).fetch_optional(&self.readers).await?;
+        Ok(found.map(i64::unsigned_abs))
+    }
+}
+
+fn map_row(row: &SqliteRow) -> Result<MapRow, StoreError> {
+    let (chosen, classes): (&str, &str) = (row.try_get("chosen")?, row.try_get("classes")?);
+    let unread = |error: serde_json::Error| StoreError::corrupt(error.to_string());
+    let chosen: BTreeMap<String, String> = serde_json::from_str(chosen).map_err(unread)?;
+    let mut classes: Vec<String> = serde_json::from_str(classes).map_err(unread)?;
+    classes.sort_unstable();
+    let MapFigures { keyframes, anchors, sessions, loops, bytes } = figures(row)?;
+    let report = MapReport {
+        id: decode::id(row.try_get::<&str, _>("id")?)?,
+        properties: MapProperties {
+            description: row.try_get("description")?,
+            metric: row.try_get("metric")?,
+            anchor_classes: classes,
+            settings: settings(chosen)?,
+        },
+        vocabulary: row.try_get("vocabulary")?,
+        version: row.try_get::<i64, _>("version")? as u64,
+        keyframes: keyframes as usize,
+        anchors: anchors as usize,
+        sessions: sessions as usize,
+        loops: loops as usize,
+        bytes,
+        learned: learned(row)?.unwrap_or_default(),
+    };
+    Ok(MapRow { report, digest: digest(row)? })
+}
+
+/// Returns the figures that a map's row shows.
+pub(in crate::store) fn figures(row: &SqliteRow) -> Result<MapFigures, StoreError> {
+    let figure = |name: &str| Ok::<_, StoreError>(row.try_get::<i64, _>(name)? as u64);
+    Ok(MapFigures {
+        keyframes: figure("keyframes")?,
+        anchors: figure("anchors")?,
+        sessions: figure("sessions")?,
+        loops: figure("loops")?,
+        bytes: figure("bytes")?,
+    })
+}
+
+fn learned_text(learned: &Learned) -> String {
+    let Learned { numbering, twins } = learned;
+    let pair = |twins: &NamedTwins| {
+        let NamedTwins { keyframe, candidate, anchor, candidate_anchor } = twins;
+        (keyframe.as_str().to_owned(), candidate.as_str().to_owned(), anchor.0, candidate_anchor.0)
+    };
+    let twins: Vec<_> = twins.iter().map(pair).collect();
+    serde_json::json!({"numbering": **numbering, "twins": twins}).to_string()
+}
+
+/// Returns what a map's row says that it has learned; `None` if its last write was before rows said so.
+pub(in crate::store) fn learned(row: &SqliteRow) -> Result<Option<Learned>, StoreError> {
+    #[derive(serde::Deserialize)]
+    struct Row {
+        numbering: BTreeMap<Box<str>, Vec<String>>,
+        twins: Vec<(String, String, u32, u32)>,
+    }
+    let Some(text) = row.try_get::<Option<&str>, _>("learned")? else { return Ok(None) };
+    let unread = |error: serde_json::Error| StoreError::corrupt(error.to_string());
+    let Row { numbering, twins } = serde_json::from_str(text).map_err(unread)?;
+    let named = |(keyframe, candidate, anchor, other): (String, String, u32, u32)| {
+        Ok(NamedTwins {
+            keyframe: decode::id(&keyframe)?,
+            candidate: decode::id(&candidate)?,
+            anchor: AnchorSeq(anchor),
+            candidate_anchor: AnchorSeq(other),
+        })
+    };
+    let twins = twins.into_iter().map(named).collect::<Result<_, StoreError>>()?;
+    Ok(Some(Learned { numbering: numbering.into(), twins }))
+}
+
+/// A map's properties, in place of those it had.
+pub(in crate::store) async fn set_properties(
+    db: &mut SqliteConnection,
+    map: MapKey,
+    properties: &MapProperties,
+) -> Result<(), StoreError> {
+    let update = "update maps set description = $2, metric = $3 where map_key = $1";
+    run(db, sqlx::query(update).bind(map).bind(&properties.description).bind(properties.metric)).await?;
+    run(db, sqlx::query("delete from map_anchor_classes where map_key = $1").bind(map)).await?;
+    for class in &properties.anchor_classes {
+        let insert = "insert into map_anchor_classes (map_key, class) values ($1, $2)";
+        run(db, sqlx::query(insert).bind(map).bind(class)).await?;
+    }
+    run(db, sqlx::query("delete from map_settings where map_key = $1").bind(map)).await?;
+    for (name, value) in chosen(&properties.settings) {
+        let insert = "insert into map_settings (map_key, name, value) values ($1, $2, $3)";
+        run(db, sqlx::query(insert).bind(map).bind(name).bind(value)).await?;
+    }
+    Ok(())
+}
+
+/// Returns the settings that differ from their defaults, as text.
+pub(in crate::store) fn chosen(settings: &Settings) -> impl Iterator<Item = (&'static str, String)> {
+    let defaults = Settings::default();
+    Settings::TABLE.iter().filter_map(move |row| {
+        let value = settings.get(row.name).filter(|value| Some(value) != defaults.get(row.name).as_ref())?;
+        Some((row.name, setting_text(value)))
+    })
+}
+
+/// A setting as text; numbers in the shortest form that reads back to the same bits.
+fn setting_text(value: SettingValue) -> String {
+    match value {
+        SettingValue::Number(number) => format!("{number:?}"),
+        SettingValue::Count(count) => count.to_string(),
+        SettingValue::Switch(switch) => switch.to_string(),
+        SettingValue::Choice(name) => name.to_owned(),
+        SettingValue::Patterns(patterns) => serde_json::json!(patterns).to_string(),
+    }
+}
+
+/// A map's properties, as its row and its settings say.
+pub(in crate::store) async fn properties(
+    db: &mut SqliteConnection,
+    key: MapKey,
+    row: &SqliteRow,
+) -> Result<MapProperties, StoreError> {
+    let classes = "select class from map_anchor_classes where map_key = $1 order by class";
+    let stored: Vec<(String, String)> =
+        sqlx::query_as("select name, value from map_settings where map_key = $1")
+            .bind(key)
+            .fetch_all(&mut *db)
+            .await?;
+    Ok(MapProperties {
+        description: row.try_get("description")?,
+        metric: row.try_get("metric")?,
+        anchor_classes: sqlx::query_scalar(classes).bind(key).fetch_all(&mut *db).await?,
+        settings: settings(stored)?,
+    })
+}
+
+/// Returns the settings in force where these were chosen.
+pub(in crate::store) fn settings(
+    chosen: impl IntoIterator<Item = (String, String)>,
+) -> Result<Settings, StoreError> {
+    let mut settings = Settings::default();
+    for (name, text) in chosen {
+        let value =
+            setting(&name, &text).ok_or_else(|| StoreError::corrupt(format!("setting {name} = {text}")))?;
+        settings
+            .set(&name, value)
+            .map_err(|error| StoreError::corrupt(format!("setting {name}: {error}")))?;
+    }
+    Ok(settings)
+}
+
+/// The inverse of [`setting_text`].
+fn setting(name: &str, text: &str) -> Option<SettingValue> {
+    let row = Settings::TABLE.iter().find(|row| row.name == name)?;
+    Some(match row.kind {
+        SettingKind::Number { .. } => SettingValue::Number(text.parse().ok()?),
+        SettingKind::Count { .. } => SettingValue::Count(text.parse().ok()?),
+        SettingKind::Switch { .. } => SettingValue::Switch(text.parse().ok()?),
+        SettingKind::Choice { names, .. } => {
+            SettingValue::Choice(names.iter().copied().find(|name| *name == text)?)
+        }
+        SettingKind::Patterns { .. } => SettingValue::Patterns(serde_json::from_str(text).ok()?),
+    })
+}

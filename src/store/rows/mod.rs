@@ -1,0 +1,18 @@
+//! Rows: the mapping between SQL rows and values of the domain.
+
+pub(super) mod blob;
+pub(super) mod bulk_insert;
+pub(super) mod changed_sign_rows;
+pub(super) mod decode;
+pub(super) mod former_value_rows;
+pub(super) mod judgement_rows;
+pub(super) mod key_rows;
+pub(super) mod keyframe_rows;
+pub(super) mod load;
+pub(super) mod map_rows;
+pub(super) mod model_rows;
+pub(super) mod operation_rows;
+pub(super) mod read;
+pub(super) mod replaced_rows;
+pub(super) mod twin_rows;
+pub(super) mod validate;

@@ -1,0 +1,305 @@
+//! What models said of a map, every answer that was paid for, and what was spent.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use sqlx::sqlite::SqliteRow;
+use sqlx::{Row, SqliteConnection};
+
+use super::replaced_rows;
+use crate::domain::change::Change;
+use crate::domain::ids::{KeyframeSeq, MapId};
+use crate::domain::judged::{CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
+use crate::domain::key::KeySeq;
+use crate::domain::recorded::{NamedDetection, Recorded};
+use crate::store::commit::job::MapKey;
+use crate::store::commit::write::run;
+use crate::store::{Store, StoreError};
+
+/// Answers are kept up to this number, oldest out first.
+const ANSWERS_KEPT: i64 = 1_000_000;
+
+/// Calls of one model for one operation, on one day. A negative cost gives back what was reserved and not used.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Spent {
+    /// Days since 1970, UTC.
+    pub day: i64,
+    /// What was asked for.
+    pub operation: &'static str,
+    /// Who answered.
+    pub model: Arc<str>,
+    /// Calls.
+    pub calls: i64,
+    /// Tokens sent.
+    pub input_tokens: i64,
+    /// Tokens received.
+    pub output_tokens: i64,
+    /// Millionths of a US dollar.
+    pub cost_microusd: i64,
+    /// Questions answered without a call.
+    pub cache_hits: i64,
+    /// The key at whose expense.
+    pub key: Option<KeySeq>,
+}
+
+/// The sums of one operation and model.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UsageRow {
+    /// What was asked for.
+    pub operation: String,
+    /// Who answered.
+    pub model: String,
+    /// Calls.
+    pub calls: i64,
+    /// Tokens sent.
+    pub input_tokens: i64,
+    /// Tokens received.
+    pub output_tokens: i64,
+    /// Millionths of a US dollar.
+    pub cost_microusd: i64,
+    /// Questions answered without a call.
+    pub cache_hits: i64,
+}
+
+impl Store {
+    /// An answer that was paid for.
+    pub async fn answer(&self, key: &[u8; 32]) -> Result<Option<String>, StoreError> {
+        let select = "select answer from model_answers where key = $1";
+        Ok(sqlx::query_scalar(select).bind(&key[..]).fetch_optional(&self.readers).await?)
+    }
+
+    /// What was spent from this day on, by operation and model.
+    pub async fn usage_since(&self, day: i64) -> Result<Vec<UsageRow>, StoreError> {
+        let select = "select operation, model, sum(calls) as calls, sum(input_tokens) as input_tokens,
+            sum(output_tokens) as output_tokens, sum(cost_microusd) as cost_microusd, sum(cache_hits) as cache_hits
+            from model_usage where day >= $1 group by operation, model order by operation, model";
+        let rows = sqlx::query(select).bind(day).fetch_all(&self.readers).await?;
+        rows.iter()
+            .map(|row| {
+                Ok(UsageRow {
+                    operation: row.try_get("operation")?,
+                    model: row.try_get("model")?,
+                    calls: row.try_get("calls")?,
+                    input_tokens: row.try_get("input_tokens")?,
+                    output_tokens: row.try_get("output_tokens")?,
+                    cost_microusd: row.try_get("cost_microusd")?,
+                    cache_hits: row.try_get("cache_hits")?,
+                })
+            })
+            .collect()
+    }
+
+    /// What was spent on one day for each key: calls, and millionths of a US dollar.
+    pub async fn usage_of_keys(&self, day: i64) -> Result<Vec<(i64, i64, i64)>, StoreError> {
+        let select = "select key, calls, cost_microusd from key_usage where day = $1 order by key";
+        Ok(sqlx::query_as(select).bind(day).fetch_all(&self.readers).await?)
+    }
+
+    /// The maps that hold crops: after a start, a model may have to read some of them.
+    pub async fn maps_with_crops(&self) -> Result<Vec<MapId>, StoreError> {
+        let select = "select id from maps where deleted = 0
+            and exists (select 1 from crops where crops.map_key = maps.map_key) order by id";
+        let ids: Vec<String> = sqlx::query_scalar(select).fetch_all(&self.readers).await?;
+        ids.iter().map(|id| super::decode::id(id)).collect()
+    }
+
+    /// The dialogue that led to the reading of a detection's crop.
+    pub async fn transcript(
+        &self,
+        map: MapKey,
+        keyframe: KeyframeSeq,
+        detection: u16,
+    ) -> Result<Vec<TranscriptStep>, StoreError> {
+        let select = "select speaker, question, answer from transcripts
+            where map_key = $1 and keyframe = $2 and detection = $3 order by step";
+        let query = sqlx::query_as(select).bind(map).bind(keyframe.0).bind(detection);
+        let rows: Vec<(String, String, String)> = query.fetch_all(&self.readers).await?;
+        let step = |(speaker, question, answer): (String, _, _)| TranscriptStep {
+            speaker: speaker.into(),
+            question,
+            answer,
+        };
+        Ok(rows.into_iter().map(step).collect())
+    }
+}
+
+pub(in crate::store) async fn add_reading(
+    db: &mut SqliteConnection,
+    (map, version): (MapKey, u64),
+    read: &CropRead,
+) -> Result<(), StoreError> {
+    replaced_rows::keep_reading(db, (map, version), read.keyframe, read.detection).await?;
+    let reading = &read.reading;
+    // What is read anew stays in the place of its first reading.
+    let select = "select version from model_readings where map_key = $1 and keyframe = $2 and detection = $3";
+    let first = sqlx::query_scalar(select).bind(map).bind(read.keyframe.0).bind(read.detection);
+    let first: i64 = first.fetch_optional(&mut *db).await?.unwrap_or(version as i64);
+    let delete = "delete from model_readings where map_key = $1 and keyframe = $2 and detection = $3";
+    run(db, sqlx::query(delete).bind(map).bind(read.keyframe.0).bind(read.detection)).await?;
+    let insert =
+        "insert into model_readings (map_key, keyframe, detection, text, source, described, degraded, fingerprint, version)
+        values ($1, $2, $3, $4, $5, $6, $7, $8, $9)";
+    let query = sqlx::query(insert).bind(map).bind(read.keyframe.0).bind(read.detection);
+    let query = query.bind(&*reading.text).bind(&*reading.source).bind(reading.described);
+    run(db, query.bind(reading.degraded).bind(&*read.fingerprint).bind(first)).await?;
+    for (number, step) in read.transcript.iter().enumerate() {
+        let insert = "insert into transcripts (map_key, keyframe, detection, step, speaker, question, answer)
+            values ($1, $2, $3, $4, $5, $6, $7)";
+        let query = sqlx::query(insert).bind(map).bind(read.keyframe.0).bind(read.detection);
+        let query = query.bind(number as i64).bind(&*step.speaker).bind(&step.question);
+        run(db, query.bind(&step.answer)).await?;
+    }
+    Ok(())
+}
+
+pub(in crate::store) async fn add_verdict(
+    db: &mut SqliteConnection,
+    (map, version): (MapKey, u64),
+    verdict: &ModelVerdict,
+) -> Result<(), StoreError> {
+    let (operation, level, text) = match &verdict.finding {
+        Finding::Similarity(level) => ("similarity", Some(*level), None),
+        Finding::Information(level) => ("information", Some(*level), None),
+        Finding::Merge(text) => ("merge", None, Some(&**text)),
+    };
+    replaced_rows::keep_verdict(db, (map, version), operation, verdict).await?;
+    let insert = "insert into model_verdicts
+            (map_key, operation, class, a, b, level, text, source, reason, fingerprint, version)
+        values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11)
+        on conflict (map_key, operation, class, a, b) do update
+        set level = excluded.level, text = excluded.text, source = excluded.source, reason = excluded.reason,
+            fingerprint = excluded.fingerprint";
+    let query = sqlx::query(insert).bind(map).bind(operation).bind(&*verdict.class);
+    let query = query.bind(&*verdict.a).bind(&*verdict.b).bind(level).bind(text);
+    let query = query.bind(&*verdict.source).bind(&*verdict.reason);
+    run(db, query.bind(&*verdict.fingerprint).bind(version as i64)).await
+}
+
+pub(in crate::store) async fn set_away(
+    db: &mut SqliteConnection,
+    map: MapKey,
+    away: bool,
+) -> Result<(), StoreError> {
+    let change = if away {
+        "insert into models_away (map_key) values ($1) on conflict do nothing"
+    } else {
+        "delete from models_away where map_key = $1"
+    };
+    run(db, sqlx::query(change).bind(map)).await
+}
+
+pub(in crate::store) async fn forget_away(db: &mut SqliteConnection) -> Result<(), StoreError> {
+    let update = "update maps set version = version + 1 where map_key in (select map_key from models_away)";
+    run(db, sqlx::query(update)).await?;
+    run(db, sqlx::query("delete from models_away")).await
+}
+
+pub(in crate::store) async fn keep_answer(
+    db: &mut SqliteConnection,
+    key: &[u8; 32],
+    operation: &str,
+    model: &str,
+    answer: &str,
+) -> Result<(), StoreError> {
+    let insert = "insert into model_answers (key, operation, model, answer) values ($1, $2, $3, $4)
+        on conflict (key) do update set answer = excluded.answer";
+    run(db, sqlx::query(insert).bind(&key[..]).bind(operation).bind(model).bind(answer)).await?;
+    let sweep = "delete from model_answers where kept <= (select max(kept) from model_answers) - $1";
+    run(db, sqlx::query(sweep).bind(ANSWERS_KEPT)).await
+}
+
+pub(in crate::store) async fn spend(db: &mut SqliteConnection, spent: &Spent) -> Result<(), StoreError> {
+    let insert = "insert into model_usage
+            (day, operation, model, calls, input_tokens, output_tokens, cost_microusd, cache_hits)
+        values ($1, $2, $3, $4, $5, $6, $7, $8)
+        on conflict (day, operation, model) do update set
+            calls = calls + excluded.calls, input_tokens = input_tokens + excluded.input_tokens,
+            output_tokens = output_tokens + excluded.output_tokens,
+            cost_microusd = cost_microusd + excluded.cost_microusd, cache_hits = cache_hits + excluded.cache_hits";
+    let query = sqlx::query(insert).bind(spent.day).bind(spent.operation).bind(&*spent.model);
+    let query = query.bind(spent.calls).bind(spent.input_tokens).bind(spent.output_tokens);
+    run(db, query.bind(spent.cost_microusd).bind(spent.cache_hits)).await?;
+    let Some(key) = spent.key else { return Ok(()) };
+    let insert = "insert into key_usage (day, key, calls, cost_microusd) values ($1, $2, $3, $4)
+        on conflict (day, key) do update set
+            calls = calls + excluded.calls, cost_microusd = cost_microusd + excluded.cost_microusd";
+    run(db, sqlx::query(insert).bind(spent.day).bind(key.0).bind(spent.calls).bind(spent.cost_microusd)).await
+}
+
+/// Returns what models said of a map, by the version that first brought it.
+pub(in crate::store) async fn by_version(
+    db: &mut SqliteConnection,
+    map: MapKey,
+) -> Result<Vec<(u64, Recorded)>, StoreError> {
+    let mut said = Vec::new();
+    let select = "select r.version, k.id, r.detection, r.text, r.source, r.described, r.degraded
+        from model_readings r join keyframes k on k.map_key = r.map_key and k.keyframe = r.keyframe
+        where r.map_key = $1 order by r.keyframe, r.detection";
+    let rows: Vec<(i64, String, u16, String, String, bool, bool)> =
+        sqlx::query_as(select).bind(map).fetch_all(&mut *db).await?;
+    for (version, keyframe, number, text, source, described, degraded) in rows {
+        let detection = NamedDetection { keyframe: super::decode::id(&keyframe)?, number };
+        let reading = CropReading { text: text.into(), source: source.into(), described, degraded };
+        said.push((version as u64, Recorded::CropRead { detection, reading }));
+    }
+    let select = "select * from model_verdicts where map_key = $1 order by operation, class, a, b";
+    for row in sqlx::query(select).bind(map).fetch_all(&mut *db).await? {
+        let version: i64 = row.try_get("version")?;
+        said.push((version as u64, Recorded::Judged(verdict(&row)?)));
+    }
+    said.sort_by_key(|(version, _)| *version);
+    Ok(said)
+}
+
+/// The verdicts about a map's texts, and whether it waits for a model.
+pub(in crate::store) async fn verdicts(
+    db: &mut SqliteConnection,
+    map: MapKey,
+) -> Result<Vec<Change>, StoreError> {
+    let mut changes = Vec::new();
+    let select = "select operation, class, a, b, level, text, source, reason, fingerprint from model_verdicts
+        where map_key = $1";
+    for row in sqlx::query(select).bind(map).fetch_all(&mut *db).await? {
+        changes.push(Change::Judged(Box::new(verdict(&row)?)));
+    }
+    let select = "select exists (select 1 from models_away where map_key = $1)";
+    if sqlx::query_scalar(select).bind(map).fetch_one(&mut *db).await? {
+        changes.push(Change::ModelAway(true));
+    }
+    Ok(changes)
+}
+
+fn verdict(row: &SqliteRow) -> Result<ModelVerdict, StoreError> {
+    let level = || -> Result<u8, StoreError> { Ok(row.try_get::<u8, _>("level")?) };
+    let finding = match row.try_get::<&str, _>("operation")? {
+        "similarity" => Finding::Similarity(level()?),
+        "information" => Finding::Information(level()?),
+        "merge" => Finding::Merge(row.try_get::<&str, _>("text")?.into()),
+        other => return Err(StoreError::corrupt(format!("verdict {other}"))),
+    };
+    Ok(ModelVerdict {
+        class: row.try_get::<&str, _>("class")?.into(),
+        a: row.try_get::<&str, _>("a")?.into(),
+        b: row.try_get::<&str, _>("b")?.into(),
+        finding,
+        source: row.try_get::<&str, _>("source")?.into(),
+        reason: row.try_get::<&str, _>("reason")?.into(),
+        fingerprint: row.try_get::<&str, _>("fingerprint")?.into(),
+    })
+}
+
+/// What models made of a map's crops.
+pub(in crate::store) async fn readings(
+    db: &mut SqliteConnection,
+    map: MapKey,
+) -> Result<HashMap<(u32, u16), CropReading>, StoreError> {
+    let select = "select keyframe, detection, text, source, described, degraded from model_readings
+        where map_key = $1";
+    let rows: Vec<(u32, u16, String, String, bool, bool)> =
+        sqlx::query_as(select).bind(map).fetch_all(db).await?;
+    let reading = |(keyframe, detection, text, source, described, degraded): (_, _, String, String, _, _)| {
+        let reading = CropReading { text: text.into(), source: source.into(), described, degraded };
+        ((keyframe, detection), reading)
+    };
+    Ok(rows.into_iter().map(reading).collect())
+}

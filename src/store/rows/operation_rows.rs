@@ -1,0 +1,106 @@
+//! Operations, as rows: what was said of a map beside keyframes and corrections, in the order in which it was said.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use sqlx::SqliteConnection;
+
+use super::map_rows;
+use crate::domain::change::Loop;
+use crate::domain::ids::{AnchorSeq, LoopId};
+use crate::domain::map::MapProperties;
+use crate::store::StoreError;
+use crate::store::commit::job::MapKey;
+use crate::store::commit::write::run;
+
+/// An operation, with the dense numbers of that time.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "operation", rename_all = "snake_case")]
+pub(in crate::store) enum Operation {
+    /// The map's properties are these from then on; of its settings those that differ from their defaults.
+    Map { description: String, metric: bool, anchor_classes: Vec<String>, settings: BTreeMap<String, String> },
+    /// A loop was confirmed between two keyframes.
+    Loop { id: String, keyframe: u32, candidate: u32, query: Option<String> },
+    /// A loop was revoked.
+    LoopRevoked { id: String },
+    /// An anchor was described by hand, or given back to its readings.
+    Description { anchor: u32, text: Option<String> },
+    /// An anchor was deleted, with those merged into it: their detections say so.
+    AnchorDeleted {},
+}
+
+impl Operation {
+    fn name(&self) -> &'static str {
+        match self {
+            Self::Map { .. } => "map",
+            Self::Loop { .. } => "loop",
+            Self::LoopRevoked { .. } => "loop_revoked",
+            Self::Description { .. } => "description",
+            Self::AnchorDeleted {} => "anchor_deleted",
+        }
+    }
+}
+
+impl From<&MapProperties> for Operation {
+    fn from(properties: &MapProperties) -> Self {
+        Self::Map {
+            description: properties.description.clone(),
+            metric: properties.metric,
+            anchor_classes: properties.anchor_classes.clone(),
+            settings: map_rows::chosen(&properties.settings)
+                .map(|(name, value)| (name.to_owned(), value))
+                .collect(),
+        }
+    }
+}
+
+impl From<&Loop> for Operation {
+    fn from(closed: &Loop) -> Self {
+        Self::Loop {
+            id: closed.id.as_str().to_owned(),
+            keyframe: closed.keyframe.0,
+            candidate: closed.candidate.0,
+            query: closed.query.clone(),
+        }
+    }
+}
+
+/// Notes that a loop was revoked.
+pub(in crate::store) fn revoked(id: &LoopId) -> Operation {
+    Operation::LoopRevoked { id: id.as_str().to_owned() }
+}
+
+/// Notes what an anchor was called by hand.
+pub(in crate::store) fn described(anchor: AnchorSeq, text: Option<&str>) -> Operation {
+    Operation::Description { anchor: anchor.0, text: text.map(str::to_owned) }
+}
+
+/// Adds an operation. Of one kind a version has one: of an object whose anchors are removed one by one, the first tells.
+pub(in crate::store) async fn add(
+    db: &mut SqliteConnection,
+    (map, version): (MapKey, u64),
+    operation: &Operation,
+) -> Result<(), StoreError> {
+    let body = serde_json::to_string(operation).map_err(|error| StoreError::Database(error.to_string()))?;
+    let insert = "insert into operations (map_key, version, operation, body) values ($1, $2, $3, $4)
+        on conflict do nothing";
+    let query = sqlx::query(insert).bind(map).bind(version as i64).bind(operation.name());
+    run(db, query.bind(body)).await
+}
+
+/// Returns the operations of a map, in their order.
+pub(in crate::store) async fn all(
+    db: &mut SqliteConnection,
+    map: MapKey,
+) -> Result<Vec<(u64, Operation)>, StoreError> {
+    // A map comes before all that is in it.
+    let select = "select version, body from operations where map_key = $1
+        order by version, operation <> 'map', operation";
+    let rows: Vec<(i64, String)> = sqlx::query_as(select).bind(map).fetch_all(db).await?;
+    let read = |(version, body): (i64, String)| {
+        let operation = serde_json::from_str(&body)
+            .map_err(|error| StoreError::corrupt(format!("the operation of version {version}: {error}")))?;
+        Ok((version as u64, operation))
+    };
+    rows.into_iter().map(read).collect()
+}

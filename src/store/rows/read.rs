@@ -1,0 +1,285 @@
+//! Reads of one row, by the pool of readers.
+
+use std::ops::Range;
+
+use sqlx::Row;
+use sqlx::sqlite::SqliteRow;
+
+use super::blob::{unpack, unpack_array};
+use super::decode::{self, point};
+use crate::domain::anchor::{IgnoredReason, Outcome};
+use crate::domain::bow::BowVector;
+use crate::domain::event::{Event, EventKind};
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId, PointId};
+use crate::domain::keyframe::{Crop, Detection, Features, Keypoint};
+use crate::domain::request::Digest;
+use crate::store::commit::job::MapKey;
+use crate::store::slices::deferred;
+use crate::store::{Store, StoreError};
+
+/// What only the store keeps of a keyframe.
+#[derive(Clone, Debug)]
+pub struct KeyframeRow {
+    /// Its bag of words.
+    pub bow: BowVector,
+    /// Its features.
+    pub features: Option<Features>,
+    /// The points it was sent with a position for.
+    pub sent_points: Vec<PointId>,
+    /// Its detections, in their order.
+    pub detections: Vec<DetectionRow>,
+    /// The digest of the body it was sent in.
+    pub digest: Digest,
+}
+
+/// A detection and what became of it.
+#[derive(Clone, Debug)]
+pub struct DetectionRow {
+    /// As sent; its position as last corrected, without the crop.
+    pub detection: Detection,
+    /// What became of it.
+    pub outcome: Outcome,
+}
+
+impl Store {
+    /// The names of the maps after one, ascending, and the largest key ever given.
+    pub async fn map_ids(&self, after: Option<&MapId>, limit: usize) -> Result<Vec<MapId>, StoreError> {
+        let select = "select id from maps where id > $1 and deleted = 0 order by id limit $2";
+        let after = after.map_or("", MapId::as_str);
+        let ids: Vec<String> =
+            sqlx::query_scalar(select).bind(after).bind(limit as i64).fetch_all(&self.readers).await?;
+        ids.iter().map(|id| decode::id(id)).collect()
+    }
+
+    /// A key larger than any given so far.
+    pub async fn next_map_key(&self) -> Result<MapKey, StoreError> {
+        let select = "select coalesce(max(map_key), 0) + 1 from maps";
+        Ok(sqlx::query_scalar(select).fetch_one(&self.readers).await?)
+    }
+
+    /// The bag of words of a keyframe.
+    pub async fn bow(&self, map: MapKey, keyframe: KeyframeSeq) -> Result<Option<BowVector>, StoreError> {
+        let select = "select bow_words, bow_weights from keyframes where map_key = $1 and keyframe = $2";
+        let row = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&self.readers).await?;
+        let of_row = |error: StoreError| error.of_row(format!("keyframe number {}", keyframe.0));
+        self.of_map(map, row.as_ref().map(decode::bow).transpose().map_err(of_row)).await
+    }
+
+    /// The features of a keyframe, if it has any.
+    pub async fn features(&self, map: MapKey, keyframe: KeyframeSeq) -> Result<Option<Features>, StoreError> {
+        let select = "select * from keyframe_features where map_key = $1 and keyframe = $2";
+        let row = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&self.readers).await?;
+        let of_row =
+            |error: StoreError| error.of_row(format!("the features of keyframe number {}", keyframe.0));
+        self.of_map(map, row.as_ref().map(features).transpose().map_err(of_row)).await
+    }
+
+    /// Everything the store keeps of a keyframe but its crops.
+    pub async fn keyframe(
+        &self,
+        map: MapKey,
+        keyframe: KeyframeSeq,
+    ) -> Result<Option<KeyframeRow>, StoreError> {
+        let mut db = self.snapshot().await?;
+        let select = "select bow_words, bow_weights, sent_points, digest from keyframes where map_key = $1 and keyframe = $2";
+        let found = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&mut *db).await?;
+        let Some(row) = found else {
+            db.commit().await?;
+            return Ok(None);
+        };
+        let select = "select * from keyframe_features where map_key = $1 and keyframe = $2";
+        let features_row = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&mut *db).await?;
+        let select = "select * from detections where map_key = $1 and keyframe = $2 order by detection";
+        let detections = sqlx::query(select).bind(map).bind(keyframe.0).fetch_all(&mut *db).await?;
+        let moved = deferred::positions(&mut db, map, keyframe).await?;
+        db.commit().await?;
+        let of_row = |error: StoreError| error.of_row(format!("keyframe number {}", keyframe.0));
+        let mut found =
+            self.of_map(map, keyframe_row(&row, features_row.as_ref(), &detections).map_err(of_row)).await?;
+        for (number, at) in moved {
+            if let Some(row) = found.detections.get_mut(usize::from(number)) {
+                row.detection.position_in_session = Some(at);
+            }
+        }
+        Ok(Some(found))
+    }
+
+    /// The crop of a detection.
+    pub async fn crop(
+        &self,
+        map: MapKey,
+        keyframe: KeyframeSeq,
+        detection: u16,
+    ) -> Result<Option<Crop>, StoreError> {
+        let select =
+            "select media_type, bytes from crops where map_key = $1 and keyframe = $2 and detection = $3";
+        let query = sqlx::query_as(select).bind(map).bind(keyframe.0).bind(detection);
+        let found: Option<(String, Vec<u8>)> = query.fetch_optional(&self.readers).await?;
+        let Some((media_type, bytes)) = found else { return Ok(None) };
+        let crop = match Crop::media_type_of(&bytes) {
+            Some(of_bytes) if of_bytes == media_type => Ok(Some(Crop { media_type: of_bytes, bytes })),
+            _ => Err(StoreError::corrupt(format!(
+                "the crop of detection {detection} of keyframe number {} is no such image",
+                keyframe.0
+            ))),
+        };
+        self.of_map(map, crop).await
+    }
+
+    /// The kept answer of a loop query.
+    pub async fn kept_query(&self, map: MapKey, id: &str) -> Result<Option<Vec<u8>>, StoreError> {
+        let select = "select body from loop_queries where map_key = $1 and id = $2";
+        let found: Option<Vec<u8>> =
+            sqlx::query_scalar(select).bind(map).bind(id).fetch_optional(&self.readers).await?;
+        let whole = match found {
+            Some(body) if !names_itself(id, &body) => {
+                Err(StoreError::corrupt(format!("the answer of loop query {id} is damaged")))
+            }
+            found => Ok(found),
+        };
+        self.of_map(map, whole).await
+    }
+
+    /// Returns the numbers of the events that are kept of a map, up to the one given next; `None` if there is no such map.
+    pub async fn kept_events(&self, map: MapKey) -> Result<Option<Range<u64>>, StoreError> {
+        let select =
+            "select coalesce((select min(seq) from events where map_key = $1), next_event), next_event
+            from maps where map_key = $1 and deleted = 0";
+        let kept: Option<(i64, i64)> = sqlx::query_as(select).bind(map).fetch_optional(&self.readers).await?;
+        Ok(kept.map(|(oldest, next)| oldest.unsigned_abs()..next.unsigned_abs()))
+    }
+
+    /// The events of a map after one, in their order.
+    pub async fn events(&self, map: MapKey, since: u64, limit: usize) -> Result<Vec<Event>, StoreError> {
+        let select = "select * from events where map_key = $1 and seq > $2 order by seq limit $3";
+        let since = i64::try_from(since).unwrap_or(i64::MAX);
+        let rows =
+            sqlx::query(select).bind(map).bind(since).bind(limit as i64).fetch_all(&self.readers).await?;
+        let found = rows.iter().map(event).collect::<Result<Vec<Event>, _>>();
+        let found = self.of_map(map, found).await?;
+        let mut expected = since as u64 + 1;
+        for event in &found {
+            if event.seq != expected
+                && (expected != since as u64 + 1 || self.has_events_up_to(map, since).await?)
+            {
+                let gap = format!("event {} follows upon {}", event.seq, expected - 1);
+                return self.of_map(map, Err(StoreError::corrupt(gap))).await;
+            }
+            expected = event.seq + 1;
+        }
+        Ok(found)
+    }
+
+    /// Whether an event of this number or an earlier one is kept. The oldest are taken out, and none in the middle.
+    async fn has_events_up_to(&self, map: MapKey, seq: i64) -> Result<bool, StoreError> {
+        let select = "select exists (select 1 from events where map_key = $1 and seq <= $2)";
+        Ok(sqlx::query_scalar(select).bind(map).bind(seq).fetch_one(&self.readers).await?)
+    }
+
+    /// Names the map in an error about one of its rows.
+    async fn of_map<T>(&self, map: MapKey, read: Result<T, StoreError>) -> Result<T, StoreError> {
+        let Err(error @ StoreError::Corrupt(_)) = read else { return read };
+        let select = "select id from maps where map_key = $1";
+        let id: Option<String> = sqlx::query_scalar(select).bind(map).fetch_optional(&self.readers).await?;
+        Err(error.of_map(id.unwrap_or_else(|| format!("number {map}"))))
+    }
+}
+
+/// Puts a keyframe together; its detections are numbered from 0 without a gap.
+fn keyframe_row(
+    row: &SqliteRow,
+    features_row: Option<&SqliteRow>,
+    detection_rows: &[SqliteRow],
+) -> Result<KeyframeRow, StoreError> {
+    let mut detections = Vec::with_capacity(detection_rows.len());
+    for (expected, row) in (0_i64..).zip(detection_rows) {
+        if row.try_get::<i64, _>("detection")? != expected {
+            return Err(StoreError::corrupt(format!("detection {expected} is not there")));
+        }
+        let of_row = |error: StoreError| error.of_row(format!("detection {expected}"));
+        detections.push(detection(row).map_err(of_row)?);
+    }
+    Ok(KeyframeRow {
+        bow: decode::bow(row)?,
+        features: features_row.map(features).transpose().map_err(|error| error.of_row("the features"))?,
+        sent_points: sent_points(row)?,
+        detections,
+        digest: decode::digest(row)?,
+    })
+}
+
+/// Whether a kept answer is JSON with this id.
+pub(in crate::store) fn names_itself(id: &str, body: &[u8]) -> bool {
+    let body: Option<serde_json::Value> = serde_json::from_slice(body).ok();
+    body.is_some_and(|body| body["id"] == *id)
+}
+
+pub(in crate::store) fn sent_points(row: &SqliteRow) -> Result<Vec<PointId>, StoreError> {
+    unpack(row.try_get("sent_points")?)
+}
+
+pub(in crate::store) fn features(row: &SqliteRow) -> Result<Features, StoreError> {
+    let keypoints: Vec<((f64, f64), (f64, u8))> = unpack(row.try_get("keypoints")?)?;
+    let map_points: Vec<i64> = unpack(row.try_get("map_points")?)?;
+    let descriptor_bytes = row.try_get::<u32, _>("descriptor_bytes")? as usize;
+    let descriptors: Vec<u8> = row.try_get("descriptors")?;
+    if map_points.len() != keypoints.len() || descriptors.len() != descriptor_bytes * keypoints.len() {
+        return Err(StoreError::corrupt("the lists do not fit together"));
+    }
+    Ok(Features {
+        descriptor_bytes,
+        descriptors,
+        keypoints: keypoints
+            .into_iter()
+            .map(|((u, v), (angle_deg, octave))| Keypoint {
+                u,
+                v,
+                octave,
+                angle_deg: (!angle_deg.is_nan()).then_some(angle_deg),
+            })
+            .collect(),
+        map_points: map_points.into_iter().map(|id| (id >= 0).then_some(id)).collect(),
+    })
+}
+
+pub(in crate::store) fn detection(row: &SqliteRow) -> Result<DetectionRow, StoreError> {
+    let outcome: &str = row.try_get("outcome")?;
+    let anchor = row.try_get::<Option<u32>, _>("anchor")?.map(AnchorSeq);
+    let outcome = match (outcome, anchor) {
+        ("created", Some(anchor)) => Outcome::Created(anchor),
+        ("observed", Some(anchor)) => Outcome::Observed(anchor),
+        (reason, _) => Outcome::Ignored(
+            IgnoredReason::from_name(reason)
+                .ok_or_else(|| StoreError::corrupt(format!("outcome {reason}")))?,
+        ),
+    };
+    let detection = Detection {
+        class: row.try_get("class")?,
+        confidence: row.try_get("confidence")?,
+        box_px: unpack_array(row.try_get("box_px")?)?,
+        map_points: unpack(row.try_get("map_points")?)?,
+        position_in_session: row.try_get::<Option<&[u8]>, _>("position")?.map(point).transpose()?,
+        range_assumed: row.try_get("range_assumed")?,
+        text: row.try_get("text")?,
+        description: row.try_get("description")?,
+        crop: None,
+    };
+    Ok(DetectionRow { detection, outcome })
+}
+
+pub(in crate::store) fn event(row: &SqliteRow) -> Result<Event, StoreError> {
+    let kind: &str = row.try_get("kind")?;
+    let id = |column: &str| -> Result<Option<&str>, StoreError> { Ok(row.try_get(column)?) };
+    Ok(Event {
+        seq: row.try_get::<i64, _>("seq")? as u64,
+        kind: EventKind::from_name(kind).ok_or_else(|| StoreError::corrupt(format!("event {kind}")))?,
+        map_version: row.try_get::<i64, _>("map_version")? as u64,
+        anchor: row.try_get::<Option<u32>, _>("anchor")?.map(AnchorSeq),
+        other: row.try_get::<Option<u32>, _>("other")?.map(AnchorSeq),
+        keyframe: id("keyframe")?.map(decode::id).transpose()?,
+        candidate: id("candidate")?.map(decode::id).transpose()?,
+        loop_id: id("loop_id")?.map(decode::id).transpose()?,
+        query: row.try_get("query")?,
+        detail: row.try_get("detail")?,
+    })
+}

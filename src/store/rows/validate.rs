@@ -1,0 +1,150 @@
+//! Validation: rejects rows that decode, but from which no index can be built.
+//!
+//! [`super::load`] applies it to every map, so that a damaged map is an error and never a wrong answer. `revisit check`
+//! finds the same faults, because it loads every map.
+
+use std::collections::{HashMap, HashSet};
+
+use crate::domain::anchor::Observation;
+use crate::domain::change::{Change, Keyframe, MergeCause};
+use crate::domain::ids::{AnchorSeq, PointId};
+use crate::geometry::Point3;
+use crate::recognition::index::MapIndex;
+use crate::store::StoreError;
+
+/// How far the squared norm of a stored quaternion may be from 1: it was normalised before it was stored.
+const MAX_ROTATION_ERROR: f64 = 1e-6;
+
+/// The classes of a map's anchors.
+pub(in crate::store) type AnchorClasses = HashMap<AnchorSeq, Box<str>>;
+
+/// Rejects sessions that are not numbered from 0 without a gap.
+pub(in crate::store) fn sessions(numbers: &[u32]) -> Result<(), StoreError> {
+    match numbers.iter().zip(0..).find(|(number, expected)| **number != *expected) {
+        Some((number, _)) => fault(format!("{} sessions are numbered up to {number}", numbers.len())),
+        None => Ok(()),
+    }
+}
+
+/// Rejects a keyframe without a session, with a pose that is no rigid transformation, or with points out of order: they
+/// are intersected as ascending lists.
+pub(in crate::store) fn keyframe(keyframe: &Keyframe, index: &MapIndex) -> Result<(), StoreError> {
+    let id = &keyframe.id;
+    if keyframe.session.index() >= index.sessions().len() {
+        return fault(format!("keyframe {id} belongs to no session"));
+    }
+    let pose = &keyframe.map_from_camera;
+    let norm = pose.rotation_xyzw().iter().map(|part| part * part).sum::<f64>();
+    // Not written as `>`, so that a NaN is found, too.
+    let is_rotation = (norm - 1.0).abs() < MAX_ROTATION_ERROR;
+    if !is_rotation || !pose.translation_m().iter().all(|part| part.is_finite()) {
+        return fault(format!("the pose of keyframe {id} is none"));
+    }
+    if !keyframe.observes.iter().is_sorted_by(|a, b| a < b) {
+        return fault(format!("the points of keyframe {id} are not in order"));
+    }
+    Ok(())
+}
+
+/// Rejects a map point without a session, or with a position that is not finite.
+pub(in crate::store) fn point(
+    session: u32,
+    id: PointId,
+    at: &Point3,
+    index: &MapIndex,
+) -> Result<(), StoreError> {
+    if session as usize >= index.sessions().len() {
+        return fault(format!("map point {id} belongs to no session"));
+    }
+    if !is_finite(at) {
+        return fault(format!("the position of map point {id} is not finite"));
+    }
+    Ok(())
+}
+
+/// Rejects a detection that feeds an anchor that is not there or of another class, or of a keyframe that is not there.
+pub(in crate::store) fn observation(
+    anchor: AnchorSeq,
+    class: &str,
+    observation: &Observation,
+    anchors: &AnchorClasses,
+    index: &MapIndex,
+) -> Result<(), StoreError> {
+    let row = format!("detection {} of keyframe number {}", observation.detection, observation.keyframe.0);
+    if index.keyframe(observation.keyframe).is_none() {
+        return fault(format!("{row} belongs to no keyframe"));
+    }
+    match anchors.get(&anchor) {
+        None => return fault(format!("{row} feeds an anchor that is not there")),
+        Some(of_anchor) if **of_anchor != *class => {
+            return fault(format!("{row} is of another class than its anchor"));
+        }
+        Some(_) => {}
+    }
+    if !observation.confidence.is_finite()
+        || observation.position_in_session.is_some_and(|at| !is_finite(&at))
+    {
+        return fault(format!("{row} has a number that is not finite"));
+    }
+    Ok(())
+}
+
+/// Rejects merges of anchors or by loops that are not there.
+pub(in crate::store) fn merges(
+    loops: &[Change],
+    merges: &[Change],
+    anchors: &AnchorClasses,
+) -> Result<(), StoreError> {
+    let standing: HashSet<_> = loops
+        .iter()
+        .filter_map(|change| match change {
+            Change::LoopAdded(closed) => Some(&closed.id),
+            _ => None,
+        })
+        .collect();
+    for change in merges {
+        let Change::Merged(merge) = change else { continue };
+        if let Some(gone) = [merge.into, merge.from].iter().find(|anchor| !anchors.contains_key(anchor)) {
+            return fault(format!("a merge names anchor {}, which is not there", gone.public()));
+        }
+        if let MergeCause::Loop(id) = &merge.cause
+            && !standing.contains(id)
+        {
+            return fault(format!("anchors are merged by loop {id}, which is not there"));
+        }
+    }
+    Ok(())
+}
+
+/// Rejects a number at or above the one that is given next: it would be given twice.
+pub(in crate::store) fn numbers(
+    (next_keyframe, next_anchor): (u32, u32),
+    loops: &[Change],
+    anchors: &AnchorClasses,
+    index: &MapIndex,
+) -> Result<(), StoreError> {
+    let keyframe = index.keyframes().map(|keyframe| keyframe.seq.0).max();
+    let of_loops = loops.iter().filter_map(|change| match change {
+        Change::LoopAdded(closed) => Some(closed.keyframe.max(closed.candidate).0),
+        _ => None,
+    });
+    let used = [
+        ("keyframe", keyframe, next_keyframe),
+        ("a loop of keyframe", of_loops.max(), next_keyframe),
+        ("anchor", anchors.keys().map(|anchor| anchor.0).max(), next_anchor),
+    ];
+    for (what, largest, next) in used {
+        if let Some(number) = largest.filter(|number| *number >= next) {
+            return fault(format!("{what} {number} is there, and {next} is given next"));
+        }
+    }
+    Ok(())
+}
+
+fn is_finite(at: &Point3) -> bool {
+    at.iter().all(|part| part.is_finite())
+}
+
+fn fault(what: String) -> Result<(), StoreError> {
+    Err(StoreError::corrupt(what))
+}

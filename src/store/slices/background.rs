@@ -1,0 +1,185 @@
+//! Slices: the writer's background work, in short transactions between those of its clients.
+//!
+//! | work | file |
+//! |---|---|
+//! | removing the rows of deleted maps | [`super::deletion`] |
+//! | bringing deferred changes into their rows | [`super::fold`] |
+//!
+//! A slice works in steps of a few rows until its time is over, because a row's cost is not known before: a pose costs many
+//! times what a map point does. Its sync costs the same for a few rows as for many. After a slice the writer rests for a
+//! multiple of the time that it took, so that a client's job mostly finds it free.
+
+use std::time::Duration;
+
+use sqlx::sqlite::SqlitePool;
+use tokio::time::Instant;
+
+use super::{deferred, deletion, fold};
+use crate::store::StoreError;
+use crate::store::commit::transaction::Transaction;
+
+/// The time after which a slice begins no further step.
+const SLICE: Duration = Duration::from_millis(5);
+
+/// How many times its own time the writer rests after a slice if no client wrote lately, ...
+const REST_ALONE: u32 = 1;
+
+/// ... if one did, ...
+const REST_BESIDE: u32 = 4;
+
+/// ... and while jobs wait.
+const REST_BUSY: u32 = 10;
+
+/// How long a client's job counts as lately done.
+const LATELY: Duration = Duration::from_secs(1);
+
+/// The longest rest after a slice, however long it took.
+const REST_MAX: Duration = Duration::from_secs(1);
+
+/// After a failed slice, the next attempt is made after this time.
+const RETRY: Duration = Duration::from_secs(1);
+
+/// Rows of a step of deletion, which passes the tables that are empty already each time, ...
+const DELETED_AT_ONCE: u32 = 1024;
+
+/// ... and entries of a step of folding.
+const FOLDED_AT_ONCE: u32 = 128;
+
+/// Which work a slice does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Work {
+    Deletion,
+    Fold,
+}
+
+/// The background work that is left, and its pace.
+#[derive(Debug)]
+pub(in crate::store) struct Slices {
+    /// Whether there may be work of each kind.
+    deletion: bool,
+    fold: bool,
+    /// The kind whose turn it is if there is work of both.
+    turn: Work,
+    ended: Instant,
+    rest: Duration,
+    client_at: Option<Instant>,
+    /// Whether slices must keep pace with clients.
+    is_behind: bool,
+}
+
+impl Slices {
+    /// None, for a writer beside the one that serves.
+    pub(in crate::store) fn none() -> Self {
+        Self {
+            deletion: false,
+            fold: false,
+            turn: Work::Fold,
+            ended: Instant::now(),
+            rest: Duration::ZERO,
+            client_at: None,
+            is_behind: false,
+        }
+    }
+
+    /// Continues what an earlier process has left.
+    pub(in crate::store) async fn resume(pool: &SqlitePool) -> Self {
+        let cleaned = async {
+            let mut transaction = Transaction::write(pool).await?;
+            let removed = deferred::remove_uncommitted(&mut transaction).await;
+            transaction.commit().await?;
+            removed
+        };
+        if let Err(error) = cleaned.await {
+            // On a full disk they stay until the next start.
+            tracing::warn!(%error, "staged changes of an earlier process stay in the database");
+        }
+        let mut this = Self::none();
+        this.add();
+        this
+    }
+
+    /// There may be work now.
+    pub(in crate::store) fn add(&mut self) {
+        (self.deletion, self.fold) = (true, true);
+    }
+
+    /// A client's job was done.
+    pub(in crate::store) fn beside_client(&mut self) {
+        self.client_at = Some(Instant::now());
+    }
+
+    /// When the next slice is due if no job waits; `None` without work. On a full disk only what frees space is done.
+    pub(in crate::store) fn due(&self, disk_is_full: bool) -> Option<Instant> {
+        let is_beside = self.client_at.is_some_and(|at| at.elapsed() < LATELY);
+        self.after(if is_beside { REST_BESIDE } else { REST_ALONE }, disk_is_full)
+    }
+
+    /// When the next slice is due though jobs wait.
+    pub(in crate::store) fn overdue(&self, disk_is_full: bool) -> Option<Instant> {
+        self.after(REST_BUSY, disk_is_full)
+    }
+
+    fn after(&self, rest: u32, disk_is_full: bool) -> Option<Instant> {
+        let rest = if self.is_behind || disk_is_full { REST_ALONE } else { rest };
+        self.next(disk_is_full).map(|_| self.ended + self.rest * rest)
+    }
+
+    fn next(&self, disk_is_full: bool) -> Option<Work> {
+        match (self.deletion, self.fold && !disk_is_full) {
+            (true, true) => Some(self.turn),
+            (true, false) => Some(Work::Deletion),
+            (false, true) => Some(Work::Fold),
+            (false, false) => None,
+        }
+    }
+
+    /// Does one slice, in a transaction of its own.
+    pub(in crate::store) async fn run(
+        &mut self,
+        pool: &SqlitePool,
+        disk_is_full: bool,
+    ) -> Result<(), StoreError> {
+        let Some(work) = self.next(disk_is_full) else { return Ok(()) };
+        self.turn = if work == Work::Fold { Work::Deletion } else { Work::Fold };
+        let began = Instant::now();
+        let result = slice(pool, work).await;
+        self.ended = Instant::now();
+        let took = self.ended - began;
+        self.rest = if result.is_ok() { took.min(REST_MAX) } else { RETRY };
+        let more = if work == Work::Fold { &mut self.fold } else { &mut self.deletion };
+        let done = result?;
+        *more = done.more;
+        self.is_behind = done.is_behind;
+        Ok(())
+    }
+}
+
+/// A slice that is on disk.
+struct Done {
+    /// Whether there may be more to do.
+    more: bool,
+    /// Whether slices fall behind the clients.
+    is_behind: bool,
+}
+
+async fn slice(pool: &SqlitePool, work: Work) -> Result<Done, StoreError> {
+    let mut transaction = Transaction::write(pool).await?;
+    let began = Instant::now();
+    let done = async {
+        let mut more = true;
+        while more && began.elapsed() < SLICE {
+            more = match work {
+                Work::Deletion => deletion::remove_rows(&mut transaction, DELETED_AT_ONCE).await?,
+                Work::Fold => fold::fold_entries(&mut transaction, FOLDED_AT_ONCE).await?,
+            };
+        }
+        Ok(Done { more, is_behind: fold::is_behind(&mut transaction).await? })
+    };
+    match done.await {
+        Ok(done) => transaction.commit().await.map(|()| done),
+        Err(error) => {
+            transaction.roll_back().await;
+            Err(error)
+        }
+    }
+}

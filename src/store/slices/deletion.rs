@@ -1,0 +1,185 @@
+//! Deletion of a map: it is marked in one small transaction, and its rows are removed in slices.
+//!
+//! From the mark on the map is deleted: its name is free, and every read of `maps` passes it over. Its rows stay until
+//! slices have removed them, children before parents, so that no statement cascades over a million rows. A process
+//! that dies on the way leaves a marked map, and the next one continues.
+
+use sqlx::{AssertSqlSafe, SqliteConnection};
+
+use crate::store::StoreError;
+use crate::store::commit::job::MapKey;
+use crate::store::commit::write::run;
+
+/// Bytes of blobs that one step removes; a single row may have more. Their pages are read one by one.
+const STEP_BLOB_BYTES: i64 = 4 << 20;
+
+/// A table of which a map's rows are removed in slices.
+struct Table {
+    name: &'static str,
+    /// Its primary key after `map_key`.
+    key: &'static str,
+    /// Whether its rows have a rowid, by which they are removed.
+    has_rowid: bool,
+    /// The bytes of a row's blobs, where they may be many.
+    blobs: Option<&'static str>,
+}
+
+const fn without_rowid(name: &'static str, key: &'static str) -> Table {
+    Table { name, key, has_rowid: false, blobs: None }
+}
+
+const fn with_rowid(name: &'static str, key: &'static str) -> Table {
+    Table { name, key, has_rowid: true, blobs: None }
+}
+
+const fn with_blobs(name: &'static str, key: &'static str, blobs: &'static str) -> Table {
+    Table { name, key, has_rowid: true, blobs: Some(blobs) }
+}
+
+/// Children before parents.
+const TABLES: &[Table] = &[
+    without_rowid("transcripts", "keyframe, detection, step"),
+    without_rowid("replaced_transcripts", "map_version, keyframe, detection, step"),
+    without_rowid("replaced_readings", "map_version, keyframe, detection"),
+    with_rowid("model_readings", "keyframe, detection"),
+    with_blobs("crops", "keyframe, detection", "length(bytes)"),
+    without_rowid("missed_signs", "anchor, keyframe"),
+    without_rowid("retired_signs", "anchor"),
+    with_rowid("detections", "keyframe, detection"),
+    with_blobs(
+        "keyframe_features",
+        "keyframe",
+        "length(descriptors) + length(keypoints) + length(map_points)",
+    ),
+    with_blobs(
+        "keyframes",
+        "keyframe",
+        "length(observes) + length(sent_points) + length(bow_words) + length(bow_weights)",
+    ),
+    without_rowid("map_points", "session, point"),
+    without_rowid("sessions", "session"),
+    without_rowid("anchor_merges", "into_anchor, from_anchor, loop_id"),
+    without_rowid("anchors", "anchor"),
+    without_rowid("loops", "id"),
+    without_rowid("twins", "keyframe, candidate, anchor, candidate_anchor"),
+    without_rowid("events", "seq"),
+    with_blobs("loop_queries", "id", "length(body)"),
+    without_rowid("model_verdicts", "operation, class, a, b"),
+    without_rowid("replaced_verdicts", "map_version, operation, class, a, b"),
+    without_rowid("judgements", "id"),
+    with_blobs("deferred_parts", "version, part", "length(entries)"),
+    without_rowid("deferred_changes", "version"),
+    with_blobs("former_values", "version, part", "length(entries)"),
+    without_rowid("operations", "version, operation"),
+];
+
+impl Table {
+    /// Removes the next rows of a map.
+    fn delete(&self) -> String {
+        let Self { name, key, .. } = self;
+        let of_map = if self.has_rowid { "rowid".to_owned() } else { format!("map_key, {key}") };
+        format!(
+            "delete from {name} where ({of_map}) in
+            (select {of_map} from {name} where map_key = $1 order by {key} limit $2)"
+        )
+    }
+}
+
+/// Deletes a map: frees its name and leaves its rows to the slices.
+pub(in crate::store) async fn mark_deleted(db: &mut SqliteConnection, map: MapKey) -> Result<(), StoreError> {
+    // No client can give an id with a slash.
+    let update = "update maps set deleted = 1, id = 'deleted/' || map_key where map_key = $1";
+    run(db, sqlx::query(update).bind(map)).await
+}
+
+/// Removes about this many rows of a deleted map, in the caller's transaction. Returns whether there may be more.
+pub(in crate::store) async fn remove_rows(db: &mut SqliteConnection, rows: u32) -> Result<bool, StoreError> {
+    let select = "select map_key from maps where deleted = 1 order by map_key limit 1";
+    let Some(map) = sqlx::query_scalar::<_, MapKey>(select).fetch_optional(&mut *db).await? else {
+        return Ok(false);
+    };
+    let mut left = i64::from(rows);
+    for table in TABLES {
+        left -= remove_rows_of(db, map, table, left).await?;
+        if left <= 0 {
+            return Ok(true);
+        }
+    }
+    // What remains are a few rows of settings and classes.
+    run(db, sqlx::query("delete from maps where map_key = $1").bind(map)).await?;
+    Ok(true)
+}
+
+/// Removes rows of one table. Returns how many, or all that were left where their blobs used up the step.
+async fn remove_rows_of(
+    db: &mut SqliteConnection,
+    map: MapKey,
+    table: &Table,
+    left: i64,
+) -> Result<i64, StoreError> {
+    let within = match table.blobs {
+        Some(blobs) => rows_within(db, map, table, blobs, left).await?,
+        None => left,
+    };
+    let delete = sqlx::query(AssertSqlSafe(table.delete())).bind(map).bind(within);
+    let removed = delete.execute(&mut *db).await?.rows_affected() as i64;
+    Ok(if within < left && removed > 0 { left } else { removed })
+}
+
+/// Returns the number of the next rows whose blobs fit into a step: at least one.
+async fn rows_within(
+    db: &mut SqliteConnection,
+    map: MapKey,
+    Table { name, key, .. }: &Table,
+    blobs: &str,
+    left: i64,
+) -> Result<i64, StoreError> {
+    // SQLite tells a blob's length without reading it.
+    let select = format!("select {blobs} from {name} where map_key = $1 order by {key} limit $2");
+    let bytes: Vec<i64> =
+        sqlx::query_scalar(AssertSqlSafe(select)).bind(map).bind(left).fetch_all(&mut *db).await?;
+    let mut total = 0;
+    let fit = bytes.iter().take_while(|bytes| {
+        total += **bytes;
+        total <= STEP_BLOB_BYTES
+    });
+    let fit = fit.count();
+    Ok(if fit == bytes.len() { left } else { fit.max(1) as i64 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::store::tests::database;
+
+    #[tokio::test]
+    async fn every_table_with_a_maps_rows_is_removed_in_slices_or_known_to_be_small() {
+        let (_folder, pool) = database().await;
+        let select = "select m.name from sqlite_schema m join pragma_table_info(m.name) c
+            where m.type = 'table' and c.name = 'map_key' order by m.name";
+        let tables: Vec<String> = sqlx::query_scalar(select).fetch_all(&pool).await.expect("tables");
+        let small = ["maps", "map_anchor_classes", "map_settings", "models_away"];
+        let missing: Vec<_> = tables
+            .iter()
+            .filter(|name| !small.contains(&&***name) && !TABLES.iter().any(|table| table.name == **name))
+            .collect();
+        assert!(
+            missing.is_empty(),
+            "add {missing:?} to TABLES of store/slices/deletion.rs, children before parents"
+        );
+    }
+
+    #[tokio::test]
+    async fn slices_find_their_rows_by_a_key_and_never_scan_a_table() {
+        let (_folder, pool) = database().await;
+        for table in TABLES {
+            let plan = AssertSqlSafe(format!("explain query plan {}", table.delete()));
+            let steps: Vec<(i64, i64, i64, String)> =
+                sqlx::query_as(plan).bind(1).bind(10).fetch_all(&pool).await.expect("a plan");
+            for (.., step) in steps {
+                let is_bounded = !step.contains("SCAN") && !step.contains("TEMP B-TREE");
+                assert!(is_bounded, "{}: {step}", table.name);
+            }
+        }
+    }
+}

@@ -1,0 +1,139 @@
+//! Folding: deferred changes are brought into the rows that they change, in slices.
+//!
+//! Each step writes some entries and notes how far it has come, in the transaction of its slice.
+
+use sqlx::SqliteConnection;
+
+use super::deferred::unpacked;
+use super::parts::Kind;
+use crate::domain::change::Change;
+use crate::store::StoreError;
+use crate::store::commit::job::MapKey;
+use crate::store::commit::write::run;
+use crate::store::rows::blob::pack;
+use crate::store::rows::former_value_rows;
+use crate::store::rows::keyframe_rows::{forget_points, pose_blob, set_points};
+
+/// What a part costs beside its entries, as so many of them.
+const PART_ENTRIES: u32 = 4;
+
+/// More versions than this are folded as fast as clients write.
+const VERSIONS_BEHIND: i64 = 500;
+
+/// The next entries to be folded.
+#[derive(Clone, Copy)]
+struct Next {
+    map_key: MapKey,
+    version: i64,
+    parts: u32,
+    part: u32,
+    entries_done: u32,
+}
+
+/// Folds about this many entries, in the caller's transaction. Returns whether there were any.
+pub(in crate::store) async fn fold_entries(
+    db: &mut SqliteConnection,
+    entries: u32,
+) -> Result<bool, StoreError> {
+    let mut left = entries;
+    while left > 0 {
+        let Some(next) = next(db).await? else { break };
+        left = left.saturating_sub(fold_part(db, next, left).await?.max(PART_ENTRIES));
+    }
+    Ok(left < entries)
+}
+
+/// Whether so many versions wait that slices fall behind the clients that add them.
+pub(in crate::store) async fn is_behind(db: &mut SqliteConnection) -> Result<bool, StoreError> {
+    let count: i64 = sqlx::query_scalar("select count(*) from deferred_changes").fetch_one(db).await?;
+    Ok(count > VERSIONS_BEHIND)
+}
+
+/// The oldest entries of a map that is not deleted.
+async fn next(db: &mut SqliteConnection) -> Result<Option<Next>, StoreError> {
+    let select = "select map_key, version, parts, part, entries_done from deferred_changes
+        where map_key not in (select map_key from maps where deleted = 1) order by map_key, version limit 1";
+    let found: Option<(MapKey, i64, u32, u32, u32)> = sqlx::query_as(select).fetch_optional(db).await?;
+    let next =
+        |(map_key, version, parts, part, entries_done)| Next { map_key, version, parts, part, entries_done };
+    Ok(found.map(next))
+}
+
+/// Folds entries of one part, at most this many. Returns how many.
+async fn fold_part(db: &mut SqliteConnection, next: Next, entries: u32) -> Result<u32, StoreError> {
+    if next.part >= next.parts {
+        finish_version(db, next).await?;
+        return Ok(0);
+    }
+    let select = "select kind, entries from deferred_parts where map_key = $1 and version = $2 and part = $3";
+    let query = sqlx::query_as(select).bind(next.map_key).bind(next.version).bind(next.part);
+    let (kind, bytes): (String, Vec<u8>) = query.fetch_one(&mut *db).await?;
+    let kind = Kind::from_name(&kind)?;
+    if kind.is_former() {
+        former_value_rows::keep_part(db, next.map_key, (next.version, next.part)).await?;
+        end_part(db, next).await?;
+        return Ok(1);
+    }
+    let width = kind.width();
+    let from = (next.entries_done as usize * width).min(bytes.len());
+    let to = from.saturating_add(entries as usize * width).min(bytes.len());
+    write(db, next.map_key, unpacked(kind, &bytes[from..to])?).await?;
+    let folded = ((to - from) / width) as u32;
+    if to < bytes.len() {
+        let update = "update deferred_changes set entries_done = $3 where map_key = $1 and version = $2";
+        let done = next.entries_done + folded;
+        run(db, sqlx::query(update).bind(next.map_key).bind(next.version).bind(done)).await?;
+        return Ok(folded);
+    }
+    end_part(db, next).await?;
+    Ok(folded)
+}
+
+async fn end_part(db: &mut SqliteConnection, next: Next) -> Result<(), StoreError> {
+    let delete = "delete from deferred_parts where map_key = $1 and version = $2 and part = $3";
+    run(db, sqlx::query(delete).bind(next.map_key).bind(next.version).bind(next.part)).await?;
+    if next.part + 1 == next.parts {
+        return finish_version(db, next).await;
+    }
+    let update =
+        "update deferred_changes set part = part + 1, entries_done = 0 where map_key = $1 and version = $2";
+    run(db, sqlx::query(update).bind(next.map_key).bind(next.version)).await
+}
+
+async fn finish_version(db: &mut SqliteConnection, next: Next) -> Result<(), StoreError> {
+    let delete = "delete from deferred_changes where map_key = $1 and version = $2";
+    run(db, sqlx::query(delete).bind(next.map_key).bind(next.version)).await
+}
+
+/// Writes changes of one kind to their rows. What they change may be gone meanwhile.
+async fn write(db: &mut SqliteConnection, map: MapKey, changes: Vec<Change>) -> Result<(), StoreError> {
+    let (mut points, mut forgotten) = (Vec::new(), Vec::new());
+    for change in changes {
+        match change {
+            Change::PoseSet(keyframe, pose) => {
+                let update = "update keyframes set pose = $3 where map_key = $1 and keyframe = $2";
+                run(db, sqlx::query(update).bind(map).bind(keyframe.0).bind(pose_blob(&pose))).await?;
+            }
+            Change::PositionSet(_, keyframe, detection, at) => {
+                let update = "update detections set position = $4
+                    where map_key = $1 and keyframe = $2 and detection = $3";
+                let query = sqlx::query(update).bind(map).bind(keyframe.0).bind(detection);
+                run(db, query.bind(pack([at.x, at.y, at.z]))).await?;
+            }
+            Change::AnchorTouched(anchor, version) => {
+                let update = "update anchors set version = $3
+                    where map_key = $1 and anchor = $2 and version < $3";
+                run(db, sqlx::query(update).bind(map).bind(anchor.0).bind(version as i64)).await?;
+            }
+            Change::PointSet(session, id, at) => points.push((session, id, at)),
+            Change::PointsForgotten(session, ids) => forgotten.extend(ids.iter().map(|id| (session, *id))),
+            _ => {}
+        }
+    }
+    set_points(db, map, &points).await?;
+    for of_session in forgotten.chunk_by(|a, b| a.0 == b.0) {
+        let ids: Vec<i64> = of_session.iter().map(|(_, id)| *id).collect();
+        forget_points(db, map, of_session[0].0, &ids).await?;
+    }
+    Ok(())
+}

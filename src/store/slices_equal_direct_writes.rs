@@ -1,0 +1,352 @@
+//! Laws of large changes: deferred and folded in slices, they leave what writing them at once leaves; and a deletion in slices
+//! leaves nothing of its map and everything of the others. Jobs that share a transaction leave what each of them leaves alone.
+
+use std::sync::Arc;
+
+use proptest::prelude::*;
+use sqlx::SqliteConnection;
+use sqlx::sqlite::SqlitePool;
+
+use super::commit::job::{Batch, Job, MapKey, NewKeyframeRows};
+use super::commit::write;
+use super::rows::load::{Order, load};
+use super::slices::{deferred, deletion, fold};
+use super::tests::database;
+use crate::domain::anchor::Outcome;
+use crate::domain::bow::BowVector;
+use crate::domain::change::{Change, Keyframe};
+use crate::domain::event::{Event, EventKind};
+use crate::domain::former::FormerValues;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
+use crate::domain::keyframe::{Detection, NewKeyframe, Stamp};
+use crate::domain::map::{Learned, MapFigures, MapProperties};
+use crate::geometry::{Point3, Pose};
+use crate::recognition::index::MapIndex;
+
+const KEYFRAMES: u32 = 6;
+
+fn batch(map: MapKey, version: u64, changes: Vec<Change>) -> Batch {
+    Batch {
+        map,
+        version,
+        next_keyframe: KeyframeSeq(KEYFRAMES),
+        next_anchor: AnchorSeq(KEYFRAMES),
+        next_event: 1,
+        figures: MapFigures::default(),
+        learned: Learned::default(),
+        memory_bytes: 0,
+        changes,
+        former: FormerValues::default(),
+        new_keyframe: None,
+        events: Vec::new(),
+    }
+}
+
+async fn execute(db: &mut SqliteConnection, job: &Job) {
+    write::execute(db, std::iter::once(job)).await.unwrap();
+}
+
+async fn make_map(db: &mut SqliteConnection, map: MapKey) {
+    for job in map_jobs(map) {
+        execute(db, &job).await;
+    }
+}
+
+/// Returns the jobs that make a map with keyframes of two sessions, each of which sees an anchor of its own at a position.
+fn map_jobs(map: MapKey) -> Vec<Job> {
+    let properties = Box::new(MapProperties::default());
+    let id = format!("map-{map}").parse().unwrap();
+    let mut jobs = vec![Job::CreateMap { key: map, id, properties, digest: [0; 32], owner: None }];
+    for seq in 0..KEYFRAMES {
+        let session = SessionSeq(seq % 2);
+        let pose = Pose::new([f64::from(seq), 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).unwrap();
+        let new = NewKeyframe {
+            id: format!("kf-{seq}").parse().unwrap(),
+            session: format!("robot-{}", session.0).parse().unwrap(),
+            stamp: Stamp { sec: 1, nanosec: 0 },
+            map_from_camera: pose,
+            camera: None,
+            bow: BowVector::normalised(vec![(seq, 1.0)]).unwrap(),
+            vocabulary: None,
+            features: None,
+            map_points: Vec::new(),
+            observes: Vec::new(),
+            covisible: Vec::new(),
+            detections: vec![Detection {
+                class: "sign".to_owned(),
+                confidence: 0.5,
+                box_px: [0.0, 0.0, 9.0, 9.0],
+                map_points: Vec::new(),
+                position_in_session: Some(Point3::new(f64::from(seq), 1.0, 1.0)),
+                range_assumed: false,
+                text: Some(format!("room {seq}")),
+                description: None,
+                crop: None,
+            }],
+        };
+        let keyframe = Keyframe {
+            seq: KeyframeSeq(seq),
+            id: new.id.clone(),
+            session,
+            stamp: new.stamp,
+            map_from_camera: pose,
+            camera: None,
+            observes: Vec::new().into(),
+            declared: [].into(),
+            bytes: new.bytes(),
+        };
+        let mut changes = Vec::new();
+        if seq < 2 {
+            changes.push(Change::SessionAdded(session, new.session.clone()));
+        }
+        changes.push(Change::KeyframeAdded(Box::new(keyframe), Arc::new(new.bow.clone())));
+        changes.push(Change::AnchorAdded(AnchorSeq(seq), "sign".into()));
+        changes.push(Change::OutcomeSet(KeyframeSeq(seq), 0, Outcome::Created(AnchorSeq(seq))));
+        changes.push(Change::PointSet(session, i64::from(seq), Point3::new(0.5, 0.5, f64::from(seq))));
+        let rows = NewKeyframeRows { keyframe: Arc::new(new), digest: [seq as u8; 32] };
+        let made = Batch { new_keyframe: Some(rows), ..batch(map, 2, changes) };
+        jobs.push(Job::Change(Box::new(made)));
+    }
+    jobs
+}
+
+#[derive(Clone, Debug)]
+enum Step {
+    Correct {
+        poses: Vec<(u32, i8)>,
+        points: Vec<(u32, i64, i8)>,
+        touched: Vec<u32>,
+    },
+    Forget {
+        session: u32,
+        points: Vec<i64>,
+    },
+    Cull(u32),
+    /// Folds this many entries.
+    Fold(u32),
+}
+
+fn any_step() -> impl Strategy<Value = Step> {
+    let poses = prop::collection::vec((0..KEYFRAMES, any::<i8>()), 0..8);
+    let points = prop::collection::vec((0u32..2, 0i64..40, any::<i8>()), 0..30);
+    let touched = prop::collection::vec(0..KEYFRAMES, 0..4);
+    prop_oneof![
+        4 => (poses, points, touched)
+            .prop_map(|(poses, points, touched)| Step::Correct { poses, points, touched }),
+        2 => (0u32..2, prop::collection::vec(0i64..40, 1..30))
+            .prop_map(|(session, points)| Step::Forget { session, points }),
+        1 => (0..KEYFRAMES).prop_map(Step::Cull),
+        5 => (1u32..20).prop_map(Step::Fold),
+    ]
+}
+
+fn changes_of(step: &Step, version: u64) -> Vec<Change> {
+    match step {
+        Step::Correct { poses, points, touched } => {
+            let mut changes = Vec::new();
+            for (keyframe, x) in poses {
+                let (seq, x) = (KeyframeSeq(*keyframe), f64::from(*x));
+                changes.push(Change::PositionSet(AnchorSeq(*keyframe), seq, 0, Point3::new(x, 2.0, 2.0)));
+                changes.push(Change::PoseSet(seq, Pose::new([x, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0]).unwrap()));
+            }
+            let set = |(session, id, x): &(u32, i64, i8)| {
+                Change::PointSet(SessionSeq(*session), *id, Point3::new(f64::from(*x), 0.0, 0.0))
+            };
+            changes.extend(points.iter().map(set));
+            changes.extend(touched.iter().map(|anchor| Change::AnchorTouched(AnchorSeq(*anchor), version)));
+            changes
+        }
+        Step::Forget { session, points } => {
+            vec![Change::PointsForgotten(SessionSeq(*session), points.clone().into())]
+        }
+        Step::Cull(keyframe) => vec![
+            Change::KeyframeRemoved(
+                KeyframeSeq(*keyframe),
+                Arc::new(BowVector::normalised(vec![(*keyframe, 1.0)]).unwrap()),
+            ),
+            Change::AnchorRemoved(AnchorSeq(*keyframe)),
+        ],
+        Step::Fold(_) => Vec::new(),
+    }
+}
+
+async fn index_of(db: &mut SqliteConnection, order: Order) -> MapIndex {
+    load(db, &"map-1".parse().unwrap(), order).await.unwrap().unwrap().index
+}
+
+/// Every row that a deferred change may touch, as text.
+async fn rows_of(pool: &SqlitePool) -> Vec<String> {
+    let select = "select 'pose ' || keyframe || ' ' || hex(pose) from keyframes
+        union all select 'position ' || keyframe || ' ' || hex(position) from detections
+        union all select 'anchor ' || anchor || ' ' || version from anchors
+        union all select 'point ' || session || ' ' || point || ' ' || x || ' ' || y || ' ' || z from map_points
+        union all select 'left ' || version from deferred_changes
+        union all select 'left ' || version || ' ' || part from deferred_parts
+        order by 1";
+    sqlx::query_scalar(select).fetch_all(pool).await.unwrap()
+}
+
+async fn holds_after(steps: Vec<Step>) {
+    let ((_a, at_once), (_b, in_slices)) = (database().await, database().await);
+    let mut plain = at_once.acquire().await.unwrap();
+    let mut sliced = in_slices.acquire().await.unwrap();
+    make_map(&mut plain, 1).await;
+    make_map(&mut sliced, 1).await;
+    for (version, step) in (3..).zip(steps) {
+        if let Step::Fold(entries) = step {
+            fold::fold_entries(&mut sliced, entries).await.unwrap();
+        }
+        let changes = changes_of(&step, version);
+        let direct = Job::Change(Box::new(batch(1, version, changes.clone())));
+        execute(&mut plain, &direct).await;
+        for job in deferred::staged(Job::Change(Box::new(batch(1, version, changes)))) {
+            execute(&mut sliced, &job).await;
+        }
+        let expected = index_of(&mut plain, Order::Forwards).await;
+        assert!(index_of(&mut sliced, Order::Forwards).await == expected, "after {step:?}");
+        assert!(index_of(&mut sliced, Order::Backwards).await == expected, "backwards, after {step:?}");
+    }
+    while fold::fold_entries(&mut sliced, 7).await.unwrap() {}
+    drop((plain, sliced));
+    assert_eq!(rows_of(&in_slices).await, rows_of(&at_once).await);
+}
+
+/// Returns the jobs of a fleet on two maps; each step is a few of them.
+fn jobs_of(steps: &[(bool, Step)]) -> Vec<Job> {
+    let mut jobs = map_jobs(1);
+    jobs.extend(map_jobs(2));
+    for (number, (is_second, step)) in (3..).zip(steps) {
+        let map = if *is_second { 2 } else { 1 };
+        let event = |seq: u64| Event {
+            seq,
+            kind: EventKind::AnchorsMerged,
+            map_version: number,
+            anchor: Some(AnchorSeq(seq as u32)),
+            other: None,
+            keyframe: Some("kf-1".parse().unwrap()),
+            candidate: None,
+            loop_id: None,
+            query: None,
+            detail: None,
+        };
+        let query = |kept: i64| Job::KeepQuery {
+            map,
+            id: format!("q-{}", kept % 40),
+            kept,
+            body: vec![kept as u8; 3].into(),
+        };
+        match step {
+            Step::Fold(1) => jobs.push(Job::DeleteMap(map)),
+            Step::Fold(2..8) => {
+                let events = vec![event(number * 10), event(number * 10 + 1)];
+                jobs.push(Job::AppendEvents(map, number * 10 + 2, events));
+            }
+            Step::Fold(queries) => {
+                jobs.extend((0..i64::from(*queries)).map(|n| query(number as i64 * 20 + n)));
+            }
+            step => {
+                let events = vec![event(number * 10)];
+                let batch = Batch { events, ..batch(map, number, changes_of(step, number)) };
+                jobs.extend(deferred::staged(Job::Change(Box::new(batch))));
+            }
+        }
+    }
+    jobs
+}
+
+/// Every row of every table that has rows of maps.
+async fn dump(db: &mut SqliteConnection) -> Vec<String> {
+    let select = r#"select 'select ' || group_concat('quote(' || c.name || ')', ' || " " || ') || ' from ' || m.name
+        from sqlite_schema m join pragma_table_info(m.name) c
+        where m.type = 'table' and exists (select 1 from pragma_table_info(m.name) k where k.name = 'map_key')
+        group by m.name order by m.name"#;
+    let selects: Vec<String> = sqlx::query_scalar(select).fetch_all(&mut *db).await.unwrap();
+    let mut rows = Vec::new();
+    for select in selects {
+        let select = sqlx::AssertSqlSafe(select.replace('"', "'"));
+        let mut of_table: Vec<String> = sqlx::query_scalar(select).fetch_all(&mut *db).await.unwrap();
+        of_table.sort();
+        rows.extend(of_table);
+    }
+    rows
+}
+
+fn wait<T>(future: impl Future<Output = T>) -> T {
+    tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap().block_on(future)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn folding_in_slices_leaves_what_writing_at_once_leaves(steps in prop::collection::vec(any_step(), 1..25)) {
+        wait(holds_after(steps));
+    }
+
+    #[test]
+    fn jobs_in_one_group_leave_what_they_leave_one_by_one(
+        steps in prop::collection::vec((any::<bool>(), any_step()), 1..25),
+        group in 2usize..60,
+    ) {
+        wait(async {
+            let ((_a, alone), (_b, together)) = (database().await, database().await);
+            let mut alone = alone.acquire().await.unwrap();
+            let mut together = together.acquire().await.unwrap();
+            for job in jobs_of(&steps) {
+                execute(&mut alone, &job).await;
+            }
+            for jobs in jobs_of(&steps).chunks(group) {
+                write::execute(&mut together, jobs.iter()).await.unwrap();
+            }
+            let expected = dump(&mut alone).await;
+            assert!(expected.len() > 30, "{expected:#?}");
+            assert_eq!(dump(&mut together).await, expected);
+        });
+    }
+
+    #[test]
+    fn a_deletion_in_slices_of_any_size_leaves_nothing_of_its_map_and_all_of_the_others(
+        rows in 1u32..40,
+        stops_after in 0usize..8,
+    ) {
+        wait(async {
+            let (_folder, pool) = database().await;
+            let mut db = pool.acquire().await.unwrap();
+            make_map(&mut db, 1).await;
+            let (kept, before) = (index_of(&mut db, Order::Forwards).await, counts(&mut db).await);
+            make_map(&mut db, 2).await;
+            let changes = changes_of(&Step::Forget { session: 0, points: (0..40).collect() }, 3);
+            for job in deferred::staged(Job::Change(Box::new(batch(2, 3, changes)))) {
+                execute(&mut db, &job).await;
+            }
+            deletion::mark_deleted(&mut db, 2).await.unwrap();
+            for _ in 0..stops_after {
+                deletion::remove_rows(&mut db, rows).await.unwrap();
+            }
+            // Its name is free at once.
+            let id = "map-2".parse().unwrap();
+            assert!(load(&mut db, &id, Order::Forwards).await.unwrap().is_none());
+            let create = Job::CreateMap { key: 3, id, properties: Box::default(), digest: [1; 32], owner: None };
+            execute(&mut db, &create).await;
+            // Its deferred changes reach no rows any more.
+            assert!(!fold::fold_entries(&mut db, 1).await.unwrap());
+            while deletion::remove_rows(&mut db, rows).await.unwrap() {}
+            sqlx::query("delete from maps where map_key = 3").execute(&mut *db).await.unwrap();
+            assert_eq!(counts(&mut db).await, before);
+            assert!(index_of(&mut db, Order::Forwards).await == kept);
+        });
+    }
+}
+
+/// The number of rows of every table that has rows of maps.
+async fn counts(db: &mut SqliteConnection) -> Vec<(String, i64)> {
+    let select = "select m.name from sqlite_schema m join pragma_table_info(m.name) c
+        where m.type = 'table' and c.name = 'map_key' order by m.name";
+    let tables: Vec<String> = sqlx::query_scalar(select).fetch_all(&mut *db).await.unwrap();
+    let mut counts = Vec::new();
+    for table in tables {
+        let count = sqlx::AssertSqlSafe(format!("select count(*) from {table}"));
+        counts.push((table, sqlx::query_scalar(count).fetch_one(&mut *db).await.unwrap()));
+    }
+    counts
+}
