@@ -8,7 +8,7 @@ use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityRequirement, Secur
 use utoipa::openapi::{RefOr, Schema};
 use utoipa::{Modify, OpenApi};
 
-use super::guards::access::SCHEME;
+use super::guards::route_permissions::SCHEME;
 use super::{error_responses, routes};
 use crate::api::event::EventView;
 use crate::api::problem::ProblemView;

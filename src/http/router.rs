@@ -11,7 +11,7 @@ use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
 use tower_http::limit::RequestBodyLimitLayer;
 
-use super::connection::answer_memory::bound_answers;
+use super::connection::bound_answers::bound_answers;
 use super::envelope::{self, envelope};
 use super::guards::access::authorise;
 use super::guards::admission::admit;

@@ -5,26 +5,13 @@
 //! is closed for the new answer. Where all of them are being taken, the new one is refused.
 
 use std::collections::BTreeMap;
-use std::pin::Pin;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::task::{Context, Poll, ready};
 use std::time::Duration;
 
-use axum::body::{Body, Bytes, HttpBody};
-use axum::extract::{Request, State};
-use axum::middleware::Next;
-use axum::response::{IntoResponse as _, Response};
-use hyper::body::{Frame, SizeHint};
 use tokio::time::Instant;
 
 use super::connection_limit::ConnectionSlot;
-use crate::http::App;
-use crate::http::problem::Problem;
 
-/// Answers up to this size are not counted: their number is bounded by that of connections.
-const UNCOUNTED_BYTES: u64 = 64 << 10;
-/// A large answer leaves in pieces of this size, so that it is known whether its client takes it.
-const PIECE_BYTES: usize = 64 << 10;
 /// A client that has taken a piece within this time keeps its answer.
 const STALLED_AFTER: Duration = Duration::from_secs(1);
 
@@ -32,11 +19,11 @@ const STALLED_AFTER: Duration = Duration::from_secs(1);
 #[derive(Debug)]
 pub struct AnswerMemory {
     most: usize,
-    held: Mutex<HeldMemory>,
+    held: Mutex<Holders>,
 }
 
 #[derive(Debug, Default)]
-struct HeldMemory {
+struct Holders {
     bytes: usize,
     /// The numbers grow with time: the first is the one of which nothing was taken for longest.
     answers: BTreeMap<u64, Leaving>,
@@ -52,7 +39,7 @@ struct Leaving {
 
 /// The place of one answer in the shared memory, until this is dropped.
 #[derive(Debug)]
-struct Share {
+pub struct Share {
     memory: Arc<AnswerMemory>,
     number: u64,
 }
@@ -64,7 +51,7 @@ impl AnswerMemory {
     }
 
     /// Takes memory for an answer, and says how many connections, whose clients take nothing, are closed for it.
-    fn take(self: &Arc<Self>, bytes: usize, seat: &Arc<ConnectionSlot>) -> (Option<Share>, usize) {
+    pub fn take(self: &Arc<Self>, bytes: usize, seat: &Arc<ConnectionSlot>) -> (Option<Share>, usize) {
         let mut held = self.lock();
         let mut evictions = 0;
         // An answer larger than the whole memory leaves when it is the only one.
@@ -84,13 +71,13 @@ impl AnswerMemory {
         (Some(Share { memory: self.clone(), number }), evictions)
     }
 
-    fn lock(&self) -> MutexGuard<'_, HeldMemory> {
+    fn lock(&self) -> MutexGuard<'_, Holders> {
         // A table of numbers is whole after each of its operations.
         self.held.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl HeldMemory {
+impl Holders {
     fn add(&mut self, leaving: Leaving) -> u64 {
         self.next += 1;
         self.answers.insert(self.next, leaving);
@@ -100,7 +87,7 @@ impl HeldMemory {
 
 impl Share {
     /// Notes that the client has taken a piece.
-    fn taken(&mut self) {
+    pub fn taken(&mut self) {
         let mut held = self.memory.lock();
         if let Some(leaving) = held.answers.remove(&self.number) {
             self.number = held.add(Leaving { taken: Instant::now(), ..leaving });
@@ -115,63 +102,6 @@ impl Drop for Share {
         if let Some(leaving) = held.answers.remove(&self.number) {
             held.bytes -= leaving.bytes;
         }
-    }
-}
-
-/// Middleware that counts large answers, and refuses those for which there is no memory.
-pub async fn bound_answers(State(app): State<App>, request: Request, next: Next) -> Response {
-    let seat = request.extensions().get::<Arc<ConnectionSlot>>().cloned();
-    let response = next.run(request).await;
-    // A stream has no length, and holds an event at a time.
-    let length = response.body().size_hint().exact().filter(|length| *length > UNCOUNTED_BYTES);
-    let (Some(seat), Some(length)) = (seat, length) else { return response };
-    let (share, evictions) = app.answers.take(length as usize, &seat);
-    (0..evictions).for_each(|_| app.metrics.shed_metrics.connection("evicted"));
-    let Some(share) = share else {
-        app.metrics.shed_metrics.shed("answer");
-        let detail = "answers that other clients have not taken yet hold all the memory for answers";
-        return Problem::overloaded(detail).into_response();
-    };
-    response.map(|body| Body::new(Pieces { body, rest: Bytes::new(), share }))
-}
-
-/// A body that leaves piece by piece.
-struct Pieces {
-    body: Body,
-    rest: Bytes,
-    share: Share,
-}
-
-impl HttpBody for Pieces {
-    type Data = Bytes;
-    type Error = axum::Error;
-
-    fn poll_frame(
-        mut self: Pin<&mut Self>,
-        cx: &mut Context<'_>,
-    ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
-        // The next piece is asked for when the one before it has left.
-        self.share.taken();
-        if self.rest.is_empty() {
-            match ready!(Pin::new(&mut self.body).poll_frame(cx)) {
-                Some(Ok(frame)) => match frame.into_data() {
-                    Ok(data) => self.rest = data,
-                    Err(trailers) => return Poll::Ready(Some(Ok(trailers))),
-                },
-                end => return Poll::Ready(end),
-            }
-        }
-        let length = self.rest.len().min(PIECE_BYTES);
-        Poll::Ready(Some(Ok(Frame::data(self.rest.split_to(length)))))
-    }
-
-    fn is_end_stream(&self) -> bool {
-        self.rest.is_empty() && self.body.is_end_stream()
-    }
-
-    fn size_hint(&self) -> SizeHint {
-        let length = self.body.size_hint().exact().map(|length| length + self.rest.len() as u64);
-        length.map_or_else(SizeHint::default, SizeHint::with_exact)
     }
 }
 

@@ -2,6 +2,7 @@
 
 pub mod answer_memory;
 pub mod body_completion;
+pub mod bound_answers;
 pub mod connection_limit;
 pub mod io_timeout;
 pub mod min_rate_body;

@@ -39,6 +39,7 @@ use super::sockets;
 use super::unread::Unread;
 use crate::config::limits::LimitArgs;
 use crate::engine::Service;
+use crate::http::document::document;
 use crate::http::router::router;
 use crate::http::{App, routes};
 
@@ -65,7 +66,7 @@ pub async fn serve(
     stopping: CancellationToken,
 ) -> io::Result<()> {
     let drain = limits.drain;
-    let app = App::new(service, limits, stopping.clone())?;
+    let app = App::new(service, limits, serde_json::to_vec(&document())?, stopping.clone())?;
     routes::ask_about_triggers(&app);
     let server = Arc::new(Connections {
         router: router(app.clone()),

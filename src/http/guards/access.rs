@@ -1,23 +1,17 @@
-//! Access: who asks, and may they? The layer around the routes of the API, which works on the route that was matched and
-//! on its decoded parameters, never on the raw path.
-//!
-//! What an operation needs stands in the API document (`security`), and this layer reads it there: what is documented is
-//! what is enforced. An operation that says nothing is refused to everybody, and so is a route that the document does not
-//! have: nothing is let through because it was forgotten.
+//! Access: the layer that enforces API keys. It works on the matched route and its decoded parameters, never on the raw
+//! path, and on the permissions of [`super::route_permissions`].
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use axum::extract::{FromRequestParts, MatchedPath, RawPathParams, Request, State};
-use axum::http::Method;
 use axum::http::header::{ALLOW, AUTHORIZATION};
 use axum::http::request::Parts;
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
-use serde_json::Value;
 
 use super::admission::HeldPermit;
 use super::loopback_guard;
+use super::route_permissions::Permission;
 use crate::domain::ids::MapId;
 use crate::domain::key::Action;
 use crate::engine::ServiceError;
@@ -27,73 +21,11 @@ use crate::http::App;
 use crate::http::envelope::no_such_method;
 use crate::http::problem::{Kind, Problem};
 
-/// The name of the security scheme in the API document.
-pub const SCHEME: &str = "key";
-
-/// What an operation asks of who calls it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Permission {
-    /// Nothing: anybody may.
-    Nothing,
-    /// A key with this action.
-    Action(Action),
-    /// More than anybody has: the document does not say.
-    Undeclared,
-}
-
-/// What each operation needs, by its method and the pattern of its route.
-#[derive(Debug, Default)]
-pub struct RoutePermissions(HashMap<(Method, String), Permission>);
-
-impl RoutePermissions {
-    /// Reads them from the API document.
-    pub fn of(document: &Value) -> Self {
-        let paths = document["paths"].as_object().into_iter().flatten();
-        let operations = paths.flat_map(|(path, item)| {
-            item.as_object().into_iter().flatten().filter_map(move |(method, operation)| {
-                let method = Method::from_bytes(method.to_uppercase().as_bytes()).ok()?;
-                Some(((method, path.clone()), need(operation)))
-            })
-        });
-        Self(operations.collect())
-    }
-
-    /// Finds what a request needs; a method that its route does not document is no operation, whatever the router has.
-    fn find(&self, method: &Method, route: &str) -> Result<Permission, Refusal> {
-        // The router answers HEAD by what GET answers.
-        let asked = if method == Method::HEAD { &Method::GET } else { method };
-        if let Some(need) = self.0.get(&(asked.clone(), route.to_owned())) {
-            return Ok(*need);
-        }
-        let mut allowed: Vec<&str> =
-            self.0.keys().filter(|(_, path)| path == route).map(|(method, _)| method.as_str()).collect();
-        if allowed.is_empty() {
-            return Ok(Permission::Undeclared);
-        }
-        if allowed.contains(&"GET") {
-            allowed.push("HEAD");
-        }
-        allowed.sort_unstable();
-        Err(Refusal::NoSuchMethod(allowed.join(",")))
-    }
-}
-
-fn need(operation: &Value) -> Permission {
-    let Some(requirement) = operation["security"].get(0).and_then(Value::as_object) else {
-        return Permission::Undeclared;
-    };
-    if requirement.is_empty() {
-        return Permission::Nothing;
-    }
-    let action = requirement.get(SCHEME).and_then(|actions| Action::from_name(actions.get(0)?.as_str()?));
-    action.map_or(Permission::Undeclared, Permission::Action)
-}
-
-/// Why a request goes no further.
+/// Why a request is refused.
 enum Refusal {
-    /// The path does not have the method; it has these.
+    /// The route lacks the method; it has these.
     NoSuchMethod(String),
-    /// Its caller may not.
+    /// Its caller lacks the permission.
     Problem(Problem),
 }
 
@@ -103,17 +35,17 @@ impl From<Problem> for Refusal {
     }
 }
 
-/// Who called, for handlers whose needs depend on more than the route.
+/// The caller, for handlers whose permissions depend on more than the route.
 #[derive(Clone, Debug)]
 pub struct Caller(pub Access);
 
 impl Caller {
-    /// May the caller do this, too?
+    /// Fails if the caller lacks the permission for this action.
     pub fn needs(&self, action: Action) -> Result<(), Problem> {
         if self.0.may(action) { Ok(()) } else { Err(lacks(&self.0, action)) }
     }
 
-    /// Does this map exist for the caller?
+    /// Whether the caller's key reaches this map.
     pub fn reaches(&self, map: &MapId) -> bool {
         match &self.0 {
             Access::Open => true,
@@ -131,7 +63,7 @@ impl<S: Send + Sync> FromRequestParts<S> for Caller {
     }
 }
 
-/// The layer.
+/// Middleware that enforces API keys.
 pub async fn authorise(State(app): State<App>, request: Request, next: Next) -> Response {
     let (mut parts, body) = request.into_parts();
     match admitted(&app, &mut parts).await {
@@ -149,10 +81,10 @@ pub async fn authorise(State(app): State<App>, request: Request, next: Next) -> 
     }
 }
 
-/// Who calls, if the operation wants to know.
+/// Authorises a request, and returns its caller if the operation needs one.
 async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Refusal> {
     let route = parts.extensions.get::<MatchedPath>().map_or("", MatchedPath::as_str);
-    let action = match app.needs.find(&parts.method, route)? {
+    let action = match app.permissions.find(&parts.method, route).map_err(Refusal::NoSuchMethod)? {
         Permission::Nothing => return Ok(None),
         Permission::Undeclared => {
             let detail = "the API document does not say who may do this, so it is refused to everybody";
@@ -175,14 +107,14 @@ async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Refusa
     if let Some(map) = map_of(parts).await
         && !caller.reaches(&map)
     {
-        // Just what a key that reaches every map hears of a map that is not there.
+        // The same answer as for a map that does not exist.
         return Err(Problem::from(ServiceError::no_map(&map)).into());
     }
     caller.needs(action)?;
     Ok(Some(caller))
 }
 
-/// Who sends this secret? Strangers wait for a look at the disk without taking the place of those who are known.
+/// Finds the access that a secret gives. An unknown secret waits for a look at the disk without holding its permit.
 async fn access(app: &App, secret: Option<&str>, working: &HeldPermit) -> Option<Access> {
     match app.service.keys().find(secret) {
         Found::Admitted(access) => Some(access),
@@ -242,22 +174,30 @@ mod tests {
     use tokio_util::sync::CancellationToken;
     use tower::ServiceExt as _;
 
+    use axum::http::Method;
+    use serde_json::Value;
+
     use super::*;
     use crate::config::limits::LimitArgs;
     use crate::engine::{Service, ServiceOptions};
 
-    /// Asks a router with these needs; its handlers do all that they are asked.
-    async fn asked(needs: RoutePermissions, method: Method, path: &str) -> (StatusCode, String) {
+    /// Asks a router with the permissions of this document; its handlers allow everything.
+    async fn asked(document: &Value, method: Method, path: &str) -> (StatusCode, String) {
         let folder = tempfile::tempdir().unwrap();
         let database = format!("sqlite://{}", folder.path().join("a.db").display());
         let service = Service::open(ServiceOptions::on(database)).await.unwrap();
         let limits = LimitArgs::of::<&str>(&[]).unwrap();
-        let app = App::new(service.clone(), limits, CancellationToken::new()).unwrap().with_needs(needs);
+        let app = App::new(
+            service.clone(),
+            limits,
+            serde_json::to_vec(document).unwrap(),
+            CancellationToken::new(),
+        );
         let done = async || "done";
         let router: Router = Router::new()
             .route("/v1/maps", get(done).delete(done))
             .route("/v1/forgotten", get(done))
-            .route_layer(from_fn_with_state(app, authorise));
+            .route_layer(from_fn_with_state(app.unwrap(), authorise));
         let request = Request::builder().method(method).uri(path).header("host", "localhost");
         let response = router.oneshot(request.body(Body::empty()).unwrap()).await.unwrap();
         service.close().await;
@@ -283,7 +223,7 @@ mod tests {
             (json!({}), Method::DELETE, "/v1/maps", StatusCode::FORBIDDEN, ""),
         ];
         for (document, method, path, status, allowed) in cases {
-            let answer = asked(RoutePermissions::of(&document), method.clone(), path).await;
+            let answer = asked(&document, method.clone(), path).await;
             assert_eq!(answer, (status, allowed.to_owned()), "{method} {path} of {document}");
         }
     }

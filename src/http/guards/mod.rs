@@ -4,4 +4,5 @@ pub mod access;
 pub mod admission;
 pub mod body_memory;
 pub mod loopback_guard;
+pub mod route_permissions;
 pub mod stream_limit;

@@ -1,0 +1,80 @@
+//! The layer that counts large answers, and sends them piece by piece ([`AnswerMemory`]).
+//!
+//! [`AnswerMemory`]: super::answer_memory::AnswerMemory
+
+use std::pin::Pin;
+use std::sync::Arc;
+use std::task::{Context, Poll, ready};
+
+use axum::body::{Body, Bytes, HttpBody};
+use axum::extract::{Request, State};
+use axum::middleware::Next;
+use axum::response::{IntoResponse as _, Response};
+use hyper::body::{Frame, SizeHint};
+
+use super::answer_memory::Share;
+use super::connection_limit::ConnectionSlot;
+use crate::http::App;
+use crate::http::problem::Problem;
+
+/// Answers up to this size are not counted: their number is bounded by that of connections.
+const UNCOUNTED_BYTES: u64 = 64 << 10;
+/// A large answer leaves in pieces of this size, so that it is known whether its client takes it.
+const PIECE_BYTES: usize = 64 << 10;
+
+/// Middleware that counts large answers, and refuses those for which there is no memory.
+pub async fn bound_answers(State(app): State<App>, request: Request, next: Next) -> Response {
+    let seat = request.extensions().get::<Arc<ConnectionSlot>>().cloned();
+    let response = next.run(request).await;
+    // A stream has no length, and holds an event at a time.
+    let length = response.body().size_hint().exact().filter(|length| *length > UNCOUNTED_BYTES);
+    let (Some(seat), Some(length)) = (seat, length) else { return response };
+    let (share, evictions) = app.answers.take(length as usize, &seat);
+    (0..evictions).for_each(|_| app.metrics.shed_metrics.connection("evicted"));
+    let Some(share) = share else {
+        app.metrics.shed_metrics.shed("answer");
+        let detail = "answers that other clients have not taken yet hold all the memory for answers";
+        return Problem::overloaded(detail).into_response();
+    };
+    response.map(|body| Body::new(Pieces { body, rest: Bytes::new(), share }))
+}
+
+/// A body that leaves piece by piece.
+struct Pieces {
+    body: Body,
+    rest: Bytes,
+    share: Share,
+}
+
+impl HttpBody for Pieces {
+    type Data = Bytes;
+    type Error = axum::Error;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        cx: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+        // The next piece is asked for when the one before it has left.
+        self.share.taken();
+        if self.rest.is_empty() {
+            match ready!(Pin::new(&mut self.body).poll_frame(cx)) {
+                Some(Ok(frame)) => match frame.into_data() {
+                    Ok(data) => self.rest = data,
+                    Err(trailers) => return Poll::Ready(Some(Ok(trailers))),
+                },
+                end => return Poll::Ready(end),
+            }
+        }
+        let length = self.rest.len().min(PIECE_BYTES);
+        Poll::Ready(Some(Ok(Frame::data(self.rest.split_to(length)))))
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.rest.is_empty() && self.body.is_end_stream()
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        let length = self.body.size_hint().exact().map(|length| length + self.rest.len() as u64);
+        length.map_or_else(SizeHint::default, SizeHint::with_exact)
+    }
+}
