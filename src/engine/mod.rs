@@ -14,6 +14,7 @@ mod operations;
 mod options;
 #[cfg(test)]
 mod rebuild_equals_live;
+mod unexamined;
 
 use std::ops::Deref;
 use std::sync::Arc;
