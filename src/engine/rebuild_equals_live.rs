@@ -446,7 +446,7 @@ fn verdict(class: u8, a: u8, b: u8, finding: u8) -> ModelVerdict {
 async fn holds_after(requests: Vec<Request>) {
     let folder = tempfile::tempdir().unwrap();
     let database = format!("sqlite://{}/law.db", folder.path().display());
-    let service = Service::open(ServiceOptions::on(database)).await.unwrap();
+    let service = Service::open(ServiceOptions::for_tests(database)).await.unwrap();
     let map: MapId = "hotel".parse().unwrap();
     let mut properties = MapProperties { metric: true, ..MapProperties::default() };
     properties.settings.covisibility_min_shared_points = 3;
@@ -571,7 +571,7 @@ async fn with_roles(service: &Service, roles: Roles) -> Service {
 async fn one_id_is_one_verdict_after(requests: Vec<Request>) {
     let folder = tempfile::tempdir().unwrap();
     let database = format!("sqlite://{}/law.db", folder.path().display());
-    let service = Service::open(ServiceOptions::on(database)).await.unwrap();
+    let service = Service::open(ServiceOptions::for_tests(database)).await.unwrap();
     let map: MapId = "hotel".parse().unwrap();
     let mut properties = MapProperties { metric: true, ..MapProperties::default() };
     properties.settings.covisibility_min_shared_points = 3;

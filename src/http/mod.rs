@@ -41,7 +41,6 @@ use std::sync::Arc;
 
 use axum::extract::FromRef;
 use bytes::Bytes;
-use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 
 pub use connection::server::{RunningServer, serve};
@@ -73,8 +72,6 @@ pub struct Parts {
     pub needs: RoutePermissions,
     /// Cancelled when the server is told to stop.
     pub stopping: CancellationToken,
-    /// Loop checks that anchors have triggered and that nobody waits for.
-    pub triggers: Arc<Semaphore>,
     /// How much at once, and how patient.
     pub limits: LimitArgs,
     /// How slow a body may be.
@@ -109,7 +106,6 @@ impl App {
             metrics: Metrics::default(),
             document: document.into(),
             stopping,
-            triggers: Arc::new(Semaphore::new(routes::TRIGGERS_AT_ONCE)),
             pace: MinRate::of(&limits),
             slots: ConnectionSlots::new(limits.max_connections),
             streams: StreamLimit::new(limits.streams()),

@@ -12,14 +12,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use tokio::sync::{Notify, mpsc};
+use tokio::sync::Notify;
 use tokio::task::JoinHandle;
 use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 
 use super::backlog::{Backlog, PAUSE_MAX};
 use super::running_jobs::{Done, Jobs};
-use crate::domain::ids::{KeyframeId, MapId};
+use crate::domain::ids::MapId;
 use crate::engine::maps::live::{Decision, LiveMap};
 use crate::engine::maps::pinned::PinnedMap;
 use crate::engine::unexamined::UnexaminedMaps;
@@ -44,12 +44,6 @@ const DRAIN: Duration = Duration::from_secs(8);
 /// How long it takes no new jobs when it finds the server under pressure.
 const REST: Duration = Duration::from_millis(250);
 
-/// Triggered loop checks that wait to be taken; more are passed over.
-const TRIGGERS_WAITING: usize = 256;
-
-/// A keyframe to be asked about, because a model has found that it sees something seen before.
-pub type Trigger = (MapId, KeyframeId);
-
 /// The maps that were written to since the last round, each with the newest version that was decided.
 type WrittenMaps = std::sync::Mutex<HashMap<MapKey, (MapId, u64)>>;
 
@@ -61,21 +55,16 @@ pub(in crate::engine) struct Worker {
     stop: CancellationToken,
     open_jobs: Arc<AtomicU64>,
     running: std::sync::Mutex<Option<JoinHandle<()>>>,
-    triggers: std::sync::Mutex<Option<mpsc::Receiver<Trigger>>>,
-    pub trigger: mpsc::Sender<Trigger>,
 }
 
 impl Worker {
     pub fn new() -> Arc<Self> {
-        let (trigger, triggers) = mpsc::channel(TRIGGERS_WAITING);
         Arc::new(Self {
             wake: Arc::default(),
             written: Arc::default(),
             stop: CancellationToken::new(),
             open_jobs: Arc::default(),
             running: std::sync::Mutex::default(),
-            triggers: std::sync::Mutex::new(Some(triggers)),
-            trigger,
         })
     }
 
@@ -116,16 +105,6 @@ impl Worker {
     /// Jobs found and not done.
     pub fn open_jobs(&self) -> u64 {
         self.open_jobs.load(Ordering::Relaxed)
-    }
-
-    /// Keyframes to be asked about that nobody has taken yet.
-    pub fn triggers_waiting(&self) -> u64 {
-        (TRIGGERS_WAITING - self.trigger.capacity().min(TRIGGERS_WAITING)) as u64
-    }
-
-    /// The keyframes to be asked about; whoever comes first gets them.
-    pub fn take_triggers(&self) -> Option<mpsc::Receiver<Trigger>> {
-        lock(&self.triggers).take()
     }
 
     /// Takes no more jobs, and lets those under way finish.
@@ -450,20 +429,6 @@ fn earlier(a: Option<Instant>, b: Option<Instant>) -> Option<Instant> {
     match (a, b) {
         (Some(a), Some(b)) => Some(a.min(b)),
         (a, b) => a.or(b),
-    }
-}
-
-impl Service {
-    /// The keyframes to be asked about because of what models have found; whoever comes first gets them.
-    pub fn take_triggers(&self) -> Option<mpsc::Receiver<Trigger>> {
-        self.worker.take_triggers()
-    }
-
-    pub(in crate::engine) fn trigger(&self, map: &MapId, keyframes: Vec<KeyframeId>) {
-        for keyframe in keyframes {
-            // Full: who wants to know asks.
-            let _ = self.worker.trigger.try_send((map.clone(), keyframe));
-        }
     }
 }
 

@@ -243,6 +243,7 @@ mod tests {
     use tower::ServiceExt as _;
 
     use super::*;
+    use crate::api::verdict::LoopAnswer;
     use crate::config::limits::LimitArgs;
     use crate::engine::{Service, ServiceOptions};
 
@@ -250,7 +251,7 @@ mod tests {
     async fn asked(needs: RoutePermissions, method: Method, path: &str) -> (StatusCode, String) {
         let folder = tempfile::tempdir().unwrap();
         let database = format!("sqlite://{}", folder.path().join("a.db").display());
-        let service = Service::open(ServiceOptions::on(database)).await.unwrap();
+        let service = Service::open(ServiceOptions::on(database, LoopAnswer::bytes)).await.unwrap();
         let limits = LimitArgs::of::<&str>(&[]).unwrap();
         let app = App::new(service.clone(), limits, CancellationToken::new()).unwrap().with_needs(needs);
         let done = async || "done";

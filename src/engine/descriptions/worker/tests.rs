@@ -41,7 +41,7 @@ impl Model for Silent {
 /// A service that keeps no idle map in memory, and a round of its worker that goes on when the test says so.
 async fn paused_worker(folder: &tempfile::TempDir) -> (Service, Round) {
     let database = format!("sqlite://{}", folder.path().join("test.db").display());
-    let options = ServiceOptions { map_memory: 1, ..ServiceOptions::on(database) };
+    let options = ServiceOptions { map_memory: 1, ..ServiceOptions::for_tests(database) };
     let service = Service::open(options).await.unwrap();
     let args = ModelArgs::of(&[""; 0]).unwrap();
     let models = Models::with([None, Some(Arc::new(Silent))], None, &args, &service.store).await.unwrap();
