@@ -12,6 +12,7 @@ pub mod limits;
 mod maps;
 mod operations;
 mod options;
+mod rebuild;
 #[cfg(test)]
 mod rebuild_equals_live;
 mod triggers;
@@ -124,7 +125,7 @@ impl Service {
         };
         let store = Store::open(&options.database).await?;
         let models = open_models(options.models, &store).await?.map(Arc::new);
-        let registry = Arc::new(Registry::new(store.next_map_key().await?, options.map_memory));
+        let registry = Arc::new(Registry::new(options.map_memory));
         let service = Self(Arc::new(Parts {
             models: models.clone(),
             worker: Worker::new(),
