@@ -11,6 +11,7 @@ pub mod engine;
 #[cfg(feature = "hotel")]
 pub mod hotel;
 pub mod http;
+pub mod integrity;
 pub mod llm;
 pub mod store;
 

@@ -10,6 +10,7 @@ mod robot;
 use std::process::Command;
 use std::sync::Arc;
 
+use revisit::api::verdict::LoopAnswer;
 use revisit::domain::ids::MapId;
 use revisit::domain::keyframe::NewKeyframe;
 use revisit::domain::map::MapProperties;
@@ -98,7 +99,8 @@ fn print_growth(before: u64, keyframes: u32, what: &str) {
 /// Fills a service with keyframes, opens it anew, and asks it until its caches are full.
 async fn of_server(sends: Sends, keyframes: u32) {
     let folder = tempfile::tempdir().expect("a folder");
-    let options = || ServiceOptions::on(format!("sqlite://{}/memory.db", folder.path().display()));
+    let options =
+        || ServiceOptions::on(format!("sqlite://{}/memory.db", folder.path().display()), LoopAnswer::bytes);
     let map: MapId = "hotel".parse().expect("an id");
     let service = Service::open(options()).await.expect("a service");
     service

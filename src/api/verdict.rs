@@ -179,6 +179,15 @@ impl LoopAnswer {
             candidates: verdict.candidates.iter().map(CandidateView::from).collect(),
         }
     }
+
+    /// Writes the answer of a query as clients receive it, and as it is recorded.
+    pub fn bytes(
+        id: &str,
+        keyframe: Option<&KeyframeId>,
+        verdict: &Verdict,
+    ) -> Result<Vec<u8>, serde_json::Error> {
+        serde_json::to_vec(&Self::of(id, keyframe, verdict))
+    }
 }
 
 impl From<&ClosedLoop> for ClosedView {

@@ -6,9 +6,9 @@ use clap::Args;
 
 use super::{Failure, write_out};
 use crate::domain::counted::counted;
-use crate::store::backup::{Copied, Copy, folder_of, regular_or_free};
+use crate::integrity::backup::{Copied, Copy, folder_of, regular_or_free};
+use crate::integrity::restore::{Allowed, restore};
 use crate::store::files::paths::DatabaseFiles;
-use crate::store::restore::{Allowed, restore};
 
 /// What is added to the name of a copy that has faults.
 const DAMAGED: &str = ".damaged";

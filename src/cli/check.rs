@@ -5,7 +5,8 @@ use serde_json::json;
 
 use super::{Failure, write_out};
 use crate::domain::counted::counted;
-use crate::store::check::{Checked, MapCheck, check};
+use crate::integrity::check::{Checked, check};
+use crate::integrity::map_check::MapCheck;
 use crate::store::files::paths::DatabaseFiles;
 
 /// At most so many faults are listed for a person; `--json` has them all.

@@ -13,8 +13,8 @@ use crate::api::recording::write_line;
 use crate::client::Client;
 use crate::domain::counted::counted;
 use crate::domain::ids::MapId;
+use crate::integrity::backup::{folder_of, regular_or_free};
 use crate::store::Export;
-use crate::store::backup::{folder_of, regular_or_free};
 use crate::store::files::paths::DatabaseFiles;
 
 /// Compression level of a file that ends in `.zst`.

@@ -10,6 +10,7 @@ use tokio::net::TcpListener;
 
 use super::replay::OwnServer;
 use super::{Failure, stop_on_signal, write_out};
+use crate::api::verdict::LoopAnswer;
 use crate::config::memory::MemoryArgs;
 use crate::config::quotas::Quotas;
 use crate::config::traces::Traces;
@@ -83,6 +84,7 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
         keys_required: !args.listen.ip().is_loopback(),
         quotas: args.quotas,
         map_memory: args.memory.map_memory_bytes(),
+        write_answer: LoopAnswer::bytes,
     })
     .await?;
     if !args.listen.ip().is_loopback() && !service.keys().has_good_key() {
@@ -128,7 +130,7 @@ pub async fn own_server() -> Result<OwnServer, Failure> {
 pub(super) async fn temporary_server(vocabulary: Option<Vocabulary>) -> Result<OwnServer, Failure> {
     let directory = tempfile::tempdir()?;
     let database = format!("sqlite://{}", directory.path().join("revisit.db").display());
-    let mut options = ServiceOptions::on(database);
+    let mut options = ServiceOptions::on(database, LoopAnswer::bytes);
     if let Some(vocabulary) = vocabulary {
         let path = directory.path().join("hotel.voc");
         vocabulary.write_binary(BufWriter::new(File::create(&path)?))?;

@@ -12,8 +12,12 @@ pub mod limits;
 mod maps;
 mod operations;
 mod options;
+mod rebuild;
 #[cfg(test)]
 mod rebuild_equals_live;
+mod triggers;
+mod unexamined;
+mod verdict_record;
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -33,7 +37,7 @@ pub use operations::keyframes::PendingKeyframe;
 pub use operations::loops::ConfirmedLoop;
 pub use operations::queries::{QueryAnswer, Timings};
 pub use operations::stats::Stats;
-pub use options::{ModelChoice, ServiceOptions};
+pub use options::{ModelChoice, ServiceOptions, WriteAnswer};
 
 use crate::config::quotas::Quotas;
 use crate::domain::ids::MapId;
@@ -41,7 +45,6 @@ use crate::llm::Models;
 use crate::store::{Job, MapKey, Store};
 use bow::NamedVocabulary;
 use descriptions::rejudging::Rejudging;
-pub use descriptions::worker::Trigger;
 use descriptions::worker::Worker;
 use keys::keyring::Keyring;
 use limits::concurrency_limit::ConcurrencyLimit;
@@ -49,6 +52,9 @@ use limits::load_shedding::LoadShedding;
 use maps::features::FeatureCache;
 use maps::live::LiveMap;
 use maps::registry::Registry;
+use triggers::Triggers;
+use verdict_record::VerdictCounters;
+pub use verdict_record::VerdictCounts;
 
 /// At most so many writes are decided or wait for the disk at once; more wait their turn.
 const WRITES_AT_ONCE: usize = 512;
@@ -91,6 +97,9 @@ pub struct Parts {
     models: Option<Arc<Models>>,
     worker: Arc<Worker>,
     rejudging: Arc<Rejudging>,
+    triggers: Arc<Triggers>,
+    verdicts: Arc<VerdictCounters>,
+    write_answer: WriteAnswer,
     keys: Keyring,
     quotas: Quotas,
     exports: Exports,
@@ -116,11 +125,14 @@ impl Service {
         };
         let store = Store::open(&options.database).await?;
         let models = open_models(options.models, &store).await?.map(Arc::new);
-        let registry = Arc::new(Registry::new(store.next_map_key().await?, options.map_memory));
+        let registry = Arc::new(Registry::new(options.map_memory));
         let service = Self(Arc::new(Parts {
             models: models.clone(),
             worker: Worker::new(),
             rejudging: Arc::default(),
+            triggers: Arc::default(),
+            verdicts: Arc::default(),
+            write_answer: options.write_answer,
             keys: Keyring::open(store.clone(), options.keys_required).await?,
             quotas: options.quotas,
             exports: Exports::default(),
@@ -136,6 +148,7 @@ impl Service {
             backups: None,
         }));
         service.poll_key_changes();
+        service.start_triggers();
         if let Some(models) = models {
             service.worker.start(service.clone(), models.clone());
             service.rejudging.start(service.clone(), models);

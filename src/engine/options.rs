@@ -6,7 +6,13 @@ use std::sync::Arc;
 use crate::config::memory::MemoryArgs;
 use crate::config::models::ModelArgs;
 use crate::config::quotas::Quotas;
+use crate::domain::ids::KeyframeId;
+use crate::domain::verdict::Verdict;
 use crate::llm::port::Model;
+
+/// Writes the answer of a loop query, by its id, keyframe and verdict, as clients receive it. This is the engine's port to
+/// the shapes of the API: it records the very bytes, and does not know the shapes.
+pub type WriteAnswer = fn(&str, Option<&KeyframeId>, &Verdict) -> Result<Vec<u8>, serde_json::Error>;
 
 /// How to open the service.
 #[derive(Clone, Debug)]
@@ -23,6 +29,8 @@ pub struct ServiceOptions {
     pub quotas: Quotas,
     /// What the maps in memory may take together, in bytes; idle ones leave when it is exceeded.
     pub map_memory: u64,
+    /// Writes the answers of loop queries.
+    pub write_answer: WriteAnswer,
 }
 
 /// The models to ask.
@@ -39,8 +47,8 @@ pub enum ModelChoice {
 }
 
 impl ServiceOptions {
-    /// A service on this database, without a vocabulary.
-    pub fn on(database: impl Into<String>) -> Self {
+    /// Returns the options of a service on this database, without a vocabulary.
+    pub fn on(database: impl Into<String>, write_answer: WriteAnswer) -> Self {
         Self {
             database: database.into(),
             vocabulary: None,
@@ -48,6 +56,13 @@ impl ServiceOptions {
             keys_required: false,
             quotas: Quotas::default(),
             map_memory: MemoryArgs::default().map_memory_bytes(),
+            write_answer,
         }
+    }
+
+    /// Returns the options of a service that writes of an answer its id only.
+    #[cfg(test)]
+    pub(super) fn for_tests(database: impl Into<String>) -> Self {
+        Self::on(database, |id, _, _| serde_json::to_vec(&serde_json::json!({ "id": id })))
     }
 }

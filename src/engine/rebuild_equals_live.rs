@@ -11,6 +11,7 @@ use sqlx::sqlite::SqliteConnectOptions;
 use sqlx::{AssertSqlSafe, ConnectOptions as _, Executor as _};
 
 use super::maps::live::Decision;
+use super::rebuild::rebuild;
 use super::{Parts, Service, ServiceError, ServiceOptions};
 use crate::config::models::ModelArgs;
 use crate::domain::bow::BowVector;
@@ -32,6 +33,7 @@ use crate::recognition::learning::{learn_away, learn_reading, learn_verdict};
 use crate::recognition::recorder::Recorder;
 use crate::recognition::rejudging::rejudge;
 use crate::semantics::Text;
+use crate::store::Order;
 
 #[derive(Clone, Debug)]
 enum Request {
@@ -446,7 +448,7 @@ fn verdict(class: u8, a: u8, b: u8, finding: u8) -> ModelVerdict {
 async fn holds_after(requests: Vec<Request>) {
     let folder = tempfile::tempdir().unwrap();
     let database = format!("sqlite://{}/law.db", folder.path().display());
-    let service = Service::open(ServiceOptions::on(database)).await.unwrap();
+    let service = Service::open(ServiceOptions::for_tests(database)).await.unwrap();
     let map: MapId = "hotel".parse().unwrap();
     let mut properties = MapProperties { metric: true, ..MapProperties::default() };
     properties.settings.covisibility_min_shared_points = 3;
@@ -460,22 +462,22 @@ async fn holds_after(requests: Vec<Request>) {
         }
     }
     let live = service.live(&map).await.unwrap();
-    let loaded = service.store.load(&map).await.unwrap().unwrap();
-    let backwards = service.store.load_backwards(&map).await.unwrap().unwrap();
+    let loaded = rebuild(&service.store, &map, Order::Forwards).await.unwrap().unwrap();
+    let backwards = rebuild(&service.store, &map, Order::Backwards).await.unwrap().unwrap();
     {
         let state = live.state().unwrap();
-        assert_eq!(loaded.version, state.version);
+        assert_eq!(loaded.facts.version, state.version);
         pretty(&loaded.index, &state.index);
         // What `revisit check` builds to find out whether a database holds the law.
         pretty(&backwards.index, &state.index);
         // What lists of maps show, without an index.
-        assert_eq!(loaded.figures, state.index.figures());
-        assert_eq!(loaded.learned, Some(state.index.learned()));
+        assert_eq!(loaded.facts.figures, state.index.figures());
+        assert_eq!(loaded.facts.learned, Some(state.index.learned()));
     }
     let listed = service.get_map(&map).await.unwrap();
-    assert_eq!((listed.version, &listed.properties), (loaded.version, loaded.index.properties()));
+    assert_eq!((listed.version, &listed.properties), (loaded.facts.version, loaded.index.properties()));
     assert_eq!(listed.vocabulary.as_deref(), loaded.index.vocabulary());
-    let figures = loaded.figures;
+    let figures = loaded.facts.figures;
     drop(live);
     let database = folder.path().join("law.db");
     until_folded(&database).await;
@@ -571,7 +573,7 @@ async fn with_roles(service: &Service, roles: Roles) -> Service {
 async fn one_id_is_one_verdict_after(requests: Vec<Request>) {
     let folder = tempfile::tempdir().unwrap();
     let database = format!("sqlite://{}/law.db", folder.path().display());
-    let service = Service::open(ServiceOptions::on(database)).await.unwrap();
+    let service = Service::open(ServiceOptions::for_tests(database)).await.unwrap();
     let map: MapId = "hotel".parse().unwrap();
     let mut properties = MapProperties { metric: true, ..MapProperties::default() };
     properties.settings.covisibility_min_shared_points = 3;

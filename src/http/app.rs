@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use axum::extract::FromRef;
 use bytes::Bytes;
-use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 
 use super::connection::answer_memory::AnswerMemory;
@@ -16,7 +15,6 @@ use super::guards::body_memory::BodyMemory;
 use super::guards::route_permissions::RoutePermissions;
 use super::guards::stream_limit::StreamLimit;
 use super::metrics::counters::Metrics;
-use super::routes;
 use crate::config::limits::LimitArgs;
 use crate::engine::Service;
 
@@ -36,8 +34,6 @@ pub struct Parts {
     pub permissions: RoutePermissions,
     /// Cancelled when shutdown begins.
     pub stopping: CancellationToken,
-    /// Triggered loop checks under way.
-    pub triggers: Arc<Semaphore>,
     /// Limits on concurrency, sizes and times.
     pub limits: LimitArgs,
     /// The lowest rate at which a body may arrive.
@@ -76,7 +72,6 @@ impl App {
             metrics: Metrics::default(),
             document: document.into(),
             stopping,
-            triggers: Arc::new(Semaphore::new(routes::TRIGGERS_AT_ONCE)),
             pace: MinRate::of(&limits),
             slots: ConnectionSlots::new(limits.max_connections),
             streams: StreamLimit::new(limits.streams()),

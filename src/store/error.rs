@@ -94,7 +94,7 @@ impl StoreError {
         }
     }
 
-    pub(super) fn corrupt(what: impl Into<String>) -> Self {
+    pub(crate) fn corrupt(what: impl Into<String>) -> Self {
         Self::Corrupt(what.into())
     }
 
@@ -115,7 +115,7 @@ impl StoreError {
     }
 
     /// Returns what is wrong, without the map's name.
-    pub(super) fn fault(self) -> String {
+    pub fn fault(self) -> String {
         match self {
             Self::Damaged { fault, .. } => fault,
             other => other.to_string(),

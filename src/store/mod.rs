@@ -8,7 +8,7 @@
 //! | what a map was sent, and read back in order | [`former_values`], [`operations`], [`export`] |
 //! | what it is asked to do, and what that costs | [`job`], [`cost`] |
 //! | from changes to rows, a group at a time | [`mod@write`], [`additions`], [`rows`], [`map_rows`], [`keyframe_rows`] |
-//! | from rows to changes, when a map is first asked for | [`load`], [`decode`], [`validate`] |
+//! | from rows to changes, when a map is first asked for | [`facts`], [`load`], [`decode`], [`validate`] |
 //! | what models said, and what it cost | [`model_rows`] |
 //! | jobs that ask models again, and the verdicts they replaced | [`judgement_rows`], [`replaced_rows`] |
 //! | API keys | [`key_rows`] |
@@ -16,16 +16,17 @@
 //! | a disk that is full or fails | [`health`], [`reserve`], [`transaction`], [`renewal`] |
 //! | packed lists in blobs | [`blob`] |
 //! | where it lies, and who may write to it | [`files`], [`lock`] |
-//! | copies of it, and back | [`backup`], [`restore`] |
-//! | is it whole? | [`check`], [`log`] |
+//! | copies of it, and what it holds | [`copying`], [`holdings`] |
+//! | looking at it as it is | [`inspection`], [`log`] |
 
-pub mod backup;
-pub mod check;
 mod commit;
+pub mod copying;
 mod error;
 mod export;
+mod facts;
 pub mod files;
-pub mod restore;
+mod holdings;
+mod inspection;
 mod rows;
 mod slices;
 #[cfg(test)]
@@ -44,13 +45,17 @@ pub use commit::job::{Batch, Job, MapKey, NewKeyframeRows};
 use commit::transaction::Transaction;
 pub use error::StoreError;
 pub use export::Export;
+pub use facts::{MapFacts, Order};
 use files::disk_reserve::Reserve;
-use files::lock::{DatabaseLock, Purpose};
+pub use files::lock::{DatabaseLock, Purpose};
+pub use files::log::LogFindings;
 use files::paths::DatabaseFiles;
+pub use files::schema::newest as newest_schema;
+pub use holdings::Holdings;
+pub use inspection::{Inspected, Inspection, RowFindings};
 pub use rows::blob::unpacks;
 pub use rows::judgement_rows::Fingerprints;
-pub use rows::key_rows::{KeyTable, NewKeyRow};
-pub use rows::load::Loaded;
+pub use rows::key_rows::{KeyTable, NewKeyRow, standing_keys};
 pub use rows::map_rows::MapRow;
 pub use rows::model_rows::{Spent, UsageRow};
 pub use rows::read::{DetectionRow, KeyframeRow};

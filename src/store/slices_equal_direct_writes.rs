@@ -9,7 +9,8 @@ use sqlx::sqlite::SqlitePool;
 
 use super::commit::job::{Batch, Job, MapKey, NewKeyframeRows};
 use super::commit::write;
-use super::rows::load::{Order, load};
+use super::facts::Order;
+use super::rows::load::load;
 use super::slices::{deferred, deletion, fold};
 use super::tests::database;
 use crate::domain::anchor::Outcome;
@@ -52,11 +53,11 @@ async fn make_map(db: &mut SqliteConnection, map: MapKey) {
     }
 }
 
-/// Returns the jobs that make a map with keyframes of two sessions, each of which sees an anchor of its own at a position.
+/// Returns the jobs that make the map that gets this key, with keyframes of two sessions, each of which sees an anchor of its own at a position.
 fn map_jobs(map: MapKey) -> Vec<Job> {
     let properties = Box::new(MapProperties::default());
     let id = format!("map-{map}").parse().unwrap();
-    let mut jobs = vec![Job::CreateMap { key: map, id, properties, digest: [0; 32], owner: None }];
+    let mut jobs = vec![Job::CreateMap { id, properties, digest: [0; 32], owner: None }];
     for seq in 0..KEYFRAMES {
         let session = SessionSeq(seq % 2);
         let pose = Pose::new([f64::from(seq), 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).unwrap();
@@ -171,7 +172,11 @@ fn changes_of(step: &Step, version: u64) -> Vec<Change> {
 }
 
 async fn index_of(db: &mut SqliteConnection, order: Order) -> MapIndex {
-    load(db, &"map-1".parse().unwrap(), order).await.unwrap().unwrap().index
+    let mut index = MapIndex::default();
+    let id = "map-1".parse().unwrap();
+    let facts = load(db, &id, order, |changes| index.apply(changes)).await.unwrap().unwrap();
+    index.reserve(facts.next_keyframe.0, facts.next_anchor.0);
+    index
 }
 
 /// Every row that a deferred change may touch, as text.
@@ -325,8 +330,8 @@ proptest! {
             }
             // Its name is free at once.
             let id = "map-2".parse().unwrap();
-            assert!(load(&mut db, &id, Order::Forwards).await.unwrap().is_none());
-            let create = Job::CreateMap { key: 3, id, properties: Box::default(), digest: [1; 32], owner: None };
+            assert!(load(&mut db, &id, Order::Forwards, |_| {}).await.unwrap().is_none());
+            let create = Job::CreateMap { id, properties: Box::default(), digest: [1; 32], owner: None };
             execute(&mut db, &create).await;
             // Its deferred changes reach no rows any more.
             assert!(!fold::fold_entries(&mut db, 1).await.unwrap());

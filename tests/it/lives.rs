@@ -4,6 +4,7 @@ use std::str::FromStr as _;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use revisit::api::verdict::LoopAnswer;
 use revisit::domain::map::MapProperties;
 use revisit::engine::{Service, ServiceError, ServiceOptions};
 use serde_json::json;
@@ -50,7 +51,7 @@ async fn what_is_written_while_its_map_is_made_stays() {
 async fn a_deletion_goes_to_its_end_when_its_client_has_gone() {
     let folder = tempfile::tempdir().unwrap();
     let database = format!("sqlite://{}", folder.path().join("test.db").display());
-    let service = Service::open(ServiceOptions::on(database)).await.unwrap();
+    let service = Service::open(ServiceOptions::on(database, LoopAnswer::bytes)).await.unwrap();
     let id = revisit::domain::ids::MapId::from_str("m").unwrap();
     let mut finished = 0;
     for polls in 0..12 {

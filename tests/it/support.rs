@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use reqwest::header::{CONTENT_TYPE, HeaderMap};
 use reqwest::{Method, RequestBuilder, StatusCode};
+use revisit::api::verdict::LoopAnswer;
 use revisit::config::limits::LimitArgs;
 use revisit::config::quotas::Quotas;
 use revisit::engine::{ModelChoice, Service, ServiceOptions};
@@ -71,7 +72,8 @@ impl Server {
     pub async fn within(limits: &[&str]) -> (Self, Service) {
         let directory = tempfile::tempdir().expect("a temporary directory");
         let database = format!("sqlite://{}", directory.path().join("test.db").display());
-        let service = Service::open(ServiceOptions::on(database)).await.expect("a service");
+        let service =
+            Service::open(ServiceOptions::on(database, LoopAnswer::bytes)).await.expect("a service");
         let limits = LimitArgs::of(limits).expect("limits");
         let running = RunningServer::start_within(service.clone(), limits).await.expect("a free port");
         (Self { http: client(), running, _directory: Some(directory) }, service)
@@ -95,7 +97,7 @@ impl Server {
 
     async fn on_with(directory: &Path, choose: impl FnOnce(&mut ServiceOptions)) -> Self {
         let database = format!("sqlite://{}", directory.join("test.db").display());
-        let mut options = ServiceOptions::on(database);
+        let mut options = ServiceOptions::on(database, LoopAnswer::bytes);
         choose(&mut options);
         let service = Service::open(options).await.expect("a service");
         let running = RunningServer::start(service).await.expect("a free port");

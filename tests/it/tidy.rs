@@ -12,7 +12,7 @@ const LAYERS: &[&[&str]] = &[
     &["hotel"],
     &["http", "client"],
     &["engine", "api"],
-    &["llm"],
+    &["models", "integrity"],
     &["store"],
     &["recognition"],
     &["vocabulary"],

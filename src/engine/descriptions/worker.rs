@@ -4,21 +4,25 @@
 //! is used, so nothing is paid twice. Maps take turns. A model that is away is left alone, and the maps that wait for it
 //! say so.
 
-use std::collections::{HashMap, HashSet, VecDeque};
+#[cfg(test)]
+mod tests;
+
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use tokio::sync::{Notify, mpsc};
+use tokio::sync::Notify;
 use tokio::task::JoinHandle;
 use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 
 use super::backlog::{Backlog, PAUSE_MAX};
 use super::running_jobs::{Done, Jobs};
-use crate::domain::ids::{KeyframeId, MapId};
+use crate::domain::ids::MapId;
 use crate::engine::maps::live::{Decision, LiveMap};
 use crate::engine::maps::pinned::PinnedMap;
+use crate::engine::unexamined::UnexaminedMaps;
 use crate::engine::{Service, ServiceError};
 use crate::llm::Models;
 use crate::llm::embeddings::Embeddings as ModelEmbeddings;
@@ -40,52 +44,57 @@ const DRAIN: Duration = Duration::from_secs(8);
 /// How long it takes no new jobs when it finds the server under pressure.
 const REST: Duration = Duration::from_millis(250);
 
-/// Triggered loop checks that wait to be taken; more are passed over.
-const TRIGGERS_WAITING: usize = 256;
-
-/// A keyframe to be asked about, because a model has found that it sees something seen before.
-pub type Trigger = (MapId, KeyframeId);
+/// The maps that were written to since the last round, each with the newest version that was decided.
+type WrittenMaps = std::sync::Mutex<HashMap<MapKey, (MapId, u64)>>;
 
 /// The handle to the worker.
 #[derive(Debug)]
 pub(in crate::engine) struct Worker {
     wake: Arc<Notify>,
+    written: Arc<WrittenMaps>,
     stop: CancellationToken,
     open_jobs: Arc<AtomicU64>,
     running: std::sync::Mutex<Option<JoinHandle<()>>>,
-    triggers: std::sync::Mutex<Option<mpsc::Receiver<Trigger>>>,
-    pub trigger: mpsc::Sender<Trigger>,
 }
 
 impl Worker {
     pub fn new() -> Arc<Self> {
-        let (trigger, triggers) = mpsc::channel(TRIGGERS_WAITING);
         Arc::new(Self {
             wake: Arc::default(),
+            written: Arc::default(),
             stop: CancellationToken::new(),
             open_jobs: Arc::default(),
             running: std::sync::Mutex::default(),
-            triggers: std::sync::Mutex::new(Some(triggers)),
-            trigger,
         })
     }
 
     /// Starts looking for work, until [`Self::stop`].
     pub fn start(&self, service: Service, models: Arc<Models>) {
-        let round = Round {
+        *lock(&self.running) = Some(tokio::spawn(self.round(service, models).run()));
+    }
+
+    fn round(&self, service: Service, models: Arc<Models>) -> Round {
+        Round {
             service,
             models,
             wake: self.wake.clone(),
+            written: self.written.clone(),
             stop: self.stop.clone(),
             open_jobs: self.open_jobs.clone(),
             boards: HashMap::new(),
             jobs: Jobs::default(),
             resume_at: None,
             was_away: false,
-            unseen: VecDeque::new(),
+            unexamined: UnexaminedMaps::default(),
             turn: 0,
-        };
-        *lock(&self.running) = Some(tokio::spawn(round.run()));
+        }
+    }
+
+    /// Notes that a map was written to, and wakes the worker. The map is named because it may leave memory before the
+    /// next round, which would not find it there.
+    pub fn note_write(&self, live: &LiveMap) {
+        lock(&self.written).insert(live.key, (live.id.clone(), live.newest_version()));
+        self.wake();
     }
 
     /// Something changed: there may be work.
@@ -96,16 +105,6 @@ impl Worker {
     /// Jobs found and not done.
     pub fn open_jobs(&self) -> u64 {
         self.open_jobs.load(Ordering::Relaxed)
-    }
-
-    /// Keyframes to be asked about that nobody has taken yet.
-    pub fn triggers_waiting(&self) -> u64 {
-        (TRIGGERS_WAITING - self.trigger.capacity().min(TRIGGERS_WAITING)) as u64
-    }
-
-    /// The keyframes to be asked about; whoever comes first gets them.
-    pub fn take_triggers(&self) -> Option<mpsc::Receiver<Trigger>> {
-        lock(&self.triggers).take()
     }
 
     /// Takes no more jobs, and lets those under way finish.
@@ -127,6 +126,7 @@ struct Round {
     service: Service,
     models: Arc<Models>,
     wake: Arc<Notify>,
+    written: Arc<WrittenMaps>,
     stop: CancellationToken,
     open_jobs: Arc<AtomicU64>,
     /// By the map's key: another map of the same name has nothing of it.
@@ -135,15 +135,15 @@ struct Round {
     /// While a model is away: when to try again.
     resume_at: Option<Instant>,
     was_away: bool,
-    /// Maps that may have been left with work before a restart, not looked at yet.
-    unseen: VecDeque<MapId>,
+    /// Maps that may have work from before a restart or from a write before they left memory.
+    unexamined: UnexaminedMaps,
     /// Whose turn it is.
     turn: usize,
 }
 
 impl Round {
     async fn run(mut self) {
-        self.list_unseen().await;
+        self.list_unexamined().await;
         while !self.stop.is_cancelled() {
             let next_look = self.hand_out().await;
             let open: usize = self.boards.values().map(|b| b.found.len() + b.under_way.len()).sum();
@@ -165,9 +165,9 @@ impl Round {
 
     /// What was left undone before a restart is found in maps that no client has asked for yet. They are looked at one by
     /// one, and do not stay in memory for it.
-    async fn list_unseen(&mut self) {
+    async fn list_unexamined(&mut self) {
         match self.service.store.maps_with_crops().await {
-            Ok(maps) => self.unseen = maps.into(),
+            Ok(maps) => maps.into_iter().for_each(|map| self.unexamined.add(map)),
             Err(error) => tracing::error!(%error, "the maps with crops cannot be listed"),
         }
     }
@@ -176,10 +176,12 @@ impl Round {
     async fn hand_out(&mut self) -> Option<Instant> {
         let now = Instant::now();
         let mut in_memory = HashSet::new();
+        let written = std::mem::take(&mut *lock(&self.written));
         let wanted = self.service.registry.in_memory(|live| {
             in_memory.insert(live.key);
             self.wants_look(live, now)
         });
+        self.note_written(written, &in_memory);
         // A map with work keeps its board when it leaves memory.
         self.boards
             .retain(|key, board| in_memory.contains(key) || board.waits() || board.looked_at.is_none());
@@ -220,36 +222,54 @@ impl Round {
                 None => ready.retain(|other| *other != key),
             }
         }
-        if self.jobs.len() < hands && self.look_at_absent(&in_memory).await {
-            return Some(Instant::now());
+        if self.jobs.len() < hands {
+            return earlier(next_look, self.look_at_absent(&in_memory).await);
         }
         next_look
     }
 
+    /// Has the maps that were written to looked at, whether they are still in memory or not.
+    fn note_written(&mut self, written: HashMap<MapKey, (MapId, u64)>, in_memory: &HashSet<MapKey>) {
+        for (key, (map, version)) in written {
+            match self.boards.get_mut(&key) {
+                // It may leave memory before it may be looked at again; the board stays with it.
+                Some(board) if board.looked_at.is_none_or(|seen| seen < version) => board.looked_at = None,
+                Some(_) => {}
+                None if in_memory.contains(&key) => {}
+                None => self.unexamined.add(map),
+            }
+        }
+    }
+
     /// Looks at one map that is not in memory and may have work: for free hands only, so that maps come to memory no faster
-    /// than their work is done. Returns whether there was one.
-    async fn look_at_absent(&mut self, in_memory: &HashSet<MapKey>) -> bool {
+    /// than their work is done. Returns when there may be another one.
+    async fn look_at_absent(&mut self, in_memory: &HashSet<MapKey>) -> Option<Instant> {
         let now = Instant::now();
         let is_absent = |(key, board): &(&MapKey, &Backlog)| !in_memory.contains(key) && board.is_due(now);
         let due = self.boards.iter().find(is_absent).map(|(key, board)| (*key, board.map.clone()));
-        let loaded = match &due {
-            Some((_, map)) => self.service.live_pinned_in_background(map).await,
-            None => match self.unseen.pop_front() {
-                Some(id) => self.service.live_in_background(&id).await,
-                None => return false,
-            },
-        };
-        match (loaded, due) {
-            (Ok(live), _) => self.look(&live).await,
-            (Err(ServiceError::NotFound(_)), Some((key, _))) => drop(self.boards.remove(&key)),
-            (Err(_), Some((key, _))) => {
-                if let Some(board) = self.boards.get_mut(&key) {
-                    board.look_again_at = Some(Instant::now() + REST);
+        if let Some((key, map)) = due {
+            match self.service.live_pinned_in_background(&map).await {
+                Ok(live) => self.look(&live).await,
+                Err(ServiceError::NotFound(_)) => drop(self.boards.remove(&key)),
+                Err(_) => {
+                    if let Some(board) = self.boards.get_mut(&key) {
+                        board.look_again_at = Some(Instant::now() + REST);
+                    }
                 }
             }
-            (Err(_), None) => {}
+            return Some(Instant::now());
         }
-        true
+        let Some(unexamined) = self.unexamined.take(now) else { return self.unexamined.next_due(now) };
+        match self.service.live_in_background(&unexamined.map).await {
+            Ok(live) => self.look(&live).await,
+            // A damaged map is not repaired while the server runs.
+            Err(ServiceError::NotFound(_) | ServiceError::Damaged(_)) => {}
+            Err(error) => {
+                tracing::debug!(map = %unexamined.map, %error, "a map could not be looked at; it is tried again");
+                self.unexamined.put_back(unexamined, Instant::now());
+            }
+        }
+        Some(Instant::now())
     }
 
     /// Whether a map in memory has changed since the last look, or must hear that a model is away or back.
@@ -409,20 +429,6 @@ fn earlier(a: Option<Instant>, b: Option<Instant>) -> Option<Instant> {
     match (a, b) {
         (Some(a), Some(b)) => Some(a.min(b)),
         (a, b) => a.or(b),
-    }
-}
-
-impl Service {
-    /// The keyframes to be asked about because of what models have found; whoever comes first gets them.
-    pub fn take_triggers(&self) -> Option<mpsc::Receiver<Trigger>> {
-        self.worker.take_triggers()
-    }
-
-    pub(in crate::engine) fn trigger(&self, map: &MapId, keyframes: Vec<KeyframeId>) {
-        for keyframe in keyframes {
-            // Full: who wants to know asks.
-            let _ = self.worker.trigger.try_send((map.clone(), keyframe));
-        }
     }
 }
 

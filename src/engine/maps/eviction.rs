@@ -21,7 +21,8 @@ use crate::config::logging::in_part;
 use crate::domain::ids::MapId;
 use crate::engine::cores;
 use crate::engine::error::ServiceError;
-use crate::store::{Store, StoreError};
+use crate::engine::rebuild::rebuild;
+use crate::store::{Order, Store, StoreError};
 
 /// Whether a map was asked for by a client, or by work in the background, after which it may leave first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,10 +116,10 @@ impl Registry {
             let loaded = handle.block_on(async {
                 // What a map that is forgotten had queued is settled first: a write under way would be missed.
                 store.committer().settled().await;
-                store.load(&id).await
+                rebuild(&store, &id, Order::Forwards).await
             })?;
             let loaded = loaded.ok_or_else(|| ServiceError::no_map(&id))?;
-            let feed = registry.feeds.of(loaded.key, loaded.next_event - 1);
+            let feed = registry.feeds.of(loaded.facts.key, loaded.facts.next_event - 1);
             let live = LiveMap::new(id, loaded, feed, &registry.memory);
             registry.loaded(&live, started);
             registry.make_room(0);

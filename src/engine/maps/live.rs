@@ -19,10 +19,11 @@ use crate::domain::ids::MapId;
 use crate::domain::key::KeySeq;
 use crate::engine::error::ServiceError;
 use crate::engine::limits::concurrency_limit::ConcurrencyLimit;
+use crate::engine::rebuild::RebuiltMap;
 use crate::engine::{WAITING_MAX, cores};
 use crate::recognition::index::MapIndex;
 use crate::recognition::recorder::Decided;
-use crate::store::{Batch, Job, Loaded, MapKey, NewKeyframeRows, PoisonFlag, Store, StoreError};
+use crate::store::{Batch, Job, MapKey, NewKeyframeRows, PoisonFlag, Store, StoreError};
 
 /// At most so many reads of one map compute at once, for each core: half of what all maps together may, so that readers who
 /// wait for one map's lock leave room for those of another.
@@ -100,28 +101,25 @@ pub(in crate::engine) struct Pending<T> {
 
 impl LiveMap {
     /// A map that was loaded.
-    pub fn new(id: MapId, loaded: Loaded, feed: Arc<Feed>, memory: &Arc<MapMemory>) -> Arc<Self> {
+    pub fn new(id: MapId, loaded: RebuiltMap, feed: Arc<Feed>, memory: &Arc<MapMemory>) -> Arc<Self> {
+        let RebuiltMap { facts, index } = loaded;
         Arc::new(Self {
             id,
-            key: loaded.key,
-            owner: loaded.owner,
+            key: facts.key,
+            owner: facts.owner,
             lane: tokio::sync::Mutex::default(),
             line: Arc::new(AtomicBool::new(false)),
             gone: AtomicBool::new(false),
             reads: ConcurrencyLimit::new(READS_OF_A_MAP_PER_CORE * cores(), WAITING_MAX),
-            newest: AtomicU64::new(loaded.version),
-            on_disk: watch::Sender::new(loaded.version),
+            newest: AtomicU64::new(facts.version),
+            on_disk: watch::Sender::new(facts.version),
             feed,
-            memory: memory.share(loaded.index.memory_bytes()),
+            memory: memory.share(index.memory_bytes()),
             last_use: AtomicU64::new(0),
             kept: Mutex::default(),
-            next_kept: AtomicI64::new(loaded.next_kept),
+            next_kept: AtomicI64::new(facts.next_kept),
             figures: Mutex::default(),
-            state: RwLock::new(State {
-                index: loaded.index,
-                version: loaded.version,
-                next_event: loaded.next_event,
-            }),
+            state: RwLock::new(State { index, version: facts.version, next_event: facts.next_event }),
         })
     }
 

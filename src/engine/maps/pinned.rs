@@ -30,22 +30,6 @@ impl PinnedMap {
     }
 }
 
-/// A map that stays in memory as long as this is held.
-#[derive(Clone, Debug)]
-pub struct HeldMap(pub(in crate::engine) Arc<LiveMap>);
-
-impl HeldMap {
-    pub(in crate::engine) fn live(&self) -> &Arc<LiveMap> {
-        &self.0
-    }
-}
-
-impl PartialEq for HeldMap {
-    fn eq(&self, other: &Self) -> bool {
-        self.0.key == other.0.key
-    }
-}
-
 impl Service {
     /// Returns the map that has this name now, which need not be in memory for that.
     pub async fn pin_map(&self, id: &MapId) -> Result<PinnedMap, ServiceError> {

@@ -6,7 +6,6 @@
 //! its map ([`super::eviction`]); and what was loaded into a cell that has left is thrown away.
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicI64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::OnceCell;
@@ -17,7 +16,7 @@ use super::live::LiveMap;
 use super::map_memory::MapMemory;
 use crate::domain::ids::MapId;
 use crate::engine::error::ServiceError;
-use crate::store::{MapKey, Store};
+use crate::store::Store;
 
 /// How often a request loads a map whose writes keep failing, or that comes and goes.
 const LOADS_MAX: usize = 5;
@@ -28,7 +27,6 @@ pub(in crate::engine) type Cell = Arc<OnceCell<Arc<LiveMap>>>;
 #[derive(Debug)]
 pub(in crate::engine) struct Registry {
     cells: Mutex<HashMap<MapId, Cell>>,
-    next_key: AtomicI64,
     /// What the maps take, and may take.
     pub memory: Arc<MapMemory>,
     /// How maps come to memory and leave it.
@@ -40,20 +38,14 @@ pub(in crate::engine) struct Registry {
 }
 
 impl Registry {
-    pub fn new(next_key: MapKey, memory: u64) -> Self {
+    pub fn new(memory: u64) -> Self {
         Self {
             cells: Mutex::default(),
-            next_key: AtomicI64::new(next_key),
             memory: MapMemory::new(memory),
             loads: Loads::default(),
             feeds: Arc::default(),
             births: Arc::default(),
         }
-    }
-
-    /// A key never given before.
-    pub fn next_key(&self) -> MapKey {
-        self.next_key.fetch_add(1, Ordering::Relaxed)
     }
 
     /// The map, loaded if need be, and anew if a write to it failed. Concurrent first requests share one load.

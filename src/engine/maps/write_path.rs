@@ -49,7 +49,9 @@ impl Service {
                 .map_err(ServiceError::panicked)??;
         self.registry.keep_to_budget();
         // Whatever was written, an anchor may lack something now.
-        self.worker.wake();
+        if self.models.is_some() {
+            self.worker.note_write(live);
+        }
         Ok(Begun { live: live.clone(), pending })
     }
 

@@ -21,8 +21,8 @@ use crate::domain::ids::BackupId;
 use crate::domain::keyframe::Stamp;
 use crate::domain::report::{BackupReport, Page};
 use crate::engine::{Parts, Service, ServiceError};
+use crate::integrity::backup::{Copied, Copy, PARTIAL, sync_folder};
 use crate::store::StoreError;
-use crate::store::backup::{Copied, Copy, PARTIAL, sync_folder};
 use crate::store::files::paths::DatabaseFiles;
 
 /// When to ask again while another backup is being taken, in seconds.

@@ -1,7 +1,10 @@
 //! What happened in a map, for those who listen.
 
+use std::sync::Arc;
+
 use crate::domain::event::{Event, EventKind};
-use crate::domain::ids::{KeyframeId, MapId};
+use crate::domain::ids::MapId;
+use crate::engine::maps::live::LiveMap;
 use crate::engine::{Listener, PinnedMap, QueryAnswer, Service, ServiceError};
 use crate::store::StoreError;
 
@@ -52,14 +55,13 @@ impl Service {
         Ok((pinned, listener))
     }
 
-    /// Tells that a keyframe that arrived is a loop. Written behind: the verdict can be asked for again.
-    pub fn announce_loop(&self, keyframe: &KeyframeId, answer: &QueryAnswer) {
-        let live = answer.map.live().clone();
+    /// Announces that a keyframe that arrived is a loop. Written behind: the verdict can be asked for again.
+    pub(in crate::engine) fn announce_loop(&self, live: &Arc<LiveMap>, answer: &QueryAnswer) {
         let mut event = Event::of(EventKind::LoopFound);
-        event.keyframe = Some(keyframe.clone());
+        event.keyframe.clone_from(&answer.keyframe);
         event.candidate.clone_from(&answer.verdict.best);
         event.query = Some(answer.id.clone());
-        let store = self.store.clone();
+        let (live, store) = (live.clone(), self.store.clone());
         // Takes the map's lock, which may be held for a while; the answer need not wait for it.
         drop(tokio::task::spawn_blocking(move || live.tell(&store, vec![event])));
     }

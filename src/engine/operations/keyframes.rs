@@ -15,7 +15,7 @@ use crate::engine::limits::quota::check_keyframe;
 use crate::engine::maps::live::{Decision, LiveMap, State};
 use crate::engine::maps::pinned::PinnedMap;
 use crate::engine::maps::write_path::{Begun, Manner};
-use crate::engine::{Service, ServiceError, Stored};
+use crate::engine::{QueryAnswer, Service, ServiceError, Stored};
 use crate::recognition::anchor_map::{Centre, local_anchor_map};
 use crate::recognition::culling::cull_keyframe;
 use crate::recognition::distinctiveness::PlaceCounts;
@@ -43,8 +43,17 @@ pub struct PendingKeyframe {
 const PUT_AGAIN_MAX: usize = 16;
 
 impl PendingKeyframe {
-    /// Waits until it is on disk.
+    /// Waits until it is on disk. If it is new and shows an anchor seen before, a loop check is triggered (§III).
     pub async fn committed(self) -> Result<Stored<KeyframeReport>, ServiceError> {
+        let (service, map) = (self.service.clone(), self.live.id.clone());
+        let stored = self.stored().await?;
+        if stored.created && stored.value.revisits {
+            service.trigger_loop_check(&map, &stored.value.keyframe);
+        }
+        Ok(stored)
+    }
+
+    async fn stored(self) -> Result<Stored<KeyframeReport>, ServiceError> {
         let Self { service, live, keyframe, digest, manner, mut begun } = self;
         for _ in 0..PUT_AGAIN_MAX {
             let seq = match begun.committed().await? {
@@ -75,6 +84,26 @@ impl Service {
     ) -> Result<Stored<KeyframeReport>, ServiceError> {
         let live = self.live(map).await?;
         self.keyframe_begun(live, keyframe, digest, Manner::Prompt).await?.committed().await
+    }
+
+    /// Stores a keyframe as [`Self::put_keyframe`] does, and answers the loop query about it, which takes the place of
+    /// the one that it may trigger.
+    pub async fn put_keyframe_and_query(
+        &self,
+        map: &MapId,
+        keyframe: NewKeyframe,
+        digest: Digest,
+    ) -> Result<(Stored<KeyframeReport>, QueryAnswer), ServiceError> {
+        let id = keyframe.id.clone();
+        let live = self.live(map).await?;
+        let stored = self.keyframe_begun(live, keyframe, digest, Manner::Prompt).await?.stored().await?;
+        // Listeners are notified of a loop once, not with every retry.
+        let answer = if stored.created {
+            self.query_and_announce(map, id).await?
+        } else {
+            self.query_stored(map, id).await?
+        };
+        Ok((stored, answer))
     }
 
     /// The first half of [`Self::put_keyframe`]: decided and queued, in the order of calls. Who has many keyframes

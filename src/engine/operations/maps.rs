@@ -71,8 +71,7 @@ impl Service {
             return Err(ServiceError::Conflict { code: "map_exists", detail });
         }
         self.disk_takes(false)?;
-        let key = self.registry.next_key();
-        let job = Job::CreateMap { key, id: id.clone(), properties: Box::new(properties), digest, owner };
+        let job = Job::CreateMap { id: id.clone(), properties: Box::new(properties), digest, owner };
         self.store.committer().commit(job).instrument(traces::part("commit")).await?;
         Ok(Stored { created: true, map_version: FIRST_VERSION, value: self.get_map(&id).await? })
     }

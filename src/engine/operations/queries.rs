@@ -18,7 +18,6 @@ use crate::domain::roles::Roles;
 use crate::domain::verdict::{ReasonCode, Verdict};
 use crate::engine::bow::check_vocabulary;
 use crate::engine::maps::live::LiveMap;
-use crate::engine::maps::pinned::HeldMap;
 use crate::engine::{Service, ServiceError, milliseconds_since};
 use crate::recognition::conclusion::conclude;
 use crate::recognition::index::MapIndex;
@@ -30,14 +29,14 @@ use crate::recognition::screening::Screening;
 /// A verdict and its name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct QueryAnswer {
-    /// The map that was asked, to keep the answer in.
-    pub map: HeldMap,
     /// Derived from the map's version and the query, so that the same question has the same name.
     pub id: String,
     /// The keyframe that was asked about, unless it was inline.
     pub keyframe: Option<KeyframeId>,
     /// The answer.
     pub verdict: Verdict,
+    /// The answer as clients receive it, which is what is recorded.
+    pub body: Bytes,
     /// What it took. Not a part of the answer's body, which the same question gives again to the byte.
     pub timings: Timings,
 }
@@ -55,8 +54,11 @@ pub struct Timings {
 
 impl Service {
     /// Answers a loop query. Changes nothing, and calls no model.
-    pub async fn loop_query(&self, map: &MapId, query: LoopQuery) -> Result<QueryAnswer, ServiceError> {
-        let live = self.live(map).await?;
+    pub(in crate::engine) async fn answer(
+        &self,
+        live: &Arc<LiveMap>,
+        query: LoopQuery,
+    ) -> Result<QueryAnswer, ServiceError> {
         let mut query = query;
         if let Subject::Inline(keyframe, _) = &mut query.subject {
             **keyframe = self.compute_bow((**keyframe).clone()).await?;
@@ -64,7 +66,7 @@ impl Service {
         let query = Arc::new(query);
         let deadline = Instant::now() + Duration::from_millis(query.max_wait_ms);
         loop {
-            let answer = self.check(&live, &query).await?;
+            let answer = self.check(live, &query).await?;
             // Only a write can bring what is missing; each is worth another look.
             let version = answer.verdict.map_version;
             let waits = waits_for_descriptions(&answer.verdict) && !self.pressure.is_high();
@@ -124,7 +126,9 @@ impl Service {
             Subject::Inline(..) => None,
         };
         let id = name(&live.id, version, query, configured);
-        Ok(QueryAnswer { map: HeldMap(live.clone()), id, keyframe, verdict, timings })
+        let body = (self.write_answer)(&id, keyframe.as_ref(), &verdict);
+        let body = body.map_err(|error| ServiceError::Internal(error.to_string()))?.into();
+        Ok(QueryAnswer { id, keyframe, verdict, body, timings })
     }
 
     /// The bag of words of a stored keyframe; it lies on disk only.
@@ -133,24 +137,6 @@ impl Service {
         let name = id.clone();
         let (_, seq) = self.read(live, move |state| find(&state.index, &name)).await?;
         self.store.bow(live.key, seq).await?.ok_or_else(|| ServiceError::no_keyframe(id))
-    }
-
-    /// Keeps an answer, as sent, for reading back: written behind, bounded, oldest out first.
-    pub fn keep_query(&self, answer: &QueryAnswer, body: Bytes) {
-        answer.map.live().keep_query(&self.store, &answer.id, body);
-    }
-
-    /// A kept answer.
-    pub async fn kept_query(&self, map: &MapId, id: &str) -> Result<Bytes, ServiceError> {
-        // One that is on its way to the disk keeps its map in memory.
-        let live = self.registry.in_memory_now(map);
-        if let Some(body) = live.and_then(|live| live.query_under_way(id)) {
-            return Ok(body);
-        }
-        let found = self.store.kept_query(self.key_of(map).await?, id).await?;
-        found
-            .map(Bytes::from)
-            .ok_or_else(|| ServiceError::NotFound(format!("there is no loop query {id} in this map")))
     }
 }
 

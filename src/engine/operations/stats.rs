@@ -1,7 +1,7 @@
 //! Stats: figures for the metrics page. They are read while everything else is stuck, so nothing here waits for a lock
 //! that a request holds while it works, and nothing asks the database.
 
-use crate::engine::Service;
+use crate::engine::{Service, VerdictCounts};
 
 /// Figures for the metrics page.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -44,6 +44,10 @@ pub struct Stats {
     pub reads_waiting: u64,
     /// Keyframes to be asked about because of what models have found.
     pub triggers_waiting: u64,
+    /// Loop checks that anchors have triggered and that are not done.
+    pub triggers_under_way: u64,
+    /// Loop queries answered since the start, by verdict.
+    pub verdicts: VerdictCounts,
     /// Features that geometry found in the cache.
     pub feature_cache_hits: u64,
     /// Features that it had to read from disk.
@@ -93,7 +97,9 @@ impl Service {
             writes_waiting: self.writes.waiting() as u64,
             reads_under_way: self.reads.inside() as u64,
             reads_waiting: self.reads.waiting() as u64,
-            triggers_waiting: self.worker.triggers_waiting(),
+            triggers_waiting: self.triggers.waiting(),
+            triggers_under_way: self.triggers.under_way(),
+            verdicts: self.verdicts.counts(),
             feature_cache_hits: features.hits,
             feature_cache_misses: features.misses,
             feature_cache_bytes: features.bytes,
@@ -131,7 +137,7 @@ mod tests {
     async fn figures_are_told_while_a_request_holds_a_map() {
         let folder = tempfile::tempdir().unwrap();
         let database = format!("sqlite://{}/stats.db", folder.path().display());
-        let service = Service::open(ServiceOptions::on(database)).await.unwrap();
+        let service = Service::open(ServiceOptions::for_tests(database)).await.unwrap();
         let id = "hotel".parse().unwrap();
         service.put_map(id, MapProperties::default(), None).await.unwrap();
         let live = service.live(&"hotel".parse().unwrap()).await.unwrap();

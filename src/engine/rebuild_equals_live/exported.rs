@@ -36,7 +36,7 @@ fn any_exported() -> impl Strategy<Value = Vec<Request>> {
 
 async fn open(folder: &tempfile::TempDir) -> Service {
     let database = format!("sqlite://{}/law.db", folder.path().display());
-    Service::open(ServiceOptions::on(database)).await.unwrap()
+    Service::open(ServiceOptions::for_tests(database)).await.unwrap()
 }
 
 async fn exported(service: &Service, map: &MapId) -> Vec<Recorded> {

@@ -39,9 +39,9 @@ use super::sockets;
 use super::unread::Unread;
 use crate::config::limits::LimitArgs;
 use crate::engine::Service;
+use crate::http::App;
 use crate::http::document::document;
 use crate::http::router::router;
-use crate::http::{App, routes};
 
 /// How long requests in flight may take to finish once the server is told to stop.
 const DRAIN: Duration = Duration::from_secs(10);
@@ -67,7 +67,6 @@ pub async fn serve(
 ) -> io::Result<()> {
     let drain = limits.drain;
     let app = App::new(service, limits, serde_json::to_vec(&document())?, stopping.clone())?;
-    routes::ask_about_triggers(&app);
     let server = Arc::new(Connections {
         router: router(app.clone()),
         app,

@@ -178,6 +178,7 @@ mod tests {
     use serde_json::Value;
 
     use super::*;
+    use crate::api::verdict::LoopAnswer;
     use crate::config::limits::LimitArgs;
     use crate::engine::{Service, ServiceOptions};
 
@@ -185,7 +186,7 @@ mod tests {
     async fn asked(document: &Value, method: Method, path: &str) -> (StatusCode, String) {
         let folder = tempfile::tempdir().unwrap();
         let database = format!("sqlite://{}", folder.path().join("a.db").display());
-        let service = Service::open(ServiceOptions::on(database)).await.unwrap();
+        let service = Service::open(ServiceOptions::on(database, LoopAnswer::bytes)).await.unwrap();
         let limits = LimitArgs::of::<&str>(&[]).unwrap();
         let app = App::new(
             service.clone(),

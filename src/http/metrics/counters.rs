@@ -1,6 +1,6 @@
 //! Metrics: what `/metrics` tells Prometheus.
 
-use std::sync::atomic::AtomicU64;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use prometheus_client::encoding::{EncodeLabelSet, text};
@@ -14,7 +14,6 @@ use prometheus_client::registry::{Registry, Unit};
 use super::gauges::{Figures, GAUGES};
 use super::shed_metrics::ShedMetrics;
 use crate::config::build;
-use crate::domain::verdict::Decision;
 
 /// Upper bounds of the latency histogram, in seconds: a read takes well below a millisecond, a large bulk minutes.
 const LATENCY_BOUNDS_S: [f64; 14] =
@@ -114,15 +113,17 @@ impl Metrics {
         self.requests.get_or_create(&RequestLabels { method, route, status }).inc();
     }
 
-    /// A loop query was answered.
-    pub fn judged(&self, decision: Decision) {
-        self.verdicts.get_or_create(&VerdictLabels { verdict: decision.as_str() }).inc();
-    }
-
     /// Everything, with the figures as they are now.
     pub fn text(&self, figures: &Figures) -> String {
         for ((_, _, read), gauge) in GAUGES.iter().zip(&self.gauges) {
             gauge.set(read(figures));
+        }
+        for (decision, count) in figures.stats.verdicts.each() {
+            // A verdict that was never given has no line.
+            if count > 0 {
+                let labels = VerdictLabels { verdict: decision.as_str() };
+                self.verdicts.get_or_create(&labels).inner().store(count, Ordering::Relaxed);
+            }
         }
         self.map_load.set(figures.stats.map_load_microseconds as f64 / 1e6);
         let mut out = String::new();
@@ -140,6 +141,7 @@ fn known(method: &str) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::domain::verdict::Decision;
     use crate::engine::Stats;
 
     #[test]
@@ -147,8 +149,8 @@ mod tests {
         let metrics = Metrics::default();
         metrics.answered("GET", "/v1/maps/{map}", 404, Duration::from_millis(2));
         metrics.answered("BREW", "unmatched", 405, Duration::ZERO);
-        metrics.judged(Decision::Loop);
-        let stats = Stats { keyframes: 7, ..Stats::default() };
+        let verdicts = [Decision::Loop].into_iter().collect();
+        let stats = Stats { keyframes: 7, verdicts, ..Stats::default() };
         let text = metrics.text(&Figures { stats, ..Figures::default() });
         for line in [
             r#"revisit_http_requests_total{method="GET",route="/v1/maps/{map}",status="4xx"} 1"#,

@@ -10,8 +10,6 @@ pub struct Figures {
     pub stats: Stats,
     /// The process's.
     pub process: Process,
-    /// Loop checks that anchors have triggered and that are not done.
-    pub triggers_under_way: u64,
     /// How long the server runs, in seconds.
     pub uptime_s: u64,
 }
@@ -47,7 +45,7 @@ pub const GAUGES: &[Row] = &[
     ("triggers_waiting", "Keyframes that models have found to be worth asking about", |f| {
         f.stats.triggers_waiting
     }),
-    ("triggers_under_way", "Loop checks that anchors have triggered", |f| f.triggers_under_way),
+    ("triggers_under_way", "Loop checks that anchors have triggered", |f| f.stats.triggers_under_way),
     ("feature_cache_hits", "Features that geometry found in memory", |f| f.stats.feature_cache_hits),
     ("feature_cache_misses", "Features that geometry read from disk", |f| f.stats.feature_cache_misses),
     ("feature_cache_bytes", "Bytes of the features in memory", |f| f.stats.feature_cache_bytes),

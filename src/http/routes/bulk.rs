@@ -12,7 +12,6 @@ use futures_util::poll;
 use serde_json::Value;
 
 use super::lines::{Line, Lines};
-use super::trigger::trigger_loop_check;
 use crate::api::bulk::{self, BulkItem, BulkLine};
 use crate::api::examples;
 use crate::api::limits;
@@ -195,9 +194,6 @@ impl Answer {
         let Some(UnderWay { line, id, keyframe }) = self.under_way.pop_front() else { return };
         match keyframe.committed().await {
             Ok(stored) => {
-                if stored.created && stored.value.revisits {
-                    trigger_loop_check(&self.app, self.map.id(), &stored.value.keyframe);
-                }
                 let status = if stored.created { StatusCode::CREATED } else { StatusCode::OK };
                 let answer = BulkLine::stored(line, status.as_u16(), !stored.created, stored.value.into());
                 self.push(&answer, true);

@@ -4,19 +4,14 @@ use axum::Json;
 use axum::extract::State;
 use axum::response::Response;
 
-use super::loop_queries::{ask, kept};
-use super::trigger::trigger_loop_check;
 use crate::api::anchor::LocalAnchorMap;
 use crate::api::examples;
 use crate::api::keyframe::{KeyframeAnswer, KeyframeBody, KeyframeView};
 use crate::api::list::{CovisibleList, KeyframeList};
 use crate::api::map::MapVersion;
 use crate::api::verdict::LoopAnswer;
-use crate::domain::ids::{KeyframeId, MapId};
 use crate::domain::key::Action;
 use crate::domain::report::Page;
-use crate::domain::request::{LoopQuery, Subject};
-use crate::domain::verdict::{Decision, Verify};
 use crate::engine::Service;
 use crate::http::App;
 use crate::http::answer::written;
@@ -45,29 +40,20 @@ pub async fn put_keyframe(
     State(app): State<App>,
     caller: Caller,
     Query(also): Query<KeyframeParams>,
-    KeyframeInPath { place: KeyframePath { map, keyframe }, sent }: KeyframeInPath,
+    KeyframeInPath { place: KeyframePath { map, .. }, sent }: KeyframeInPath,
 ) -> Result<Response, Problem> {
     let asked = also.query.is_some();
     if asked {
         caller.needs(Action::Query)?;
     }
-    let stored = app.service.put_keyframe(&map, sent.keyframe, sent.digest).await?;
-    if !asked && stored.created && stored.value.revisits {
-        trigger_loop_check(&app, &map, &keyframe);
+    let service = &app.service;
+    if !asked {
+        let stored = service.put_keyframe(&map, sent.keyframe, sent.digest).await?;
+        return Ok(written(stored.created, KeyframeAnswer::from(stored.value)));
     }
-    let loop_answer = if asked { Some(ask_about(&app, &map, keyframe, stored.created).await?) } else { None };
-    Ok(written(stored.created, KeyframeAnswer { loop_answer, ..stored.value.into() }))
-}
-
-/// The loop query about a keyframe just stored; who listens to the map hears of a loop, once.
-async fn ask_about(app: &App, map: &MapId, keyframe: KeyframeId, new: bool) -> Result<LoopAnswer, Problem> {
-    let subject = Subject::Stored(keyframe.clone());
-    let query = LoopQuery { subject, verify: Verify::default(), max_wait_ms: 0, seed: 0 };
-    let answer = ask(app, map, query).await?;
-    if new && answer.verdict.decision == Decision::Loop {
-        app.service.announce_loop(&keyframe, &answer);
-    }
-    kept(app, &answer).map(|(view, _)| view)
+    let (stored, answer) = service.put_keyframe_and_query(&map, sent.keyframe, sent.digest).await?;
+    let view = LoopAnswer::of(&answer.id, answer.keyframe.as_ref(), &answer.verdict);
+    Ok(written(stored.created, KeyframeAnswer { loop_answer: Some(view), ..stored.value.into() }))
 }
 
 /// List keyframes

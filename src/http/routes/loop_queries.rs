@@ -3,15 +3,11 @@
 use axum::extract::State;
 use axum::http::HeaderName;
 use axum::response::{IntoResponse as _, Response};
-use bytes::Bytes;
 
 use crate::api::examples;
 use crate::api::loop_query::LoopQueryBody;
 use crate::api::verdict::LoopAnswer;
-use crate::domain::ids::MapId;
-use crate::domain::request::LoopQuery;
-use crate::engine::{QueryAnswer, Service, Timings};
-use crate::http::App;
+use crate::engine::{Service, Timings};
 use crate::http::answer::json_bytes;
 use crate::http::error_responses::{OfMapQuestion, ReadErrors};
 use crate::http::extract::body::QueryOfMap;
@@ -38,12 +34,11 @@ const SERVER_TIMING: HeaderName = HeaderName::from_static("server-timing");
     )
 )]
 pub async fn query_loop(
-    State(app): State<App>,
+    State(service): State<Service>,
     QueryOfMap { map, query }: QueryOfMap,
 ) -> Result<Response, Problem> {
-    let answer = ask(&app, &map, query).await?;
-    let (_, bytes) = kept(&app, &answer)?;
-    Ok(([(SERVER_TIMING, server_timing(answer.timings))], json_bytes(bytes)).into_response())
+    let answer = service.loop_query(&map, query).await?;
+    Ok(([(SERVER_TIMING, server_timing(answer.timings))], json_bytes(answer.body)).into_response())
 }
 
 /// Read a verdict again
@@ -60,24 +55,8 @@ pub async fn get_loop_query(
     Ok(json_bytes(service.kept_query(&map, &query).await?))
 }
 
-/// Asks the service, and counts the verdict.
-pub async fn ask(app: &App, map: &MapId, query: LoopQuery) -> Result<QueryAnswer, Problem> {
-    let answer = app.service.loop_query(map, query).await?;
-    app.metrics.judged(answer.verdict.decision);
-    Ok(answer)
-}
-
 /// What each step took, in milliseconds.
 fn server_timing(timings: Timings) -> String {
     let Timings { screen_ms, features_ms, geometry_ms } = timings;
     format!("screen;dur={screen_ms:.3}, features;dur={features_ms:.3}, geometry;dur={geometry_ms:.3}")
-}
-
-/// Writes an answer once, for the client and for the record.
-pub fn kept(app: &App, answer: &QueryAnswer) -> Result<(LoopAnswer, Bytes), Problem> {
-    let view = LoopAnswer::of(&answer.id, answer.keyframe.as_ref(), &answer.verdict);
-    let bytes = serde_json::to_vec(&view).map_err(|error| Problem::internal(error.to_string()))?;
-    let bytes = Bytes::from(bytes);
-    app.service.keep_query(answer, bytes.clone());
-    Ok((view, bytes))
 }

@@ -17,10 +17,7 @@ mod poses;
 mod semantics;
 mod service;
 mod trajectories;
-mod trigger;
 mod usage;
-
-pub use trigger::{TRIGGERS_AT_ONCE, ask_about_triggers};
 
 use utoipa::openapi::OpenApi;
 use utoipa_axum::router::OpenApiRouter;

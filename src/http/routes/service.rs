@@ -16,7 +16,6 @@ use crate::http::metrics::counters::Metrics;
 use crate::http::metrics::gauges::Figures;
 use crate::http::metrics::process::Process;
 use crate::http::problem::{Kind, Problem};
-use crate::http::routes::TRIGGERS_AT_ONCE;
 
 /// Is the process alive?
 ///
@@ -79,8 +78,6 @@ pub async fn get_metrics(State(app): State<App>) -> impl IntoResponse {
     let figures = Figures {
         stats: app.service.stats(),
         process: Process::now(),
-        triggers_under_way: (TRIGGERS_AT_ONCE - app.triggers.available_permits().min(TRIGGERS_AT_ONCE))
-            as u64,
         uptime_s: app.metrics.uptime().as_secs(),
     };
     ([(CONTENT_TYPE, Metrics::MEDIA_TYPE)], app.metrics.text(&figures))

@@ -195,7 +195,7 @@ mod tests {
     fn map(key: i64) -> Job {
         let properties = MapProperties { description: "x".repeat(4000), ..MapProperties::default() };
         let id = format!("map-{key}").parse().expect("an id");
-        Job::CreateMap { key, id, properties: Box::new(properties), digest: [0; 32], owner: None }
+        Job::CreateMap { id, properties: Box::new(properties), digest: [0; 32], owner: None }
     }
 
     #[tokio::test]

@@ -61,8 +61,6 @@ pub struct NewKeyframeRows {
 pub enum Job {
     /// A new map.
     CreateMap {
-        /// Its key.
-        key: MapKey,
         /// Its name.
         id: MapId,
         /// Its properties.

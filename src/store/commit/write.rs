@@ -65,9 +65,9 @@ pub(in crate::store) async fn execute<'j>(
 /// Does a job that is no change of a map's facts.
 async fn execute_alone(db: &mut SqliteConnection, job: &Job) -> Result<(), StoreError> {
     match job {
-        Job::CreateMap { key, id, properties, digest, owner } => {
-            map_rows::create(db, *key, id, properties, digest, *owner).await?;
-            operation_rows::add(db, (*key, FIRST_VERSION), &Operation::from(&**properties)).await
+        Job::CreateMap { id, properties, digest, owner } => {
+            let key = map_rows::create(db, id, properties, digest, *owner).await?;
+            operation_rows::add(db, (key, FIRST_VERSION), &Operation::from(&**properties)).await
         }
         Job::DeleteMap(map) => {
             map_rows::keep_event_numbers(db, *map).await?;

@@ -26,7 +26,7 @@ const READS_MAX: usize = 3;
 
 /// What is known of a log.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(in crate::store) struct LogFindings {
+pub struct LogFindings {
     /// Committed frames are missing.
     pub faults: Vec<String>,
     /// It cannot be told whether frames are missing.

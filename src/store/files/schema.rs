@@ -25,10 +25,11 @@ const MIGRATIONS: &[Step] = &[
     (9, "learned", include_str!("../../../migrations/sqlite/0009_learned.sql")),
     (10, "changed_signs", include_str!("../../../migrations/sqlite/0010_changed_signs.sql")),
     (11, "history", include_str!("../../../migrations/sqlite/0011_history.sql")),
+    (12, "map_keys", include_str!("../../../migrations/sqlite/0012_map_keys.sql")),
 ];
 
 /// The newest schema that this program knows.
-pub(in crate::store) fn newest() -> i64 {
+pub fn newest() -> i64 {
     MIGRATIONS.last().map_or(0, |(version, ..)| *version)
 }
 

@@ -3,11 +3,12 @@
 use std::collections::HashMap;
 
 use sqlx::sqlite::SqliteRow;
-use sqlx::{Row, SqliteConnection};
+use sqlx::{ConnectOptions as _, Connection as _, Row, SqliteConnection};
 
 use crate::domain::key::{Actions, Key, KeyProperties, KeySeq, MapPattern, SecretHash};
 use crate::domain::keyframe::Stamp;
 use crate::store::commit::write::run;
+use crate::store::files::paths::DatabaseFiles;
 use crate::store::{Store, StoreError};
 
 /// A key to be stored. Its number is the caller's guess of the next one; if another process took it meanwhile, the job fails.
@@ -119,4 +120,18 @@ async fn changed(db: &mut SqliteConnection) -> Result<(), StoreError> {
 
 fn stored_pattern(text: &str) -> Result<MapPattern, StoreError> {
     MapPattern::stored(text).map_err(|error| StoreError::corrupt(format!("{text:?}: {error}")))
+}
+
+/// Returns the API keys of a database that are not revoked, by number and name.
+pub async fn standing_keys(files: &DatabaseFiles) -> Result<Vec<(KeySeq, String)>, StoreError> {
+    let mut db = files.read_only().connect().await?;
+    let table = "select count(*) from sqlite_master where type = 'table' and name = 'keys'";
+    let mut keys = Vec::new();
+    // A database of an earlier version has none.
+    if sqlx::query_scalar::<_, i64>(table).fetch_one(&mut db).await? > 0 {
+        let select = "select key, name from keys where revoked_sec is null order by key";
+        keys = sqlx::query_as::<_, (i64, String)>(select).fetch_all(&mut db).await?;
+    }
+    db.close().await?;
+    Ok(keys.into_iter().map(|(key, name)| (KeySeq(key), name)).collect())
 }

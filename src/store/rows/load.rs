@@ -1,7 +1,6 @@
-//! From rows to changes: how a map's index is built when the map is first asked for.
+//! From rows to changes: the facts of a map, in an order in which every change finds what it names.
 //!
-//! `MapIndex::build(load(map)) == live index` is the law of the house; the changes come in an order
-//! in which every one finds what it names.
+//! An index that is built from them equals the live one; the engine builds it, and its tests hold that law.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -10,144 +9,95 @@ use sqlx::Row;
 use sqlx::sqlite::SqliteRow;
 
 use super::decode;
-use super::validate::{self, AnchorClasses};
+use super::validate::{self, Known, KnownAnchor};
 use super::{changed_sign_rows, map_rows, model_rows, twin_rows};
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Change, Keyframe, Merge, MergeCause};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId, SessionSeq};
 use crate::domain::key::KeySeq;
-use crate::domain::map::{Learned, MapFigures};
-use crate::domain::request::Digest;
 use crate::geometry::Point3;
-use crate::recognition::index::MapIndex;
+use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
+use crate::store::facts::{MapFacts, Order};
 use crate::store::slices::deferred;
-use crate::store::{Store, StoreError};
 
 /// Rows read at a time: few, because a row of 700 words takes as much as its keyframe does in the index.
 const CHUNK: i64 = 256;
-
-/// A map as the store knows it.
-#[derive(Debug)]
-pub struct Loaded {
-    /// Its key.
-    pub key: MapKey,
-    /// Its version.
-    pub version: u64,
-    /// The number of its next event.
-    pub next_event: u64,
-    /// The number of the next loop query to be kept.
-    pub next_kept: i64,
-    /// The digest of the body that made it.
-    pub digest: Digest,
-    /// The key that made it.
-    pub owner: Option<KeySeq>,
-    /// How much it holds, as its row says.
-    pub figures: MapFigures,
-    /// Its knowledge of its building, as its row says; `None` if nothing was written to it since rows say so.
-    pub learned: Option<Learned>,
-    /// Everything derived from its facts.
-    pub index: MapIndex,
-}
-
-/// In which order facts are told to an index. It must not matter: `revisit check` holds the two against each other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::store) enum Order {
-    /// As they came.
-    Forwards,
-    /// The last first, and what moves things after the things.
-    Backwards,
-}
-
-impl Store {
-    /// Loads a map and builds its index; `None` if there is no such map.
-    pub async fn load(&self, id: &MapId) -> Result<Option<Loaded>, StoreError> {
-        // One read transaction, so that what is built is one version of the map.
-        let mut db = self.snapshot().await?;
-        let loaded = load(&mut db, id, Order::Forwards).await?;
-        db.commit().await?;
-        Ok(loaded)
-    }
-
-    /// The same index, built from the facts told backwards.
-    #[cfg(test)]
-    pub async fn load_backwards(&self, id: &MapId) -> Result<Option<Loaded>, StoreError> {
-        let mut db = self.snapshot().await?;
-        let loaded = load(&mut db, id, Order::Backwards).await?;
-        db.commit().await?;
-        Ok(loaded)
-    }
-}
 
 /// Loads a map within a read transaction. An error about one of its rows names the map and the row.
 pub(in crate::store) async fn load(
     db: &mut Db,
     id: &MapId,
     order: Order,
-) -> Result<Option<Loaded>, StoreError> {
-    load_rows(db, id, order).await.map_err(|error| error.of_map(id))
+    take: impl FnMut(&[Change]) + Send,
+) -> Result<Option<MapFacts>, StoreError> {
+    load_rows(db, id, order, take).await.map_err(|error| error.of_map(id))
 }
 
-async fn load_rows(db: &mut Db, id: &MapId, order: Order) -> Result<Option<Loaded>, StoreError> {
+async fn load_rows(
+    db: &mut Db,
+    id: &MapId,
+    order: Order,
+    mut take: impl FnMut(&[Change]) + Send,
+) -> Result<Option<MapFacts>, StoreError> {
     let found =
         sqlx::query("select * from maps where id = $1").bind(id.as_str()).fetch_optional(&mut *db).await?;
     let Some(row) = found else { return Ok(None) };
     let key: MapKey = row.try_get("map_key")?;
-    let mut index = MapIndex::default();
-    index.apply(&[Change::MapSet(Box::new(map_rows::properties(db, key, &row).await?))]);
+    take(&[Change::MapSet(Box::new(map_rows::properties(db, key, &row).await?))]);
     if let Some(vocabulary) = row.try_get::<Option<String>, _>("vocabulary")? {
-        index.apply(&[Change::VocabularySet(vocabulary.into())]);
+        take(&[Change::VocabularySet(vocabulary.into())]);
     }
     let sessions = sessions(db, key).await?;
+    let mut known = Known::of_sessions(sessions.len());
     let next = (row.try_get("next_keyframe")?, row.try_get("next_anchor")?);
     match order {
         Order::Forwards => {
-            index.apply(&sessions);
-            load_points(db, key, &mut index).await?;
-            load_keyframes(db, key, &mut index).await?;
-            index.reserve(next.0, next.1);
-            index.apply(&model_rows::verdicts(db, key).await?);
-            let (anchors, classes) = anchors(db, key).await?;
-            let observed = observations(db, key, &classes, &index).await?;
+            take(&sessions);
+            load_points(db, key, &known, &mut take).await?;
+            load_keyframes(db, key, &mut known, &mut take).await?;
+            take(&model_rows::verdicts(db, key).await?);
+            let anchors = anchors(db, key, &mut known).await?;
+            let observed = observations(db, key, &known).await?;
             let (loops, merges) = loops_and_merges(db, key).await?;
-            validate::merges(&loops, &merges, &classes)?;
-            validate::numbers(next, &loops, &classes, &index)?;
-            index.apply(&[anchors, observed].concat());
-            index.apply(&[loops, merges].concat());
+            validate::merges(&loops, &merges, &known)?;
+            validate::numbers(next, &loops, &known)?;
+            take(&[anchors, observed].concat());
+            take(&[loops, merges].concat());
         }
         Order::Backwards => {
-            index.reserve(next.0, next.1);
-            index.apply(&reversed(sessions));
-            load_keyframes_backwards(db, key, &mut index).await?;
-            let (anchors, classes) = anchors(db, key).await?;
-            let observed = observations(db, key, &classes, &index).await?;
-            index.apply(&anchors);
+            take(&reversed(sessions));
+            load_keyframes_backwards(db, key, &mut known, &mut take).await?;
+            let anchors = anchors(db, key, &mut known).await?;
+            let observed = observations(db, key, &known).await?;
+            take(&anchors);
             let (loops, merges) = loops_and_merges(db, key).await?;
-            index.apply(&reversed(merges));
-            index.apply(&reversed(loops));
+            take(&reversed(merges));
+            take(&reversed(loops));
             for change in reversed(observed) {
-                index.apply(&[change]);
+                take(&[change]);
             }
-            load_points(db, key, &mut index).await?;
-            index.apply(&reversed(model_rows::verdicts(db, key).await?));
+            load_points(db, key, &known, &mut take).await?;
+            take(&reversed(model_rows::verdicts(db, key).await?));
         }
     }
-    index.apply(&twin_rows::all(db, key).await?);
-    index.apply(&changed_sign_rows::all(db, key).await?);
+    take(&twin_rows::all(db, key).await?);
+    take(&changed_sign_rows::all(db, key).await?);
     // On top of the rows, in their order.
-    deferred::apply(db, key, &mut index).await?;
+    deferred::apply(db, key, &mut known, &mut take).await?;
     let next_kept =
         sqlx::query_scalar("select coalesce(max(kept), 0) + 1 from loop_queries where map_key = $1");
-    Ok(Some(Loaded {
+    Ok(Some(MapFacts {
         key,
         version: row.try_get::<i64, _>("version")? as u64,
+        next_keyframe: KeyframeSeq(next.0),
+        next_anchor: AnchorSeq(next.1),
         next_event: row.try_get::<i64, _>("next_event")? as u64,
         next_kept: next_kept.bind(key).fetch_one(&mut *db).await?,
         owner: row.try_get::<Option<i64>, _>("owner")?.map(KeySeq),
         digest: decode::digest(&row)?,
         figures: map_rows::figures(&row)?,
         learned: map_rows::learned(&row)?,
-        index,
     }))
 }
 
@@ -169,7 +119,12 @@ async fn sessions(db: &mut Db, key: MapKey) -> Result<Vec<Change>, StoreError> {
     rows.into_iter().map(added).collect()
 }
 
-async fn load_points(db: &mut Db, key: MapKey, index: &mut MapIndex) -> Result<(), StoreError> {
+async fn load_points(
+    db: &mut Db,
+    key: MapKey,
+    known: &Known,
+    take: &mut (impl FnMut(&[Change]) + Send),
+) -> Result<(), StoreError> {
     let select = "select session, point, x, y, z from map_points
         where map_key = $1 and (session, point) > ($2, $3) order by session, point limit $4";
     let (mut session, mut point) = (-1_i64, i64::MIN);
@@ -185,15 +140,20 @@ async fn load_points(db: &mut Db, key: MapKey, index: &mut MapIndex) -> Result<(
         (session, point) = (i64::from(last.0), last.1);
         let set = |(s, id, x, y, z)| {
             let at = Point3::new(x, y, z);
-            validate::point(s, id, &at, index)?;
+            validate::point(s, id, &at, known)?;
             Ok(Change::PointSet(SessionSeq(s), id, at))
         };
         let points = rows.into_iter().map(set).collect::<Result<Vec<_>, StoreError>>()?;
-        index.apply(&points);
+        take(&points);
     }
 }
 
-async fn load_keyframes(db: &mut Db, key: MapKey, index: &mut MapIndex) -> Result<(), StoreError> {
+async fn load_keyframes(
+    db: &mut Db,
+    key: MapKey,
+    known: &mut Known,
+    take: &mut (impl FnMut(&[Change]) + Send),
+) -> Result<(), StoreError> {
     let select = "select * from keyframes where map_key = $1 and keyframe > $2 order by keyframe limit $3";
     let mut last = -1_i64;
     loop {
@@ -201,23 +161,24 @@ async fn load_keyframes(db: &mut Db, key: MapKey, index: &mut MapIndex) -> Resul
         let Some(row) = rows.last() else { return Ok(()) };
         last = row.try_get("keyframe")?;
         for row in &rows {
-            let (mut keyframe, bow) = keyframe(row, index)?;
+            let (mut keyframe, bow) = keyframe(row, known)?;
             // What was declared about keyframes that were culled since is no fact any more.
-            keyframe.declared = keyframe
-                .declared
-                .iter()
-                .copied()
-                .filter(|(other, _)| index.keyframe(*other).is_some())
-                .collect();
-            index.apply(&[Change::KeyframeAdded(Box::new(keyframe), Arc::new(bow))]);
+            keyframe.declared = declared_of(&keyframe, &known.keyframes);
+            known.keyframes.insert(keyframe.seq);
+            take(&[Change::KeyframeAdded(Box::new(keyframe), Arc::new(bow))]);
         }
     }
 }
 
-async fn load_keyframes_backwards(db: &mut Db, key: MapKey, index: &mut MapIndex) -> Result<(), StoreError> {
+async fn load_keyframes_backwards(
+    db: &mut Db,
+    key: MapKey,
+    known: &mut Known,
+    take: &mut (impl FnMut(&[Change]) + Send),
+) -> Result<(), StoreError> {
     let select = "select keyframe from keyframes where map_key = $1";
     let standing: Vec<u32> = sqlx::query_scalar(select).bind(key).fetch_all(&mut *db).await?;
-    let standing: HashSet<KeyframeSeq> = standing.into_iter().map(KeyframeSeq).collect();
+    known.keyframes = standing.into_iter().map(KeyframeSeq).collect();
     let select =
         "select * from keyframes where map_key = $1 and keyframe < $2 order by keyframe desc limit $3";
     let mut last = i64::MAX;
@@ -226,48 +187,47 @@ async fn load_keyframes_backwards(db: &mut Db, key: MapKey, index: &mut MapIndex
         let Some(row) = rows.last() else { return Ok(()) };
         last = row.try_get("keyframe")?;
         for row in &rows {
-            let (mut keyframe, bow) = keyframe(row, index)?;
-            keyframe.declared =
-                keyframe.declared.iter().copied().filter(|(other, _)| standing.contains(other)).collect();
-            index.apply(&[Change::KeyframeAdded(Box::new(keyframe), Arc::new(bow))]);
+            let (mut keyframe, bow) = keyframe(row, known)?;
+            keyframe.declared = declared_of(&keyframe, &known.keyframes);
+            take(&[Change::KeyframeAdded(Box::new(keyframe), Arc::new(bow))]);
         }
     }
 }
 
-fn keyframe(row: &SqliteRow, index: &MapIndex) -> Result<(Keyframe, BowVector), StoreError> {
+/// Returns the declared covisibility of a keyframe with those that stand.
+fn declared_of(keyframe: &Keyframe, standing: &HashSet<KeyframeSeq>) -> Box<[(KeyframeSeq, u32)]> {
+    keyframe.declared.iter().copied().filter(|(other, _)| standing.contains(other)).collect()
+}
+
+fn keyframe(row: &SqliteRow, known: &Known) -> Result<(Keyframe, BowVector), StoreError> {
     let number: i64 = row.try_get("keyframe")?;
     let (keyframe, bow) =
         decode::keyframe(row).map_err(|error| error.of_row(format!("keyframe number {number}")))?;
-    validate::keyframe(&keyframe, index)?;
+    validate::keyframe(&keyframe, known)?;
     Ok((keyframe, bow))
 }
 
-/// Returns the anchors, and the class of each.
-async fn anchors(db: &mut Db, key: MapKey) -> Result<(Vec<Change>, AnchorClasses), StoreError> {
-    let (mut changes, mut classes) = (Vec::new(), AnchorClasses::new());
+/// Returns the anchors, and notes the class and version of each.
+async fn anchors(db: &mut Db, key: MapKey, known: &mut Known) -> Result<Vec<Change>, StoreError> {
+    let mut changes = Vec::new();
     let select =
         "select anchor, class, description_by_hand, version from anchors where map_key = $1 order by anchor";
     let rows: Vec<(u32, String, Option<String>, i64)> =
         sqlx::query_as(select).bind(key).fetch_all(&mut *db).await?;
     for (seq, class, by_hand, version) in rows {
         let seq = AnchorSeq(seq);
-        classes.insert(seq, class.as_str().into());
+        known.anchors.insert(seq, KnownAnchor { class: class.as_str().into(), version: version as u64 });
         changes.push(Change::AnchorAdded(seq, class.into()));
         changes.push(Change::AnchorTouched(seq, version as u64));
         if by_hand.is_some() {
             changes.push(Change::DescriptionSet(seq, by_hand.map(Into::into)));
         }
     }
-    Ok((changes, classes))
+    Ok(changes)
 }
 
 /// Returns what was observed of the anchors.
-async fn observations(
-    db: &mut Db,
-    key: MapKey,
-    classes: &AnchorClasses,
-    index: &MapIndex,
-) -> Result<Vec<Change>, StoreError> {
+async fn observations(db: &mut Db, key: MapKey, known: &Known) -> Result<Vec<Change>, StoreError> {
     let mut observed = Vec::new();
     let select = "select keyframe, detection from crops where map_key = $1";
     let crops: Vec<(u32, u16)> = sqlx::query_as(select).bind(key).fetch_all(&mut *db).await?;
@@ -281,7 +241,7 @@ async fn observations(
         let mut observation = decode::observation(&row, crops.contains(&at))
             .map_err(|error| error.of_row(format!("detection {number} of keyframe number {keyframe}")))?;
         let anchor = AnchorSeq(row.try_get("anchor")?);
-        validate::observation(anchor, row.try_get("class")?, &observation, classes, index)?;
+        validate::observation(anchor, row.try_get("class")?, &observation, known)?;
         observation.crop_reading = readings.remove(&at);
         observed.push(Change::Observed(anchor, Box::new(observation)));
     }

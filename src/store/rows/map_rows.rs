@@ -17,22 +17,24 @@ use crate::store::commit::job::{Batch, MapKey};
 use crate::store::commit::write::run;
 use crate::store::{Store, StoreError};
 
-/// A new map. Its events are numbered from above those of every map that was deleted, so that a client that resumes with a
+/// Adds a map, and returns its key, which no other map had or will have. Its events are numbered from above those of every map that was deleted, so that a client that resumes with a
 /// number of a deleted map is recognised. The greatest number that a deleted map would have given next is SQLite's
 /// `user_version`: it is part of the database file, of its transactions and of its backups.
 pub(in crate::store) async fn create(
     db: &mut SqliteConnection,
-    key: MapKey,
     id: &MapId,
     properties: &MapProperties,
     digest: &Digest,
     owner: Option<KeySeq>,
-) -> Result<(), StoreError> {
+) -> Result<MapKey, StoreError> {
+    let give = "update map_keys set last = last + 1 returning last";
+    let key: MapKey = sqlx::query_scalar(give).fetch_one(&mut *db).await?;
     let insert = "insert into maps (map_key, id, description, metric, version, next_keyframe, next_anchor, next_event, digest, owner, learned)
         select $1, $2, '', 0, 1, 0, 0, user_version + 1, $3, $4, $5 from pragma_user_version";
     let query = sqlx::query(insert).bind(key).bind(id.as_str()).bind(&digest[..]);
     run(db, query.bind(owner.map(|owner| owner.0)).bind(learned_text(&Learned::default()))).await?;
-    set_properties(db, key, properties).await
+    set_properties(db, key, properties).await?;
+    Ok(key)
 }
 
 /// Notes before a map is deleted that its events' numbers were given; a map without events gave none.

@@ -42,19 +42,13 @@ pub struct DetectionRow {
 }
 
 impl Store {
-    /// The names of the maps after one, ascending, and the largest key ever given.
+    /// Returns the names of the maps after one, ascending.
     pub async fn map_ids(&self, after: Option<&MapId>, limit: usize) -> Result<Vec<MapId>, StoreError> {
         let select = "select id from maps where id > $1 and deleted = 0 order by id limit $2";
         let after = after.map_or("", MapId::as_str);
         let ids: Vec<String> =
             sqlx::query_scalar(select).bind(after).bind(limit as i64).fetch_all(&self.readers).await?;
         ids.iter().map(|id| decode::id(id)).collect()
-    }
-
-    /// A key larger than any given so far.
-    pub async fn next_map_key(&self) -> Result<MapKey, StoreError> {
-        let select = "select coalesce(max(map_key), 0) + 1 from maps";
-        Ok(sqlx::query_scalar(select).fetch_one(&self.readers).await?)
     }
 
     /// The bag of words of a keyframe.

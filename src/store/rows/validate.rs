@@ -7,16 +7,36 @@ use std::collections::{HashMap, HashSet};
 
 use crate::domain::anchor::Observation;
 use crate::domain::change::{Change, Keyframe, MergeCause};
-use crate::domain::ids::{AnchorSeq, PointId};
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId};
 use crate::geometry::Point3;
-use crate::recognition::index::MapIndex;
 use crate::store::StoreError;
 
 /// How far the squared norm of a stored quaternion may be from 1: it was normalised before it was stored.
 const MAX_ROTATION_ERROR: f64 = 1e-6;
 
-/// The classes of a map's anchors.
-pub(in crate::store) type AnchorClasses = HashMap<AnchorSeq, Box<str>>;
+/// What was read of a map so far, as far as later rows refer to it.
+#[derive(Debug, Default)]
+pub(in crate::store) struct Known {
+    sessions: usize,
+    /// The keyframes that stand.
+    pub keyframes: HashSet<KeyframeSeq>,
+    /// The anchors that stand.
+    pub anchors: HashMap<AnchorSeq, KnownAnchor>,
+}
+
+/// What later rows must agree with of an anchor.
+#[derive(Debug)]
+pub(in crate::store) struct KnownAnchor {
+    pub class: Box<str>,
+    pub version: u64,
+}
+
+impl Known {
+    /// Returns what is known of a map when its sessions are read.
+    pub fn of_sessions(sessions: usize) -> Self {
+        Self { sessions, ..Self::default() }
+    }
+}
 
 /// Rejects sessions that are not numbered from 0 without a gap.
 pub(in crate::store) fn sessions(numbers: &[u32]) -> Result<(), StoreError> {
@@ -28,9 +48,9 @@ pub(in crate::store) fn sessions(numbers: &[u32]) -> Result<(), StoreError> {
 
 /// Rejects a keyframe without a session, with a pose that is no rigid transformation, or with points out of order: they
 /// are intersected as ascending lists.
-pub(in crate::store) fn keyframe(keyframe: &Keyframe, index: &MapIndex) -> Result<(), StoreError> {
+pub(in crate::store) fn keyframe(keyframe: &Keyframe, known: &Known) -> Result<(), StoreError> {
     let id = &keyframe.id;
-    if keyframe.session.index() >= index.sessions().len() {
+    if keyframe.session.index() >= known.sessions {
         return fault(format!("keyframe {id} belongs to no session"));
     }
     let pose = &keyframe.map_from_camera;
@@ -51,9 +71,9 @@ pub(in crate::store) fn point(
     session: u32,
     id: PointId,
     at: &Point3,
-    index: &MapIndex,
+    known: &Known,
 ) -> Result<(), StoreError> {
-    if session as usize >= index.sessions().len() {
+    if session as usize >= known.sessions {
         return fault(format!("map point {id} belongs to no session"));
     }
     if !is_finite(at) {
@@ -67,16 +87,15 @@ pub(in crate::store) fn observation(
     anchor: AnchorSeq,
     class: &str,
     observation: &Observation,
-    anchors: &AnchorClasses,
-    index: &MapIndex,
+    known: &Known,
 ) -> Result<(), StoreError> {
     let row = format!("detection {} of keyframe number {}", observation.detection, observation.keyframe.0);
-    if index.keyframe(observation.keyframe).is_none() {
+    if !known.keyframes.contains(&observation.keyframe) {
         return fault(format!("{row} belongs to no keyframe"));
     }
-    match anchors.get(&anchor) {
+    match known.anchors.get(&anchor) {
         None => return fault(format!("{row} feeds an anchor that is not there")),
-        Some(of_anchor) if **of_anchor != *class => {
+        Some(of_anchor) if *of_anchor.class != *class => {
             return fault(format!("{row} is of another class than its anchor"));
         }
         Some(_) => {}
@@ -90,11 +109,7 @@ pub(in crate::store) fn observation(
 }
 
 /// Rejects merges of anchors or by loops that are not there.
-pub(in crate::store) fn merges(
-    loops: &[Change],
-    merges: &[Change],
-    anchors: &AnchorClasses,
-) -> Result<(), StoreError> {
+pub(in crate::store) fn merges(loops: &[Change], merges: &[Change], known: &Known) -> Result<(), StoreError> {
     let standing: HashSet<_> = loops
         .iter()
         .filter_map(|change| match change {
@@ -104,7 +119,8 @@ pub(in crate::store) fn merges(
         .collect();
     for change in merges {
         let Change::Merged(merge) = change else { continue };
-        if let Some(gone) = [merge.into, merge.from].iter().find(|anchor| !anchors.contains_key(anchor)) {
+        if let Some(gone) = [merge.into, merge.from].iter().find(|anchor| !known.anchors.contains_key(anchor))
+        {
             return fault(format!("a merge names anchor {}, which is not there", gone.public()));
         }
         if let MergeCause::Loop(id) = &merge.cause
@@ -120,10 +136,9 @@ pub(in crate::store) fn merges(
 pub(in crate::store) fn numbers(
     (next_keyframe, next_anchor): (u32, u32),
     loops: &[Change],
-    anchors: &AnchorClasses,
-    index: &MapIndex,
+    known: &Known,
 ) -> Result<(), StoreError> {
-    let keyframe = index.keyframes().map(|keyframe| keyframe.seq.0).max();
+    let keyframe = known.keyframes.iter().map(|keyframe| keyframe.0).max();
     let of_loops = loops.iter().filter_map(|change| match change {
         Change::LoopAdded(closed) => Some(closed.keyframe.max(closed.candidate).0),
         _ => None,
@@ -131,7 +146,7 @@ pub(in crate::store) fn numbers(
     let used = [
         ("keyframe", keyframe, next_keyframe),
         ("a loop of keyframe", of_loops.max(), next_keyframe),
-        ("anchor", anchors.keys().map(|anchor| anchor.0).max(), next_anchor),
+        ("anchor", known.anchors.keys().map(|anchor| anchor.0).max(), next_anchor),
     ];
     for (what, largest, next) in used {
         if let Some(number) = largest.filter(|number| *number >= next) {

@@ -14,7 +14,6 @@ use super::parts::{Kind, Part, cut};
 use crate::domain::change::Change;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::geometry::{Point3, Pose};
-use crate::recognition::index::MapIndex;
 use crate::store::StoreError;
 use crate::store::commit::cost;
 use crate::store::commit::job::{Batch, Job, MapKey};
@@ -22,6 +21,7 @@ use crate::store::commit::write::run;
 use crate::store::rows::blob::{pack, unpack};
 use crate::store::rows::former_value_rows;
 use crate::store::rows::keyframe_rows::pose_blob;
+use crate::store::rows::validate::Known;
 
 /// What a batch's changes of these kinds may cost if written at once, in microseconds; above it they are deferred.
 const DIRECT_US: u64 = if cfg!(test) { 100 } else { 20_000 };
@@ -163,22 +163,31 @@ pub(in crate::store) async fn defer(db: &mut SqliteConnection, batch: &Batch) ->
     commit_staged(db, batch.map, batch.version, parts.len() as u32).await
 }
 
-/// Applies a map's deferred changes to an index that was built from its rows.
+/// Tells a map's deferred changes on top of its rows.
 pub(in crate::store) async fn apply(
     db: &mut SqliteConnection,
     map: MapKey,
-    index: &mut MapIndex,
+    known: &mut Known,
+    take: &mut (impl FnMut(&[Change]) + Send),
 ) -> Result<(), StoreError> {
     for (version, parts, first) in versions(db, map).await? {
         for number in first..parts {
             let mut changes = part(db, map, version, number).await?;
             changes.retain(|change| match change {
+                // Of an anchor's versions the largest counts.
                 Change::AnchorTouched(anchor, version) => {
-                    index.anchor(*anchor).is_some_and(|anchor| anchor.version < *version)
+                    known.anchors.get(anchor).is_some_and(|anchor| anchor.version < *version)
                 }
                 _ => true,
             });
-            index.apply(&changes);
+            for change in &changes {
+                if let Change::AnchorTouched(anchor, version) = change
+                    && let Some(known) = known.anchors.get_mut(anchor)
+                {
+                    known.version = *version;
+                }
+            }
+            take(&changes);
         }
     }
     Ok(())

@@ -8,9 +8,9 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree as _;
 use proptest::test_runner::TestRunner;
 use revisit::engine::ModelChoice;
-use revisit::store::backup::Copy;
+use revisit::integrity::backup::Copy;
+use revisit::integrity::restore::{Allowed, restore};
 use revisit::store::files::paths::DatabaseFiles;
-use revisit::store::restore::{Allowed, restore};
 use serde_json::{Value, json};
 
 use super::checked;

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use revisit::engine::ModelChoice;
-use revisit::store::backup::Copy;
+use revisit::integrity::backup::Copy;
+use revisit::integrity::restore::{Allowed, restore};
 use revisit::store::files::paths::DatabaseFiles;
-use revisit::store::restore::{Allowed, restore};
 use serde_json::{Value, json};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode};
 use sqlx::{AssertSqlSafe, ConnectOptions as _, Connection as _, Executor as _};

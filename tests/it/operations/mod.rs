@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use revisit::store::check::{Checked, check};
+use revisit::integrity::check::{Checked, check};
 use revisit::store::files::paths::DatabaseFiles;
 use serde_json::{Value, json};
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use reqwest::Method;
+use revisit::api::verdict::LoopAnswer;
 use revisit::engine::{Service, ServiceOptions};
 use revisit::http::RunningServer;
 use serde_json::{Value, json};
@@ -106,7 +107,7 @@ async fn a_query_does_not_change_the_maps_version() {
 /// A server on a database that outlives it.
 async fn open(database: &Path) -> RunningServer {
     let database = format!("sqlite://{}", database.display());
-    let service = Service::open(ServiceOptions::on(database)).await.expect("a service");
+    let service = Service::open(ServiceOptions::on(database, LoopAnswer::bytes)).await.expect("a service");
     RunningServer::start(service).await.expect("a free port")
 }
 

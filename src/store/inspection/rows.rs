@@ -3,36 +3,51 @@
 use futures_util::TryStreamExt as _;
 use sqlx::{Row, SqliteConnection};
 
-use super::map::MapCheck;
-use crate::domain::keyframe::Crop;
-use crate::recognition::features::MatchableFeatures;
+use crate::domain::keyframe::{Crop, Features};
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
-use crate::store::rows::load::Loaded;
+use crate::store::facts::MapFacts;
 use crate::store::rows::{decode, former_value_rows, operation_rows, read};
 use crate::store::slices::parts::Kind;
+
+/// Whether features fit together, so that they can be matched.
+pub(super) type Fit = fn(Features) -> bool;
+
+/// What was found in a map's rows.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct RowFindings {
+    /// Its events that are kept.
+    pub events: u64,
+    /// What is wrong with it.
+    pub faults: Vec<String>,
+}
 
 /// Checks the rows of a map that was loaded.
 pub(super) async fn check(
     db: &mut SqliteConnection,
-    loaded: &Loaded,
-    found: &mut MapCheck,
+    facts: &MapFacts,
+    fit: Fit,
+    found: &mut RowFindings,
 ) -> Result<(), StoreError> {
-    let key = loaded.key;
-    events(&mut *db, loaded, found).await?;
-    keyframes(&mut *db, key, &mut found.faults).await?;
+    let key = facts.key;
+    events(&mut *db, facts, found).await?;
+    keyframes(&mut *db, key, fit, &mut found.faults).await?;
     detections(&mut *db, key, &mut found.faults).await?;
     crops(&mut *db, key, &mut found.faults).await?;
-    history(&mut *db, loaded, &mut found.faults).await?;
+    history(&mut *db, facts, &mut found.faults).await?;
     queries(&mut *db, key, &mut found.faults).await
 }
 
 /// Events follow each other without a gap up to the one that is given next, and none is of a version to come.
-async fn events(db: &mut SqliteConnection, loaded: &Loaded, found: &mut MapCheck) -> Result<(), StoreError> {
+async fn events(
+    db: &mut SqliteConnection,
+    facts: &MapFacts,
+    found: &mut RowFindings,
+) -> Result<(), StoreError> {
     let mut expected: Option<u64> = None;
     let mut version = 0;
     let mut rows =
-        sqlx::query("select * from events where map_key = $1 order by seq").bind(loaded.key).fetch(db);
+        sqlx::query("select * from events where map_key = $1 order by seq").bind(facts.key).fetch(db);
     while let Some(row) = rows.try_next().await? {
         let event = match read::event(&row) {
             Ok(event) => event,
@@ -45,15 +60,15 @@ async fn events(db: &mut SqliteConnection, loaded: &Loaded, found: &mut MapCheck
         if expected.is_some_and(|expected| expected != event.seq) {
             found.faults.push(format!("event {} follows upon {}", event.seq, expected.unwrap_or(0) - 1));
         }
-        if event.map_version < version || event.map_version > loaded.version {
+        if event.map_version < version || event.map_version > facts.version {
             found.faults.push(format!("event {} is of version {}", event.seq, event.map_version));
         }
         (expected, version) = (Some(event.seq + 1), event.map_version);
     }
     // Only the oldest are ever taken out. A map's first number is free: it is above those of maps that were deleted.
-    let next = expected.unwrap_or(loaded.next_event);
-    if next != loaded.next_event {
-        found.faults.push(format!("the last event is {}, and {} is given next", next - 1, loaded.next_event));
+    let next = expected.unwrap_or(facts.next_event);
+    if next != facts.next_event {
+        found.faults.push(format!("the last event is {}, and {} is given next", next - 1, facts.next_event));
     }
     Ok(())
 }
@@ -62,6 +77,7 @@ async fn events(db: &mut SqliteConnection, loaded: &Loaded, found: &mut MapCheck
 async fn keyframes(
     db: &mut SqliteConnection,
     key: MapKey,
+    fit: Fit,
     faults: &mut Vec<String>,
 ) -> Result<(), StoreError> {
     let select = "select id, sent_points, digest, keyframe_features.* from keyframes
@@ -78,7 +94,6 @@ async fn keyframes(
         // In any order: nothing relies on one, and versions of schema 3 and before kept the client's.
         note(read::sent_points(&row).map(|_| true), "the sent points");
         if row.try_get::<Option<&[u8]>, _>("descriptors")?.is_some() {
-            let fit = |features| MatchableFeatures::of(features).is_some();
             note(read::features(&row).map(fit), "the features");
         }
     }
@@ -119,16 +134,16 @@ async fn detections(
 /// History, which exports read and no index holds: it decodes, and none of it is of a version to come.
 async fn history(
     db: &mut SqliteConnection,
-    loaded: &Loaded,
+    facts: &MapFacts,
     faults: &mut Vec<String>,
 ) -> Result<(), StoreError> {
     let mut versions = Vec::new();
-    match operation_rows::all(&mut *db, loaded.key).await {
+    match operation_rows::all(&mut *db, facts.key).await {
         Ok(operations) => versions.extend(operations.into_iter().map(|(version, _)| version)),
         Err(error) => faults.push(error.fault()),
     }
     let select = "select version, kind, entries from former_values where map_key = $1";
-    let mut rows = sqlx::query_as::<_, (i64, String, Vec<u8>)>(select).bind(loaded.key).fetch(db);
+    let mut rows = sqlx::query_as::<_, (i64, String, Vec<u8>)>(select).bind(facts.key).fetch(db);
     while let Some((version, kind, entries)) = rows.try_next().await? {
         let read = Kind::from_name(&kind).and_then(|kind| former_value_rows::unpacked(kind, &entries));
         if let Err(error) = read {
@@ -136,8 +151,8 @@ async fn history(
         }
         versions.push(version.unsigned_abs());
     }
-    if let Some(version) = versions.into_iter().find(|version| *version > loaded.version) {
-        faults.push(format!("history of version {version}, and the map's is {}", loaded.version));
+    if let Some(version) = versions.into_iter().find(|version| *version > facts.version) {
+        faults.push(format!("history of version {version}, and the map's is {}", facts.version));
     }
     Ok(())
 }

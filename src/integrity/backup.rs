@@ -5,33 +5,17 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest as _, Sha256};
-use sqlx::sqlite::SqliteConnectOptions;
-use sqlx::{ConnectOptions as _, Connection as _, SqliteConnection};
 use tempfile::NamedTempFile;
 
-use super::StoreError;
 use super::check::check_any_schema;
-use super::files::paths::DatabaseFiles;
-use super::files::{log, schema};
+use crate::store::files::paths::DatabaseFiles;
+use crate::store::{Holdings, StoreError, copying};
 
 /// How a copy is called until it is whole; one that a crash has left behind is known by it.
 pub const PARTIAL: &str = ".revisit-partial";
 
 /// Read at a time for the digest.
 const CHUNK_BYTES: usize = 1 << 20;
-
-/// How much a database holds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Holdings {
-    /// The schema's version.
-    pub schema: i64,
-    /// Maps.
-    pub maps: u64,
-    /// Keyframes of all maps.
-    pub keyframes: u64,
-    /// Anchors of all maps, merged ones too.
-    pub anchors: u64,
-}
 
 /// A copy that is on disk.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -55,34 +39,33 @@ pub struct Copy {
 }
 
 impl Copy {
-    /// Copies a database into a folder. A running server goes on: the copy is what one read transaction sees, and
-    /// takes a connection of its own. What is written meanwhile stays in the write-ahead log until it ends.
+    /// Copies a database into a folder, also while a server has it open: the copy is what one read transaction sees.
     pub async fn of(source: &DatabaseFiles, folder: &Path) -> Result<Self, StoreError> {
-        Self::through(source.read_only(), folder).await
+        let file = unnamed(folder)?;
+        let schema = copying::copy(source, &absolute(file.path())?).await?;
+        Self::checked(file, schema, Vec::new()).await
     }
 
-    async fn through(source: SqliteConnectOptions, folder: &Path) -> Result<Self, StoreError> {
-        let file = tempfile::Builder::new()
-            .prefix("")
-            .suffix(PARTIAL)
-            .tempfile_in(folder)
-            .map_err(|error| StoreError::file(folder, &error))?;
-        let mut db = source.connect().await?;
-        let schema = schema::version(&mut db).await?;
-        let into = absolute(file.path())?;
-        sqlx::query("vacuum into $1").bind(into).execute(&mut db).await?;
-        db.close().await?;
+    /// Copies a database that this process does not have open, and looks at its log first.
+    pub async fn from_outside(source: &DatabaseFiles, folder: &Path) -> Result<Self, StoreError> {
+        let file = unnamed(folder)?;
+        let (schema, of_log) = copying::copy_from_outside(source, &absolute(file.path())?).await?;
+        Self::checked(file, schema, of_log).await
+    }
+
+    async fn checked(file: NamedTempFile, schema: i64, of_log: Vec<String>) -> Result<Self, StoreError> {
         let copy = DatabaseFiles::of_path(file.path());
         let checked = check_any_schema(&copy).await?;
         let mut faults: Vec<String> = checked.all_faults().collect();
         let holds = match checked.newer {
-            Some(_) => holdings(&mut copy.read_only().immutable(true).connect().await?).await?,
+            Some(_) => Holdings::of_file(&copy).await?,
             None => checked.holds.unwrap_or_default(),
         };
         let maps_checked = checked.newer.is_none() && !checked.is_older;
         if faults.is_empty() && holds.schema != schema {
             faults.push(format!("the copy has schema {}, not {schema}", holds.schema));
         }
+        faults.extend(of_log);
         let write = move || {
             let path = file.path().to_owned();
             let failed = |error: std::io::Error| StoreError::file(&path, &error);
@@ -91,14 +74,6 @@ impl Copy {
             Ok(Self { file, copied: Copied { bytes, sha256, holds, maps_checked }, faults })
         };
         tokio::task::spawn_blocking(write).await.map_err(|error| StoreError::Database(error.to_string()))?
-    }
-
-    /// Copies a database that this process has not open, and looks at its log first.
-    pub async fn from_outside(source: &DatabaseFiles, folder: &Path) -> Result<Self, StoreError> {
-        let log = log::look(source)?;
-        let mut copy = Self::through(source.untouched(!log.faults.is_empty()), folder).await?;
-        copy.faults.extend(log.faults);
-        Ok(copy)
     }
 
     /// Returns what was copied.
@@ -148,22 +123,10 @@ pub fn regular_or_free(path: &Path) -> Result<(), StoreError> {
     }
 }
 
-/// How much a database holds.
-pub(super) async fn holdings(db: &mut SqliteConnection) -> Result<Holdings, StoreError> {
-    let schema = schema::version(&mut *db).await?;
-    // An older schema knows no deleted maps.
-    let column = "select count(*) from pragma_table_info('maps') where name = 'deleted'";
-    let knows_deleted: i64 = sqlx::query_scalar(column).fetch_one(&mut *db).await?;
-    // What a deleted map still has is no map's any more.
-    let count = if knows_deleted == 0 {
-        "select (select count(*) from maps), (select count(*) from keyframes), (select count(*) from anchors)"
-    } else {
-        "select (select count(*) from maps where deleted = 0),
-            (select count(*) from keyframes where map_key not in (select map_key from maps where deleted = 1)),
-            (select count(*) from anchors where map_key not in (select map_key from maps where deleted = 1))"
-    };
-    let (maps, keyframes, anchors): (i64, i64, i64) = sqlx::query_as(count).fetch_one(&mut *db).await?;
-    Ok(Holdings { schema, maps: maps as u64, keyframes: keyframes as u64, anchors: anchors as u64 })
+/// Makes the file of a copy, without a name that a backup could have.
+fn unnamed(folder: &Path) -> Result<NamedTempFile, StoreError> {
+    let file = tempfile::Builder::new().prefix("").suffix(PARTIAL).tempfile_in(folder);
+    file.map_err(|error| StoreError::file(folder, &error))
 }
 
 /// SQLite takes what begins with `file:` for an address.

@@ -4,15 +4,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use sqlx::{ConnectOptions as _, Connection as _};
-
-use super::StoreError;
 use super::backup::{Copied, Copy, regular_or_free, sync_folder};
 use super::check::check;
-use super::files::lock::{DatabaseLock, Purpose};
-use super::files::paths::DatabaseFiles;
 use crate::domain::counted::counted;
 use crate::domain::key::KeySeq;
+use crate::store::files::paths::DatabaseFiles;
+use crate::store::{DatabaseLock, Purpose, StoreError, standing_keys};
 
 /// Names tried for the database that was there, one for each second from now on.
 const NAMES_TRIED: u64 = 1_000;
@@ -85,19 +82,6 @@ pub async fn restore(
     let copied = copy.place(target.database(), false)?;
     lock.finished()?;
     Ok(Restored { copied, kept, faults, keys })
-}
-
-async fn standing_keys(backup: &DatabaseFiles) -> Result<Vec<(KeySeq, String)>, StoreError> {
-    let mut db = backup.read_only().connect().await?;
-    let table = "select count(*) from sqlite_master where type = 'table' and name = 'keys'";
-    let mut keys = Vec::new();
-    // A backup of an earlier version has none.
-    if sqlx::query_scalar::<_, i64>(table).fetch_one(&mut db).await? > 0 {
-        let select = "select key, name from keys where revoked_sec is null order by key";
-        keys = sqlx::query_as::<_, (i64, String)>(select).fetch_all(&mut db).await?;
-    }
-    db.close().await?;
-    Ok(keys.into_iter().map(|(key, name)| (KeySeq(key), name)).collect())
 }
 
 /// Gives the database another name, with its log: in the log may be all that was written last.

@@ -1,0 +1,117 @@
+//! The record of verdicts: each answer is counted and kept, for reading back with every figure.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use bytes::Bytes;
+
+use super::maps::live::LiveMap;
+use super::{QueryAnswer, Service, ServiceError};
+use crate::domain::ids::{KeyframeId, MapId};
+use crate::domain::request::{LoopQuery, Subject};
+use crate::domain::verdict::{Decision, Verify};
+
+/// The counters behind [`VerdictCounts`].
+#[derive(Debug, Default)]
+pub(super) struct VerdictCounters([AtomicU64; 3]);
+
+/// How many loop queries were answered since the start, by verdict.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct VerdictCounts([u64; 3]);
+
+const DECISIONS: [Decision; 3] = [Decision::Loop, Decision::NoLoop, Decision::Undecided];
+
+impl VerdictCounters {
+    fn add(&self, decision: Decision) {
+        self.0[place(decision)].fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Returns the counts as they are now.
+    pub fn counts(&self) -> VerdictCounts {
+        VerdictCounts(self.0.each_ref().map(|count| count.load(Ordering::Relaxed)))
+    }
+}
+
+impl VerdictCounts {
+    /// Returns each verdict with its count.
+    pub fn each(self) -> [(Decision, u64); 3] {
+        DECISIONS.map(|decision| (decision, self.0[place(decision)]))
+    }
+}
+
+impl FromIterator<Decision> for VerdictCounts {
+    fn from_iter<T: IntoIterator<Item = Decision>>(decisions: T) -> Self {
+        let mut counts = Self::default();
+        decisions.into_iter().for_each(|decision| counts.0[place(decision)] += 1);
+        counts
+    }
+}
+
+fn place(decision: Decision) -> usize {
+    match decision {
+        Decision::Loop => 0,
+        Decision::NoLoop => 1,
+        Decision::Undecided => 2,
+    }
+}
+
+impl Service {
+    /// Answers a loop query, and records the answer. Changes nothing else, and calls no model.
+    pub async fn loop_query(&self, map: &MapId, query: LoopQuery) -> Result<QueryAnswer, ServiceError> {
+        let live = self.live(map).await?;
+        self.answer_and_record(&live, query).await
+    }
+
+    async fn answer_and_record(
+        &self,
+        live: &Arc<LiveMap>,
+        query: LoopQuery,
+    ) -> Result<QueryAnswer, ServiceError> {
+        let answer = self.answer(live, query).await?;
+        self.verdicts.add(answer.verdict.decision);
+        // Written behind, bounded, oldest out first.
+        live.keep_query(&self.store, &answer.id, answer.body.clone());
+        Ok(answer)
+    }
+
+    /// Answers the loop query about a stored keyframe, and records the answer.
+    pub(super) async fn query_stored(
+        &self,
+        map: &MapId,
+        keyframe: KeyframeId,
+    ) -> Result<QueryAnswer, ServiceError> {
+        self.loop_query(map, about(keyframe)).await
+    }
+
+    /// Answers the loop query about a keyframe that has just arrived. The verdict is recorded; if it is a loop, listeners
+    /// are notified of it.
+    pub(super) async fn query_and_announce(
+        &self,
+        map: &MapId,
+        keyframe: KeyframeId,
+    ) -> Result<QueryAnswer, ServiceError> {
+        let live = self.live(map).await?;
+        let answer = self.answer_and_record(&live, about(keyframe)).await?;
+        if answer.verdict.decision == Decision::Loop {
+            self.announce_loop(&live, &answer);
+        }
+        Ok(answer)
+    }
+
+    /// Returns a recorded answer.
+    pub async fn kept_query(&self, map: &MapId, id: &str) -> Result<Bytes, ServiceError> {
+        // One that is on its way to the disk keeps its map in memory.
+        let live = self.registry.in_memory_now(map);
+        if let Some(body) = live.and_then(|live| live.query_under_way(id)) {
+            return Ok(body);
+        }
+        let found = self.store.kept_query(self.key_of(map).await?, id).await?;
+        found
+            .map(Bytes::from)
+            .ok_or_else(|| ServiceError::NotFound(format!("there is no loop query {id} in this map")))
+    }
+}
+
+fn about(keyframe: KeyframeId) -> LoopQuery {
+    LoopQuery { subject: Subject::Stored(keyframe), verify: Verify::default(), max_wait_ms: 0, seed: 0 }
+}

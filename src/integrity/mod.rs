@@ -1,0 +1,12 @@
+//! Integrity: proofs that a database is whole, and copies that are proven before they have a name.
+//!
+//! | concept | file |
+//! |---|---|
+//! | the proof | [`mod@check`], [`map_check`], [`rebuild`] |
+//! | copies of the database, and back | [`backup`], [`mod@restore`] |
+
+pub mod backup;
+pub mod check;
+pub mod map_check;
+mod rebuild;
+pub mod restore;

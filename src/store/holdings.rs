@@ -1,0 +1,45 @@
+//! Holdings: how much a database has in it, of whatever schema it is.
+
+use sqlx::{ConnectOptions as _, SqliteConnection};
+
+use super::StoreError;
+use super::files::paths::DatabaseFiles;
+use super::files::schema;
+
+/// How much a database holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Holdings {
+    /// The schema's version.
+    pub schema: i64,
+    /// Maps.
+    pub maps: u64,
+    /// Keyframes of all maps.
+    pub keyframes: u64,
+    /// Anchors of all maps, merged ones too.
+    pub anchors: u64,
+}
+
+impl Holdings {
+    /// Counts what a file holds that no process changes.
+    pub async fn of_file(file: &DatabaseFiles) -> Result<Self, StoreError> {
+        holdings(&mut file.read_only().immutable(true).connect().await?).await
+    }
+}
+
+/// Counts what a database holds.
+pub(super) async fn holdings(db: &mut SqliteConnection) -> Result<Holdings, StoreError> {
+    let schema = schema::version(&mut *db).await?;
+    // An older schema knows no deleted maps.
+    let column = "select count(*) from pragma_table_info('maps') where name = 'deleted'";
+    let knows_deleted: i64 = sqlx::query_scalar(column).fetch_one(&mut *db).await?;
+    // What a deleted map still has is no map's any more.
+    let count = if knows_deleted == 0 {
+        "select (select count(*) from maps), (select count(*) from keyframes), (select count(*) from anchors)"
+    } else {
+        "select (select count(*) from maps where deleted = 0),
+            (select count(*) from keyframes where map_key not in (select map_key from maps where deleted = 1)),
+            (select count(*) from anchors where map_key not in (select map_key from maps where deleted = 1))"
+    };
+    let (maps, keyframes, anchors): (i64, i64, i64) = sqlx::query_as(count).fetch_one(&mut *db).await?;
+    Ok(Holdings { schema, maps: maps as u64, keyframes: keyframes as u64, anchors: anchors as u64 })
+}

@@ -1,0 +1,158 @@
+//! Inspection: a database is looked at as it is, also beside a running server, and nothing is written.
+
+mod rows;
+
+use std::fs::File;
+use std::path::Path;
+
+use sqlx::{ConnectOptions as _, Connection as _, SqliteConnection};
+
+use super::StoreError;
+use super::facts::{MapFacts, Order};
+use super::files::lock::DatabaseLock;
+use super::files::log::{self, LogFindings};
+use super::files::paths::DatabaseFiles;
+use super::files::schema;
+use super::holdings::{Holdings, holdings};
+use super::rows::load::load;
+use crate::domain::change::Change;
+use crate::domain::ids::{MapId, StoredId as _};
+pub use rows::RowFindings;
+
+/// The most faults that SQLite lists before it stops looking.
+const STRUCTURAL_FAULTS_MAX: usize = 100;
+
+/// The files of a database, kept from a server that would start meanwhile.
+#[derive(Debug)]
+pub struct Inspection {
+    files: DatabaseFiles,
+    /// No process has it open.
+    is_closed: bool,
+    _shared: Option<File>,
+    /// What its log shows.
+    pub log: LogFindings,
+}
+
+/// The database within one read transaction.
+#[derive(Debug)]
+pub struct Inspected {
+    db: SqliteConnection,
+}
+
+impl Inspection {
+    /// Looks at the files. Fails if there are none.
+    pub fn of(files: &DatabaseFiles) -> Result<Self, StoreError> {
+        if !files.database().is_file() {
+            return Err(StoreError::File {
+                path: files.database().display().to_string(),
+                error: "there is no such file".to_owned(),
+            });
+        }
+        // Without a log no process has it open: then it is read as if it could not change, which needs no files beside
+        // it, and the lock keeps a server from starting meanwhile.
+        let is_closed = !files.wal().exists();
+        let shared = if is_closed { DatabaseLock::share(files) } else { None };
+        let log = log::look(files)?;
+        Ok(Self { files: files.clone(), is_closed, _shared: shared, log })
+    }
+
+    /// Opens the database.
+    pub async fn open(&self) -> Result<Inspected, StoreError> {
+        let options = if self.is_closed {
+            self.files.read_only().immutable(true)
+        } else {
+            self.files.untouched(!self.log.faults.is_empty())
+        };
+        let mut db = options.connect().await?;
+        sqlx::query("begin").execute(&mut db).await?;
+        Ok(Inspected { db })
+    }
+
+    /// Finds a file without a log that is not as long as its pages are: of a shorter one SQLite reads zeros.
+    pub async fn wrong_length(&self, inspected: &mut Inspected) -> Result<Vec<String>, StoreError> {
+        if !self.is_closed {
+            return Ok(Vec::new());
+        }
+        wrong_length(&mut inspected.db, self.files.database()).await
+    }
+}
+
+impl Inspected {
+    /// Finds what SQLite finds wrong with pages, rows and indexes.
+    pub async fn structural_faults(&mut self) -> Result<Vec<String>, StoreError> {
+        let found: Vec<String> = sqlx::query_scalar("pragma integrity_check").fetch_all(&mut self.db).await?;
+        Ok(found.into_iter().filter(|line| line != "ok").take(STRUCTURAL_FAULTS_MAX).collect())
+    }
+
+    /// Returns the schema's version.
+    pub async fn schema(&mut self) -> Result<i64, StoreError> {
+        schema::version(&mut self.db).await
+    }
+
+    /// Counts what it holds.
+    pub async fn holdings(&mut self) -> Result<Holdings, StoreError> {
+        holdings(&mut self.db).await
+    }
+
+    /// Finds rows that refer to rows which are not there, by table.
+    pub async fn dangling_rows(&mut self) -> Result<Vec<String>, StoreError> {
+        let select =
+            "select \"table\", parent, count(*) from pragma_foreign_key_check group by 1, 2 order by 1, 2";
+        let found: Vec<(String, String, i64)> = sqlx::query_as(select).fetch_all(&mut self.db).await?;
+        let told = |(table, parent, count)| {
+            format!("{count} rows of {table} refer to rows of {parent} that are not there")
+        };
+        Ok(found.into_iter().map(told).collect())
+    }
+
+    /// Finds keys of maps above the one that was given last: they would be given twice.
+    pub async fn key_faults(&mut self) -> Result<Vec<String>, StoreError> {
+        let select =
+            "select id, map_key from maps where map_key > (select last from map_keys) order by map_key";
+        let found: Vec<(String, i64)> = sqlx::query_as(select).fetch_all(&mut self.db).await?;
+        let told = |(id, key)| format!("map {id} has key {key}, which would be given again");
+        Ok(found.into_iter().map(told).collect())
+    }
+
+    /// Returns the maps by name; a name that is none is a fault.
+    pub async fn maps(&mut self) -> Result<Vec<Result<MapId, String>>, StoreError> {
+        let select = "select id from maps where deleted = 0 order by id";
+        let ids: Vec<String> = sqlx::query_scalar(select).fetch_all(&mut self.db).await?;
+        let named = |id: String| MapId::stored(&id).map_err(|error| format!("map {id:?}: {error}"));
+        Ok(ids.into_iter().map(named).collect())
+    }
+
+    /// Tells a map's changes, as [`super::Store::load`] does.
+    pub async fn load(
+        &mut self,
+        id: &MapId,
+        order: Order,
+        take: impl FnMut(&[Change]) + Send,
+    ) -> Result<Option<MapFacts>, StoreError> {
+        load(&mut self.db, id, order, take).await
+    }
+
+    /// Checks the rows of a map that no index holds. `fit` tells whether features can be matched.
+    pub async fn check_rows(
+        &mut self,
+        facts: &MapFacts,
+        fit: rows::Fit,
+        found: &mut RowFindings,
+    ) -> Result<(), StoreError> {
+        rows::check(&mut self.db, facts, fit, found).await
+    }
+
+    /// Ends the transaction, and closes the database.
+    pub async fn close(mut self) -> Result<(), StoreError> {
+        sqlx::query("rollback").execute(&mut self.db).await?;
+        Ok(self.db.close().await?)
+    }
+}
+
+async fn wrong_length(db: &mut SqliteConnection, file: &Path) -> Result<Vec<String>, StoreError> {
+    let select = "select page_count * page_size from pragma_page_count, pragma_page_size";
+    let expected: i64 = sqlx::query_scalar(select).fetch_one(db).await?;
+    let length = std::fs::metadata(file).map_err(|error| StoreError::file(file, &error))?.len();
+    let fault = format!("the file has {length} bytes, and its pages {expected}");
+    Ok(if length == expected as u64 { Vec::new() } else { vec![fault] })
+}
