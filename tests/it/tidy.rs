@@ -12,7 +12,7 @@ const LAYERS: &[&[&str]] = &[
     &["hotel"],
     &["http", "client"],
     &["engine", "api"],
-    &["models", "integrity"],
+    &["llm", "integrity"],
     &["store"],
     &["recognition"],
     &["vocabulary"],
