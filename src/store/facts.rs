@@ -1,11 +1,7 @@
 //! Facts of a map: what its row says, and in which order its changes are told.
 
-use super::Store;
-use super::StoreError;
 use super::commit::job::MapKey;
-use super::rows::load::load;
-use crate::domain::change::Change;
-use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId};
+use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::domain::key::KeySeq;
 use crate::domain::map::{Learned, MapFigures};
 use crate::domain::request::Digest;
@@ -43,20 +39,4 @@ pub enum Order {
     Forwards,
     /// The last first, and what moves things after the things.
     Backwards,
-}
-
-impl Store {
-    /// Tells a map's changes in order, part by part, and returns what its row says; `None` if there is no such map.
-    pub async fn load(
-        &self,
-        id: &MapId,
-        order: Order,
-        take: impl FnMut(&[Change]) + Send,
-    ) -> Result<Option<MapFacts>, StoreError> {
-        // One read transaction, so that what is told is one version of the map.
-        let mut db = self.snapshot().await?;
-        let facts = load(&mut db, id, order, take).await?;
-        db.commit().await?;
-        Ok(facts)
-    }
 }

@@ -12,7 +12,7 @@ use super::commit::write;
 use super::facts::Order;
 use super::rows::load::load;
 use super::slices::{deferred, deletion, fold};
-use super::tests::database;
+use super::test_database::database;
 use crate::domain::anchor::Outcome;
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Change, Keyframe};

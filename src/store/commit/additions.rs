@@ -7,27 +7,29 @@ use std::collections::{BTreeMap, HashSet};
 
 use sqlx::SqliteConnection;
 
-use super::job::{Batch, MapKey, NewKeyframeRows};
-use super::write::{EVENTS_KEPT, EVENTS_SWEPT_EVERY, QUERIES_KEPT, QUERIES_SWEPT, run};
-use crate::domain::bow::BowVector;
-use crate::domain::change::{Change, Keyframe};
+use super::job::{Batch, MapKey};
+use crate::domain::change::Change;
 use crate::domain::event::Event;
 use crate::domain::ids::{AnchorSeq, KeyframeId, LoopId, PointId, SessionId, SessionSeq};
 use crate::geometry::Point3;
 use crate::store::StoreError;
 use crate::store::rows::bulk_insert::{Row, write_rows};
-use crate::store::rows::keyframe_rows::{self, Detected};
+use crate::store::rows::keyframe_rows::{self, Arrived, Detected};
 use crate::store::rows::map_rows;
+use crate::store::rows::statement::run;
 use crate::store::slices::deferred;
 
-/// A keyframe that arrived.
-pub(in crate::store) struct Arrived<'j> {
-    pub map: MapKey,
-    pub version: u64,
-    pub keyframe: &'j Keyframe,
-    pub bow: &'j BowVector,
-    pub rows: &'j NewKeyframeRows,
-}
+/// Events of a map are kept up to this number, oldest out first.
+const EVENTS_KEPT: u64 = 100_000;
+
+/// How often old events are taken out.
+const EVENTS_SWEPT_EVERY: u64 = 256;
+
+/// Loop queries of a map are kept up to this number, oldest out first.
+const QUERIES_KEPT: i64 = 1_000;
+
+/// Loop queries that are taken out at a time.
+const QUERIES_SWEPT: i64 = 16;
 
 /// The answer of a loop query, to be kept.
 pub(in crate::store) struct KeptQuery<'j> {

@@ -13,33 +13,62 @@ use tokio::sync::mpsc;
 use tokio::time::Instant;
 use tracing::{error, warn};
 
-use super::commit_queue::{Counters, Message, Queued};
+use super::commit_queue::Committer;
 use super::health::{Disk, Health};
 use super::job::Job;
 use super::lanes::Lanes;
+use super::queue::{Counters, Message, Queued};
 use super::transaction::Transaction;
 use super::write;
 use crate::store::StoreError;
 use crate::store::files::disk_reserve::Reserve;
+use crate::store::files::lock::DatabaseLock;
 use crate::store::rows::map_rows;
 use crate::store::slices::background::Slices;
 
 /// How often a disk that is not well is tried.
 const TRY_AGAIN_EVERY: Duration = Duration::from_millis(500);
 
+/// Starts a writer on its own connection, in a thread of its own.
+///
+/// A group is a chain of statements, each of which wakes the writer when it is done. On the runtime that answers
+/// requests each of these waits behind the requests' tasks, so that a busy server committed slowly.
+pub(in crate::store) fn start(
+    pool: SqlitePool,
+    reserve: Reserve,
+    lock: Option<Arc<DatabaseLock>>,
+) -> Result<Committer, StoreError> {
+    let failed = |error: std::io::Error| StoreError::Database(format!("the writer's thread: {error}"));
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().map_err(failed)?;
+    // Unbounded, because whoever plans holds the map's lock and must not wait here; the service
+    // bounds how many requests plan at once.
+    let (queue, jobs) = mpsc::unbounded_channel();
+    let counters = Arc::new(Counters::default());
+    let health = Health::default();
+    let writer =
+        Writer { pool, reserve, counters: counters.clone(), health: health.clone(), serves: lock.is_some() };
+    let run = move || {
+        runtime.block_on(writer.run(jobs));
+        // Nobody else may write before the last job has.
+        drop(lock);
+    };
+    std::thread::Builder::new().name("writer".to_owned()).spawn(run).map_err(failed)?;
+    Ok(Committer::to(queue, counters, health))
+}
+
 /// The writer's own side of the queue.
-pub(in crate::store) struct Writer {
-    pub pool: SqlitePool,
-    pub reserve: Reserve,
-    pub counters: Arc<Counters>,
-    pub health: Health,
+struct Writer {
+    pool: SqlitePool,
+    reserve: Reserve,
+    counters: Arc<Counters>,
+    health: Health,
     /// Whether this process is the one that serves, and does the background work.
-    pub serves: bool,
+    serves: bool,
 }
 
 impl Writer {
     /// Commits until the queue is closed.
-    pub(in crate::store) async fn run(self, mut queue: mpsc::UnboundedReceiver<Message>) {
+    async fn run(self, mut queue: mpsc::UnboundedReceiver<Message>) {
         self.keep_reserve(self.reserve.bytes()).await;
         let mut slices = if self.serves { Slices::resume(&self.pool).await } else { Slices::none() };
         let (mut lanes, mut closing) = (Lanes::default(), None);
@@ -274,12 +303,80 @@ impl Writer {
     }
 }
 
-impl Queued {
-    /// It will never be on disk, and neither will what was planned upon it.
-    fn fail(self, error: StoreError) {
-        if self.job.is_planned_upon() {
-            self.broken.store(true, Ordering::Release);
+#[cfg(test)]
+mod tests {
+    use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
+
+    use tokio::sync::oneshot;
+
+    use super::*;
+    use crate::domain::map::MapProperties;
+    use crate::store::commit::queue::PoisonFlag;
+    use crate::store::files::schema;
+
+    const ROOM_FOR_ANYTHING: i64 = 1 << 30;
+
+    /// A writer on a database that SQLite itself keeps small, as a full disk does.
+    async fn cramped(folder: &tempfile::TempDir) -> (SqlitePool, Committer) {
+        let path = folder.path().join("cramped.db");
+        let options = SqliteConnectOptions::new().filename(&path).create_if_missing(true);
+        let options = options.journal_mode(sqlx::sqlite::SqliteJournalMode::Wal);
+        let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options).await.expect("a pool");
+        schema::migrate(&pool).await.expect("a schema");
+        let committer = start(pool.clone(), Reserve::beside(&path), None).expect("a writer");
+        (pool, committer)
+    }
+
+    async fn pages_at_most(pool: &SqlitePool, pages: i64) {
+        let pragma = sqlx::AssertSqlSafe(format!("pragma max_page_count = {pages}"));
+        sqlx::query(pragma).execute(pool).await.expect("a pragma");
+    }
+
+    fn map(key: i64) -> Job {
+        let properties = MapProperties { description: "x".repeat(4000), ..MapProperties::default() };
+        let id = format!("map-{key}").parse().expect("an id");
+        Job::CreateMap { id, properties: Box::new(properties), digest: [0; 32], owner: None }
+    }
+
+    #[tokio::test]
+    async fn writes_go_on_when_a_full_disk_has_room_again_and_deletes_never_stop() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (pool, committer) = cramped(&folder).await;
+        pages_at_most(&pool, 1).await; // Not below what there is.
+        let mut key = 0;
+        let refused = loop {
+            key += 1;
+            match committer.commit(map(key)).await {
+                Ok(()) => assert!(key < 1000, "the disk never gets full"),
+                Err(error) => break error,
+            }
+        };
+        assert!(matches!(refused, StoreError::DiskFull), "{refused}");
+        assert!(matches!(committer.refuses(false), Some(StoreError::DiskFull)));
+        assert!(committer.refuses(true).is_none(), "deletes are tried");
+        committer.commit(Job::DeleteMap(1)).await.expect("a delete on a full disk");
+        sqlx::query("pragma user_version = 77").execute(&pool).await.expect("a pragma");
+        pages_at_most(&pool, ROOM_FOR_ANYTHING).await;
+        while committer.refuses(false).is_some() {
+            tokio::task::yield_now().await; // The writer tries by itself.
         }
-        (self.done)(Err(error));
+        committer.commit(map(key)).await.expect("a write, without a restart");
+        let events: i64 = sqlx::query_scalar("pragma user_version").fetch_one(&pool).await.expect("a pragma");
+        assert_eq!(events, 77, "numbers of events are not given again");
+    }
+
+    #[tokio::test]
+    async fn a_verdict_that_is_not_kept_breaks_no_line() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (pool, committer) = cramped(&folder).await;
+        committer.commit(map(1)).await.expect("a map");
+        pages_at_most(&pool, 1).await;
+        let line = PoisonFlag::default();
+        let (committed, heard) = oneshot::channel();
+        let body = bytes::Bytes::from(vec![b'x'; 1 << 20]);
+        let job = Job::KeepQuery { map: 1, id: "q-1".to_owned(), kept: 1, body };
+        committer.submit(job, &line, move |result| drop(committed.send(result)));
+        assert!(matches!(heard.await, Ok(Err(StoreError::DiskFull))));
+        assert!(!line.load(Ordering::Acquire), "the map need not be loaded anew");
     }
 }

@@ -7,12 +7,10 @@ use crate::domain::event::Event;
 use crate::domain::former::FormerValues;
 use crate::domain::ids::{AnchorSeq, JudgementId, KeyframeSeq, MapId};
 use crate::domain::judgement::Judgement;
-use crate::domain::key::KeySeq;
+use crate::domain::key::{Key, KeySeq, SecretHash};
 use crate::domain::keyframe::NewKeyframe;
 use crate::domain::map::{Learned, MapFigures, MapProperties};
 use crate::domain::request::Digest;
-use crate::store::rows::key_rows::NewKeyRow;
-use crate::store::rows::model_rows::Spent;
 use crate::store::slices::parts::Part;
 
 /// A map's key in the database.
@@ -54,6 +52,38 @@ pub struct NewKeyframeRows {
     pub keyframe: Arc<NewKeyframe>,
     /// The digest of the body it was sent in.
     pub digest: Digest,
+}
+
+/// A key to be stored. Its number is the caller's guess of the next one; if another process took it meanwhile, the job fails.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NewKeyRow {
+    /// The key.
+    pub key: Key,
+    /// The hash of its secret.
+    pub hash: SecretHash,
+}
+
+/// Calls of one model for one operation, on one day. A negative cost gives back what was reserved and not used.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Spent {
+    /// Days since 1970, UTC.
+    pub day: i64,
+    /// What was asked for.
+    pub operation: &'static str,
+    /// Who answered.
+    pub model: Arc<str>,
+    /// Calls.
+    pub calls: i64,
+    /// Tokens sent.
+    pub input_tokens: i64,
+    /// Tokens received.
+    pub output_tokens: i64,
+    /// Millionths of a US dollar.
+    pub cost_microusd: i64,
+    /// Questions answered without a call.
+    pub cache_hits: i64,
+    /// The key at whose expense.
+    pub key: Option<KeySeq>,
 }
 
 /// What the writer is asked to do in one piece.

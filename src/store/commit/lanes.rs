@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use tokio::sync::oneshot;
 
-use super::commit_queue::Queued;
+use super::queue::Queued;
 
 /// Most jobs that share one transaction.
 const MAX_GROUP: usize = 256;
@@ -88,8 +88,8 @@ impl Lanes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::store::commit::commit_queue::PoisonFlag;
     use crate::store::commit::job::Job;
+    use crate::store::commit::queue::PoisonFlag;
 
     fn queued(line: &PoisonFlag, map: i64) -> Queued {
         Queued { job: Job::DeleteMap(map), broken: line.clone(), done: Box::new(drop) }

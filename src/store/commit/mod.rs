@@ -7,5 +7,6 @@ pub(super) mod group_commit;
 pub(super) mod health;
 pub(super) mod job;
 pub(super) mod lanes;
+pub(super) mod queue;
 pub(super) mod transaction;
 pub(super) mod write;

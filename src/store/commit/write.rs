@@ -1,6 +1,6 @@
 //! From changes to rows.
 
-use sqlx::{Sqlite, SqliteConnection};
+use sqlx::SqliteConnection;
 
 use super::additions::{Additions, KeptQuery};
 use super::job::{Batch, Job, MapKey};
@@ -9,6 +9,7 @@ use crate::store::StoreError;
 use crate::store::rows::blob::pack;
 use crate::store::rows::keyframe_rows::{detections, forget_points, pose_blob};
 use crate::store::rows::operation_rows::Operation;
+use crate::store::rows::statement::run;
 use crate::store::rows::{
     changed_sign_rows, former_value_rows, judgement_rows, key_rows, map_rows, model_rows, operation_rows,
     twin_rows,
@@ -17,18 +18,6 @@ use crate::store::slices::{deferred, deletion};
 
 /// The version of a map that was just made.
 const FIRST_VERSION: u64 = 1;
-
-/// Events of a map are kept up to this number, oldest out first.
-pub(in crate::store) const EVENTS_KEPT: u64 = 100_000;
-
-/// How often old events are taken out.
-pub(in crate::store) const EVENTS_SWEPT_EVERY: u64 = 256;
-
-/// Loop queries of a map are kept up to this number, oldest out first.
-pub(in crate::store) const QUERIES_KEPT: i64 = 1_000;
-
-/// Loop queries that are taken out at a time.
-pub(in crate::store) const QUERIES_SWEPT: i64 = 16;
 
 /// Does jobs in their order, within the transaction of their group.
 pub(in crate::store) async fn execute<'j>(
@@ -89,13 +78,6 @@ async fn execute_alone(db: &mut SqliteConnection, job: &Job) -> Result<(), Store
             unreachable!("done with what is gathered")
         }
     }
-}
-
-pub(in crate::store) type Query<'q> = sqlx::query::Query<'q, Sqlite, sqlx::sqlite::SqliteArguments>;
-
-pub(in crate::store) async fn run(db: &mut SqliteConnection, query: Query<'_>) -> Result<(), StoreError> {
-    query.execute(db).await?;
-    Ok(())
 }
 
 async fn change_map<'j>(

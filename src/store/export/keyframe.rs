@@ -1,71 +1,18 @@
 //! A keyframe as it was sent: its row, with the pose and the positions of that time.
 
-use std::collections::HashSet;
-
-use futures_util::TryStreamExt as _;
+use sqlx::Row as _;
 use sqlx::sqlite::SqliteRow;
-use sqlx::{Row as _, SqliteConnection};
 
-use super::{Export, Step};
-use crate::domain::ids::{KeyframeId, KeyframeSeq, PointId, SessionSeq};
+use super::operation_reader::{Export, Step};
+use crate::domain::ids::{KeyframeId, KeyframeSeq, PointId};
 use crate::domain::keyframe::{Crop, Detection, NewKeyframe};
 use crate::domain::recorded::Recorded;
 use crate::domain::request::PoseCorrection;
 use crate::store::StoreError;
-use crate::store::commit::job::MapKey;
 use crate::store::rows::{decode, read};
 
 /// The most points of one line; a keyframe that inherits more gives the rest to a correction.
 const POINTS_MAX: usize = 100_000;
-
-/// The points that exported operations have brought. In a map of which nothing is missing each keyframe brings its own,
-/// and each correction is there, so that nothing need be counted.
-pub(super) struct Introduced {
-    /// Those that a keyframe which is there was sent with.
-    sent: HashSet<(SessionSeq, PointId)>,
-    brought: HashSet<(SessionSeq, PointId)>,
-    are_counted: bool,
-}
-
-impl Introduced {
-    pub(super) async fn of(db: &mut SqliteConnection, map: MapKey) -> Result<Self, StoreError> {
-        // Where a keyframe was deleted, or history was not kept once, what brought a point may not be exported.
-        let select = "select next_keyframe > (select count(*) from keyframes k where k.map_key = m.map_key)
-                or exists (select 1 from operations o where o.map_key = m.map_key and o.version = 0)
-                or exists (select 1 from operations o where o.map_key = m.map_key and o.operation = 'map'
-                    and o.body ->> '$.settings.keep_history' = 'false')
-            from maps m where map_key = $1";
-        let are_counted = sqlx::query_scalar(select).bind(map).fetch_one(&mut *db).await?;
-        let mut sent = HashSet::new();
-        if are_counted {
-            let select = "select session, sent_points from keyframes where map_key = $1 order by keyframe";
-            let mut rows = sqlx::query(select).bind(map).fetch(db);
-            while let Some(row) = rows.try_next().await? {
-                let session = SessionSeq(row.try_get("session")?);
-                sent.extend(read::sent_points(&row)?.into_iter().map(|id| (session, id)));
-            }
-        }
-        Ok(Self { sent, brought: HashSet::new(), are_counted })
-    }
-
-    pub(super) fn add(&mut self, session: SessionSeq, points: impl Iterator<Item = PointId>) {
-        if self.are_counted {
-            self.brought.extend(points.map(|id| (session, id)));
-        }
-    }
-
-    /// Of the points that a keyframe names, those that nobody else has brought or will bring. It brings them now.
-    fn left_behind(&self, session: SessionSeq, named: impl Iterator<Item = PointId>) -> Vec<PointId> {
-        let is_left_behind = |id: &PointId| {
-            let point = (session, *id);
-            self.are_counted && !self.sent.contains(&point) && !self.brought.contains(&point)
-        };
-        let mut left_behind: Vec<PointId> = named.filter(is_left_behind).collect();
-        left_behind.sort_unstable();
-        left_behind.dedup();
-        left_behind
-    }
-}
 
 impl Export {
     /// Takes the next keyframe.

@@ -5,10 +5,14 @@ use std::fs::OpenOptions;
 use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::time::Duration;
 
 use sqlx::sqlite::SqliteConnectOptions;
 
-use crate::store::{BUSY_TIMEOUT, StoreError};
+use crate::store::StoreError;
+
+/// How long a connection waits for a lock another process holds.
+pub(in crate::store) const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Where a database lies.
 #[derive(Clone, Debug, PartialEq, Eq)]

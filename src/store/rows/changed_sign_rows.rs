@@ -2,11 +2,11 @@
 
 use sqlx::SqliteConnection;
 
+use super::statement::run;
 use crate::domain::change::{Change, MissedSign, MovedObservation};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
-use crate::store::commit::write::run;
 
 /// Has a detection feed another anchor.
 pub(in crate::store) async fn move_observation(

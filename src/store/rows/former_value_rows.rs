@@ -7,12 +7,12 @@ use sqlx::SqliteConnection;
 
 use super::blob::{pack, unpack};
 use super::keyframe_rows::pose_blob;
+use super::statement::run;
 use crate::domain::former::FormerValues;
 use crate::domain::ids::{KeyframeSeq, SessionSeq};
 use crate::geometry::{Point3, Pose};
 use crate::store::StoreError;
 use crate::store::commit::job::{Batch, MapKey};
-use crate::store::commit::write::run;
 use crate::store::slices::parts::{Kind, Part, cut};
 
 /// The coordinates of a point that was not there.

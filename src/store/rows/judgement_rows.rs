@@ -4,12 +4,12 @@ use sqlx::sqlite::SqliteRow;
 use sqlx::{Row, SqliteConnection};
 
 use super::decode;
+use super::statement::run;
 use crate::domain::ids::{JudgementId, KeyframeSeq, MapId};
 use crate::domain::judgement::{
     Asks, Estimate, JobState, Judgement, JudgementProgress, PastQuestion, Tally, TextFunction, Workload,
 };
 use crate::store::commit::job::MapKey;
-use crate::store::commit::write::run;
 use crate::store::{Store, StoreError};
 
 /// Ended jobs of a map are kept up to this number, oldest out first.

@@ -5,20 +5,12 @@ use std::collections::HashMap;
 use sqlx::sqlite::SqliteRow;
 use sqlx::{ConnectOptions as _, Connection as _, Row, SqliteConnection};
 
+use super::statement::run;
 use crate::domain::key::{Actions, Key, KeyProperties, KeySeq, MapPattern, SecretHash};
 use crate::domain::keyframe::Stamp;
-use crate::store::commit::write::run;
+use crate::store::commit::job::NewKeyRow;
 use crate::store::files::paths::DatabaseFiles;
 use crate::store::{Store, StoreError};
-
-/// A key to be stored. Its number is the caller's guess of the next one; if another process took it meanwhile, the job fails.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NewKeyRow {
-    /// The key.
-    pub key: Key,
-    /// The hash of its secret.
-    pub hash: SecretHash,
-}
 
 /// Every key, as of one change.
 #[derive(Debug, Default)]

@@ -6,15 +6,24 @@ use sqlx::{Sqlite, SqliteConnection};
 
 use super::blob::pack;
 use super::bulk_insert::write_rows;
+use super::statement::run;
 use crate::domain::anchor::Outcome;
-use crate::domain::change::Change;
+use crate::domain::bow::BowVector;
+use crate::domain::change::{Change, Keyframe};
 use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
 use crate::domain::keyframe::{Camera, Detection};
 use crate::geometry::{Point3, Pose};
 use crate::store::StoreError;
-use crate::store::commit::additions::Arrived;
-use crate::store::commit::job::{Batch, MapKey};
-use crate::store::commit::write::run;
+use crate::store::commit::job::{Batch, MapKey, NewKeyframeRows};
+
+/// A keyframe that arrived.
+pub(in crate::store) struct Arrived<'j> {
+    pub map: MapKey,
+    pub version: u64,
+    pub keyframe: &'j Keyframe,
+    pub bow: &'j BowVector,
+    pub rows: &'j NewKeyframeRows,
+}
 
 /// SQLite takes at most 32,766 parameters; six for each point.
 const POINTS_PER_STATEMENT: usize = 512;

@@ -7,6 +7,7 @@ use sqlx::{AssertSqlSafe, Row, SqliteConnection};
 
 use super::bulk_insert::write_rows;
 use super::decode::{self, digest};
+use super::statement::run;
 use crate::domain::ids::{AnchorSeq, MapId};
 use crate::domain::key::KeySeq;
 use crate::domain::map::{Learned, MapFigures, MapProperties, NamedTwins};
@@ -14,7 +15,6 @@ use crate::domain::report::MapReport;
 use crate::domain::request::Digest;
 use crate::domain::settings::{SettingKind, SettingValue, Settings};
 use crate::store::commit::job::{Batch, MapKey};
-use crate::store::commit::write::run;
 use crate::store::{Store, StoreError};
 
 /// Adds a map, and returns its key, which no other map had or will have. Its events are numbered from above those of every map that was deleted, so that a client that resumes with a

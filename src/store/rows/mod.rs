@@ -14,5 +14,6 @@ pub(super) mod model_rows;
 pub(super) mod operation_rows;
 pub(super) mod read;
 pub(super) mod replaced_rows;
+pub(super) mod statement;
 pub(super) mod twin_rows;
 pub(super) mod validate;

@@ -1,46 +1,21 @@
 //! What models said of a map, every answer that was paid for, and what was spent.
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
 use sqlx::sqlite::SqliteRow;
 use sqlx::{Row, SqliteConnection};
 
 use super::replaced_rows;
+use super::statement::run;
 use crate::domain::change::Change;
 use crate::domain::ids::{KeyframeSeq, MapId};
 use crate::domain::judged::{CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
-use crate::domain::key::KeySeq;
 use crate::domain::recorded::{NamedDetection, Recorded};
-use crate::store::commit::job::MapKey;
-use crate::store::commit::write::run;
+use crate::store::commit::job::{MapKey, Spent};
 use crate::store::{Store, StoreError};
 
 /// Answers are kept up to this number, oldest out first.
 const ANSWERS_KEPT: i64 = 1_000_000;
-
-/// Calls of one model for one operation, on one day. A negative cost gives back what was reserved and not used.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Spent {
-    /// Days since 1970, UTC.
-    pub day: i64,
-    /// What was asked for.
-    pub operation: &'static str,
-    /// Who answered.
-    pub model: Arc<str>,
-    /// Calls.
-    pub calls: i64,
-    /// Tokens sent.
-    pub input_tokens: i64,
-    /// Tokens received.
-    pub output_tokens: i64,
-    /// Millionths of a US dollar.
-    pub cost_microusd: i64,
-    /// Questions answered without a call.
-    pub cache_hits: i64,
-    /// The key at whose expense.
-    pub key: Option<KeySeq>,
-}
 
 /// The sums of one operation and model.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -6,12 +6,12 @@ use serde::{Deserialize, Serialize};
 use sqlx::SqliteConnection;
 
 use super::map_rows;
+use super::statement::run;
 use crate::domain::change::Loop;
 use crate::domain::ids::{AnchorSeq, LoopId};
 use crate::domain::map::MapProperties;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
-use crate::store::commit::write::run;
 
 /// An operation, with the dense numbers of that time.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]

@@ -2,11 +2,11 @@
 
 use sqlx::SqliteConnection;
 
+use super::statement::run;
 use crate::domain::ids::KeyframeSeq;
 use crate::domain::judged::ModelVerdict;
 use crate::domain::judgement::Replaced;
 use crate::store::commit::job::MapKey;
-use crate::store::commit::write::run;
 use crate::store::{Store, StoreError};
 
 /// Of texts: version, operation, class, both texts, what stood and by whom, what stands and by whom.

@@ -2,11 +2,11 @@
 
 use sqlx::SqliteConnection;
 
+use super::statement::{Query, run};
 use crate::domain::change::{Change, Twins};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
-use crate::store::commit::write::{Query, run};
 
 fn bound<'q>(query: Query<'q>, map: MapKey, twins: &Twins) -> Query<'q> {
     let Twins { keyframe, candidate, anchor, candidate_anchor } = twins;

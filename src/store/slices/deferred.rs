@@ -17,10 +17,10 @@ use crate::geometry::{Point3, Pose};
 use crate::store::StoreError;
 use crate::store::commit::cost;
 use crate::store::commit::job::{Batch, Job, MapKey};
-use crate::store::commit::write::run;
 use crate::store::rows::blob::{pack, unpack};
 use crate::store::rows::former_value_rows;
 use crate::store::rows::keyframe_rows::pose_blob;
+use crate::store::rows::statement::run;
 use crate::store::rows::validate::Known;
 
 /// What a batch's changes of these kinds may cost if written at once, in microseconds; above it they are deferred.

@@ -8,7 +8,7 @@ use sqlx::{AssertSqlSafe, SqliteConnection};
 
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
-use crate::store::commit::write::run;
+use crate::store::rows::statement::run;
 
 /// Bytes of blobs that one step removes; a single row may have more. Their pages are read one by one.
 const STEP_BLOB_BYTES: i64 = 4 << 20;
@@ -150,7 +150,7 @@ async fn rows_within(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::store::tests::database;
+    use crate::store::test_database::database;
 
     #[tokio::test]
     async fn every_table_with_a_maps_rows_is_removed_in_slices_or_known_to_be_small() {

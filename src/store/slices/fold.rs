@@ -9,10 +9,10 @@ use super::parts::Kind;
 use crate::domain::change::Change;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
-use crate::store::commit::write::run;
 use crate::store::rows::blob::pack;
 use crate::store::rows::former_value_rows;
 use crate::store::rows::keyframe_rows::{forget_points, pose_blob, set_points};
+use crate::store::rows::statement::run;
 
 /// What a part costs beside its entries, as so many of them.
 const PART_ENTRIES: u32 = 4;

@@ -1,0 +1,49 @@
+//! The queue between those who submit jobs and the one writer.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use tokio::sync::oneshot;
+
+use super::job::Job;
+use crate::store::StoreError;
+
+/// A line of jobs of one map: they were planned one upon the other.
+pub type PoisonFlag = Arc<AtomicBool>;
+
+/// A job that waits.
+pub(in crate::store) struct Queued {
+    pub job: Job,
+    /// True once a job of this line has failed.
+    pub broken: PoisonFlag,
+    pub done: Done,
+}
+
+/// Called by the writer when a job is on disk, or will never be: even if nobody waits any more.
+pub(in crate::store) type Done = Box<dyn FnOnce(Result<(), StoreError>) + Send + Sync>;
+
+/// What the writer is told.
+pub(in crate::store) enum Message {
+    Job(Box<Queued>),
+    /// Answered once everything queued before it is settled.
+    Settle(oneshot::Sender<()>),
+    Close(oneshot::Sender<()>),
+}
+
+/// The counters behind [`crate::store::CommitStats`].
+#[derive(Debug, Default)]
+pub(in crate::store) struct Counters {
+    pub jobs: AtomicU64,
+    pub transactions: AtomicU64,
+    pub waiting: AtomicU64,
+}
+
+impl Queued {
+    /// It will never be on disk, and neither will what was planned upon it.
+    pub(in crate::store) fn fail(self, error: StoreError) {
+        if self.job.is_planned_upon() {
+            self.broken.store(true, Ordering::Release);
+        }
+        (self.done)(Err(error));
+    }
+}

@@ -1,0 +1,294 @@
+//! Reads a map's operations, one after the other, in the order of writing.
+
+use std::collections::{BTreeMap, HashSet, VecDeque};
+use std::fs::File;
+
+use sqlx::Row as _;
+use sqlx::sqlite::{SqlitePoolOptions, SqliteRow};
+
+use super::history::{History, NewValues};
+use super::introduced::Introduced;
+use crate::domain::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, MapId, SessionId, SessionSeq};
+use crate::domain::map::MapProperties;
+use crate::domain::recorded::{NamedDetection, Recorded};
+use crate::domain::request::{MapPatch, NewLoop, PoseCorrection};
+use crate::domain::settings::Settings;
+use crate::store::commit::job::MapKey;
+use crate::store::commit::transaction::Transaction;
+use crate::store::files::lock::DatabaseLock;
+use crate::store::files::paths::DatabaseFiles;
+use crate::store::files::schema;
+use crate::store::rows::operation_rows::{self, Operation};
+use crate::store::rows::{decode, map_rows, model_rows};
+use crate::store::{Store, StoreError};
+
+/// A map's operations, read one after the other.
+pub struct Export {
+    pub(super) db: Transaction,
+    pub(super) map: MapKey,
+    pub(super) id: MapId,
+    /// By dense number.
+    pub(super) sessions: Vec<SessionId>,
+    pub(super) vocabulary: Option<Box<str>>,
+    pub(super) history: History,
+    /// The next keyframe, and the version that it made.
+    pub(super) keyframe: Option<(u64, SqliteRow)>,
+    pub(super) operations: VecDeque<(u64, Operation)>,
+    /// Verdicts and readings of models, by the version that brought them.
+    pub(super) models: VecDeque<(u64, Recorded)>,
+    pub(super) properties: MapProperties,
+    pub(super) introduced: Introduced,
+    /// Sessions of which a keyframe was exported.
+    pub(super) begun: HashSet<SessionSeq>,
+    /// Loops that were exported and not revoked.
+    pub(super) loops: HashSet<LoopId>,
+    /// Operations that come before all that follow.
+    pub(super) pending: VecDeque<Recorded>,
+    /// Descriptions of anchors whose detections of that time are gone, by the keyframe that sees them first.
+    pub(super) waiting: BTreeMap<KeyframeSeq, Vec<Recorded>>,
+    /// Keeps a server from starting on a database that is read as if it could not change.
+    _closed: Option<File>,
+}
+
+impl Store {
+    /// Begins to export a map; `None` if there is no such map.
+    pub async fn export(&self, id: &MapId) -> Result<Option<Export>, StoreError> {
+        let db = self.snapshot().await?;
+        Export::begin(db, id).await.map_err(|error| error.of_map(id))
+    }
+}
+
+impl Export {
+    /// Begins to export a map of a database that nobody, or another process, has open; `None` if there is no such map.
+    pub async fn of_database(files: &DatabaseFiles, id: &MapId) -> Result<Option<Self>, StoreError> {
+        // Without a log nobody has it open, and it is read as if it could not change; the lock keeps a server from starting
+        // meanwhile. A copy, which no server ever had, has no lock.
+        let closed = if files.wal().exists() { None } else { DatabaseLock::share(files) };
+        let is_closed = closed.is_some() || !files.wal().exists() && !files.lock().exists();
+        let options = if is_closed { files.read_only().immutable(true) } else { files.untouched(false) };
+        let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options).await?;
+        schema::expect_newest(&pool).await?;
+        let db = Transaction::read(&pool).await?;
+        let export = Self::begin(db, id).await.map_err(|error| error.of_map(id))?;
+        Ok(export.map(|export| Self { _closed: closed, ..export }))
+    }
+
+    async fn begin(mut db: Transaction, id: &MapId) -> Result<Option<Self>, StoreError> {
+        let select = "select map_key, vocabulary from maps where id = $1 and deleted = 0";
+        let found: Option<(MapKey, Option<String>)> =
+            sqlx::query_as(select).bind(id.as_str()).fetch_optional(&mut *db).await?;
+        let Some((map, vocabulary)) = found else {
+            db.commit().await?;
+            return Ok(None);
+        };
+        let select = "select id from sessions where map_key = $1 order by session";
+        let sessions: Vec<String> = sqlx::query_scalar(select).bind(map).fetch_all(&mut *db).await?;
+        let properties = MapProperties { metric: true, ..MapProperties::default() };
+        let mut export = Self {
+            map,
+            id: id.clone(),
+            sessions: sessions.iter().map(|id| decode::id(id)).collect::<Result<_, _>>()?,
+            vocabulary: vocabulary.map(Into::into),
+            history: History::rewind(&mut db, map).await?,
+            keyframe: None,
+            operations: operation_rows::all(&mut db, map).await?.into(),
+            models: model_rows::by_version(&mut db, map).await?.into(),
+            properties,
+            introduced: Introduced::of(&mut db, map).await?,
+            begun: HashSet::new(),
+            loops: HashSet::new(),
+            pending: VecDeque::new(),
+            waiting: BTreeMap::new(),
+            _closed: None,
+            db,
+        };
+        export.keyframe = export.keyframe_after(-1).await?;
+        Ok(Some(export))
+    }
+
+    /// Reads the next operation; `None` after the last.
+    pub async fn next(&mut self) -> Result<Option<Recorded>, StoreError> {
+        loop {
+            let step = self.step().await.map_err(|error| error.of_map(&self.id))?;
+            match step {
+                Step::Operation(recorded) => return Ok(Some(*recorded)),
+                Step::LeftOut => {}
+                Step::End => return Ok(None),
+            }
+        }
+    }
+
+    async fn step(&mut self) -> Result<Step, StoreError> {
+        if let Some(recorded) = self.pending.pop_front() {
+            return Ok(Step::of(recorded));
+        }
+        let keyframe = self.keyframe.as_ref().map(|(version, _)| *version);
+        let operation = self.operations.front().map(|(version, _)| *version);
+        let models = self.models.front().map(|(version, _)| *version);
+        let values = self.history.next_version();
+        let Some(version) = [keyframe, operation, models, values].into_iter().flatten().min() else {
+            return Ok(Step::End);
+        };
+        if values == Some(version) {
+            let new = self.history.advance()?;
+            // A keyframe says its own points; what else sets values is a correction.
+            return if keyframe == Some(version) { Ok(Step::LeftOut) } else { self.correction(new).await };
+        }
+        let map_comes =
+            matches!(self.operations.front(), Some((of, Operation::Map { .. })) if *of == version);
+        if keyframe == Some(version) && !map_comes {
+            return self.keyframe().await;
+        }
+        if models == Some(version) && operation != Some(version) {
+            let said = self.models.pop_front().map(|(_, said)| Box::new(said));
+            return Ok(said.map_or(Step::LeftOut, Step::Operation));
+        }
+        match self.operations.pop_front() {
+            Some((version, operation)) => self.operation(version, operation).await,
+            None => Ok(Step::LeftOut),
+        }
+    }
+
+    /// The keyframes and points of a correction that are still there.
+    async fn correction(&mut self, new: NewValues) -> Result<Step, StoreError> {
+        let mut session = new.points.first().map(|(session, ..)| *session);
+        let mut keyframes = Vec::with_capacity(new.poses.len());
+        for (keyframe, pose) in &new.poses {
+            if let Some((of, id)) = self.named(*keyframe).await? {
+                session = Some(of);
+                keyframes.push((id, *pose));
+            }
+        }
+        let map_points: Vec<_> = new.points.iter().filter_map(|(_, id, at)| Some((*id, (*at)?))).collect();
+        let Some(session) = session.filter(|session| self.begun.contains(session)) else {
+            return Ok(Step::LeftOut);
+        };
+        if keyframes.is_empty() && map_points.is_empty() {
+            return Ok(Step::LeftOut);
+        }
+        self.introduced.add(session, map_points.iter().map(|(id, _)| *id));
+        let session = self.session(session)?.clone();
+        Ok(Step::of(Recorded::Poses(PoseCorrection { session, keyframes, map_points })))
+    }
+
+    async fn operation(&mut self, version: u64, operation: Operation) -> Result<Step, StoreError> {
+        Ok(match operation {
+            Operation::Map { description, metric, anchor_classes, settings } => {
+                let settings = map_rows::settings(settings)?;
+                let now = MapProperties { description, metric, anchor_classes, settings };
+                let patch = difference(&self.properties, &now);
+                self.properties = now;
+                Step::of(Recorded::Map(patch))
+            }
+            Operation::Loop { id, keyframe, candidate, query } => {
+                let keyframe = self.named(KeyframeSeq(keyframe)).await?;
+                let candidate = self.named(KeyframeSeq(candidate)).await?;
+                let (Some((_, keyframe)), Some((_, candidate))) = (keyframe, candidate) else {
+                    return Ok(Step::LeftOut);
+                };
+                let id: LoopId = decode::id(&id)?;
+                self.loops.insert(id.clone());
+                Step::of(Recorded::Loop(NewLoop { id, keyframe, candidate, query }))
+            }
+            Operation::LoopRevoked { id } => {
+                let id: LoopId = decode::id(&id)?;
+                if self.loops.remove(&id) { Step::of(Recorded::LoopRevoked(id)) } else { Step::LeftOut }
+            }
+            Operation::Description { anchor, text } => {
+                let Some((keyframe, of_version, detection)) = self.detection_of(AnchorSeq(anchor)).await?
+                else {
+                    return Ok(Step::LeftOut);
+                };
+                let described = Recorded::Description { detection, text };
+                if of_version <= version {
+                    return Ok(Step::of(described));
+                }
+                self.waiting.entry(keyframe).or_default().push(described);
+                Step::LeftOut
+            }
+            Operation::AnchorDeleted {} => {
+                let select = "select k.id, d.detection from detections d
+                    join keyframes k on k.map_key = d.map_key and k.keyframe = d.keyframe
+                    where d.map_key = $1 and d.deleted_in = $2 order by d.keyframe, d.detection limit 1";
+                let query = sqlx::query_as(select).bind(self.map).bind(version as i64);
+                let found: Option<(String, u16)> = query.fetch_optional(&mut *self.db).await?;
+                named_detection(found)?
+                    .map_or(Step::LeftOut, |detection| Step::of(Recorded::AnchorDeleted(detection)))
+            }
+        })
+    }
+
+    /// The oldest detection that feeds an anchor, or fed it until it was deleted, with its keyframe and the version of that.
+    async fn detection_of(
+        &mut self,
+        anchor: AnchorSeq,
+    ) -> Result<Option<(KeyframeSeq, u64, NamedDetection)>, StoreError> {
+        let select = "select k.keyframe, k.version, k.id, d.detection from detections d
+            join keyframes k on k.map_key = d.map_key and k.keyframe = d.keyframe
+            where d.map_key = $1 and (d.anchor = $2 or d.deleted_anchor = $2)
+            order by d.keyframe, d.detection limit 1";
+        let query = sqlx::query_as(select).bind(self.map).bind(anchor.0);
+        let found: Option<(u32, i64, String, u16)> = query.fetch_optional(&mut *self.db).await?;
+        let named = |(keyframe, version, id, number): (u32, i64, String, u16)| {
+            let detection = NamedDetection { keyframe: decode::id(&id)?, number };
+            Ok((KeyframeSeq(keyframe), version as u64, detection))
+        };
+        found.map(named).transpose()
+    }
+
+    /// A keyframe's session and name, if it is still there.
+    pub(super) async fn named(
+        &mut self,
+        keyframe: KeyframeSeq,
+    ) -> Result<Option<(SessionSeq, KeyframeId)>, StoreError> {
+        let select = "select session, id from keyframes where map_key = $1 and keyframe = $2";
+        let query = sqlx::query_as(select).bind(self.map).bind(keyframe.0);
+        let found: Option<(u32, String)> = query.fetch_optional(&mut *self.db).await?;
+        found.map(|(session, id)| Ok((SessionSeq(session), decode::id(&id)?))).transpose()
+    }
+
+    pub(super) fn session(&self, session: SessionSeq) -> Result<&SessionId, StoreError> {
+        let unknown = || StoreError::corrupt(format!("session number {} is not there", session.0));
+        self.sessions.get(session.index()).ok_or_else(unknown)
+    }
+
+    pub(super) async fn keyframe_after(&mut self, last: i64) -> Result<Option<(u64, SqliteRow)>, StoreError> {
+        let select = "select * from keyframes where map_key = $1 and keyframe > $2 order by keyframe limit 1";
+        let row = sqlx::query(select).bind(self.map).bind(last).fetch_optional(&mut *self.db).await?;
+        row.map(|row| Ok((row.try_get::<i64, _>("version")? as u64, row))).transpose()
+    }
+}
+
+/// One step of an export.
+pub(super) enum Step {
+    Operation(Box<Recorded>),
+    /// Its subject is deleted.
+    LeftOut,
+    End,
+}
+
+impl Step {
+    pub(super) fn of(recorded: Recorded) -> Self {
+        Self::Operation(Box::new(recorded))
+    }
+}
+
+fn named_detection(found: Option<(String, u16)>) -> Result<Option<NamedDetection>, StoreError> {
+    found.map(|(id, number)| Ok(NamedDetection { keyframe: decode::id(&id)?, number })).transpose()
+}
+
+/// Returns the changes that turn one set of properties into another.
+fn difference(before: &MapProperties, now: &MapProperties) -> MapPatch {
+    let differs =
+        |row: &&crate::domain::settings::Setting| before.settings.get(row.name) != now.settings.get(row.name);
+    MapPatch {
+        description: (before.description != now.description).then(|| now.description.clone()),
+        anchor_classes: (before.anchor_classes != now.anchor_classes).then(|| now.anchor_classes.clone()),
+        metric: (before.metric != now.metric).then_some(now.metric),
+        settings: Settings::TABLE
+            .iter()
+            .filter(differs)
+            .filter_map(|row| Some((row.name.to_owned(), now.settings.get(row.name)?)))
+            .collect(),
+    }
+}
