@@ -7,7 +7,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | [`recognition`] | the paper, section by section; its first page is the table *section, file, function* |
-//! | [`model`] | keyframes, anchors, settings, verdicts |
+//! | [`domain`] | keyframes, anchors, settings, verdicts |
 //! | [`semantics`] | the built-in judge of texts: InformationLevel, SimilarityLevel, MergeText (§IV-A.2) |
 //! | [`vocabulary`] | descriptors to words, as DBoW2 does |
 //! | [`geometry`] | poses, similarities, boxes, bearings, Hamming distances |

@@ -1,14 +1,14 @@
 //! Wire: the API's JSON, and plain functions to and from the model.
 //!
-//! Requests are read by an accumulating [`read`]er, so that a client learns every fault at once; the structs of
+//! Requests are read by an accumulating [reader](decoding::read), so that a client learns every fault at once; the structs of
 //! requests serve the API document and our own client, and a test holds the two together.
 //!
 //! | file | concept |
 //! |---|---|
-//! | [`syntax`], [`read`], `faults` | bytes become a value, a value becomes the model, each fault with its place |
-//! | [`limits`], [`survey`] | how much one request may bring, and how much it brings |
-//! | [`digest`] | what makes two bodies the same |
-//! | [`space`], [`base64`] | vectors, poses, times; bytes inside JSON |
+//! | [`decoding::syntax`], [`decoding::read`], `faults` | bytes become a value, a value becomes the model, each fault with its place |
+//! | [`limits`], [`decoding::json_footprint`] | how much one request may bring, and how much it brings |
+//! | [`decoding::digest`] | what makes two bodies the same |
+//! | [`space`], [`decoding::base64`] | vectors, poses, times; bytes inside JSON |
 //! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`anchor`], [`transcript`], [`loops`], [`event`] | resources |
 //! | [`names`], [`words`] | the model's named values, with their meanings; the same for the viewer |
 //! | [`loop_query`], [`verdict`], [`geometry`], [`difference`] | "is this keyframe a loop?" and its answer |

@@ -2,26 +2,26 @@
 //!
 //! | concept | file |
 //! |---|---|
-//! | the floor from above | [`floor_plan`] |
-//! | what a camera may recognise, and how it looks | [`furnishing`], [`texture`] |
-//! | what can be read | [`signs`] |
-//! | a floor with everything on it | [`world`] |
+//! | the floor from above | [`building::floor_plan`] |
+//! | what a camera may recognise, and how it looks | [`building::furnishing`], [`building::texture`] |
+//! | what can be read | [`building::signs`] |
+//! | a floor with everything on it | [`building::world`] |
 //! | where the robot goes | [`route`] |
-//! | what its camera and detector see | [`camera`], [`sensor`], [`reader`], [`ocr`], [`tracking`] |
-//! | what it believes of its way | [`odometry`], [`pose_graph`], [`scale_graph`] |
-//! | all that on one tour | [`journey`] |
-//! | the same without depth | [`monocular`], [`triangulation`] |
-//! | door numbers that change | [`renumbering`] |
-//! | what is true | [`truth`] |
-//! | the robot as a client | [`robot`], [`slam_map`], [`message`] |
-//! | which loops it closes, and what ORB-SLAM3 asks before | [`loop_closing`], [`common_regions`] |
-//! | methods, troubles, worlds, floors that are alike | [`arm`], [`noise`], [`scenario`], [`storeys`] |
-//! | one method through one world | [`trial`] |
-//! | how it did | [`score`], [`absolute_pose_error`], [`results`], [`curve`] |
-//! | for a person | [`tables`], [`figures`], [`explain`], [`tum`], [`paper`] |
+//! | what its camera and detector see | [`sensing::camera`], [`sensing::sensor`], [`sensing::reader`], [`sensing::ocr`], [`sensing::tracking`] |
+//! | what it believes of its way | [`sensing::odometry`], [`robot::pose_graph`], [`robot::scale_graph`] |
+//! | all that on one tour | [`sequence`] |
+//! | the same without depth | [`sensing::monocular`], [`sensing::triangulation`] |
+//! | door numbers that change | [`building::renumbering`] |
+//! | what is true | [`scoring::truth`] |
+//! | the robot as a client | [`robot::client`], [`robot::slam_map`], [`robot::message`] |
+//! | which loops it closes, and what ORB-SLAM3 asks before | [`robot::loop_closing`], [`robot::common_regions`] |
+//! | methods, troubles, worlds, floors that are alike | [`method`], [`sensing::noise`], [`scenario`], [`building::storeys`] |
+//! | one method through one world | [`run`] |
+//! | how it did | [`scoring::score`], [`scoring::absolute_pose_error`], [`scoring::results`], [`scoring::curve`] |
+//! | for a person | [`scoring::tables`], [`figures`], [`scoring::explain`], [`scoring::tum`], [`scoring::paper`] |
 //! | a tour for `revisit replay` | [`recording`] |
 //! | randomness, and which worlds may be looked at | [`rng`], [`seeds`] |
-//! | is it realistic? | [`realism`] |
+//! | is it realistic? | [`building::realism`] |
 //!
 //! # How real is it?
 //!

@@ -8,7 +8,7 @@
 //! | [`guards`] | layers that admit or reject a request before its handler |
 //! | [`connection`] | the accept loop; connections: their number, timeouts, shutdown |
 //! | [`router`], [`app`] | the layers around the routes, and the state that they share |
-//! | [`metrics`] | the metrics page |
+//! | [`metrics::counters`] | the metrics page |
 //! | [`mod@document`], [`error_responses`] | the API document |
 //! | [`pages`] | the viewer and the reference |
 

@@ -2,22 +2,22 @@
 //!
 //! | concept | file |
 //! |---|---|
-//! | the handle; opening, pragmas, migrations | [`mod@store`], [`opening`], [`schema`] |
-//! | one writer in a thread of its own, group commit | [`committer`], [`queue`], [`lanes`], [`writer`] |
-//! | large deletions and corrections, in slices | [`slices`], [`deletion`], [`deferred`], [`parts`], [`fold`] |
-//! | what a map was sent, and read back in order | [`former_values`], [`operations`], [`export`] |
-//! | what it is asked to do, and what that costs | [`job`], [`cost`] |
-//! | from changes to rows, a group at a time | [`mod@write`], [`statement`], [`additions`], [`rows`], [`map_rows`], [`keyframe_rows`] |
-//! | from rows to changes, when a map is first asked for | [`facts`], [`load`], [`decode`], [`validate`] |
-//! | what models said, and what it cost | [`model_rows`] |
-//! | jobs that ask models again, and the verdicts they replaced | [`judgement_rows`], [`replaced_rows`] |
-//! | API keys | [`key_rows`] |
-//! | reads of one row | [`read`] |
-//! | a disk that is full or fails | [`health`], [`reserve`], [`transaction`], [`renewal`] |
-//! | packed lists in blobs | [`blob`] |
-//! | where it lies, and who may write to it | [`files`], [`lock`] |
-//! | copies of it, and what it holds | [`copying`], [`holdings`] |
-//! | looking at it as it is | [`inspection`], [`log`] |
+//! | the handle; opening, pragmas, migrations | [`mod@store`], [`opening`], [`files::schema`] |
+//! | one writer in a thread of its own, group commit | [`commit::commit_queue`], [`commit::queue`], [`commit::lanes`], [`commit::group_commit`] |
+//! | large deletions and corrections, in slices | [`slices::background`], [`slices::deletion`], [`slices::deferred`], [`slices::parts`], [`slices::fold`] |
+//! | what a map was sent, and read back in order | [`rows::former_value_rows`], [`rows::operation_rows`], [`export`] |
+//! | what it is asked to do, and what that costs | [`commit::job`], [`commit::cost`] |
+//! | from changes to rows, a group at a time | [`commit::write`], [`rows::statement`], [`commit::additions`], [`rows::bulk_insert`], [`rows::map_rows`], [`rows::keyframe_rows`] |
+//! | from rows to changes, when a map is first asked for | [`facts`], [`rows::load`], [`rows::decode`], [`rows::validate`] |
+//! | what models said, and what it cost | [`rows::model_rows`] |
+//! | jobs that ask models again, and the verdicts they replaced | [`rows::judgement_rows`], [`rows::replaced_rows`] |
+//! | API keys | [`rows::key_rows`] |
+//! | reads of one row | [`rows::read`] |
+//! | a disk that is full or fails | [`commit::health`], [`files::disk_reserve`], [`commit::transaction`], [`files::wal_recovery`] |
+//! | packed lists in blobs | [`rows::blob`] |
+//! | where it lies, and who may write to it | [`files::paths`], [`files::lock`] |
+//! | copies of it, and what it holds | [`files::copying`], [`holdings`] |
+//! | looking at it as it is | [`inspection`], [`files::log`] |
 
 mod commit;
 pub mod copying;
