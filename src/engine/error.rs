@@ -75,6 +75,11 @@ pub enum ServiceError {
 }
 
 impl ServiceError {
+    /// Returns the error of a service that is closing.
+    pub(super) fn closed() -> Self {
+        Self::Unavailable { detail: "the service is closing".to_owned(), retry_after_s: 1 }
+    }
+
     pub(super) fn panicked(error: tokio::task::JoinError) -> Self {
         Self::Internal(format!("a decision did not finish: {error}"))
     }

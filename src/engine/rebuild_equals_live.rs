@@ -11,8 +11,9 @@ use sqlx::sqlite::SqliteConnectOptions;
 use sqlx::{AssertSqlSafe, ConnectOptions as _, Executor as _};
 
 use super::maps::live::Decision;
-use super::rebuild::rebuild;
-use super::{Parts, Service, ServiceError, ServiceOptions};
+use super::maps::rebuild::rebuild;
+use super::service::Parts;
+use super::{Service, ServiceError, ServiceOptions};
 use crate::config::models::ModelArgs;
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Change, MissedSign, MovedObservation};

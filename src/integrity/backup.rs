@@ -8,8 +8,9 @@ use sha2::{Digest as _, Sha256};
 use tempfile::NamedTempFile;
 
 use super::check::check_any_schema;
+use crate::store::files::copying;
 use crate::store::files::paths::DatabaseFiles;
-use crate::store::{Holdings, StoreError, copying};
+use crate::store::{Holdings, StoreError};
 
 /// How a copy is called until it is whole; one that a crash has left behind is known by it.
 pub const PARTIAL: &str = ".revisit-partial";

@@ -20,7 +20,6 @@
 //! | looking at it as it is | [`inspection`], [`files::log`] |
 
 mod commit;
-pub mod copying;
 mod error;
 mod export;
 mod facts;

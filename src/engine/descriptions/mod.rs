@@ -4,4 +4,5 @@ pub(super) mod backlog;
 pub(super) mod description_job;
 pub(super) mod rejudging;
 pub(super) mod running_jobs;
+pub(super) mod unexamined;
 pub(super) mod worker;

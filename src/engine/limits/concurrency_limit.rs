@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
-use crate::engine::{ServiceError, closed};
+use crate::engine::ServiceError;
 
 /// Who waits longer than this has gone to a server that does not keep up.
 const MAX_QUEUE_WAIT: Duration = Duration::from_secs(5);
@@ -47,7 +47,7 @@ impl ConcurrencyLimit {
             return Err(overloaded());
         }
         match tokio::time::timeout(self.patience, self.turns.clone().acquire_owned()).await {
-            Ok(permit) => permit.map_err(|_| closed()),
+            Ok(permit) => permit.map_err(|_| ServiceError::closed()),
             Err(_) => Err(overloaded()),
         }
     }
@@ -55,7 +55,7 @@ impl ConcurrencyLimit {
     /// Waits its turn however long it takes: for those who keep others waiting meanwhile, such as a stream of lines.
     pub async fn acquire_unbounded(&self) -> Result<OwnedSemaphorePermit, ServiceError> {
         let _waits = Waits::new(&self.waiting);
-        self.turns.clone().acquire_owned().await.map_err(|_| closed())
+        self.turns.clone().acquire_owned().await.map_err(|_| ServiceError::closed())
     }
 }
 

@@ -1,5 +1,6 @@
 //! Limits: how much the engine works on at a time, and what each key may store.
 
+pub(super) mod bounds;
 pub(super) mod concurrency_limit;
 pub mod load_shedding;
 pub(super) mod quota;

@@ -8,7 +8,7 @@ use tracing::Instrument as _;
 use super::live::{Decision, LiveMap, Pending, State};
 use crate::config::logging::in_part;
 use crate::config::traces;
-use crate::engine::{Service, ServiceError, closed};
+use crate::engine::{Service, ServiceError};
 use crate::recognition::index::MapIndex;
 
 /// How often a read looks again because a write that it had seen failed.
@@ -41,7 +41,7 @@ impl Service {
         };
         // One at a time takes a thread to wait for the map's lock; the others wait here, where waiting costs nothing.
         let _lane = live.lane.lock().await;
-        let core = self.deciding.clone().acquire_owned().await.map_err(|_| closed())?;
+        let core = self.deciding.clone().acquire_owned().await.map_err(|_| ServiceError::closed())?;
         let (deciding, store) = (live.clone(), self.store.clone());
         let pending =
             spawn_blocking(in_part("decide", move || deciding.decide(&store, permit, core, decide)))

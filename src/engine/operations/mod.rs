@@ -15,5 +15,7 @@ pub(super) mod queries;
 pub(super) mod stats;
 pub(super) mod text_functions;
 pub(super) mod trajectories;
+pub(super) mod triggers;
 pub(super) mod twins;
+pub(super) mod verdict_record;
 pub(super) mod views;

@@ -18,7 +18,7 @@ use crate::domain::roles::Roles;
 use crate::domain::verdict::{ReasonCode, Verdict};
 use crate::engine::bow::check_vocabulary;
 use crate::engine::maps::live::LiveMap;
-use crate::engine::{Service, ServiceError, milliseconds_since};
+use crate::engine::{Service, ServiceError};
 use crate::recognition::conclusion::conclude;
 use crate::recognition::index::MapIndex;
 use crate::recognition::ingest::unknown_covisible;
@@ -138,6 +138,11 @@ impl Service {
         let (_, seq) = self.read(live, move |state| find(&state.index, &name)).await?;
         self.store.bow(live.key, seq).await?.ok_or_else(|| ServiceError::no_keyframe(id))
     }
+}
+
+/// Returns the milliseconds since a moment, for `server-timing`.
+fn milliseconds_since(start: std::time::Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
 }
 
 fn screen_subject(

@@ -1,5 +1,6 @@
 //! Files: the database, its log, its lock, and the space reserved beside it.
 
+pub mod copying;
 pub(super) mod disk_reserve;
 pub(super) mod lock;
 pub(super) mod log;

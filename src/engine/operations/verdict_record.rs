@@ -5,15 +5,15 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use bytes::Bytes;
 
-use super::maps::live::LiveMap;
-use super::{QueryAnswer, Service, ServiceError};
 use crate::domain::ids::{KeyframeId, MapId};
 use crate::domain::request::{LoopQuery, Subject};
 use crate::domain::verdict::{Decision, Verify};
+use crate::engine::maps::live::LiveMap;
+use crate::engine::{QueryAnswer, Service, ServiceError};
 
 /// The counters behind [`VerdictCounts`].
 #[derive(Debug, Default)]
-pub(super) struct VerdictCounters([AtomicU64; 3]);
+pub(in crate::engine) struct VerdictCounters([AtomicU64; 3]);
 
 /// How many loop queries were answered since the start, by verdict.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -75,7 +75,7 @@ impl Service {
     }
 
     /// Answers the loop query about a stored keyframe, and records the answer.
-    pub(super) async fn query_stored(
+    pub(in crate::engine) async fn query_stored(
         &self,
         map: &MapId,
         keyframe: KeyframeId,
@@ -85,7 +85,7 @@ impl Service {
 
     /// Answers the loop query about a keyframe that has just arrived. The verdict is recorded; if it is a loop, listeners
     /// are notified of it.
-    pub(super) async fn query_and_announce(
+    pub(in crate::engine) async fn query_and_announce(
         &self,
         map: &MapId,
         keyframe: KeyframeId,

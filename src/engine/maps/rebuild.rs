@@ -6,7 +6,7 @@ use crate::store::{MapFacts, Order, Store, StoreError};
 
 /// A map as it is on disk.
 #[derive(Debug)]
-pub(super) struct RebuiltMap {
+pub(in crate::engine) struct RebuiltMap {
     /// What its row says.
     pub facts: MapFacts,
     /// Everything that follows from its facts.
@@ -15,7 +15,7 @@ pub(super) struct RebuiltMap {
 
 /// Builds a map's index from its facts, told in an order; `None` if there is no such map. The index equals the live one:
 /// that is the law of the house.
-pub(super) async fn rebuild(
+pub(in crate::engine) async fn rebuild(
     store: &Store,
     id: &MapId,
     order: Order,

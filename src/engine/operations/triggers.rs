@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use tokio::sync::{Mutex, Semaphore, mpsc};
 
-use super::Service;
 use crate::domain::ids::{KeyframeId, MapId};
+use crate::engine::Service;
 
 /// Maximum triggered loop checks in flight. Further triggers are dropped; clients can still query.
 const CHECKS_MAX: usize = 64;
@@ -18,7 +18,7 @@ type Trigger = (MapId, KeyframeId);
 
 /// The triggered loop checks, and the queue of those that model answers cause.
 #[derive(Debug)]
-pub(super) struct Triggers {
+pub(in crate::engine) struct Triggers {
     slots: Arc<Semaphore>,
     queue: mpsc::Sender<Trigger>,
     queued: Mutex<mpsc::Receiver<Trigger>>,
@@ -45,7 +45,7 @@ impl Triggers {
 
 impl Service {
     /// Starts the checks of queued triggers in the background, until the service closes.
-    pub(super) fn start_triggers(&self) {
+    pub(in crate::engine) fn start_triggers(&self) {
         // Not the service itself, which would then never be dropped without being closed.
         let (parts, triggers) = (Arc::downgrade(&self.0), self.triggers.clone());
         tokio::spawn(self.closing.clone().run_until_cancelled_owned(async move {
@@ -58,7 +58,7 @@ impl Service {
     }
 
     /// Queues the checks of keyframes that, as a model answer shows, see an anchor seen before.
-    pub(super) fn trigger(&self, map: &MapId, keyframes: Vec<KeyframeId>) {
+    pub(in crate::engine) fn trigger(&self, map: &MapId, keyframes: Vec<KeyframeId>) {
         for keyframe in keyframes {
             // Dropped when the queue is full: clients can still query.
             let _ = self.triggers.queue.try_send((map.clone(), keyframe));
@@ -66,7 +66,7 @@ impl Service {
     }
 
     /// Checks a keyframe in the background, records the verdict, and announces a loop. Dropped under load, first of all work.
-    pub(super) fn trigger_loop_check(&self, map: &MapId, keyframe: &KeyframeId) {
+    pub(in crate::engine) fn trigger_loop_check(&self, map: &MapId, keyframe: &KeyframeId) {
         if self.pressure.is_high() {
             return;
         }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use tokio::time::Instant;
 
-use super::descriptions::backlog::PAUSE_MAX;
+use super::backlog::PAUSE_MAX;
 use crate::domain::ids::MapId;
 
 /// How long a map rests after its first failed load. Each further failure doubles it.
@@ -16,7 +16,7 @@ const DOUBLINGS_MAX: u32 = 14;
 
 /// A map whose turn is to come.
 #[derive(Debug)]
-pub(super) struct Unexamined {
+pub(in crate::engine) struct Unexamined {
     /// The map.
     pub map: MapId,
     /// Failed loads in a row.
@@ -26,7 +26,7 @@ pub(super) struct Unexamined {
 
 /// The maps to be looked at once, oldest first.
 #[derive(Debug, Default)]
-pub(super) struct UnexaminedMaps(VecDeque<Unexamined>);
+pub(in crate::engine) struct UnexaminedMaps(VecDeque<Unexamined>);
 
 impl UnexaminedMaps {
     /// Adds a map, at once if it rested.

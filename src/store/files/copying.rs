@@ -3,9 +3,9 @@
 use sqlx::sqlite::SqliteConnectOptions;
 use sqlx::{ConnectOptions as _, Connection as _};
 
-use super::StoreError;
-use super::files::paths::DatabaseFiles;
-use super::files::{log, schema};
+use super::paths::DatabaseFiles;
+use super::{log, schema};
+use crate::store::StoreError;
 
 /// Copies a database into an empty file, and returns its schema's version. A running server continues: the copy takes a
 /// connection of its own, and what is written meanwhile stays in the write-ahead log until it ends.

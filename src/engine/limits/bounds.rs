@@ -1,0 +1,17 @@
+//! Bounds on what the engine works on at once.
+
+/// Maximum writes that are decided or wait for the disk at once. Further ones wait.
+pub(in crate::engine) const WRITES_AT_ONCE: usize = 512;
+
+/// Maximum reads (loop queries, lists) that compute at once, for each core. More would only share it, and delay short
+/// requests.
+pub(in crate::engine) const READS_PER_CORE: usize = 2;
+
+/// Maximum requests that wait for either. The limit on requests bounds them first, unless the operator or many cores
+/// allow more.
+pub(in crate::engine) const WAITING_MAX: usize = 1024;
+
+/// Returns the number of cores that this process may use.
+pub(in crate::engine) fn cores() -> usize {
+    std::thread::available_parallelism().map_or(2, usize::from)
+}

@@ -1,0 +1,97 @@
+//! Opening and closing the engine.
+
+use std::sync::Arc;
+
+use tokio::sync::Semaphore;
+use tokio_util::sync::CancellationToken;
+
+use super::bow;
+use super::descriptions::worker::Worker;
+use super::error::ServiceError;
+use super::keys::keyring::Keyring;
+use super::keys::keyring::POLL_INTERVAL;
+use super::limits::bounds::{READS_PER_CORE, WAITING_MAX, WRITES_AT_ONCE, cores};
+use super::limits::concurrency_limit::ConcurrencyLimit;
+use super::maps::features::FeatureCache;
+use super::maps::registry::Registry;
+use super::operations::export::Exports;
+use super::options::{ModelChoice, ServiceOptions};
+use super::service::{Parts, Service};
+use crate::llm::Models;
+use crate::store::{Job, Store};
+
+impl Service {
+    /// Opens the database, and starts background tasks. Maps are loaded on first use.
+    pub async fn open(options: ServiceOptions) -> Result<Self, ServiceError> {
+        let vocabulary = match options.vocabulary {
+            Some(path) => Some(Arc::new(bow::load(path).await?)),
+            None => None,
+        };
+        let store = Store::open(&options.database).await?;
+        let models = open_models(options.models, &store).await?.map(Arc::new);
+        let registry = Arc::new(Registry::new(options.map_memory));
+        let service = Self(Arc::new(Parts {
+            models: models.clone(),
+            worker: Worker::new(),
+            rejudging: Arc::default(),
+            triggers: Arc::default(),
+            verdicts: Arc::default(),
+            write_answer: options.write_answer,
+            keys: Keyring::open(store.clone(), options.keys_required).await?,
+            quotas: options.quotas,
+            exports: Exports::default(),
+            closing: CancellationToken::new(),
+            store,
+            registry,
+            writes: ConcurrencyLimit::new(WRITES_AT_ONCE, WAITING_MAX),
+            reads: ConcurrencyLimit::new(READS_PER_CORE * cores(), WAITING_MAX),
+            deciding: Arc::new(Semaphore::new(cores())),
+            pressure: Arc::default(),
+            features: FeatureCache::new(vocabulary.clone()),
+            vocabulary,
+            backups: None,
+        }));
+        service.poll_key_changes();
+        service.start_triggers();
+        if let Some(models) = models {
+            service.worker.start(service.clone(), models.clone());
+            service.rejudging.start(service.clone(), models);
+        }
+        Ok(service)
+    }
+
+    /// Stops background tasks, writes what is queued, and closes the database.
+    pub async fn close(&self) {
+        self.closing.cancel();
+        tokio::join!(self.worker.stop(), self.rejudging.stop());
+        self.store.close().await;
+    }
+
+    /// Reads in the background what other processes change in the keys.
+    fn poll_key_changes(&self) {
+        let (keys, closing) = (self.keys.clone(), self.closing.clone());
+        tokio::spawn(closing.run_until_cancelled_owned(async move {
+            loop {
+                tokio::time::sleep(POLL_INTERVAL).await;
+                keys.poll_changes().await;
+            }
+        }));
+    }
+}
+
+/// Opens the configured models. Without models no map waits for one, whatever an earlier process noted.
+async fn open_models(choice: ModelChoice, store: &Store) -> Result<Option<Models>, ServiceError> {
+    let models = match choice {
+        ModelChoice::None => None,
+        #[cfg(feature = "llm")]
+        ModelChoice::Configured(args) => {
+            let opened = Models::open(&args, store).await;
+            opened.map_err(|error| ServiceError::Internal(error.to_string()))?
+        }
+        ModelChoice::Given(args, models) => Some(Models::with(models, None, &args, store).await?),
+    };
+    if models.is_none() {
+        store.committer().commit(Job::ForgetAway).await?;
+    }
+    Ok(models)
+}

@@ -1,0 +1,112 @@
+//! The handle of the engine: every use case is one of its methods.
+
+use std::ops::Deref;
+use std::sync::Arc;
+
+use tokio::sync::Semaphore;
+use tokio_util::sync::CancellationToken;
+
+use super::bow::NamedVocabulary;
+use super::descriptions::rejudging::Rejudging;
+use super::descriptions::worker::Worker;
+use super::error::ServiceError;
+use super::keys::keyring::Keyring;
+use super::limits::concurrency_limit::ConcurrencyLimit;
+use super::limits::load_shedding::LoadShedding;
+use super::maps::eviction::Used;
+use super::maps::features::FeatureCache;
+use super::maps::live::LiveMap;
+use super::maps::registry::Registry;
+use super::operations::backups::Backups;
+use super::operations::export::Exports;
+use super::operations::triggers::Triggers;
+use super::operations::verdict_record::VerdictCounters;
+use super::options::WriteAnswer;
+use crate::config::quotas::Quotas;
+use crate::domain::ids::MapId;
+use crate::llm::Models;
+use crate::store::{MapKey, Store};
+
+/// The engine behind the API. Clones share everything, and every request makes some.
+#[derive(Clone, Debug)]
+pub struct Service(pub(super) Arc<Parts>);
+
+/// What the clones of a [`Service`] share.
+#[derive(Clone, Debug)]
+pub struct Parts {
+    pub(super) store: Store,
+    pub(super) registry: Arc<Registry>,
+    pub(super) writes: Arc<ConcurrencyLimit>,
+    pub(super) reads: Arc<ConcurrencyLimit>,
+    /// One permit a core: more decisions at once would only share the cores.
+    pub(super) deciding: Arc<Semaphore>,
+    pub(super) pressure: Arc<LoadShedding>,
+    pub(super) features: FeatureCache,
+    pub(super) vocabulary: Option<Arc<NamedVocabulary>>,
+    pub(super) models: Option<Arc<Models>>,
+    pub(super) worker: Arc<Worker>,
+    pub(super) rejudging: Arc<Rejudging>,
+    pub(super) triggers: Arc<Triggers>,
+    pub(super) verdicts: Arc<VerdictCounters>,
+    pub(super) write_answer: WriteAnswer,
+    pub(super) keys: Keyring,
+    pub(super) quotas: Quotas,
+    pub(super) exports: Exports,
+    /// Ends background tasks.
+    pub(super) closing: CancellationToken,
+    pub(super) backups: Option<Arc<Backups>>,
+}
+
+impl Deref for Service {
+    type Target = Parts;
+
+    fn deref(&self) -> &Parts {
+        &self.0
+    }
+}
+
+impl Service {
+    /// Returns the keys of this database.
+    pub fn keys(&self) -> &Keyring {
+        &self.keys
+    }
+
+    /// Fails if the service is closed. It asks memory only, so that it answers under any load.
+    pub fn ready(&self) -> Result<(), ServiceError> {
+        if self.store.is_closed() { Err(ServiceError::closed()) } else { Ok(()) }
+    }
+
+    /// Returns the limit on requests in flight.
+    pub fn pressure(&self) -> &Arc<LoadShedding> {
+        &self.pressure
+    }
+
+    /// Returns the version of SQLite.
+    pub async fn sqlite_version(&self) -> Result<String, ServiceError> {
+        Ok(self.store.sqlite_version().await?)
+    }
+
+    /// Returns a map for a client, loaded if it was not in memory.
+    pub(super) async fn live(&self, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
+        let was_in_memory = self.registry.in_memory_now(id).is_some();
+        let live = self.registry.get(&self.store, id, Used::ByClient).await?;
+        if !was_in_memory {
+            // Its anchors may lack what a model that was configured since could give.
+            self.worker.wake();
+        }
+        Ok(live)
+    }
+
+    /// Returns the key of the map that has this name now; the map need not be in memory.
+    pub(super) async fn key_of(&self, id: &MapId) -> Result<MapKey, ServiceError> {
+        if let Some(live) = self.registry.in_memory_now(id) {
+            return Ok(live.key);
+        }
+        self.store.map_key(id).await?.ok_or_else(|| ServiceError::no_map(id))
+    }
+
+    /// Returns a map for background work: it does not count as used.
+    pub(super) async fn live_in_background(&self, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
+        self.registry.get(&self.store, id, Used::InBackground).await
+    }
+}
