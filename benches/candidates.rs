@@ -11,8 +11,8 @@ use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use revisit::domain::bow::BowVector;
-use revisit::recognition::inverted_file::{InvertedFile, Scratch};
-use revisit::recognition::places::{PlaceLimits, PlaceScratch, best_places};
+use revisit::recognition::map::covisible_groups::{PlaceLimits, PlaceScratch, best_places};
+use revisit::recognition::map::inverted_file::{InvertedFile, Scratch};
 
 const SEED: u64 = 20;
 const QUERIES: usize = 500;

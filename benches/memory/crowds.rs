@@ -6,10 +6,10 @@ use revisit::domain::bow::BowVector;
 use revisit::domain::keyframe::{Detection, NewKeyframe, Stamp};
 use revisit::domain::verdict::Verify;
 use revisit::geometry::{Point3, Pose};
-use revisit::recognition::index::MapIndex;
-use revisit::recognition::ingest::ingest;
-use revisit::recognition::loop_check::screen;
-use revisit::recognition::query::Query;
+use revisit::recognition::anchors::ingest::ingest;
+use revisit::recognition::loops::check_loop::screen;
+use revisit::recognition::loops::query::Query;
+use revisit::recognition::map::index::MapIndex;
 
 use crate::{again, process};
 

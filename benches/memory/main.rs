@@ -17,8 +17,8 @@ use revisit::domain::map::MapProperties;
 use revisit::domain::request::{LoopQuery, Subject};
 use revisit::domain::verdict::Verify;
 use revisit::engine::{Service, ServiceOptions};
-use revisit::recognition::index::MapIndex;
-use revisit::recognition::ingest::ingest;
+use revisit::recognition::anchors::ingest::ingest;
+use revisit::recognition::map::index::MapIndex;
 
 use robot::{Robot, Sends};
 

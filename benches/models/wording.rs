@@ -13,11 +13,11 @@ use base64::engine::general_purpose::STANDARD;
 use revisit::domain::change::Change;
 use revisit::domain::judged::{Finding, ModelVerdict};
 use revisit::domain::roles::Roles;
-use revisit::recognition::index::MapIndex;
-use revisit::recognition::ingest::ingest;
-use revisit::recognition::lacking::{Lack, lacking};
-use revisit::recognition::learning::learn_verdict;
-use revisit::recognition::pairs::{Embedded, Embeddings, Settled};
+use revisit::recognition::anchors::apply_model_answer::learn_verdict;
+use revisit::recognition::anchors::description_tasks::{DescriptionTask, lacking};
+use revisit::recognition::anchors::ingest::ingest;
+use revisit::recognition::anchors::pairs::{Embedded, Embeddings, Settled};
+use revisit::recognition::map::index::MapIndex;
 use revisit::semantics::{Embedding, Text};
 use serde::Deserialize;
 
@@ -85,13 +85,15 @@ impl Set {
         let (mut settled, mut asked) = (Settled::new(), BTreeSet::new());
         loop {
             let open = lacking(&index, roles, embeddings, &mut settled, 256, |lack| {
-                !matches!(lack, Lack::Similarity { .. } | Lack::Embedding { .. })
+                !matches!(lack, DescriptionTask::Similarity { .. } | DescriptionTask::Embedding { .. })
             });
             if open.found.is_empty() && open.is_all {
                 break;
             }
             for lack in open.found {
-                let Lack::Similarity { class, a, b } = lack else { panic!("no embedding of {lack:?}") };
+                let DescriptionTask::Similarity { class, a, b } = lack else {
+                    panic!("no embedding of {lack:?}")
+                };
                 let is_one = painting_of[&*a] == painting_of[&*b];
                 asked.insert((a.clone(), b.clone()));
                 let finding = Finding::Similarity(if is_one { 5 } else { 1 });

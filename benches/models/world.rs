@@ -17,11 +17,11 @@ use revisit::geometry::{Point3, Pose};
 use revisit::llm::Models;
 use revisit::llm::adapters::Scripted;
 use revisit::llm::port::{Model, Question};
-use revisit::recognition::index::MapIndex;
-use revisit::recognition::ingest::ingest;
-use revisit::recognition::lacking::{Lack, lacking};
-use revisit::recognition::learning::learn_verdict;
-use revisit::recognition::pairs::Settled;
+use revisit::recognition::anchors::apply_model_answer::learn_verdict;
+use revisit::recognition::anchors::description_tasks::{DescriptionTask, lacking};
+use revisit::recognition::anchors::ingest::ingest;
+use revisit::recognition::anchors::pairs::Settled;
+use revisit::recognition::map::index::MapIndex;
 use revisit::semantics;
 use revisit::store::Store;
 
@@ -203,7 +203,7 @@ pub async fn play() -> Outcome {
     }
 }
 
-async fn judge(models: &Models, lack: Lack) -> Option<ModelVerdict> {
+async fn judge(models: &Models, lack: DescriptionTask) -> Option<ModelVerdict> {
     let verdict = |class, a, b, finding, source: String| ModelVerdict {
         class,
         a,
@@ -214,16 +214,16 @@ async fn judge(models: &Models, lack: Lack) -> Option<ModelVerdict> {
         fingerprint: "".into(),
     };
     Some(match lack {
-        Lack::Reading { .. } | Lack::Embedding { .. } => return None,
-        Lack::Information { class, text } => {
+        DescriptionTask::Reading { .. } | DescriptionTask::Embedding { .. } => return None,
+        DescriptionTask::Information { class, text } => {
             let judged = models.judge.information(&class, &text, None).await;
             verdict(class, text, "".into(), Finding::Information(judged.level), judged.source)
         }
-        Lack::Similarity { class, a, b } => {
+        DescriptionTask::Similarity { class, a, b } => {
             let judged = models.judge.similarity(&class, &a, &b, None).await;
             verdict(class, a, b, Finding::Similarity(judged.level), judged.source)
         }
-        Lack::Merge { class, a, b, as_read: [first, second] } => {
+        DescriptionTask::Merge { class, a, b, as_read: [first, second] } => {
             let merged = models.judge.merge(&class, &first, &second, None).await;
             verdict(class, a, b, Finding::Merge(merged.text.into()), merged.source)
         }

@@ -64,21 +64,21 @@ pub use domain::keyframe::{Camera, Detection, Features, Keypoint, NewKeyframe, S
 pub use domain::map::MapProperties;
 pub use domain::settings::Settings;
 pub use domain::verdict::{Candidate, CandidateDecision, Decision, ReasonCode, Verdict, Verify};
-pub use recognition::closing::{close_loop, revoke_loop};
-pub use recognition::correction::{Correction, correct};
-pub use recognition::culling::cull_keyframe;
-pub use recognition::features::{FeatureSet, MatchableFeatures};
-pub use recognition::index::MapIndex;
-pub use recognition::ingest::ingest;
-pub use recognition::query::Query;
+pub use recognition::anchors::ingest::ingest;
+pub use recognition::anchors::loop_closure::{close_loop, revoke_loop};
+pub use recognition::loops::features::{FeatureSet, MatchableFeatures};
+pub use recognition::loops::query::Query;
+pub use recognition::map::correction::{Correction, correct};
+pub use recognition::map::culling::cull_keyframe;
+pub use recognition::map::index::MapIndex;
 pub use semantics::Text;
 pub use vocabulary::Vocabulary;
 
 /// Decides whether a keyframe is a loop: checks 1 to 3 of §V, then geometry on the candidates that passed them and whose
 /// features are given. `seed` is that of geometry's samples.
 ///
-/// A program that shares the map between threads calls the two halves: [`recognition::loop_check::screen`] needs the map,
-/// [`recognition::conclusion::conclude`] the features alone.
+/// A program that shares the map between threads calls the two halves: [`recognition::loops::check_loop::screen`] needs the map,
+/// [`recognition::loops::decision::conclude`] the features alone.
 pub fn check_loop(
     map: &MapIndex,
     query: &Query<'_>,
@@ -88,8 +88,8 @@ pub fn check_loop(
 ) -> Verdict {
     /// Counts nothing here: a version tells the answers of a map that is written to from each other.
     const VERSION: u64 = 0;
-    recognition::conclusion::conclude(
-        recognition::loop_check::screen(map, VERSION, query, verify),
+    recognition::loops::decision::conclude(
+        recognition::loops::check_loop::screen(map, VERSION, query, verify),
         features,
         seed,
     )

@@ -9,8 +9,8 @@ use super::{Service, ServiceError};
 use crate::config::logging::in_span;
 use crate::domain::invalid::FieldError;
 use crate::domain::keyframe::NewKeyframe;
-use crate::recognition::index::MapIndex;
-use crate::recognition::ingest::other_vocabulary;
+use crate::recognition::anchors::ingest::other_vocabulary;
+use crate::recognition::map::index::MapIndex;
 use crate::vocabulary::Vocabulary;
 
 /// A vocabulary with its name, taken once.

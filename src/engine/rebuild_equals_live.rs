@@ -29,10 +29,10 @@ use crate::domain::verdict::{ReasonCode, Verify};
 use crate::geometry::{Point3, Pose};
 use crate::llm::Models;
 use crate::llm::port::{Fault, Model, Question, Reply};
-use crate::recognition::index::MapIndex;
-use crate::recognition::learning::{learn_away, learn_reading, learn_verdict};
-use crate::recognition::recorder::Recorder;
-use crate::recognition::rejudging::rejudge;
+use crate::recognition::anchors::apply_model_answer::{learn_away, learn_reading, learn_verdict};
+use crate::recognition::anchors::rejudging::rejudge;
+use crate::recognition::map::index::MapIndex;
+use crate::recognition::map::recorder::Recorder;
 use crate::semantics::Text;
 use crate::store::Order;
 
@@ -515,7 +515,10 @@ async fn counted_by_the_migration(database: &std::path::Path) -> MapFigures {
 }
 
 /// A difference of two whole indexes is unreadable; this names the part that differs.
-fn pretty(loaded: &crate::recognition::index::MapIndex, live: &crate::recognition::index::MapIndex) {
+fn pretty(
+    loaded: &crate::recognition::map::index::MapIndex,
+    live: &crate::recognition::map::index::MapIndex,
+) {
     assert_eq!(loaded.properties(), live.properties());
     assert_eq!(loaded.sessions(), live.sessions());
     assert_eq!(loaded.keyframes().collect::<Vec<_>>(), live.keyframes().collect::<Vec<_>>());

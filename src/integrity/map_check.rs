@@ -3,8 +3,8 @@
 use super::rebuild::rebuild;
 use crate::domain::ids::MapId;
 use crate::domain::map::MapFigures;
-use crate::recognition::features::MatchableFeatures;
-use crate::recognition::index::MapIndex;
+use crate::recognition::loops::features::MatchableFeatures;
+use crate::recognition::map::index::MapIndex;
 use crate::store::{Inspected, MapFacts, Order, RowFindings, StoreError};
 
 /// The most faults that are listed of one map: a torn table has one in every row.

@@ -1,7 +1,7 @@
 //! Rebuild: the index of a map from the facts on disk.
 
 use crate::domain::ids::MapId;
-use crate::recognition::index::MapIndex;
+use crate::recognition::map::index::MapIndex;
 use crate::store::{Inspected, MapFacts, Order, StoreError};
 
 /// Builds a map's index from its facts, told in an order; `None` if there is no such map.

@@ -9,7 +9,7 @@ use super::budget::Payer;
 use super::gateway::Gateway;
 use super::parse;
 use super::port::{Fault, Question};
-use crate::recognition::pairs;
+use crate::recognition::anchors::pairs;
 use crate::semantics::Embedding;
 
 /// Bytes of embeddings at hand; each is a byte a component.

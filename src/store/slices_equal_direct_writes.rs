@@ -22,7 +22,7 @@ use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::domain::keyframe::{Detection, NewKeyframe, Stamp};
 use crate::domain::map::{Learned, MapFigures, MapProperties};
 use crate::geometry::{Point3, Pose};
-use crate::recognition::index::MapIndex;
+use crate::recognition::map::index::MapIndex;
 
 const KEYFRAMES: u32 = 6;
 

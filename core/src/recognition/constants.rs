@@ -6,11 +6,10 @@
 mod changed_signs;
 mod geometry;
 
+use super::anchors::{description_tasks, near_in_meaning, pairs};
+use super::extensions::{alignment, company, distinctiveness, passage, tracked_path, twins};
+use super::loops::candidates;
 use super::verification::{resection, similarity};
-use super::{
-    alignment, candidates, company, distinctiveness, lacking, near_in_meaning, pairs, passage, tracked_path,
-    twins,
-};
 use crate::semantics;
 
 /// A number that decides verdicts.
@@ -100,7 +99,7 @@ const ANCHORS: &[Constant] = &[
     ),
     constant(
         "judging.better_crop",
-        lacking::BETTER_CROP,
+        description_tasks::BETTER_CROP,
         "1",
         "ours: how many times as large a crop must be to replace the one described before",
     ),

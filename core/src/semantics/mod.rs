@@ -33,27 +33,27 @@
 //! | which texts to compare at all | `keys.rs` | [`Text::keys`] |
 
 mod agreement;
-mod around;
+mod blocking_keys;
+mod context;
 mod dictionary;
 mod direction;
 mod embedding;
 mod frame;
 mod generic;
-mod hostile;
 mod identifier;
 mod information;
-mod keys;
+mod judge_routing;
 mod looks;
 mod merge;
 mod noise;
 mod normalise;
 mod numbering;
 mod profile;
+mod prompt_injection;
 mod quantity;
 mod reading;
 mod reason;
 mod role;
-mod route;
 mod similarity;
 mod text;
 mod token;
@@ -66,18 +66,18 @@ mod laws;
 
 pub use agreement::{Conflict, conflict};
 pub use embedding::Embedding;
-pub use hostile::addresses_a_model;
 pub use identifier::Identifier;
 pub use information::{ENOUGH_SPECIFIC_WORDS, information};
+pub use judge_routing::{
+    Route, accepts_merge, bound_similarity, has_no_new_digits, information_is_open, likeness_percent,
+    route_similarity, similarity_is_open,
+};
 pub use merge::merge;
 pub use noise::{NUMBER_DIGITS_MAX, ZERO_PERCENT};
 pub use normalise::clean;
 pub use numbering::{LEARNED_FROM_VALUES, Numbering, PatternError, Shape};
 pub use profile::Profile;
+pub use prompt_injection::addresses_a_model;
 pub use role::Role;
-pub use route::{
-    Route, accepts_merge, bound_similarity, has_no_new_digits, information_is_open, likeness_percent,
-    route_similarity, similarity_is_open,
-};
 pub use similarity::{Judgement, Source, similarity, similarity_level};
 pub use text::{Identity, Text};

@@ -1,6 +1,6 @@
 //! Reading a text: which of its tokens are identifiers, quantities, negations and words.
 
-use super::around::{self, Around};
+use super::context::{self, Around};
 use super::dictionary::{self, Class};
 use super::direction;
 use super::frame::Frame;
@@ -136,7 +136,7 @@ impl Reader<'_> {
         } else if let Some((role, number, len)) = self.around.role_after(at) {
             self.identifier(role, &number, at, at + len);
             return len;
-        } else if let Some((role, number)) = around::glued_role(code) {
+        } else if let Some((role, number)) = context::glued_role(code) {
             self.identifiers(&role, &number, at, at + 1);
         } else {
             let role = name.or_else(|| Some((self.role_of_list(at)?, at)));
@@ -167,7 +167,7 @@ impl Reader<'_> {
         {
             self.identifier(role, &number, first, at + 1);
         } else if self.around.is_ordinal_floor(at) {
-            let number = around::number_word(word).unwrap_or_default().to_owned();
+            let number = context::number_word(word).unwrap_or_default().to_owned();
             self.identifier(Role::Floor, &number, at, at + 2);
             return 2;
         } else if dictionary::negates(word) {

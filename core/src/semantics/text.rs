@@ -11,7 +11,7 @@ use super::looks::Looks;
 use super::numbering::{Numbering, Sorted};
 use super::reading::{self, Mention, What};
 use super::words::Word;
-use super::{keys, normalise, role, token};
+use super::{blocking_keys, normalise, role, token};
 
 /// Identifiers kept of one text, so that comparing two hostile texts stays cheap.
 pub const MAX_IDENTIFIERS: usize = 32;
@@ -86,7 +86,7 @@ impl Text {
         words.dedup();
         let own: Vec<Identifier> =
             identifiers.iter().filter(|identifier| !identifier.role.is_container()).cloned().collect();
-        let keys = keys::of_text(&identifiers, &own, &words);
+        let keys = blocking_keys::of_text(&identifiers, &own, &words);
         Text {
             normalised,
             identifiers,

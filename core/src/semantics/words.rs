@@ -2,9 +2,9 @@
 
 use std::cmp::Ordering;
 
+use super::blocking_keys;
 use super::dictionary::{self, Class};
 use super::generic;
-use super::keys;
 
 /// Likeness, in percent, from which two texts without identifiers reach levels 4 and 3.
 const LEVEL_4_PERCENT: u32 = 70;
@@ -29,7 +29,7 @@ impl Word {
 
     /// A word whose class the dictionary cannot tell.
     pub fn of_class(class: Class, text: String) -> Word {
-        Word { class, hash: keys::hash(b'w', &text), text }
+        Word { class, hash: blocking_keys::hash(b'w', &text), text }
     }
 
     /// What sets this text apart must weigh more than what all texts have.

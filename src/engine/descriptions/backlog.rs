@@ -7,8 +7,8 @@ use tokio::time::Instant;
 
 use crate::engine::maps::live::LiveMap;
 use crate::engine::maps::pinned::PinnedMap;
-use crate::recognition::lacking::Lack;
-use crate::recognition::pairs::Settled;
+use crate::recognition::anchors::description_tasks::DescriptionTask;
+use crate::recognition::anchors::pairs::Settled;
 
 /// A job that keeps failing is tried again after at most so long.
 pub(in crate::engine) const PAUSE_MAX: Duration = Duration::from_hours(1);
@@ -22,11 +22,11 @@ pub(in crate::engine) struct Backlog {
     /// The map.
     pub map: PinnedMap,
     /// Jobs to be handed out.
-    pub found: VecDeque<Lack>,
+    pub found: VecDeque<DescriptionTask>,
     /// Jobs that somebody does.
-    pub under_way: HashSet<Lack>,
+    pub under_way: HashSet<DescriptionTask>,
     /// Failed jobs, each with the moment until which it is left alone, and how often it failed.
-    pub paused: HashMap<Lack, (Instant, u32)>,
+    pub paused: HashMap<DescriptionTask, (Instant, u32)>,
     /// Texts of which nothing is open.
     pub settled: Settled,
     /// Could embeddings choose the pairs when it was last looked at?
@@ -79,13 +79,13 @@ impl Backlog {
     }
 
     /// What is under way, or has failed lately.
-    pub fn left_alone(&self, now: Instant) -> HashSet<Lack> {
+    pub fn left_alone(&self, now: Instant) -> HashSet<DescriptionTask> {
         let paused = self.paused.iter().filter(|(_, (until, _))| *until > now).map(|(lack, _)| lack);
         paused.chain(&self.under_way).cloned().collect()
     }
 
     /// Leaves a failed job alone for a while; longer each time, if it counts.
-    pub fn pause(&mut self, lack: Lack, first: Duration, counts: bool) {
+    pub fn pause(&mut self, lack: DescriptionTask, first: Duration, counts: bool) {
         let tries = self.paused.get(&lack).map_or(0, |(_, tries)| *tries);
         let pause = first.saturating_mul(1 << tries.min(DOUBLINGS_MAX)).min(PAUSE_MAX);
         self.paused.insert(lack, (Instant::now() + pause, tries + u32::from(counts)));

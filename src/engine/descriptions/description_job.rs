@@ -12,9 +12,9 @@ use crate::llm::Models;
 use crate::llm::dialogue::{Described, Describer};
 use crate::llm::picture::Picture;
 use crate::llm::port::Fault;
-use crate::recognition::index::MapIndex;
-use crate::recognition::lacking::Lack;
-use crate::recognition::learning::{Learned, learn_reading, learn_verdict};
+use crate::recognition::anchors::apply_model_answer::{Learned, learn_reading, learn_verdict};
+use crate::recognition::anchors::description_tasks::DescriptionTask;
+use crate::recognition::map::index::MapIndex;
 
 /// Who says that a crop is no image.
 const DECODER: &str = "revisit";
@@ -32,7 +32,7 @@ impl Service {
         &self,
         live: &Arc<LiveMap>,
         models: &Models,
-        lack: Lack,
+        lack: DescriptionTask,
     ) -> Result<(), Fault> {
         let Some(Asked { answer, degraded }) = self.ask(live, models, lack).await? else { return Ok(()) };
         match answer {
@@ -61,24 +61,24 @@ impl Service {
         &self,
         live: &Arc<LiveMap>,
         models: &Models,
-        lack: Lack,
+        lack: DescriptionTask,
     ) -> Result<Option<Asked>, Fault> {
         let payer = self.payer(live.owner);
         let judge = models.judge.paid_by(payer.clone());
         let fingerprint: Arc<str> = models.fingerprints().texts.unwrap_or_default().into();
         let (verdict, degraded) = match lack {
-            Lack::Embedding { text } => {
+            DescriptionTask::Embedding { text } => {
                 if let Some(embeddings) = &models.embeddings {
                     embeddings.take(&text, payer).await?;
                 }
                 return Ok(None);
             }
-            Lack::Reading { anchor, keyframe, detection, class, hint } => {
+            DescriptionTask::Reading { anchor, keyframe, detection, class, hint } => {
                 let at = (anchor, keyframe, detection);
                 let describer = models.describer.paid_by(payer);
                 return self.ask_about_crop(live, describer, at, &class, hint.as_deref()).await;
             }
-            Lack::Information { class, text } => {
+            DescriptionTask::Information { class, text } => {
                 let judged = judge.information(&class, &text, None).await;
                 let finding = Finding::Information(judged.level);
                 let (source, reason) = (judged.source.into(), judged.reason.into());
@@ -86,13 +86,13 @@ impl Service {
                     ModelVerdict { class, a: text, b: "".into(), finding, source, reason, fingerprint };
                 (verdict, judged.degraded)
             }
-            Lack::Similarity { class, a, b } => {
+            DescriptionTask::Similarity { class, a, b } => {
                 let judged = judge.similarity(&class, &a, &b, None).await;
                 let finding = Finding::Similarity(judged.level);
                 let (source, reason) = (judged.source.into(), judged.reason.into());
                 (ModelVerdict { class, a, b, finding, source, reason, fingerprint }, judged.degraded)
             }
-            Lack::Merge { class, a, b, as_read: [first, second] } => {
+            DescriptionTask::Merge { class, a, b, as_read: [first, second] } => {
                 let merged = judge.merge(&class, &first, &second, None).await;
                 let finding = Finding::Merge(merged.text.into());
                 let (source, reason) = (merged.source.into(), "".into());

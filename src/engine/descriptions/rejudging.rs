@@ -20,9 +20,9 @@ use crate::domain::judgement::{JobState, Judgement, JudgementProgress, PastQuest
 use crate::engine::maps::live::{Decision, LiveMap};
 use crate::engine::{Service, ServiceError};
 use crate::llm::Models;
-use crate::recognition::lacking::Lack;
-use crate::recognition::learning::Learned;
-use crate::recognition::rejudging::{asked_today, rejudge};
+use crate::recognition::anchors::apply_model_answer::Learned;
+use crate::recognition::anchors::description_tasks::DescriptionTask;
+use crate::recognition::anchors::rejudging::{asked_today, rejudge};
 use crate::store::MapKey;
 
 /// Questions under way when the server stops may finish within this time.
@@ -161,7 +161,7 @@ impl Runner {
         &self,
         live: &Arc<LiveMap>,
         job: &Judgement,
-    ) -> Result<Vec<(PastQuestion, Option<Lack>)>, ServiceError> {
+    ) -> Result<Vec<(PastQuestion, Option<DescriptionTask>)>, ServiceError> {
         let service = &self.service;
         // One question tells whether a model is back.
         let hands = if service.must_wait(live) { 1 } else { self.models.jobs_at_once };
@@ -181,7 +181,7 @@ impl Runner {
         &self,
         live: &Arc<LiveMap>,
         question: PastQuestion,
-        lack: Option<Lack>,
+        lack: Option<DescriptionTask>,
     ) -> (PastQuestion, Outcome) {
         let Some(lack) = lack else { return (question, Outcome::Gone) };
         let outcome = match self.service.ask(live, &self.models, lack).await {

@@ -5,14 +5,14 @@ use std::collections::HashMap;
 use tokio::task::{Id, JoinSet};
 
 use crate::llm::port::Fault;
-use crate::recognition::lacking::Lack;
+use crate::recognition::anchors::description_tasks::DescriptionTask;
 use crate::store::MapKey;
 
 /// A job that ended.
 #[derive(Debug)]
 pub(in crate::engine) struct Done {
     pub map: MapKey,
-    pub lack: Lack,
+    pub lack: DescriptionTask,
     pub result: Result<(), Fault>,
 }
 
@@ -21,7 +21,7 @@ pub(in crate::engine) struct Done {
 pub(in crate::engine) struct Jobs {
     running: JoinSet<Result<(), Fault>>,
     /// A job that panics returns nothing, so its name is kept here.
-    named: HashMap<Id, (MapKey, Lack)>,
+    named: HashMap<Id, (MapKey, DescriptionTask)>,
 }
 
 impl Jobs {
@@ -29,7 +29,7 @@ impl Jobs {
     pub fn begin(
         &mut self,
         map: MapKey,
-        lack: Lack,
+        lack: DescriptionTask,
         job: impl Future<Output = Result<(), Fault>> + Send + 'static,
     ) {
         let id = self.running.spawn(job).id();
@@ -75,7 +75,7 @@ mod tests {
 
     #[tokio::test]
     async fn a_job_that_panics_is_named_as_failed() {
-        let lack = |text: &str| Lack::Information { class: "sign".into(), text: text.into() };
+        let lack = |text: &str| DescriptionTask::Information { class: "sign".into(), text: text.into() };
         let mut jobs = Jobs::default();
         jobs.begin(7, lack("panics"), async { panic!("a bug") });
         let done = jobs.next().await.expect("it ends");

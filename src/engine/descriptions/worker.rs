@@ -27,9 +27,9 @@ use crate::engine::{Service, ServiceError};
 use crate::llm::Models;
 use crate::llm::embeddings::Embeddings as ModelEmbeddings;
 use crate::llm::port::Fault;
-use crate::recognition::lacking::{Lack, Lacking, lacking};
-use crate::recognition::learning::learn_away;
-use crate::recognition::pairs::Embeddings;
+use crate::recognition::anchors::apply_model_answer::learn_away;
+use crate::recognition::anchors::description_tasks::{DescriptionTask, DescriptionTasks, lacking};
+use crate::recognition::anchors::pairs::Embeddings;
 use crate::store::MapKey;
 
 /// How many things lacking are looked up at once.
@@ -313,9 +313,9 @@ impl Round {
             // What words settled may be chosen otherwise.
             settled.clear();
         }
-        let left_alone: HashSet<Lack> = board.left_alone(now);
+        let left_alone: HashSet<DescriptionTask> = board.left_alone(now);
         let looked = self.service.look(live, move |state| {
-            let passed_over = |lack: &Lack| left_alone.contains(lack);
+            let passed_over = |lack: &DescriptionTask| left_alone.contains(lack);
             let embeddings = at_hand.as_ref().map(|embeddings| embeddings as &dyn Embeddings);
             let found = lacking(&state.index, roles, embeddings, &mut settled, BATCH, passed_over);
             Ok((state.version, found, settled, state.index.model_away()))
@@ -326,7 +326,7 @@ impl Round {
             board.look_again_at = Some(Instant::now() + REST);
             return;
         };
-        let Lacking { found, is_all } = lacking;
+        let DescriptionTasks { found, is_all } = lacking;
         board.settled = settled;
         board.looked_at = is_all.then_some(version);
         board.look_again_at = Some(Instant::now() + now.elapsed() * PAUSE_PER_LOOK);
@@ -358,7 +358,7 @@ impl Round {
         }
     }
 
-    fn begin(&mut self, key: MapKey, map: PinnedMap, lack: Lack) {
+    fn begin(&mut self, key: MapKey, map: PinnedMap, lack: DescriptionTask) {
         let (service, models) = (self.service.clone(), self.models.clone());
         let asked = lack.clone();
         self.jobs.begin(key, lack, async move {
@@ -374,7 +374,7 @@ impl Round {
     async fn finished(&mut self, Done { map, lack, result }: Done) {
         let Some(board) = self.boards.get_mut(&map) else { return };
         board.under_way.remove(&lack);
-        if matches!(lack, Lack::Embedding { .. }) {
+        if matches!(lack, DescriptionTask::Embedding { .. }) {
             // It changes no map, and others can be found with it. Nor does it say anything of the other models.
             board.looked_at = None;
             match result {

@@ -6,7 +6,7 @@ use crate::domain::ids::{PointId, SessionSeq};
 use crate::domain::keyframe::NewKeyframe;
 use crate::engine::ServiceError;
 use crate::geometry::Point3;
-use crate::recognition::index::{MapIndex, POINT_BYTES};
+use crate::recognition::map::index::{MapIndex, POINT_BYTES};
 
 /// Refuses a keyframe that would take its map beyond a quota.
 pub(in crate::engine) fn check_keyframe(

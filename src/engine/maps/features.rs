@@ -13,8 +13,8 @@ use crate::domain::ids::KeyframeSeq;
 use crate::domain::keyframe::Features;
 use crate::engine::ServiceError;
 use crate::engine::bow::NamedVocabulary;
-use crate::recognition::features::FeatureSet;
-use crate::recognition::features::MatchableFeatures;
+use crate::recognition::loops::features::FeatureSet;
+use crate::recognition::loops::features::MatchableFeatures;
 use crate::recognition::verification::descriptor_matching::NO_NODE;
 use crate::store::{MapKey, Store, StoreError};
 

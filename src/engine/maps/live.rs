@@ -21,8 +21,8 @@ use crate::engine::error::ServiceError;
 use crate::engine::limits::bounds::{WAITING_MAX, cores};
 use crate::engine::limits::concurrency_limit::ConcurrencyLimit;
 use crate::engine::maps::rebuild::RebuiltMap;
-use crate::recognition::index::MapIndex;
-use crate::recognition::recorder::Decided;
+use crate::recognition::map::index::MapIndex;
+use crate::recognition::map::recorder::Decided;
 use crate::store::{Batch, Job, MapKey, NewKeyframeRows, PoisonFlag, Store, StoreError};
 
 /// At most so many reads of one map compute at once, for each core: half of what all maps together may, so that readers who

@@ -1,7 +1,7 @@
 //! Rebuild: the index of a map is built from the facts that the store tells.
 
 use crate::domain::ids::MapId;
-use crate::recognition::index::MapIndex;
+use crate::recognition::map::index::MapIndex;
 use crate::store::{MapFacts, Order, Store, StoreError};
 
 /// A map as it is on disk.

@@ -9,7 +9,7 @@ use super::live::{Decision, LiveMap, Pending, State};
 use crate::config::logging::in_part;
 use crate::config::traces;
 use crate::engine::{Service, ServiceError};
-use crate::recognition::index::MapIndex;
+use crate::recognition::map::index::MapIndex;
 
 /// How often a read looks again because a write that it had seen failed.
 const READ_AGAIN_MAX: usize = 3;

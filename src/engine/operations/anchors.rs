@@ -8,9 +8,9 @@ use crate::domain::report::{AnchorReport, Page};
 use crate::domain::request::AnchorFilter;
 use crate::engine::maps::live::Decision;
 use crate::engine::{Service, ServiceError};
-use crate::recognition::culling::delete_object;
-use crate::recognition::describing::describe;
-use crate::recognition::index::MapIndex;
+use crate::recognition::anchors::describing::describe;
+use crate::recognition::map::culling::delete_object;
+use crate::recognition::map::index::MapIndex;
 use crate::semantics::Text;
 
 impl Service {

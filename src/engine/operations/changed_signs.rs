@@ -7,12 +7,12 @@ use crate::domain::ids::KeyframeSeq;
 use crate::engine::maps::live::LiveMap;
 use crate::engine::{Service, ServiceError};
 use crate::geometry::Point3;
-use crate::recognition::changed_signs::{
+use crate::recognition::extensions::changed_signs::{
     LOOKS_OF_A_WRITE_MAX, Look, Passage, looks, may_have_missed, missed, passages_ended_by, seen_again,
     tracked_here,
 };
-use crate::recognition::index::MapIndex;
-use crate::recognition::recorder::Decided;
+use crate::recognition::map::index::MapIndex;
+use crate::recognition::map::recorder::Decided;
 
 impl Service {
     /// Judges the signs of which a keyframe ends a passage, and adds what follows to the write that is being decided. Blocks,

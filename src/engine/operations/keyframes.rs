@@ -16,11 +16,11 @@ use crate::engine::maps::live::{Decision, LiveMap, State};
 use crate::engine::maps::pinned::PinnedMap;
 use crate::engine::maps::write_path::{Begun, Manner};
 use crate::engine::{QueryAnswer, Service, ServiceError, Stored};
-use crate::recognition::anchor_map::{Centre, local_anchor_map};
-use crate::recognition::culling::cull_keyframe;
-use crate::recognition::distinctiveness::PlaceCounts;
-use crate::recognition::index::MapIndex;
-use crate::recognition::ingest::{ingest, unknown_covisible};
+use crate::recognition::anchors::ingest::{ingest, unknown_covisible};
+use crate::recognition::extensions::distinctiveness::PlaceCounts;
+use crate::recognition::loops::anchor_map::{Centre, local_anchor_map};
+use crate::recognition::map::culling::cull_keyframe;
+use crate::recognition::map::index::MapIndex;
 use crate::store::{KeyframeRow, NewKeyframeRows};
 
 /// What became of a `PUT` under the map's lock.
@@ -296,7 +296,7 @@ impl Service {
             let centre =
                 Centre::stored(index, find(index, &id)?).ok_or_else(|| ServiceError::no_keyframe(&id))?;
             let local = local_anchor_map(index, &centre, &mut PlaceCounts::default());
-            let report = |anchor: crate::recognition::anchor_map::LocalAnchor| LocalAnchorReport {
+            let report = |anchor: crate::recognition::loops::anchor_map::LocalAnchor| LocalAnchorReport {
                 anchor: anchor.name.public(),
                 class: anchor.class.into(),
                 state: anchor.state,

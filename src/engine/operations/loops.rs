@@ -10,8 +10,8 @@ use crate::domain::request::NewLoop;
 use crate::engine::limits::quota::check_loop;
 use crate::engine::maps::live::Decision;
 use crate::engine::{Service, ServiceError, Stored};
-use crate::recognition::closing::{close_loop, merges_of, revoke_loop};
-use crate::recognition::index::MapIndex;
+use crate::recognition::anchors::loop_closure::{close_loop, merges_of, revoke_loop};
+use crate::recognition::map::index::MapIndex;
 
 impl Service {
     /// Confirms a loop: matched anchors merge, and the two keyframes are covisible from now on.

@@ -15,7 +15,7 @@ use crate::domain::request::{Digest, MapPatch};
 use crate::domain::settings::Settings;
 use crate::engine::maps::live::Decision;
 use crate::engine::{Service, ServiceError, Stored};
-use crate::recognition::recorder::Recorder;
+use crate::recognition::map::recorder::Recorder;
 use crate::store::{Job, MapRow, StoreError};
 
 /// The version of a map that was just made.

@@ -6,8 +6,8 @@ use crate::domain::judged::CropRead;
 use crate::domain::request::NewVerdict;
 use crate::engine::maps::live::Decision;
 use crate::engine::{Service, ServiceError};
-use crate::recognition::index::MapIndex;
-use crate::recognition::learning::{Learned, learn_reading, learn_verdict};
+use crate::recognition::anchors::apply_model_answer::{Learned, learn_reading, learn_verdict};
+use crate::recognition::map::index::MapIndex;
 
 impl Service {
     /// Applies what a model said elsewhere. Returns the map's version, and whether it changed anything.

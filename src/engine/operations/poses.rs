@@ -6,8 +6,8 @@ use crate::domain::request::PoseCorrection;
 use crate::engine::limits::quota::check_points;
 use crate::engine::maps::live::Decision;
 use crate::engine::{Service, ServiceError};
-use crate::recognition::correction::{Correction, correct};
-use crate::recognition::index::MapIndex;
+use crate::recognition::map::correction::{Correction, correct};
+use crate::recognition::map::index::MapIndex;
 
 impl Service {
     /// Applies a correction, all of it or nothing; anchors' boxes follow.

@@ -19,12 +19,12 @@ use crate::domain::verdict::{ReasonCode, Verdict};
 use crate::engine::bow::check_vocabulary;
 use crate::engine::maps::live::LiveMap;
 use crate::engine::{Service, ServiceError};
-use crate::recognition::conclusion::conclude;
-use crate::recognition::index::MapIndex;
-use crate::recognition::ingest::unknown_covisible;
-use crate::recognition::loop_check::screen;
-use crate::recognition::query::Query;
-use crate::recognition::screening::Screening;
+use crate::recognition::anchors::ingest::unknown_covisible;
+use crate::recognition::loops::check_loop::screen;
+use crate::recognition::loops::decision::conclude;
+use crate::recognition::loops::query::Query;
+use crate::recognition::loops::screening::Screening;
+use crate::recognition::map::index::MapIndex;
 
 /// A verdict and its name.
 #[derive(Clone, Debug, PartialEq)]

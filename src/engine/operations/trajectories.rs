@@ -4,7 +4,7 @@ use crate::domain::change::{Keyframe, Loop};
 use crate::domain::ids::{MapId, SessionId, SessionSeq};
 use crate::domain::trajectory::{SessionTrack, TrackedPose, TrajectoryReport};
 use crate::engine::{Service, ServiceError};
-use crate::recognition::index::MapIndex;
+use crate::recognition::map::index::MapIndex;
 
 impl Service {
     /// The trajectories of a map, or of one of its sessions with the loops within it.

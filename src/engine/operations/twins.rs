@@ -10,11 +10,11 @@ use crate::domain::ids::KeyframeSeq;
 use crate::domain::keyframe::NewKeyframe;
 use crate::engine::maps::live::LiveMap;
 use crate::engine::{Service, ServiceError};
-use crate::recognition::features::MatchableFeatures;
-use crate::recognition::index::MapIndex;
-use crate::recognition::query::Query;
-use crate::recognition::recorder::Decided;
-use crate::recognition::twins::{Suspects, are_looked_for, found, suspects};
+use crate::recognition::extensions::twins::{Suspects, are_looked_for, found, suspects};
+use crate::recognition::loops::features::MatchableFeatures;
+use crate::recognition::loops::query::Query;
+use crate::recognition::map::index::MapIndex;
+use crate::recognition::map::recorder::Decided;
 
 impl Service {
     /// Looks for a twin of what a keyframe sees, and adds it to the write that is being decided; `new` is the keyframe where

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use crate::domain::anchor::AnchorState;
 use crate::domain::ids::AnchorSeq;
 use crate::domain::report::{AnchorMatchReport, AnchorReport};
-use crate::recognition::index::{Description, MapIndex, Object};
-use crate::recognition::matching;
+use crate::recognition::anchors::matching;
+use crate::recognition::map::index::{Description, MapIndex, MergedAnchor};
 use crate::semantics::{self, Source};
 
 /// An anchor shows at most so many of those that match it; an EXIT sign has thousands.
@@ -54,7 +54,7 @@ pub(in crate::engine) fn anchor(index: &MapIndex, seq: AnchorSeq) -> Option<Anch
 }
 
 /// Why a description has its InformationLevel.
-fn information_reason(index: &MapIndex, object: &Object, description: &Description) -> String {
+fn information_reason(index: &MapIndex, object: &MergedAnchor, description: &Description) -> String {
     let (level, reason) = semantics::information(&description.text);
     let by_model = index.verdicts().information(index.class_of(object), &description.text);
     match () {
@@ -64,7 +64,7 @@ fn information_reason(index: &MapIndex, object: &Object, description: &Descripti
     }
 }
 
-fn matches(index: &MapIndex, root: AnchorSeq, object: &Object) -> (Vec<AnchorMatchReport>, usize) {
+fn matches(index: &MapIndex, root: AnchorSeq, object: &MergedAnchor) -> (Vec<AnchorMatchReport>, usize) {
     let texts = index.texts();
     let Some(text) = texts.of(root) else { return (Vec::new(), 0) };
     let total = matching::matches(index, root).count();
@@ -97,7 +97,7 @@ fn matches(index: &MapIndex, root: AnchorSeq, object: &Object) -> (Vec<AnchorMat
 /// The keyframe and the detection with the largest crop of an object; of equals, the newest.
 pub(in crate::engine) fn best_crop(
     index: &MapIndex,
-    object: &Object,
+    object: &MergedAnchor,
 ) -> Option<(crate::domain::ids::KeyframeSeq, u16)> {
     let observations = object
         .members

@@ -30,7 +30,7 @@ pub(super) type NewValues = FormerValues;
 
 /// The values of a map that are not those of its rows, as they stand at a version.
 #[derive(Default)]
-struct Standing {
+struct CandidateStage {
     poses: HashMap<KeyframeSeq, Pose>,
     /// By session. A large map that was corrected as a whole has all its points here, so each takes few bytes.
     points: HashMap<SessionSeq, HashMap<PointId, [f64; 3]>>,
@@ -40,7 +40,7 @@ struct Standing {
 /// The coordinates of a point that is not there.
 const ABSENT: [f64; 3] = [f64::NAN; 3];
 
-impl Standing {
+impl CandidateStage {
     fn set(&mut self, values: &FormerValues) {
         self.poses.extend(values.poses.iter().copied());
         for (session, id, at) in &values.points {
@@ -77,7 +77,7 @@ struct Written {
 /// A map's values, version by version.
 pub(super) struct History {
     map: MapKey,
-    standing: Standing,
+    standing: CandidateStage,
     file: SpooledTempFile,
     /// The last is the next.
     written: Vec<Written>,
@@ -88,7 +88,7 @@ impl History {
     pub(super) async fn rewind(db: &mut SqliteConnection, map: MapKey) -> Result<Self, StoreError> {
         let mut history = Self {
             map,
-            standing: Standing::default(),
+            standing: CandidateStage::default(),
             file: SpooledTempFile::new(SPOOLED_BYTES),
             written: Vec::new(),
         };

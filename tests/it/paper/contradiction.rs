@@ -3,7 +3,9 @@
 
 use serde_json::{Value, json};
 
-use super::scene::{Keyframe, NAMES, Scene, Sight, candidate_of, close_to, door, keyframe, list, thing};
+use super::scene::{
+    GeometrySnapshot, Keyframe, NAMES, Scene, candidate_of, close_to, door, keyframe, list, thing,
+};
 
 const AHEAD: [f64; 3] = [0.0, 0.0, 1.0];
 
@@ -11,7 +13,7 @@ const AHEAD: [f64; 3] = [0.0, 0.0, 1.0];
 type Readings<'a> = &'a [&'a str];
 
 /// Stores a passage; the first keyframe has its name, those that read the plate again are covisible with it.
-async fn pass(scene: &Scene, name: &str, readings: Readings<'_>, more: &[Sight]) {
+async fn pass(scene: &Scene, name: &str, readings: Readings<'_>, more: &[GeometrySnapshot]) {
     for (number, text) in readings.iter().enumerate() {
         let plate = door(text, AHEAD);
         if number == 0 {
@@ -22,7 +24,7 @@ async fn pass(scene: &Scene, name: &str, readings: Readings<'_>, more: &[Sight])
     }
 }
 
-fn seeing(sights: impl IntoIterator<Item = Sight>) -> Keyframe {
+fn seeing(sights: impl IntoIterator<Item = GeometrySnapshot>) -> Keyframe {
     keyframe().sees(sights)
 }
 
@@ -80,7 +82,7 @@ async fn the_veto_can_be_turned_off() {
 
 #[tokio::test]
 async fn only_anchors_of_one_class_at_the_same_relative_place_contradict() {
-    let check = async |what: &str, there: Sight, contradict: bool| {
+    let check = async |what: &str, there: GeometrySnapshot, contradict: bool| {
         let scene = Scene::new().await;
         scene.put("candidate", seeing([there])).await;
         scene.put("query", seeing([door("901", AHEAD)])).await;

@@ -1,12 +1,12 @@
 //! M50: a keyframe sent along with the query is judged as if it had just arrived, and is not stored.
 //!
-//! What M50 leaves open is tested as the service documents it (`recognition/anchor_map.rs`): sights of a known
+//! What M50 leaves open is tested as the service documents it (`recognition/loops/anchor_map.rs`): sights of a known
 //! anchor add nothing to what the map knows of it, the others stand for themselves.
 
 use serde_json::{Value, json};
 
 use super::scene::{
-    Keyframe, NAMES, Scene, Sight, candidate_of, close_to, door, keyframe, list, thing, unread,
+    GeometrySnapshot, Keyframe, NAMES, Scene, candidate_of, close_to, door, keyframe, list, thing, unread,
 };
 
 /// The verdict without its name; anchors that the keyframe founds go by its detections.
@@ -56,7 +56,7 @@ async fn passage() -> Scene {
 
 #[tokio::test]
 async fn an_inline_keyframe_gets_the_verdict_it_would_get_if_it_were_stored() {
-    let query = |sights: Vec<Sight>| keyframe().words(&[(1, 0.25), (3, 0.75)]).sees(sights);
+    let query = |sights: Vec<GeometrySnapshot>| keyframe().words(&[(1, 0.25), (3, 0.75)]).sees(sights);
     check("the same door", &passage().await, query(vec![door("room 901", AHEAD)]), "loop").await;
     let two = vec![unread([1.0, 1.0, 1.0]), door("901", [0.5, 0.0, 2.0])];
     check("a door, and one that nobody has read", &passage().await, query(two), "loop").await;

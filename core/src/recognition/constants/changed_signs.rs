@@ -1,8 +1,8 @@
 //! Constants of signs that change (M18).
 
 use super::{Constant, constant};
-use crate::recognition::index::CELL_M;
-use crate::recognition::{changed_signs, way_by_loops};
+use crate::recognition::extensions::{changed_signs, way_by_loops};
+use crate::recognition::map::index::CELL_M;
 
 /// Rule by rule.
 pub(super) const CHANGED_SIGNS: &[Constant] = &[

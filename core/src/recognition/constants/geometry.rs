@@ -2,7 +2,7 @@
 
 use super::{Constant, constant};
 use crate::geometry::pinhole::MIN_DEPTH;
-use crate::recognition::sight;
+use crate::recognition::loops::geometry_snapshot;
 use crate::recognition::verification::limits::Limits;
 use crate::recognition::verification::two_views::consensus::{ImageModel as _, SCORE_CHI_SQUARE};
 use crate::recognition::verification::two_views::essential::{Essential, MIN_PARALLAX_RAD};
@@ -137,7 +137,7 @@ pub(super) const GEOMETRY: &[Constant] = &[
     ),
     constant(
         "guided_search.window_keyframes",
-        sight::WINDOW_KEYFRAMES as f64,
+        geometry_snapshot::WINDOW_KEYFRAMES as f64,
         "1",
         "ORB-SLAM3: covisible keyframes whose points join the search",
     ),

@@ -1,0 +1,146 @@
+//! Object tracking: which anchor a detection is one more sight of (§IV-C.1).
+//!
+//! A detection z_i of keyframe k may belong to an anchor of its class that some keyframe of
+//! K_k^cov has observed. It does if the anchor's box covers at least a share sigma of its map
+//! points P_i. Choices the paper leaves open (M3):
+//!
+//! - At most one detection of a keyframe feeds an anchor; the largest share wins, then the older anchor.
+//! - Only map points with a position count. A detection of which no point is triangulated yet
+//!   is held against the anchor's own points instead, so that it does not found a twin.
+//! - A detection with only a `position` joins the nearest anchor within `association_position_radius_m`.
+
+use std::collections::BTreeSet;
+
+use crate::domain::anchor::{AnchorState, IgnoredReason};
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
+use crate::domain::keyframe::Detection;
+use crate::geometry::Point3;
+use crate::recognition::map::index::{MapIndex, MergedAnchor};
+use crate::semantics::{self, Text};
+
+/// What becomes of a detection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Association {
+    /// It is one more sight of this object (named by its oldest anchor).
+    Tracked(AnchorSeq),
+    /// It is something not seen before by the covisible keyframes.
+    New,
+    /// It feeds no anchor.
+    Ignored(IgnoredReason),
+}
+
+/// A possible pair, ordered from the best: anchors that hang there before retired ones, shares before distances, large
+/// shares and short distances first, then the older anchor, then the earlier detection.
+#[derive(Clone, Copy, Debug)]
+struct Pair {
+    /// A retired anchor takes what no other does.
+    is_retired: bool,
+    /// The share of covered map points, or the negated distance in metres.
+    closeness: f64,
+    by_points: bool,
+    object: AnchorSeq,
+    detection: usize,
+}
+
+/// Associates the detections of a keyframe of this session with the objects that the keyframes of
+/// `covisible` (K_k^cov) have seen. `position` tells where a map point of the session is, if it
+/// is triangulated.
+pub fn associate(
+    index: &MapIndex,
+    session: Option<SessionSeq>,
+    covisible: impl Iterator<Item = KeyframeSeq>,
+    detections: &[Detection],
+    position: impl Fn(PointId) -> Option<Point3>,
+) -> Vec<Association> {
+    let properties = index.properties();
+    let mut outcome: Vec<Association> = detections
+        .iter()
+        .map(|detection| {
+            if !properties.anchors_class(&detection.class) {
+                Association::Ignored(IgnoredReason::ClassNotAnchored)
+            } else if detection.map_points.is_empty() && detection.position_in_session.is_none() {
+                Association::Ignored(IgnoredReason::NoPlace)
+            } else {
+                Association::New
+            }
+        })
+        .collect();
+    // A session's first keyframe has nothing in its frame to be held against.
+    let Some(session) = session else { return outcome };
+    let nearby: BTreeSet<AnchorSeq> =
+        covisible.flat_map(|keyframe| index.objects_seen_by(keyframe)).collect();
+    let mut pairs = Vec::new();
+    for (number, detection) in detections.iter().enumerate() {
+        if outcome[number] != Association::New {
+            continue;
+        }
+        for root in &nearby {
+            let Some(object) = index.objects().get(*root) else { continue };
+            if index.class_of(object) != detection.class {
+                continue;
+            }
+            let is_retired = object.state == AnchorState::Retired;
+            if is_retired && excludes(object, detection) {
+                continue;
+            }
+            if let Some((closeness, by_points)) = closeness(index, session, detection, object, &position) {
+                pairs.push(Pair { is_retired, closeness, by_points, object: *root, detection: number });
+            }
+        }
+    }
+    pairs.sort_by(|a, b| {
+        (a.is_retired.cmp(&b.is_retired))
+            .then_with(|| b.by_points.cmp(&a.by_points))
+            .then_with(|| b.closeness.total_cmp(&a.closeness))
+            .then_with(|| a.object.cmp(&b.object))
+            .then_with(|| a.detection.cmp(&b.detection))
+    });
+    let mut taken = BTreeSet::new();
+    for pair in pairs {
+        if outcome[pair.detection] == Association::New && taken.insert(pair.object) {
+            outcome[pair.detection] = Association::Tracked(pair.object);
+        }
+    }
+    outcome
+}
+
+/// Whether a detection was read as another sign than an object: it hangs in its place.
+fn excludes(object: &MergedAnchor, detection: &Detection) -> bool {
+    let text = object.description.as_ref().map(|description| &description.text);
+    let read = detection.reading().map(Text::parse);
+    text.zip(read).is_some_and(|(text, read)| semantics::conflict(text, &read).is_some())
+}
+
+/// How well a detection fits an object, if it fits at all; and whether map points say so.
+fn closeness(
+    index: &MapIndex,
+    session: SessionSeq,
+    detection: &Detection,
+    object: &MergedAnchor,
+    position: &impl Fn(PointId) -> Option<Point3>,
+) -> Option<(f64, bool)> {
+    let settings = &index.properties().settings;
+    if let Some(share) = covered_share(session, &detection.map_points, object, position) {
+        return (share > 0.0 && share >= settings.association_min_point_share).then_some((share, true));
+    }
+    let distance_m = (detection.position_in_session? - object.aabb(session)?.centre()).norm();
+    (distance_m <= settings.association_position_radius_m).then_some((-distance_m, false))
+}
+
+/// The share of a detection's map points that the object's box covers; `None` if map points cannot tell.
+fn covered_share(
+    session: SessionSeq,
+    points: &[PointId],
+    object: &MergedAnchor,
+    position: &impl Fn(PointId) -> Option<Point3>,
+) -> Option<f64> {
+    let shape = object.shapes.get(&session)?;
+    let placed: Vec<Point3> = points.iter().filter_map(|id| position(*id)).collect();
+    if !placed.is_empty() {
+        let aabb = shape.aabb?;
+        let covered = placed.iter().filter(|point| aabb.contains(point)).count();
+        return Some(covered as f64 / placed.len() as f64);
+    }
+    let own = points.iter().filter(|id| shape.map_points.contains(id)).count();
+    (own > 0).then(|| own as f64 / points.len() as f64)
+}

@@ -1,0 +1,137 @@
+//! Twins: one view in two places (M16).
+//!
+//! Two floors that look alike give a verified transformation for a loop that is none. Where signs tell the two apart, the
+//! building has shown that geometry alone proves nothing in it. That is found when a keyframe arrives or a sign is
+//! described, and kept: nothing runs geometry at load.
+
+use std::collections::BTreeSet;
+use std::ops::Range;
+
+use super::distinctiveness::PlaceCounts;
+use super::rivals::known_contradiction;
+use crate::domain::change::{Change, Twins};
+use crate::domain::ids::{AnchorSeq, KeyframeSeq};
+use crate::domain::settings::WithoutAnchors;
+use crate::domain::verdict::{CandidateDecision, ReasonCode, Verify};
+use crate::recognition::loops::anchor_map::{Centre, LocalAnchor, LocalName, local_anchor_map};
+use crate::recognition::loops::candidates::find_candidates;
+use crate::recognition::loops::check_loop::unchecked;
+use crate::recognition::loops::evidence;
+use crate::recognition::loops::features::FeatureSet;
+use crate::recognition::loops::geometry_check::{Asked, check_geometry};
+use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
+use crate::recognition::loops::query::Query;
+use crate::recognition::loops::screening::{CandidateStage, PreVerified, Screening};
+use crate::recognition::map::index::{Certainty, MapIndex};
+use crate::recognition::verification::Status;
+
+/// Pairs of a map that are kept: one is enough, and the next stands in where its signs change.
+pub const KEPT_MAX: usize = 8;
+
+/// The seed of the verification, whatever the seeds of queries.
+const SEED: u64 = 0;
+
+/// Candidates that the anchors contradict, at most one of each place, by bag-of-words score.
+#[derive(Clone, Debug)]
+pub struct Suspects {
+    keyframe: KeyframeSeq,
+    screening: Screening,
+    /// Of each candidate, the two signs that contradict.
+    signs: Vec<(AnchorSeq, AnchorSeq)>,
+}
+
+/// Whether geometry alone may close loops in a map, and not enough twins are known already.
+pub fn are_looked_for(index: &MapIndex) -> bool {
+    let settings = &index.properties().settings;
+    let matters = settings.twin_guard && settings.without_anchors == WithoutAnchors::Geometry;
+    matters && index.twins().count() < KEPT_MAX
+}
+
+/// Finds what the view from a keyframe of the map may be a twin of; `None` if there is nothing to look at.
+pub fn suspects(index: &MapIndex, query: &Query<'_>) -> Option<Suspects> {
+    let keyframe = query.keyframe.filter(|_| are_looked_for(index))?;
+    if query.sight.is_none() || !query.seen.iter().any(|root| names_itself(index, *root)) {
+        return None;
+    }
+    let mut places = PlaceCounts::default();
+    let around = local_anchor_map(index, &query.centre, &mut places);
+    let proposals = find_candidates(index, query, &mut places);
+    let (mut candidates, mut signs) = (Vec::new(), Vec::new());
+    for proposal in proposals.candidates.iter().filter(|proposal| proposal.by_words) {
+        let of_place =
+            [(proposal.keyframe, proposal.score)].into_iter().chain(proposal.neighbours.iter().copied());
+        let contradicted = of_place.into_iter().find_map(|(candidate, score)| {
+            let centre = Centre::stored(index, candidate)?;
+            let theirs = local_anchor_map(index, &centre, &mut places);
+            let (own, other) = known_contradiction(&around, &theirs, index)?;
+            Some((candidate, score, object(own)?, object(other)?))
+        });
+        let Some((candidate, score, own, other)) = contradicted else { continue };
+        let Some(sight) = GeometrySnapshot::stored(index, candidate) else { continue };
+        let Some(unchecked) = unchecked(index, candidate, score, proposals.reference_score) else { continue };
+        let reason = evidence::reason(ReasonCode::Contradiction, 0.0, 0.0);
+        let mut screened = PreVerified::stopped(candidate, unchecked, CandidateDecision::Rejected, reason);
+        // By the numbers that would have let geometry alone close the loop.
+        (screened.standing, screened.sight) = (CandidateStage::AskGeometry, Some(sight));
+        candidates.push(screened);
+        signs.push((own, other));
+    }
+    if candidates.is_empty() {
+        return None;
+    }
+    let screening = Screening::of_candidates(index, 0, query, Verify::Geometry, candidates);
+    Some(Suspects { keyframe, screening, signs })
+}
+
+/// Whether an object has an identifier that was read alike twice, or described.
+fn names_itself(index: &MapIndex, root: AnchorSeq) -> bool {
+    let described = index.objects().get(root).and_then(|object| object.description.as_ref());
+    described.is_some_and(|description| {
+        description.certainty > Certainty::ReadOnce && !description.text.identifiers().is_empty()
+    })
+}
+
+fn object(anchor: &LocalAnchor) -> Option<AnchorSeq> {
+    match anchor.name {
+        LocalName::MergedAnchor(root) => Some(root),
+        LocalName::Inline(_) => None,
+    }
+}
+
+impl Suspects {
+    /// The places of all in the list, the likest first.
+    pub fn places(&self) -> Range<usize> {
+        0..self.signs.len()
+    }
+
+    /// The keyframes whose features geometry needs for one of them, ascending; the written one is among them.
+    pub fn wanted_features(&self, at: usize) -> BTreeSet<KeyframeSeq> {
+        let sight = self.screening.candidates[at].sight.iter();
+        let window = sight.flat_map(|sight| sight.window.iter().copied());
+        window.chain([self.keyframe, self.screening.candidates[at].keyframe]).collect()
+    }
+
+    /// Runs geometry on one of them. Returns the pair if it would have closed a loop by itself.
+    pub fn verify(&self, at: usize, features: &FeatureSet) -> Option<Twins> {
+        let of_query = features.stored.get(&self.keyframe).map(AsRef::as_ref);
+        let asked = self.screening.sight.as_ref().zip(of_query).map(Asked::new);
+        let screened = &self.screening.candidates[at];
+        let found =
+            check_geometry(&self.screening, screened, asked.as_ref(), features, SEED).ok()?.verification;
+        let alone = self.screening.settings.geometry_alone_min_inliers;
+        let is_loop = found.status == Status::Verified && (found.model.is_metric() || found.inliers >= alone);
+        let (anchor, candidate_anchor) = self.signs[at];
+        is_loop.then_some(Twins {
+            keyframe: self.keyframe,
+            candidate: screened.keyframe,
+            anchor,
+            candidate_anchor,
+        })
+    }
+}
+
+/// Returns what a found pair changes: those that are none any more make room for it.
+pub fn found(index: &MapIndex, twins: Twins) -> Vec<Change> {
+    let gone = index.kept_twins().filter(|kept| !index.are_twins(kept)).copied();
+    gone.map(Change::TwinsWithdrawn).chain([Change::TwinsFound(twins)]).collect()
+}

@@ -1,0 +1,41 @@
+//! Witness: what a text without an identifier needs besides itself to close a loop (M22).
+//!
+//! A slogan, a brand or a kind of room hangs in many places, and the first time that it is met in a second one nothing
+//! tells that from a return. So it speaks only beside a matched identifier, along an unbroken odometry chain that has the
+//! two sightings at one place, under geometry on map points, or where a confirmed loop already joins the passages. Such texts
+//! do not witness each other.
+
+use std::collections::BTreeSet;
+
+use super::alignment::Compared;
+use super::tracked_path::{TrackedPath, drift_m};
+use crate::domain::ids::KeyframeSeq;
+use crate::domain::settings::Settings;
+use crate::recognition::loops::anchor_map::LocalAnchor;
+use crate::recognition::loops::comparison::Comparison;
+use crate::recognition::map::index::MapIndex;
+
+/// Whether all that agrees are pairs of texts that need a witness.
+pub fn lacks_witness(comparison: &Comparison<'_>) -> bool {
+    let needs = |anchor: &LocalAnchor| anchor.text.as_ref().is_some_and(|text| text.needs_witness());
+    comparison.matches.iter().all(|pair| (needs(pair.query) && needs(pair.candidate)) || pair.is_disputed)
+}
+
+/// Whether a confirmed loop joins the passages of the query and of a candidate: somebody knows that it is one place.
+pub fn loop_joins(index: &MapIndex, around_query: &BTreeSet<KeyframeSeq>, candidate: KeyframeSeq) -> bool {
+    let mut closed = around_query.iter().flat_map(|keyframe| index.loops_of(*keyframe)).peekable();
+    if closed.peek().is_none() {
+        return false;
+    }
+    let around: BTreeSet<KeyframeSeq> = index.covisibility().with_itself(candidate).collect();
+    closed.any(|closed| {
+        let joins = |here, there| around_query.contains(&here) && around.contains(&there);
+        joins(closed.keyframe, closed.candidate) || joins(closed.candidate, closed.keyframe)
+    })
+}
+
+/// Whether odometry has every matched pair at one place.
+pub fn odometry_agrees(path: &TrackedPath, compared: &Compared, settings: &Settings) -> bool {
+    let limit_m = drift_m(path.length_m, settings.odometry_slack_m, settings);
+    compared.largest_distance_m().is_some_and(|apart_m| apart_m <= limit_m)
+}

@@ -1,0 +1,102 @@
+//! Where a model is missed: the verdicts in which the built-in judge stood in for one that is away, and those that a
+//! description still to come could turn.
+
+use crate::domain::anchor::AnchorState;
+use crate::recognition::loops::anchor_map::{LocalAnchor, LocalAnchorMap, LocalName};
+use crate::recognition::loops::comparison::{Comparison, equation_2, same_relative_place};
+use crate::recognition::map::index::MapIndex;
+use crate::semantics::{self, Route};
+
+/// Would a model that is away have had a say in the comparison of two local anchor maps?
+///
+/// It would about crops that it has not looked at, and about texts at one relative place that the built-in judge
+/// leaves open.
+pub fn model_is_missed(index: &MapIndex, query: &LocalAnchorMap, candidate: &LocalAnchorMap) -> bool {
+    if !index.model_away() {
+        return false;
+    }
+    let settings = &index.properties().settings;
+    awaited(index, query, candidate) > 0
+        || query.valid().any(|ours| {
+            candidate.valid().any(|theirs| {
+                ours.class == theirs.class
+                    && same_relative_place(ours, theirs, settings)
+                    && is_open(index, ours, theirs)
+            })
+        })
+}
+
+fn is_open(index: &MapIndex, ours: &LocalAnchor, theirs: &LocalAnchor) -> bool {
+    let (Some(a), Some(b)) = (ours.text.as_deref(), theirs.text.as_deref()) else { return false };
+    matches!(semantics::route_similarity(a, b), Route::Open(_))
+        && index.verdicts().similarity(&ours.class, a, b).is_none()
+}
+
+/// Returns how many anchors of two local anchor maps wait for a model that reads their crops.
+pub fn awaited(index: &MapIndex, query: &LocalAnchorMap, candidate: &LocalAnchorMap) -> usize {
+    query.anchors.iter().chain(&candidate.anchors).filter(|anchor| is_awaited(index, anchor)).count()
+}
+
+/// A comparison if every crop that waits to be described turned out to speak against it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorstCase {
+    /// How many anchors wait.
+    pub awaited: usize,
+    /// S of Eq. (2), with each of them valid and matched by nothing.
+    pub similarity: f64,
+    /// The weight of all that contradicts, with each of them contradicting the heaviest that it could.
+    pub contradicting_weight: f64,
+}
+
+/// What two places that agree may come to once every crop around them is described; `None` if none waits.
+///
+/// A plate that nobody has read yet may read 910 where 901 hung: that a model is slow or fails must not make a loop.
+pub fn worst_case(
+    index: &MapIndex,
+    query: &LocalAnchorMap,
+    candidate: &LocalAnchorMap,
+    comparison: &Comparison<'_>,
+) -> Option<WorstCase> {
+    let settings = &index.properties().settings;
+    let awaited = |map: &'_ LocalAnchorMap| -> Vec<LocalAnchor> {
+        map.anchors.iter().filter(|anchor| is_awaited(index, anchor)).cloned().collect()
+    };
+    let (of_query, of_candidate) = (awaited(query), awaited(candidate));
+    let waiting = of_query.len() + of_candidate.len();
+    if waiting == 0 {
+        return None;
+    }
+    let weight = |anchors: &[LocalAnchor]| anchors.iter().fold(0.0, |sum, anchor| sum + anchor.weight);
+    let total = comparison.total_weight + weight(&of_query) + weight(&of_candidate);
+    // The heaviest that one of these could contradict among those.
+    let against = |these: &[LocalAnchor], those: &[&LocalAnchor]| {
+        these.iter().fold(0.0, |sum, a| {
+            let meets = |b: &&&LocalAnchor| b.class == a.class && same_relative_place(a, b, settings);
+            let heaviest = those.iter().filter(meets).map(|b| b.weight).max_by(f64::total_cmp);
+            sum + heaviest.map_or(0.0, |heaviest| heaviest + a.weight)
+        })
+    };
+    let contradicting_weight = if settings.contradiction_veto {
+        let also_waiting = of_candidate.iter();
+        let in_candidate: Vec<&LocalAnchor> =
+            comparison.unmatched_of_candidate.iter().copied().chain(also_waiting).collect();
+        comparison.contradicting_weight()
+            + against(&of_query, &in_candidate)
+            + against(&of_candidate, &comparison.unmatched_of_query)
+    } else {
+        0.0
+    };
+    let similarity = equation_2(comparison.agreeing_weight(), total);
+    Some(WorstCase { awaited: waiting, similarity, contradicting_weight })
+}
+
+/// Has nothing described this anchor, and is there a crop that a model has not looked at?
+fn is_awaited(index: &MapIndex, anchor: &LocalAnchor) -> bool {
+    let LocalName::MergedAnchor(root) = anchor.name else { return false };
+    let unread = |member: &crate::domain::ids::AnchorSeq| {
+        let mut seen = index.anchor(*member).into_iter().flat_map(|anchor| anchor.observations.values());
+        seen.any(|seen| seen.crop_area_px.is_some() && seen.crop_reading.is_none())
+    };
+    anchor.state == AnchorState::Pending
+        && index.objects().get(root).is_some_and(|object| object.members.iter().any(unread))
+}

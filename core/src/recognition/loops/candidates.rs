@@ -1,0 +1,208 @@
+//! Candidates: checks 1 and 2 of §V, and the second channel of §III.
+//!
+//! Keyframes covisible with the query are excluded. Of the others, bag of words brings the best
+//! of each place; and so do the anchors that the query sees and that match one seen before,
+//! on another passage: an anchor seen again triggers loop detection even where the words fail.
+
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::query::Query;
+use crate::domain::bow::Score;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq};
+use crate::recognition::anchors::matching;
+use crate::recognition::extensions::distinctiveness::PlaceCounts;
+use crate::recognition::map::covisible_groups::{PlaceLimits, PlaceScratch, best_places, greedy_places};
+use crate::recognition::map::index::{Anchor, MapIndex, MergedAnchor};
+use crate::recognition::map::inverted_file::{Scores, Scratch};
+
+/// An anchor that stands in more places than this proposes only the oldest of them: it says next
+/// to nothing about which, and a thousand EXIT signs must not cost a thousand looks.
+pub(in crate::recognition) const MAX_REVISITS_PER_ANCHOR: usize = 64;
+
+/// Keyframes of a place that a near miss asks, so that a query costs no more than so many verifications a place.
+pub(in crate::recognition) const NEAR_MISS_NEIGHBOURS: usize = 5;
+
+/// A candidate of either channel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Proposal {
+    /// The keyframe.
+    pub keyframe: KeyframeSeq,
+    /// Its bag-of-words score against the query.
+    pub score: Score,
+    /// Did bag of words bring it? Then it must score its share of the reference; one that only anchors
+    /// propose need not.
+    pub by_words: bool,
+    /// Other keyframes of the place, covisible with it, by score; where a near miss asks them.
+    pub neighbours: Vec<(KeyframeSeq, Score)>,
+}
+
+/// The candidates, and the reference score.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Proposals {
+    /// By bag of words first, then by anchors; no keyframe twice.
+    pub candidates: Vec<Proposal>,
+    /// The lowest score of the query against its covisible keyframes; 0 without any (M9).
+    pub reference_score: f64,
+}
+
+impl Proposals {
+    /// Whether a keyframe is a candidate.
+    pub fn has(&self, keyframe: KeyframeSeq) -> bool {
+        self.candidates.iter().any(|candidate| candidate.keyframe == keyframe)
+    }
+}
+
+thread_local! {
+    /// Searches of one thread share their memory; it carries nothing from one to the next.
+    static SCRATCH: RefCell<(Scratch, PlaceScratch)> = RefCell::default();
+}
+
+/// Finds the candidates of a query.
+pub fn find_candidates(index: &MapIndex, query: &Query<'_>, places: &mut PlaceCounts) -> Proposals {
+    SCRATCH.with_borrow_mut(|(scratch, place_scratch)| {
+        let scores = index.inverted_file().score_all(query.bow, scratch);
+        let reference_score = query
+            .covisible()
+            .map(|keyframe| scores.get(keyframe.0).value())
+            .min_by(f64::total_cmp)
+            .unwrap_or(0.0);
+        let mut candidates = by_words(index, query, &scores, place_scratch);
+        for keyframe in by_anchors(index, query, &scores, places, place_scratch) {
+            if candidates.iter().all(|known| known.keyframe != keyframe) {
+                let score = scores.get(keyframe.0);
+                candidates.push(Proposal { keyframe, score, by_words: false, neighbours: Vec::new() });
+            }
+        }
+        if index.properties().settings.near_miss_neighbours && query.sight.is_some() {
+            for candidate in &mut candidates {
+                candidate.neighbours = best_neighbours(index, query, candidate.keyframe, &scores);
+            }
+        }
+        Proposals { candidates, reference_score }
+    })
+}
+
+fn by_words(
+    index: &MapIndex,
+    query: &Query<'_>,
+    scores: &Scores<'_>,
+    scratch: &mut PlaceScratch,
+) -> Vec<Proposal> {
+    let limits =
+        PlaceLimits { places_max: index.properties().settings.candidates_max as usize, min_score: 0.0 };
+    let excluded = |keyframe| query.excludes(KeyframeSeq(keyframe));
+    let near = |keyframe| neighbours(index, keyframe);
+    let best = best_places(scores, limits, excluded, by_id(index), near, scratch);
+    best.into_iter()
+        .map(|(keyframe, score)| {
+            let keyframe = KeyframeSeq(keyframe);
+            Proposal { keyframe, score, by_words: true, neighbours: Vec::new() }
+        })
+        .collect()
+}
+
+/// Keyframes that see an anchor seen again, ranked by how distinctive those anchors are together,
+/// then by bag of words.
+fn by_anchors(
+    index: &MapIndex,
+    query: &Query<'_>,
+    scores: &Scores<'_>,
+    places: &mut PlaceCounts,
+    scratch: &mut PlaceScratch,
+) -> Vec<KeyframeSeq> {
+    let mut votes: BTreeMap<KeyframeSeq, f64> = BTreeMap::new();
+    let mut vote = |keyframes: BTreeSet<KeyframeSeq>, places: usize| {
+        for keyframe in keyframes.into_iter().filter(|keyframe| !query.excludes(*keyframe)) {
+            *votes.entry(keyframe).or_default() += 1.0 / places as f64;
+        }
+    };
+    for root in &query.seen {
+        let Some(object) = index.objects().get(*root) else { continue };
+        let stands = index.texts().of(*root).map_or(1, |text| places.of_text(index, text));
+        vote(other_passages(index, query, object), stands);
+        for other in matching::revisits(index, *root).take(MAX_REVISITS_PER_ANCHOR) {
+            vote(
+                index.objects().get(other).map(|object| index.keyframes_of(object)).unwrap_or_default(),
+                stands,
+            );
+        }
+    }
+    for text in query.inline_texts(index) {
+        let stands = places.of_text(index, text);
+        for other in index.texts().objects(text).take(MAX_REVISITS_PER_ANCHOR) {
+            vote(
+                index.objects().get(other).map(|object| index.keyframes_of(object)).unwrap_or_default(),
+                stands,
+            );
+        }
+    }
+    let mut ranked: Vec<(KeyframeSeq, f64)> = votes.into_iter().collect();
+    ranked.sort_by(|(a, votes_a), (b, votes_b)| {
+        (votes_b.total_cmp(votes_a))
+            .then_with(|| scores.get(b.0).units().cmp(&scores.get(a.0).units()))
+            .then_with(|| by_id(index)(a.0, b.0))
+    });
+    let ranked = ranked.into_iter().map(|(keyframe, _)| keyframe.0);
+    let places_max = index.properties().settings.candidates_max as usize;
+    let near = |keyframe| neighbours(index, keyframe);
+    greedy_places(ranked, places_max, near, scratch).into_iter().map(KeyframeSeq).collect()
+}
+
+/// The keyframes that see an object that the query sees too, on another passage: through an anchor
+/// merged by a confirmed loop, or in another session. Not those that merely tracked it
+/// through this same passage (M10).
+fn other_passages(index: &MapIndex, query: &Query<'_>, object: &MergedAnchor) -> BTreeSet<KeyframeSeq> {
+    let mine: BTreeSet<AnchorSeq> = object
+        .members
+        .iter()
+        .filter(|member| {
+            let mut keyframes = index.anchor(**member).into_iter().flat_map(Anchor::keyframes);
+            keyframes.any(|keyframe| query.passes_with(index, keyframe))
+        })
+        .flat_map(|member| index.objects().same_passage(*member))
+        .collect();
+    let session = query.centre.session;
+    let elsewhere = |member: AnchorSeq, keyframe: &KeyframeSeq| {
+        !mine.contains(&member) || index.keyframe(*keyframe).map(|keyframe| keyframe.session) != session
+    };
+    let members = object.members.iter().filter_map(|member| Some((*member, index.anchor(*member)?)));
+    members
+        .flat_map(|(member, anchor)| anchor.keyframes().filter(move |keyframe| elsewhere(member, keyframe)))
+        .collect()
+}
+
+/// Returns the keyframes of a candidate's place that look most like the query, and share a word with it.
+fn best_neighbours(
+    index: &MapIndex,
+    query: &Query<'_>,
+    candidate: KeyframeSeq,
+    scores: &Scores<'_>,
+) -> Vec<(KeyframeSeq, Score)> {
+    let near = index.covisibility().neighbours(candidate).filter(|other| !query.excludes(*other));
+    let scored = near.map(|other| (other, scores.get(other.0)));
+    let mut scored: Vec<_> = scored.filter(|(_, score)| score.units() > 0).collect();
+    let best_first = |a: &(KeyframeSeq, Score), b: &(KeyframeSeq, Score)| {
+        b.1.units().cmp(&a.1.units()).then_with(|| by_id(index)(a.0.0, b.0.0))
+    };
+    // Thousands of keyframes may see one place.
+    if scored.len() > NEAR_MISS_NEIGHBOURS {
+        scored.select_nth_unstable_by(NEAR_MISS_NEIGHBOURS, best_first);
+        scored.truncate(NEAR_MISS_NEIGHBOURS);
+    }
+    scored.sort_by(best_first);
+    scored
+}
+
+/// The numbers of the keyframes covisible with one.
+fn neighbours(index: &MapIndex, keyframe: u32) -> impl Iterator<Item = u32> + '_ {
+    index.covisibility().neighbours(KeyframeSeq(keyframe)).map(|other| other.0)
+}
+
+/// Ties go to the smallest id, as the client named it: dense numbers depend on the order of arrival.
+fn by_id(index: &MapIndex) -> impl Fn(u32, u32) -> std::cmp::Ordering {
+    |a, b| {
+        let id = |keyframe| index.keyframe(KeyframeSeq(keyframe)).map(|keyframe| &keyframe.id);
+        id(a).cmp(&id(b))
+    }
+}

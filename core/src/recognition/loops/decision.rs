@@ -1,0 +1,299 @@
+//! The last step of §V and the answer: geometry on what passed the anchors, the anchors under its transformation,
+//! and the best of what is left.
+
+use std::collections::BTreeSet;
+
+use super::evidence;
+use super::features::FeatureSet;
+use super::geometry_check::{Asked, Checked, check_geometry};
+use super::screening::{CandidateStage, PreVerified, Screening};
+use crate::domain::verdict::{
+    Candidate, CandidateDecision, Decision, GeometryStatus, Reason, ReasonCode, Verdict, Verify,
+};
+use crate::recognition::extensions::passage::Returning;
+use crate::recognition::extensions::rivals::{Concluded, Seen, settle_rivals};
+use crate::recognition::verification::{Failure, Status, Verification};
+
+/// Concludes a query. Pure, and without the map: the same arguments give the same answer, on any thread.
+pub fn conclude(screening: Screening, features: &FeatureSet, seed: u64) -> Verdict {
+    let of_query = match screening.query {
+        Some(seq) => features.stored.get(&seq),
+        None => features.inline.as_ref(),
+    };
+    let asked = screening.sight.as_ref().zip(of_query.map(AsRef::as_ref)).map(Asked::new);
+    let mut concluded: Vec<Concluded> = (screening.candidates.iter())
+        .map(|screened| conclude_candidate(&screening, screened, asked.as_ref(), features, seed))
+        .collect();
+    settle_rivals(&screening.candidates, &mut concluded, &screening.settings);
+    let mut candidates: Vec<Candidate> = concluded.into_iter().map(|one| one.candidate).collect();
+    // One keyframe may stand in for two places that it is covisible with.
+    let mut known = BTreeSet::new();
+    candidates.retain(|candidate| known.insert(candidate.keyframe.clone()));
+    candidates.sort_by(evidence::best_first);
+    answer(&screening, candidates)
+}
+
+fn conclude_candidate(
+    screening: &Screening,
+    screened: &PreVerified,
+    asked: Option<&Asked<'_>>,
+    features: &FeatureSet,
+    seed: u64,
+) -> Concluded {
+    let mut candidate = screened.candidate.clone();
+    let is_stopped = screened.standing == CandidateStage::Stopped;
+    if is_stopped && !screened.rivalry.is_rival {
+        return Concluded { candidate, view: None };
+    }
+    let checked = check_geometry(screening, screened, asked, features, seed);
+    let is_near_miss = checked.as_ref().is_ok_and(Checked::is_near_miss);
+    let view = checked.as_ref().ok().map(|checked| seen(screened, &checked.verification));
+    if !is_stopped {
+        decide(screening, screened, checked, &mut candidate);
+    }
+    if is_near_miss && candidate.decision != CandidateDecision::Loop {
+        let asked = |neighbour| conclude_candidate(screening, neighbour, asked, features, seed);
+        if let Some(mut found) = screened.neighbours.iter().map(asked).find(is_verified_loop) {
+            found.candidate.geometry.reason = Some(evidence::stands_in(&candidate));
+            return found;
+        }
+    }
+    Concluded { candidate, view }
+}
+
+/// Whether a neighbour may stand in for what geometry rejected: geometry on map points, and not its anchors alone, has found
+/// the place.
+fn is_verified_loop(neighbour: &Concluded) -> bool {
+    let Concluded { candidate, view } = neighbour;
+    candidate.decision == CandidateDecision::Loop
+        && candidate.geometry.status == GeometryStatus::Verified
+        && view.is_some_and(|view| view.query_in_session.is_some())
+}
+
+/// Returns what geometry found, to be held against rivals.
+fn seen(screened: &PreVerified, verification: &Verification) -> Seen {
+    let metric = verification.candidate_from_query.filter(|_| verification.model.is_metric());
+    let query_in_session = metric.zip(screened.sight.as_ref()).and_then(|(found, sight)| sight.place(&found));
+    Seen { inliers: verification.inliers, query_in_session }
+}
+
+/// Decides on a candidate that passed the anchors by what geometry found, or by what is missing for it.
+fn decide(
+    screening: &Screening,
+    screened: &PreVerified,
+    checked: Result<Checked, &'static str>,
+    candidate: &mut Candidate,
+) {
+    let (missing, skipped) = match checked {
+        Ok(checked) if checked.verification.status != Status::Skipped => {
+            candidate.geometry = evidence::geometry(&checked.verification);
+            judge_geometry(screening, screened, &checked, candidate);
+            if candidate.decision == CandidateDecision::Loop && !checked.verification.model.is_metric() {
+                judge_view(screened, candidate);
+            }
+            judge_vouched(screened, &checked.verification, candidate);
+            judge_twins(screening, screened, &checked.verification, candidate);
+            return;
+        }
+        Ok(checked) => {
+            candidate.geometry = evidence::geometry(&checked.verification);
+            let why = checked.verification.failure.map_or_else(String::new, |failure| failure.to_string());
+            (why, Some(checked))
+        }
+        Err(missing) => {
+            candidate.geometry = evidence::geometry_skipped(missing);
+            (missing.to_owned(), None)
+        }
+    };
+    // A check that cannot run rejects nothing: where it need not, the anchors decide.
+    if let Some(reason) = &screened.contradicted {
+        reject(candidate, reason.clone());
+        return;
+    }
+    match screened.standing {
+        CandidateStage::Vouched => leave_unvouched(screened, candidate),
+        _ if screening.verify == Verify::Geometry || screened.standing == CandidateStage::AskGeometry => {
+            leave_undecided(candidate, evidence::geometry_missing(&missing));
+        }
+        CandidateStage::TrackedOnly { .. } => leave_undecided(candidate, evidence::tracked_only()),
+        CandidateStage::NeedsWitness => leave_undecided(candidate, evidence::no_witness()),
+        CandidateStage::Stopped | CandidateStage::AnchorsAgree | CandidateStage::AskGeometry => {
+            // Two views of one sign have something in common; one from behind the wall has not.
+            if let Some((matches, limit)) = skipped.and_then(|checked| unseen(screened, &checked)) {
+                leave_undecided(candidate, evidence::too_few_matches(matches, limit));
+            }
+        }
+    }
+}
+
+/// Returns the matches and their limit where so few match that the two need not see one place, whatever their anchors say.
+fn unseen(screened: &PreVerified, checked: &Checked) -> Option<(u32, u32)> {
+    let is_open = checked.are_triangulated || screened.identifier != Returning::InView;
+    match checked.verification.failure {
+        Some(Failure::TooFewMatches { matches, limit }) if is_open => Some((matches, limit)),
+        _ => None,
+    }
+}
+
+/// A view without map points may be that of another floor: it makes nothing sure, and witnesses nothing.
+fn judge_view(screened: &PreVerified, candidate: &mut Candidate) {
+    if let Some(reason) = &screened.contradicted {
+        reject(candidate, reason.clone());
+    } else if lacks_witness(screened.standing) {
+        leave_undecided(candidate, evidence::no_witness());
+    }
+}
+
+/// Geometry alone closes no loop in a map that has shown one view in two places (M16).
+fn judge_twins(
+    screening: &Screening,
+    screened: &PreVerified,
+    verification: &Verification,
+    candidate: &mut Candidate,
+) {
+    let is_alone = screened.standing == CandidateStage::AskGeometry;
+    if screening.twins > 0 && is_alone && candidate.decision == CandidateDecision::Loop {
+        leave_undecided(candidate, evidence::twins_known(verification.inliers));
+    }
+}
+
+fn reject(candidate: &mut Candidate, reason: Reason) {
+    candidate.decision = CandidateDecision::Rejected;
+    candidate.reason = Some(reason);
+}
+
+fn leave_undecided(candidate: &mut Candidate, reason: Reason) {
+    candidate.decision = CandidateDecision::Undecided;
+    candidate.reason = Some(reason);
+}
+
+/// Says that neighbours vouch for what geometry on map points verifies, and takes back what it does not.
+fn judge_vouched(screened: &PreVerified, verification: &Verification, candidate: &mut Candidate) {
+    let Some(vouched) = &screened.vouched else { return };
+    if verification.status == Status::Verified && verification.model.is_metric() {
+        if candidate.decision == CandidateDecision::Loop {
+            candidate.reason = Some(evidence::neighbours_vouch(vouched.by, verification.inliers));
+        }
+    } else {
+        leave_unvouched(screened, candidate);
+    }
+}
+
+/// Decides as if nobody vouched.
+fn leave_unvouched(screened: &PreVerified, candidate: &mut Candidate) {
+    if let Some(vouched) = &screened.vouched {
+        let (decision, reason) = vouched.otherwise.clone();
+        candidate.decision = decision;
+        candidate.reason = Some(reason);
+    }
+}
+
+/// Whether nothing but texts that need a witness agrees.
+fn lacks_witness(standing: CandidateStage) -> bool {
+    matches!(standing, CandidateStage::NeedsWitness | CandidateStage::TrackedOnly { has_witness: false })
+}
+
+/// What geometry found decides, and then the anchors under its transformation.
+fn judge_geometry(
+    screening: &Screening,
+    screened: &PreVerified,
+    checked: &Checked,
+    candidate: &mut Candidate,
+) {
+    let (settings, verification) = (&screening.settings, &checked.verification);
+    let is_metric = verification.model.is_metric();
+    if verification.status == Status::Failed {
+        let reason = evidence::too_few_inliers(verification, settings);
+        if is_metric || screened.identifier == Returning::No {
+            reject(candidate, reason);
+        } else if screening.verify == Verify::Geometry {
+            leave_undecided(candidate, reason);
+        }
+        return;
+    }
+    let alone = settings.geometry_alone_min_inliers;
+    if screened.standing == CandidateStage::AskGeometry && !is_metric {
+        if verification.inliers < alone {
+            leave_undecided(candidate, evidence::too_few_alone(verification, alone));
+            return;
+        }
+        // The next frame of one drive shows the same view.
+        if screened.is_here {
+            leave_undecided(candidate, evidence::tracked_only());
+            return;
+        }
+    }
+    // A translation of unknown length puts nothing anywhere.
+    let metric_transform = verification.candidate_from_query.filter(|_| is_metric);
+    if let Some((path, transform)) = screened.path.zip(metric_transform)
+        && let Some(discrepancy) = path.discrepancy(&transform, &screening.settings)
+    {
+        reject(candidate, evidence::disagrees_with_odometry(discrepancy, path.length_m));
+        return;
+    }
+    let Some(transform) = metric_transform.filter(|_| screened.compared.has_anchors()) else { return };
+    let aligned = screened.compared.under(&checked.between_poses(&transform), settings);
+    if let Some(anchors) = &mut candidate.anchors {
+        evidence::align(anchors, &aligned);
+    }
+    let contradicting: f64 = aligned.contradictions.iter().fold(0.0, |sum, pair| sum + pair.weight());
+    let min_similarity = settings.anchor_map_min_similarity;
+    let agreed = screened.standing != CandidateStage::AskGeometry;
+    let reason = if contradicting > aligned.agreement {
+        evidence::contradicted(&aligned.contradictions, contradicting, aligned.agreement)
+    } else if agreed && aligned.similarity <= min_similarity {
+        evidence::reason(ReasonCode::AnchorsDisagreeWithTransform, aligned.similarity, min_similarity)
+    } else if contradicting + aligned.displaced > aligned.agreement {
+        evidence::displaced(contradicting + aligned.displaced, aligned.agreement)
+    } else if let Some(places) = aligned.least_places.filter(|places| agreed && *places > 1) {
+        leave_undecided(candidate, evidence::not_distinctive(places));
+        return;
+    } else {
+        return;
+    };
+    reject(candidate, reason);
+}
+
+/// Whether an undecided candidate looks too little alike for what it lacks to matter: nothing that is on its way, such as a
+/// description, could turn it, and a client would wait or ask again for nothing.
+fn is_far(screening: &Screening, candidate: &Candidate) -> bool {
+    let lacks_all = candidate
+        .reason
+        .as_ref()
+        .is_some_and(|reason| matches!(reason.code, ReasonCode::NoAnchors | ReasonCode::NoFeatures));
+    let agrees = candidate.anchors.as_ref().is_some_and(|anchors| !anchors.matches.is_empty());
+    let least = screening.settings.undecided_min_score_ratio * candidate.bow.reference_score;
+    lacks_all && !agrees && candidate.bow.score < least
+}
+
+fn answer(screening: &Screening, candidates: Vec<Candidate>) -> Verdict {
+    let of = |decision| candidates.iter().filter(move |c: &&Candidate| c.decision == decision);
+    let loops: Vec<_> = of(CandidateDecision::Loop).map(|candidate| candidate.keyframe.clone()).collect();
+    let nothing_to_compare = candidates.is_empty() && screening.empty_bow;
+    let decision = if !loops.is_empty() {
+        Decision::Loop
+    } else if nothing_to_compare
+        || of(CandidateDecision::Undecided).any(|candidate| !is_far(screening, candidate))
+    {
+        Decision::Undecided
+    } else {
+        Decision::NoLoop
+    };
+    let reason = if decision == Decision::NoLoop && !screening.closed.is_empty() {
+        Some(evidence::already_closed(&screening.closed))
+    } else {
+        candidates.is_empty().then(|| evidence::no_candidates(screening.empty_bow))
+    };
+    Verdict {
+        map_version: screening.map_version,
+        decision,
+        best: loops.first().cloned(),
+        loops,
+        degraded: screening.degraded,
+        has_twins: screening.twins > 0,
+        excluded_covisible: screening.excluded_covisible,
+        closed: screening.closed.clone(),
+        reason,
+        candidates,
+    }
+}

@@ -1,0 +1,305 @@
+//! From figures to evidence: what a verdict shows of each check, and the sentences that say why.
+
+use std::cmp::Ordering;
+
+use super::comparison::Comparison;
+use crate::domain::bow::Score;
+use crate::domain::counted::counted;
+use crate::domain::settings::Settings;
+use crate::domain::verdict::{
+    AnchorEvidence, BowEvidence, Candidate, CandidateDecision, ClosedLoop, ContradictionEvidence,
+    GeometryEvidence, GeometryFigures, GeometryStatus, MatchEvidence, Reason, ReasonCode,
+};
+use crate::recognition::extensions::alignment::Aligned;
+use crate::recognition::extensions::contradiction::Contradiction;
+use crate::recognition::extensions::difference::{Differing, Ruling, relative_placement};
+use crate::recognition::extensions::tracked_path::Discrepancy;
+use crate::recognition::extensions::vouching::Voucher;
+use crate::recognition::extensions::worst_case::WorstCase;
+use crate::recognition::verification::{Failure, Status, Verification};
+
+/// Loops first, then undecided, then rejected; each by inliers, then S, then score, then the smallest id (M36).
+/// S counts as 0 where all that agrees hangs in several places, for it says nothing of which.
+pub(in crate::recognition) fn best_first(a: &Candidate, b: &Candidate) -> Ordering {
+    let rank = |candidate: &Candidate| match candidate.decision {
+        CandidateDecision::Loop => 0,
+        CandidateDecision::Undecided => 1,
+        CandidateDecision::Rejected => 2,
+    };
+    let similarity =
+        |candidate: &Candidate| match candidate.anchors.as_ref().filter(|anchors| anchors.is_distinctive) {
+            Some(anchors) => anchors.similarity,
+            None => 0.0,
+        };
+    let inliers =
+        |candidate: &Candidate| candidate.geometry.figures.as_ref().map_or(0, |figures| figures.inliers);
+    (rank(a).cmp(&rank(b)))
+        .then_with(|| inliers(b).cmp(&inliers(a)))
+        .then_with(|| similarity(b).total_cmp(&similarity(a)))
+        .then_with(|| b.bow.score.total_cmp(&a.bow.score))
+        .then_with(|| a.keyframe.cmp(&b.keyframe))
+}
+
+pub(in crate::recognition) fn bow(score: Score, reference_score: f64) -> BowEvidence {
+    BowEvidence { score: score.value(), common_words: score.common_words(), reference_score }
+}
+
+pub(in crate::recognition) fn anchors(
+    comparison: &Comparison<'_>,
+    differing: &[Differing],
+    settings: &Settings,
+) -> AnchorEvidence {
+    let (contradictions, agreement) = (&comparison.contradictions, comparison.agreement());
+    let ruling = Ruling { contradictions, agreement, must_be_sure: false };
+    let explain = |pair: &Differing| {
+        let placement = relative_placement(pair.query(), pair.candidate(), settings);
+        pair.explain(&placement, ruling, settings)
+    };
+    AnchorEvidence {
+        similarity: comparison.similarity,
+        threshold: settings.anchor_map_min_similarity,
+        in_query: comparison.in_query,
+        in_candidate: comparison.in_candidate,
+        pending: comparison.pending,
+        matches: comparison
+            .matches
+            .iter()
+            .map(|pair| MatchEvidence {
+                query_anchor: pair.query.name.public(),
+                candidate_anchor: pair.candidate.name.public(),
+                level: pair.level,
+                source: pair.source.as_str().to_owned(),
+                angle_difference_rad: pair.query.bearing.angle_difference_rad(&pair.candidate.bearing),
+                distance_difference_m: pair.query.bearing.distance_difference_m(&pair.candidate.bearing),
+                weight: pair.weight(),
+            })
+            .collect(),
+        is_distinctive: comparison.least_places() == Some(1),
+        contradictions: comparison.contradictions.iter().map(contradiction).collect(),
+        differences: differing.iter().filter_map(explain).collect(),
+    }
+}
+
+fn contradiction(pair: &Contradiction<'_>) -> ContradictionEvidence {
+    ContradictionEvidence {
+        query_anchor: pair.query.name.public(),
+        candidate_anchor: pair.candidate.name.public(),
+        reason: pair.reason(),
+        weight: pair.weight(),
+    }
+}
+
+/// Under the transformation: the pairs that do not stand are gone, S is taken again.
+pub(in crate::recognition) fn align(anchors: &mut AnchorEvidence, aligned: &Aligned<'_>) {
+    let mut stands = aligned.stands.iter();
+    anchors.matches.retain(|_| stands.next().copied().unwrap_or(false));
+    anchors.similarity = aligned.similarity;
+    anchors.is_distinctive = aligned.least_places == Some(1);
+    anchors.contradictions = aligned.contradictions.iter().map(contradiction).collect();
+    anchors.differences.clone_from(&aligned.differences);
+}
+
+pub(in crate::recognition) fn geometry_skipped(reason: &str) -> GeometryEvidence {
+    GeometryEvidence { status: GeometryStatus::Skipped, reason: Some(reason.to_owned()), figures: None }
+}
+
+pub(in crate::recognition) fn geometry(verification: &Verification) -> GeometryEvidence {
+    GeometryEvidence {
+        status: match verification.status {
+            Status::Verified => GeometryStatus::Verified,
+            Status::Failed => GeometryStatus::Failed,
+            Status::Skipped => GeometryStatus::Skipped,
+        },
+        reason: verification.failure.map(|failure| failure.to_string()),
+        figures: Some(GeometryFigures {
+            model: verification.model.as_str(),
+            matches: verification.matches,
+            hypotheses: verification.hypotheses,
+            inliers: verification.inliers,
+            log10_false_alarms: verification.log10_false_alarms,
+            mean_reprojection_error_px: verification.mean_reprojection_error_px,
+            candidate_from_query: verification.candidate_from_query,
+            covariance: verification.covariance.filter(|_| verification.status == Status::Verified),
+        }),
+    }
+}
+
+pub(in crate::recognition) fn stands_in(near_miss: &Candidate) -> String {
+    let inliers = near_miss.geometry.figures.as_ref().map_or(0, |figures| figures.inliers);
+    format!("stands in for {}, of the same place, which has {inliers} inliers", near_miss.keyframe)
+}
+
+pub(in crate::recognition) fn too_few_inliers(verification: &Verification, settings: &Settings) -> Reason {
+    let (measured, limit) = match verification.failure {
+        Some(Failure::TooFewInliers { inliers, limit }) => (inliers, limit),
+        Some(Failure::TooFewSureInliers { sure, limit }) => (sure, limit),
+        _ => (verification.inliers, settings.geometry_min_inliers),
+    };
+    let detail = verification.failure.map_or_else(String::new, |failure| failure.to_string());
+    let (measured, limit) = (Some(f64::from(measured)), Some(f64::from(limit)));
+    Reason { code: ReasonCode::TooFewInliers, measured, limit, detail }
+}
+
+pub(in crate::recognition) fn too_few_matches(matches: u32, limit: u32) -> Reason {
+    let detail = format!(
+        "{matches} descriptors match, and {limit} are needed for geometry: nothing shows that the two views are of one place"
+    );
+    let (measured, limit) = (Some(f64::from(matches)), Some(f64::from(limit)));
+    Reason { code: ReasonCode::TooFewInliers, measured, limit, detail }
+}
+
+pub(in crate::recognition) fn too_few_alone(verification: &Verification, limit: u32) -> Reason {
+    let inliers = verification.inliers;
+    let detail = format!(
+        "{inliers} inliers without map points or anchors prove a view and not a place: {limit} needed"
+    );
+    let (measured, limit) = (Some(f64::from(inliers)), Some(f64::from(limit)));
+    Reason { code: ReasonCode::TooFewInliers, measured, limit, detail }
+}
+
+pub(in crate::recognition) fn ambiguous_places(inliers: u32, of_rival: u32, min_ratio: f64) -> Reason {
+    let detail = format!(
+        "geometry alone speaks for it, with {inliers} inliers, and for another place with {of_rival}: \
+         {min_ratio} times as many would tell the two apart"
+    );
+    let (measured, limit) = (Some(f64::from(inliers)), Some(min_ratio * f64::from(of_rival)));
+    Reason { code: ReasonCode::AmbiguousPlaces, measured, limit, detail }
+}
+
+pub(in crate::recognition) fn twins_known(inliers: u32) -> Reason {
+    let detail = format!(
+        "geometry alone speaks for it, with {inliers} inliers, and this map shows one view in two places: \
+         see the map's twins"
+    );
+    Reason { code: ReasonCode::TwinsKnown, measured: Some(f64::from(inliers)), limit: None, detail }
+}
+
+pub(in crate::recognition) fn neighbours_vouch(by: Voucher, inliers: u32) -> Reason {
+    let voucher = match by {
+        Voucher::Anchors => "the anchors around the neighbours of both agree",
+        Voucher::ConfirmedLoop => "a confirmed loop joins its neighbours with this place",
+    };
+    let detail =
+        format!("the anchors near it leave it open; {voucher}, and geometry on map points verifies the view");
+    let measured = Some(f64::from(inliers));
+    Reason { code: ReasonCode::NeighboursVouch, measured, limit: None, detail }
+}
+
+pub(in crate::recognition) fn reason(code: ReasonCode, measured: f64, limit: f64) -> Reason {
+    let detail = match code {
+        ReasonCode::BowBelowReference => {
+            format!(
+                "the words score {measured:.3}, below {limit:.3}, the share asked for of the reference score"
+            )
+        }
+        ReasonCode::AnchorsDisagreeWithTransform => {
+            format!(
+                "under the transformation the anchor maps agree by S = {measured:.3}, which does not exceed {limit}"
+            )
+        }
+        _ => format!("the anchor maps agree by S = {measured:.3}, which does not exceed {limit}"),
+    };
+    Reason { code, measured: Some(measured), limit: Some(limit), detail }
+}
+
+pub(in crate::recognition) fn contradicted(
+    pairs: &[Contradiction<'_>],
+    contradicting: f64,
+    agreeing: f64,
+) -> Reason {
+    let heaviest = pairs.iter().max_by(|a, b| a.weight().total_cmp(&b.weight()));
+    let detail = heaviest.map_or_else(String::new, Contradiction::reason);
+    Reason { code: ReasonCode::Contradiction, measured: Some(contradicting), limit: Some(agreeing), detail }
+}
+
+pub(in crate::recognition) fn displaced(against: f64, agreeing: f64) -> Reason {
+    let detail = String::from("under the transformation signs that hang once would hang in two places");
+    let (measured, limit) = (Some(against), Some(agreeing));
+    Reason { code: ReasonCode::AnchorsDisplaced, measured, limit, detail }
+}
+
+pub(in crate::recognition) fn disagrees_with_odometry(discrepancy: Discrepancy, length_m: f64) -> Reason {
+    let (off, limit, said) = match discrepancy {
+        Discrepancy::Metres { off, limit } => (off, limit, format!("{off:.2} m off")),
+        Discrepancy::Radians { off, limit } => (off, limit, format!("turned by {off:.2} rad")),
+    };
+    let detail = format!(
+        "the transformation is {said} from where the robot tracked itself to on a way of {length_m:.1} m"
+    );
+    let code = ReasonCode::OdometryDisagreesWithTransform;
+    Reason { code, measured: Some(off), limit: Some(limit), detail }
+}
+
+pub(in crate::recognition) fn not_distinctive(places: usize) -> Reason {
+    let detail = format!("everything that agrees hangs in at least {places} places");
+    let (measured, limit) = (Some(places as f64), Some(1.0));
+    Reason { code: ReasonCode::NotDistinctive, measured, limit, detail }
+}
+
+pub(in crate::recognition) fn no_witness() -> Reason {
+    let detail = "all that agrees are texts without an identifier, which may hang in many places, or numbers read once \
+        that no plate around them bears out; nothing else says that it is this one"
+        .to_owned();
+    Reason { code: ReasonCode::NoWitness, measured: None, limit: None, detail }
+}
+
+pub(in crate::recognition) fn tracked_only() -> Reason {
+    let detail =
+        "all that agrees was seen in this same passage: it was tracked, and no return is shown by it"
+            .to_owned();
+    Reason { code: ReasonCode::TrackedOnly, measured: None, limit: None, detail }
+}
+
+pub(in crate::recognition) fn pending(comparison: &Comparison<'_>, code: ReasonCode) -> Reason {
+    let detail = format!(
+        "not described yet: {}; at best S would be {:.3}",
+        counted(comparison.pending, "anchor"),
+        comparison.best_case.similarity
+    );
+    let pending = comparison.pending as f64;
+    Reason { code, measured: Some(pending), limit: Some(0.0), detail }
+}
+
+pub(in crate::recognition) fn awaited(worst: &WorstCase, code: ReasonCode) -> Reason {
+    let detail = format!(
+        "not described yet: {}; at worst S would be {:.3}, and {:.3} would contradict",
+        counted(worst.awaited, "crop"),
+        worst.similarity,
+        worst.contradicting_weight
+    );
+    Reason { code, measured: Some(worst.awaited as f64), limit: Some(0.0), detail }
+}
+
+pub(in crate::recognition) fn no_anchors(comparison: &Comparison<'_>) -> Reason {
+    let detail = match (comparison.in_query, comparison.in_candidate) {
+        (0, 0) => "neither keyframe has a described anchor around it",
+        (0, _) => "the query has no described anchor around it",
+        _ => "the candidate has no described anchor around it",
+    };
+    Reason { code: ReasonCode::NoAnchors, measured: Some(0.0), limit: Some(1.0), detail: detail.to_owned() }
+}
+
+pub(in crate::recognition) fn geometry_missing(missing: &str) -> Reason {
+    let detail = format!("geometry must verify: {missing}");
+    Reason { code: ReasonCode::NoFeatures, measured: None, limit: None, detail }
+}
+
+pub(in crate::recognition) fn already_closed(closed: &[ClosedLoop]) -> Reason {
+    let detail = match closed {
+        [one] => format!("its loop with {} is confirmed already, as {}", one.keyframe, one.id),
+        several => format!("{} loops of this keyframe are confirmed already", several.len()),
+    };
+    Reason { code: ReasonCode::AlreadyClosed, measured: None, limit: None, detail }
+}
+
+pub(in crate::recognition) fn no_candidates(empty_bow: bool) -> Reason {
+    let (code, detail) = if empty_bow {
+        (ReasonCode::EmptyBow, "the query has no words, and no anchor it sees was seen before")
+    } else {
+        (
+            ReasonCode::NoCandidates,
+            "no keyframe outside its covisible ones shares a word or an anchor with the query",
+        )
+    };
+    Reason { code, measured: None, limit: None, detail: detail.to_owned() }
+}

@@ -1,0 +1,51 @@
+//! Why S is low: the anchor that is in both local maps and did not match, with the angle or the distance that failed.
+//!
+//! It explains a verdict and decides nothing. So only the heaviest anchors are looked at, which are the nearest ones.
+
+use super::anchor_map::LocalAnchorMap;
+use super::comparison::{Comparison, similar};
+use crate::domain::settings::Settings;
+use crate::recognition::extensions::difference::{EXPLAINED_MAX, Placement, relative_placement};
+use crate::recognition::map::index::TextIndex;
+
+/// Says in one sentence why two local anchor maps agree too little.
+pub fn explain_low_score(
+    [query, candidate]: [&LocalAnchorMap; 2],
+    comparison: &Comparison<'_>,
+    texts: &TextIndex,
+    settings: &Settings,
+) -> String {
+    if let Some((anchor, told)) = displaced(query, candidate, texts, settings) {
+        return format!("{anchor} is in both, but {told}");
+    }
+    let agreeing = comparison.agreeing_weight();
+    if agreeing > 0.0 {
+        let total = comparison.total_weight;
+        return format!("what agrees weighs {agreeing:.2} of {total:.2}");
+    }
+    String::from("nothing that is read in one is read in the other")
+}
+
+/// Returns the heaviest anchor that is in both maps and stands elsewhere, with what is off.
+fn displaced(
+    query: &LocalAnchorMap,
+    candidate: &LocalAnchorMap,
+    texts: &TextIndex,
+    settings: &Settings,
+) -> Option<(String, String)> {
+    let of_candidate = candidate.heaviest(EXPLAINED_MAX, |_| true);
+    query.heaviest(EXPLAINED_MAX, |_| true).into_iter().find_map(|a| {
+        let alike = of_candidate.iter().filter(|b| similar(a, b, texts, settings).is_some());
+        let placements: Vec<Placement> = alike.map(|b| relative_placement(a, b, settings)).collect();
+        let excess = |placement: &Placement| match placement {
+            Placement::Same => 0.0,
+            Placement::Apart { measured, limit, .. } => measured / limit,
+        };
+        let nearest = placements.into_iter().min_by(|a, b| excess(a).total_cmp(&excess(b)))?;
+        let name = a.description.as_deref().unwrap_or(&a.class);
+        match nearest {
+            Placement::Same => None,
+            Placement::Apart { told, .. } => Some((format!("\u{201c}{name}\u{201d}"), told)),
+        }
+    })
+}

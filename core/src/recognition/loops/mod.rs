@@ -1,0 +1,16 @@
+//! Loops (§V): from a query to its verdict.
+
+pub mod anchor_check;
+pub mod anchor_map;
+pub mod assignment;
+pub mod candidates;
+pub mod check_loop;
+pub mod comparison;
+pub mod decision;
+pub mod evidence;
+pub mod features;
+pub mod geometry_check;
+pub mod geometry_snapshot;
+pub mod low_score;
+pub mod query;
+pub mod screening;

@@ -1,0 +1,106 @@
+//! The keyframe that is asked about: one of the map, or one that is not stored.
+
+use std::collections::BTreeSet;
+
+use super::anchor_map::{Centre, inline_centre};
+use super::geometry_snapshot::GeometrySnapshot;
+use crate::domain::bow::BowVector;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq};
+use crate::domain::keyframe::NewKeyframe;
+use crate::domain::roles::Roles;
+use crate::recognition::map::index::{MapIndex, TextId};
+
+/// "Is this keyframe a loop?", ready to be answered.
+#[derive(Clone, Debug)]
+pub struct Query<'a> {
+    /// Its number, if it is stored.
+    pub keyframe: Option<KeyframeSeq>,
+    /// Its bag of words.
+    pub bow: &'a BowVector,
+    /// What its local anchor map is built around.
+    pub centre: Centre,
+    /// The objects it sees, ascending.
+    pub seen: BTreeSet<AnchorSeq>,
+    /// What geometry needs to know of it, if its client told the camera.
+    pub sight: Option<GeometrySnapshot>,
+    /// The roles that models fill where the question is answered.
+    pub roles: Roles,
+}
+
+impl<'a> Query<'a> {
+    /// About a keyframe of the map, with its bag of words from the store.
+    pub fn stored(index: &MapIndex, keyframe: KeyframeSeq, bow: &'a BowVector) -> Option<Self> {
+        let centre = Centre::stored(index, keyframe)?;
+        let (seen, sight) = (index.objects_seen_by(keyframe), GeometrySnapshot::stored(index, keyframe));
+        Some(Self { keyframe: Some(keyframe), bow, centre, seen, sight, roles: Roles::default() })
+    }
+
+    /// About a keyframe that is not stored, as if it had just arrived.
+    pub fn inline(index: &MapIndex, keyframe: &'a NewKeyframe) -> Self {
+        let covisible = inline_covisible(index, keyframe);
+        let (centre, seen) = inline_centre(index, keyframe, covisible);
+        Self {
+            keyframe: None,
+            bow: &keyframe.bow,
+            centre,
+            seen,
+            sight: GeometrySnapshot::inline(index, keyframe),
+            roles: Roles::default(),
+        }
+    }
+
+    /// Returns the same question, answered where models fill these roles.
+    pub fn with_roles(self, roles: Roles) -> Self {
+        Self { roles, ..self }
+    }
+
+    /// Is this keyframe covisible with the query, or the query itself (§V, check 1)?
+    pub fn excludes(&self, keyframe: KeyframeSeq) -> bool {
+        self.centre.covisible.contains(&keyframe)
+    }
+
+    /// Is this keyframe the query itself, or covisible with it for another reason than a confirmed loop? A loop
+    /// joins two passages and does not make them one.
+    pub fn passes_with(&self, index: &MapIndex, keyframe: KeyframeSeq) -> bool {
+        self.excludes(keyframe)
+            && self
+                .keyframe
+                .is_none_or(|own| own == keyframe || index.covisibility().joins_by_sight(own, keyframe))
+    }
+
+    /// The covisible keyframes, without the query itself.
+    pub fn covisible(&self) -> impl Iterator<Item = KeyframeSeq> + '_ {
+        self.centre.covisible.iter().copied().filter(|keyframe| Some(*keyframe) != self.keyframe)
+    }
+
+    /// The texts of the map that match what the query sees and no object of the map is.
+    pub fn inline_texts(&self, index: &MapIndex) -> Vec<TextId> {
+        let settings = &index.properties().settings;
+        let is_valid = |level: u8| u32::from(level) >= settings.description_min_information_level;
+        let valid =
+            self.centre.inline.iter().filter(|anchor| anchor.information_level().is_some_and(is_valid));
+        let texts = valid.filter_map(|anchor| Some((&anchor.class, anchor.text.as_ref()?)));
+        texts
+            .filter(|(_, text)| index.texts().with_itself(text).is_some())
+            .flat_map(|(class, text)| index.texts().matching_text(class, text))
+            .collect()
+    }
+}
+
+/// The keyframes an inline keyframe would be covisible with.
+fn inline_covisible(index: &MapIndex, keyframe: &NewKeyframe) -> BTreeSet<KeyframeSeq> {
+    let mut covisible: BTreeSet<KeyframeSeq> =
+        keyframe.covisible.iter().filter_map(|(id, _)| index.keyframe_seq(id)).collect();
+    if let Some(session) = index.session(&keyframe.session) {
+        let enough = index.properties().settings.covisibility_min_shared_points;
+        covisible.extend(
+            index
+                .points()
+                .sharing(session, keyframe.observes.iter().copied())
+                .into_iter()
+                .filter(|(_, n)| *n >= enough)
+                .map(|(k, _)| k),
+        );
+    }
+    covisible
+}

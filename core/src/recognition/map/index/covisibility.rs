@@ -1,0 +1,165 @@
+//! The covisibility graph: which keyframes see the same things.
+//!
+//! By itself no keyframe is its own neighbour; where the paper's K_k^cov must contain k (M1),
+//! [`Covisibility::with_itself`] adds it.
+
+#[cfg(test)]
+mod tests;
+
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::MapIndex;
+use crate::domain::ids::KeyframeSeq;
+use crate::recognition::map::covisibility::{Edge, Neighbour};
+
+/// The graph of one map.
+#[derive(Clone, Copy, Debug)]
+pub struct Covisibility<'a> {
+    index: &'a MapIndex,
+}
+
+impl<'a> Covisibility<'a> {
+    pub(super) fn of(index: &'a MapIndex) -> Self {
+        Self { index }
+    }
+
+    /// The keyframes covisible with one, ascending, without itself.
+    pub fn neighbours(self, keyframe: KeyframeSeq) -> impl Iterator<Item = KeyframeSeq> + use<'a> {
+        self.joined(keyframe).map(|(other, ..)| other)
+    }
+
+    /// K_k^cov of the paper: the neighbours and the keyframe itself.
+    pub fn with_itself(self, keyframe: KeyframeSeq) -> impl Iterator<Item = KeyframeSeq> + use<'a> {
+        self.neighbours(keyframe).chain(std::iter::once(keyframe))
+    }
+
+    /// The number of keyframes that are covisible with one.
+    pub fn degree(self, keyframe: KeyframeSeq) -> usize {
+        self.joined(keyframe).count()
+    }
+
+    /// The neighbours, each with its number of shared map points.
+    pub fn shared(self, keyframe: KeyframeSeq) -> impl Iterator<Item = Neighbour> + use<'a> {
+        self.joined(keyframe).map(|(other, points, edge)| {
+            (other, points.max(edge.and_then(|edge| edge.declared).unwrap_or(0)))
+        })
+    }
+
+    /// The keyframes of its session that share enough map points with one.
+    pub fn sharing_points(self, keyframe: KeyframeSeq) -> impl Iterator<Item = KeyframeSeq> + use<'a> {
+        self.joined(keyframe).filter(|(_, points, _)| *points > 0).map(|(other, ..)| other)
+    }
+
+    /// Whether the two are covisible.
+    pub fn joins(self, a: KeyframeSeq, b: KeyframeSeq) -> bool {
+        self.index.lists.edge(a, b).is_some() || self.joins_by_points(a, b)
+    }
+
+    /// Whether the two are covisible by what they see, or by what a client declared, and not only by a confirmed loop.
+    pub fn joins_by_sight(self, a: KeyframeSeq, b: KeyframeSeq) -> bool {
+        let edge = self.index.lists.edge(a, b);
+        edge.is_some_and(|edge| edge.declared.is_some()) || self.joins_by_points(a, b)
+    }
+
+    /// The union of the K_k^cov of some keyframes.
+    ///
+    /// Where many keyframes see one place, the first of them brings nearly all of its neighbours; the union is complete
+    /// once it holds every keyframe that shares any map point with any of them.
+    pub fn around(self, keyframes: &BTreeSet<KeyframeSeq>) -> BTreeSet<KeyframeSeq> {
+        let lists = &self.index.lists;
+        let (listed, crowded): (Vec<&KeyframeSeq>, Vec<&KeyframeSeq>) =
+            keyframes.iter().partition(|keyframe| lists.listed(**keyframe).is_some());
+        let mut found = keyframes.clone();
+        found.extend(listed.into_iter().flat_map(|keyframe| self.neighbours(*keyframe)));
+        found.extend(
+            crowded.iter().flat_map(|keyframe| lists.edges(**keyframe).iter().map(|(other, _)| *other)),
+        );
+        let mut open = self.touched_by(&crowded);
+        open.retain(|other| !found.contains(other));
+        for keyframe in crowded {
+            if open.is_empty() {
+                break;
+            }
+            for (other, _) in self.sharing(*keyframe).iter() {
+                if open.remove(other) {
+                    found.insert(*other);
+                }
+            }
+        }
+        found
+    }
+
+    /// The keyframes that share any map point with any of these.
+    fn touched_by(self, keyframes: &[&KeyframeSeq]) -> BTreeSet<KeyframeSeq> {
+        let mut of_session: BTreeMap<_, BTreeSet<_>> = BTreeMap::new();
+        for keyframe in keyframes.iter().filter_map(|keyframe| self.index.keyframe(**keyframe)) {
+            of_session.entry(keyframe.session).or_default().extend(keyframe.observes.iter());
+        }
+        let touched = of_session
+            .into_iter()
+            .flat_map(|(session, points)| self.index.points.sharing(session, points))
+            .map(|(other, _)| other);
+        touched.collect()
+    }
+
+    /// Whether the two share enough map points.
+    pub fn joins_by_points(self, a: KeyframeSeq, b: KeyframeSeq) -> bool {
+        let is_in =
+            |list: &[Neighbour], wanted| list.binary_search_by_key(&wanted, |(other, _)| *other).is_ok();
+        match (self.index.lists.listed(a), self.index.lists.listed(b)) {
+            (Some(list), _) => is_in(list, b),
+            (None, Some(list)) => is_in(list, a),
+            (None, None) => a != b && self.common_points(a, b) >= self.enough(),
+        }
+    }
+
+    /// Counts the map points that two keyframes of one session have in common.
+    fn common_points(self, a: KeyframeSeq, b: KeyframeSeq) -> u32 {
+        let (Some(a), Some(b)) = (self.index.keyframe(a), self.index.keyframe(b)) else { return 0 };
+        if a.session != b.session {
+            return 0;
+        }
+        let of_a: BTreeSet<_> = a.observes.iter().collect();
+        let of_b: BTreeSet<_> = b.observes.iter().collect();
+        of_a.intersection(&of_b).count() as u32
+    }
+
+    fn enough(self) -> u32 {
+        self.index.properties.settings.covisibility_min_shared_points
+    }
+
+    /// The keyframes that share enough map points with one, ascending, each with how many.
+    pub(super) fn sharing(self, keyframe: KeyframeSeq) -> Cow<'a, [Neighbour]> {
+        match self.index.lists.listed(keyframe) {
+            Some(list) => Cow::Borrowed(list),
+            None => Cow::Owned(self.counted(keyframe)),
+        }
+    }
+
+    /// The same, counted from the map points.
+    pub(super) fn counted(self, keyframe: KeyframeSeq) -> Vec<Neighbour> {
+        let Some(stored) = self.index.keyframe(keyframe) else { return Vec::new() };
+        let mut sharing = self.index.points.sharing(stored.session, stored.observes.iter());
+        sharing.retain(|(other, points)| *other != keyframe && *points >= self.enough());
+        sharing
+    }
+
+    /// The neighbours, ascending, each with the map points it shares, if they are enough, and the edge that is a fact.
+    fn joined(
+        self,
+        keyframe: KeyframeSeq,
+    ) -> impl Iterator<Item = (KeyframeSeq, u32, Option<Edge>)> + use<'a> {
+        let (sharing, edges) = (self.sharing(keyframe), self.index.lists.edges(keyframe));
+        let (mut at, mut at_edge) = (0, 0);
+        std::iter::from_fn(move || {
+            let (neighbour, edge) = (sharing.get(at).copied(), edges.get(at_edge).copied());
+            let next =
+                neighbour.map(|(other, _)| other).into_iter().chain(edge.map(|(other, _)| other)).min()?;
+            let neighbour = neighbour.filter(|(other, _)| *other == next);
+            let edge = edge.filter(|(other, _)| *other == next);
+            (at, at_edge) = (at + usize::from(neighbour.is_some()), at_edge + usize::from(edge.is_some()));
+            Some((next, neighbour.map_or(0, |(_, points)| points), edge.map(|(_, edge)| edge)))
+        })
+    }
+}

@@ -1,0 +1,324 @@
+//! The odometer: the way that each session was tracked, without a break (M15).
+//!
+//! The keyframes of a session follow each other by stamp, then by id. Two that follow each other form a *step* while they
+//! share `covisibility_min_shared_points` map points; where they do not, tracking may have been lost in between, and the way
+//! is broken. What a client declares and what loops join says nothing of the way.
+//!
+//! Lengths are whole micrometres, so that a sum is the same in whatever order it is taken. Keyframes lie in blocks that know
+//! their own sum: a change costs a block, and a question about two keyframes the number of blocks.
+
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
+
+use super::MapIndex;
+use crate::domain::change::Keyframe;
+use crate::domain::ids::{KeyframeSeq, SessionSeq};
+use crate::recognition::map::dense_map::DenseMap;
+
+/// Keyframes of a block: enough that blocks are few, and few enough to be moved along at an insert.
+const BLOCK_MAX: usize = if cfg!(test) { 4 } else { 512 };
+
+/// Micrometres of a metre.
+pub const UM_PER_M: f64 = 1e6;
+
+/// The longest step that is counted, in metres: a million keyframes of it fit a `u64` of micrometres.
+const STEP_MAX_M: f64 = 1e6;
+
+/// The ways of all sessions.
+#[derive(Clone, Debug, Default)]
+pub struct Odometer {
+    sessions: BTreeMap<SessionSeq, Vec<Block>>,
+}
+
+/// The place of a keyframe on its session's way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Milestone {
+    session: SessionSeq,
+    /// The breaks before it.
+    breaks: usize,
+    /// The way driven before it, in micrometres.
+    way_um: u64,
+}
+
+impl Milestone {
+    /// Returns the way between two keyframes, in metres; none if it is broken, or they are of different sessions.
+    pub fn way_to_m(&self, other: &Self) -> Option<f64> {
+        let is_unbroken = (self.session, self.breaks) == (other.session, other.breaks);
+        is_unbroken.then(|| self.way_um.abs_diff(other.way_um) as f64 / UM_PER_M)
+    }
+}
+
+/// Keyframes that follow each other.
+#[derive(Clone, Debug, Default)]
+struct Block {
+    steps: Vec<Step>,
+    /// The sums over its steps.
+    breaks: usize,
+    way_um: u64,
+}
+
+/// A keyframe, and the step that leads to it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Step {
+    keyframe: KeyframeSeq,
+    /// The length of the step from the keyframe before, in micrometres; none where the way is broken, or begins.
+    way_um: Option<u64>,
+}
+
+/// Measures the step between two keyframes, in micrometres; none where tracking may have been lost.
+type Measure<'a> = &'a dyn Fn(KeyframeSeq, KeyframeSeq) -> Option<u64>;
+
+/// A place in the blocks of a session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Place {
+    block: usize,
+    at: usize,
+}
+
+impl Odometer {
+    fn milestone(&self, keyframe: &Keyframe, keyframes: &DenseMap<Keyframe>) -> Option<Milestone> {
+        let blocks = self.sessions.get(&keyframe.session)?;
+        let place = find(blocks, keyframe, keyframes).ok()?;
+        let (before, rest) = blocks.split_at(place.block);
+        let own = &rest.first()?.steps[..=place.at];
+        let breaks = before.iter().map(|block| block.breaks).sum::<usize>()
+            + own.iter().filter(|step| step.way_um.is_none()).count();
+        let way_um = before.iter().map(|block| block.way_um).sum::<u64>()
+            + own.iter().filter_map(|step| step.way_um).sum::<u64>();
+        Some(Milestone { session: keyframe.session, breaks, way_um })
+    }
+
+    fn add(&mut self, keyframe: &Keyframe, keyframes: &DenseMap<Keyframe>, measure: Measure<'_>) {
+        let blocks = self.sessions.entry(keyframe.session).or_default();
+        if blocks.is_empty() {
+            blocks.push(Block::default());
+        }
+        let Err(place) = find(blocks, keyframe, keyframes) else { return };
+        blocks[place.block].insert(place.at, Step { keyframe: keyframe.seq, way_um: None });
+        measure_around(blocks, place, measure);
+        split(blocks, place.block);
+    }
+
+    /// The keyframe after the removed one follows the one before it.
+    fn remove(&mut self, keyframe: &Keyframe, keyframes: &DenseMap<Keyframe>, measure: Measure<'_>) {
+        let Some(blocks) = self.sessions.get_mut(&keyframe.session) else { return };
+        let Ok(mut place) = find(blocks, keyframe, keyframes) else { return };
+        blocks[place.block].remove(place.at);
+        if blocks[place.block].steps.is_empty() {
+            blocks.remove(place.block);
+        } else if place.at == blocks[place.block].steps.len() {
+            place = Place { block: place.block + 1, at: 0 };
+        }
+        if place.block < blocks.len() {
+            measure_step(blocks, place, measure);
+        } else if blocks.is_empty() {
+            self.sessions.remove(&keyframe.session);
+        }
+    }
+
+    fn moved(&mut self, keyframe: &Keyframe, keyframes: &DenseMap<Keyframe>, measure: Measure<'_>) {
+        let Some(blocks) = self.sessions.get_mut(&keyframe.session) else { return };
+        if let Ok(place) = find(blocks, keyframe, keyframes) {
+            measure_around(blocks, place, measure);
+        }
+    }
+
+    fn steps(&self) -> impl Iterator<Item = (SessionSeq, &Step)> {
+        self.sessions.iter().flat_map(|(session, blocks)| {
+            let steps = blocks.iter().flat_map(|block| &block.steps);
+            steps.map(move |step| (*session, step))
+        })
+    }
+}
+
+impl MapIndex {
+    /// Returns where a keyframe stands on its session's way.
+    pub fn milestone(&self, keyframe: KeyframeSeq) -> Option<Milestone> {
+        self.odometer.milestone(self.keyframe(keyframe)?, &self.keyframes)
+    }
+
+    /// Returns the keyframes back from one on its session's way, that one first.
+    pub fn way_back(&self, from: KeyframeSeq) -> impl Iterator<Item = KeyframeSeq> {
+        let place = self.keyframe(from).and_then(|keyframe| {
+            let blocks = self.odometer.sessions.get(&keyframe.session)?;
+            Some((blocks, find(blocks, keyframe, &self.keyframes).ok()?))
+        });
+        let steps = place.into_iter().flat_map(|(blocks, place)| {
+            let (before, rest) = blocks.split_at(place.block);
+            let own = rest.iter().take(1).flat_map(move |block| &block.steps[..=place.at]).rev();
+            own.chain(before.iter().rev().flat_map(|block| block.steps.iter().rev()))
+        });
+        steps.map(|step| step.keyframe)
+    }
+
+    /// Returns the keyframes before and after one on its session's way, each with the length of the step between, in
+    /// micrometres; none where the way is broken.
+    pub fn steps_of(&self, keyframe: KeyframeSeq) -> impl Iterator<Item = (KeyframeSeq, u64)> {
+        let steps = self.keyframe(keyframe).and_then(|keyframe| {
+            let blocks = self.odometer.sessions.get(&keyframe.session)?;
+            let place = find(blocks, keyframe, &self.keyframes).ok()?;
+            let own = blocks[place.block].steps.get(place.at)?;
+            let to_own = before(blocks, place).zip(own.way_um);
+            let next = step_after(blocks, place).and_then(|step| Some((step.keyframe, step.way_um?)));
+            Some([to_own, next])
+        });
+        steps.into_iter().flatten().flatten()
+    }
+
+    /// Whether no keyframe comes after this one on its session's way.
+    pub fn is_last_on_way(&self, keyframe: KeyframeSeq) -> bool {
+        let stored = self.keyframe(keyframe);
+        let blocks = stored.and_then(|keyframe| self.odometer.sessions.get(&keyframe.session));
+        let last = blocks.and_then(|blocks| blocks.last()?.steps.last());
+        last.is_some_and(|step| step.keyframe == keyframe)
+    }
+
+    /// Adds a keyframe to its session's way; its neighbours by shared points are known already.
+    pub(super) fn track(&mut self, keyframe: KeyframeSeq) {
+        self.odometer_with(keyframe, Odometer::add);
+    }
+
+    /// Takes a keyframe from its session's way, before it leaves the map.
+    pub(super) fn untrack(&mut self, keyframe: KeyframeSeq) {
+        self.odometer_with(keyframe, Odometer::remove);
+    }
+
+    /// Measures the steps from and to a keyframe again, after its pose changed.
+    pub(super) fn retrack(&mut self, keyframe: KeyframeSeq) {
+        self.odometer_with(keyframe, Odometer::moved);
+    }
+
+    /// Measures every step again, after it changed which keyframes share enough points.
+    pub(super) fn retrack_all(&mut self) {
+        self.odometer = Odometer::default();
+        let keyframes: Vec<KeyframeSeq> = self.keyframes.values().map(|keyframe| keyframe.seq).collect();
+        for keyframe in keyframes {
+            self.track(keyframe);
+        }
+    }
+
+    fn odometer_with(
+        &mut self,
+        keyframe: KeyframeSeq,
+        change: impl FnOnce(&mut Odometer, &Keyframe, &DenseMap<Keyframe>, Measure<'_>),
+    ) {
+        let mut odometer = std::mem::take(&mut self.odometer);
+        if let Some(keyframe) = self.keyframe(keyframe) {
+            change(&mut odometer, keyframe, &self.keyframes, &|from, to| self.step_um(from, to));
+        }
+        self.odometer = odometer;
+    }
+
+    fn step_um(&self, from: KeyframeSeq, to: KeyframeSeq) -> Option<u64> {
+        if !self.covisibility().joins_by_points(from, to) {
+            return None;
+        }
+        let centre = |seq| Some(self.keyframe(seq)?.map_from_camera.centre());
+        let length_m = (centre(to)? - centre(from)?).norm().min(STEP_MAX_M);
+        Some((length_m * UM_PER_M).round() as u64)
+    }
+}
+
+/// Two are equal when their ways are, however these lie in blocks.
+impl PartialEq for Odometer {
+    fn eq(&self, other: &Self) -> bool {
+        self.steps().eq(other.steps())
+    }
+}
+
+impl Block {
+    fn insert(&mut self, at: usize, step: Step) {
+        self.count(step.way_um);
+        self.steps.insert(at, step);
+    }
+
+    fn remove(&mut self, at: usize) {
+        let step = self.steps.remove(at);
+        self.discount(step.way_um);
+    }
+
+    fn set(&mut self, at: usize, way_um: Option<u64>) {
+        let before = std::mem::replace(&mut self.steps[at].way_um, way_um);
+        self.discount(before);
+        self.count(way_um);
+    }
+
+    fn count(&mut self, way_um: Option<u64>) {
+        match way_um {
+            Some(way_um) => self.way_um += way_um,
+            None => self.breaks += 1,
+        }
+    }
+
+    fn discount(&mut self, way_um: Option<u64>) {
+        match way_um {
+            Some(way_um) => self.way_um -= way_um,
+            None => self.breaks -= 1,
+        }
+    }
+
+    fn of(steps: Vec<Step>) -> Self {
+        let mut block = Self::default();
+        for step in &steps {
+            block.count(step.way_um);
+        }
+        block.steps = steps;
+        block
+    }
+}
+
+/// Finds a keyframe, or where it belongs. There is at least one block, and no block is empty but a session's first.
+fn find(blocks: &[Block], keyframe: &Keyframe, keyframes: &DenseMap<Keyframe>) -> Result<Place, Place> {
+    let by_stamp = |step: &Step| match keyframes.get(step.keyframe.index()) {
+        Some(other) => (other.stamp, &other.id).cmp(&(keyframe.stamp, &keyframe.id)),
+        None => Ordering::Less,
+    };
+    let starts_before =
+        |block: &Block| block.steps.first().is_some_and(|first| by_stamp(first) != Ordering::Greater);
+    let block = blocks.partition_point(starts_before).saturating_sub(1);
+    let place = |at| Place { block, at };
+    blocks[block].steps.binary_search_by(by_stamp).map(place).map_err(place)
+}
+
+fn before(blocks: &[Block], place: Place) -> Option<KeyframeSeq> {
+    let step = match place.at.checked_sub(1) {
+        Some(at) => blocks[place.block].steps.get(at),
+        None => blocks[..place.block].last()?.steps.last(),
+    };
+    step.map(|step| step.keyframe)
+}
+
+fn step_after(blocks: &[Block], place: Place) -> Option<&Step> {
+    let own = blocks[place.block].steps.get(place.at + 1);
+    own.or_else(|| blocks.get(place.block + 1)?.steps.first())
+}
+
+/// Measures the step to a keyframe from the one before it.
+fn measure_step(blocks: &mut [Block], place: Place, measure: Measure<'_>) {
+    let keyframe = blocks[place.block].steps[place.at].keyframe;
+    let way_um = before(blocks, place).and_then(|before| measure(before, keyframe));
+    blocks[place.block].set(place.at, way_um);
+}
+
+/// Measures the steps to and from a keyframe.
+fn measure_around(blocks: &mut [Block], place: Place, measure: Measure<'_>) {
+    measure_step(blocks, place, measure);
+    let is_last = place.at + 1 == blocks[place.block].steps.len();
+    let after =
+        if is_last { Place { block: place.block + 1, at: 0 } } else { Place { at: place.at + 1, ..place } };
+    if after.block < blocks.len() {
+        measure_step(blocks, after, measure);
+    }
+}
+
+fn split(blocks: &mut Vec<Block>, at: usize) {
+    if blocks[at].steps.len() > BLOCK_MAX {
+        let mut first = std::mem::take(&mut blocks[at].steps);
+        let second = first.split_off(first.len() / 2);
+        blocks[at] = Block::of(first);
+        blocks.insert(at + 1, Block::of(second));
+    }
+}
+
+#[cfg(test)]
+mod tests;

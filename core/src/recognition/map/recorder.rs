@@ -1,0 +1,108 @@
+//! Decisions in steps: each step's changes are applied before the next step looks.
+
+use std::collections::BTreeSet;
+
+use super::index::MapIndex;
+use crate::domain::change::Change;
+use crate::domain::event::Event;
+use crate::domain::former::FormerValues;
+use crate::domain::ids::AnchorSeq;
+
+/// What a request changed, and what there is to tell about it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Decided {
+    /// The changes, already applied to the index; the store must commit them all or none.
+    pub changes: Vec<Change>,
+    /// What happened, for those who listen.
+    pub events: Vec<Event>,
+    /// The values that the changes replaced, where the map keeps its history.
+    pub former: FormerValues,
+}
+
+/// Applies changes to an index and keeps them for the store.
+pub struct Recorder<'a> {
+    index: &'a mut MapIndex,
+    decided: Decided,
+    touched: BTreeSet<AnchorSeq>,
+    /// Whether a keyframe arrives: the points that it brings are its own, and replace nothing.
+    keyframe_arrives: bool,
+}
+
+impl<'a> Recorder<'a> {
+    /// Starts a request.
+    pub fn new(index: &'a mut MapIndex) -> Self {
+        Self { index, decided: Decided::default(), touched: BTreeSet::new(), keyframe_arrives: false }
+    }
+
+    /// The map as it stands after the steps so far.
+    pub fn index(&self) -> &MapIndex {
+        self.index
+    }
+
+    /// Applies one step's changes.
+    pub fn apply(&mut self, changes: Vec<Change>) {
+        if self.index.properties().settings.keep_history {
+            for change in &changes {
+                self.keep_former(change);
+            }
+        }
+        self.index.apply(&changes);
+        self.decided.changes.extend(changes);
+    }
+
+    /// Keeps the value that a change is about to replace.
+    fn keep_former(&mut self, change: &Change) {
+        let (index, former) = (&*self.index, &mut self.decided.former);
+        match change {
+            Change::KeyframeAdded(..) => self.keyframe_arrives = true,
+            Change::PoseSet(keyframe, _) => {
+                let before = index.keyframe(*keyframe).map(|keyframe| keyframe.map_from_camera);
+                former.poses.extend(before.map(|before| (*keyframe, before)));
+            }
+            Change::PointSet(session, point, _) => {
+                let before = index.points().position(*session, *point);
+                if before.is_some() || !self.keyframe_arrives {
+                    former.points.push((*session, *point, before));
+                }
+            }
+            Change::PointsForgotten(session, points) => {
+                let before =
+                    points.iter().filter_map(|id| Some((*id, index.points().position(*session, *id)?)));
+                former.forgotten.extend(before.map(|(id, position)| (*session, id, position)));
+            }
+            Change::PositionSet(anchor, keyframe, detection, _) => {
+                let observation = index
+                    .anchor(*anchor)
+                    .and_then(|anchor| anchor.observations.get(&(*keyframe, *detection)));
+                let before = observation.and_then(|observation| observation.position_in_session);
+                former.positions.extend(before.map(|before| (*keyframe, *detection, before)));
+            }
+            _ => {}
+        }
+    }
+
+    /// Something about this anchor's object changes: its version grows when the request ends.
+    pub fn touch(&mut self, anchor: AnchorSeq) {
+        self.touched.insert(anchor);
+    }
+
+    /// Something happened.
+    pub fn emit(&mut self, event: Event) {
+        self.decided.events.push(event);
+    }
+
+    /// Ends the request: the touched anchors get their new versions.
+    pub fn finish(mut self) -> Decided {
+        let mut versions = BTreeSet::new();
+        for anchor in std::mem::take(&mut self.touched) {
+            versions.extend(self.index.objects().root(anchor));
+            versions.insert(anchor);
+        }
+        let changes = versions
+            .into_iter()
+            .filter_map(|seq| Some(Change::AnchorTouched(seq, self.index.anchor(seq)?.version + 1)))
+            .collect();
+        self.apply(changes);
+        self.decided
+    }
+}
