@@ -66,6 +66,7 @@ pub use domain::settings::Settings;
 pub use domain::verdict::{Candidate, CandidateDecision, Decision, ReasonCode, Verdict, Verify};
 pub use recognition::anchors::ingest::ingest;
 pub use recognition::anchors::loop_closure::{close_loop, revoke_loop};
+pub use recognition::loops::check_loop::{check_loop, screen, verify_and_decide};
 pub use recognition::loops::features::{FeatureSet, MatchableFeatures};
 pub use recognition::loops::query::Query;
 pub use recognition::map::correction::{Correction, correct};
@@ -73,24 +74,3 @@ pub use recognition::map::culling::cull_keyframe;
 pub use recognition::map::index::MapIndex;
 pub use semantics::Text;
 pub use vocabulary::Vocabulary;
-
-/// Decides whether a keyframe is a loop: checks 1 to 3 of §V, then geometry on the candidates that passed them and whose
-/// features are given. `seed` is that of geometry's samples.
-///
-/// A program that shares the map between threads calls the two halves: [`recognition::loops::check_loop::screen`] needs the map,
-/// [`recognition::loops::decision::conclude`] the features alone.
-pub fn check_loop(
-    map: &MapIndex,
-    query: &Query<'_>,
-    verify: Verify,
-    features: &FeatureSet,
-    seed: u64,
-) -> Verdict {
-    /// Counts nothing here: a version tells the answers of a map that is written to from each other.
-    const VERSION: u64 = 0;
-    recognition::loops::decision::conclude(
-        recognition::loops::check_loop::screen(map, VERSION, query, verify),
-        features,
-        seed,
-    )
-}

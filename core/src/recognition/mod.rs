@@ -11,13 +11,15 @@
 //! | §IV-C.2, merge on a confirmed loop | [`anchors::loop_closure`] | [`anchors::loop_closure::close_loop`], [`anchors::loop_closure::revoke_loop`] |
 //! | §V, check 1: covisible keyframes | [`map::covisibility`] | [`map::index::Covisibility`] |
 //! | §V, check 2: bag of words | [`map::inverted_file`], [`map::covisible_groups`], [`loops::candidates`] | [`loops::candidates::find_candidates`] |
-//! | §V, the funnel: checks 1 to 3 | [`loops::check_loop`], [`loops::screening`] | [`loops::check_loop::screen`] |
+//! | §V, the funnel: checks 1 to 3 | [`loops::check_loop`], [`loops::screening`] | [`loops::check_loop::check_loop`] |
 //! | §V, check 3: the local anchor maps | [`loops::anchor_check`] | [`loops::anchor_check::AnchorCheck`] |
 //! | §V-A, local anchor map | [`loops::anchor_map`] | [`loops::anchor_map::local_anchor_map`] |
-//! | §V-B, Eq. (1) and (2) | [`loops::comparison`], [`loops::assignment`] | [`loops::comparison::compare`] |
+//! | §V-B, Eq. (1) | [`loops::equation_1`] | `equation_1::x` |
+//! | §V-B, Eq. (2) | [`loops::equation_2`], [`loops::assignment`] | `equation_2::similarity`, `equation_2::passes` |
+//! | §V-B, the comparison of two local anchor maps | [`loops::comparison`] | [`loops::comparison::compare`] |
 //! | §V, the last step: similarity transformation | [`verification`] | [`verification::verify`] |
 //! | geometry on one pair of keyframes | [`loops::geometry_check`] | [`loops::geometry_check::check_geometry`] |
-//! | §V, the answer | [`loops::decision`] | [`loops::decision::conclude`] |
+//! | §V, the answer | [`loops::decision`] | [`loops::check_loop::verify_and_decide`] |
 //! | ours: distinctive weights | [`extensions::distinctiveness`] | [`extensions::distinctiveness::PlaceCounts`] |
 //! | ours: contradiction veto | [`extensions::contradiction`] | [`extensions::contradiction::contradict`] |
 //! | ours: why a differing identifier did not count | [`extensions::difference`] | [`extensions::difference::find_differing`] |

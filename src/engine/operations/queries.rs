@@ -21,7 +21,7 @@ use crate::engine::maps::live::LiveMap;
 use crate::engine::{Service, ServiceError};
 use crate::recognition::anchors::ingest::unknown_covisible;
 use crate::recognition::loops::check_loop::screen;
-use crate::recognition::loops::decision::conclude;
+use crate::recognition::loops::check_loop::verify_and_decide;
 use crate::recognition::loops::query::Query;
 use crate::recognition::loops::screening::Screening;
 use crate::recognition::map::index::MapIndex;
@@ -111,12 +111,12 @@ impl Service {
 
         let started = Instant::now();
         let verdict = if screening.waiting().next().is_none() {
-            conclude(screening, &features, query.seed)
+            verify_and_decide(screening, &features, query.seed)
         } else {
             // Verification keeps a core busy; it waits its turn, off the async threads and without the map's lock.
             let _permit = self.reads.enter().await?;
             let seed = query.seed;
-            spawn_blocking(in_part("verify", move || conclude(screening, &features, seed)))
+            spawn_blocking(in_part("verify", move || verify_and_decide(screening, &features, seed)))
                 .await
                 .map_err(ServiceError::panicked)?
         };

@@ -15,7 +15,8 @@ use crate::domain::difference::DifferenceEvidence;
 use crate::domain::settings::Settings;
 use crate::geometry::{Point3, Sim3};
 use crate::recognition::loops::anchor_map::{LocalAnchor, LocalName};
-use crate::recognition::loops::comparison::{Comparison, Matched, equation_2};
+use crate::recognition::loops::comparison::{Comparison, Matched};
+use crate::recognition::loops::equation_2;
 use crate::recognition::map::index::{Certainty, MapIndex};
 
 /// Under a transformation, anchors this near to each other stand at the same place, in metres (M7).
@@ -144,7 +145,7 @@ impl Compared {
         };
         let differences = self.differing.iter().filter_map(explain).collect();
         Aligned {
-            similarity: equation_2(sum(|pair| pair.weight), self.total_weight),
+            similarity: equation_2::similarity(sum(|pair| pair.weight), self.total_weight),
             agreement,
             differences,
             least_places: standing().map(|pair| pair.places).min(),

@@ -15,7 +15,8 @@ use crate::domain::ids::AnchorSeq;
 use crate::recognition::loops::anchor_map::{
     Centre, LocalAnchor, LocalAnchorMap, LocalName, local_anchor_map,
 };
-use crate::recognition::loops::comparison::{Comparison, similar};
+use crate::recognition::loops::comparison::Comparison;
+use crate::recognition::loops::equation_1::similar;
 use crate::recognition::map::index::MapIndex;
 use crate::semantics;
 

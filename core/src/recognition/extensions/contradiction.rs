@@ -8,7 +8,7 @@
 use crate::domain::settings::Settings;
 use crate::recognition::loops::anchor_map::LocalAnchor;
 use crate::recognition::loops::assignment::assign;
-use crate::recognition::loops::comparison::similar;
+use crate::recognition::loops::equation_1::similar;
 use crate::recognition::map::index::TextIndex;
 use crate::semantics;
 

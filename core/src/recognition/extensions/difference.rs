@@ -9,7 +9,8 @@ use super::passage::{SURE_PASSAGES, settle};
 use crate::domain::difference::{DifferenceEvidence, DifferenceReason};
 use crate::domain::settings::Settings;
 use crate::recognition::loops::anchor_map::{LocalAnchor, LocalAnchorMap, LocalName};
-use crate::recognition::loops::comparison::{Comparison, same_relative_place, similar};
+use crate::recognition::loops::comparison::Comparison;
+use crate::recognition::loops::equation_1::{same_relative_place, similar};
 use crate::recognition::map::index::{Certainty, MapIndex, TextIndex};
 use crate::semantics;
 

@@ -14,8 +14,7 @@ use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::domain::settings::WithoutAnchors;
 use crate::domain::verdict::{CandidateDecision, ReasonCode, Verify};
 use crate::recognition::loops::anchor_map::{Centre, LocalAnchor, LocalName, local_anchor_map};
-use crate::recognition::loops::candidates::find_candidates;
-use crate::recognition::loops::check_loop::unchecked;
+use crate::recognition::loops::candidates::{Channel, find_candidates};
 use crate::recognition::loops::evidence;
 use crate::recognition::loops::features::FeatureSet;
 use crate::recognition::loops::geometry_check::{Asked, check_geometry};
@@ -57,7 +56,7 @@ pub fn suspects(index: &MapIndex, query: &Query<'_>) -> Option<Suspects> {
     let around = local_anchor_map(index, &query.centre, &mut places);
     let proposals = find_candidates(index, query, &mut places);
     let (mut candidates, mut signs) = (Vec::new(), Vec::new());
-    for proposal in proposals.candidates.iter().filter(|proposal| proposal.by_words) {
+    for proposal in proposals.candidates.iter().filter(|proposal| proposal.channel == Channel::Bow) {
         let of_place =
             [(proposal.keyframe, proposal.score)].into_iter().chain(proposal.neighbours.iter().copied());
         let contradicted = of_place.into_iter().find_map(|(candidate, score)| {
@@ -68,7 +67,9 @@ pub fn suspects(index: &MapIndex, query: &Query<'_>) -> Option<Suspects> {
         });
         let Some((candidate, score, own, other)) = contradicted else { continue };
         let Some(sight) = GeometrySnapshot::stored(index, candidate) else { continue };
-        let Some(unchecked) = unchecked(index, candidate, score, proposals.reference_score) else { continue };
+        let Some(unchecked) = evidence::unchecked(index, candidate, score, proposals.reference_score) else {
+            continue;
+        };
         let reason = evidence::reason(ReasonCode::Contradiction, 0.0, 0.0);
         let mut screened = PreVerified::stopped(candidate, unchecked, CandidateDecision::Rejected, reason);
         // By the numbers that would have let geometry alone close the loop.

@@ -13,6 +13,8 @@ use crate::domain::ids::KeyframeSeq;
 use crate::domain::settings::Settings;
 use crate::recognition::loops::anchor_map::LocalAnchor;
 use crate::recognition::loops::comparison::Comparison;
+use crate::recognition::loops::query::Query;
+use crate::recognition::loops::screening::{CandidateStage, PreVerified};
 use crate::recognition::map::index::MapIndex;
 
 /// Whether all that agrees are pairs of texts that need a witness.
@@ -38,4 +40,26 @@ pub fn loop_joins(index: &MapIndex, around_query: &BTreeSet<KeyframeSeq>, candid
 pub fn odometry_agrees(path: &TrackedPath, compared: &Compared, settings: &Settings) -> bool {
     let limit_m = drift_m(path.length_m, settings.odometry_slack_m, settings);
     compared.largest_distance_m().is_some_and(|apart_m| apart_m <= limit_m)
+}
+
+/// Adds where odometry has a candidate, and lets it agree if odometry or a confirmed loop bears it out.
+pub(in crate::recognition) fn bear_out(
+    index: &MapIndex,
+    query: &Query<'_>,
+    mut screened: PreVerified,
+) -> PreVerified {
+    if screened.standing == CandidateStage::Stopped {
+        return screened;
+    }
+    let settings = &index.properties().settings;
+    let tracked = query.keyframe.filter(|_| settings.odometry_max_drift_share > 0.0);
+    screened.path = tracked.and_then(|query| TrackedPath::between(index, query, screened.keyframe));
+    let is_borne_out = || {
+        screened.path.is_some_and(|path| odometry_agrees(&path, &screened.compared, settings))
+            || loop_joins(index, &query.centre.covisible, screened.keyframe)
+    };
+    if screened.standing == CandidateStage::NeedsWitness && is_borne_out() {
+        screened.standing = CandidateStage::AnchorsAgree;
+    }
+    screened
 }

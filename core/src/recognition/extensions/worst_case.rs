@@ -3,7 +3,9 @@
 
 use crate::domain::anchor::AnchorState;
 use crate::recognition::loops::anchor_map::{LocalAnchor, LocalAnchorMap, LocalName};
-use crate::recognition::loops::comparison::{Comparison, equation_2, same_relative_place};
+use crate::recognition::loops::comparison::Comparison;
+use crate::recognition::loops::equation_1::same_relative_place;
+use crate::recognition::loops::equation_2;
 use crate::recognition::map::index::MapIndex;
 use crate::semantics::{self, Route};
 
@@ -86,7 +88,7 @@ pub fn worst_case(
     } else {
         0.0
     };
-    let similarity = equation_2(comparison.agreeing_weight(), total);
+    let similarity = equation_2::similarity(comparison.agreeing_weight(), total);
     Some(WorstCase { awaited: waiting, similarity, contradicting_weight })
 }
 

@@ -4,6 +4,7 @@ use std::cell::OnceCell;
 
 use super::anchor_map::{Centre, LocalAnchorMap, local_anchor_map};
 use super::comparison::{Comparison, compare};
+use super::equation_2;
 use super::evidence;
 use super::geometry_snapshot::GeometrySnapshot;
 use super::low_score::explain_low_score;
@@ -199,17 +200,16 @@ pub fn judge_anchors(
     missing: ReasonCode,
 ) -> Result<Passed, (CandidateDecision, Reason)> {
     use CandidateDecision::{Rejected, Undecided};
-    let min_similarity = settings.anchor_map_min_similarity;
+    let passes = |similarity| equation_2::passes(similarity, settings);
     let (agreeing, contradicting) = (comparison.agreement(), comparison.contradicting_weight());
     let could_turn = comparison.pending > 0
-        && comparison.best_case.similarity > min_similarity
+        && passes(comparison.best_case.similarity)
         && comparison.best_case.agreeing_weight >= contradicting;
     let contradicted = (contradicting > agreeing)
         .then(|| evidence::contradicted(&comparison.contradictions, contradicting, agreeing));
     let is_surely_contradicted = comparison.surely_contradicting_weight() > agreeing;
-    if !is_surely_contradicted && comparison.similarity > min_similarity {
-        let turns =
-            |worst: &WorstCase| worst.similarity <= min_similarity || worst.contradicting_weight > agreeing;
+    if !is_surely_contradicted && passes(comparison.similarity) {
+        let turns = |worst: &WorstCase| !passes(worst.similarity) || worst.contradicting_weight > agreeing;
         let open = match (worst.filter(turns), comparison.least_places()) {
             (Some(worst), _) => Some(evidence::awaited(&worst, missing)),
             (None, Some(places)) if places > 1 => Some(evidence::not_distinctive(places)),
@@ -234,7 +234,11 @@ pub fn judge_anchors(
         return Err((Rejected, reason));
     }
     if comparison.in_query > 0 && comparison.in_candidate > 0 {
-        let reason = evidence::reason(ReasonCode::ScoreBelowThreshold, comparison.similarity, min_similarity);
+        let reason = evidence::reason(
+            ReasonCode::ScoreBelowThreshold,
+            comparison.similarity,
+            settings.anchor_map_min_similarity,
+        );
         return Err((Rejected, reason));
     }
     match settings.without_anchors {

@@ -23,16 +23,24 @@ pub(in crate::recognition) const MAX_REVISITS_PER_ANCHOR: usize = 64;
 /// Keyframes of a place that a near miss asks, so that a query costs no more than so many verifications a place.
 pub(in crate::recognition) const NEAR_MISS_NEIGHBOURS: usize = 5;
 
-/// A candidate of either channel.
+/// A way in which candidates are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channel {
+    /// Bag of words (check 2). The candidate must score its share of the reference.
+    Bow,
+    /// An anchor seen before (§III). The words may score anything.
+    Anchors,
+}
+
+/// A candidate of some channel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proposal {
     /// The keyframe.
     pub keyframe: KeyframeSeq,
     /// Its bag-of-words score against the query.
     pub score: Score,
-    /// Did bag of words bring it? Then it must score its share of the reference; one that only anchors
-    /// propose need not.
-    pub by_words: bool,
+    /// The channel that proposed it first.
+    pub channel: Channel,
     /// Other keyframes of the place, covisible with it, by score; where a near miss asks them.
     pub neighbours: Vec<(KeyframeSeq, Score)>,
 }
@@ -67,11 +75,16 @@ pub fn find_candidates(index: &MapIndex, query: &Query<'_>, places: &mut PlaceCo
             .map(|keyframe| scores.get(keyframe.0).value())
             .min_by(f64::total_cmp)
             .unwrap_or(0.0);
-        let mut candidates = by_words(index, query, &scores, place_scratch);
+        let mut candidates = by_bow(index, query, &scores, place_scratch);
         for keyframe in by_anchors(index, query, &scores, places, place_scratch) {
             if candidates.iter().all(|known| known.keyframe != keyframe) {
                 let score = scores.get(keyframe.0);
-                candidates.push(Proposal { keyframe, score, by_words: false, neighbours: Vec::new() });
+                candidates.push(Proposal {
+                    keyframe,
+                    score,
+                    channel: Channel::Anchors,
+                    neighbours: Vec::new(),
+                });
             }
         }
         if index.properties().settings.near_miss_neighbours && query.sight.is_some() {
@@ -83,7 +96,7 @@ pub fn find_candidates(index: &MapIndex, query: &Query<'_>, places: &mut PlaceCo
     })
 }
 
-fn by_words(
+fn by_bow(
     index: &MapIndex,
     query: &Query<'_>,
     scores: &Scores<'_>,
@@ -97,7 +110,7 @@ fn by_words(
     best.into_iter()
         .map(|(keyframe, score)| {
             let keyframe = KeyframeSeq(keyframe);
-            Proposal { keyframe, score, by_words: true, neighbours: Vec::new() }
+            Proposal { keyframe, score, channel: Channel::Bow, neighbours: Vec::new() }
         })
         .collect()
 }

@@ -1,42 +1,68 @@
-//! "Is this keyframe a loop?": the whole funnel of §V on one screen.
+//! "Is this keyframe a loop?": §V from query to verdict, on one screen.
 //!
-//! Checks 1 to 3 need the map and run under its lock ([`screen`]); what passes them and has features waits for
-//! geometry, which needs descriptors from disk and no map ([`super::decision`]).
+//! Each step stands on a line that is marked with its name in the paper; what we add is marked with its entry in
+//! `docs/method.md`.
+
+use std::collections::BTreeSet;
 
 use super::anchor_check::{AnchorCheck, Counts};
-use super::candidates::find_candidates;
+use super::candidates::{Channel, find_candidates};
+use super::decision::{answer, verify_candidate};
 use super::evidence;
+use super::features::FeatureSet;
+use super::geometry_check::Asked;
 use super::query::Query;
-use super::screening::{CandidateStage, PreVerified, Screening};
-use crate::domain::bow::Score;
-use crate::domain::ids::KeyframeSeq;
-use crate::domain::verdict::{Candidate, CandidateDecision, ReasonCode, Verify};
-use crate::recognition::extensions::rivals::find_rivals;
-use crate::recognition::extensions::tracked_path::TrackedPath;
-use crate::recognition::extensions::witness::{loop_joins, odometry_agrees};
+use super::screening::{PreVerified, Screening};
+use crate::domain::verdict::{CandidateDecision, ReasonCode, Verdict, Verify};
+use crate::recognition::extensions::rivals::{find_rivals, settle_rivals};
+use crate::recognition::extensions::witness::bear_out;
 use crate::recognition::map::index::MapIndex;
 
-/// Runs checks 1 to 3 at this version of the map. Pure: the same arguments give the same answer.
-pub fn screen(index: &MapIndex, map_version: u64, query: &Query<'_>, verify: Verify) -> Screening {
-    let mut counts = Counts::around(index, &query.centre);
-    // Checks 1 and 2: not covisible, and alike by bag of words or by an anchor seen before.
-    let proposals = find_candidates(index, query, &mut counts.places);
-    // Check 3: the local anchor maps.
-    let anchors = AnchorCheck::new(index, query, verify, &mut counts);
-    let settings = &index.properties().settings;
+/// Decides whether a keyframe is a loop: checks 1 to 3 of §V, then geometry on the candidates that passed them and whose
+/// features are given. `seed` is that of geometry's samples. Pure: the same arguments give the same verdict, to the bit.
+///
+/// A program that shares the map between threads calls the two halves: [`screen`] needs the map, and runs under its lock;
+/// [`verify_and_decide`] needs the features alone.
+pub fn check_loop(
+    map: &MapIndex,
+    query: &Query<'_>,
+    verify: Verify,
+    features: &FeatureSet,
+    seed: u64,
+) -> Verdict {
+    /// The version that the verdict names, for programs without versions.
+    const MAP_VERSION: u64 = 0;
+    let screening = screen(map, MAP_VERSION, query, verify);
+    verify_and_decide(screening, features, seed)
+}
+
+/// Runs checks 1 to 3 at this version of the map.
+pub fn screen(map: &MapIndex, map_version: u64, query: &Query<'_>, verify: Verify) -> Screening {
+    let settings = &map.properties().settings;
+    let mut counts = Counts::around(map, &query.centre);
+    // check 1: no keyframe that is covisible with the query (`Query::excludes`)
+    // check 2: the best of each place by bag of words; and, by §III, those that show an anchor seen before
+    let proposals = find_candidates(map, query, &mut counts.places);
     let min_score = settings.candidates_min_score_ratio * proposals.reference_score;
+    // check 3, §V-A: the local anchor map around the query
+    let anchors = AnchorCheck::new(map, query, verify, &mut counts);
     let mut check = |keyframe, score| {
-        let candidate = unchecked(index, keyframe, score, proposals.reference_score)?;
-        Some(borne_out(index, query, anchors.check(keyframe, candidate, &mut counts)?))
+        let candidate = evidence::unchecked(map, keyframe, score, proposals.reference_score)?;
+        // check 3, §V-A: the local anchor map around the candidate; §V-B: Eq. (1) and Eq. (2) between the two
+        let screened = anchors.check(keyframe, candidate, &mut counts)?;
+        // M15: what odometry and confirmed loops say
+        Some(bear_out(map, query, screened))
     };
-    let candidates = (proposals.candidates.iter()).filter_map(|proposal| {
+    let candidates = proposals.candidates.iter().filter_map(|proposal| {
         let (keyframe, score) = (proposal.keyframe, proposal.score);
-        if proposal.by_words && score.value() < min_score {
-            let candidate = unchecked(index, keyframe, score, proposals.reference_score)?;
+        // check 2: no less alike than the query's own neighbours are, or a share of it (M9)
+        if proposal.channel == Channel::Bow && score.value() < min_score {
+            let candidate = evidence::unchecked(map, keyframe, score, proposals.reference_score)?;
             let reason = evidence::reason(ReasonCode::BowBelowReference, score.value(), min_score);
             return Some(PreVerified::stopped(keyframe, candidate, CandidateDecision::Rejected, reason));
         }
         let mut screened = check(keyframe, score)?;
+        // ours: keyframes around a near miss, which geometry may ask in its place
         if screened.may_be_near_miss() {
             let of_place = proposal.neighbours.iter().filter(|(other, _)| !proposals.has(*other));
             screened.add_neighbours(of_place.filter_map(|(other, score)| check(*other, *score)).collect());
@@ -44,43 +70,30 @@ pub fn screen(index: &MapIndex, map_version: u64, query: &Query<'_>, verify: Ver
         Some(screened)
     });
     let mut candidates: Vec<PreVerified> = candidates.collect();
+    // M19: other places that look the same
     if verify != Verify::Anchors && query.sight.is_some() {
-        find_rivals(index, &mut candidates, &mut counts.places);
+        find_rivals(map, &mut candidates, &mut counts.places);
     }
-    Screening::of_candidates(index, map_version, query, verify, candidates)
+    Screening::of_candidates(map, map_version, query, verify, candidates)
 }
 
-/// Adds where odometry has a candidate, and lets it agree if odometry or a confirmed loop bears it out.
-fn borne_out(index: &MapIndex, query: &Query<'_>, mut screened: PreVerified) -> PreVerified {
-    if screened.standing == CandidateStage::Stopped {
-        return screened;
-    }
-    let settings = &index.properties().settings;
-    let tracked = query.keyframe.filter(|_| settings.odometry_max_drift_share > 0.0);
-    screened.path = tracked.and_then(|query| TrackedPath::between(index, query, screened.keyframe));
-    let is_borne_out = || {
-        screened.path.is_some_and(|path| odometry_agrees(&path, &screened.compared, settings))
-            || loop_joins(index, &query.centre.covisible, screened.keyframe)
+/// Runs geometry on the candidates that passed checks 1 to 3, and decides.
+pub fn verify_and_decide(screening: Screening, features: &FeatureSet, seed: u64) -> Verdict {
+    let of_query = match screening.query {
+        Some(seq) => features.stored.get(&seq),
+        None => features.inline.as_ref(),
     };
-    if screened.standing == CandidateStage::NeedsWitness && is_borne_out() {
-        screened.standing = CandidateStage::AnchorsAgree;
-    }
-    screened
-}
-
-/// Returns a candidate before check 3; none if its keyframe was culled.
-pub(in crate::recognition) fn unchecked(
-    index: &MapIndex,
-    keyframe: KeyframeSeq,
-    score: Score,
-    reference_score: f64,
-) -> Option<Candidate> {
-    Some(Candidate {
-        keyframe: index.keyframe(keyframe)?.id.clone(),
-        decision: CandidateDecision::Loop,
-        bow: evidence::bow(score, reference_score),
-        anchors: None,
-        geometry: evidence::geometry_skipped("an earlier check decided"),
-        reason: None,
-    })
+    let asked = screening.sight.as_ref().zip(of_query.map(AsRef::as_ref)).map(Asked::new);
+    // the last step: geometric verification; and ours, the anchors under its transformation
+    let verify = |screened| verify_candidate(&screening, screened, asked.as_ref(), features, seed);
+    let mut verified: Vec<_> = screening.candidates.iter().map(verify).collect();
+    // M19: geometry proves a view, not a place
+    settle_rivals(&screening.candidates, &mut verified, &screening.settings);
+    let mut candidates: Vec<_> = verified.into_iter().map(|one| one.candidate).collect();
+    // One keyframe may stand in for two places that it is covisible with.
+    let mut known = BTreeSet::new();
+    candidates.retain(|candidate| known.insert(candidate.keyframe.clone()));
+    candidates.sort_by(evidence::best_first);
+    // the answer: a loop if one candidate is left that all checks let pass
+    answer(&screening, candidates)
 }

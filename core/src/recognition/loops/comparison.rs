@@ -8,7 +8,8 @@
 use std::collections::BTreeSet;
 
 use super::anchor_map::{LocalAnchor, LocalAnchorMap, LocalName};
-use super::assignment::assign;
+use super::equation_1::{same_relative_place, similar, x};
+use super::equation_2::{self, summed_pairs, total};
 use crate::domain::anchor::AnchorState;
 use crate::domain::ids::{KeyframeSeq, SessionSeq};
 use crate::domain::settings::Settings;
@@ -17,7 +18,7 @@ use crate::recognition::extensions::dispute::disputed;
 use crate::recognition::extensions::passage::is_sure;
 use crate::recognition::extensions::sighting::Sighting;
 use crate::recognition::map::index::{MapIndex, TextIndex};
-use crate::semantics::{self, Source};
+use crate::semantics::Source;
 
 /// What an inline keyframe sees is held against stored anchors by its place alone.
 static NO_KEYFRAMES: BTreeSet<KeyframeSeq> = BTreeSet::new();
@@ -133,7 +134,8 @@ pub fn compare<'a>(
     let total_weight = total(of_query.iter().chain(&of_candidate).map(|anchor| anchor.weight));
     let pending = query.pending() + candidate.pending();
     let agreeing_weight = total(matches.iter().map(Matched::weight));
-    let similarity = equation_2(agreeing_weight, total_weight);
+    // Eq. (2)
+    let similarity = equation_2::similarity(agreeing_weight, total_weight);
     let unmatched_of_query = unmatched(&of_query, &of_candidate, texts, settings);
     let unmatched_of_candidate = unmatched(&of_candidate, &of_query, texts, settings);
     let contradictions = if settings.contradiction_veto {
@@ -161,16 +163,6 @@ pub fn compare<'a>(
     }
 }
 
-/// The sum of some weights. (`Iterator::sum` of no floats is -0, which a reader would be shown.)
-fn total(weights: impl Iterator<Item = f64>) -> f64 {
-    weights.fold(0.0, |sum, weight| sum + weight)
-}
-
-/// Eq. (2): the summed weight of matching pairs over the weight of all anchors of both maps.
-pub(in crate::recognition) fn equation_2(matching_weight: f64, total_weight: f64) -> f64 {
-    if total_weight > 0.0 { matching_weight / total_weight } else { 0.0 }
-}
-
 /// What deciding on a pair needs.
 struct Matcher<'m> {
     index: &'m MapIndex,
@@ -190,13 +182,15 @@ impl Matcher<'_> {
     ) -> Vec<Matched<'a>> {
         let x = |i: usize, j: usize| self.matched(of_query[i], of_candidate[j]);
         let weight = |i, j| x(i, j).map(|pair: Matched<'_>| pair.weight());
-        let pairs = pairs(of_query.len(), of_candidate.len(), self.settings, &weight);
+        let pairs = summed_pairs(of_query.len(), of_candidate.len(), self.settings, &weight);
         pairs.into_iter().filter_map(|(i, j)| x(i, j)).collect()
     }
 
-    /// Eq. (1): x(i, j) = 1 if A_i and A_j have similar descriptions and the same relative place.
+    /// Returns the pair where x(i, j) = 1.
     fn matched<'a>(&self, query: &'a LocalAnchor, candidate: &'a LocalAnchor) -> Option<Matched<'a>> {
-        if same_relative_place(query, candidate, self.settings) { self.alike(query, candidate) } else { None }
+        // Eq. (1)
+        let judged = x(query, candidate, self.index.texts(), self.settings)?;
+        Some(self.pair(query, candidate, judged))
     }
 
     /// The pairs of similar descriptions at different relative places that hang nowhere else.
@@ -217,12 +211,22 @@ impl Matcher<'_> {
             .collect()
     }
 
+    /// Returns the pair where the two descriptions are similar, wherever they stand.
     fn alike<'a>(&self, query: &'a LocalAnchor, candidate: &'a LocalAnchor) -> Option<Matched<'a>> {
-        let (level, source) = similar(query, candidate, self.index.texts(), self.settings)?;
+        let judged = similar(query, candidate, self.index.texts(), self.settings)?;
+        Some(self.pair(query, candidate, judged))
+    }
+
+    fn pair<'a>(
+        &self,
+        query: &'a LocalAnchor,
+        candidate: &'a LocalAnchor,
+        (level, source): (u8, Source),
+    ) -> Matched<'a> {
         let places = self.places_if_one(query, candidate);
         let [of_query, of_candidate] = &self.disputed;
         let is_disputed = of_query.contains(&query.name) || of_candidate.contains(&candidate.name);
-        Some(Matched { query, candidate, level, source, places, is_disputed })
+        Matched { query, candidate, level, source, places, is_disputed }
     }
 
     /// In how many places what two anchors show hangs, were the two one object: one place fewer than counted, if the
@@ -247,34 +251,6 @@ impl Matcher<'_> {
     }
 }
 
-/// |theta_i - theta_j| < pi/3 and |d_i - d_j| < 1, strictly; the angle alone where a distance was assumed.
-pub(in crate::recognition) fn same_relative_place(
-    a: &LocalAnchor,
-    b: &LocalAnchor,
-    settings: &Settings,
-) -> bool {
-    (!a.is_measured_with(b)
-        || a.bearing.distance_difference_m(&b.bearing) < settings.anchor_map_max_distance_difference_m)
-        && a.bearing.angle_difference_rad(&b.bearing) < settings.anchor_map_max_angle_difference_rad
-}
-
-/// SimilarityLevel of two valid anchors of one class, if it is high enough.
-pub(in crate::recognition) fn similar(
-    a: &LocalAnchor,
-    b: &LocalAnchor,
-    texts: &TextIndex,
-    settings: &Settings,
-) -> Option<(u8, Source)> {
-    if a.class != b.class {
-        return None;
-    }
-    if let (Some(a), Some(b)) = (a.text_id, b.text_id) {
-        return texts.level(a, b);
-    }
-    let (level, source) = semantics::similarity_level(a.text.as_deref()?, b.text.as_deref()?);
-    (u32::from(level) >= settings.matching_min_similarity_level).then_some((level, source))
-}
-
 /// S at its best: an anchor not described yet matches any anchor of its class at the same
 /// relative place, and counts only where it does.
 fn best_case(
@@ -293,7 +269,7 @@ fn best_case(
         let fits = same_relative_place(a, b, settings);
         (fits && (wildcard || similar(a, b, texts, settings).is_some())).then_some(a.weight + b.weight)
     };
-    let pairs = pairs(of_query.len(), of_candidate.len(), settings, &weight);
+    let pairs = summed_pairs(of_query.len(), of_candidate.len(), settings, &weight);
     let agreeing_weight = total(pairs.iter().filter_map(|(i, j)| weight(*i, *j)));
     let valid = total(query.valid().chain(candidate.valid()).map(|anchor| anchor.weight));
     let described = |anchors: &[LocalAnchor], used: BTreeSet<usize>| {
@@ -306,21 +282,7 @@ fn best_case(
     };
     let described_later = described(&of_query, pairs.iter().map(|(i, _)| *i).collect())
         + described(&of_candidate, pairs.iter().map(|(_, j)| *j).collect());
-    BestCase { similarity: equation_2(agreeing_weight, valid + described_later), agreeing_weight }
-}
-
-/// The pairs that Eq. (2) sums: one-to-one by maximum weight, or, to the paper's letter, all there are.
-fn pairs(
-    rows: usize,
-    columns: usize,
-    settings: &Settings,
-    weight: &impl Fn(usize, usize) -> Option<f64>,
-) -> Vec<(usize, usize)> {
-    if settings.one_to_one {
-        return assign(rows, columns, weight);
-    }
-    let all = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
-    all.filter(|(i, j)| weight(*i, *j).is_some()).collect()
+    BestCase { similarity: equation_2::similarity(agreeing_weight, valid + described_later), agreeing_weight }
 }
 
 /// Whether an anchor takes part in Eq. (2), or may once it is described.

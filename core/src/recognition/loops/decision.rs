@@ -1,8 +1,7 @@
-//! The last step of §V and the answer: geometry on what passed the anchors, the anchors under its transformation,
-//! and the best of what is left.
+//! The last step of §V and the answer: decides on a candidate by geometry, and by the anchors under its transformation; and on
+//! the query by its candidates.
 
-use std::collections::BTreeSet;
-
+use super::equation_2;
 use super::evidence;
 use super::features::FeatureSet;
 use super::geometry_check::{Asked, Checked, check_geometry};
@@ -11,29 +10,11 @@ use crate::domain::verdict::{
     Candidate, CandidateDecision, Decision, GeometryStatus, Reason, ReasonCode, Verdict, Verify,
 };
 use crate::recognition::extensions::passage::Returning;
-use crate::recognition::extensions::rivals::{Concluded, Seen, settle_rivals};
+use crate::recognition::extensions::rivals::{Concluded, Seen};
 use crate::recognition::verification::{Failure, Status, Verification};
 
-/// Concludes a query. Pure, and without the map: the same arguments give the same answer, on any thread.
-pub fn conclude(screening: Screening, features: &FeatureSet, seed: u64) -> Verdict {
-    let of_query = match screening.query {
-        Some(seq) => features.stored.get(&seq),
-        None => features.inline.as_ref(),
-    };
-    let asked = screening.sight.as_ref().zip(of_query.map(AsRef::as_ref)).map(Asked::new);
-    let mut concluded: Vec<Concluded> = (screening.candidates.iter())
-        .map(|screened| conclude_candidate(&screening, screened, asked.as_ref(), features, seed))
-        .collect();
-    settle_rivals(&screening.candidates, &mut concluded, &screening.settings);
-    let mut candidates: Vec<Candidate> = concluded.into_iter().map(|one| one.candidate).collect();
-    // One keyframe may stand in for two places that it is covisible with.
-    let mut known = BTreeSet::new();
-    candidates.retain(|candidate| known.insert(candidate.keyframe.clone()));
-    candidates.sort_by(evidence::best_first);
-    answer(&screening, candidates)
-}
-
-fn conclude_candidate(
+/// Runs geometry on one candidate, and decides by what it found.
+pub(super) fn verify_candidate(
     screening: &Screening,
     screened: &PreVerified,
     asked: Option<&Asked<'_>>,
@@ -52,7 +33,7 @@ fn conclude_candidate(
         decide(screening, screened, checked, &mut candidate);
     }
     if is_near_miss && candidate.decision != CandidateDecision::Loop {
-        let asked = |neighbour| conclude_candidate(screening, neighbour, asked, features, seed);
+        let asked = |neighbour| verify_candidate(screening, neighbour, asked, features, seed);
         if let Some(mut found) = screened.neighbours.iter().map(asked).find(is_verified_loop) {
             found.candidate.geometry.reason = Some(evidence::stands_in(&candidate));
             return found;
@@ -237,12 +218,15 @@ fn judge_geometry(
         evidence::align(anchors, &aligned);
     }
     let contradicting: f64 = aligned.contradictions.iter().fold(0.0, |sum, pair| sum + pair.weight());
-    let min_similarity = settings.anchor_map_min_similarity;
     let agreed = screened.standing != CandidateStage::AskGeometry;
     let reason = if contradicting > aligned.agreement {
         evidence::contradicted(&aligned.contradictions, contradicting, aligned.agreement)
-    } else if agreed && aligned.similarity <= min_similarity {
-        evidence::reason(ReasonCode::AnchorsDisagreeWithTransform, aligned.similarity, min_similarity)
+    } else if agreed && !equation_2::passes(aligned.similarity, settings) {
+        evidence::reason(
+            ReasonCode::AnchorsDisagreeWithTransform,
+            aligned.similarity,
+            settings.anchor_map_min_similarity,
+        )
     } else if contradicting + aligned.displaced > aligned.agreement {
         evidence::displaced(contradicting + aligned.displaced, aligned.agreement)
     } else if let Some(places) = aligned.least_places.filter(|places| agreed && *places > 1) {
@@ -266,7 +250,8 @@ fn is_far(screening: &Screening, candidate: &Candidate) -> bool {
     lacks_all && !agrees && candidate.bow.score < least
 }
 
-fn answer(screening: &Screening, candidates: Vec<Candidate>) -> Verdict {
+/// Returns the verdict on a query whose candidates are decided, the best first.
+pub(super) fn answer(screening: &Screening, candidates: Vec<Candidate>) -> Verdict {
     let of = |decision| candidates.iter().filter(move |c: &&Candidate| c.decision == decision);
     let loops: Vec<_> = of(CandidateDecision::Loop).map(|candidate| candidate.keyframe.clone()).collect();
     let nothing_to_compare = candidates.is_empty() && screening.empty_bow;

@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use super::comparison::Comparison;
 use crate::domain::bow::Score;
 use crate::domain::counted::counted;
+use crate::domain::ids::KeyframeSeq;
 use crate::domain::settings::Settings;
 use crate::domain::verdict::{
     AnchorEvidence, BowEvidence, Candidate, CandidateDecision, ClosedLoop, ContradictionEvidence,
@@ -16,6 +17,7 @@ use crate::recognition::extensions::difference::{Differing, Ruling, relative_pla
 use crate::recognition::extensions::tracked_path::Discrepancy;
 use crate::recognition::extensions::vouching::Voucher;
 use crate::recognition::extensions::worst_case::WorstCase;
+use crate::recognition::map::index::MapIndex;
 use crate::recognition::verification::{Failure, Status, Verification};
 
 /// Loops first, then undecided, then rejected; each by inliers, then S, then score, then the smallest id (M36).
@@ -302,4 +304,21 @@ pub(in crate::recognition) fn no_candidates(empty_bow: bool) -> Reason {
         )
     };
     Reason { code, measured: None, limit: None, detail: detail.to_owned() }
+}
+
+/// Returns a candidate before check 3; none if its keyframe was culled.
+pub(in crate::recognition) fn unchecked(
+    index: &MapIndex,
+    keyframe: KeyframeSeq,
+    score: Score,
+    reference_score: f64,
+) -> Option<Candidate> {
+    Some(Candidate {
+        keyframe: index.keyframe(keyframe)?.id.clone(),
+        decision: CandidateDecision::Loop,
+        bow: bow(score, reference_score),
+        anchors: None,
+        geometry: geometry_skipped("an earlier check decided"),
+        reason: None,
+    })
 }

@@ -3,7 +3,8 @@
 //! It explains a verdict and decides nothing. So only the heaviest anchors are looked at, which are the nearest ones.
 
 use super::anchor_map::LocalAnchorMap;
-use super::comparison::{Comparison, similar};
+use super::comparison::Comparison;
+use super::equation_1::similar;
 use crate::domain::settings::Settings;
 use crate::recognition::extensions::difference::{EXPLAINED_MAX, Placement, relative_placement};
 use crate::recognition::map::index::TextIndex;

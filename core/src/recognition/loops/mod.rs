@@ -7,6 +7,8 @@ pub mod candidates;
 pub mod check_loop;
 pub mod comparison;
 pub mod decision;
+pub mod equation_1;
+pub mod equation_2;
 pub mod evidence;
 pub mod features;
 pub mod geometry_check;
