@@ -1538,6 +1538,10 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     """§IV-C.2: two anchors match when their descriptions' SimilarityLevel is no smaller"""
     candidates_max: int | None = None
     """§V, check 2: how many places each channel brings; a place is the best keyframe of a covisible group"""
+    candidates_min_gap_s: float | None = None
+    """ours: a keyframe of the query's session taken less than this long before or after it, by their
+    clock, is no candidate, in seconds; 0 excludes none
+    """
     anchor_map_max_angle_difference_rad: float | None = None
     """§V-B: matching anchors differ by less than this in bearing, in radians"""
     anchor_map_max_distance_difference_m: float | None = None

@@ -135,6 +135,8 @@ settings! {
         "two anchors match when their descriptions' SimilarityLevel is no smaller";
     candidates_max: u32 = Count { 20, 1, 1000, "1" }, Paper("§V, check 2"),
         "how many places each channel brings; a place is the best keyframe of a covisible group";
+    candidates_min_gap_s: f64 = Number { 0.0, 0.0, 1e9, "s" }, Ours,
+        "a keyframe of the query's session taken less than this long before or after it, by their clock, is no candidate, in seconds; 0 excludes none";
     anchor_map_max_angle_difference_rad: f64 = Number { FRAC_PI_3, 0.0, 4.0, "rad" }, Paper("§V-B"),
         "matching anchors differ by less than this in bearing, in radians";
     anchor_map_max_distance_difference_m: f64 = Number { 1.0, 0.0, 1000.0, "m" }, Paper("§V-B"),

@@ -104,7 +104,7 @@ fn by_bow(
 ) -> Vec<Proposal> {
     let limits =
         PlaceLimits { places_max: index.properties().settings.candidates_max as usize, min_score: 0.0 };
-    let excluded = |keyframe| query.excludes(KeyframeSeq(keyframe));
+    let excluded = |keyframe| is_excluded(index, query, KeyframeSeq(keyframe));
     let near = |keyframe| neighbours(index, keyframe);
     let best = best_places(scores, limits, excluded, by_id(index), near, scratch);
     best.into_iter()
@@ -126,7 +126,7 @@ fn by_anchors(
 ) -> Vec<KeyframeSeq> {
     let mut votes: BTreeMap<KeyframeSeq, f64> = BTreeMap::new();
     let mut vote = |keyframes: BTreeSet<KeyframeSeq>, places: usize| {
-        for keyframe in keyframes.into_iter().filter(|keyframe| !query.excludes(*keyframe)) {
+        for keyframe in keyframes.into_iter().filter(|keyframe| !is_excluded(index, query, *keyframe)) {
             *votes.entry(keyframe).or_default() += 1.0 / places as f64;
         }
     };
@@ -192,7 +192,7 @@ fn best_neighbours(
     candidate: KeyframeSeq,
     scores: &Scores<'_>,
 ) -> Vec<(KeyframeSeq, Score)> {
-    let near = index.covisibility().neighbours(candidate).filter(|other| !query.excludes(*other));
+    let near = index.covisibility().neighbours(candidate).filter(|other| !is_excluded(index, query, *other));
     let scored = near.map(|other| (other, scores.get(other.0)));
     let mut scored: Vec<_> = scored.filter(|(_, score)| score.units() > 0).collect();
     let best_first = |a: &(KeyframeSeq, Score), b: &(KeyframeSeq, Score)| {
@@ -205,6 +205,11 @@ fn best_neighbours(
     }
     scored.sort_by(best_first);
     scored
+}
+
+/// Whether a keyframe is no candidate: covisible with the query (check 1), or too recent (M53).
+fn is_excluded(index: &MapIndex, query: &Query<'_>, keyframe: KeyframeSeq) -> bool {
+    query.excludes(keyframe) || query.is_too_recent(index, keyframe)
 }
 
 /// The numbers of the keyframes covisible with one.

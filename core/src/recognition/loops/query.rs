@@ -6,7 +6,7 @@ use super::anchor_map::{Centre, inline_centre};
 use super::geometry_snapshot::GeometrySnapshot;
 use crate::domain::bow::BowVector;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
-use crate::domain::keyframe::NewKeyframe;
+use crate::domain::keyframe::{NewKeyframe, Stamp};
 use crate::domain::roles::Roles;
 use crate::recognition::map::index::{MapIndex, TextId};
 
@@ -17,6 +17,8 @@ pub struct Query<'a> {
     pub keyframe: Option<KeyframeSeq>,
     /// Its bag of words.
     pub bow: &'a BowVector,
+    /// The moment at which its image was taken.
+    pub stamp: Stamp,
     /// What its local anchor map is built around.
     pub centre: Centre,
     /// The objects it sees, ascending.
@@ -31,8 +33,9 @@ impl<'a> Query<'a> {
     /// About a keyframe of the map, with its bag of words from the store.
     pub fn stored(index: &MapIndex, keyframe: KeyframeSeq, bow: &'a BowVector) -> Option<Self> {
         let centre = Centre::stored(index, keyframe)?;
+        let stamp = index.keyframe(keyframe)?.stamp;
         let (seen, sight) = (index.objects_seen_by(keyframe), GeometrySnapshot::stored(index, keyframe));
-        Some(Self { keyframe: Some(keyframe), bow, centre, seen, sight, roles: Roles::default() })
+        Some(Self { keyframe: Some(keyframe), bow, stamp, centre, seen, sight, roles: Roles::default() })
     }
 
     /// About a keyframe that is not stored, as if it had just arrived.
@@ -42,6 +45,7 @@ impl<'a> Query<'a> {
         Self {
             keyframe: None,
             bow: &keyframe.bow,
+            stamp: keyframe.stamp,
             centre,
             seen,
             sight: GeometrySnapshot::inline(index, keyframe),
@@ -57,6 +61,15 @@ impl<'a> Query<'a> {
     /// Is this keyframe covisible with the query, or the query itself (§V, check 1)?
     pub fn excludes(&self, keyframe: KeyframeSeq) -> bool {
         self.centre.covisible.contains(&keyframe)
+    }
+
+    /// Whether a keyframe of the query's session was taken too short a time before or after it (M53).
+    pub fn is_too_recent(&self, index: &MapIndex, keyframe: KeyframeSeq) -> bool {
+        let gap_s = index.properties().settings.candidates_min_gap_s;
+        gap_s > 0.0
+            && index.keyframe(keyframe).is_some_and(|other| {
+                Some(other.session) == self.centre.session && gap_between_s(other.stamp, self.stamp) < gap_s
+            })
     }
 
     /// Is this keyframe the query itself, or covisible with it for another reason than a confirmed loop? A loop
@@ -85,6 +98,13 @@ impl<'a> Query<'a> {
             .flat_map(|(class, text)| index.texts().matching_text(class, text))
             .collect()
     }
+}
+
+/// Returns the time between two stamps, in seconds.
+fn gap_between_s(a: Stamp, b: Stamp) -> f64 {
+    // Seconds of two epochs may be far apart; as floats they cannot overflow.
+    let whole_s = a.sec as f64 - b.sec as f64;
+    (whole_s + (f64::from(a.nanosec) - f64::from(b.nanosec)) * 1e-9).abs()
 }
 
 /// The keyframes an inline keyframe would be covisible with.
