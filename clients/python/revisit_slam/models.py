@@ -196,6 +196,10 @@ class ReasonCode(OpenEnum):
 
     NO_CANDIDATES = "no_candidates"
     """No keyframe shares a word with the query, and none sees an anchor that it sees (rejects)."""
+    TOO_RECENT = "too_recent"
+    """Keyframes taken less than `limit` s before or after the query are no candidates in this map,
+    `measured` of them here, and no other one shares a word or an anchor with it (rejects).
+    """
     ALREADY_CLOSED = "already_closed"
     """The loop was confirmed before, and no other keyframe is one (rejects)."""
     EMPTY_BOW = "empty_bow"

@@ -72,6 +72,9 @@ named! {
     ReasonCode: ReasonWords {
         /// No keyframe shares a word with the query, and none sees an anchor that it sees.
         NoCandidates = "no_candidates", row("nothing alike", Rejects, Query);
+        /// Keyframes taken less than {limit} s before or after the query are no candidates in this map, {measured} of them here,
+        /// and no other one shares a word or an anchor with it.
+        TooRecent = "too_recent", row("all too recent", Rejects, Query);
         /// The loop was confirmed before, and no other keyframe is one.
         AlreadyClosed = "already_closed", row("loop closed already", Rejects, Query);
         /// The query has no words (a blank wall?), and no anchor proposes a candidate.

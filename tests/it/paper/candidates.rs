@@ -244,15 +244,18 @@ async fn the_best_loop_has_the_largest_s_then_the_best_score_then_the_smallest_i
 
 #[tokio::test]
 async fn a_keyframe_of_the_session_taken_just_before_is_no_candidate_where_the_map_says_so() {
-    let check = async |what: &str, gap_s: f64, session: &str, candidates: &[&str]| {
+    let check = async |what: &str, gap_s: f64, session: &str, candidates: &[&str], reason: Value| {
         let scene = Scene::with(json!({"candidates_min_gap_s": gap_s})).await;
         scene.put("kf-1", keyframe().stamp(100).session("today")).await;
         scene.put("kf-2", keyframe().stamp(130).session(session)).await;
-        assert_eq!(texts(&scene.ask("kf-2").await["candidates"], "keyframe"), candidates, "{what}");
+        let answer = scene.ask("kf-2").await;
+        assert_eq!(texts(&answer["candidates"], "keyframe"), candidates, "{what}");
+        let got = |member: &str| answer["reason"][member].clone();
+        assert_eq!(json!([got("code"), got("measured"), got("limit")]), reason, "{what}");
     };
-    let session = "today";
-    check("off by default", 0.0, session, &["kf-1"]).await;
-    check("30 s before, where 30 s suffice", 30.0, session, &["kf-1"]).await;
-    check("30 s before, where more is asked for", 30.5, session, &[]).await;
-    check("by another session's clock", 30.5, "other-day", &["kf-1"]).await;
+    let (session, none) = ("today", || json!([null, null, null]));
+    check("off by default", 0.0, session, &["kf-1"], none()).await;
+    check("30 s before, where 30 s suffice", 30.0, session, &["kf-1"], none()).await;
+    check("30 s before, where more is asked for", 30.5, session, &[], json!(["too_recent", 1.0, 30.5])).await;
+    check("by another session's clock", 30.5, "other-day", &["kf-1"], none()).await;
 }

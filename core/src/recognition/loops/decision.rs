@@ -266,6 +266,8 @@ pub(super) fn answer(screening: &Screening, candidates: Vec<Candidate>) -> Verdi
     };
     let reason = if decision == Decision::NoLoop && !screening.closed.is_empty() {
         Some(evidence::already_closed(&screening.closed))
+    } else if candidates.is_empty() && screening.too_recent > 0 && !screening.empty_bow {
+        Some(evidence::too_recent(screening.too_recent, screening.settings.candidates_min_gap_s))
     } else {
         candidates.is_empty().then(|| evidence::no_candidates(screening.empty_bow))
     };

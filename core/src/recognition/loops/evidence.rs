@@ -306,6 +306,19 @@ pub(in crate::recognition) fn no_candidates(empty_bow: bool) -> Reason {
     Reason { code, measured: None, limit: None, detail: detail.to_owned() }
 }
 
+/// Returns the reason of a query that has no candidate, and for which this many keyframes were too recent (M53).
+pub(in crate::recognition) fn too_recent(keyframes: usize, gap_s: f64) -> Reason {
+    Reason {
+        code: ReasonCode::TooRecent,
+        measured: Some(keyframes as f64),
+        limit: Some(gap_s),
+        detail: format!(
+            "{} of its session, taken less than {gap_s} s before or after it, left out; nothing else is alike",
+            counted(keyframes, "keyframe")
+        ),
+    }
+}
+
 /// Returns a candidate before check 3; none if its keyframe was culled.
 pub(in crate::recognition) fn unchecked(
     index: &MapIndex,

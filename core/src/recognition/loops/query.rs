@@ -72,6 +72,15 @@ impl<'a> Query<'a> {
             })
     }
 
+    /// Returns how many keyframes, not covisible with the query, are too recent to be candidates (M53).
+    pub fn too_recent(&self, index: &MapIndex) -> usize {
+        if index.properties().settings.candidates_min_gap_s <= 0.0 {
+            return 0;
+        }
+        let seqs = index.keyframes().map(|keyframe| keyframe.seq);
+        seqs.filter(|seq| !self.excludes(*seq) && self.is_too_recent(index, *seq)).count()
+    }
+
     /// Is this keyframe the query itself, or covisible with it for another reason than a confirmed loop? A loop
     /// joins two passages and does not make them one.
     pub fn passes_with(&self, index: &MapIndex, keyframe: KeyframeSeq) -> bool {

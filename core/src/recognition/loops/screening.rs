@@ -166,6 +166,8 @@ pub struct Screening {
     pub empty_bow: bool,
     /// The number of keyframes left out as covisible.
     pub excluded_covisible: usize,
+    /// The number of other keyframes left out as too recent (M53), counted where there is no candidate.
+    pub too_recent: usize,
     /// The query's loops that are confirmed already, by id.
     pub closed: Vec<ClosedLoop>,
     /// Did the built-in judge stand in for a model that is away, about any candidate?
@@ -198,6 +200,7 @@ impl Screening {
             verify,
             empty_bow: query.bow.is_empty(),
             excluded_covisible: query.covisible().count(),
+            too_recent: if candidates.is_empty() { query.too_recent(index) } else { 0 },
             closed: closed_loops(index, query),
             degraded: candidates.iter().any(|candidate| candidate.is_degraded),
             twins: if settings.twin_guard { index.twins().count() } else { 0 },
