@@ -9,7 +9,7 @@ use crate::integrity::check::{Checked, check};
 use crate::integrity::map_check::MapCheck;
 use crate::store::files::paths::DatabaseFiles;
 
-/// At most so many faults are listed for a person; `--json` has them all.
+/// Maximum faults listed as text; `--json` has them all.
 const LISTED: usize = 20;
 
 /// Look whether a database is whole, and every map in it holds the law.

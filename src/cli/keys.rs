@@ -58,7 +58,7 @@ struct CreateArgs {
     /// The maps that exist for it, separated by commas; * stands for any characters
     #[arg(long, value_delimiter = ',', default_value = "*")]
     maps: Vec<MapPattern>,
-    /// It expires after so many days
+    /// Days until it expires
     #[arg(long, value_name = "DAYS", value_parser = clap::value_parser!(u32).range(1..=36_500))]
     expires_in_days: Option<u32>,
     /// Requests a second

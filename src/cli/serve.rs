@@ -42,7 +42,7 @@ pub struct ServeArgs {
     /// A folder for the backups that clients ask for (POST /v1/backups); without it they are refused
     #[arg(long, env = "REVISIT_BACKUPS", value_name = "DIR")]
     backups: Option<PathBuf>,
-    /// So many of them are kept; the oldest make room
+    /// Number of backups to keep; the oldest are deleted first
     #[arg(long, env = "REVISIT_BACKUPS_KEPT", value_name = "N", default_value_t = 7,
         value_parser = clap::value_parser!(u16).range(1..=1000))]
     backups_kept: u16,

@@ -125,7 +125,7 @@ pub struct ModelArgs {
     /// The first pause before a call is tried again, in milliseconds; it doubles, and `retry-after` wins
     #[arg(long, env = "REVISIT_MODEL_RETRY_DELAY_MS", value_name = "MS", default_value_t = 500)]
     pub model_retry_delay_ms: u64,
-    /// After so many failures in a row a model counts as away
+    /// Consecutive failures after which a model counts as unavailable
     #[arg(long, env = "REVISIT_MODEL_BREAKER_FAILURES", value_name = "N", default_value_t = 5,
         value_parser = clap::value_parser!(u32).range(1..))]
     pub model_breaker_failures: u32,

@@ -9,7 +9,7 @@ use super::building::floor_plan::{CORRIDOR_HALF_WIDTH_M, FloorPlan};
 use super::rng::SeededRng;
 use super::sensing::camera::Stand;
 
-/// A keyframe after at most so many metres.
+/// Maximum metres between keyframes.
 pub const KEYFRAME_EVERY_M: f64 = 0.6;
 /// And after at most so much of a turn.
 pub const KEYFRAME_EVERY_RAD: f64 = 18.0 / 180.0 * PI;
@@ -170,7 +170,7 @@ impl Walk<'_> {
     }
 }
 
-/// So many rooms in some order, and back to the first.
+/// Returns a number of rooms in some order, and the first again.
 pub fn some_rooms(plan: &FloorPlan, count: usize, rng: &mut SeededRng) -> Vec<usize> {
     let mut rooms: Vec<usize> = (0..plan.rooms.len()).collect();
     rng.shuffle(&mut rooms);

@@ -1,4 +1,4 @@
-//! Answer: the few forms in which success is told.
+//! Answer: the few forms of a successful response.
 
 use axum::Json;
 use axum::http::header::CONTENT_TYPE;

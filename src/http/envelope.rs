@@ -1,4 +1,4 @@
-//! Envelope: every answer carries its request's id, and every refusal, whoever refused, is a problem document.
+//! Envelope: every answer carries its request's id, and every error is a problem document.
 
 use std::any::Any;
 use std::fmt;

@@ -1,4 +1,4 @@
-//! Refusals: the error answers of operations, for the API document. Each names a set of kinds that an operation can give.
+//! Error responses of operations, for the API document. Each names a set of kinds that an operation can give.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! Pages: the viewer and the reference, embedded in the binary; they load nothing from anywhere else.
+//! Pages: the viewer and the API reference, embedded in the binary. They load nothing from elsewhere.
 
 use std::future::ready;
 

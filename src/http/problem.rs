@@ -1,4 +1,4 @@
-//! Problem: why a request is refused or failed, before the envelope writes it (`openapi/openapi.yaml`).
+//! Problem: why a request was rejected or failed, before the envelope writes it (`openapi/openapi.yaml`).
 
 use std::time::Duration;
 

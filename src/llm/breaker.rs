@@ -31,7 +31,7 @@ pub struct Admission<'a> {
 }
 
 impl Breaker {
-    /// Opens after so many failures in a row, for so long.
+    /// Creates a breaker that opens after a number of consecutive failures, for a time.
     pub fn new(failures_max: u32, pause: Duration) -> Self {
         Self { failures_max, pause, state: Mutex::default() }
     }

@@ -21,7 +21,7 @@ pub struct Prices {
 }
 
 impl Prices {
-    /// What so many tokens cost, in millionths of a dollar, rounded up.
+    /// Returns the cost of tokens, in millionths of a dollar, rounded up.
     pub fn microusd(self, input_tokens: u64, output_tokens: u64) -> i64 {
         (input_tokens as f64 * self.input_usd + output_tokens as f64 * self.output_usd).ceil() as i64
     }

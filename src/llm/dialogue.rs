@@ -21,7 +21,7 @@ const ROUNDS_OF_PLATE: usize = 3;
 /// Rounds about a picture: its motif takes more words.
 const ROUNDS_OF_PICTURE: usize = 5;
 
-/// So many answers in a row that say nothing end it.
+/// Consecutive empty answers that end a dialogue.
 const SILENT_ANSWERS_MAX: usize = 2;
 
 /// A class with one of these in its name is a picture.

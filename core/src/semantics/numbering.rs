@@ -11,7 +11,7 @@ use thiserror::Error;
 use super::identifier::Identifier;
 use super::role::Role;
 
-/// A shape is learned from so many values, each read alike in two keyframes or more.
+/// Number of values from which a shape is learned, each read alike in two keyframes or more.
 pub const LEARNED_FROM_VALUES: usize = 10;
 /// Patterns that an operator may give.
 const PATTERNS_MAX: usize = 16;

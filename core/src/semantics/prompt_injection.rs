@@ -224,7 +224,7 @@ const MARKS: &[&str] = &[
     "role:", "human:", "\\n",
 ];
 
-/// Phrases of at least so many letters are also found with their letters apart, as in "i g n o r e".
+/// Phrases of at least this many letters are also found with their letters apart, as in "i g n o r e".
 const SQUEEZED_LETTERS: usize = 8;
 
 /// Does this text speak to a model rather than of an object?

@@ -146,7 +146,7 @@ impl<'a> Node<'a> {
         self.value.as_str().or_else(|| self.expected("a string"))
     }
 
-    /// Free text of at most so many characters.
+    /// Reads free text of bounded length, in characters.
     pub fn text(&self, max_chars: usize) -> Option<String> {
         let text = self.string()?;
         if text.len() > max_chars && text.chars().nth(max_chars).is_some() {

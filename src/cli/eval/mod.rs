@@ -83,7 +83,7 @@ struct HotelArgs {
     /// Only these of the paper's sequences, as SE1-00 or SE2-05, with commas between them
     #[arg(long, value_name = "NAMES", value_delimiter = ',', conflicts_with_all = ["worlds", "world", "record"], value_parser = sequence)]
     sequences: Vec<PrintedSequence>,
-    /// So many random worlds under each kind of noise, instead of the paper's sequences; at most 1,000
+    /// Number of random worlds under each kind of noise, instead of the paper's sequences; at most 1,000
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000))]
     worlds: Option<u64>,
     /// With --worlds: those that are kept for reporting, seeds from 1,000,000 on; nothing is tuned on them
@@ -113,7 +113,7 @@ struct HotelArgs {
     /// again
     #[arg(long, value_name = "FOLDER", requires = "worlds", conflicts_with = "output")]
     resume: Option<PathBuf>,
-    /// Drive so many sequences or worlds at a time
+    /// Number of sequences or worlds to run in parallel
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u16).range(1..=64))]
     jobs: u16,
 }

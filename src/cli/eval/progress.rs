@@ -28,7 +28,7 @@ pub(super) struct Drive<'a> {
 }
 
 impl Progress {
-    /// Begins so many drives.
+    /// Begins a number of runs.
     pub fn new(drives: usize) -> Self {
         let drives = drives as u64;
         let bar = ProgressBar::new(drives * STEPS);

@@ -19,7 +19,7 @@ use crate::hotel::scoring::tables::{self, pooled_worlds};
 use crate::hotel::seeds;
 use crate::hotel::sensing::noise::NoiseKind;
 
-/// So many worlds under each kind of noise.
+/// Number of worlds under each kind of noise.
 pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result<(), Failure> {
     let kinds = &args.kinds();
     let (seeds, name) =

@@ -31,7 +31,7 @@ pub(in crate::engine) const POLL_INTERVAL: Duration = Duration::from_secs(1);
 /// A flood of wrong secrets does not become a flood of looks at the disk.
 const GLANCE_AGAIN: Duration = Duration::from_millis(100);
 
-/// So many unknown secrets wait for a look at once. One more is refused: whoever floods gains nothing by waiting.
+/// Maximum concurrent lookups of unknown secrets. Further ones are rejected, so that a flood of them cannot queue.
 const MAX_UNKNOWN_KEY_LOOKUPS: usize = 32;
 
 /// An expiry is waited for in steps of this.

@@ -1,4 +1,4 @@
-//! Gate: so many at once, and a queue before it that is bounded in number and time.
+//! A concurrency limit with a wait queue bounded in length and time.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -11,7 +11,7 @@ use crate::engine::ServiceError;
 /// Who waits longer than this has gone to a server that does not keep up.
 const MAX_QUEUE_WAIT: Duration = Duration::from_secs(5);
 
-/// Lets so many through at once.
+/// A limit on how many callers hold a permit at once.
 #[derive(Debug)]
 pub(in crate::engine) struct ConcurrencyLimit {
     turns: Arc<Semaphore>,

@@ -66,7 +66,7 @@ impl Working {
         }
     }
 
-    /// Is there room for one more, if so many are worked on at most?
+    /// Whether one more request may be admitted under this maximum.
     fn has_room(self, kind: Kind, most: usize) -> bool {
         let quarter = most / 4;
         let (all, three_quarters) = (self.all(), most - quarter);
@@ -79,7 +79,7 @@ impl Working {
 }
 
 impl LoadShedding {
-    /// At most so many from now on.
+    /// Sets the maximum of requests in flight.
     pub fn allow(&self, most: usize) {
         self.most.store(most, Ordering::Relaxed);
     }

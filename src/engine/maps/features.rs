@@ -21,7 +21,7 @@ use crate::store::{MapKey, Store, StoreError};
 /// What the cache may hold: some thousand keyframes of a thousand features.
 const CACHE_BYTES: u64 = 256 * 1024 * 1024;
 
-/// So many keyframes are read at once.
+/// Keyframes read in one statement.
 const READS_AT_ONCE: usize = 8;
 
 /// The features of keyframes, by map and number. Both are never given twice while the server runs, and a keyframe's

@@ -29,7 +29,7 @@ use crate::store::{Batch, Job, MapKey, NewKeyframeRows, PoisonFlag, Store, Store
 /// wait for one map's lock leave room for those of another.
 const READS_OF_A_MAP_PER_CORE: usize = 1;
 
-/// At most so many answers of a map's loop queries wait for the disk; what is answered meanwhile is not kept.
+/// Maximum answers of a map's loop queries that wait for the disk; further ones are not kept.
 const KEPT_UNDER_WAY_MAX: usize = 256;
 
 /// An index of a map with fewer bytes on disk is freed where it is dropped.

@@ -9,7 +9,7 @@ use crate::engine::{Service, ServiceError};
 use crate::llm::budget::{Limits, Payer};
 use crate::llm::judge::{Judge, Judged, Merged};
 
-/// An anchor shows at most so many dialogues, the newest first.
+/// Maximum dialogues that an anchor shows, the newest first.
 const TRANSCRIPTS_SHOWN: usize = 32;
 
 impl Service {

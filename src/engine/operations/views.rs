@@ -9,7 +9,7 @@ use crate::recognition::anchors::matching;
 use crate::recognition::map::index::{Description, MapIndex, MergedAnchor};
 use crate::semantics::{self, Source};
 
-/// An anchor shows at most so many of those that match it; an EXIT sign has thousands.
+/// Maximum matching anchors that an anchor shows; an EXIT sign has thousands.
 const MATCHES_SHOWN: usize = 100;
 
 /// An anchor as it stands; of a merged one, what is its own. `None` if there is no such anchor.

@@ -25,9 +25,9 @@ const COPY_BITS: f64 = 17.0;
 const SIDE_BITS: f64 = 9.0;
 /// What one image differs from the next by.
 const IMAGE_BITS: f64 = 8.0;
-/// The vocabulary is learnt from so many images, drawn apart from every world.
+/// Number of images from which the vocabulary is trained, drawn apart from every world.
 const TRAINING_IMAGES: usize = 150;
-/// And each of them shows so many corners.
+/// Number of corners in each of them.
 const TRAINING_CORNERS: usize = 80;
 /// The patterns are the same for all worlds, as corners are the same in all buildings.
 const PATTERN_SEED: u64 = 0x4f52_4220_7061_7474;

@@ -14,7 +14,7 @@ use crate::hotel::sensing::camera::Stand;
 use crate::hotel::sequence::Step;
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// After it has closed a loop, a robot collects so many keyframes before it optimises again (ORB-SLAM2: 10).
+/// Keyframes that a robot collects after a closed loop before it optimises again (ORB-SLAM2: 10).
 const CLOSING_EVERY_KEYFRAMES: usize = 10;
 /// What odometry errs by between two keyframes, as far as the pose graph is told.
 const ODOMETRY_SIGMA_M: f64 = 0.01;

@@ -6,7 +6,7 @@ use crate::geometry::{Point3, Pose, Sim3};
 use crate::hotel::sensing::sensor::Feature;
 use crate::hotel::sequence::Step;
 
-/// Keyframes that share so many map points are covisible (ORB-SLAM's covisibility graph, and the service's default).
+/// Keyframes that share at least this many map points are covisible (ORB-SLAM's covisibility graph, and the service's default).
 pub const COVISIBLE_POINTS: usize = 15;
 
 /// A robot's keyframes, poses and map points, in a frame of its own.

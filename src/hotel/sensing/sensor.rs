@@ -12,7 +12,7 @@ use crate::hotel::rng::SeededRng;
 
 /// Nothing farther off is recognised.
 pub const RANGE_M: f64 = 8.0;
-/// A feature detector fires on so many of the corners it could.
+/// Share of the corners on which a feature detector fires.
 const FOUND_SHARE: f64 = 0.85;
 /// The most features of an image; the nearest are kept.
 const FEATURES_MAX: usize = 400;
@@ -34,7 +34,7 @@ pub const OCTAVE_FACTOR: f64 = 1.2;
 const ANGLE_SIGMA_DEG: f64 = 4.0;
 /// Signs are found up to this far from their normal.
 const SIGN_MAX_OBLIQUITY_RAD: f64 = 1.25;
-/// A sign needs so many of its points among the features.
+/// Number of a sign's points that must be among the features.
 const SIGN_POINTS_MIN: usize = 3;
 /// The corners of a box scatter so much, in pixels.
 const BOX_SIGMA_PX: f64 = 1.5;

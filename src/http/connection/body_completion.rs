@@ -1,4 +1,4 @@
-//! Watched: an answer's body that tells when the last of it has left.
+//! Body completion: an answer body that reports when its last byte has been sent.
 
 use std::pin::Pin;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Seats: one for each connection, and who gives way when all are taken.
+//! Connection limit: evicts the longest-idle connection when all slots are in use.
 //!
 //! A connection either waits (for its client's first or next request) or works on one. When every seat is taken, a new
 //! connection gets that of the one that has waited longest: a client that has opened connections and says nothing cannot
@@ -58,7 +58,7 @@ pub enum Phase {
 }
 
 impl ConnectionSlots {
-    /// So many.
+    /// Creates a limiter with `count` slots.
     pub fn new(count: usize) -> Arc<Self> {
         Arc::new(Self {
             free: Arc::new(Semaphore::new(count.min(Semaphore::MAX_PERMITS))),

@@ -1,4 +1,4 @@
-//! Patient: how long a connection waits for its client.
+//! I/O timeouts: how long a connection waits for its client.
 //!
 //! hyper's own timer for heads also runs while a connection is idle, and it has none for answers that nobody takes. So
 //! the stream tells the seat what it hears and says, and is timed itself where it writes.

@@ -1,4 +1,4 @@
-//! Paced: a request's body that has to arrive at a least rate, on the average, and without long pauses.
+//! Minimum body rate: a request body must arrive at a minimum average rate, and without long pauses.
 //!
 //! Only the time in which the server waits for its client is counted: one that sends faster than its lines can be stored
 //! is not held to anything. A gigabyte over a slow link may take its hours; a byte now and then may not.

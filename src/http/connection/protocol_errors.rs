@@ -1,4 +1,4 @@
-//! Unheard: what hyper answers by itself when a request's head is no HTTP or too large, told as a problem like all others.
+//! Protocol errors: hyper's own answers to malformed or oversized heads, rewritten as problem documents.
 //!
 //! hyper has no hook for it: it writes a bare 400, 414 or 431 and closes. But those are the only bytes it writes when
 //! every request that it delivered is answered and every answer is written out, and so they can be told from all others

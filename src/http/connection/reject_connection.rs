@@ -1,4 +1,4 @@
-//! Refused: what a connection hears for which there is no seat.
+//! Rejects a connection for which there is no slot, with a problem document.
 
 use std::time::Duration;
 

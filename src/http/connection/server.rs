@@ -1,4 +1,4 @@
-//! Server: accepts connections until it is told to stop, then finishes what is in flight.
+//! Server: accepts connections until shutdown begins, then finishes requests in flight.
 //!
 //! `axum::serve` waits for ever: for half a head, for a body, for an answer to be taken. Here each of these has its time
 //! ([`super::io_timeout`], [`super::min_rate_body`]), and connections have their number ([`super::connection_limit`]).
@@ -53,9 +53,9 @@ const LAST_REQUESTS: Duration = Duration::from_secs(1);
 const HEAD_BYTES: usize = 64 << 10;
 /// After a failed accept (no file descriptors are left, mostly) the next try waits so long, and twice as long each time.
 const ACCEPT_AGAIN: [Duration; 2] = [Duration::from_millis(20), Duration::from_secs(1)];
-/// At most so many connections are being told at once that there is no seat; more are closed without a word.
+/// Maximum connections that are answered at once that all slots are in use. Further ones are closed without an answer.
 const REFUSALS_AT_ONCE: usize = 64;
-/// The log tells of connections without a seat no more often.
+/// Maximum log lines a minute about rejected connections.
 const COMPLAINTS_PER_MINUTE: NonZeroU32 = NonZeroU32::new(6).unwrap();
 
 /// Serves until `stopping` is cancelled and what is in flight is finished, or has had its time.

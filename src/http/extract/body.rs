@@ -1,4 +1,4 @@
-//! Body: a request's bytes become what they mean, within bounds and off the async threads where they are many.
+//! Body: decodes a request's bytes within bounds, and large ones off the async threads.
 
 use std::error::Error;
 use std::io;

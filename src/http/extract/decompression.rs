@@ -1,4 +1,4 @@
-//! Inflate: a compressed body becomes its text, or is found to be a bomb before it takes memory.
+//! Decompression: inflates a compressed body, and rejects a decompression bomb before it takes memory.
 //!
 //! A whole body is inflated twice: once to see how much it is, keeping nothing, and once for good. A stream of lines is
 //! inflated as it goes. What a few bytes may become is bounded ([`crate::http::guards::body_memory::becomes_at_most`]), and so is the
@@ -24,7 +24,7 @@ use crate::http::problem::{Kind, Problem};
 const ZSTD_WINDOW_LOG_MAX: u32 = 23;
 /// What a zstd stream holds while it is read.
 const ZSTD_STREAM_BYTES: usize = (1 << ZSTD_WINDOW_LOG_MAX) + (512 << 10);
-/// A body is looked at in pieces of so many bytes.
+/// Size of the pieces in which a body is measured, in bytes.
 const PIECE_BYTES: usize = 32 << 10;
 
 /// How a body is compressed.

@@ -1,4 +1,4 @@
-//! Query: the parameters after the question mark, checked all at once; one that nobody knows is told, not passed over.
+//! Query: the query parameters, checked all at once. An unknown parameter is an error.
 
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;

@@ -1,4 +1,4 @@
-//! Admission: who is worked for, and who is told at once to come back.
+//! Admission: admits a request, or rejects it at once as overloaded.
 //!
 //! What is left out first is told in [`crate::engine::limits::load_shedding`]. A request that is refused is answered without its body,
 //! of which [`crate::http::connection::unread`] takes care.

@@ -1,4 +1,4 @@
-//! BodyMemory: how much of it large bodies may take together, while they are received and read.
+//! Body memory: a bound on the memory that large request bodies take together.
 //!
 //! One body is bounded by [`limits::BODY_BYTES`], but what it becomes is larger, and many may come at once. So a large
 //! one asks for memory before it takes any, and is refused where others have it. Small ones are not counted: their
@@ -12,14 +12,14 @@ use crate::api::decoding::json_footprint::JsonFootprint;
 use crate::api::limits;
 use crate::http::problem::Problem;
 
-/// Counted in units of so many bytes.
+/// Unit in which memory is counted, in bytes.
 const UNIT: usize = 1 << 10;
 
 /// The memory that large bodies share.
 #[derive(Clone, Debug)]
 pub struct BodyMemory {
     free: Arc<Semaphore>,
-    /// At most so many large bodies are read into what they mean at once; each keeps a core busy.
+    /// Permits to decode a large body; each keeps a core busy.
     readers: Arc<Semaphore>,
 }
 
@@ -28,14 +28,14 @@ pub struct BodyMemory {
 pub struct HeldMemory(Option<OwnedSemaphorePermit>);
 
 impl BodyMemory {
-    /// So many MiB.
+    /// Creates a shared memory of this many MiB.
     pub fn new(mebibytes: usize) -> Self {
         let units = mebibytes.saturating_mul((1 << 20) / UNIT).min(Semaphore::MAX_PERMITS);
         let cores = std::thread::available_parallelism().map_or(2, usize::from);
         Self { free: Arc::new(Semaphore::new(units)), readers: Arc::new(Semaphore::new(cores)) }
     }
 
-    /// Takes more for a body, if there is any.
+    /// Takes more memory for a body, or fails if none is left.
     pub fn take(&self, held: &mut HeldMemory, bytes: usize) -> Result<(), Problem> {
         let units = u32::try_from(bytes.div_ceil(UNIT)).unwrap_or(u32::MAX);
         let Ok(permit) = self.free.clone().try_acquire_many_owned(units) else {
@@ -48,18 +48,18 @@ impl BodyMemory {
         Ok(())
     }
 
-    /// Waits for a turn to read a large body.
+    /// Waits for a permit to decode a large body.
     pub async fn turn(&self) -> Option<OwnedSemaphorePermit> {
         self.readers.clone().acquire_owned().await.ok()
     }
 }
 
-/// What a body may become that took so many bytes on the wire, in bytes of memory.
+/// Returns the maximum size that a compressed body may inflate to, in bytes.
 pub fn becomes_at_most(compressed: usize) -> usize {
     limits::INFLATED_FREE_BYTES.saturating_add(compressed.saturating_mul(limits::INFLATED_FOLD))
 }
 
-/// What the values of a body take in memory beside its text.
+/// Returns the memory of a decoded body beside its text, in bytes.
 pub fn tree_bytes(survey: JsonFootprint) -> usize {
     /// A value, and what a list keeps free for its growth.
     const VALUE: usize = 96;

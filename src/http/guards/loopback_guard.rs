@@ -1,4 +1,4 @@
-//! This machine: where nobody shows a key, only its own programs may ask, and no web page from elsewhere.
+//! Loopback guard: without keys, admits only programs of this machine, and no web page from elsewhere.
 //!
 //! A browser is a program of this machine that does what pages tell it. A page from elsewhere can make its own name lead
 //! here (DNS rebinding); then the browser still tells that name. And it can send to the address itself without being

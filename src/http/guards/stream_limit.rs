@@ -1,4 +1,4 @@
-//! Streams: how many answers without an end are under way, and whose.
+//! Stream limit: bounds open event streams, for each key and in all.
 //!
 //! A stream of events keeps its connection at work for as long as its client likes, so that it gives way to nobody. One
 //! key must not take every seat that way.
@@ -27,7 +27,7 @@ pub struct Listening {
 }
 
 impl StreamLimit {
-    /// So many for each key, and for all of them together.
+    /// Creates a limit for each key, and one for all of them together.
     pub fn new((most, most_in_all): (usize, usize)) -> Arc<Self> {
         Arc::new(Self { most, most_in_all, open: Mutex::default() })
     }

@@ -1,4 +1,4 @@
-//! Metrics: what `/metrics` tells Prometheus.
+//! Counters: requests, latencies and verdicts for Prometheus.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};

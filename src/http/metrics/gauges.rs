@@ -1,4 +1,4 @@
-//! Gauges: the figures of `/metrics` that are read when somebody asks, each a line of one table.
+//! Gauges: figures of `/metrics` that are read on request, each a row of one table.
 
 use super::process::Process;
 use crate::engine::Stats;

@@ -1,4 +1,4 @@
-//! Process: what Linux tells about this one. Elsewhere nothing is told.
+//! Process: memory and files of this process, as Linux reports them. Other systems report nothing.
 
 use std::fs;
 

@@ -1,4 +1,4 @@
-//! Traffic: what was refused because of too much, and how much there is, for `/metrics`.
+//! Load shedding in figures: rejected requests and connections, and those in flight.
 
 use std::sync::atomic::AtomicU64;
 

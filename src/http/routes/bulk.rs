@@ -63,7 +63,7 @@ pub async fn put_keyframes(
     Ok(answer.into_response())
 }
 
-/// So many lines of one request may wait for the disk at once: enough to share its syncs, and few beside those of others.
+/// Maximum lines of one request that wait for the disk at once: enough to share its syncs, and few beside those of others.
 const UNDER_WAY_MAX: usize = 128;
 
 /// Lines of one request, blank ones counted: a few bytes can hold a billion of them.

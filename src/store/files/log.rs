@@ -82,7 +82,7 @@ fn compare(index: Option<&Index>, log: Option<&Log>) -> LogFindings {
 struct Index {
     salts: [u8; 8],
     last_frame: u32,
-    /// So many of the frames are synced in the database.
+    /// Number of frames that are synced in the database.
     backfilled: u32,
 }
 

@@ -12,10 +12,10 @@ use crate::domain::judged::{CropRead, Finding, ModelVerdict};
 use crate::recognition::map::index::{MapIndex, MergedAnchor};
 use crate::recognition::map::recorder::{Decided, Recorder};
 
-/// At most so many objects that carry one text are followed up; an EXIT sign hangs at thousands of doors.
+/// Maximum anchors of one text that are followed up; an EXIT sign hangs at thousands of doors.
 const MAX_FOLLOWED: usize = 64;
 
-/// At most so many matches of one verdict are told one by one.
+/// Maximum matches of one verdict that are announced one by one.
 const MAX_MATCHES_TOLD: usize = 8;
 
 /// What a verdict changed.

@@ -11,7 +11,7 @@ use crate::domain::roles::Roles;
 use crate::recognition::map::index::{MapIndex, MergedAnchor};
 use crate::semantics::{self, Text};
 
-/// A crop replaces the one described before when its area is so many times as large.
+/// A crop replaces the one described before when its area is this many times as large.
 pub(in crate::recognition) const BETTER_CROP: f64 = 2.0;
 
 /// Something a model could give.

@@ -14,7 +14,7 @@ use crate::domain::keyframe::{Detection, NewKeyframe};
 use crate::recognition::map::index::{MapIndex, MergedAnchor};
 use crate::recognition::map::recorder::{Decided, Recorder};
 
-/// At most so many revisits of one anchor are told one by one; an EXIT sign has thousands.
+/// Maximum revisits of one anchor that are announced one by one; an EXIT sign has thousands.
 const MAX_REVISITS_TOLD: usize = 8;
 
 /// What ingest made of a keyframe.

@@ -12,7 +12,7 @@ use super::near_in_meaning::near;
 use crate::recognition::map::index::{MapIndex, TextId};
 use crate::semantics::{self, Embedding, Route};
 
-/// A text is judged with at most so many others by one measure.
+/// Maximum texts that one text is judged with by one measure.
 pub(in crate::recognition) const NEIGHBOURS_JUDGED: usize = 6;
 
 /// A class with so few texts is small enough to ask about texts that share no word: "a smiling lady", "the Mona Lisa".

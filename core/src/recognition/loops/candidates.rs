@@ -20,7 +20,7 @@ use crate::recognition::map::inverted_file::{Scores, Scratch};
 /// to nothing about which, and a thousand EXIT signs must not cost a thousand looks.
 pub(in crate::recognition) const MAX_REVISITS_PER_ANCHOR: usize = 64;
 
-/// Keyframes of a place that a near miss asks, so that a query costs no more than so many verifications a place.
+/// Maximum keyframes of a place that a near miss verifies, which bounds the cost of a query.
 pub(in crate::recognition) const NEAR_MISS_NEIGHBOURS: usize = 5;
 
 /// A way in which candidates are found.

@@ -5,7 +5,7 @@ use crate::domain::keyframe::{Camera, Keypoint};
 /// The side of a cell, in pixels (ORB-SLAM: 10; larger here, since the radius is).
 const CELL_PX: f64 = 16.0;
 
-/// At most so many cells each way, whatever size a client says its image has.
+/// Maximum cells each way, whatever image size a client declares.
 const CELLS_MAX: f64 = 1024.0;
 
 /// Keypoints by cell. Those outside the image belong to the cells at its border.

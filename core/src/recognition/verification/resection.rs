@@ -18,7 +18,7 @@ pub const MIN_POINTS: usize = 20;
 /// and points scatter ([`Limits::variance_px2`]), the pose is not theirs. Else it stays as it is.
 pub const MAX_MEDIAN_CHI_SQUARE: f64 = 1.386;
 
-/// Points of up to so many times the median squared error are refined on: of normal errors 98 %, and few outliers.
+/// Points of up to this many times the median squared error are refined on: of normal errors 98 %, and few outliers.
 pub const REFINED_ON_MEDIANS: f64 = 6.0;
 
 /// Rounds of choosing points and refining; the first takes all.

@@ -27,7 +27,7 @@ pub struct TrainSettings {
     pub levels: u32,
     /// Draws the first centres of the clusters.
     pub seed: u64,
-    /// Each split ends after so many rounds, if not before.
+    /// Maximum rounds of a split.
     pub rounds_max: u32,
 }
 

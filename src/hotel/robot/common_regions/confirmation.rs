@@ -17,7 +17,7 @@ const FOUND_FIRST: usize = 50;
 const FITTING: usize = 20;
 /// ... and so many must be found by it.
 const FOUND_REFINED: usize = 80;
-/// A neighbour of the query must find so many of the points.
+/// Points that a neighbour of the query must find.
 const FOUND_BY_NEIGHBOUR: usize = 30;
 /// A keyframe that follows must find so many, ...
 const FOUND_LATER: usize = 30;

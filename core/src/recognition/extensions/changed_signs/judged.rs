@@ -109,7 +109,7 @@ fn retire(record: &mut Recorder<'_>, passage: &Passage) {
     }
 }
 
-/// Keeps so many of the passages that missed a sign as may decide.
+/// Keeps as many of the passages that missed a sign as may decide.
 fn keep_newest(record: &mut Recorder<'_>, root: AnchorSeq, misses: &[MissedSign]) {
     if misses.len() <= MISSES_KEPT {
         return;
