@@ -239,7 +239,7 @@ impl From<AnchorReport> for AnchorView {
 }
 
 impl AnchorView {
-    /// An anchor as an answer of its own, at a version of its map.
+    /// Returns an anchor as an answer of its own, at a version of its map.
     pub fn at(map_version: u64, anchor: AnchorReport) -> Self {
         Self { map_version: Some(map_version), ..anchor.into() }
     }

@@ -73,7 +73,7 @@ impl From<BackupReport> for BackupView {
 }
 
 impl BackupView {
-    /// The answer to a backup that was taken, or found.
+    /// Returns the answer to a backup that was taken, or found.
     pub fn taken(report: BackupReport, removed: &[BackupId]) -> Self {
         Self { removed: Some(removed.iter().map(ToString::to_string).collect()), ..report.into() }
     }

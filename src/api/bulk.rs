@@ -63,7 +63,7 @@ pub struct BulkLine {
 }
 
 impl BulkLine {
-    /// A line that was stored.
+    /// Returns a line that was stored.
     pub fn stored(line: usize, status: u16, replayed: bool, answer: KeyframeAnswer) -> Self {
         Self {
             id: Some(answer.keyframe),
@@ -77,19 +77,20 @@ impl BulkLine {
         }
     }
 
-    /// A line that was refused.
+    /// Returns a line that was refused.
     pub fn refused(line: usize, id: Option<String>, problem: ProblemView) -> Self {
         Self { id, line, status: problem.status, problem: Some(problem), ..Self::default() }
     }
 }
 
-/// The id that a line gives itself, if it can be read, for naming it in the answer.
+/// Returns the id that a line gives itself, if it can be read, for naming it in the answer.
 pub fn line_id(line: &Value) -> Option<String> {
     let id: KeyframeId = line.get("id")?.as_str()?.parse().ok()?;
     Some(id.to_string())
 }
 
-/// A line: an id and the members of a keyframe. Without its id it is the very body of a PUT, with the same digest.
+/// Returns a line: an id and the members of a keyframe. Without its id it is the very body of a PUT, with the same
+/// digest.
 pub fn decode(mut line: Value) -> Result<SentKeyframe, Faulty> {
     let id = line.as_object_mut().and_then(|members| members.remove("id"));
     let id = match id {

@@ -159,7 +159,7 @@ impl From<MadeKey> for KeyView {
     }
 }
 
-/// A key to be made, for the API document: the administrator's, because a server's first key must be one.
+/// Returns a key to be made, for the API document: the administrator's, because a server's first key must be one.
 pub fn example_body() -> Value {
     json!({"name": "administrator", "actions": Action::NAMES})
 }
@@ -185,7 +185,7 @@ fn robots() -> Value {
     })
 }
 
-/// A key that was just made, for the API document.
+/// Returns a key that was just made, for the API document.
 pub fn example_made() -> Value {
     let mut key = administrator();
     key["secret"] = json!("revisit_0123456789abcdefghijklmnopqrstuvwxyzABCDEFG");

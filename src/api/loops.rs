@@ -129,7 +129,7 @@ impl Decode for NewLoop {
 }
 
 impl LoopClosed {
-    /// The answer to a loop that was closed.
+    /// Returns the answer to a loop that was closed.
     pub fn of(map_version: u64, report: LoopReport, warnings: Vec<LoopWarning>) -> Self {
         Self {
             id: report.id.to_string(),
@@ -147,7 +147,7 @@ impl From<LoopWarning> for LoopWarningView {
 }
 
 impl LoopRevoked {
-    /// The answer to a loop that was revoked.
+    /// Returns the answer to a loop that was revoked.
     pub fn of(map_version: u64, report: LoopReport) -> Self {
         Self { id: report.id.to_string(), map_version, split: pairs(report.merged) }
     }

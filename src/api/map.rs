@@ -166,7 +166,7 @@ impl From<MapPatch> for MapPatchBody {
     }
 }
 
-/// A set: neither the order nor a class named twice makes another map.
+/// Returns a set: neither the order nor a class named twice makes another map.
 fn classes(node: &Node<'_>) -> Option<Vec<String>> {
     let mut classes = node.list(limits::ANCHOR_CLASSES, |node| node.name(limits::CLASS_CHARS))?;
     classes.sort_unstable();

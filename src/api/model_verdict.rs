@@ -142,7 +142,7 @@ fn described(body: &Object<'_>, source: Option<String>) -> Option<NewVerdict> {
     ))
 }
 
-/// A verdict about texts, which are brought into normal form and order.
+/// Returns a verdict about texts, which are brought into normal form and order.
 fn judged(body: &Object<'_>, operation: ModelOperationName, source: Option<String>) -> Option<ModelVerdict> {
     let count = if operation == ModelOperationName::Information { 1 } else { 2 };
     let class = body.required("class", |node| node.name(limits::CLASS_CHARS));

@@ -120,8 +120,8 @@ impl From<Stamp> for Time {
     }
 }
 
-/// A number as answers show what was computed: to nine decimals, which is finer than any sensor and hides the noise
-/// of the last bits. What a client sent is given back as it was.
+/// Returns a number as answers show what was computed: to nine decimals, which is finer than any sensor and hides the
+/// noise of the last bits. What a client sent is given back as it was.
 pub fn rounded(number: f64) -> f64 {
     const DECIMALS: f64 = 1e9;
     let scaled = (number * DECIMALS).round();

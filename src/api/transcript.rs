@@ -48,7 +48,7 @@ pub struct StepView {
 }
 
 impl TranscriptList {
-    /// The dialogues about an anchor at a version of its map.
+    /// Returns the dialogues about an anchor at a version of its map.
     pub fn of(map_version: u64, anchor: AnchorSeq, transcripts: Vec<Transcript>) -> Self {
         let items = transcripts.into_iter().map(TranscriptView::from).collect();
         Self { map_version, anchor: anchor.public(), items }

@@ -103,7 +103,7 @@ impl From<UsageLine> for UsageItem {
 }
 
 impl Usage {
-    /// The usage of a server that has no model to call.
+    /// Returns the usage of a server that has no model to call.
     pub fn without_models() -> Self {
         let detail = "no language model is configured: the built-in judge answers everything, free of charge";
         Self { detail: detail.to_owned(), ..Self::default() }

@@ -162,7 +162,7 @@ pub struct ReasonView {
 }
 
 impl LoopAnswer {
-    /// The answer of a query.
+    /// Returns the answer of a query.
     pub fn of(id: &str, keyframe: Option<&KeyframeId>, verdict: &Verdict) -> Self {
         Self {
             id: id.to_owned(),

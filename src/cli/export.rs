@@ -70,7 +70,7 @@ pub async fn run(args: ExportArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A file beside this one, with the mode that the user's mask leaves to new files.
+/// Returns a file beside this one, with the mode that the user's mask leaves to new files.
 fn temporary(beside: &Path) -> io::Result<NamedTempFile> {
     let mode = Permissions::from_mode(0o666);
     tempfile::Builder::new().permissions(mode).tempfile_in(folder_of(beside))

@@ -157,7 +157,7 @@ impl CreateArgs {
     }
 }
 
-/// A key on one line.
+/// Returns a key on one line.
 fn line(key: &Key) -> String {
     let KeyProperties { name, actions, maps, expires, rate_per_s, model_daily_calls, model_daily_microusd } =
         &key.properties;
@@ -187,7 +187,7 @@ fn days(seconds: i64) -> String {
     format!("{} and {}", counted(seconds / 86_400, "day"), counted(seconds % 86_400 / 3_600, "hour"))
 }
 
-/// What is wrong, where a client of the API would read it from the fields of the problem.
+/// Returns what is wrong, where a client of the API would read it from the fields of the problem.
 fn in_words(error: ServiceError) -> Failure {
     match error {
         ServiceError::Invalid(errors) => {

@@ -121,12 +121,12 @@ fn keyless(listen: SocketAddr, database: &str) -> String {
     )
 }
 
-/// A server on a database that goes with it, for `replay`.
+/// Returns a server on a database that goes with it, for `replay`.
 pub async fn own_server() -> Result<OwnServer, Failure> {
     temporary_server(None).await
 }
 
-/// A server with this vocabulary, on a database that goes with it.
+/// Returns a server with this vocabulary, on a database that goes with it.
 pub(super) async fn temporary_server(vocabulary: Option<Vocabulary>) -> Result<OwnServer, Failure> {
     let directory = tempfile::tempdir()?;
     let database = format!("sqlite://{}", directory.path().join("revisit.db").display());

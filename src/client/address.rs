@@ -6,7 +6,7 @@ use reqwest::Url;
 
 use super::error::ClientError;
 
-/// The server's address in the form that paths are appended to.
+/// Returns the server's address in the form that paths are appended to.
 pub(super) fn base_url(given: &str) -> Result<String, ClientError> {
     let refuse = |why: String| ClientError::Address { given: given.to_owned(), why };
     let url = Url::parse(given.trim()).map_err(|error| refuse(error.to_string()))?;

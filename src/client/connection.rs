@@ -34,7 +34,7 @@ pub struct Client {
 }
 
 impl Client {
-    /// A client of the server at `base_url` (`http://host:port`, with or without a path prefix).
+    /// Returns a client of the server at `base_url` (`http://host:port`, with or without a path prefix).
     ///
     /// Proxies named in the environment are not used: a robot talks to its own server.
     pub fn new(base_url: &str) -> Result<Self, ClientError> {
@@ -50,13 +50,13 @@ impl Client {
         Ok(Self { http, base_url, key: None })
     }
 
-    /// The same client, showing an API key as `authorization: Bearer ...`.
+    /// Returns the same client, showing an API key as `authorization: Bearer ...`.
     pub fn with_key(mut self, key: impl Into<String>) -> Self {
         self.key = Some(key.into());
         self
     }
 
-    /// The server's address, without a slash at the end.
+    /// Returns the server's address, without a slash at the end.
     pub fn base_url(&self) -> &str {
         &self.base_url
     }

@@ -61,7 +61,7 @@ impl ClientError {
         Self::Transport { url: url.to_owned(), source: source.without_url() }
     }
 
-    /// What the server refused, if it was the server.
+    /// Returns what the server refused, if it was the server.
     pub fn problem(&self) -> Option<&Problem> {
         match self {
             Self::Problem(problem) => Some(problem),
@@ -164,7 +164,7 @@ impl fmt::Display for Problem {
     }
 }
 
-/// A text without its quotes, anything else as JSON.
+/// Returns a text without its quotes, anything else as JSON.
 fn plain(value: &Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }

@@ -33,7 +33,7 @@ pub enum LogFormat {
     Json,
 }
 
-/// A filter. `Targets` takes a word that is no level for the name of a target, and would then log nothing else.
+/// Returns a filter. `Targets` takes a word that is no level for the name of a target, and would then log nothing else.
 fn filter(text: &str) -> Result<Targets, String> {
     let text = if text.trim().is_empty() { DEFAULT } else { text };
     let is_level = |level: &str| level.parse::<LevelFilter>().is_ok();
@@ -66,7 +66,7 @@ pub fn in_span<T>(work: impl FnOnce() -> T) -> impl FnOnce() -> T {
     move || span.in_scope(work)
 }
 
-/// The same, as a part of the request's trace.
+/// Returns the same, as a part of the request's trace.
 pub fn in_part<T>(name: &'static str, work: impl FnOnce() -> T) -> impl FnOnce() -> T {
     let part = traces::part(name);
     in_span(move || part.in_scope(work))

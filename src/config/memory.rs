@@ -66,7 +66,7 @@ fn limit_files(line: &str) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// A root folder with these files.
+    /// Returns a root folder with these files.
     fn machine(files: &[(&str, &str)]) -> tempfile::TempDir {
         let root = tempfile::tempdir().unwrap();
         for (path, text) in files {

@@ -248,17 +248,17 @@ impl ModelArgs {
         scripted || urls.into_iter().any(Option::is_some) || self.reader != Reader::None
     }
 
-    /// The model's key, from REVISIT_MODEL_KEY or the file.
+    /// Returns the model's key, from REVISIT_MODEL_KEY or the file.
     pub fn model_key(&self) -> Result<Option<SecretString>, String> {
         key("REVISIT_MODEL_KEY", self.model_key_file.as_ref())
     }
 
-    /// The vision model's key, from REVISIT_MODEL_VISION_KEY or the file.
+    /// Returns the vision model's key, from REVISIT_MODEL_VISION_KEY or the file.
     pub fn model_vision_key(&self) -> Result<Option<SecretString>, String> {
         key("REVISIT_MODEL_VISION_KEY", self.model_vision_key_file.as_ref())
     }
 
-    /// The embeddings model's key, from REVISIT_MODEL_EMBEDDINGS_KEY or the file.
+    /// Returns the embeddings model's key, from REVISIT_MODEL_EMBEDDINGS_KEY or the file.
     pub fn model_embeddings_key(&self) -> Result<Option<SecretString>, String> {
         key("REVISIT_MODEL_EMBEDDINGS_KEY", self.model_embeddings_key_file.as_ref())
     }

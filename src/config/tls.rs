@@ -1,14 +1,14 @@
 //! TLS: the one implementation of its cryptography, chosen before the first client is made.
 
-/// A builder of HTTP clients for one address. The certificates of the machine are read only where they are needed: a
-/// small container has none, and talks to its neighbours in plain HTTP.
+/// Returns a builder of HTTP clients for one address. The certificates of the machine are read only where they are
+/// needed: a small container has none, and talks to its neighbours in plain HTTP.
 pub fn client_for(address: &str) -> reqwest::ClientBuilder {
     install();
     let builder = reqwest::Client::builder();
     if is_plain(address) { builder.tls_backend_preconfigured(trusting_nobody()) } else { builder }
 }
 
-/// The same for a thread of its own.
+/// Returns the same for a thread of its own.
 #[cfg(feature = "otel")]
 pub fn blocking_client_for(address: &str) -> reqwest::blocking::ClientBuilder {
     install();
@@ -16,8 +16,8 @@ pub fn blocking_client_for(address: &str) -> reqwest::blocking::ClientBuilder {
     if is_plain(address) { builder.tls_backend_preconfigured(trusting_nobody()) } else { builder }
 }
 
-/// What lies beneath "error sending request" or "builder error": that nobody listens, or that the machine has no
-/// certificates.
+/// Returns what lies beneath "error sending request" or "builder error": that nobody listens, or that the machine has
+/// no certificates.
 pub fn cause_of(error: &reqwest::Error) -> String {
     let mut cause: &dyn std::error::Error = error;
     while let Some(beneath) = cause.source() {

@@ -13,7 +13,8 @@ pub use collector::{TraceArgs, Traces};
 /// The target of spans that are for traces only.
 pub const TARGET: &str = "revisit::trace";
 
-/// The span of a request, under the one that its caller tells in `traceparent`. None of this happens without a collector.
+/// Returns the span of a request, under the one that its caller tells in `traceparent`. None of this happens without a
+/// collector.
 pub fn request_span(id: &str, method: &str, route: &str, header: impl Fn(&str) -> Option<String>) -> Span {
     let span = tracing::info_span!(
         target: TARGET, "request", otel.name = format!("{method} {route}"), otel.kind = "server",
@@ -26,7 +27,7 @@ pub fn request_span(id: &str, method: &str, route: &str, header: impl Fn(&str) -
     span
 }
 
-/// A part of what a request takes its time for, under the span that is entered.
+/// Returns a part of what a request takes its time for, under the span that is entered.
 pub fn part(name: &'static str) -> Span {
     tracing::info_span!(target: TARGET, "part", otel.name = name)
 }

@@ -42,7 +42,7 @@ impl Service {
             .map_err(ServiceError::panicked)?
     }
 
-    /// The server's vocabulary: its fingerprint, and how many words it has.
+    /// Returns the server's vocabulary: its fingerprint, and how many words it has.
     pub fn vocabulary(&self) -> Option<(&str, usize)> {
         self.vocabulary.as_ref().map(|named| (&*named.name, named.vocabulary.word_count()))
     }

@@ -235,7 +235,7 @@ fn png(last: u8) -> Vec<u8> {
     [b"\x89PNG\r\n\x1a\n".as_slice(), &[last]].concat()
 }
 
-/// A numbered plate, far from all that is there.
+/// Returns a numbered plate, far from all that is there.
 fn plate(number: u8) -> Detection {
     Detection {
         class: CLASSES[1].to_owned(),
@@ -250,7 +250,7 @@ fn plate(number: u8) -> Detection {
     }
 }
 
-/// A keyframe that brings nothing.
+/// Returns a keyframe that brings nothing.
 fn bare(name: u8) -> NewKeyframe {
     let stamp = Stamp { sec: i64::from(name), nanosec: 5 };
     let pose = Pose::new([f64::from(name) * 0.1, 0.2, 0.3], [0.0, 0.6, 0.0, 0.8]).unwrap();
@@ -496,7 +496,7 @@ async fn until_folded(database: &std::path::Path) {
     }
 }
 
-/// The figures of the only map as the migration that made them counts them for the maps it finds.
+/// Returns the figures of the only map as the migration that made them counts them for the maps it finds.
 async fn counted_by_the_migration(database: &std::path::Path) -> MapFigures {
     let migration = include_str!("../../migrations/sqlite/0007_figures.sql");
     let (_, counting) =
@@ -561,7 +561,7 @@ impl Model for Mute {
     }
 }
 
-/// The service as it would answer with models in these roles. No worker runs, so that the map stays as it is.
+/// Returns the service as it would answer with models in these roles. No worker runs, so that the map stays as it is.
 async fn with_roles(service: &Service, roles: Roles) -> Service {
     if roles.is_none() {
         return service.clone();

@@ -27,7 +27,7 @@ impl Method {
     /// Those that drive random worlds: bag of words with Sim3 is lost in each of them.
     pub const OF_WORLDS: [Self; 3] = [Self::Ours, Self::OursMonocular, Self::Paper];
 
-    /// A word for file names and map ids.
+    /// Returns a word for file names and map ids.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ours => "ours",
@@ -37,7 +37,7 @@ impl Method {
         }
     }
 
-    /// What a table calls it.
+    /// Returns what a table calls it.
     pub fn title(self) -> &'static str {
         match self {
             Self::Ours => "Ours",

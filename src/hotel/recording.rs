@@ -13,8 +13,8 @@ use crate::api::keyframe::BowShape;
 use crate::geometry::Sim3;
 use crate::vocabulary::{DescriptorMismatch, Vocabulary};
 
-/// The lines of a course: its map, and each keyframe with its query. Words come with the keyframes, so that a server
-/// needs no vocabulary.
+/// Returns the lines of a course: its map, and each keyframe with its query. Words come with the keyframes, so that a
+/// server needs no vocabulary.
 pub fn recording(
     map: &str,
     course: &Course,

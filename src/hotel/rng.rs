@@ -12,7 +12,7 @@ use rand_distr::{Distribution as _, Normal};
 pub struct SeededRng(ChaCha8Rng);
 
 impl SeededRng {
-    /// The stream of this name under this seed.
+    /// Returns the stream of this name under this seed.
     pub fn new(seed: u64, name: &str) -> Self {
         // FNV-1a: stable for ever, unlike the standard library's hasher.
         let named = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {

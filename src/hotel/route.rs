@@ -54,7 +54,7 @@ struct Walk<'a> {
     place: Place,
 }
 
-/// The keyframes of a tour through these rooms, the first of which is where it starts.
+/// Returns the keyframes of a tour through these rooms, the first of which is where it starts.
 pub fn tour(plan: &FloorPlan, rooms: &[usize], rng: &mut SeededRng) -> Vec<Stop> {
     let Some(&first) = rooms.first() else { return Vec::new() };
     let door = plan.rooms[first].door;
@@ -179,7 +179,7 @@ pub fn some_rooms(plan: &FloorPlan, count: usize, rng: &mut SeededRng) -> Vec<us
     rooms
 }
 
-/// The angle between two headings, in `[0, pi]`.
+/// Returns the angle between two headings, in `[0, pi]`.
 pub fn heading_difference_rad(a: f64, b: f64) -> f64 {
     ((a - b + PI).rem_euclid(TAU) - PI).abs()
 }

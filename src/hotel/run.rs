@@ -123,7 +123,7 @@ pub struct RunResult {
 }
 
 impl RunResult {
-    /// The queries as they are scored.
+    /// Returns the queries as they are scored.
     pub fn scored(&self) -> Vec<Scored> {
         self.asked.iter().map(|asked| asked.scored).collect()
     }
@@ -185,7 +185,7 @@ pub async fn drive(
     })
 }
 
-/// The robots' poses by odometry alone.
+/// Returns the robots' poses by odometry alone.
 pub fn odometry(course: &Course) -> Vec<Vec<Pose>> {
     let motions = |journey: &Sequence| -> Vec<Pose> {
         let after_first = journey.steps.iter().skip(1);
@@ -208,7 +208,7 @@ pub fn absolute_pose_error_m(journeys: &[Sequence], poses: &[Vec<Pose>], scale: 
     (squared.sum::<f64>() / journeys.len() as f64).sqrt()
 }
 
-/// The session of a robot, which its keyframe ids start with.
+/// Returns the session of a robot, which its keyframe ids start with.
 pub fn session(robot: usize) -> String {
     if robot == 0 { "kf".to_owned() } else { format!("kf{}", robot + 1) }
 }

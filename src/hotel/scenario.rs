@@ -45,13 +45,13 @@ impl Scenario {
         Self::drive(world, NoiseKind::None, PAPER_ROOMS, &[sequence.orb_vo_m], seed)
     }
 
-    /// The floor on which a robot drives.
+    /// Returns the floor on which a robot drives.
     pub fn floor_of(&self, robot: usize) -> &World {
         let storey = self.course.journeys[robot].steps.first().map_or(0, |step| step.stop.storey);
         storey.checked_sub(1).map_or(&self.world, |above| &self.upper[above])
     }
 
-    /// A random world under some noise.
+    /// Returns a random world under some noise.
     pub fn random(seed: u64, kind: NoiseKind, patterns: &Patterns) -> Self {
         let mut rng = SeededRng::new(seed, "scenario");
         if kind == NoiseKind::SecondHotel {
@@ -73,7 +73,7 @@ impl Scenario {
         }
     }
 
-    /// The second hotel.
+    /// Returns the second hotel.
     fn of_storeys(rng: &mut SeededRng, patterns: &Patterns, seed: u64) -> Self {
         let (layout, lowest) = (Layout::random(rng), 1 + rng.below(10) as u32);
         let drifts_m = std::array::from_fn(|_| rng.within(RANDOM_DRIFT_M[0], RANDOM_DRIFT_M[1]));

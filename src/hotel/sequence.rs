@@ -74,7 +74,7 @@ impl Sequence {
         Self::through(|_| world, stops, noise, drift_m, seed)
     }
 
-    /// The same through a world that changes from visit to visit; no sign is hung or taken down.
+    /// Returns the same through a world that changes from visit to visit; no sign is hung or taken down.
     pub fn through<'a>(
         world_at: impl Fn(usize) -> &'a World,
         stops: &[Stop],

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 const REPLAYED: HeaderName = HeaderName::from_static("idempotent-replayed");
 
-/// A write by id: 201 when it is new, 200 and `idempotent-replayed: true` when it was there already.
+/// Returns a write by id: 201 when it is new, 200 and `idempotent-replayed: true` when it was there already.
 pub fn written(created: bool, body: impl Serialize) -> Response {
     if created {
         return (StatusCode::CREATED, Json(body)).into_response();

@@ -60,12 +60,12 @@ impl Modify for BearerKey {
     }
 }
 
-/// The document without its operations.
+/// Returns the document without its operations.
 pub fn frame() -> utoipa::openapi::OpenApi {
     Frame::openapi()
 }
 
-/// The API document.
+/// Returns the API document.
 pub fn document() -> utoipa::openapi::OpenApi {
     let (_, mut document) = routes::api(frame()).split_for_parts();
     if let Some(components) = &mut document.components {
@@ -86,7 +86,7 @@ pub fn document() -> utoipa::openapi::OpenApi {
     document
 }
 
-/// The numbers that decide verdicts and are no settings.
+/// Returns the numbers that decide verdicts and are no settings.
 fn constants() -> Vec<serde_json::Value> {
     let shown = |constant: &Constant| {
         let Constant { name, value, unit, doc } = constant;

@@ -42,12 +42,12 @@ impl fmt::Display for RequestId {
     }
 }
 
-/// The pattern of a request's route, never its path: of ids there are as many as there are keyframes.
+/// Returns the pattern of a request's route, never its path: of ids there are as many as there are keyframes.
 pub fn route_of(request: &Request) -> &str {
     request.extensions().get::<MatchedPath>().map_or("unmatched", MatchedPath::as_str)
 }
 
-/// The layer around everything else. What is logged inside stands in the request's span, and so tells its id.
+/// Returns the layer around everything else. What is logged inside stands in the request's span, and so tells its id.
 pub async fn envelope(mut request: Request, next: Next) -> Response {
     let started = Instant::now();
     let id = RequestId::of(&request);
@@ -80,7 +80,7 @@ pub async fn envelope(mut request: Request, next: Next) -> Response {
 }
 
 impl RequestId {
-    /// The client's own id, if it looks like one: it goes into logs.
+    /// Returns the client's own id, if it looks like one: it goes into logs.
     fn of(request: &Request) -> Self {
         let given = request.headers().get(REQUEST_ID).and_then(|value| value.to_str().ok());
         match given.map(str::parse::<KeyframeId>) {
@@ -89,7 +89,7 @@ impl RequestId {
         }
     }
 
-    /// A number drawn once by this process, and a count.
+    /// Returns a number drawn once by this process, and a count.
     pub(super) fn next() -> Self {
         static PROCESS: LazyLock<u64> = LazyLock::new(|| RandomState::new().build_hasher().finish());
         static COUNT: AtomicU64 = AtomicU64::new(1);
@@ -119,7 +119,7 @@ fn refusal(response: Response, id: &RequestId, uri: &Uri) -> Response {
     Response::from_parts(parts, Body::from(serde_json::to_vec(&view).unwrap_or_default()))
 }
 
-/// A handler that panicked is a failure like any other; the process goes on.
+/// Returns a handler that panicked is a failure like any other; the process goes on.
 pub fn panicked(payload: Box<dyn Any + Send>) -> Response {
     let text = payload.downcast_ref::<&str>().map(ToString::to_string);
     let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();
@@ -128,13 +128,13 @@ pub fn panicked(payload: Box<dyn Any + Send>) -> Response {
     Problem::internal(format!("panicked: {text}")).into_response()
 }
 
-/// A path that names nothing.
+/// Returns a path that names nothing.
 pub async fn no_such_path(uri: Uri) -> Problem {
     let path: String = uri.path().chars().take(200).collect();
     Problem::new(Kind::NOT_FOUND, format!("there is nothing at {path}; /docs lists what there is"))
 }
 
-/// A path that is there, with a method that it does not have; axum adds `allow`.
+/// Returns a path that is there, with a method that it does not have; axum adds `allow`.
 pub async fn no_such_method(method: Method, uri: Uri) -> Problem {
     let path: String = uri.path().chars().take(200).collect();
     Problem::new(

@@ -63,7 +63,7 @@ refusals! {
     OfNobody = [];
 }
 
-/// What a key can meet at any operation that wants one.
+/// Returns what a key can meet at any operation that wants one.
 pub fn of_keys() -> impl Iterator<Item = (String, RefOr<Response>)> {
     [Kind::UNAUTHORIZED, Kind::FORBIDDEN, Kind::TOO_MANY_REQUESTS]
         .into_iter()
@@ -102,7 +102,7 @@ fn response(kind: Kind, description: &str) -> RefOr<Response> {
         .into()
 }
 
-/// What a client could see of this kind.
+/// Returns what a client could see of this kind.
 fn example(kind: Kind) -> Problem {
     let fault = |pointer: &str, detail: &str| FieldError::new(pointer, detail);
     match kind {

@@ -72,7 +72,7 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// A problem of a kind, with what happened this time.
+    /// Returns a problem of a kind, with what happened this time.
     pub fn new(kind: Kind, detail: impl Into<String>) -> Self {
         let detail = detail.into().into();
         // Who is told "not now" is told when.
@@ -80,7 +80,7 @@ impl Problem {
         Self { kind, code: kind.code, detail, errors: Vec::new(), retry_after_s, cause: None }
     }
 
-    /// The problem of a bare status, as layers below ours answer it.
+    /// Returns the problem of a bare status, as layers below ours answer it.
     pub fn of_status(status: StatusCode) -> Self {
         let reason = status.canonical_reason().unwrap_or("The request failed");
         let unnamed = Kind { status, code: "http", title: reason };
@@ -120,13 +120,13 @@ impl Problem {
         Self { retry_after_s: Some(1), ..Self::new(Kind::TOO_MANY_REQUESTS, detail) }
     }
 
-    /// A failure of ours; `cause` goes to the log and nowhere else.
+    /// Returns a failure of ours; `cause` goes to the log and nowhere else.
     pub fn internal(cause: impl Into<String>) -> Self {
         let detail = "the server's log tells more under the request's id";
         Self { cause: Some(cause.into().into()), ..Self::new(Kind::INTERNAL, detail) }
     }
 
-    /// A failure of ours that its client can do something about: told, and logged.
+    /// Returns a failure of ours that its client can do something about: told, and logged.
     fn logged(kind: Kind, detail: String) -> Self {
         Self { cause: Some(detail.as_str().into()), ..Self::new(kind, detail) }
     }
@@ -141,17 +141,17 @@ impl Problem {
         self.code == OVERLOADED
     }
 
-    /// What a program tells it by.
+    /// Returns what a program tells it by.
     pub fn code(&self) -> &'static str {
         self.code
     }
 
-    /// The same problem with the faults that make it.
+    /// Returns the same problem with the faults that make it.
     pub fn with(self, errors: Vec<FieldError>) -> Self {
         Self { errors, ..self }
     }
 
-    /// The status.
+    /// Returns the status.
     pub fn status(&self) -> StatusCode {
         self.kind.status
     }
@@ -161,12 +161,12 @@ impl Problem {
         self.retry_after_s
     }
 
-    /// What went wrong inside, for the log.
+    /// Returns what went wrong inside, for the log.
     pub fn cause(&self) -> Option<&str> {
         self.cause.as_deref()
     }
 
-    /// The problem as it is written.
+    /// Returns the problem as it is written.
     pub fn view(self, request_id: &str) -> ProblemView {
         ProblemView {
             kind: format!("/docs#problem-{}", self.kind.code),

@@ -18,7 +18,7 @@ use super::guards::admission::admit;
 use super::{App, document, pages, routes};
 use crate::api::limits;
 
-/// Every route, in its layers.
+/// Returns every route, in its layers.
 pub fn router(app: App) -> Router {
     let (api, _) = routes::api(document::frame()).split_for_parts();
     // From the outside in: what is outside sees all that is inside.

@@ -101,7 +101,7 @@ impl Copy {
     }
 }
 
-/// The folder that a file lies in.
+/// Returns the folder that a file lies in.
 pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }

@@ -26,7 +26,7 @@ pub struct Checked {
 }
 
 impl Checked {
-    /// Every fault, those of a map under its name.
+    /// Returns every fault, those of a map under its name.
     pub fn all_faults(&self) -> impl Iterator<Item = String> + '_ {
         let of_maps = self.maps.iter().flat_map(|map| {
             let id = &map.id;

@@ -54,7 +54,7 @@ impl Breaker {
         self.lock().open_until.is_some()
     }
 
-    /// How long until the model is tried again.
+    /// Returns how long until the model is tried again.
     pub fn closed_for(&self) -> Option<Duration> {
         let until = self.lock().open_until?;
         Some(until.saturating_duration_since(Instant::now()))

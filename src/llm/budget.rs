@@ -116,7 +116,7 @@ pub struct Reservation {
 }
 
 impl Budget {
-    /// The books as they stand on disk.
+    /// Returns the books as they stand on disk.
     pub async fn open(store: Store, limits: Limits) -> Result<Self, StoreError> {
         let today = today();
         let mut books = Books { today, ..Books::default() };
@@ -231,7 +231,7 @@ impl Budget {
         payer.limits.used_up_by(books.of(payer.key))
     }
 
-    /// The sums by operation and model, since the database was made.
+    /// Returns the sums by operation and model, since the database was made.
     pub fn usage(&self) -> Vec<(String, String, Totals)> {
         let books = self.lock();
         books.ever.iter().map(|((operation, model), t)| (operation.clone(), model.clone(), *t)).collect()

@@ -24,12 +24,12 @@ pub struct AnswerCache {
 }
 
 impl AnswerCache {
-    /// A cache over this database.
+    /// Returns a cache over this database.
     pub fn new(store: Store) -> Self {
         Self { memory: Cache::new(IN_MEMORY), store }
     }
 
-    /// The answer, from memory, from disk, or by asking. What was asked for is on disk before it is returned.
+    /// Returns the answer, from memory, from disk, or by asking. What was asked for is on disk before it is returned.
     pub async fn get_or_ask(
         &self,
         key: Key,
@@ -52,8 +52,8 @@ impl AnswerCache {
     }
 }
 
-/// The key of a question to a model: the operation, the model with its address and parameters, the wording of the
-/// prompts, the texts in the order they are sent in, and the image.
+/// Returns the key of a question to a model: the operation, the model with its address and parameters, the wording of
+/// the prompts, the texts in the order they are sent in, and the image.
 pub fn key(model: &dyn Model, question: &Question) -> Key {
     let asked = prompt(question);
     let mut hash = Sha256::new();

@@ -48,7 +48,7 @@ struct Chosen<'a> {
 }
 
 impl Models {
-    /// The models that are configured; `None` if there are none.
+    /// Returns the models that are configured; `None` if there are none.
     pub async fn open(args: &ModelArgs, store: &Store) -> Result<Option<Self>, SetupError> {
         if !args.any() {
             return Ok(None);

@@ -71,7 +71,7 @@ pub struct Described {
 }
 
 impl Describer {
-    /// The same at somebody's expense.
+    /// Returns the same at somebody's expense.
     pub fn paid_by(&self, payer: Option<Payer>) -> Self {
         let paid = |gateway: &Option<Gateway>| gateway.as_ref().map(|gateway| gateway.paid_by(payer.clone()));
         Self { eyes: paid(&self.eyes), tongue: paid(&self.tongue), reader: self.reader.clone() }
@@ -118,7 +118,7 @@ impl Describer {
         }
     }
 
-    /// What the reader of characters makes of it, if that is anything.
+    /// Returns what the reader of characters makes of it, if that is anything.
     async fn read(&self, picture: &Arc<Picture>, transcript: &mut Vec<TranscriptStep>) -> Option<String> {
         let reader = self.reader.as_ref()?;
         let read = match reader.read(picture.clone()).await {

@@ -30,7 +30,7 @@ pub struct Embeddings {
 }
 
 impl Embeddings {
-    /// The embeddings that this model makes.
+    /// Returns the embeddings that this model makes.
     pub fn new(model: Gateway) -> Self {
         // A text has at most a few thousand characters, and an embedding as many components.
         let bytes = |text: &str, embedding: &Embedding| (text.len() + embedding.components().len()) as u32;

@@ -107,13 +107,13 @@ pub struct Answered {
 }
 
 impl Gateway {
-    /// The way to a model.
+    /// Returns the way to a model.
     pub fn new(model: Arc<dyn Model>, breaker: Breaker, policy: Policy, shared: Arc<Shared>) -> Self {
         let name = model.name().into();
         Self { model, name, breaker: Arc::new(breaker), policy, shared, payer: None }
     }
 
-    /// The same at somebody's expense.
+    /// Returns the same at somebody's expense.
     pub fn paid_by(&self, payer: Option<Payer>) -> Self {
         Self { payer, ..self.clone() }
     }
@@ -155,7 +155,7 @@ impl Gateway {
         })
     }
 
-    /// What is known of the model's being there.
+    /// Returns what is known of the model's being there.
     pub fn breaker(&self) -> &Breaker {
         &self.breaker
     }
@@ -229,7 +229,7 @@ impl Gateway {
         answered
     }
 
-    /// The most tokens of an answer; an embedding is not counted in tokens.
+    /// Returns the most tokens of an answer; an embedding is not counted in tokens.
     fn tokens_received_max(&self, question: &Question) -> u64 {
         if matches!(question, Question::Embed { .. }) { 0 } else { u64::from(self.policy.max_tokens) }
     }
@@ -263,8 +263,8 @@ impl Gateway {
     }
 }
 
-/// How long to wait before a call is made again: as long as the server asks for, if that is longer; `None` if it is not
-/// to be made again.
+/// Returns how long to wait before a call is made again: as long as the server asks for, if that is longer; `None` if
+/// it is not to be made again.
 fn pause_after(fault: &Fault, pause: Option<Duration>, unusable_answers: u32) -> Option<Duration> {
     match fault {
         Fault::Limited { retry_after: Some(asked) } => {

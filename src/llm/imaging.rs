@@ -76,7 +76,7 @@ pub(super) fn page(picture: &Picture) -> Option<Vec<u8>> {
     Some(png)
 }
 
-/// The threshold that parts an image's greys into the two tightest groups (Otsu 1979).
+/// Returns the threshold that parts an image's greys into the two tightest groups (Otsu 1979).
 fn otsu(grey: &GrayImage) -> u8 {
     let mut counts = [0u64; 256];
     for pixel in grey.pixels() {

@@ -58,7 +58,7 @@ impl Judge {
         Self { model }
     }
 
-    /// The same at somebody's expense.
+    /// Returns the same at somebody's expense.
     pub fn paid_by(&self, payer: Option<Payer>) -> Self {
         Self { model: self.model.as_ref().map(|model| model.paid_by(payer)) }
     }
@@ -186,7 +186,7 @@ async fn within<T>(
     }
 }
 
-/// A text that speaks to the model does not reach it.
+/// Returns a text that speaks to the model does not reach it.
 fn not_sent(built_in: &Judged, texts: &[&str]) -> Option<Judged> {
     texts.iter().any(|text| semantics::addresses_a_model(text)).then(|| Judged {
         reason: format!("{}; no model was asked, for a text addresses it", built_in.reason),

@@ -24,7 +24,7 @@ pub fn check(question: &Question, content: &str) -> Result<(), Fault> {
     }
 }
 
-/// A level with its reason: `{"level": 1..5}`, or the number alone. Never a digit out of a sentence.
+/// Returns a level with its reason: `{"level": 1..5}`, or the number alone. Never a digit out of a sentence.
 pub fn level(content: &str) -> Result<(u8, Option<String>), Fault> {
     let value: Value =
         serde_json::from_str(thought_through(content)).map_err(|_| Fault::Garbled("no JSON"))?;
@@ -43,7 +43,7 @@ pub fn level(content: &str) -> Result<(u8, Option<String>), Fault> {
     Ok((level as u8, reason.filter(|reason| !reason.is_empty())))
 }
 
-/// A text: `{"text": "..."}`, or plain words.
+/// Returns a text: `{"text": "..."}`, or plain words.
 pub fn text(content: &str) -> Result<String, Fault> {
     let content = thought_through(content);
     let text = if content.starts_with(['{', '[', '`']) {
@@ -61,7 +61,7 @@ pub fn text(content: &str) -> Result<String, Fault> {
     }
 }
 
-/// What was seen; nothing to be seen is an answer, too.
+/// Returns what was seen; nothing to be seen is an answer, too.
 pub fn look(content: &str) -> Result<String, Fault> {
     let seen = semantics::clean(thought_through(content));
     if seen.chars().count() > TEXT_CHARS_MAX {
@@ -70,7 +70,7 @@ pub fn look(content: &str) -> Result<String, Fault> {
     Ok(seen)
 }
 
-/// An embedding, as [`write_embedding`] writes it.
+/// Returns an embedding, as [`write_embedding`] writes it.
 pub fn embedding(content: &str) -> Result<Embedding, Fault> {
     let bytes = STANDARD.decode(content).map_err(|_| Fault::Garbled("no embedding"))?;
     let components = bytes.into_iter().map(u8::cast_signed).collect();
@@ -83,7 +83,7 @@ pub fn write_embedding(embedding: &Embedding) -> String {
     STANDARD.encode(bytes)
 }
 
-/// The next question of a dialogue: one line.
+/// Returns the next question of a dialogue: one line.
 pub fn next_question(content: &str) -> Result<String, Fault> {
     let question = text(content)?;
     if question.chars().count() > QUESTION_CHARS_MAX {
@@ -101,7 +101,7 @@ fn thought_through(content: &str) -> &str {
     }
 }
 
-/// A reason as it is shown: clean, and one sentence long.
+/// Returns a reason as it is shown: clean, and one sentence long.
 fn shown(reason: &str) -> String {
     semantics::clean(reason).chars().take(200).collect()
 }

@@ -24,7 +24,7 @@ pub enum Operation {
 }
 
 impl Operation {
-    /// The operation's name in the API document.
+    /// Returns the operation's name in the API document.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Similarity => "similarity",
@@ -108,7 +108,7 @@ pub enum Question {
 }
 
 impl Question {
-    /// What is asked for.
+    /// Returns what is asked for.
     pub fn operation(&self) -> Operation {
         match self {
             Self::Similarity { .. } => Operation::Similarity,
@@ -195,7 +195,7 @@ impl Fault {
         matches!(self, Self::Refused(400 | 413 | 422))
     }
 
-    /// A short name, for the metrics.
+    /// Returns a short name, for the metrics.
     pub fn code(&self) -> &'static str {
         match self {
             Self::Unreachable(_) => "unreachable",
@@ -218,8 +218,8 @@ pub trait Model: Send + Sync + std::fmt::Debug {
     /// Its name, for people: the `<name>` of `model:<name>`.
     fn name(&self) -> &str;
 
-    /// All that its answers depend on besides the question: its address, its name, its parameters. Another identity
-    /// means other keys in the cache.
+    /// Returns all that its answers depend on besides the question: its address, its name, its parameters. Another
+    /// identity means other keys in the cache.
     fn identity(&self) -> String;
 
     /// Can it answer this kind of question?

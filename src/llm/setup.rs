@@ -49,7 +49,7 @@ impl Models {
         Self::all(found, None, reader, args, store).await
     }
 
-    /// The same with a model of embeddings beside them.
+    /// Returns the same with a model of embeddings beside them.
     pub(super) async fn all(
         [model, vision]: [Option<Arc<dyn Model>>; 2],
         embeddings: Option<Arc<dyn Model>>,
@@ -104,7 +104,7 @@ impl Models {
         })
     }
 
-    /// The roles that these models fill.
+    /// Returns the roles that these models fill.
     pub fn roles(&self) -> Roles {
         Roles { vision: self.describer.reads(), text: self.judge.has_model() }
     }
@@ -117,7 +117,7 @@ impl Models {
         }
     }
 
-    /// The books.
+    /// Returns the books.
     pub fn budget(&self) -> &Budget {
         &self.shared.budget
     }

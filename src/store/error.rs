@@ -75,7 +75,7 @@ pub enum StoreError {
 }
 
 impl StoreError {
-    /// What the system says about a file.
+    /// Returns what the system says about a file.
     pub fn file(path: &Path, error: &io::Error) -> Self {
         match error.kind() {
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => Self::DiskFull,
@@ -83,7 +83,7 @@ impl StoreError {
         }
     }
 
-    /// The same error, naming the database where its text does not.
+    /// Returns the same error, naming the database where its text does not.
     pub(super) fn of(self, database: &Path) -> Self {
         let named = |what: String| format!("{}: {what}", database.display());
         match self {

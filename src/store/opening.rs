@@ -48,7 +48,8 @@ impl Store {
         })
     }
 
-    /// The same, or beside the process that has it open: for short writes to tables that maps do not need, such as keys.
+    /// Returns the same, or beside the process that has it open: for short writes to tables that maps do not need, such
+    /// as keys.
     pub async fn open_beside(url: &str) -> Result<Self, StoreError> {
         let files = DatabaseFiles::of_url(url)?;
         match DatabaseLock::take(&files, Purpose::Serve) {

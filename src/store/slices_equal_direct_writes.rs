@@ -179,7 +179,7 @@ async fn index_of(db: &mut SqliteConnection, order: Order) -> MapIndex {
     index
 }
 
-/// Every row that a deferred change may touch, as text.
+/// Returns every row that a deferred change may touch, as text.
 async fn rows_of(pool: &SqlitePool) -> Vec<String> {
     let select = "select 'pose ' || keyframe || ' ' || hex(pose) from keyframes
         union all select 'position ' || keyframe || ' ' || hex(position) from detections
@@ -343,7 +343,7 @@ proptest! {
     }
 }
 
-/// The number of rows of every table that has rows of maps.
+/// Returns the number of rows of every table that has rows of maps.
 async fn counts(db: &mut SqliteConnection) -> Vec<(String, i64)> {
     let select = "select m.name from sqlite_schema m join pragma_table_info(m.name) c
         where m.type = 'table' and c.name = 'map_key' order by m.name";

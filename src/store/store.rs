@@ -26,7 +26,7 @@ impl Store {
         &self.files
     }
 
-    /// The one writer.
+    /// Returns the one writer.
     pub fn committer(&self) -> &Committer {
         &self.committer
     }
@@ -51,7 +51,7 @@ impl Store {
         self.readers.is_closed()
     }
 
-    /// The version of SQLite.
+    /// Returns the version of SQLite.
     pub async fn sqlite_version(&self) -> Result<String, StoreError> {
         Ok(sqlx::query_scalar("select sqlite_version()").fetch_one(&self.readers).await?)
     }

@@ -6,7 +6,7 @@ use sqlx::sqlite::{
 
 use super::files::schema;
 
-/// An empty database with this version's schema, and the folder that it lies in.
+/// Returns an empty database with this version's schema, and the folder that it lies in.
 pub(super) async fn database() -> (tempfile::TempDir, SqlitePool) {
     let folder = tempfile::tempdir().expect("a folder");
     let options = SqliteConnectOptions::new().filename(folder.path().join("test.db"));

@@ -67,17 +67,17 @@ impl BowVector {
         Ok(Self { words: words.into(), weights: weights.into() })
     }
 
-    /// The words, strictly ascending.
+    /// Returns the words, strictly ascending.
     pub fn words(&self) -> &[u32] {
         &self.words
     }
 
-    /// The weights in units of 2^-31, parallel to [`BowVector::words`].
+    /// Returns the weights in units of 2^-31, parallel to [`BowVector::words`].
     pub fn weights(&self) -> &[u32] {
         &self.weights
     }
 
-    /// How many words the vector has.
+    /// Returns how many words the vector has.
     pub fn len(&self) -> usize {
         self.words.len()
     }
@@ -117,22 +117,22 @@ pub struct Score {
 }
 
 impl Score {
-    /// A score of `units` times 2^-31 over `common_words` words.
+    /// Returns a score of `units` times 2^-31 over `common_words` words.
     pub const fn new(units: u32, common_words: u32) -> Self {
         Self { units, common_words }
     }
 
-    /// The score in units of 2^-31, at most [`BowVector::ONE`].
+    /// Returns the score in units of 2^-31, at most [`BowVector::ONE`].
     pub const fn units(self) -> u32 {
         self.units
     }
 
-    /// How many words the two vectors have in common.
+    /// Returns how many words the two vectors have in common.
     pub const fn common_words(self) -> u32 {
         self.common_words
     }
 
-    /// The score as a number in [0, 1]; the division is exact.
+    /// Returns the score as a number in [0, 1]; the division is exact.
     pub fn value(self) -> f64 {
         f64::from(self.units) / f64::from(BowVector::ONE)
     }

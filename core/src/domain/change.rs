@@ -111,7 +111,7 @@ pub struct MissedSign {
 }
 
 impl Merge {
-    /// What it takes on disk, in bytes.
+    /// Returns what it takes on disk, in bytes.
     pub fn bytes(&self) -> u64 {
         let name = match &self.cause {
             MergeCause::Covisible => 0,
@@ -122,7 +122,7 @@ impl Merge {
 }
 
 impl Loop {
-    /// What it takes on disk, in bytes, without what it merges.
+    /// Returns what it takes on disk, in bytes, without what it merges.
     pub fn bytes(&self) -> u64 {
         let names = [self.id.as_str(), self.keyframe_id.as_str(), self.candidate_id.as_str()];
         let texts =

@@ -50,7 +50,7 @@ pub struct Event {
 }
 
 impl Event {
-    /// An event of which nothing is known but its kind; its number and version come when it is kept.
+    /// Returns an event of which nothing is known but its kind; its number and version come when it is kept.
     pub fn of(kind: EventKind) -> Self {
         Self {
             seq: 0,

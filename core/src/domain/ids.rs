@@ -64,7 +64,7 @@ macro_rules! text_id {
         pub struct $name(Box<str>);
 
         impl $name {
-            /// The id as the client wrote it.
+            /// Returns the id as the client wrote it.
             pub fn as_str(&self) -> &str {
                 &self.0
             }
@@ -133,7 +133,7 @@ macro_rules! dense_id {
         pub struct $name(pub u32);
 
         impl $name {
-            /// The number as an index.
+            /// Returns the number as an index.
             pub fn index(self) -> usize {
                 self.0 as usize
             }
@@ -158,12 +158,12 @@ dense_id!(
 pub type PointId = i64;
 
 impl AnchorSeq {
-    /// The anchor's public id, `a-7`.
+    /// Returns the anchor's public id, `a-7`.
     pub fn public(self) -> String {
         format!("a-{}", self.0)
     }
 
-    /// The anchor that a public id names, if it has that form.
+    /// Returns the anchor that a public id names, if it has that form.
     pub fn from_public(text: &str) -> Option<Self> {
         let digits = text.strip_prefix("a-")?;
         let seq: u32 = digits.parse().ok()?;

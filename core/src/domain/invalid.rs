@@ -14,12 +14,12 @@ pub struct FieldError {
 }
 
 impl FieldError {
-    /// An error with neither `got` nor `limit`.
+    /// Returns an error with neither `got` nor `limit`.
     pub fn new(pointer: impl Into<String>, detail: impl Into<String>) -> Self {
         Self { pointer: pointer.into(), detail: detail.into(), got: None, limit: None }
     }
 
-    /// The same error, telling what was sent.
+    /// Returns the same error, telling what was sent.
     pub fn got(mut self, got: impl ToString) -> Self {
         let mut text = got.to_string();
         if let Some((cut, _)) = text.char_indices().nth(80) {
@@ -30,7 +30,7 @@ impl FieldError {
         self
     }
 
-    /// The same error, telling what would have been allowed.
+    /// Returns the same error, telling what would have been allowed.
     pub fn limit(mut self, limit: impl ToString) -> Self {
         self.limit = Some(limit.to_string());
         self

@@ -29,12 +29,12 @@ named! {
 pub struct Actions(u8);
 
 impl Actions {
-    /// The set as bits, in the order of [`Action::ALL`].
+    /// Returns the set as bits, in the order of [`Action::ALL`].
     pub fn bits(self) -> u8 {
         self.0
     }
 
-    /// The set of these bits; others are nobody's.
+    /// Returns the set of these bits; others are nobody's.
     pub fn from_bits(bits: u8) -> Option<Self> {
         (bits < 1 << Action::ALL.len()).then_some(Self(bits))
     }
@@ -44,7 +44,7 @@ impl Actions {
         self.0 & (1 << action as u8) != 0
     }
 
-    /// The actions in the set.
+    /// Returns the actions in the set.
     pub fn iter(self) -> impl Iterator<Item = Action> {
         Action::ALL.into_iter().filter(move |action| self.has(*action))
     }
@@ -73,7 +73,7 @@ pub struct PatternError;
 pub struct MapPattern(Box<str>);
 
 impl MapPattern {
-    /// Every map.
+    /// Returns every map.
     pub fn every() -> Self {
         Self("*".into())
     }
@@ -152,12 +152,12 @@ impl KeyProperties {
 pub struct KeySeq(pub i64);
 
 impl KeySeq {
-    /// The key's public id, `key-7`.
+    /// Returns the key's public id, `key-7`.
     pub fn public(self) -> String {
         format!("key-{}", self.0)
     }
 
-    /// The key that a public id names, if it has that form.
+    /// Returns the key that a public id names, if it has that form.
     pub fn from_public(text: &str) -> Option<Self> {
         let seq = Self(text.strip_prefix("key-")?.parse().ok()?);
         (seq.public() == text).then_some(seq)
@@ -197,7 +197,7 @@ pub struct MadeKey {
 /// What is kept of a secret.
 pub type SecretHash = [u8; 32];
 
-/// The hash under which a secret is found. Secrets have 256 random bits, so one pass of SHA-256 is enough.
+/// Returns the hash under which a secret is found. Secrets have 256 random bits, so one pass of SHA-256 is enough.
 pub fn secret_hash(secret: &str) -> SecretHash {
     Sha256::digest(secret).into()
 }

@@ -69,7 +69,7 @@ pub struct Crop {
 }
 
 impl Crop {
-    /// The type of an image that begins so, if it is one of the two.
+    /// Returns the type of an image that begins so, if it is one of the two.
     pub fn media_type_of(head: &[u8]) -> Option<&'static str> {
         const SIGNATURES: [(&[u8], &str); 2] =
             [(b"\x89PNG\r\n\x1a\n", "image/png"), (b"\xff\xd8\xff", "image/jpeg")];
@@ -104,7 +104,8 @@ pub struct Detection {
 }
 
 impl Detection {
-    /// A detection of which nothing is known but its class, its confidence and its box `[x0, y0, x1, y1]` in pixels.
+    /// Returns a detection of which nothing is known but its class, its confidence and its box `[x0, y0, x1, y1]` in
+    /// pixels.
     pub fn of(class: &str, confidence: f64, box_px: [f64; 4]) -> Self {
         Self {
             class: class.to_owned(),
@@ -119,7 +120,7 @@ impl Detection {
         }
     }
 
-    /// What this detection says of the object, if it says anything.
+    /// Returns what this detection says of the object, if it says anything.
     pub fn reading(&self) -> Option<&str> {
         self.description.as_deref().or(self.text.as_deref())
     }
@@ -159,8 +160,8 @@ pub struct NewKeyframe {
 const NUMBER: usize = size_of::<i64>();
 
 impl NewKeyframe {
-    /// A keyframe of the session `default` of which nothing is known but when and where it was taken; the pose is
-    /// `map_from_camera`, in metres.
+    /// Returns a keyframe of the session `default` of which nothing is known but when and where it was taken; the pose
+    /// is `map_from_camera`, in metres.
     pub fn at(id: KeyframeId, stamp: Stamp, map_from_camera: Pose) -> Self {
         Self {
             id,
@@ -178,8 +179,8 @@ impl NewKeyframe {
         }
     }
 
-    /// What it takes on disk, in bytes: its lists, features, crops, names and texts. A map's quota counts these; its map
-    /// points' positions count with the map's points, once each.
+    /// Returns what it takes on disk, in bytes: its lists, features, crops, names and texts. A map's quota counts
+    /// these; its map points' positions count with the map's points, once each.
     pub fn bytes(&self) -> u64 {
         const STAMP: usize = size_of::<i64>() + size_of::<u32>();
         const POSE: usize = 7 * NUMBER;

@@ -15,7 +15,7 @@ impl Method {
     /// The names in the API document.
     pub const NAMES: [&'static str; 2] = ["revisit", "paper"];
 
-    /// The method of a name.
+    /// Returns the method of a name.
     pub fn from_name(name: &str) -> Option<Self> {
         match name {
             "revisit" => Some(Self::Revisit),

@@ -14,7 +14,7 @@ pub struct PointList {
 }
 
 impl PointList {
-    /// The points, in their order.
+    /// Returns the points, in their order.
     pub fn iter(&self) -> impl Iterator<Item = PointId> + '_ {
         let (mut rest, mut last) = (&*self.bytes, 0);
         std::iter::from_fn(move || {
@@ -25,7 +25,7 @@ impl PointList {
         })
     }
 
-    /// The number of points.
+    /// Returns the number of points.
     pub fn len(&self) -> usize {
         self.len as usize
     }

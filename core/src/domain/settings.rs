@@ -97,7 +97,7 @@ macro_rules! settings {
                 },)*
             ];
 
-            /// The value of a setting by name.
+            /// Returns the value of a setting by name.
             pub fn get(&self, name: &str) -> Option<SettingValue> {
                 match name {
                     $(stringify!($name) => Some(Field::read(&self.$name)),)*

@@ -64,7 +64,7 @@ pub enum AnchorName {
 }
 
 impl AnchorName {
-    /// The name as the API writes it: `a-7`, or `inline-0`.
+    /// Returns the name as the API writes it: `a-7`, or `inline-0`.
     pub fn to_text(&self) -> String {
         match self {
             Self::Stored(id) => id.clone(),

@@ -10,7 +10,7 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// The smallest box around the points; `None` without any.
+    /// Returns the smallest box around the points; `None` without any.
     pub fn around(points: impl IntoIterator<Item = Point3>) -> Option<Self> {
         points.into_iter().fold(None, |grown: Option<Self>, point| {
             Some(grown.map_or(Self { min: point, max: point }, |aabb| Self {
@@ -20,17 +20,17 @@ impl Aabb {
         })
     }
 
-    /// The corner with the smallest coordinates.
+    /// Returns the corner with the smallest coordinates.
     pub fn min(&self) -> Point3 {
         self.min
     }
 
-    /// The corner with the largest coordinates.
+    /// Returns the corner with the largest coordinates.
     pub fn max(&self) -> Point3 {
         self.max
     }
 
-    /// The centre.
+    /// Returns the centre.
     pub fn centre(&self) -> Point3 {
         nalgebra::center(&self.min, &self.max)
     }

@@ -39,7 +39,7 @@ pub enum Degenerate {
     NotFinite,
 }
 
-/// The `to_from_from` that carries `from` onto `to` with the least sum of squared distances.
+/// Returns the `to_from_from` that carries `from` onto `to` with the least sum of squared distances.
 pub fn align(pairs: &[(Point3, Point3)], scale: Scale) -> Result<Sim3, Degenerate> {
     if pairs.len() < 3 {
         return Err(Degenerate::TooFew(pairs.len()));

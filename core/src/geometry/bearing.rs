@@ -17,8 +17,8 @@ pub struct Bearing {
 }
 
 impl Bearing {
-    /// The bearing of a point given in the map's frame. A point in the camera's very centre
-    /// has no direction; it counts as straight ahead, at distance zero.
+    /// Returns the bearing of a point given in the map's frame. A point in the camera's very centre has no direction;
+    /// it counts as straight ahead, at distance zero.
     pub fn of(point_in_map: &Point3, map_from_camera: &Pose) -> Self {
         let in_camera = map_from_camera.inverse_transform(point_in_map).coords;
         let distance_m = in_camera.norm();
@@ -26,24 +26,24 @@ impl Bearing {
         Self { direction_in_camera, distance_m }
     }
 
-    /// The unit vector towards the point, in the camera frame (x right, y down, z forward).
+    /// Returns the unit vector towards the point, in the camera frame (x right, y down, z forward).
     pub fn direction_in_camera(&self) -> [f64; 3] {
         self.direction_in_camera.into()
     }
 
-    /// The Euclidean distance, in metres.
+    /// Returns the Euclidean distance, in metres.
     pub fn distance_m(&self) -> f64 {
         self.distance_m
     }
 
-    /// The angle between two bearings, each in its own camera frame, in `[0, pi]` radians.
+    /// Returns the angle between two bearings, each in its own camera frame, in `[0, pi]` radians.
     pub fn angle_difference_rad(&self, other: &Self) -> f64 {
         // atan2 keeps its precision at 0 and pi, where acos of the dot product loses half the digits.
         let (a, b) = (&self.direction_in_camera, &other.direction_in_camera);
         a.cross(b).norm().atan2(a.dot(b))
     }
 
-    /// The absolute difference of the two distances, in metres.
+    /// Returns the absolute difference of the two distances, in metres.
     pub fn distance_difference_m(&self, other: &Self) -> f64 {
         (self.distance_m - other.distance_m).abs()
     }

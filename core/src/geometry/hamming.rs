@@ -8,7 +8,7 @@
 /// The longest descriptor that can be packed, in words: its distances still fit in 16 bits.
 pub const MAX_WORDS: usize = 1023;
 
-/// The number of bits in which two descriptors of one length differ.
+/// Returns the number of bits in which two descriptors of one length differ.
 pub fn distance(a: &[u64], b: &[u64]) -> u32 {
     debug_assert_eq!(a.len(), b.len());
     match (a.len(), b.len()) {
@@ -27,7 +27,7 @@ fn distance_of<const N: usize>(a: &[u64], b: &[u64]) -> u32 {
     count_ones(differing)
 }
 
-/// The same for a length known to the compiler.
+/// Returns the same for a length known to the compiler.
 pub fn distance_fixed<const N: usize>(a: &[u64; N], b: &[u64; N]) -> u32 {
     distance_of::<N>(a, b)
 }
@@ -50,7 +50,7 @@ fn count_ones<const N: usize>(words: [u64; N]) -> u32 {
     ((halves + (halves >> 16)) & 0xffff) as u32
 }
 
-/// How many bits are set in each group of four.
+/// Returns how many bits are set in each group of four.
 #[inline]
 fn nibble_counts(word: u64) -> u64 {
     let pairs = word - ((word >> 1) & 0x5555_5555_5555_5555);
@@ -78,7 +78,7 @@ impl PackedDescriptors {
         })
     }
 
-    /// The number of descriptors.
+    /// Returns the number of descriptors.
     pub fn len(&self) -> usize {
         self.words.len().checked_div(self.words_each).unwrap_or(0)
     }
@@ -88,12 +88,12 @@ impl PackedDescriptors {
         self.words.is_empty()
     }
 
-    /// The number of 64-bit words in each.
+    /// Returns the number of 64-bit words in each.
     pub fn words_each(&self) -> usize {
         self.words_each
     }
 
-    /// The number of bits in each.
+    /// Returns the number of bits in each.
     pub fn bits(&self) -> u32 {
         64 * self.words_each as u32
     }
@@ -126,7 +126,7 @@ impl Columns {
         Self { words_each, count, words }
     }
 
-    /// The number of descriptors.
+    /// Returns the number of descriptors.
     pub fn len(&self) -> usize {
         self.count
     }

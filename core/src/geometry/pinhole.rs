@@ -19,7 +19,7 @@ pub struct Pinhole {
 }
 
 impl Pinhole {
-    /// The pixel of a point in the camera's frame; `None` if it is not in front of the camera.
+    /// Returns the pixel of a point in the camera's frame; `None` if it is not in front of the camera.
     pub fn project(&self, point_in_camera: &Vector3<f64>) -> Option<[f64; 2]> {
         let p = point_in_camera;
         (p.z > MIN_DEPTH).then(|| {

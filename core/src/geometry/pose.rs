@@ -17,7 +17,7 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 pub struct Pose(Isometry3<f64>);
 
 impl Pose {
-    /// The transformation that moves nothing.
+    /// Returns the transformation that moves nothing.
     pub fn identity() -> Self {
         Self(Isometry3::identity())
     }
@@ -53,44 +53,44 @@ impl Pose {
         ))
     }
 
-    /// The same as nalgebra's type, for who computes with it.
+    /// Returns the same as nalgebra's type, for who computes with it.
     pub fn isometry(&self) -> Isometry3<f64> {
         self.0
     }
 
-    /// The translation `[x, y, z]`, in metres.
+    /// Returns the translation `[x, y, z]`, in metres.
     pub fn translation_m(&self) -> [f64; 3] {
         let t = &self.0.translation.vector;
         [t.x, t.y, t.z]
     }
 
-    /// The rotation as a unit quaternion `[x, y, z, w]`.
+    /// Returns the rotation as a unit quaternion `[x, y, z, w]`.
     pub fn rotation_xyzw(&self) -> [f64; 4] {
         let q = self.0.rotation.quaternion();
         [q.i, q.j, q.k, q.w]
     }
 
-    /// The camera's centre in the map, for a `map_from_camera`.
+    /// Returns the camera's centre in the map, for a `map_from_camera`.
     pub fn centre(&self) -> Point3 {
         Point3::from(self.0.translation.vector)
     }
 
-    /// The inverse: `camera_from_map` of a `map_from_camera`.
+    /// Returns the inverse: `camera_from_map` of a `map_from_camera`.
     pub fn inverse(&self) -> Self {
         Self(self.0.inverse())
     }
 
-    /// The composition: `a_from_b.after(b_from_c)` is `a_from_c`.
+    /// Returns the composition: `a_from_b.after(b_from_c)` is `a_from_c`.
     pub fn after(&self, inner: &Self) -> Self {
         Self(self.0 * inner.0)
     }
 
-    /// A point of the inner frame in the outer one.
+    /// Returns a point of the inner frame in the outer one.
     pub fn transform(&self, point: &Point3) -> Point3 {
         self.0 * point
     }
 
-    /// A point of the outer frame in the inner one.
+    /// Returns a point of the outer frame in the inner one.
     pub fn inverse_transform(&self, point: &Point3) -> Point3 {
         self.0.inverse_transform_point(point)
     }

@@ -8,12 +8,12 @@ pub struct SplitMix64 {
 }
 
 impl SplitMix64 {
-    /// The generator of a seed.
+    /// Returns the generator of a seed.
     pub fn new(seed: u64) -> Self {
         Self { state: seed }
     }
 
-    /// The next 64 random bits.
+    /// Returns the next 64 random bits.
     pub fn next_u64(&mut self) -> u64 {
         self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.state ^ (self.state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -21,8 +21,8 @@ impl SplitMix64 {
         z ^ (z >> 31)
     }
 
-    /// A number below `bound`, which must not be 0. The high half of a product (Lemire 2019, without rejection):
-    /// the bias is below `bound / 2^64`.
+    /// Returns a number below `bound`, which must not be 0. The high half of a product (Lemire 2019, without
+    /// rejection): the bias is below `bound / 2^64`.
     pub fn below(&mut self, bound: usize) -> usize {
         ((u128::from(self.next_u64()) * bound as u128) >> 64) as usize
     }
@@ -39,7 +39,7 @@ impl SplitMix64 {
     }
 }
 
-/// The chance that `samples` samples of three all held an outlier, when this share of the pairs are inliers.
+/// Returns the chance that `samples` samples of three all held an outlier, when this share of the pairs are inliers.
 pub fn chance_of_only_bad_samples(inlier_share: f64, samples: u32) -> f64 {
     (1.0 - inlier_share.powi(3)).powi(samples as i32)
 }

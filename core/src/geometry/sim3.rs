@@ -17,7 +17,7 @@ pub struct Sim3 {
 }
 
 impl Sim3 {
-    /// The transformation that moves nothing.
+    /// Returns the transformation that moves nothing.
     pub fn identity() -> Self {
         Self { scale: 1.0, rotation: UnitQuaternion::identity(), translation: Vector3::zeros() }
     }
@@ -41,23 +41,23 @@ impl Sim3 {
         Self { scale, rotation, translation: translation_m }
     }
 
-    /// How much longer a length is in the outer frame than in the inner one.
+    /// Returns how much longer a length is in the outer frame than in the inner one.
     pub fn scale(&self) -> f64 {
         self.scale
     }
 
-    /// The translation `[x, y, z]`, in metres of the outer frame.
+    /// Returns the translation `[x, y, z]`, in metres of the outer frame.
     pub fn translation_m(&self) -> [f64; 3] {
         self.translation.into()
     }
 
-    /// The rotation as a unit quaternion `[x, y, z, w]`.
+    /// Returns the rotation as a unit quaternion `[x, y, z, w]`.
     pub fn rotation_xyzw(&self) -> [f64; 4] {
         let q = self.rotation.quaternion();
         [q.i, q.j, q.k, q.w]
     }
 
-    /// The rotation.
+    /// Returns the rotation.
     pub fn rotation(&self) -> &UnitQuaternion<f64> {
         &self.rotation
     }
@@ -67,18 +67,18 @@ impl Sim3 {
         Pose::from_stored(self.translation_m(), self.rotation_xyzw())
     }
 
-    /// The matrix `scale * rotation` and the translation: what a loop over many points wants.
+    /// Returns the matrix `scale * rotation` and the translation: what a loop over many points wants.
     pub fn linear_and_translation(&self) -> (Matrix3<f64>, Vector3<f64>) {
         (self.rotation.to_rotation_matrix().into_inner() * self.scale, self.translation)
     }
 
-    /// The inverse: `query_from_candidate` of a `candidate_from_query`.
+    /// Returns the inverse: `query_from_candidate` of a `candidate_from_query`.
     pub fn inverse(&self) -> Self {
         let (scale, rotation) = (self.scale.recip(), self.rotation.inverse());
         Self { scale, rotation, translation: -(rotation * self.translation) * scale }
     }
 
-    /// The composition: `a_from_b.after(b_from_c)` is `a_from_c`.
+    /// Returns the composition: `a_from_b.after(b_from_c)` is `a_from_c`.
     pub fn after(&self, inner: &Self) -> Self {
         Self {
             scale: self.scale * inner.scale,
@@ -87,12 +87,12 @@ impl Sim3 {
         }
     }
 
-    /// A point of the inner frame in the outer one.
+    /// Returns a point of the inner frame in the outer one.
     pub fn transform(&self, point: &Point3) -> Point3 {
         Point3::from(self.rotation * point.coords * self.scale + self.translation)
     }
 
-    /// A point of the outer frame in the inner one.
+    /// Returns a point of the outer frame in the inner one.
     pub fn inverse_transform(&self, point: &Point3) -> Point3 {
         Point3::from(self.rotation.inverse() * (point.coords - self.translation) / self.scale)
     }
@@ -111,7 +111,7 @@ pub(crate) mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// A similarity with a scale between a tenth and ten.
+    /// Returns a similarity with a scale between a tenth and ten.
     pub(crate) fn any_sim3() -> impl Strategy<Value = Sim3> {
         let length = -20.0..20.0f64;
         (0.1..10.0f64, prop::array::uniform3(length), prop::array::uniform4(-1.0..1.0f64)).prop_filter_map(

@@ -15,7 +15,8 @@ pub struct Conflict<'a> {
     pub differing_characters: usize,
 }
 
-/// The identifiers of compatible roles that exclude each other, if any. A role clash (floor 9, room 9) is no conflict.
+/// Returns the identifiers of compatible roles that exclude each other, if any. A role clash (floor 9, room 9) is no
+/// conflict.
 pub fn conflict<'a>(a: &'a Text, b: &'a Text) -> Option<Conflict<'a>> {
     // Of several conflicts both orders must name the same one.
     let swapped = b.normalised() < a.normalised();
@@ -135,7 +136,7 @@ fn is_settled(mut pairs: Paired<'_, '_>, x: &Identifier, y: &Identifier) -> bool
     })
 }
 
-/// What the left-over identifiers, and the spelling of the agreeing ones, take from a perfect agreement.
+/// Returns what the left-over identifiers, and the spelling of the agreeing ones, take from a perfect agreement.
 fn extra<'a>(paired_a: Paired<'_, 'a>, paired_b: Paired<'_, 'a>) -> Extra<'a> {
     let agrees = |best: &Best<'a>| best.relation >= Relation::EqualButZeros;
     let pairs = paired_a
@@ -161,7 +162,7 @@ fn extra<'a>(paired_a: Paired<'_, 'a>, paired_b: Paired<'_, 'a>) -> Extra<'a> {
     other_role.map_or(if spelling { Extra::Spelling } else { Extra::None }, Extra::OtherRole)
 }
 
-/// The role that two compatible identifiers have together.
+/// Returns the role that two compatible identifiers have together.
 fn stated_role<'a>(p: &'a Identifier, q: &'a Identifier) -> &'a Role {
     // Roles sort from the firmest to none.
     (&p.role).min(&q.role)

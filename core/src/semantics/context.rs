@@ -20,7 +20,7 @@ pub struct Around<'t> {
 }
 
 impl Around<'_> {
-    /// The role that the words right before `at` give, and the first of these words. An unlisted word gives
+    /// Returns the role that the words right before `at` give, and the first of these words. An unlisted word gives
     /// [`Role::Named`].
     pub fn role_before(&self, at: usize) -> Option<(Role, usize)> {
         let mut first = at;
@@ -121,7 +121,7 @@ impl Around<'_> {
         (on_the || of) && !self.is_particle(at) && direction::is_direction(&dictionary::stem(&self.bare[at]))
     }
 
-    /// The "up" of "a close-up".
+    /// Returns the "up" of "a close-up".
     pub fn is_particle(&self, at: usize) -> bool {
         self.bare[at] == "up" && at > 0 && NOT_UPWARD.contains(&self.bare[at - 1].as_str())
     }

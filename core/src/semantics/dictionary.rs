@@ -58,7 +58,7 @@ pub fn is_unsure(stem: &str) -> bool {
     UNSURE.split_whitespace().any(|u| u == stem)
 }
 
-/// A verb or adjective that says the writer could not tell, when it is negated: "cannot *read*".
+/// Returns a verb or adjective that says the writer could not tell, when it is negated: "cannot *read*".
 pub fn is_unsure_when_negated(stem: &str) -> bool {
     PERCEPTION.split_whitespace().any(|p| p == stem)
 }

@@ -30,7 +30,7 @@ const WORDS: [&str; 8] = [
 ];
 
 impl Directions {
-    /// The directions among these words.
+    /// Returns the directions among these words.
     pub fn among(words: &[Word]) -> Directions {
         let bits = words.iter().filter_map(|word| bit(&word.text));
         Directions(bits.fold(0, |all, bit| all | bit))
@@ -46,7 +46,7 @@ impl Directions {
         }
     }
 
-    /// The directions in words: "left and up".
+    /// Returns the directions in words: "left and up".
     pub fn phrase(self) -> String {
         let named = (0..WORDS.len()).filter(|i| self.0 & (1 << i) != 0).map(name);
         named.collect::<Vec<_>>().join(" and ")

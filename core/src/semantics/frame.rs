@@ -118,7 +118,7 @@ impl<F: Fn(usize) -> bool> Words<'_, F> {
         (at + 1 < self.bare.len() && !(self.after_break)(at + 1)).then_some(at + 1)
     }
 
-    /// The "no" of "painting no. 12".
+    /// Returns the "no" of "painting no. 12".
     fn is_label(&self, at: usize) -> bool {
         role::is_number_label(self.bare[at]) && self.next(at).is_some()
     }

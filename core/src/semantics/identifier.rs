@@ -58,7 +58,7 @@ impl Identifier {
         &self.written
     }
 
-    /// The digits before the first separator, if there is one: the floor of "9.02".
+    /// Returns the digits before the first separator, if there is one: the floor of "9.02".
     pub fn first_part(&self) -> Option<&str> {
         let (first, rest) = self.written.split_once(['.', '-', ':', '/'])?;
         let is_number = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
@@ -70,7 +70,7 @@ impl Identifier {
         format!("{} {}", self.role.as_str(), self.written).trim_start().to_owned()
     }
 
-    /// How the two relate. Symmetric.
+    /// Returns how the two relate. Symmetric.
     pub fn relation(&self, other: &Identifier) -> Relation {
         if !self.role.is_compatible(&other.role) {
             return Relation::Unrelated;
@@ -139,7 +139,7 @@ fn canonical(written: &str) -> String {
     value
 }
 
-/// The digit that OCR takes a letter for, and the other way round; and the hyphen for a full stop.
+/// Returns the digit that OCR takes a letter for, and the other way round; and the hyphen for a full stop.
 fn look_alike_digit(c: char) -> char {
     match c {
         'O' | 'D' | 'Q' => '0',
@@ -157,7 +157,7 @@ fn look_alike_form(value: &str) -> String {
     value.chars().map(look_alike_digit).collect()
 }
 
-/// How many letters stand for a look-alike digit, if nothing else differs.
+/// Returns how many letters stand for a look-alike digit, if nothing else differs.
 fn misread_letters(a: &str, b: &str) -> Option<usize> {
     if a.len() != b.len() {
         return None;

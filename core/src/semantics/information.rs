@@ -90,7 +90,7 @@ fn is_uninformative(normalised: &str, words: &[Word], negated: &[Word]) -> bool 
         || (confesses && words.iter().all(|word| word.class == Class::Generic || unsure(word)))
 }
 
-/// A capitalised word outside the dictionary: "Mona Lisa", "Turing".
+/// Returns a capitalised word outside the dictionary: "Mona Lisa", "Turing".
 ///
 /// Capitals that open a sentence prove nothing, so the first word counts only if no other word of the text is specific.
 /// In a short text all in capitals (TURING) they count, as signs are written so; EXIT is in the dictionary. A frame

@@ -22,7 +22,7 @@ pub enum Route {
 }
 
 impl Route {
-    /// What the built-in judge says, sure or not.
+    /// Returns what the built-in judge says, sure or not.
     pub fn judgement(&self) -> &Judgement {
         match self {
             Route::Decided(judgement) | Route::Open(judgement) => judgement,
@@ -58,7 +58,7 @@ fn containers_agree(a: &Text, b: &Text) -> bool {
     }
 }
 
-/// What a model's SimilarityLevel is worth: nothing where the question was not its own.
+/// Returns what a model's SimilarityLevel is worth: nothing where the question was not its own.
 pub fn bound_similarity(a: &Text, b: &Text, level: u8) -> u8 {
     match route_similarity(a, b) {
         Route::Decided(judgement) => judgement.level,

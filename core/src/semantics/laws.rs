@@ -95,7 +95,7 @@ fn sign() -> impl Strategy<Value = String> {
     prop::collection::vec(part, 0..8).prop_map(|parts| parts.join(" "))
 }
 
-/// A part of a building that holds many objects.
+/// Returns a part of a building that holds many objects.
 fn container() -> impl Strategy<Value = &'static str> {
     prop::sample::select(vec!["level 5", "floor 3", "3rd floor", "wing B", "building 7", "zone 4", "9F"])
 }
@@ -124,7 +124,7 @@ fn values(text: &Text) -> BTreeSet<&str> {
     text.identifiers().iter().map(|identifier| identifier.value.as_str()).collect()
 }
 
-/// A failing case belongs into the golden table, not into a file beside the sources.
+/// Returns a failing case belongs into the golden table, not into a file beside the sources.
 fn config() -> ProptestConfig {
     ProptestConfig { cases: 1024, failure_persistence: None, ..ProptestConfig::default() }
 }

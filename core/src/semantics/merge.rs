@@ -15,7 +15,8 @@ use super::{normalise, token};
 /// A merged text grows no further than this, as merging goes on for the life of a map.
 const MAX_MERGED_BYTES: usize = 4096;
 
-/// The more informative text, followed by what only the other one says, in its own words. Symmetric; `merge(a, a) == a`.
+/// Returns the more informative text, followed by what only the other one says, in its own words. Symmetric; `merge(a,
+/// a) == a`.
 pub fn merge(a: &str, b: &str) -> String {
     let (a, b) = (Part::new(a), Part::new(b));
     let (base, other) = if a.rank() >= b.rank() { (a, b) } else { (b, a) };
@@ -89,7 +90,7 @@ impl<'t> Part<'t> {
         self.text.identifiers.iter().any(|known| known.value == identifier.value && says(known))
     }
 
-    /// The "Zimmer" of "Zimmer 901" adds nothing to "room 901".
+    /// Returns the "Zimmer" of "Zimmer 901" adds nothing to "room 901".
     fn is_mere_role(&self, word: &Word) -> bool {
         !self.text.identifiers.is_empty() && role::role_of(&word.text).is_some()
     }
@@ -108,7 +109,7 @@ impl<'t> Part<'t> {
         frame::is_noun(&word.text) && token::tokenise(self.text.normalised()).iter().any(is_word)
     }
 
-    /// The phrases of `other` that say something new, as written there; neighbours stay together.
+    /// Returns the phrases of `other` that say something new, as written there; neighbours stay together.
     fn missing_phrases<'o>(&self, other: &'o Part<'_>) -> Vec<&'o str> {
         let tokens = token::tokenise(&other.clean);
         let mut said = BTreeSet::new();

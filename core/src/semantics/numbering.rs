@@ -32,7 +32,7 @@ const SEPARATORS: [char; 4] = ['.', '-', ':', '/'];
 pub struct Shape(Box<str>);
 
 impl Shape {
-    /// The shape of an identifier as written, if it is made of digits and separators alone.
+    /// Returns the shape of an identifier as written, if it is made of digits and separators alone.
     pub fn of(written: &str) -> Option<Self> {
         let mut shape = String::with_capacity(written.len());
         for c in written.chars() {
@@ -130,7 +130,7 @@ impl Numbering {
         Ok(Self { shapes: BTreeSet::new(), patterns })
     }
 
-    /// The patterns or shapes, as people are shown them.
+    /// Returns the patterns or shapes, as people are shown them.
     pub fn shown(&self) -> impl Iterator<Item = &str> {
         let given = self.patterns.iter().map(|pattern| {
             let whole = pattern.as_str();

@@ -2,7 +2,7 @@
 
 use super::token::{Kind, Token};
 
-/// How many tokens from `at` form a quantity, 0 if none. `bare`: the tokens in lower case, without diacritics.
+/// Returns how many tokens from `at` form a quantity, 0 if none. `bare`: the tokens in lower case, without diacritics.
 /// `numbered`: a role word such as "room" stands right before.
 pub fn tokens_at(tokens: &[Token<'_>], bare: &[String], at: usize, numbered: bool) -> usize {
     let unbroken = |i: usize| i == 0 || tokens.get(at + i).is_some_and(|t| !t.after_break);
@@ -86,7 +86,7 @@ fn has_unit(code: &str) -> bool {
     digits > 0 && fits && GLUED_UNITS.split_whitespace().any(|glued| glued == unit)
 }
 
-/// A year only where a word says so: 2014 alone may be a room.
+/// Returns a year only where a word says so: 2014 alone may be a room.
 fn is_year(code: &str, before: &str) -> bool {
     let dated = [
         "in",

@@ -38,7 +38,7 @@ impl Role {
         matches!(self, Role::Floor | Role::Bare | Role::Place("building" | "wing" | "zone" | "section"))
     }
 
-    /// The English name, empty for [`Role::Neutral`].
+    /// Returns the English name, empty for [`Role::Neutral`].
     pub fn as_str(&self) -> &str {
         match self {
             Role::Room => "room",
@@ -50,7 +50,7 @@ impl Role {
     }
 }
 
-/// The role a word names (lower case, without diacritics), and whether the word is a plural.
+/// Returns the role a word names (lower case, without diacritics), and whether the word is a plural.
 pub fn role_of(word: &str) -> Option<(Role, bool)> {
     BY_WORD.get(word).map(|role| (role.clone(), PLURALS.contains(&word))).or_else(|| {
         let singular = word.strip_suffix('s')?;
@@ -63,7 +63,8 @@ pub fn names_container(word: &str) -> bool {
     role_of(word).is_some_and(|(role, _)| role.is_container())
 }
 
-/// The role that Han, Kana or Hangul straight after a number give it, as in 901号室, and the length of those characters.
+/// Returns the role that Han, Kana or Hangul straight after a number give it, as in 901号室, and the length of those
+/// characters.
 pub fn role_of_suffix(run: &str) -> Option<(Role, usize)> {
     SUFFIXES
         .iter()
@@ -76,7 +77,7 @@ pub fn is_number_label(word: &str) -> bool {
     ["no", "nr", "num", "number", "n", "#", "numero", "nummer", "numeral", "code"].contains(&word)
 }
 
-/// Every role word that means nothing else where no number is beside it.
+/// Returns every role word that means nothing else where no number is beside it.
 pub fn words() -> impl Iterator<Item = &'static str> {
     let words = ROLES.iter().flat_map(|(_, words)| words.split_whitespace());
     words.filter(|word| !HOMOGRAPHS.contains(word))

@@ -24,7 +24,7 @@ pub enum Source {
 }
 
 impl Source {
-    /// The name in the API document.
+    /// Returns the name in the API document.
     pub fn as_str(&self) -> &str {
         match self {
             Source::Identical => "identical",
@@ -53,7 +53,7 @@ pub fn similarity(a: &Text, b: &Text) -> Judgement {
     Judgement { level, source: evidence.source(), reason: reason::sentence(a, b, &evidence) }
 }
 
-/// The same answer without the reason. Allocates nothing: for the hot path.
+/// Returns the same answer without the reason. Allocates nothing: for the hot path.
 pub fn similarity_level(a: &Text, b: &Text) -> (u8, Source) {
     let (a, b) = in_order(a, b);
     let (level, evidence) = judge(a, b);
@@ -103,7 +103,7 @@ fn in_order<'t>(a: &'t Text, b: &'t Text) -> (&'t Text, &'t Text) {
     if a.normalised() <= b.normalised() { (a, b) } else { (b, a) }
 }
 
-/// The rules, the strongest first.
+/// Returns the rules, the strongest first.
 fn judge<'t>(a: &'t Text, b: &'t Text) -> (u8, Evidence<'t>) {
     if let Some(text) = [a, b].into_iter().find(|text| text.information_level() == 1) {
         return (1, Evidence::Uninformative(text));
@@ -136,7 +136,7 @@ fn judge<'t>(a: &'t Text, b: &'t Text) -> (u8, Evidence<'t>) {
     if bearing == Bearing::OneSided && level > 3 { (3, Evidence::Directions) } else { (level, evidence) }
 }
 
-/// The floor or building that a text numbers, if it says nothing else.
+/// Returns the floor or building that a text numbers, if it says nothing else.
 fn container_alone(text: &Text) -> Option<&Identifier> {
     text.identifiers.first().filter(|_| text.information.is_container_alone)
 }
@@ -154,7 +154,7 @@ fn judge_container<'t>(a: &'t Text, b: &'t Text, container: &'t Identifier) -> (
     }
 }
 
-/// The objects' own identifiers decide; those of the parts of a building around them lift nothing.
+/// Returns the objects' own identifiers decide; those of the parts of a building around them lift nothing.
 fn judge_identifiers<'t>(a: &'t Text, b: &'t Text, all: Agreement<'t>) -> (u8, Evidence<'t>) {
     match agreement(&a.own, &b.own) {
         // "9" may be the floor of "901, 9F".
@@ -176,7 +176,7 @@ fn judge_words<'t>(a: &'t Text, b: &'t Text, containers: Option<Agreement<'t>>) 
     (level.min(at_most), evidence)
 }
 
-/// A word that `a` denies and `b` states.
+/// Returns a word that `a` denies and `b` states.
 fn denied<'t>(a: &'t Text, b: &Text) -> Option<&'t Word> {
     a.negated
         .iter()

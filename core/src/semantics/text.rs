@@ -102,18 +102,18 @@ impl Text {
         }
     }
 
-    /// The canonical form; equal forms are identical descriptions.
+    /// Returns the canonical form; equal forms are identical descriptions.
     pub fn normalised(&self) -> &str {
         &self.normalised
     }
 
-    /// The part that two readings share that are alike: the identifiers as written if there are any, else the canonical form.
-    /// No numbering changes it.
+    /// Returns the part that two readings share that are alike: the identifiers as written if there are any, else the
+    /// canonical form. No numbering changes it.
     pub fn gist(&self) -> &str {
         &self.gist
     }
 
-    /// The identifiers, sorted, without duplicates.
+    /// Returns the identifiers, sorted, without duplicates.
     pub fn identifiers(&self) -> &[Identifier] {
         &self.identifiers
     }
@@ -167,7 +167,7 @@ impl Text {
         self.specific_words().count() >= ENOUGH_SPECIFIC_WORDS
     }
 
-    /// The words that tell one object from others.
+    /// Returns the words that tell one object from others.
     pub fn specific_words(&self) -> impl Iterator<Item = &str> {
         let specific = |word: &&Word| word.class == Class::Specific;
         self.words.iter().filter(specific).map(|word| word.text.as_str())
@@ -186,7 +186,7 @@ pub struct Identity {
     directions: Directions,
 }
 
-/// The gist of a text with these identifiers.
+/// Returns the gist of a text with these identifiers.
 fn gist(normalised: &str, identifiers: &[Identifier]) -> Box<str> {
     let own = identifiers.iter().filter(|identifier| !identifier.role.is_container());
     let written: BTreeSet<&str> = own.map(Identifier::as_str).collect();

@@ -122,7 +122,7 @@ fn is_symbol(c: char) -> bool {
         || matches!(c, '\u{2190}'..='\u{2bff}' | '\u{1f000}'..='\u{1faff}')
 }
 
-/// A dash with a space on either side, as in "901 - 905".
+/// Returns a dash with a space on either side, as in "901 - 905".
 fn is_lone_dash(text: &str, at: usize) -> bool {
     text[at..].starts_with("- ") && text[..at].ends_with(' ')
 }

@@ -21,18 +21,18 @@ pub struct Word {
 }
 
 impl Word {
-    /// The word of this stem, or the generic word it is a misreading of.
+    /// Returns the word of this stem, or the generic word it is a misreading of.
     pub fn new(stem: String) -> Word {
         let meant = generic::misread(&stem).map_or(stem, str::to_owned);
         Word::of_class(dictionary::listed(&meant).unwrap_or(Class::Specific), meant)
     }
 
-    /// A word whose class the dictionary cannot tell.
+    /// Returns a word whose class the dictionary cannot tell.
     pub fn of_class(class: Class, text: String) -> Word {
         Word { class, hash: blocking_keys::hash(b'w', &text), text }
     }
 
-    /// What sets this text apart must weigh more than what all texts have.
+    /// Returns what sets this text apart must weigh more than what all texts have.
     pub(super) fn weight(&self) -> u32 {
         if self.class == Class::Specific { 2 } else { 1 }
     }
@@ -117,8 +117,8 @@ pub fn walk<'w>(a: &'w [Word], b: &'w [Word], mut visit: impl FnMut(&'w Word, us
     }
 }
 
-/// The words of which two sets of level 4 share at least one (prefix filtering of set-similarity joins):
-/// what follows the prefix weighs too little to make up level 4 alone.
+/// Returns the words of which two sets of level 4 share at least one (prefix filtering of set-similarity joins): what
+/// follows the prefix weighs too little to make up level 4 alone.
 pub fn prefix(sorted: &[Word]) -> &[Word] {
     let total: u32 = sorted.iter().map(Word::weight).sum();
     let mut rest = total;

@@ -81,7 +81,7 @@ impl Vocabulary {
         landings
     }
 
-    /// The children's descriptors, one after the other; none of a leaf.
+    /// Returns the children's descriptors, one after the other; none of a leaf.
     fn children(&self, link: Link) -> &[u64] {
         let (each, count) = (self.descriptor_words(), link.count() as usize);
         let first = if count == 0 { 0 } else { link.target() as usize };

@@ -12,7 +12,7 @@ use super::{Vocabulary, binary};
 pub struct Fingerprint([u8; 32]);
 
 impl Fingerprint {
-    /// A fingerprint kept as bytes.
+    /// Returns a fingerprint kept as bytes.
     pub const fn from_bytes(bytes: [u8; 32]) -> Self {
         Self(bytes)
     }

@@ -34,7 +34,7 @@ impl FeatureGroups {
         })
     }
 
-    /// How many groups there are.
+    /// Returns the number of groups.
     pub fn len(&self) -> usize {
         self.groups.len()
     }
@@ -44,7 +44,7 @@ impl FeatureGroups {
         self.groups.is_empty()
     }
 
-    /// The pairs of groups that two keyframes have in common: what guided matching compares.
+    /// Returns the pairs of groups that two keyframes have in common: what guided matching compares.
     pub fn common<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = (&'a [u32], &'a [u32])> {
         let mut theirs = other.iter().peekable();
         self.iter().filter_map(move |(node, ours)| {

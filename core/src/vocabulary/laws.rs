@@ -31,7 +31,7 @@ impl Drawn {
         text
     }
 
-    /// The path of a descriptor below the root, by brute force.
+    /// Returns the path of a descriptor below the root, by brute force.
     fn path(&self, descriptor: &[u8]) -> Vec<usize> {
         let mut path = Vec::new();
         let mut at = 0;

@@ -110,7 +110,7 @@ impl Vocabulary {
         binary::write(self, out)
     }
 
-    /// What the vocabulary declares of itself.
+    /// Returns what the vocabulary declares of itself.
     pub fn shape(&self) -> Shape {
         self.shape
     }
@@ -120,22 +120,22 @@ impl Vocabulary {
         self.shape.descriptor_bytes
     }
 
-    /// How many words there are; they are numbered from 0.
+    /// Returns the number of words; they are numbered from 0.
     pub fn word_count(&self) -> usize {
         self.weights.len()
     }
 
-    /// How many nodes there are, the root included.
+    /// Returns how many nodes there are, the root included.
     pub fn node_count(&self) -> usize {
         self.links.len()
     }
 
-    /// The inverse document frequency of a word.
+    /// Returns the inverse document frequency of a word.
     pub fn word_weight(&self, word: u32) -> Option<f64> {
         self.weights.get(word as usize).copied()
     }
 
-    /// The name of the content: equal for the text and the binary form of one vocabulary.
+    /// Returns the name of the content: equal for the text and the binary form of one vocabulary.
     pub fn fingerprint(&self) -> Fingerprint {
         self.fingerprint
     }
@@ -146,7 +146,7 @@ impl Vocabulary {
         self.fingerprint == Fingerprint::of(self)
     }
 
-    /// The heap memory the vocabulary occupies, in bytes, without the allocator's own.
+    /// Returns the heap memory the vocabulary occupies, in bytes, without the allocator's own.
     pub fn heap_bytes(&self) -> usize {
         self.links.capacity() * size_of::<Link>()
             + self.node_ids.capacity() * size_of::<u32>()
@@ -154,12 +154,12 @@ impl Vocabulary {
             + self.descriptors.capacity() * size_of::<u64>()
     }
 
-    /// How many 64-bit words a descriptor has.
+    /// Returns how many 64-bit words a descriptor has.
     fn descriptor_words(&self) -> usize {
         self.shape.descriptor_bytes / 8
     }
 
-    /// The same tree with other weights, by word.
+    /// Returns the same tree with other weights, by word.
     fn with_weights(mut self, weights: Vec<f64>) -> Self {
         debug_assert_eq!(weights.len(), self.weights.len(), "one weight for each word");
         self.weights = weights;
@@ -169,7 +169,7 @@ impl Vocabulary {
 }
 
 impl fmt::Debug for Vocabulary {
-    /// The figures only; the nodes fill a library.
+    /// Returns the figures only; the nodes fill a library.
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter
             .debug_struct("Vocabulary")

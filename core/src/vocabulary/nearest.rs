@@ -7,7 +7,7 @@
 
 use crate::geometry::hamming::distance;
 
-/// The place among `block`, descriptors of `query.len()` words one after the other, of the nearest to `query`.
+/// Returns the place among `block`, descriptors of `query.len()` words one after the other, of the nearest to `query`.
 pub(super) fn nearest(query: &[u64], block: &[u64]) -> usize {
     match query.len() {
         4 => nearest_of::<4>(query, block),

@@ -10,7 +10,7 @@ const ZSTD_MAGIC: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
 /// Large enough that a read costs nothing beside what is done with it.
 const BUFFER_BYTES: usize = 256 * 1024;
 
-/// The bytes of a file, decompressed.
+/// Returns the bytes of a file, decompressed.
 pub fn decompressed(bytes: impl Read + Send + 'static) -> io::Result<Box<dyn BufRead + Send>> {
     let (head, bytes) = peek(bytes, ZSTD_MAGIC.len())?;
     let bytes = BufReader::with_capacity(BUFFER_BYTES, bytes);
@@ -39,7 +39,7 @@ fn inflated(_: impl BufRead + Send + 'static, _: bool) -> io::Result<Box<dyn Buf
     ))
 }
 
-/// The bytes of a vocabulary, decompressed, and whether they are the binary form.
+/// Returns the bytes of a vocabulary, decompressed, and whether they are the binary form.
 pub(super) fn open(bytes: impl Read + Send + 'static) -> io::Result<(impl BufRead, bool)> {
     let (head, bytes) = peek(decompressed(bytes)?, binary::MAGIC.len())?;
     let is_binary = head == binary::MAGIC;
@@ -49,7 +49,7 @@ pub(super) fn open(bytes: impl Read + Send + 'static) -> io::Result<(impl BufRea
 /// What has been read of a reader, and the reader.
 type Whole<R> = io::Chain<Cursor<Vec<u8>>, R>;
 
-/// The first `count` bytes, or as many as there are, and a reader that still has them before it.
+/// Returns the first `count` bytes, or as many as there are, and a reader that still has them before it.
 fn peek<R: Read>(mut bytes: R, count: usize) -> io::Result<(Vec<u8>, Whole<R>)> {
     let mut head = Vec::new();
     bytes.by_ref().take(count as u64).read_to_end(&mut head)?;

@@ -36,12 +36,13 @@ pub enum DescriptorMismatch {
 }
 
 impl Vocabulary {
-    /// The words of a keyframe's features, and their groups four levels above the words, as ORB-SLAM has them.
+    /// Returns the words of a keyframe's features, and their groups four levels above the words, as ORB-SLAM has them.
     pub fn transform_features(&self, features: &Features) -> Result<Transformed, DescriptorMismatch> {
         self.transform(features.descriptor_bytes, &features.descriptors, LEVELS_UP)
     }
 
-    /// The words of descriptors of `descriptor_bytes` bytes each, and their groups by the node at level `L - levels_up`.
+    /// Returns the words of descriptors of `descriptor_bytes` bytes each, and their groups by the node at level `L -
+    /// levels_up`.
     ///
     /// A group is named by the node's number in the vocabulary's file. A word above that level is a group by itself.
     pub fn transform(
@@ -69,7 +70,7 @@ impl Vocabulary {
         })
     }
 
-    /// The word of each descriptor, words of weight 0 included.
+    /// Returns the word of each descriptor, words of weight 0 included.
     pub fn words_of(
         &self,
         descriptor_bytes: usize,

@@ -8,22 +8,22 @@ use super::{Shape, Vocabulary};
 pub(super) struct Link(u64);
 
 impl Link {
-    /// A node with `count` children, side by side from `first`.
+    /// Returns a node with `count` children, side by side from `first`.
     pub fn children(first: u32, count: u32) -> Self {
         Self(u64::from(count) << 32 | u64::from(first))
     }
 
-    /// A leaf.
+    /// Returns a leaf.
     pub fn word(word: u32) -> Self {
         Self(u64::from(word))
     }
 
-    /// How many children there are; 0 for a leaf.
+    /// Returns the number of children; 0 for a leaf.
     pub fn count(self) -> u32 {
         (self.0 >> 32) as u32
     }
 
-    /// The first child; for a leaf its word.
+    /// Returns the first child; for a leaf its word.
     pub fn target(self) -> u32 {
         self.0 as u32
     }
@@ -118,7 +118,7 @@ impl Tree {
     /// The most nodes.
     pub const NODES_MAX: usize = 1 << 26;
 
-    /// A root without children.
+    /// Returns a root without children.
     pub fn new(shape: Shape) -> Self {
         let root = vec![0; shape.descriptor_bytes / 8];
         Self {
@@ -141,7 +141,7 @@ impl Tree {
         }
     }
 
-    /// How many nodes there are, the root included: the number of the next one.
+    /// Returns how many nodes there are, the root included: the number of the next one.
     pub fn node_count(&self) -> usize {
         self.parents.len()
     }

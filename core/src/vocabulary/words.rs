@@ -34,7 +34,7 @@ impl WordVector {
         &self.entries
     }
 
-    /// How many words there are.
+    /// Returns the number of words.
     pub fn len(&self) -> usize {
         self.entries.len()
     }

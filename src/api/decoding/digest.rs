@@ -9,7 +9,7 @@ use sha2::{Digest as _, Sha256};
 /// The SHA-256 of a body's meaning.
 pub type Digest = [u8; 32];
 
-/// The digest of a JSON value.
+/// Returns the digest of a JSON value.
 pub fn of(value: &Value) -> Digest {
     let mut sha = Sha256::new();
     add(&mut sha, value);

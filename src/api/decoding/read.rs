@@ -56,7 +56,7 @@ pub struct Node<'a> {
 }
 
 impl<'a> Node<'a> {
-    /// The value itself.
+    /// Returns the value itself.
     pub fn value(&self) -> &'a Value {
         self.value
     }
@@ -65,7 +65,7 @@ impl<'a> Node<'a> {
         Node { value, parent: Some(self), step, faults: self.faults }
     }
 
-    /// The JSON pointer (RFC 6901) of this value.
+    /// Returns the JSON pointer (RFC 6901) of this value.
     fn pointer(&self) -> String {
         let mut pointer = self.parent.map(Node::pointer).unwrap_or_default();
         match self.step {
@@ -112,7 +112,7 @@ impl<'a> Node<'a> {
         self.refuse("the number is out of range", Bounds(&range))
     }
 
-    /// A whole number within bounds; `5.0` is one too, as JSON knows one kind of number only.
+    /// Returns a whole number within bounds; `5.0` is one too, as JSON knows one kind of number only.
     pub fn whole(&self, range: RangeInclusive<i64>) -> Option<i64> {
         let Value::Number(number) = self.value else {
             return self.expected("a whole number");
@@ -127,12 +127,12 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// A whole number that fits 32 bits, within bounds.
+    /// Returns a whole number that fits 32 bits, within bounds.
     pub fn count(&self, range: RangeInclusive<i64>) -> Option<u32> {
         self.whole(range).and_then(|whole| u32::try_from(whole).ok())
     }
 
-    /// A whole number written in digits, as a query parameter is.
+    /// Returns a whole number written in digits, as a query parameter is.
     pub fn digits(&self, range: RangeInclusive<i64>) -> Option<i64> {
         match self.string()?.parse() {
             Ok(whole) if range.contains(&whole) => Some(whole),
@@ -141,7 +141,7 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// A string as it is.
+    /// Returns a string as it is.
     pub fn string(&self) -> Option<&'a str> {
         self.value.as_str().or_else(|| self.expected("a string"))
     }
@@ -174,7 +174,7 @@ impl<'a> Node<'a> {
         from_name(name).or_else(|| self.refuse("there is no such value", names.join(", ")))
     }
 
-    /// A list, each item read by `read`; all faults of all items are noted.
+    /// Returns a list, each item read by `read`; all faults of all items are noted.
     pub fn list<T>(&self, max: usize, mut read: impl FnMut(&Node<'_>) -> Option<T>) -> Option<Vec<T>> {
         let Value::Array(items) = self.value else {
             return self.expected("a list");
@@ -201,7 +201,7 @@ impl<'a> Node<'a> {
         self.list(N, |item| item.number(range.clone()))?.try_into().ok()
     }
 
-    /// An object with these fields and no other; a field more is a fault, for it is most likely a typing error.
+    /// Returns an object with these fields and no other; a field more is a fault, for it is most likely a typing error.
     pub fn object<'n>(&'n self, fields: &[&str]) -> Option<Object<'n>> {
         let Value::Object(members) = self.value else {
             return self.expected("an object");
@@ -234,7 +234,7 @@ pub struct Object<'n> {
 }
 
 impl Object<'_> {
-    /// A field that must be there.
+    /// Returns a field that must be there.
     pub fn required<T>(&self, name: &str, read: impl FnOnce(&Node<'_>) -> Option<T>) -> Option<T> {
         if let Some(value) = self.members.get(name) {
             return read(&self.node.child(Step::Name(name), value));
@@ -244,7 +244,7 @@ impl Object<'_> {
             .note(|pointer| FieldError::new(pointer, "the field is required"))
     }
 
-    /// A field that may be left out; the outer `None` says that it is there and wrong.
+    /// Returns a field that may be left out; the outer `None` says that it is there and wrong.
     pub fn optional<T>(&self, name: &str, read: impl FnOnce(&Node<'_>) -> Option<T>) -> Option<Option<T>> {
         match self.members.get(name) {
             None => Some(None),

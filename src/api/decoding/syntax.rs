@@ -45,8 +45,8 @@ fn fault(bytes: &[u8], error: &serde_json::Error) -> FieldError {
     FieldError::new(place, detail).got(name).limit("a finite number, or leave the field out")
 }
 
-/// What stands where a value was expected, if it is a number that is none: Python's `json.dumps` writes `NaN`, `Infinity`
-/// and `-Infinity`, and C's `printf` writes `nan` and `inf`.
+/// Returns what stands where a value was expected, if it is a number that is none: Python's `json.dumps` writes `NaN`,
+/// `Infinity` and `-Infinity`, and C's `printf` writes `nan` and `inf`.
 fn not_a_number<'b>(bytes: &'b [u8], error: &serde_json::Error) -> Option<&'b str> {
     /// The longest is `-Infinity`.
     const LONGEST: usize = 9;

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-/// An anchor.
+/// Returns an anchor.
 pub fn anchor() -> Value {
     let bounds = json!({"min": [0.5, 0.0, 2.0], "max": [0.75, 0.25, 2.0]});
     json!({
@@ -32,7 +32,7 @@ pub fn anchor() -> Value {
     })
 }
 
-/// How an anchor was described.
+/// Returns how an anchor was described.
 pub fn transcript() -> Value {
     let step = |question: &str| json!({"speaker": "model:blip-2", "question": question, "answer": "901"});
     json!({
@@ -55,7 +55,7 @@ pub fn anchors() -> Value {
     json!({"map_version": 412, "items": [item], "next_cursor": null})
 }
 
-/// A description by hand.
+/// Returns a description by hand.
 pub fn anchor_patch() -> Value {
     json!({"description": "room 901"})
 }

@@ -2,12 +2,12 @@
 
 use serde_json::{Value, json};
 
-/// A job to be counted first.
+/// Returns a job to be counted first.
 pub fn judgement_body() -> Value {
     json!({"asks": "texts", "preview": true})
 }
 
-/// What a job would take.
+/// Returns what a job would take.
 pub fn judgement_preview() -> Value {
     let mut preview = judgement();
     let gone = ["id", "changed", "unchanged", "left", "replaced", "state"];
@@ -26,7 +26,7 @@ pub fn judgement_preview() -> Value {
     preview
 }
 
-/// A job that is done.
+/// Returns a job that is done.
 pub fn judgement() -> Value {
     json!({
         "id": "j-1",
@@ -54,7 +54,7 @@ pub fn judgement() -> Value {
     })
 }
 
-/// A verdict of a model about two texts.
+/// Returns a verdict of a model about two texts.
 pub fn model_verdict() -> Value {
     json!({
         "operation": "similarity", "class": "painting", "texts": ["a red boat at sea", "a sailing ship, red"], "level": 4,
@@ -62,7 +62,7 @@ pub fn model_verdict() -> Value {
     })
 }
 
-/// The answer to a verdict that was brought.
+/// Returns the answer to a verdict that was brought.
 pub fn model_verdict_answer() -> Value {
     json!({"map_version": 10, "applied": true})
 }

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 /// A PNG file of 8 by 8 pixels.
 const CROP: &str = "iVBORw0KGgoAAAANSUhEUgAAAAgAAAAICAAAAADhZOFXAAAAFElEQVR42mP4DwUM/xXAgFQGFAAAjpQgZSHqsWMAAAAASUVORK5CYII=";
 
-/// A keyframe to be stored.
+/// Returns a keyframe to be stored.
 pub fn keyframe_body() -> Value {
     json!({
         "session": "robot-7",
@@ -49,7 +49,7 @@ pub fn keyframe_answer() -> Value {
     })
 }
 
-/// A keyframe as it stands.
+/// Returns a keyframe as it stands.
 pub fn keyframe() -> Value {
     json!({
         "id": "kf-120",
@@ -85,7 +85,7 @@ pub fn keyframes() -> Value {
     json!({"map_version": 412, "items": [line], "next_cursor": "kf-120"})
 }
 
-/// The lines of a bulk request: another robot at the same door, and the keyframe before `kf-120`.
+/// Returns the lines of a bulk request: another robot at the same door, and the keyframe before `kf-120`.
 pub fn bulk_lines() -> [Value; 2] {
     let at_the_origin = json!({
         "translation": {"x": 0.0, "y": 0.0, "z": 0.0}, "rotation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
@@ -102,7 +102,7 @@ pub fn bulk_lines() -> [Value; 2] {
     ]
 }
 
-/// A bulk request.
+/// Returns a bulk request.
 pub fn bulk_body() -> Value {
     let lines: Vec<String> = bulk_lines().iter().map(Value::to_string).collect();
     json!(lines.join("\n") + "\n")
@@ -118,7 +118,7 @@ pub fn covisible() -> Value {
     json!({"map_version": 412, "items": [{"keyframe": "kf-119", "shared": 87}], "next_cursor": null})
 }
 
-/// A local anchor map.
+/// Returns a local anchor map.
 pub fn local_anchor_map() -> Value {
     json!({
         "keyframe": "kf-120",

@@ -2,12 +2,12 @@
 
 use serde_json::{Value, json};
 
-/// A loop query.
+/// Returns a loop query.
 pub fn loop_query() -> Value {
     json!({"keyframe": "kf-120", "verify": "auto", "max_wait_ms": 0, "seed": 0})
 }
 
-/// The answer to a loop query.
+/// Returns the answer to a loop query.
 pub fn loop_answer() -> Value {
     json!({
         "id": "q-2f6f6d0a4c1b",
@@ -69,7 +69,7 @@ pub fn loop_answer() -> Value {
     })
 }
 
-/// A loop that the client closed.
+/// Returns a loop that the client closed.
 pub fn loop_body() -> Value {
     json!({"id": "loop-1", "keyframe": "kf-120", "candidate": "kf-3", "query": "q-2f6f6d0a4c1b"})
 }
@@ -93,7 +93,7 @@ pub fn loops() -> Value {
     json!({"map_version": 413, "items": [item], "next_cursor": null})
 }
 
-/// The data of one event.
+/// Returns the data of one event.
 pub fn event() -> Value {
     json!({"seq": 31, "event": "loop_found", "map_version": 412, "keyframe": "kf-120", "candidate": "kf-3",
         "query": "q-2f6f6d0a4c1b"})

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use crate::api::settings::MapSettings;
 use crate::domain::settings::Settings;
 
-/// A map to be made.
+/// Returns a map to be made.
 pub fn map_body() -> Value {
     json!({
         "description": "Ninth floor of the tower",
@@ -15,12 +15,12 @@ pub fn map_body() -> Value {
     })
 }
 
-/// A change to a map.
+/// Returns a change to a map.
 pub fn map_patch() -> Value {
     json!({"anchor_classes": ["door_number", "floor_plaque"], "settings": {"without_anchors": "geometry"}})
 }
 
-/// A map.
+/// Returns a map.
 pub fn map() -> Value {
     json!({
         "id": "tower",
@@ -42,7 +42,7 @@ pub fn maps() -> Value {
     json!({"items": [map()], "next_cursor": null})
 }
 
-/// The map's version.
+/// Returns the map's version.
 pub fn map_version() -> Value {
     json!({"map_version": 413})
 }

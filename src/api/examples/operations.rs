@@ -9,7 +9,7 @@ pub fn usage() -> Value {
     json!(Usage::without_models())
 }
 
-/// A backup to be taken.
+/// Returns a backup to be taken.
 pub fn backup_body() -> Value {
     json!({"id": "before-the-upgrade"})
 }
@@ -49,17 +49,17 @@ pub fn ready() -> Value {
     json!({"status": "ready"})
 }
 
-/// A version.
+/// Returns a version.
 pub fn version() -> Value {
     json!({"name": "revisit", "version": "0.1.0", "sqlite": "3.51.3", "vocabulary": null})
 }
 
-/// The beginning of the API document.
+/// Returns the beginning of the API document.
 pub fn document() -> Value {
     json!({"openapi": "3.1.0", "info": {"title": "Revisit", "version": "0.1.0"}, "paths": {}})
 }
 
-/// A refusal.
+/// Returns a refusal.
 pub fn problem() -> Value {
     json!({
         "type": "/docs#problem-invalid",

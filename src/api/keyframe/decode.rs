@@ -60,7 +60,7 @@ impl Faulty {
         Self { faults, declared: declared.filter_map(|(place, id)| Some((place, id?))).collect() }
     }
 
-    /// All faults, with those that the map has found. A place is told off once.
+    /// Returns all faults, with those that the map has found. A place is told off once.
     pub fn with(mut self, found: Vec<FieldError>) -> Vec<FieldError> {
         for fault in found {
             let is_told = self.faults.iter().any(|told| told.pointer == fault.pointer);
@@ -72,12 +72,12 @@ impl Faulty {
     }
 }
 
-/// A keyframe whose name stands in the path, or in a bulk line.
+/// Returns a keyframe whose name stands in the path, or in a bulk line.
 pub fn named(body: &Value, id: &KeyframeId) -> Result<SentKeyframe, Vec<FieldError>> {
     read::decode_with(body, |node| keyframe(node, id, true))
 }
 
-/// A keyframe to be asked about and not stored: a member of a larger body, without a name of its own.
+/// Returns a keyframe to be asked about and not stored: a member of a larger body, without a name of its own.
 pub fn unnamed(node: &Node<'_>) -> Option<SentKeyframe> {
     keyframe(node, &INLINE.parse().ok()?, false)
 }
@@ -129,7 +129,7 @@ fn camera(node: &Node<'_>) -> Option<Camera> {
     Some(Camera { fx: fx?, fy: fy?, cx: cx?, cy: cy?, width: width?, height: height? })
 }
 
-/// The bag of words, and whose words they are.
+/// Returns the bag of words, and whose words they are.
 fn bow(node: &Node<'_>) -> Option<(BowVector, Box<str>)> {
     let body = node.object(&["words", "weights", "vocabulary"])?;
     let vocabulary = body.optional("vocabulary", |node| node.text(limits::VOCABULARY_CHARS));

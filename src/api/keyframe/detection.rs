@@ -51,7 +51,7 @@ fn box_px(node: &Node<'_>) -> Option<[f64; 4]> {
     Some(corners)
 }
 
-/// A reader that read nothing sends blank text: that is no reading.
+/// Returns a reader that read nothing sends blank text: that is no reading.
 fn non_blank(text: Option<String>) -> Option<String> {
     text.filter(|text| !text.trim().is_empty())
 }

@@ -97,8 +97,8 @@ fn numbers(pose: &Pose) -> String {
     format!("{x} {y} {z} {qx} {qy} {qz} {qw}")
 }
 
-/// The inverse of a covariance of `from_to`, whose axes are the first frame's, about the axes of the second; none where it
-/// is no covariance.
+/// Returns the inverse of a covariance of `from_to`, whose axes are the first frame's, about the axes of the second;
+/// none where it is no covariance.
 fn information(covariance: &[f64; 36], from_to: &Pose) -> Option<Matrix6<f64>> {
     let covariance = Matrix6::from_row_slice(covariance);
     let to_from: UnitQuaternion<f64> = from_to.isometry().rotation.inverse();

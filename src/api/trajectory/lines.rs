@@ -28,7 +28,7 @@ pub fn kitti(track: &SessionTrack) -> String {
     text
 }
 
-/// A stamp in decimal seconds, to the nanosecond; before the epoch with a minus sign.
+/// Returns a stamp in decimal seconds, to the nanosecond; before the epoch with a minus sign.
 fn seconds(stamp: Stamp) -> String {
     let nanoseconds = i128::from(stamp.sec) * 1_000_000_000 + i128::from(stamp.nanosec);
     let (sign, size) = (if nanoseconds < 0 { "-" } else { "" }, nanoseconds.unsigned_abs());

@@ -26,7 +26,7 @@ impl TrajectoryFormat {
     /// The formats' names.
     pub const NAMES: [&str; 3] = ["tum", "kitti", "g2o"];
 
-    /// The format of a name.
+    /// Returns the format of a name.
     pub fn from_name(name: &str) -> Option<Self> {
         [Self::Tum, Self::Kitti, Self::G2o]
             .into_iter()
@@ -52,7 +52,8 @@ pub fn write_trajectory(
     }
 }
 
-/// The one session of a trajectory: its lines say nothing of sessions, and each of these has a frame of its own.
+/// Returns the one session of a trajectory: its lines say nothing of sessions, and each of these has a frame of its
+/// own.
 fn only_session(report: &TrajectoryReport) -> Result<Option<&SessionTrack>, FieldError> {
     match report.sessions.as_slice() {
         [] => Ok(None),

@@ -139,7 +139,7 @@ enum Generator {
 }
 
 impl HotelArgs {
-    /// The kinds of trouble that are driven.
+    /// Returns the kinds of trouble that are driven.
     fn kinds(&self) -> Vec<NoiseKind> {
         match (self.hotel, &self.noise) {
             (Some(Generator::V2), _) => vec![NoiseKind::SecondHotel],

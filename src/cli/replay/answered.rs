@@ -84,7 +84,7 @@ impl Answered {
         }
     }
 
-    /// The service's answer, if it is to be scored.
+    /// Returns the service's answer, if it is to be scored.
     pub fn service(&self) -> Option<Marked> {
         let accepted = self.verdict == Decision::Loop;
         let best = self.best.as_deref().map(|best| (best, 1.0));
@@ -98,7 +98,7 @@ impl Answered {
         Some(marked)
     }
 
-    /// What BoW alone would answer, if it is to be scored.
+    /// Returns what BoW alone would answer, if it is to be scored.
     pub fn bow_alone(&self) -> Option<Marked> {
         let best = self.bow_best.as_ref();
         self.mark(best.map(|(keyframe, score)| (keyframe.as_str(), *score)))
@@ -167,7 +167,7 @@ impl Figures {
     }
 }
 
-/// The highest score, of equal ones the smallest id; what shares no word is no BoW candidate.
+/// Returns the highest score, of equal ones the smallest id; what shares no word is no BoW candidate.
 fn bow_best(candidates: &[CandidateView]) -> Option<(String, f64)> {
     candidates
         .iter()

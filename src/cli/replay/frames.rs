@@ -92,7 +92,7 @@ impl Frames {
         self.errors.push(((a - b).norm(), 2.0 * w.abs().min(1.0).acos().to_degrees()));
     }
 
-    /// What came of it; nothing if nothing could be compared.
+    /// Returns what came of it; nothing if nothing could be compared.
     pub fn errors(&self) -> Option<TransformErrors> {
         let spread = |of: fn(&(f64, f64)) -> f64| {
             let mut sorted: Vec<f64> = self.errors.iter().map(of).collect();

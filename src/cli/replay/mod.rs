@@ -90,7 +90,7 @@ pub struct OwnServer {
 }
 
 impl OwnServer {
-    /// The server at `url`; dropping `running` stops it and removes its database.
+    /// Returns the server at `url`; dropping `running` stops it and removes its database.
     pub fn new(url: impl Into<String>, running: impl Send + 'static) -> Self {
         Self { url: url.into(), _running: Box::new(running) }
     }
@@ -215,7 +215,7 @@ fn connect(args: &ReplayArgs, own_server: Option<&OwnServer>) -> Result<Client, 
     })
 }
 
-/// A reader that has seen enough (`revisit replay ... | head`) is no error.
+/// Returns a reader that has seen enough (`revisit replay ... | head`) is no error.
 fn write_out(text: &str) -> io::Result<()> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {

@@ -44,7 +44,7 @@ impl FromStr for Setting {
 }
 
 impl Overrides {
-    /// Every changed setting with its value.
+    /// Returns every changed setting with its value.
     pub(super) fn changes(&self) -> Map<String, Value> {
         let method = self.paper.then(|| ("method".to_owned(), Value::String("paper".to_owned())));
         let set = self.settings.iter().map(|setting| (setting.name.clone(), setting.value.clone()));

@@ -210,7 +210,7 @@ impl Player {
         Ok(())
     }
 
-    /// A conflict with what the server held before; otherwise the recording contradicts itself.
+    /// Returns a conflict with what the server held before; otherwise the recording contradicts itself.
     fn is_of_another_replay(&self, map: &str, error: &ClientError) -> bool {
         is_conflict(error) && (self.found.contains(map) || !self.played.maps.contains(map))
     }

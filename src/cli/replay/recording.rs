@@ -223,8 +223,8 @@ fn malformed(error: &serde_json::Error) -> Fault {
     })
 }
 
-/// How many operations these bytes hold, each of them read: the whole of what a recording can contain, for tools that check
-/// one, and for fuzzing.
+/// Returns how many operations these bytes hold, each of them read: the whole of what a recording can contain, for
+/// tools that check one, and for fuzzing.
 pub fn count_operations(bytes: impl Read + Send + 'static) -> io::Result<usize> {
     let mut count = 0;
     for line in Recording::new(bytes, MAX_LINE_BYTES)? {

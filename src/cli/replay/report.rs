@@ -116,7 +116,7 @@ impl Report {
         }
     }
 
-    /// The object on one line.
+    /// Returns the object on one line.
     pub fn to_json(&self) -> String {
         serde_json::to_string(self).expect("a report has string keys and finite numbers")
     }

@@ -62,7 +62,7 @@ pub(in crate::cli) struct AtThreshold {
     pub accuracy: Accuracy,
 }
 
-/// The accuracy of a method that accepts what it names best.
+/// Returns the accuracy of a method that accepts what it names best.
 pub(in crate::cli) fn accuracy(marked: &[Marked]) -> Accuracy {
     let best = || marked.iter().filter_map(|query| query.best);
     Accuracy::new(
@@ -72,7 +72,7 @@ pub(in crate::cli) fn accuracy(marked: &[Marked]) -> Accuracy {
     )
 }
 
-/// The accuracy of BoW alone.
+/// Returns the accuracy of BoW alone.
 pub(in crate::cli) fn bow_only(marked: &[Marked]) -> BowOnly {
     let every_best = accuracy(marked);
     let thresholds = thresholds(marked, every_best.with_truth);
@@ -89,7 +89,7 @@ pub(in crate::cli) fn bow_only(marked: &[Marked]) -> BowOnly {
     }
 }
 
-/// Every threshold that makes a difference, from the highest: the scores themselves.
+/// Returns every threshold that makes a difference, from the highest: the scores themselves.
 fn thresholds(marked: &[Marked], with_truth: u64) -> Vec<AtThreshold> {
     let mut best: Vec<Best> = marked.iter().filter_map(|query| query.best).collect();
     best.sort_by(|a, b| b.score.total_cmp(&a.score));

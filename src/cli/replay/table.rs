@@ -133,7 +133,7 @@ fn write_missed(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
     Ok(())
 }
 
-/// What stopped the right answer, where that is another candidate than the one just shown.
+/// Returns what stopped the right answer, where that is another candidate than the one just shown.
 fn true_candidate(line: &QueryLine) -> String {
     match (&line.best, &line.nearest_true) {
         (None, None) => String::new(),
@@ -146,7 +146,7 @@ fn true_candidate(line: &QueryLine) -> String {
     }
 }
 
-/// A keyframe's id, with its map where there are several.
+/// Returns a keyframe's id, with its map where there are several.
 fn name(report: &Report, line: &QueryLine) -> String {
     if report.maps > 1 { format!("{}/{}", line.map, line.keyframe) } else { line.keyframe.clone() }
 }

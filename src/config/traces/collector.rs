@@ -39,7 +39,7 @@ pub struct Traces {
 }
 
 impl TraceArgs {
-    /// The address that takes traces, from the flag or from OpenTelemetry's own variables.
+    /// Returns the address that takes traces, from the flag or from OpenTelemetry's own variables.
     fn address(&self) -> Option<String> {
         let variable = |name: &str| std::env::var(name).ok().filter(|value| !value.is_empty());
         let is_off = variable("OTEL_SDK_DISABLED").is_some_and(|value| value.eq_ignore_ascii_case("true"))

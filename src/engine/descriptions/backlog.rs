@@ -40,7 +40,7 @@ pub(in crate::engine) struct Backlog {
 }
 
 impl Backlog {
-    /// A board on which nothing is noted yet.
+    /// Returns a board on which nothing is noted yet.
     pub fn of(live: &LiveMap) -> Self {
         Self {
             map: PinnedMap::of(live),
@@ -78,7 +78,7 @@ impl Backlog {
         !(self.found.is_empty() && self.under_way.is_empty() && self.paused.is_empty())
     }
 
-    /// What is under way, or has failed lately.
+    /// Returns what is under way, or has failed lately.
     pub fn left_alone(&self, now: Instant) -> HashSet<DescriptionTask> {
         let paused = self.paused.iter().filter(|(_, (until, _))| *until > now).map(|(lack, _)| lack);
         paused.chain(&self.under_way).cloned().collect()

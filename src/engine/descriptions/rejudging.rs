@@ -156,7 +156,7 @@ impl Runner {
         Ok(Step::Went)
     }
 
-    /// The next questions, each as it is asked today.
+    /// Returns the next questions, each as it is asked today.
     async fn questions(
         &self,
         live: &Arc<LiveMap>,

@@ -287,7 +287,7 @@ impl Round {
             || board.told_away != (board.waits() && self.is_away_for(live))
     }
 
-    /// The embeddings, while they can be had; else words choose as they do without them.
+    /// Returns the embeddings, while they can be had; else words choose as they do without them.
     fn embeddings_at_hand(&self) -> Option<&ModelEmbeddings> {
         self.models.embeddings.as_ref().filter(|embeddings| embeddings.away_for().is_none())
     }

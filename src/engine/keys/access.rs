@@ -55,7 +55,7 @@ impl Access {
         }
     }
 
-    /// The key's number, if there is one.
+    /// Returns the key's number, if there is one.
     pub fn key(&self) -> Option<KeySeq> {
         match self {
             Self::Open => None,

@@ -79,7 +79,8 @@ pub struct Keyring {
 }
 
 impl Keyring {
-    /// The keys of a database. Where `required`, nobody is admitted without one; else only once there has been one.
+    /// Returns the keys of a database. Where `required`, nobody is admitted without one; else only once there has been
+    /// one.
     pub async fn open(store: Store, required: bool) -> Result<Self, ServiceError> {
         let keyring = Self {
             table: Arc::default(),
@@ -170,12 +171,12 @@ impl Keyring {
         }
     }
 
-    /// What a key was made with, good or not.
+    /// Returns what a key was made with, good or not.
     pub fn properties(&self, key: KeySeq) -> Option<KeyProperties> {
         self.table().by_seq.get(&key).map(|held| held.key.properties.clone())
     }
 
-    /// Every key, in order of creation.
+    /// Returns every key, in order of creation.
     pub fn list(&self) -> Vec<Key> {
         self.table().by_seq.values().map(|held| held.key.clone()).collect()
     }
@@ -327,7 +328,7 @@ fn new_secret() -> Result<String, ServiceError> {
     Ok(format!("{SECRET_PREFIX}{}", BASE64_URL_SAFE_NO_PAD.encode(bytes)))
 }
 
-/// The server's clock.
+/// Returns the server's clock.
 pub(in crate::engine) fn now() -> Stamp {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     Stamp { sec: since.as_secs() as i64, nanosec: since.subsec_nanos() }

@@ -27,12 +27,12 @@ impl ConcurrencyLimit {
         Arc::new(Self { turns, at_once, waiting: AtomicUsize::new(0), waiting_max, patience: MAX_QUEUE_WAIT })
     }
 
-    /// How many are inside.
+    /// Returns how many are inside.
     pub fn inside(&self) -> usize {
         self.at_once.saturating_sub(self.turns.available_permits())
     }
 
-    /// How many wait.
+    /// Returns how many wait.
     pub fn waiting(&self) -> usize {
         self.waiting.load(Ordering::Relaxed)
     }

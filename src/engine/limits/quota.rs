@@ -58,7 +58,7 @@ fn check_bytes(quotas: &Quotas, index: &MapIndex, more: u64) -> Result<(), Servi
     }
 }
 
-/// What the points that have no position yet will take, in bytes.
+/// Returns what the points that have no position yet will take, in bytes.
 fn new_points(index: &MapIndex, session: Option<SessionSeq>, points: &[(PointId, Point3)]) -> u64 {
     let is_known = |id| session.is_some_and(|session| index.points().position(session, id).is_some());
     points.iter().filter(|(id, _)| !is_known(*id)).count() as u64 * POINT_BYTES

@@ -52,13 +52,13 @@ impl FeatureCache {
         Self { cache, vocabulary, hits: Arc::default(), misses: Arc::default() }
     }
 
-    /// How well the cache does since the start.
+    /// Returns how well the cache does since the start.
     pub fn figures(&self) -> FeatureFigures {
         let [hits, misses] = [&self.hits, &self.misses].map(|count| count.load(Ordering::Relaxed));
         FeatureFigures { hits, misses, bytes: self.cache.weighted_size() }
     }
 
-    /// The features of these keyframes; those without any are left out.
+    /// Returns the features of these keyframes; those without any are left out.
     pub async fn read(
         &self,
         store: &Store,
@@ -74,7 +74,8 @@ impl FeatureCache {
         Ok(FeatureSet { inline: None, stored })
     }
 
-    /// The features of a keyframe that is not stored, ready to be matched; `None` if their lists do not fit together.
+    /// Returns the features of a keyframe that is not stored, ready to be matched; `None` if their lists do not fit
+    /// together.
     pub async fn prepare(&self, features: Features) -> Result<Option<Arc<MatchableFeatures>>, ServiceError> {
         let vocabulary = self.vocabulary.clone();
         let prepared = spawn_blocking(in_span(move || prepare(features, vocabulary.as_deref())))

@@ -100,7 +100,7 @@ pub(in crate::engine) struct Pending<T> {
 }
 
 impl LiveMap {
-    /// A map that was loaded.
+    /// Returns a map that was loaded.
     pub fn new(id: MapId, loaded: RebuiltMap, feed: Arc<Feed>, memory: &Arc<MapMemory>) -> Arc<Self> {
         let RebuiltMap { facts, index } = loaded;
         Arc::new(Self {
@@ -133,8 +133,8 @@ impl LiveMap {
         self.is_poisoned() || self.gone.load(Ordering::Acquire)
     }
 
-    /// The map as it stands; its version may not be on disk yet. A panic under the lock (a bug) leaves
-    /// an index nobody can vouch for: the map is then loaded anew from its facts.
+    /// Returns the map as it stands; its version may not be on disk yet. A panic under the lock (a bug) leaves an index
+    /// nobody can vouch for: the map is then loaded anew from its facts.
     pub fn state(&self) -> Result<RwLockReadGuard<'_, State>, ServiceError> {
         let state = self.state.read().map_err(|_| self.broke())?;
         self.exists()?;
@@ -201,7 +201,7 @@ impl LiveMap {
         Ok(Pending { value, version, committed: Some(committed) })
     }
 
-    /// How large it is; as it was before, while a request holds the lock.
+    /// Returns how large it is; as it was before, while a request holds the lock.
     pub fn figures(&self) -> Figures {
         let mut figures = self.figures.lock().unwrap_or_else(PoisonError::into_inner);
         if let Ok(state) = self.state.try_read() {
@@ -250,7 +250,7 @@ impl LiveMap {
         }
     }
 
-    /// The newest version decided, which may not be on disk yet; read without the map's lock.
+    /// Returns the newest version decided, which may not be on disk yet; read without the map's lock.
     pub fn newest_version(&self) -> u64 {
         self.newest.load(Ordering::Acquire)
     }
@@ -296,7 +296,7 @@ impl LiveMap {
         store.committer().submit(job, &self.line, move |_| drop(live.lock_kept().remove(&id)));
     }
 
-    /// The answer of a loop query that is still on its way to the disk.
+    /// Returns the answer of a loop query that is still on its way to the disk.
     pub fn query_under_way(&self, id: &str) -> Option<Bytes> {
         self.lock_kept().get(id).cloned()
     }

@@ -25,12 +25,12 @@ impl MapMemory {
         Arc::new(Self { budget, used: AtomicU64::new(0) })
     }
 
-    /// The most that maps may take together, in bytes.
+    /// Returns the most that maps may take together, in bytes.
     pub fn budget(&self) -> u64 {
         self.budget
     }
 
-    /// What they take, in bytes.
+    /// Returns what they take, in bytes.
     pub fn used(&self) -> u64 {
         self.used.load(Ordering::Relaxed)
     }
@@ -52,7 +52,7 @@ impl MapMemory {
 }
 
 impl MemoryShare {
-    /// What the map takes, in bytes.
+    /// Returns what the map takes, in bytes.
     pub fn bytes(&self) -> u64 {
         self.bytes.load(Ordering::Relaxed)
     }

@@ -42,7 +42,7 @@ impl Service {
         if key == map.key { Ok(key) } else { Err(ServiceError::no_map(&map.id)) }
     }
 
-    /// The pinned map in memory. One that is deleted is as little there as before another got its name.
+    /// Returns the pinned map in memory. One that is deleted is as little there as before another got its name.
     pub(in crate::engine) async fn live_pinned(&self, map: &PinnedMap) -> Result<Arc<LiveMap>, ServiceError> {
         let live = self.live(&map.id).await?;
         if live.key == map.key { Ok(live) } else { Err(ServiceError::no_map(&map.id)) }

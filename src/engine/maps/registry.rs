@@ -48,7 +48,7 @@ impl Registry {
         }
     }
 
-    /// The map, loaded if need be, and anew if a write to it failed. Concurrent first requests share one load.
+    /// Returns the map, loaded if need be, and anew if a write to it failed. Concurrent first requests share one load.
     pub async fn get(
         self: &Arc<Self>,
         store: &Store,
@@ -77,12 +77,12 @@ impl Registry {
         })
     }
 
-    /// The map, if it is in memory now; this does not count as use.
+    /// Returns the map, if it is in memory now; this does not count as use.
     pub fn in_memory_now(&self, id: &MapId) -> Option<Arc<LiveMap>> {
         self.lock().get(id)?.get().filter(|live| !live.is_over()).cloned()
     }
 
-    /// The maps in memory that are wanted. They stay there while they are held, and the others may leave.
+    /// Returns the maps in memory that are wanted. They stay there while they are held, and the others may leave.
     pub fn in_memory(&self, mut wanted: impl FnMut(&LiveMap) -> bool) -> Vec<Arc<LiveMap>> {
         let cells = self.lock();
         cells.values().filter_map(|cell| cell.get().filter(|live| wanted(live)).cloned()).collect()

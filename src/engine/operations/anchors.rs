@@ -14,7 +14,7 @@ use crate::recognition::map::index::MapIndex;
 use crate::semantics::Text;
 
 impl Service {
-    /// The anchors that pass a filter, oldest first.
+    /// Returns the anchors that pass a filter, oldest first.
     pub async fn list_anchors(
         &self,
         map: &MapId,
@@ -38,7 +38,7 @@ impl Service {
         .await
     }
 
-    /// An anchor as it stands.
+    /// Returns an anchor as it stands.
     pub async fn get_anchor(
         &self,
         map: &MapId,
@@ -89,7 +89,7 @@ impl Service {
         Ok(self.free(&live, decide).await?.1)
     }
 
-    /// The best image crop of an anchor.
+    /// Returns the best image crop of an anchor.
     pub async fn crop(&self, map: &MapId, anchor: AnchorSeq) -> Result<Crop, ServiceError> {
         let live = self.live(map).await?;
         let (_, best) = self

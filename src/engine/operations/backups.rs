@@ -74,7 +74,7 @@ pub struct BackupMade {
 }
 
 impl Service {
-    /// The same service, which keeps up to `kept` backups in a folder.
+    /// Returns the same service, which keeps up to `kept` backups in a folder.
     pub fn with_backups(self, folder: PathBuf, kept: usize) -> Result<Self, ServiceError> {
         let failed = |error: std::io::Error| ServiceError::Internal(format!("{}: {error}", folder.display()));
         fs::create_dir_all(&folder).map_err(failed)?;
@@ -109,7 +109,7 @@ impl Service {
         tokio::spawn(made.in_current_span()).await.map_err(ServiceError::panicked)?
     }
 
-    /// The backups, the newest first.
+    /// Returns the backups, the newest first.
     pub async fn list_backups(
         &self,
         cursor: Option<&str>,
@@ -227,14 +227,14 @@ impl Backups {
         Ok(())
     }
 
-    /// A backup whose two files are there.
+    /// Returns a backup whose two files are there.
     fn find(&self, id: &BackupId) -> Option<BackupReport> {
         let note: Note = serde_json::from_slice(&fs::read(self.note(id)).ok()?).ok()?;
         let is_there = fs::metadata(self.database(id)).is_ok_and(|file| file.len() == note.bytes);
         (is_there && note.id == id.as_str()).then(|| note.report(id.clone()))
     }
 
-    /// The newest first.
+    /// Returns the newest first.
     fn list(&self) -> Result<Vec<BackupReport>, ServiceError> {
         let entries = fs::read_dir(&self.folder).map_err(|error| StoreError::file(&self.folder, &error))?;
         let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());

@@ -106,9 +106,9 @@ impl Service {
         Ok((stored, answer))
     }
 
-    /// The first half of [`Self::put_keyframe`]: decided and queued, in the order of calls. Who has many keyframes
-    /// begins the next one before the disk has this one, and waits for its turn however long that takes: its client
-    /// cannot send more meanwhile.
+    /// Returns the first half of [`Self::put_keyframe`]: decided and queued, in the order of calls. Who has many
+    /// keyframes begins the next one before the disk has this one, and waits for its turn however long that takes: its
+    /// client cannot send more meanwhile.
     pub async fn begin_keyframe(
         &self,
         map: &PinnedMap,
@@ -212,7 +212,7 @@ impl Service {
         self.store.keyframe(live.key, seq).await?.ok_or_else(|| ServiceError::no_keyframe(id))
     }
 
-    /// The keyframes, in order of arrival.
+    /// Returns the keyframes, in order of arrival.
     pub async fn list_keyframes(
         &self,
         map: &MapId,
@@ -231,7 +231,7 @@ impl Service {
         .await
     }
 
-    /// A keyframe as it stands.
+    /// Returns a keyframe as it stands.
     pub async fn get_keyframe(
         &self,
         map: &MapId,
@@ -264,7 +264,7 @@ impl Service {
         Ok(version)
     }
 
-    /// The keyframes covisible with one, each with its number of shared points, most first.
+    /// Returns the keyframes covisible with one, each with its number of shared points, most first.
     pub async fn covisible(
         &self,
         map: &MapId,
@@ -314,7 +314,7 @@ pub(in crate::engine) fn find(index: &MapIndex, id: &KeyframeId) -> Result<Keyfr
     index.keyframe_seq(id).ok_or_else(|| ServiceError::no_keyframe(id))
 }
 
-/// The anchor's object, and its state.
+/// Returns the anchor's object, and its state.
 fn current(index: &MapIndex, outcome: Outcome) -> (Outcome, Option<AnchorState>) {
     let rooted = |anchor| index.objects().root(anchor).unwrap_or(anchor);
     let state = |anchor| index.objects().get(rooted(anchor)).map(|object| object.state);

@@ -38,7 +38,7 @@ impl Service {
         Ok(Stored { created, map_version, value })
     }
 
-    /// The loops by name.
+    /// Returns the loops by name.
     pub async fn list_loops(
         &self,
         map: &MapId,

@@ -22,7 +22,7 @@ use crate::store::{Job, MapRow, StoreError};
 const FIRST_VERSION: u64 = 1;
 
 impl Service {
-    /// The maps by name, as far as they are visible to who asks.
+    /// Returns the maps by name, as far as they are visible to who asks.
     pub async fn list_maps(
         &self,
         cursor: Option<&str>,
@@ -136,8 +136,8 @@ impl Service {
     }
 }
 
-/// What makes two requests for a map the same. A setting counts only where it differs from its default, so
-/// that a setting added by a later version does not make a retry look like another map.
+/// Returns what makes two requests for a map the same. A setting counts only where it differs from its default, so that
+/// a setting added by a later version does not make a retry look like another map.
 fn fingerprint(properties: &MapProperties) -> Digest {
     let defaults = Settings::default();
     let chosen: Vec<_> = Settings::TABLE
@@ -171,7 +171,7 @@ fn patched(before: &MapProperties, patch: MapPatch) -> Result<MapProperties, Ser
     if errors.is_empty() { Ok(properties) } else { Err(ServiceError::Invalid(errors)) }
 }
 
-/// A cursor that this server did not give.
+/// Returns a cursor that this server did not give.
 pub(in crate::engine) fn bad_cursor(cursor: &str) -> ServiceError {
     ServiceError::Invalid(vec![
         FieldError::new("?cursor", "is not a cursor that this server gave").got(cursor),

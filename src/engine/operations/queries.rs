@@ -131,7 +131,7 @@ impl Service {
         Ok(QueryAnswer { id, keyframe, verdict, body, timings })
     }
 
-    /// The bag of words of a stored keyframe; it lies on disk only.
+    /// Returns the bag of words of a stored keyframe; it lies on disk only.
     async fn bow_of(&self, live: &Arc<LiveMap>, subject: &Subject) -> Result<BowVector, ServiceError> {
         let Subject::Stored(id) = subject else { return Ok(BowVector::default()) };
         let name = id.clone();

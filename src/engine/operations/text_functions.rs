@@ -13,7 +13,7 @@ use crate::llm::judge::{Judge, Judged, Merged};
 const TRANSCRIPTS_SHOWN: usize = 32;
 
 impl Service {
-    /// The three functions, at the expense of who asks.
+    /// Returns the three functions, at the expense of who asks.
     fn judge(&self, asks: &Access) -> Judge {
         let Some(models) = &self.models else { return Judge::default() };
         models.judge.paid_by(self.payer(asks.key()))
@@ -48,7 +48,7 @@ impl Service {
         self.judge(asks).merge(class, a, b, patience).await
     }
 
-    /// What models were asked and what it cost; `None` without any.
+    /// Returns what models were asked and what it cost; `None` without any.
     pub fn usage(&self) -> Option<UsageReport> {
         let models = self.models.as_ref()?;
         let (calls_today, microusd_today, limits) = models.budget().today();
@@ -71,7 +71,7 @@ impl Service {
         })
     }
 
-    /// The dialogues that described an anchor, the newest first.
+    /// Returns the dialogues that described an anchor, the newest first.
     pub async fn transcripts(
         &self,
         map: &MapId,

@@ -7,7 +7,7 @@ use crate::engine::{Service, ServiceError};
 use crate::recognition::map::index::MapIndex;
 
 impl Service {
-    /// The trajectories of a map, or of one of its sessions with the loops within it.
+    /// Returns the trajectories of a map, or of one of its sessions with the loops within it.
     pub async fn trajectory(
         &self,
         map: &MapId,
@@ -56,7 +56,7 @@ fn pose(keyframe: &Keyframe) -> TrackedPose {
     }
 }
 
-/// The loops whose two keyframes are there, and of one session if only that was asked for.
+/// Returns the loops whose two keyframes are there, and of one session if only that was asked for.
 fn loops(index: &MapIndex, only: Option<SessionSeq>) -> Vec<Loop> {
     let is_there =
         |seq| index.keyframe(seq).is_some_and(|keyframe| only.is_none_or(|only| keyframe.session == only));

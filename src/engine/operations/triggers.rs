@@ -92,7 +92,7 @@ mod tests {
     use crate::engine::{PinnedMap, Service, ServiceOptions};
     use crate::geometry::{Point3, Pose};
 
-    /// A keyframe before door 901 that shares no word with another one.
+    /// Returns a keyframe before door 901 that shares no word with another one.
     fn before_the_door(name: &str, word: u32) -> NewKeyframe {
         let pose = Pose::new([0.0; 3], [0.0, 0.0, 0.0, 1.0]).unwrap();
         let plate = Detection {

@@ -12,7 +12,7 @@ use crate::semantics::{self, Source};
 /// Maximum matching anchors that an anchor shows; an EXIT sign has thousands.
 const MATCHES_SHOWN: usize = 100;
 
-/// An anchor as it stands; of a merged one, what is its own. `None` if there is no such anchor.
+/// Returns an anchor as it stands; of a merged one, what is its own. `None` if there is no such anchor.
 pub(in crate::engine) fn anchor(index: &MapIndex, seq: AnchorSeq) -> Option<AnchorReport> {
     let root = index.objects().root(seq)?;
     let alone = if root == seq { None } else { Some(index.anchor_alone(seq)?) };
@@ -94,7 +94,7 @@ fn matches(index: &MapIndex, root: AnchorSeq, object: &MergedAnchor) -> (Vec<Anc
     (shown, total)
 }
 
-/// The keyframe and the detection with the largest crop of an object; of equals, the newest.
+/// Returns the keyframe and the detection with the largest crop of an object; of equals, the newest.
 pub(in crate::engine) fn best_crop(
     index: &MapIndex,
     object: &MergedAnchor,

@@ -36,19 +36,19 @@ pub struct Spot {
 }
 
 impl Spot {
-    /// A point of the spot's frame on the floor.
+    /// Returns a point of the spot's frame on the floor.
     pub fn at(&self, u: f64, v: f64) -> Flat {
         let [right, facing] = [self.right(), self.facing];
         [self.origin[0] + u * right[0] + v * facing[0], self.origin[1] + u * right[1] + v * facing[1]]
     }
 
-    /// A direction of the spot's frame.
+    /// Returns a direction of the spot's frame.
     pub fn direction(&self, u: f64, v: f64) -> Flat {
         let [right, facing] = [self.right(), self.facing];
         [u * right[0] + v * facing[0], u * right[1] + v * facing[1]]
     }
 
-    /// The heading of `facing`, in radians from x towards y.
+    /// Returns the heading of `facing`, in radians from x towards y.
     pub fn heading_rad(&self) -> f64 {
         self.facing[1].atan2(self.facing[0])
     }
@@ -138,12 +138,12 @@ impl FloorPlan {
         plan
     }
 
-    /// How long the corridor is, along its centreline.
+    /// Returns how long the corridor is, along its centreline.
     pub fn ring_m(&self) -> f64 {
         2.0 * (self.layout.length_m + self.layout.width_m)
     }
 
-    /// A point of the centreline, and the heading of the corridor there (anticlockwise).
+    /// Returns a point of the centreline, and the heading of the corridor there (anticlockwise).
     pub fn centreline(&self, along_m: f64) -> (Flat, f64) {
         let Layout { length_m: l, width_m: w, .. } = self.layout;
         let s = along_m.rem_euclid(self.ring_m());
@@ -208,7 +208,7 @@ impl FloorPlan {
         self.walls.push(Wall { from: on_wall(free_from), to: on_wall(side_m + overhang_m) });
     }
 
-    /// The room that this point is in, if it is in one.
+    /// Returns the room that this point is in, if it is in one.
     pub fn room_around(&self, [x, y]: Flat) -> Option<usize> {
         self.rooms.iter().position(|room| {
             let ([ox, oy], [fx, fy]) = (room.door.origin, room.door.facing);
@@ -218,12 +218,12 @@ impl FloorPlan {
         })
     }
 
-    /// How far a room's right wall is from the middle of its door, looking in.
+    /// Returns how far a room's right wall is from the middle of its door, looking in.
     pub fn room_right_m(&self) -> f64 {
         self.layout.pitch_m - ROOM_LEFT_M - 0.1
     }
 
-    /// The walls that come nearer than this to a point.
+    /// Returns the walls that come nearer than this to a point.
     pub fn walls_around(&self, eye: Flat, range_m: f64) -> Vec<Wall> {
         self.walls.iter().copied().filter(|wall| distance_m(eye, wall) < range_m).collect()
     }

@@ -59,13 +59,13 @@ pub fn world_of<'a>(first: &'a World, eras: &'a [Era], round: usize) -> &'a Worl
     era.map_or(first, |era| &era.world)
 }
 
-/// The side of the ring on which a room's door is, 0 to 3.
+/// Returns the side of the ring on which a room's door is, 0 to 3.
 fn side_of(plan: &FloorPlan, room: usize) -> usize {
     let along_m = plan.rooms[room].along_m.rem_euclid(plan.ring_m());
     plan.corners_m().iter().filter(|corner_m| **corner_m <= along_m).count()
 }
 
-/// The round of a visit: each round stays once in each room, with the corridor between.
+/// Returns the round of a visit: each round stays once in each room, with the corridor between.
 pub fn round_of(visit: usize) -> usize {
     (visit / (2 * ROOMS)).min(ROUNDS - 1)
 }

@@ -19,7 +19,7 @@ pub enum SignKind {
 }
 
 impl SignKind {
-    /// The class as a detector names it.
+    /// Returns the class as a detector names it.
     pub fn class(self) -> &'static str {
         match self {
             Self::DoorPlate => "door_number",
@@ -29,7 +29,7 @@ impl SignKind {
         }
     }
 
-    /// How far off a detector still finds it, in metres.
+    /// Returns how far off a detector still finds it, in metres.
     pub fn detected_within_m(self) -> f64 {
         match self {
             Self::DoorPlate | Self::FloorSign => 5.2,
@@ -211,7 +211,7 @@ impl Decorator<'_> {
     }
 }
 
-/// A place on a wall: its middle and where it looks.
+/// Returns a place on a wall: its middle and where it looks.
 fn place(spot: &Spot, u: f64, v: f64, z: f64, towards: f64) -> ([f64; 3], [f64; 2]) {
     let [x, y] = spot.at(u, v);
     ([x, y, z], spot.direction(0.0, towards))

@@ -37,18 +37,18 @@ const PATTERN_SEED: u64 = 0x4f52_4220_7061_7474;
 pub struct Patterns(Vec<Descriptor>);
 
 impl Patterns {
-    /// The patterns, always the same.
+    /// Returns the patterns, always the same.
     pub fn new() -> Self {
         let mut rng = SeededRng::new(PATTERN_SEED, "patterns");
         Self((0..PATTERNS).map(|_| std::array::from_fn(|_| rng.bits())).collect())
     }
 
-    /// A new model's corner: a variation of a random pattern.
+    /// Returns a new model's corner: a variation of a random pattern.
     pub fn model(&self, rng: &mut SeededRng) -> Descriptor {
         varied(*rng.one_of(&self.0), MODEL_BITS, rng)
     }
 
-    /// A vocabulary learnt from other images than any world's.
+    /// Returns a vocabulary learnt from other images than any world's.
     pub fn vocabulary(&self) -> Result<Vocabulary, TrainError> {
         let mut rng = SeededRng::new(PATTERN_SEED, "vocabulary");
         let mut set = TrainingSet::new();
@@ -73,18 +73,18 @@ pub fn copy(model: Descriptor, rng: &mut SeededRng) -> Descriptor {
     varied(model, COPY_BITS, rng)
 }
 
-/// The point as seen from a side: the same bits turn over whenever it is seen from there.
+/// Returns the point as seen from a side: the same bits turn over whenever it is seen from there.
 pub fn from_side(point: Descriptor, side: i32) -> Descriptor {
     let seed = point[0] ^ (side as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     varied(point, SIDE_BITS, &mut SeededRng::new(seed, "side"))
 }
 
-/// The point in one image.
+/// Returns the point in one image.
 pub fn in_image(side: Descriptor, rng: &mut SeededRng) -> Descriptor {
     varied(side, IMAGE_BITS, rng)
 }
 
-/// A descriptor's bytes, as it travels.
+/// Returns a descriptor's bytes, as it travels.
 pub fn bytes(descriptor: &Descriptor) -> impl Iterator<Item = u8> + use<> {
     descriptor.map(u64::to_le_bytes).into_iter().flatten()
 }

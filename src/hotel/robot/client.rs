@@ -80,7 +80,7 @@ pub struct LoopToClose {
 }
 
 impl<'a> Robot<'a> {
-    /// A robot before its first keyframe.
+    /// Returns a robot before its first keyframe.
     pub fn new(client: &'a Client, map: &'a str, arm: Method, session: impl Into<String>) -> Self {
         Self {
             client,
@@ -96,22 +96,22 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// The map that it keeps itself, in its own frame.
+    /// Returns the map that it keeps itself, in its own frame.
     pub fn slam_map(&self) -> &SlamMap<'a> {
         &self.slam_map
     }
 
-    /// How often it has optimised its pose graph.
+    /// Returns how often it has optimised its pose graph.
     pub fn closed(&self) -> usize {
         self.closed
     }
 
-    /// A keyframe's id.
+    /// Returns a keyframe's id.
     pub fn keyframe_id(&self, number: usize) -> String {
         format!("{}-{number}", self.session)
     }
 
-    /// The keyframe's number, if it is one of this robot's.
+    /// Returns the keyframe's number, if it is one of this robot's.
     pub fn number_of(&self, keyframe: &str) -> Option<usize> {
         keyframe.strip_prefix(&self.session)?.strip_prefix('-')?.parse().ok()
     }

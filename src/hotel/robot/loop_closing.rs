@@ -31,7 +31,7 @@ pub struct Accepted {
 }
 
 impl LoopClosing {
-    /// The way of an arm's robots.
+    /// Returns the way of an arm's robots.
     pub fn of(arm: Method) -> Self {
         if arm.confirms() { Self::OnceConfirmed(Confirmation::default()) } else { Self::AsTold }
     }

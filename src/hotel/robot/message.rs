@@ -76,7 +76,7 @@ pub fn keyframe(
     }
 }
 
-/// The descriptors of a keyframe, one after the other.
+/// Returns the descriptors of a keyframe, one after the other.
 pub fn descriptor_bytes(step: &Step) -> Vec<u8> {
     step.features.iter().flat_map(|feature| bytes(&feature.descriptor)).collect()
 }
@@ -91,7 +91,7 @@ pub fn poses(session: &str, keyframes: &[(String, Pose)], moved_points: &[(u64, 
     }
 }
 
-/// The transformation of an answer; its scale is 1 if the map is metric.
+/// Returns the transformation of an answer; its scale is 1 if the map is metric.
 pub fn similarity(said: &Similarity) -> Option<Sim3> {
     let (t, q) = (said.translation, said.rotation);
     Sim3::new(said.scale, [t.x, t.y, t.z], [q.x, q.y, q.z, q.w])

@@ -70,12 +70,12 @@ impl<'a> SlamMap<'a> {
         &self.poses
     }
 
-    /// How long the units of its keyframes' frames are in the map.
+    /// Returns how long the units of its keyframes' frames are in the map.
     pub fn scales(&self) -> &[f64] {
         &self.scales
     }
 
-    /// A keyframe's pose with its scale, if it is there.
+    /// Returns a keyframe's pose with its scale, if it is there.
     pub fn similarity(&self, keyframe: usize) -> Option<Sim3> {
         let (pose, scale) = (self.poses.get(keyframe)?.isometry(), self.scales.get(keyframe)?);
         Some(Sim3::from_parts(*scale, pose.rotation, pose.translation.vector))
@@ -98,17 +98,17 @@ impl<'a> SlamMap<'a> {
         self.scales = similarities.iter().map(Sim3::scale).collect();
     }
 
-    /// The features of a keyframe.
+    /// Returns the features of a keyframe.
     pub fn features(&self, keyframe: usize) -> &'a [Feature] {
         &self.steps[keyframe].features
     }
 
-    /// The map points of a keyframe, one for each feature.
+    /// Returns the map points of a keyframe, one for each feature.
     pub fn point_ids(&self, keyframe: usize) -> impl Iterator<Item = u64> + use<'a> {
         self.steps[keyframe].map_points.iter().map(|(id, _)| *id)
     }
 
-    /// The map points that have a place, with the keyframe that placed each, in the order of their numbers.
+    /// Returns the map points that have a place, with the keyframe that placed each, in the order of their numbers.
     pub fn points(&self) -> Vec<(u64, usize, Point3)> {
         let placed = |(id, point): (&u64, &MapPoint)| {
             let reference = point.reference?;
@@ -119,7 +119,8 @@ impl<'a> SlamMap<'a> {
         points
     }
 
-    /// A map point's place in the map's frame, if it has one; the pose of the camera that saw it first, and that sight.
+    /// Returns a map point's place in the map's frame, if it has one; the pose of the camera that saw it first, and
+    /// that sight.
     pub fn point(&self, id: u64) -> Option<(Point3, &Pose, &'a Feature)> {
         let point = self.points.get(&id)?;
         let Sight { keyframe, feature } = point.first;

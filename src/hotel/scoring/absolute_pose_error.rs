@@ -7,7 +7,8 @@
 use crate::geometry::absolute_orientation::{Scale, align};
 use crate::geometry::{Point3, Sim3};
 
-/// The transformation `truth_from_estimate` that lays the estimate over the truth; none if the points leave it open.
+/// Returns the transformation `truth_from_estimate` that lays the estimate over the truth; none if the points leave it
+/// open.
 pub fn alignment(estimated: &[Point3], truth: &[Point3], scale: Scale) -> Option<Sim3> {
     let pairs: Vec<(Point3, Point3)> = estimated.iter().copied().zip(truth.iter().copied()).collect();
     align(&pairs, scale).ok()

@@ -4,8 +4,9 @@ use super::score::by_query;
 use crate::hotel::figures::Curve;
 use crate::hotel::run::RunResult;
 
-/// The curve of an arm over several drives, of the server's answers: a robot that waits for more keyframes to agree works
-/// elsewhere, at the operating point. Queries whose first candidate is neither right nor wrong are left out.
+/// Returns the curve of an arm over several drives, of the server's answers: a robot that waits for more keyframes to
+/// agree works elsewhere, at the operating point. Queries whose first candidate is neither right nor wrong are left
+/// out.
 pub fn curve(drives: &[&RunResult]) -> Option<Curve> {
     let arm = drives.first()?.arm;
     let asked = || drives.iter().flat_map(|driven| &driven.asked);

@@ -25,7 +25,7 @@ impl Narrator<'_> {
         }
     }
 
-    /// What was answered, with the figures that decided.
+    /// Returns what was answered, with the figures that decided.
     pub fn answer(&self, asked: &Asked) -> String {
         let keyframe = format!("{} in {}", keyframe_id(asked.keyframe), self.place(asked.keyframe));
         let Some(candidate) = asked.answer.leading() else {
@@ -39,7 +39,7 @@ impl Narrator<'_> {
         }
     }
 
-    /// The same, with what is true beside it.
+    /// Returns the same, with what is true beside it.
     pub fn judged(&self, asked: &Asked) -> String {
         let truth = match asked.scored.outcome {
             Outcome::Right => "right",
@@ -55,7 +55,7 @@ impl Narrator<'_> {
     }
 }
 
-/// The id that a keyframe has on the server.
+/// Returns the id that a keyframe has on the server.
 pub fn keyframe_id((robot, number): (usize, usize)) -> String {
     format!("{}-{number}", crate::hotel::run::session(robot))
 }
@@ -73,7 +73,7 @@ fn agreement(candidate: &CandidateView) -> String {
     }
 }
 
-/// The ratio of the two keyframes' scales, where lengths have no common unit.
+/// Returns the ratio of the two keyframes' scales, where lengths have no common unit.
 fn at_scale(candidate: &CandidateView) -> String {
     let geometry = &candidate.geometry;
     match geometry.full_transform().map(|transform| transform.scale) {

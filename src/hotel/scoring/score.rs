@@ -54,12 +54,12 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// The share of accepted loops that are right; 1 if nothing was accepted.
+    /// Returns the share of accepted loops that are right; 1 if nothing was accepted.
     pub fn precision(&self) -> f64 {
         share(self.right, self.accepted)
     }
 
-    /// The share of true loops that were found; 1 if there were none.
+    /// Returns the share of true loops that were found; 1 if there were none.
     pub fn recall(&self) -> f64 {
         share(self.found, self.with_truth)
     }

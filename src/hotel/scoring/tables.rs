@@ -68,7 +68,7 @@ pub fn caveats(results: &[SequenceResult]) -> String {
     text
 }
 
-/// What confuses bag of words and Sim3, on average over the sequences.
+/// Returns what confuses bag of words and Sim3, on average over the sequences.
 pub fn confusion(results: &[SequenceResult]) -> String {
     let mut text = String::from(
         "what confuses bag of words + Sim3: one place taken for another that is furnished alike\n",
@@ -128,7 +128,7 @@ pub fn table_3(results: &[SequenceResult]) -> String {
     text
 }
 
-/// What each kind of noise does to ours and to the paper's method.
+/// Returns what each kind of noise does to ours and to the paper's method.
 pub fn noise_table(results: &[WorldResult], arms: &[Method]) -> String {
     let mut text = String::from(
         "                                                      by query                                by visit (the paper's unit)\n\
@@ -165,7 +165,7 @@ pub fn noise_table(results: &[WorldResult], arms: &[Method]) -> String {
     text
 }
 
-/// What the monocular robots' lengths and positions are off by, on average over the worlds; empty without any.
+/// Returns what the monocular robots' lengths and positions are off by, on average over the worlds; empty without any.
 pub fn monocular(results: &[WorldResult]) -> String {
     let of_arm = |arm: Method| results.iter().filter_map(move |result| arm_of(&result.arms, arm));
     let errors: Vec<ScaleError> =

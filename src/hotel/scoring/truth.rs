@@ -28,7 +28,7 @@ pub struct Answerable {
     pub ignore: HashSet<KeyframeIndex>,
 }
 
-/// What is right for each keyframe, in the order in which they were taken.
+/// Returns what is right for each keyframe, in the order in which they were taken.
 pub fn answers(journeys: &[Sequence], order: &[KeyframeIndex]) -> Vec<Answerable> {
     let step = |(robot, number): KeyframeIndex| &journeys[robot].steps[number];
     let points: Vec<Vec<(usize, u32)>> = order.iter().map(|at| points(step(*at))).collect();
@@ -66,12 +66,12 @@ pub fn apart_m(a: &Step, b: &Step) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1]).hypot(up_m)
 }
 
-/// How many physical points two keyframes share.
+/// Returns how many physical points two keyframes share.
 pub fn shared_points(a: &Step, b: &Step) -> usize {
     shared(&points(a), &points(b))
 }
 
-/// The physical points that a keyframe sees: the floor, and the number there.
+/// Returns the physical points that a keyframe sees: the floor, and the number there.
 fn points(step: &Step) -> Vec<(usize, u32)> {
     sorted(step.features.iter().map(|feature| (step.stop.storey, feature.point)))
 }
@@ -82,7 +82,7 @@ fn sorted<T: Ord>(items: impl Iterator<Item = T>) -> Vec<T> {
     items
 }
 
-/// How many items two sorted lists share.
+/// Returns how many items two sorted lists share.
 fn shared<T: Ord>(a: &[T], b: &[T]) -> usize {
     let (mut i, mut j, mut count) = (0, 0, 0);
     while i < a.len() && j < b.len() {

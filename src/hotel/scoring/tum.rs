@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use crate::geometry::Pose;
 use crate::hotel::robot::message::STEP_NS;
 
-/// The trajectory of `map_from_camera` poses; timestamps are those of the keyframes as sent.
+/// Returns the trajectory of `map_from_camera` poses; timestamps are those of the keyframes as sent.
 pub fn trajectory<'a>(poses: impl IntoIterator<Item = &'a Pose>) -> String {
     let mut text = String::from("# timestamp tx ty tz qx qy qz qw\n");
     for (number, pose) in poses.into_iter().enumerate() {

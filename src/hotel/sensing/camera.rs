@@ -61,7 +61,7 @@ pub fn project(point_in_camera: &Point3) -> Option<[f64; 2]> {
     ((0.0..IMAGE_PX[0]).contains(&u) && (0.0..IMAGE_PX[1]).contains(&v)).then_some([u, v])
 }
 
-/// The point at this depth that is seen at this pixel, in the camera's frame.
+/// Returns the point at this depth that is seen at this pixel, in the camera's frame.
 pub fn unproject(pixel: [f64; 2], depth_m: f64) -> Point3 {
     let x = (pixel[0] - IMAGE_PX[0] / 2.0) / FOCAL_LENGTH_PX * depth_m;
     let y = (pixel[1] - IMAGE_PX[1] / 2.0) / FOCAL_LENGTH_PX * depth_m;

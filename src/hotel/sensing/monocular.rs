@@ -58,7 +58,7 @@ struct Track {
     parallax_rad: f64,
 }
 
-/// The units of a robot without depth to a metre, at each keyframe.
+/// Returns the units of a robot without depth to a metre, at each keyframe.
 pub fn units_per_metre(journey: &Sequence) -> Vec<f64> {
     let mut depths_m: Vec<f64> = (journey.steps.first().into_iter())
         .flat_map(|step| step.features.iter().map(|feature| feature.in_camera.z))
@@ -68,7 +68,7 @@ pub fn units_per_metre(journey: &Sequence) -> Vec<f64> {
     journey.scale_drift.iter().map(|drift| drift.exp() / median_m).collect()
 }
 
-/// The same tour without depth.
+/// Returns the same tour without depth.
 pub fn without_depth(journey: &Sequence) -> Sequence {
     let units = units_per_metre(journey);
     let mut tracks: HashMap<u64, Track> = HashMap::new();

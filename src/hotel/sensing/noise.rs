@@ -44,12 +44,12 @@ impl NoiseKind {
     pub const TROUBLES: [Self; 6] =
         [Self::Reader, Self::Missed, Self::Repeated, Self::Wording, Self::Fleet, Self::Mixed];
 
-    /// The kind of a name.
+    /// Returns the kind of a name.
     pub fn of_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
-    /// The name on the command line.
+    /// Returns the name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -64,7 +64,7 @@ impl NoiseKind {
         }
     }
 
-    /// What a table says of it.
+    /// Returns what a table says of it.
     pub fn title(self) -> &'static str {
         match self {
             Self::None => "nothing",
@@ -79,7 +79,7 @@ impl NoiseKind {
         }
     }
 
-    /// What it does.
+    /// Returns what it does.
     pub fn noise(self) -> Noise {
         let quiet = Noise::default();
         match self {

@@ -87,7 +87,7 @@ fn imagined(rng: &mut SeededRng) -> (String, [f64; 4]) {
     (text, [x, y, (x + width_px).min(IMAGE_PX[0]), y + height_px])
 }
 
-/// A text without its first or last character.
+/// Returns a text without its first or last character.
 fn cut(text: &str, rng: &mut SeededRng) -> String {
     let mut characters: Vec<char> = text.chars().collect();
     if characters.len() > 1 {

@@ -37,8 +37,8 @@ struct StepError {
     up_m: f64,
 }
 
-/// The relative motions that odometry reports, `previous_from_next` for each keyframe but the first, such that the whole
-/// trajectory is off by `drift_m`: RMSE after alignment, as evo computes it.
+/// Returns the relative motions that odometry reports, `previous_from_next` for each keyframe but the first, such that
+/// the whole trajectory is off by `drift_m`: RMSE after alignment, as evo computes it.
 pub fn drifting_motions(truth: &[Pose], drift_m: f64, rng: &mut SeededRng) -> Vec<Pose> {
     let motions: Vec<Pose> = truth.windows(2).map(|pair| pair[0].inverse().after(&pair[1])).collect();
     let errors = errors(&motions, rng);
@@ -59,7 +59,7 @@ pub fn drifting_motions(truth: &[Pose], drift_m: f64, rng: &mut SeededRng) -> Ve
     erring(&motions, &errors, f64::midpoint(low, high))
 }
 
-/// The poses that follow from a first one and motions.
+/// Returns the poses that follow from a first one and motions.
 pub fn integrate(first: &Pose, motions: &[Pose]) -> Vec<Pose> {
     let mut poses = vec![*first];
     for motion in motions {
@@ -108,7 +108,7 @@ fn errors(motions: &[Pose], rng: &mut SeededRng) -> Vec<StepError> {
         .collect()
 }
 
-/// The motions with their errors, scaled.
+/// Returns the motions with their errors, scaled.
 fn erring(motions: &[Pose], errors: &[StepError], scale: f64) -> Vec<Pose> {
     (motions.iter().zip(errors))
         .map(|(motion, error)| {

@@ -48,7 +48,7 @@ pub struct Reader {
 }
 
 impl Reader {
-    /// A reader under this noise.
+    /// Returns a reader under this noise.
     pub fn new(noise: Noise) -> Self {
         Self { noise, glare: Vec::new(), visit: usize::MAX }
     }
@@ -74,7 +74,7 @@ impl Reader {
         if self.noise.ocr { ocr::imagine(rng) } else { Vec::new() }
     }
 
-    /// What it says of the sign in this image.
+    /// Returns what it says of the sign in this image.
     fn read(&mut self, number: usize, sign: &Sign, visit: usize, rng: &mut SeededRng) -> String {
         if self.visit != visit {
             self.visit = visit;
@@ -130,7 +130,7 @@ impl Reader {
     }
 }
 
-/// A number as it may be misread.
+/// Returns a number as it may be misread.
 pub fn misread(number: &str, rng: &mut SeededRng) -> String {
     let mut characters: Vec<char> = number.chars().collect();
     let at = rng.below(characters.len());

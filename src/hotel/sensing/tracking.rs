@@ -20,7 +20,7 @@ struct Tracked {
 }
 
 impl Tracker {
-    /// The map point's number in this keyframe, and whether it is new.
+    /// Returns the map point's number in this keyframe, and whether it is new.
     pub fn observe(&mut self, point: u32, keyframe: usize) -> (u64, bool) {
         if let Some(tracked) = self.points.get_mut(&point)
             && keyframe - tracked.last_seen <= FORGOTTEN_AFTER_KEYFRAMES

@@ -16,7 +16,7 @@ pub struct CompletionBody {
 }
 
 impl CompletionBody {
-    /// The body of an answer on the connection of this seat.
+    /// Returns the body of an answer on the connection of this seat.
     pub fn new(body: Body, seat: Arc<ConnectionSlot>) -> Self {
         Self { body, seat }
     }

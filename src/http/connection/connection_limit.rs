@@ -68,7 +68,7 @@ impl ConnectionSlots {
         })
     }
 
-    /// What a new connection gets; another may be told to go for it.
+    /// Returns what a new connection gets; another may be told to go for it.
     pub fn claim(&self) -> SlotClaim {
         if let Ok(permit) = self.free.clone().try_acquire_owned() {
             return SlotClaim::Free(permit);
@@ -121,7 +121,7 @@ impl ConnectionSlots {
 }
 
 impl ConnectionSlot {
-    /// What the connection is about.
+    /// Returns what the connection is about.
     pub fn phase(&self) -> Phase {
         *self.lock()
     }

@@ -63,7 +63,7 @@ struct Linger {
 }
 
 impl<S> TimeoutStream<S> {
-    /// The stream of the connection on this seat.
+    /// Returns the stream of the connection on this seat.
     pub fn new(stream: S, seat: Arc<ConnectionSlot>, limits: &LimitArgs) -> Self {
         Self { stream, seat, stall: limits.stall_timeout, writing: None, lingering: None }
     }

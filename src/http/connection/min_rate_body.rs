@@ -36,7 +36,7 @@ impl MinRate {
         Self { grace, stall, rate: limits.min_body_rate as f64 }
     }
 
-    /// How long a body may be waited for now, after so much of it was, and so much arrived.
+    /// Returns how long a body may be waited for now, after so much of it was, and so much arrived.
     fn patience(&self, waited: Duration, received: u64) -> Duration {
         let bought = Duration::try_from_secs_f64(received as f64 / self.rate).unwrap_or(Duration::MAX);
         self.grace.saturating_add(bought).saturating_sub(waited).min(self.stall)
@@ -67,7 +67,7 @@ pub struct MinRateBody {
 }
 
 impl MinRateBody {
-    /// A body at a pace.
+    /// Returns a body at a pace.
     pub fn new(body: Body, pace: MinRate, turn: Option<Arc<RequestPermit>>) -> Self {
         Self { body, pace, turn, waited: Duration::ZERO, received: 0, waiting: None }
     }

@@ -35,7 +35,7 @@ struct Instead {
 }
 
 impl<S> ProtocolErrors<S> {
-    /// The stream of the connection on this seat.
+    /// Returns the stream of the connection on this seat.
     pub fn new(stream: S, seat: Arc<ConnectionSlot>) -> Self {
         Self { stream, seat, settled: 0, instead: None }
     }
@@ -63,7 +63,7 @@ impl<S: AsyncWrite + Unpin> ProtocolErrors<S> {
     }
 }
 
-/// An answer of hyper's with a problem for its body.
+/// Returns an answer of hyper's with a problem for its body.
 fn to_problem(hypers: Vec<u8>) -> Vec<u8> {
     let Some(status) = hypers.get(STATUS).and_then(|status| StatusCode::from_bytes(status).ok()) else {
         return hypers;

@@ -223,7 +223,7 @@ impl RunningServer {
         Self::start_within(service, LimitArgs::of::<&str>(&[]).map_err(io::Error::other)?).await
     }
 
-    /// The same within limits of one's own.
+    /// Returns the same within limits of one's own.
     pub async fn start_within(service: Service, limits: LimitArgs) -> io::Result<Self> {
         let listener = TcpListener::bind((std::net::Ipv4Addr::LOCALHOST, 0)).await?;
         let addr = listener.local_addr()?;

@@ -133,7 +133,7 @@ pub struct Text {
 }
 
 impl Text {
-    /// A line of a body; if that was compressed, with the most that the line may become.
+    /// Returns a line of a body; if that was compressed, with the most that the line may become.
     pub fn line(bytes: Bytes, becomes_at_most: Option<usize>) -> Self {
         Self { bytes, encoding: Encoding::Identity, becomes_at_most, held: HeldMemory::default() }
     }

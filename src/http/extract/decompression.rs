@@ -39,7 +39,7 @@ pub enum Encoding {
 }
 
 impl Encoding {
-    /// What the headers say. One inside the other is not taken: nobody needs it but those who build bombs.
+    /// Returns what the headers say. One inside the other is not taken: nobody needs it but those who build bombs.
     pub fn of(headers: &HeaderMap) -> Result<Self, Problem> {
         let mut given = headers.get_all(CONTENT_ENCODING).iter();
         let Some(first) = given.next() else { return Ok(Self::Identity) };
@@ -55,7 +55,7 @@ impl Encoding {
         Err(Problem::new(Kind::UNSUPPORTED_MEDIA_TYPE, detail))
     }
 
-    /// What it takes in memory to read a stream of it.
+    /// Returns what it takes in memory to read a stream of it.
     pub fn stream_bytes(self) -> usize {
         match self {
             Self::Identity => 0,
@@ -64,7 +64,7 @@ impl Encoding {
         }
     }
 
-    /// How long the text is, found without keeping it; `None` if longer than `most`.
+    /// Returns how long the text is, found without keeping it; `None` if longer than `most`.
     pub fn length(self, bytes: &[u8], most: usize) -> io::Result<Option<usize>> {
         let (mut reader, mut piece, mut length) = (self.reader(bytes)?, vec![0; PIECE_BYTES], 0);
         loop {
@@ -78,7 +78,7 @@ impl Encoding {
         }
     }
 
-    /// The text, whose length is known.
+    /// Returns the text, whose length is known.
     pub fn text(self, bytes: &[u8], length: usize) -> io::Result<Vec<u8>> {
         let mut text = Vec::with_capacity(length);
         self.reader(bytes)?.take(length as u64).read_to_end(&mut text)?;
@@ -97,7 +97,7 @@ impl Encoding {
         })
     }
 
-    /// A body inflated as it arrives, and how many bytes of it have arrived.
+    /// Returns a body inflated as it arrives, and how many bytes of it have arrived.
     pub fn stream(self, body: Body) -> (Body, Arc<AtomicUsize>) {
         let arrived = Arc::new(AtomicUsize::new(0));
         let count = arrived.clone();

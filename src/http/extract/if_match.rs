@@ -22,13 +22,13 @@ enum Seen {
 }
 
 impl IfMatch {
-    /// The version it asks for (`None` for any), or the problem that it is missing.
+    /// Returns the version it asks for (`None` for any), or the problem that it is missing.
     pub fn required(self) -> Result<Option<u64>, Problem> {
         let detail = "send `if-match` with the anchor's `etag`, or `*` for whatever version it has";
         self.0.map(Seen::version).ok_or_else(|| Problem::new(Kind::PRECONDITION_REQUIRED, detail))
     }
 
-    /// The version it asks for; a request without it minds none.
+    /// Returns the version it asks for; a request without it minds none.
     pub fn optional(self) -> Option<u64> {
         self.0.and_then(Seen::version)
     }
@@ -43,7 +43,7 @@ impl Seen {
     }
 }
 
-/// A version as an entity tag.
+/// Returns a version as an entity tag.
 pub fn etag(version: u64) -> String {
     format!("\"{version}\"")
 }

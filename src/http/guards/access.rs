@@ -123,7 +123,7 @@ async fn access(app: &App, secret: Option<&str>, working: &HeldPermit) -> Option
     }
 }
 
-/// The secret in `authorization: Bearer <secret>`.
+/// Returns the secret in `authorization: Bearer <secret>`.
 fn secret(parts: &Parts) -> Result<Option<Arc<str>>, Problem> {
     let mut headers = parts.headers.get_all(AUTHORIZATION).iter();
     let Some(header) = headers.next() else { return Ok(None) };
@@ -137,7 +137,8 @@ fn secret(parts: &Parts) -> Result<Option<Arc<str>>, Problem> {
     }
 }
 
-/// The map that the route names, decoded as its handler will decode it. One that is no id names no map; the handler says so.
+/// Returns the map that the route names, decoded as its handler will decode it. One that is no id names no map; the
+/// handler says so.
 async fn map_of(parts: &mut Parts) -> Option<MapId> {
     let params = RawPathParams::from_request_parts(parts, &()).await.ok()?;
     params.iter().find(|(name, _)| *name == "map")?.1.parse().ok()

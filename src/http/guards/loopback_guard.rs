@@ -24,7 +24,7 @@ pub fn check(parts: &Parts) -> Result<(), Problem> {
     if parts.method.is_safe() { Ok(()) } else { for_no_page_from_elsewhere(parts) }
 }
 
-/// The names by which the server was asked.
+/// Returns the names by which the server was asked.
 fn asked(parts: &Parts) -> impl Iterator<Item = Authority> {
     let headers = texts(&parts.headers, &HOST).filter_map(|host| host?.parse().ok());
     parts.uri.authority().cloned().into_iter().chain(headers)

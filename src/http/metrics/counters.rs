@@ -96,7 +96,7 @@ impl Metrics {
     /// The media type of [`Metrics::text`].
     pub const MEDIA_TYPE: &'static str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
 
-    /// How long the server runs.
+    /// Returns how long the server runs.
     pub fn uptime(&self) -> Duration {
         self.started.elapsed()
     }

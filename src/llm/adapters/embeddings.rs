@@ -16,7 +16,7 @@ pub struct Embeddings {
 }
 
 impl Embeddings {
-    /// The model of this name at this address.
+    /// Returns the model of this name at this address.
     pub fn new(endpoint: Endpoint, name: impl Into<String>) -> Self {
         Self { endpoint, name: name.into() }
     }
@@ -44,7 +44,7 @@ impl Model for Embeddings {
     }
 }
 
-/// The one vector of an answer, rounded.
+/// Returns the one vector of an answer, rounded.
 fn reply(answer: &Value) -> Result<Reply, Fault> {
     let vector = answer.pointer("/data/0/embedding").and_then(Value::as_array);
     let vector: Option<Vec<f64>> = vector.and_then(|vector| vector.iter().map(Value::as_f64).collect());

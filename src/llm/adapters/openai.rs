@@ -39,7 +39,7 @@ pub struct OpenAi {
 }
 
 impl OpenAi {
-    /// The model of this name at this address.
+    /// Returns the model of this name at this address.
     pub fn new(endpoint: Endpoint, name: impl Into<String>, dialect: Dialect) -> Self {
         Self { endpoint, name: name.into(), dialect }
     }
@@ -133,7 +133,7 @@ impl Model for OpenAi {
     }
 }
 
-/// The first choice of a completion, if it is whole.
+/// Returns the first choice of a completion, if it is whole.
 fn reply(answer: &Value) -> Result<Reply, Fault> {
     let choice = answer.pointer("/choices/0").ok_or(Fault::Garbled("no choices"))?;
     if choice.pointer("/message/refusal").is_some_and(|refusal| !refusal.is_null()) {

@@ -24,7 +24,7 @@ const CHARS_PER_TOKEN: usize = 4;
 const TOKENS_PER_IMAGE: u64 = 300;
 
 impl Scripted {
-    /// A model that answers by this script.
+    /// Returns a model that answers by this script.
     pub fn new(
         name: impl Into<String>,
         script: impl Fn(&Question) -> Result<String, Fault> + Send + Sync + 'static,
@@ -32,7 +32,7 @@ impl Scripted {
         Self { name: name.into(), script: Some(Arc::new(script)) }
     }
 
-    /// A model that says what the built-in judge would, and asks on: for counting calls and tokens.
+    /// Returns a model that says what the built-in judge would, and asks on: for counting calls and tokens.
     pub fn rehearsal() -> Self {
         Self { name: "scripted".to_owned(), script: None }
     }

@@ -16,7 +16,7 @@ pub struct Vqa {
 }
 
 impl Vqa {
-    /// The server at this address.
+    /// Returns the server at this address.
     pub fn new(endpoint: Endpoint, name: impl Into<String>) -> Self {
         Self { endpoint, name: name.into() }
     }

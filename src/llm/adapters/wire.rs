@@ -40,7 +40,7 @@ pub struct Endpoint {
 }
 
 impl Endpoint {
-    /// An address with a path below it, such as `chat/completions`; empty for the address itself.
+    /// Returns an address with a path below it, such as `chat/completions`; empty for the address itself.
     pub fn new(
         base: &str,
         path: &str,
@@ -69,7 +69,7 @@ impl Endpoint {
         Ok(Self { http, url, key })
     }
 
-    /// The address, without query, for keys of the cache.
+    /// Returns the address, without query, for keys of the cache.
     pub fn identity(&self) -> String {
         let mut url = self.url.clone();
         url.set_query(None);

@@ -13,7 +13,7 @@ const KEYFRAME_ROW_US: u64 = 60;
 const POINT_ROW_US: u64 = 6;
 
 impl Job {
-    /// What it costs, in microseconds of a slow core.
+    /// Returns what it costs, in microseconds of a slow core.
     pub(in crate::store) fn cost_us(&self) -> u64 {
         match self {
             Self::Change(batch) | Self::ChangeStaged { batch, .. } => of_batch(batch),

@@ -276,7 +276,7 @@ impl Writer {
         }
     }
 
-    /// What deletes have freed within the database's file, in bytes.
+    /// Returns what deletes have freed within the database's file, in bytes.
     async fn free_within(&self) -> u64 {
         let select = "select freelist_count * page_size from pragma_freelist_count, pragma_page_size";
         let free: Result<i64, _> = sqlx::query_scalar(select).fetch_one(&self.pool).await;
@@ -316,7 +316,7 @@ mod tests {
 
     const ROOM_FOR_ANYTHING: i64 = 1 << 30;
 
-    /// A writer on a database that SQLite itself keeps small, as a full disk does.
+    /// Returns a writer on a database that SQLite itself keeps small, as a full disk does.
     async fn cramped(folder: &tempfile::TempDir) -> (SqlitePool, Committer) {
         let path = folder.path().join("cramped.db");
         let options = SqliteConnectOptions::new().filename(&path).create_if_missing(true);

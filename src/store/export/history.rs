@@ -134,7 +134,7 @@ impl History {
         }
     }
 
-    /// The version of the next change of values.
+    /// Returns the version of the next change of values.
     pub(super) fn next_version(&self) -> Option<u64> {
         self.written.last().map(|written| written.version)
     }
@@ -184,7 +184,7 @@ impl History {
         Ok(ids.iter().filter_map(|id| Some((*id, position(id)?))).collect())
     }
 
-    /// The values that now stand in the place of former ones. What is gone since has none.
+    /// Returns the values that now stand in the place of former ones. What is gone since has none.
     async fn values_for(
         &self,
         db: &mut SqliteConnection,

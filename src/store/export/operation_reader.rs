@@ -149,7 +149,7 @@ impl Export {
         }
     }
 
-    /// The keyframes and points of a correction that are still there.
+    /// Returns the keyframes and points of a correction that are still there.
     async fn correction(&mut self, new: NewValues) -> Result<Step, StoreError> {
         let mut session = new.points.first().map(|(session, ..)| *session);
         let mut keyframes = Vec::with_capacity(new.poses.len());
@@ -218,7 +218,8 @@ impl Export {
         })
     }
 
-    /// The oldest detection that feeds an anchor, or fed it until it was deleted, with its keyframe and the version of that.
+    /// Returns the oldest detection that feeds an anchor, or fed it until it was deleted, with its keyframe and the
+    /// version of that.
     async fn detection_of(
         &mut self,
         anchor: AnchorSeq,
@@ -236,7 +237,7 @@ impl Export {
         found.map(named).transpose()
     }
 
-    /// A keyframe's session and name, if it is still there.
+    /// Returns a keyframe's session and name, if it is still there.
     pub(super) async fn named(
         &mut self,
         keyframe: KeyframeSeq,

@@ -30,7 +30,7 @@ pub(in crate::store) struct Reserve {
 }
 
 impl Reserve {
-    /// The reserve of this database.
+    /// Returns the reserve of this database.
     pub(in crate::store) fn beside(database: &Path) -> Self {
         let mut path = database.as_os_str().to_owned();
         path.push("-reserve");
@@ -40,12 +40,12 @@ impl Reserve {
         Self { bytes: disk.map_or(RESERVE_BYTES, |disk| RESERVE_BYTES.min(part(disk))), path }
     }
 
-    /// How long the write-ahead log may get, in pages of so many bytes, for the reserve to take it.
+    /// Returns how long the write-ahead log may get, in pages of so many bytes, for the reserve to take it.
     pub(in crate::store) fn log_pages(&self, page_bytes: u32) -> u64 {
         (self.bytes / LOG_PART / u64::from(page_bytes)).max(1)
     }
 
-    /// How much is kept where there is enough.
+    /// Returns how much is kept where there is enough.
     pub(in crate::store) fn bytes(&self) -> u64 {
         self.bytes
     }

@@ -91,7 +91,7 @@ impl DatabaseLock {
         is_at(&file, &files.lock()).then_some(file)
     }
 
-    /// What it was held for is done: nobody has to know any more.
+    /// Returns what it was held for is done: nobody has to know any more.
     pub fn finished(mut self) -> Result<(), StoreError> {
         self.say("")
             .map_err(|error| StoreError::File { path: "the lock".to_owned(), error: error.to_string() })

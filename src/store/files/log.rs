@@ -162,7 +162,7 @@ impl Log {
     }
 }
 
-/// The first bytes of a file; `None` if it is not there or shorter.
+/// Returns the first bytes of a file; `None` if it is not there or shorter.
 fn head(path: &Path, bytes: usize) -> io::Result<Option<Vec<u8>>> {
     let mut file = match File::open(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),

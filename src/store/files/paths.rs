@@ -33,7 +33,7 @@ pub struct FileSizes {
 }
 
 impl DatabaseFiles {
-    /// The files of `sqlite://PATH`; the scheme may be left out.
+    /// Returns the files of `sqlite://PATH`; the scheme may be left out.
     pub fn of_url(url: &str) -> Result<Self, StoreError> {
         let path = url.strip_prefix("sqlite:").map_or(url, |rest| rest.strip_prefix("//").unwrap_or(rest));
         if path.is_empty() || path.contains("://") {
@@ -48,7 +48,7 @@ impl DatabaseFiles {
         Ok(Self::of_path(options.get_filename()))
     }
 
-    /// The files of the database at this path.
+    /// Returns the files of the database at this path.
     pub fn of_path(path: &Path) -> Self {
         // One database has one name, whatever links lead to it: its lock hangs on the name.
         let resolved = path.canonicalize().or_else(|_| {
@@ -61,12 +61,12 @@ impl DatabaseFiles {
         Self { database: resolved.unwrap_or_else(|_: std::io::Error| path.to_owned()) }
     }
 
-    /// The database.
+    /// Returns the database.
     pub fn database(&self) -> &Path {
         &self.database
     }
 
-    /// The folder it lies in.
+    /// Returns the folder it lies in.
     pub fn folder(&self) -> &Path {
         self.database.parent().unwrap_or(Path::new("."))
     }
@@ -76,12 +76,12 @@ impl DatabaseFiles {
         self.beside("-wal")
     }
 
-    /// The log's index, shared by the processes that have the database open.
+    /// Returns the log's index, shared by the processes that have the database open.
     pub fn shm(&self) -> PathBuf {
         self.beside("-shm")
     }
 
-    /// The file whose lock says who may write.
+    /// Returns the file whose lock says who may write.
     pub fn lock(&self) -> PathBuf {
         self.beside(".lock")
     }
@@ -111,14 +111,14 @@ impl DatabaseFiles {
         }
     }
 
-    /// A file named like the database, and more.
+    /// Returns a file named like the database, and more.
     pub fn beside(&self, suffix: &str) -> PathBuf {
         let mut name = OsString::from(&self.database);
         name.push(suffix);
         name.into()
     }
 
-    /// How large they are now; what is not there is nothing.
+    /// Returns how large they are now; what is not there is nothing.
     pub fn sizes(&self) -> FileSizes {
         let size = |path: &Path| std::fs::metadata(path).map_or(0, |metadata| metadata.len());
         FileSizes { database: size(&self.database), wal: size(&self.wal()) }
@@ -149,7 +149,7 @@ impl DatabaseFiles {
     }
 }
 
-/// A path as a part of an address.
+/// Returns a path as a part of an address.
 fn encoded(path: &str) -> String {
     let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/._-".contains(&byte);
     let part = |byte: u8| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02x}") };

@@ -28,12 +28,12 @@ const MIGRATIONS: &[Step] = &[
     (12, "map_keys", include_str!("../../../migrations/sqlite/0012_map_keys.sql")),
 ];
 
-/// The newest schema that this program knows.
+/// Returns the newest schema that this program knows.
 pub fn newest() -> i64 {
     MIGRATIONS.last().map_or(0, |(version, ..)| *version)
 }
 
-/// The schema's version in a database; 0 in an empty one.
+/// Returns the schema's version in a database; 0 in an empty one.
 pub(in crate::store) async fn version(db: &mut SqliteConnection) -> Result<i64, StoreError> {
     let select = "select count(*) from sqlite_schema where name = '_sqlx_migrations'";
     let is_ours: i64 = sqlx::query_scalar(select).fetch_one(&mut *db).await?;

@@ -61,7 +61,7 @@ pub(in crate::store) async fn restore(
     run(db, sqlx::query(delete).bind(map).bind(anchor.0)).await
 }
 
-/// The signs of a map that passages missed, or that are retired.
+/// Returns the signs of a map that passages missed, or that are retired.
 pub(in crate::store) async fn all(db: &mut SqliteConnection, map: MapKey) -> Result<Vec<Change>, StoreError> {
     let select = "select anchor, keyframe, other from missed_signs where map_key = $1";
     let rows: Vec<(u32, u32, Option<u32>)> = sqlx::query_as(select).bind(map).fetch_all(&mut *db).await?;

@@ -22,12 +22,12 @@ pub struct KeyTable {
 }
 
 impl Store {
-    /// A number that grows with each key made or revoked, by whatever process.
+    /// Returns a number that grows with each key made or revoked, by whatever process.
     pub async fn key_change(&self) -> Result<i64, StoreError> {
         Ok(sqlx::query_scalar("select change from key_changes").fetch_one(&self.readers).await?)
     }
 
-    /// Every key.
+    /// Returns every key.
     pub async fn keys(&self) -> Result<KeyTable, StoreError> {
         let mut db = self.snapshot().await?;
         let change = sqlx::query_scalar("select change from key_changes").fetch_one(&mut *db).await?;

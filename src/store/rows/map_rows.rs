@@ -190,7 +190,7 @@ pub(in crate::store) fn learned(row: &SqliteRow) -> Result<Option<Learned>, Stor
     Ok(Some(Learned { numbering: numbering.into(), twins }))
 }
 
-/// A map's properties, in place of those it had.
+/// Returns a map's properties, in place of those it had.
 pub(in crate::store) async fn set_properties(
     db: &mut SqliteConnection,
     map: MapKey,
@@ -220,7 +220,7 @@ pub(in crate::store) fn chosen(settings: &Settings) -> impl Iterator<Item = (&'s
     })
 }
 
-/// A setting as text; numbers in the shortest form that reads back to the same bits.
+/// Returns a setting as text; numbers in the shortest form that reads back to the same bits.
 fn setting_text(value: SettingValue) -> String {
     match value {
         SettingValue::Number(number) => format!("{number:?}"),
@@ -231,7 +231,7 @@ fn setting_text(value: SettingValue) -> String {
     }
 }
 
-/// A map's properties, as its row and its settings say.
+/// Returns a map's properties, as its row and its settings say.
 pub(in crate::store) async fn properties(
     db: &mut SqliteConnection,
     key: MapKey,
@@ -266,7 +266,7 @@ pub(in crate::store) fn settings(
     Ok(settings)
 }
 
-/// The inverse of [`setting_text`].
+/// Returns the inverse of [`setting_text`].
 fn setting(name: &str, text: &str) -> Option<SettingValue> {
     let row = Settings::TABLE.iter().find(|row| row.name == name)?;
     Some(match row.kind {

@@ -37,13 +37,13 @@ pub struct UsageRow {
 }
 
 impl Store {
-    /// An answer that was paid for.
+    /// Returns an answer that was paid for.
     pub async fn answer(&self, key: &[u8; 32]) -> Result<Option<String>, StoreError> {
         let select = "select answer from model_answers where key = $1";
         Ok(sqlx::query_scalar(select).bind(&key[..]).fetch_optional(&self.readers).await?)
     }
 
-    /// What was spent from this day on, by operation and model.
+    /// Returns what was spent from this day on, by operation and model.
     pub async fn usage_since(&self, day: i64) -> Result<Vec<UsageRow>, StoreError> {
         let select = "select operation, model, sum(calls) as calls, sum(input_tokens) as input_tokens,
             sum(output_tokens) as output_tokens, sum(cost_microusd) as cost_microusd, sum(cache_hits) as cache_hits
@@ -64,13 +64,13 @@ impl Store {
             .collect()
     }
 
-    /// What was spent on one day for each key: calls, and millionths of a US dollar.
+    /// Returns what was spent on one day for each key: calls, and millionths of a US dollar.
     pub async fn usage_of_keys(&self, day: i64) -> Result<Vec<(i64, i64, i64)>, StoreError> {
         let select = "select key, calls, cost_microusd from key_usage where day = $1 order by key";
         Ok(sqlx::query_as(select).bind(day).fetch_all(&self.readers).await?)
     }
 
-    /// The maps that hold crops: after a start, a model may have to read some of them.
+    /// Returns the maps that hold crops: after a start, a model may have to read some of them.
     pub async fn maps_with_crops(&self) -> Result<Vec<MapId>, StoreError> {
         let select = "select id from maps where deleted = 0
             and exists (select 1 from crops where crops.map_key = maps.map_key) order by id";
@@ -78,7 +78,7 @@ impl Store {
         ids.iter().map(|id| super::decode::id(id)).collect()
     }
 
-    /// The dialogue that led to the reading of a detection's crop.
+    /// Returns the dialogue that led to the reading of a detection's crop.
     pub async fn transcript(
         &self,
         map: MapKey,
@@ -226,7 +226,7 @@ pub(in crate::store) async fn by_version(
     Ok(said)
 }
 
-/// The verdicts about a map's texts, and whether it waits for a model.
+/// Returns the verdicts about a map's texts, and whether it waits for a model.
 pub(in crate::store) async fn verdicts(
     db: &mut SqliteConnection,
     map: MapKey,
@@ -263,7 +263,7 @@ fn verdict(row: &SqliteRow) -> Result<ModelVerdict, StoreError> {
     })
 }
 
-/// What models made of a map's crops.
+/// Returns what models made of a map's crops.
 pub(in crate::store) async fn readings(
     db: &mut SqliteConnection,
     map: MapKey,

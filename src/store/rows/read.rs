@@ -51,7 +51,7 @@ impl Store {
         ids.iter().map(|id| decode::id(id)).collect()
     }
 
-    /// The bag of words of a keyframe.
+    /// Returns the bag of words of a keyframe.
     pub async fn bow(&self, map: MapKey, keyframe: KeyframeSeq) -> Result<Option<BowVector>, StoreError> {
         let select = "select bow_words, bow_weights from keyframes where map_key = $1 and keyframe = $2";
         let row = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&self.readers).await?;
@@ -59,7 +59,7 @@ impl Store {
         self.of_map(map, row.as_ref().map(decode::bow).transpose().map_err(of_row)).await
     }
 
-    /// The features of a keyframe, if it has any.
+    /// Returns the features of a keyframe, if it has any.
     pub async fn features(&self, map: MapKey, keyframe: KeyframeSeq) -> Result<Option<Features>, StoreError> {
         let select = "select * from keyframe_features where map_key = $1 and keyframe = $2";
         let row = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&self.readers).await?;
@@ -98,7 +98,7 @@ impl Store {
         Ok(Some(found))
     }
 
-    /// The crop of a detection.
+    /// Returns the crop of a detection.
     pub async fn crop(
         &self,
         map: MapKey,
@@ -120,7 +120,7 @@ impl Store {
         self.of_map(map, crop).await
     }
 
-    /// The kept answer of a loop query.
+    /// Returns the kept answer of a loop query.
     pub async fn kept_query(&self, map: MapKey, id: &str) -> Result<Option<Vec<u8>>, StoreError> {
         let select = "select body from loop_queries where map_key = $1 and id = $2";
         let found: Option<Vec<u8>> =
@@ -143,7 +143,7 @@ impl Store {
         Ok(kept.map(|(oldest, next)| oldest.unsigned_abs()..next.unsigned_abs()))
     }
 
-    /// The events of a map after one, in their order.
+    /// Returns the events of a map after one, in their order.
     pub async fn events(&self, map: MapKey, since: u64, limit: usize) -> Result<Vec<Event>, StoreError> {
         let select = "select * from events where map_key = $1 and seq > $2 order by seq limit $3";
         let since = i64::try_from(since).unwrap_or(i64::MAX);

@@ -35,7 +35,7 @@ pub(in crate::store) async fn remove(
     run(db, bound(sqlx::query(delete), map, twins)).await
 }
 
-/// The pairs of a map.
+/// Returns the pairs of a map.
 pub(in crate::store) async fn all(db: &mut SqliteConnection, map: MapKey) -> Result<Vec<Change>, StoreError> {
     let select = "select keyframe, candidate, anchor, candidate_anchor from twins where map_key = $1";
     let rows: Vec<(u32, u32, u32, u32)> = sqlx::query_as(select).bind(map).fetch_all(db).await?;

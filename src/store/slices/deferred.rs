@@ -31,7 +31,7 @@ pub(in crate::store) fn is_ordered(change: &Change) -> bool {
     Kind::of(change).is_some_and(|kind| kind != Kind::Touched)
 }
 
-/// The jobs that stage a batch's large changes, if it has any, and the one that commits it.
+/// Returns the jobs that stage a batch's large changes, if it has any, and the one that commits it.
 pub(in crate::store) fn staged(job: Job) -> Vec<Job> {
     let Job::Change(mut batch) = job else { return vec![job] };
     let cost: u64 = batch.changes.iter().filter(|c| Kind::of(c).is_some()).map(cost::of_change).sum();
@@ -83,7 +83,7 @@ fn pack_change(change: &Change, to: &mut Vec<u8>) {
     }
 }
 
-/// The changes that a packed list says; none for history.
+/// Returns the changes that a packed list says; none for history.
 pub(in crate::store) fn unpacked(kind: Kind, entries: &[u8]) -> Result<Vec<Change>, StoreError> {
     let point = |[x, y, z]: [f64; 3]| Point3::new(x, y, z);
     Ok(match kind {
@@ -207,13 +207,13 @@ pub(in crate::store) async fn for_each(
     Ok(())
 }
 
-/// The versions with deferred changes, each with the number of its parts and the first that is not in the rows.
+/// Returns the versions with deferred changes, each with the number of its parts and the first that is not in the rows.
 async fn versions(db: &mut SqliteConnection, map: MapKey) -> Result<Vec<(i64, u32, u32)>, StoreError> {
     let select = "select version, parts, part from deferred_changes where map_key = $1 order by version";
     Ok(sqlx::query_as(select).bind(map).fetch_all(db).await?)
 }
 
-/// The changes of one part.
+/// Returns the changes of one part.
 async fn part(
     db: &mut SqliteConnection,
     map: MapKey,
@@ -228,7 +228,7 @@ async fn part(
     unpacked(Kind::from_name(&kind)?, &entries)
 }
 
-/// The deferred positions of a keyframe's detections, the latest last.
+/// Returns the deferred positions of a keyframe's detections, the latest last.
 pub(in crate::store) async fn positions(
     db: &mut SqliteConnection,
     map: MapKey,

@@ -49,7 +49,7 @@ pub(in crate::store) async fn is_behind(db: &mut SqliteConnection) -> Result<boo
     Ok(count > VERSIONS_BEHIND)
 }
 
-/// The oldest entries of a map that is not deleted.
+/// Returns the oldest entries of a map that is not deleted.
 async fn next(db: &mut SqliteConnection) -> Result<Option<Next>, StoreError> {
     let select = "select map_key, version, parts, part, entries_done from deferred_changes
         where map_key not in (select map_key from maps where deleted = 1) order by map_key, version limit 1";

@@ -70,7 +70,7 @@ impl Kind {
         matches!(self, Self::FormerPoses | Self::FormerPoints | Self::FormerForgotten | Self::FormerPositions)
     }
 
-    /// The kind of a change that may be deferred.
+    /// Returns the kind of a change that may be deferred.
     pub(in crate::store) fn of(change: &Change) -> Option<Self> {
         match change {
             Change::PoseSet(..) => Some(Self::Poses),

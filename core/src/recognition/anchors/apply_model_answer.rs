@@ -77,7 +77,7 @@ pub fn learn_verdict(index: &mut MapIndex, verdict: ModelVerdict) -> Option<Lear
     }
 }
 
-/// The model that a map waits for is away, or back. `None` if the map knows.
+/// Notes that the model which a map waits for is away, or back; returns none if the map knows.
 pub fn learn_away(index: &mut MapIndex, away: bool) -> Option<Decided> {
     if index.model_away() == away {
         return None;
@@ -143,7 +143,7 @@ fn named(index: &MapIndex, objects: &BTreeSet<AnchorSeq>) -> Named {
     objects.iter().filter_map(name).collect()
 }
 
-/// The objects that are called otherwise now, or count now, are told of and matched anew.
+/// Announces and matches again the objects whose text changed, or that count now.
 fn follow_up(mut record: Recorder<'_>, before: &Named) -> Learned {
     let now = named(record.index(), &before.keys().copied().collect());
     let changed: BTreeSet<AnchorSeq> =

@@ -111,7 +111,7 @@ fn excludes(object: &MergedAnchor, detection: &Detection) -> bool {
     text.zip(read).is_some_and(|(text, read)| semantics::conflict(text, &read).is_some())
 }
 
-/// How well a detection fits an object, if it fits at all; and whether map points say so.
+/// Returns how well a detection fits an object, if it fits at all; and whether map points say so.
 fn closeness(
     index: &MapIndex,
     session: SessionSeq,
@@ -127,7 +127,7 @@ fn closeness(
     (distance_m <= settings.association_position_radius_m).then_some((-distance_m, false))
 }
 
-/// The share of a detection's map points that the object's box covers; `None` if map points cannot tell.
+/// Returns the share of a detection's map points that the object's box covers; `None` if map points cannot tell.
 fn covered_share(
     session: SessionSeq,
     points: &[PointId],

@@ -101,7 +101,7 @@ pub fn lacking(
     DescriptionTasks { found, is_all }
 }
 
-/// The clock of each session: its newest keyframe, in seconds.
+/// Returns the clock of each session: its newest keyframe, in seconds.
 fn latest_stamps(index: &MapIndex) -> BTreeMap<SessionSeq, i64> {
     let mut latest = BTreeMap::new();
     for keyframe in index.keyframes() {
@@ -111,7 +111,7 @@ fn latest_stamps(index: &MapIndex) -> BTreeMap<SessionSeq, i64> {
     latest
 }
 
-/// The crop of an object to be read next, if there is one.
+/// Returns the crop of an object to be read next, if there is one.
 fn reading(
     index: &MapIndex,
     object: &MergedAnchor,
@@ -207,7 +207,7 @@ fn waited_s(index: &MapIndex, seen: &Observation, latest: &BTreeMap<SessionSeq, 
     now as f64 - stamp_s(index, seen)
 }
 
-/// What is open about the text of one object.
+/// Returns what is open about the text of one object.
 fn of_object<'a>(
     index: &'a MapIndex,
     object: &'a MergedAnchor,

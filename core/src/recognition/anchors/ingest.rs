@@ -44,8 +44,8 @@ pub fn unknown_covisible<'k>(
     declared.filter_map(unknown).collect()
 }
 
-/// The vocabulary that the map's words belong to, if the keyframe's belong to another: the same number would mean
-/// two things, and every score would be noise.
+/// Returns the vocabulary that the map's words belong to, if the keyframe's belong to another: the same number would
+/// mean two things, and every score would be noise.
 pub fn other_vocabulary<'a>(index: &'a MapIndex, keyframe: &NewKeyframe) -> Option<&'a str> {
     let theirs = keyframe.vocabulary.as_deref().filter(|_| !keyframe.bow.is_empty())?;
     index.vocabulary().filter(|ours| *ours != theirs)
@@ -153,8 +153,8 @@ fn observation(keyframe: KeyframeSeq, number: u16, detection: &Detection) -> Obs
     }
 }
 
-/// The anchor of an object that a new observation is kept with: the one that the newest covisible
-/// keyframe saw. If a loop that joined the object is revoked, the observation stays at its own place.
+/// Returns the anchor of an object that a new observation is kept with: the one that the newest covisible keyframe saw.
+/// If a loop that joined the object is revoked, the observation stays at its own place.
 fn nearest_member(index: &MapIndex, root: AnchorSeq, keyframe: KeyframeSeq) -> AnchorSeq {
     let Some(object) = index.objects().get(root) else { return root };
     let newest_sight = |member: &AnchorSeq| {

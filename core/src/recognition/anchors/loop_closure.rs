@@ -60,7 +60,7 @@ fn merge_pairs(record: &mut Recorder<'_>, closed: &Loop, pairs: Vec<(AnchorSeq, 
     }
 }
 
-/// The anchor of an object that this keyframe, or one it passes with, has seen itself.
+/// Returns the anchor of an object that this keyframe, or one it passes with, has seen itself.
 fn member_around(index: &MapIndex, object: &MergedAnchor, keyframe: KeyframeSeq) -> Option<AnchorSeq> {
     let passes = |seen_by| seen_by == keyframe || index.covisibility().joins_by_sight(keyframe, seen_by);
     let members = object.members.iter().copied();
@@ -106,7 +106,7 @@ pub fn revoke_loop(index: &mut MapIndex, id: &LoopId) -> (Vec<MergeReport>, Deci
     (parted, record.finish())
 }
 
-/// The anchors a loop merged.
+/// Returns the anchors a loop merged.
 pub fn merges_of(index: &MapIndex, id: &LoopId) -> Vec<MergeReport> {
     let made = index.objects().links_of_loop(id).into_iter();
     made.map(|merge| MergeReport { into: merge.into, from: merge.from }).collect()

@@ -12,8 +12,8 @@ use crate::domain::change::{Merge, MergeCause};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::recognition::map::index::{MapIndex, MergedAnchor, Shape};
 
-/// The first object that `root` must be merged with, among those that the keyframes covisible
-/// with `around` see.
+/// Returns the first object that `root` must be merged with, among those that the keyframes covisible with `around`
+/// see.
 pub fn covisible_merge(index: &MapIndex, root: AnchorSeq, around: &BTreeSet<KeyframeSeq>) -> Option<Merge> {
     let object = index.objects().get(root)?;
     let text = index.texts().of(root)?;
@@ -47,14 +47,14 @@ fn close(index: &MapIndex, a: &MergedAnchor, b: &MergedAnchor) -> bool {
         .any(|(of_a, of_b)| near(of_a, of_b))
 }
 
-/// The objects that match `root` though no keyframe of theirs is covisible with one of its own:
-/// the robot has come back. Oldest first.
+/// Returns the objects that match `root` though no keyframe of theirs is covisible with one of its own: the robot has
+/// come back. Oldest first.
 pub fn revisits(index: &MapIndex, root: AnchorSeq) -> impl Iterator<Item = AnchorSeq> + '_ {
     let near = neighbourhood(index, root);
     matches(index, root).filter(move |other| !near.contains(other))
 }
 
-/// The objects that match `root`, covisible or not; oldest first within each text.
+/// Returns the objects that match `root`, covisible or not; oldest first within each text.
 pub fn matches(index: &MapIndex, root: AnchorSeq) -> impl Iterator<Item = AnchorSeq> + '_ {
     let texts = index.texts();
     texts
@@ -66,7 +66,7 @@ pub fn matches(index: &MapIndex, root: AnchorSeq) -> impl Iterator<Item = Anchor
         .filter(move |other| *other != root)
 }
 
-/// The objects that keyframes covisible with an object's own keyframes see.
+/// Returns the objects that keyframes covisible with an object's own keyframes see.
 pub fn neighbourhood(index: &MapIndex, root: AnchorSeq) -> BTreeSet<AnchorSeq> {
     let Some(object) = index.objects().get(root) else { return BTreeSet::new() };
     let keyframes = index.covisibility().around(&index.keyframes_of(object));

@@ -190,7 +190,7 @@ fn near_ones(index: &MapIndex, id: TextId, others: &[(f64, TextId)]) -> Vec<Text
 }
 
 impl Class {
-    /// The texts of a class; `None` where there are too many, or so few that each is judged with each.
+    /// Returns the texts of a class; `None` where there are too many, or so few that each is judged with each.
     fn of(index: &MapIndex, name: &str, embeddings: &dyn Embeddings) -> Option<Self> {
         let texts = index.texts();
         let of_class = texts.iter().filter(|id| texts.text(*id).0 == name);
@@ -214,7 +214,7 @@ impl Class {
     }
 }
 
-/// The texts whose words are most like this one's, about which a model may say more than the built-in judge.
+/// Returns the texts whose words are most like this one's, about which a model may say more than the built-in judge.
 fn nearest_by_words(index: &MapIndex, id: TextId) -> Vec<TextId> {
     let texts = index.texts();
     let (class, text) = texts.text(id);

@@ -92,8 +92,8 @@ impl Compared {
         self.total_weight > 0.0
     }
 
-    /// The largest distance between the two anchors of a matched pair, in metres, where both maps are in one frame; none if
-    /// nothing matches whose distances were measured.
+    /// Returns the largest distance between the two anchors of a matched pair, in metres, where both maps are in one
+    /// frame; none if nothing matches whose distances were measured.
     pub fn largest_distance_m(&self) -> Option<f64> {
         let apart_m = |pair: &Pair| (pair.query.centre_in_session - pair.candidate.centre_in_session).norm();
         self.matched.iter().filter(|pair| pair.is_measured()).map(apart_m).reduce(f64::max)
@@ -172,7 +172,7 @@ impl Pair {
         self.query.is_measured_with(&self.candidate)
     }
 
-    /// How far the nearer of the two is from its camera.
+    /// Returns how far the nearer of the two is from its camera.
     fn distance_m(&self) -> f64 {
         self.query.bearing.distance_m().min(self.candidate.bearing.distance_m())
     }
@@ -187,8 +187,8 @@ fn placement(apart_m: f64) -> Placement {
     Placement::Apart { measured: apart_m, limit: SAME_PLACE_M, told }
 }
 
-/// The weight of the pairs that are off, each anchor of the query counted once, with the heaviest of its pairs, and not if
-/// it also stands where it should: what two robots' maps hold twice is not displaced.
+/// Returns the weight of the pairs that are off, each anchor of the query counted once, with the heaviest of its pairs,
+/// and not if it also stands where it should: what two robots' maps hold twice is not displaced.
 fn displaced_weight<'a>(
     off: impl Iterator<Item = &'a Pair>,
     standing: impl Iterator<Item = &'a Pair>,

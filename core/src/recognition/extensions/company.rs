@@ -91,7 +91,7 @@ impl Companies {
         false
     }
 
-    /// The company of a stored anchor, as its oldest keyframe sees it.
+    /// Returns the company of a stored anchor, as its oldest keyframe sees it.
     fn stored(&mut self, index: &MapIndex, root: AnchorSeq, places: &mut PlaceCounts) -> Rc<Vec<Neighbour>> {
         if let Some(known) = self.of_stored.get(&root) {
             return known.clone();
@@ -108,7 +108,7 @@ impl Companies {
     }
 }
 
-/// The numbered signs around a text, nearest first; none where its own place is a guess.
+/// Returns the numbered signs around a text, nearest first; none where its own place is a guess.
 fn company(text: &LocalAnchor, map: &LocalAnchorMap) -> Vec<Neighbour> {
     let at = in_camera(text);
     if text.range_assumed || at.x.hypot(at.z) < LEAST_HORIZONTAL_M {
@@ -145,7 +145,7 @@ fn agree(index: &MapIndex, a: &[Neighbour], b: &[Neighbour]) -> bool {
     pairs(a, b).any(|(x, y)| alike(index, x, y))
 }
 
-/// The pairs of signs at one offset.
+/// Returns the pairs of signs at one offset.
 fn pairs<'n>(
     a: &'n [Neighbour],
     b: &'n [Neighbour],

@@ -24,7 +24,7 @@ pub struct Contradiction<'a> {
 }
 
 impl Contradiction<'_> {
-    /// The two anchors' weights together.
+    /// Returns the two anchors' weights together.
     pub fn weight(&self) -> f64 {
         self.query.weight + self.candidate.weight
     }
@@ -39,7 +39,7 @@ impl Contradiction<'_> {
     }
 }
 
-/// The anchors that nothing on the other side is called like.
+/// Returns the anchors that nothing on the other side is called like.
 ///
 /// "Unmatched on the other side" is taken by description alone: a plate that also hangs somewhere
 /// in the other map is known there, and seeing its neighbour in its place means another point of
@@ -55,8 +55,8 @@ pub fn unmatched<'a>(
     these.iter().copied().filter(|anchor| !known(anchor)).collect()
 }
 
-/// The contradicting pairs among unmatched anchors, one-to-one, by maximum weight; `same_place` tells
-/// which anchors stand at the same place, `is_sure` what each is surely called.
+/// Returns the contradicting pairs among unmatched anchors, one-to-one, by maximum weight; `same_place` tells which
+/// anchors stand at the same place, `is_sure` what each is surely called.
 pub fn contradict<'a>(
     query: &[&'a LocalAnchor],
     candidate: &[&'a LocalAnchor],

@@ -112,7 +112,7 @@ fn differs(a: &LocalAnchor, b: &LocalAnchor, texts: &TextIndex, settings: &Setti
             || (same_relative_place(a, b, settings) && similar(a, b, texts, settings).is_none()))
 }
 
-/// How far two anchors are from the same relative place; below 1 they stand there.
+/// Returns how far two anchors are from the same relative place; below 1 they stand there.
 fn deviation(a: &LocalAnchor, b: &LocalAnchor, settings: &Settings) -> f64 {
     let distance =
         a.bearing.distance_difference_m(&b.bearing) / settings.anchor_map_max_distance_difference_m;
@@ -172,12 +172,12 @@ impl Differing {
         }
     }
 
-    /// The anchor of the query's map.
+    /// Returns the anchor of the query's map.
     pub fn query(&self) -> &LocalAnchor {
         &self.query
     }
 
-    /// The anchor of the candidate's map.
+    /// Returns the anchor of the candidate's map.
     pub fn candidate(&self) -> &LocalAnchor {
         &self.candidate
     }

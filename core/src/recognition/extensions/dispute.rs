@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::recognition::loops::anchor_map::{LocalAnchor, LocalAnchorMap, LocalName};
 use crate::recognition::map::index::Certainty;
 
-/// The anchors of a local map whose reading is in doubt.
+/// Returns the anchors of a local map whose reading is in doubt.
 pub fn disputed(map: &LocalAnchorMap) -> BTreeSet<LocalName> {
     let mut around: BTreeMap<(&str, &str), usize> = BTreeMap::new();
     let mut of_class: BTreeMap<&str, usize> = BTreeMap::new();
@@ -26,7 +26,7 @@ pub fn disputed(map: &LocalAnchorMap) -> BTreeSet<LocalName> {
     alone.map(|(anchor, _)| anchor.name).collect()
 }
 
-/// The first part of the number of a plate, if it has one number of several parts.
+/// Returns the first part of the number of a plate, if it has one number of several parts.
 fn part_of_building(anchor: &LocalAnchor) -> Option<&str> {
     let [number] = anchor.text.as_deref()?.identifiers() else { return None };
     number.first_part()

@@ -76,7 +76,7 @@ impl PlaceCounts {
         count
     }
 
-    /// The same for a text that no object of the map carries.
+    /// Returns the same for a text that no object of the map carries.
     pub fn of_guest(&mut self, index: &MapIndex, class: &str, text: &Text) -> usize {
         let min_level = index.properties().settings.matching_min_similarity_level;
         let alike = |guest: &Guest| {

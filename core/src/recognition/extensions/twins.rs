@@ -100,12 +100,12 @@ fn object(anchor: &LocalAnchor) -> Option<AnchorSeq> {
 }
 
 impl Suspects {
-    /// The places of all in the list, the likest first.
+    /// Returns the places of all in the list, the likest first.
     pub fn places(&self) -> Range<usize> {
         0..self.signs.len()
     }
 
-    /// The keyframes whose features geometry needs for one of them, ascending; the written one is among them.
+    /// Returns the keyframes whose features geometry needs for one of them, ascending; the written one is among them.
     pub fn wanted_features(&self, at: usize) -> BTreeSet<KeyframeSeq> {
         let sight = self.screening.candidates[at].sight.iter();
         let window = sight.flat_map(|sight| sight.window.iter().copied());

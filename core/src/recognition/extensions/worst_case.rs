@@ -50,7 +50,7 @@ pub struct WorstCase {
     pub contradicting_weight: f64,
 }
 
-/// What two places that agree may come to once every crop around them is described; `None` if none waits.
+/// Returns what two places that agree may come to once every crop around them is described; `None` if none waits.
 ///
 /// A plate that nobody has read yet may read 910 where 901 hung: that a model is slow or fails must not make a loop.
 pub fn worst_case(

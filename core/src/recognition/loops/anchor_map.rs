@@ -27,7 +27,7 @@ pub enum LocalName {
 }
 
 impl LocalName {
-    /// The name for the outside.
+    /// Returns the name for the outside.
     pub fn public(self) -> AnchorName {
         match self {
             Self::MergedAnchor(seq) => AnchorName::Stored(seq.public()),
@@ -83,7 +83,7 @@ pub struct LocalAnchorMap {
 }
 
 impl LocalAnchorMap {
-    /// The anchors that take part in Eq. (2).
+    /// Returns the anchors that take part in Eq. (2).
     pub fn valid(&self) -> impl Iterator<Item = &LocalAnchor> {
         self.anchors.iter().filter(|anchor| anchor.state == AnchorState::Valid)
     }
@@ -96,7 +96,7 @@ impl LocalAnchorMap {
         anchors
     }
 
-    /// How many anchors nothing has described yet.
+    /// Returns how many anchors nothing has described yet.
     pub fn pending(&self) -> usize {
         self.anchors.iter().filter(|anchor| anchor.state == AnchorState::Pending).count()
     }

@@ -162,9 +162,8 @@ fn by_anchors(
     greedy_places(ranked, places_max, near, scratch).into_iter().map(KeyframeSeq).collect()
 }
 
-/// The keyframes that see an object that the query sees too, on another passage: through an anchor
-/// merged by a confirmed loop, or in another session. Not those that merely tracked it
-/// through this same passage (M10).
+/// Returns the keyframes that see an object that the query sees too, on another passage: through an anchor merged by a
+/// confirmed loop, or in another session. Not those that merely tracked it through this same passage (M10).
 fn other_passages(index: &MapIndex, query: &Query<'_>, object: &MergedAnchor) -> BTreeSet<KeyframeSeq> {
     let mine: BTreeSet<AnchorSeq> = object
         .members
@@ -212,7 +211,7 @@ fn is_excluded(index: &MapIndex, query: &Query<'_>, keyframe: KeyframeSeq) -> bo
     query.excludes(keyframe) || query.is_too_recent(index, keyframe)
 }
 
-/// The numbers of the keyframes covisible with one.
+/// Returns the numbers of the keyframes covisible with one.
 fn neighbours(index: &MapIndex, keyframe: u32) -> impl Iterator<Item = u32> + '_ {
     index.covisibility().neighbours(KeyframeSeq(keyframe)).map(|other| other.0)
 }

@@ -41,12 +41,13 @@ pub struct Matched<'a> {
 }
 
 impl Matched<'_> {
-    /// What the pair adds to the numerator of Eq. (2).
+    /// Returns what the pair adds to the numerator of Eq. (2).
     pub fn weight(&self) -> f64 {
         self.query.weight + self.candidate.weight
     }
 
-    /// What it says for this place: what hangs in p places agrees with all of them, and only one p-th of it is for this one.
+    /// Returns what it says for this place: what hangs in p places agrees with all of them, and only one p-th of it is
+    /// for this one.
     pub fn agreement(&self) -> f64 {
         self.weight() / self.query.places.max(self.candidate.places) as f64
     }
@@ -90,27 +91,27 @@ pub struct BestCase {
 }
 
 impl Comparison<'_> {
-    /// The weight of everything that agrees: the numerator of Eq. (2).
+    /// Returns the weight of everything that agrees: the numerator of Eq. (2).
     pub fn agreeing_weight(&self) -> f64 {
         total(self.matches.iter().map(Matched::weight))
     }
 
-    /// The weight of everything that agrees with this place rather than with others.
+    /// Returns the weight of everything that agrees with this place rather than with others.
     pub fn agreement(&self) -> f64 {
         total(self.matches.iter().map(Matched::agreement))
     }
 
-    /// The least number of places that something that agrees hangs at; none if nothing agrees.
+    /// Returns the least number of places that something that agrees hangs at; none if nothing agrees.
     pub fn least_places(&self) -> Option<usize> {
         self.matches.iter().map(|pair| pair.places).min()
     }
 
-    /// The weight of everything that contradicts.
+    /// Returns the weight of everything that contradicts.
     pub fn contradicting_weight(&self) -> f64 {
         total(self.contradictions.iter().map(Contradiction::weight))
     }
 
-    /// The weight of everything that surely contradicts.
+    /// Returns the weight of everything that surely contradicts.
     pub fn surely_contradicting_weight(&self) -> f64 {
         total(self.contradictions.iter().filter(|pair| pair.is_sure).map(Contradiction::weight))
     }
@@ -174,7 +175,7 @@ struct Matcher<'m> {
 }
 
 impl Matcher<'_> {
-    /// The pairs that Eq. (2) sums, in the order of the two maps.
+    /// Returns the pairs that Eq. (2) sums, in the order of the two maps.
     fn matching_pairs<'a>(
         &self,
         of_query: &[&'a LocalAnchor],
@@ -193,7 +194,7 @@ impl Matcher<'_> {
         Some(self.pair(query, candidate, judged))
     }
 
-    /// The pairs of similar descriptions at different relative places that hang nowhere else.
+    /// Returns the pairs of similar descriptions at different relative places that hang nowhere else.
     fn elsewhere<'a>(
         &self,
         of_query: &[&'a LocalAnchor],

@@ -42,7 +42,7 @@ impl MatchableFeatures {
         })
     }
 
-    /// How much memory they take.
+    /// Returns how much memory they take.
     pub fn heap_bytes(&self) -> usize {
         let count = self.keypoints.len();
         let nodes = self.nodes.as_ref().map_or(0, |nodes| nodes.len() * size_of::<u32>());

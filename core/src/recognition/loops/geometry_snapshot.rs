@@ -76,7 +76,7 @@ impl GeometrySnapshot {
         self.positions_in_session.extend(placed);
     }
 
-    /// The map point of each feature in this keyframe's camera frame, in metres.
+    /// Returns the map point of each feature in this keyframe's camera frame, in metres.
     pub fn points_in_camera(&self, features: &MatchableFeatures) -> Vec<Option<Point3>> {
         features.map_points.iter().map(|id| self.point_in_camera((*id)?)).collect()
     }
@@ -86,9 +86,9 @@ impl GeometrySnapshot {
         Some(self.session_from_camera.inverse_transform(position))
     }
 
-    /// The points that the window's keyframes see and this one does not, each with every descriptor it was
-    /// seen by. They are numbered in the order of their ids. A point that the query sees under the same number is
-    /// left out, too: that it matches says what is known already.
+    /// Returns the points that the window's keyframes see and this one does not, each with every descriptor it was seen
+    /// by. They are numbered in the order of their ids. A point that the query sees under the same number is left out,
+    /// too: that it matches says what is known already.
     pub fn landmarks<'a>(
         &self,
         own: &MatchableFeatures,

@@ -90,12 +90,12 @@ impl<'a> Query<'a> {
                 .is_none_or(|own| own == keyframe || index.covisibility().joins_by_sight(own, keyframe))
     }
 
-    /// The covisible keyframes, without the query itself.
+    /// Returns the covisible keyframes, without the query itself.
     pub fn covisible(&self) -> impl Iterator<Item = KeyframeSeq> + '_ {
         self.centre.covisible.iter().copied().filter(|keyframe| Some(*keyframe) != self.keyframe)
     }
 
-    /// The texts of the map that match what the query sees and no object of the map is.
+    /// Returns the texts of the map that match what the query sees and no object of the map is.
     pub fn inline_texts(&self, index: &MapIndex) -> Vec<TextId> {
         let settings = &index.properties().settings;
         let is_valid = |level: u8| u32::from(level) >= settings.description_min_information_level;
@@ -116,7 +116,7 @@ fn gap_between_s(a: Stamp, b: Stamp) -> f64 {
     (whole_s + (f64::from(a.nanosec) - f64::from(b.nanosec)) * 1e-9).abs()
 }
 
-/// The keyframes an inline keyframe would be covisible with.
+/// Returns the keyframes an inline keyframe would be covisible with.
 fn inline_covisible(index: &MapIndex, keyframe: &NewKeyframe) -> BTreeSet<KeyframeSeq> {
     let mut covisible: BTreeSet<KeyframeSeq> =
         keyframe.covisible.iter().filter_map(|(id, _)| index.keyframe_seq(id)).collect();

@@ -184,7 +184,7 @@ pub struct Screening {
 }
 
 impl Screening {
-    /// A query with these candidates.
+    /// Returns a query with these candidates.
     pub(in crate::recognition) fn of_candidates(
         index: &MapIndex,
         map_version: u64,
@@ -210,7 +210,7 @@ impl Screening {
         }
     }
 
-    /// The candidates that geometry is to look at.
+    /// Returns the candidates that geometry is to look at.
     pub fn waiting(&self) -> impl Iterator<Item = &PreVerified> {
         let runs = self.sight.is_some() && self.verify != Verify::Anchors;
         let is_looked_at = |c: &PreVerified| {
@@ -219,7 +219,7 @@ impl Screening {
         self.candidates.iter().filter(move |c| runs && is_looked_at(c))
     }
 
-    /// The keyframes whose features geometry will read, ascending; none if it has nothing to do.
+    /// Returns the keyframes whose features geometry will read, ascending; none if it has nothing to do.
     pub fn wanted_features(&self) -> BTreeSet<KeyframeSeq> {
         let mut wanted = BTreeSet::new();
         for screened in self.waiting().flat_map(|screened| [screened].into_iter().chain(&screened.neighbours))

@@ -34,8 +34,8 @@ pub fn correct(index: &mut MapIndex, session: SessionSeq, correction: &Correctio
     record.finish()
 }
 
-/// An observation known by its `position` alone moves rigidly with its keyframe: what the camera saw
-/// does not change.
+/// Returns an observation known by its `position` alone moves rigidly with its keyframe: what the camera saw does not
+/// change.
 fn moved_positions(index: &MapIndex, keyframe: KeyframeSeq, now: &Pose) -> Vec<Change> {
     let Some(before) = index.keyframe(keyframe).map(|keyframe| keyframe.map_from_camera) else {
         return Vec::new();
@@ -56,7 +56,7 @@ fn moved_positions(index: &MapIndex, keyframe: KeyframeSeq, now: &Pose) -> Vec<C
     changes
 }
 
-/// The anchors of which a position or a map point moves.
+/// Returns the anchors of which a position or a map point moves.
 fn touched(
     index: &MapIndex,
     session: SessionSeq,

@@ -71,7 +71,7 @@ impl CovisibilityLists {
         self.entries
     }
 
-    /// The neighbours of a keyframe by shared points, ascending; `None` if they are not listed.
+    /// Returns the neighbours of a keyframe by shared points, ascending; `None` if they are not listed.
     pub fn listed(&self, keyframe: KeyframeSeq) -> Option<&[Neighbour]> {
         match self.sharing.get(keyframe.index()) {
             None => Some(&[]),
@@ -80,12 +80,12 @@ impl CovisibilityLists {
         }
     }
 
-    /// The edges of a keyframe that are facts, ascending.
+    /// Returns the edges of a keyframe that are facts, ascending.
     pub fn edges(&self, keyframe: KeyframeSeq) -> &[(KeyframeSeq, Edge)] {
         self.edges.get(keyframe.index()).map_or(&[], Vec::as_slice)
     }
 
-    /// The edge between two keyframes, if there is one that is a fact.
+    /// Returns the edge between two keyframes, if there is one that is a fact.
     pub fn edge(&self, a: KeyframeSeq, b: KeyframeSeq) -> Option<Edge> {
         let edges = self.edges(a);
         edges.binary_search_by_key(&b, |(other, _)| *other).ok().map(|at| edges[at].1)

@@ -23,7 +23,7 @@ pub struct PlaceLimits {
 }
 
 impl PlaceLimits {
-    /// The least score in units; the product is exact. Casting keeps a limit beyond 1 out of reach.
+    /// Returns the least score in units; the product is exact. Casting keeps a limit beyond 1 out of reach.
     fn min_units(self) -> u32 {
         ((self.min_score * f64::from(BowVector::ONE)).ceil() as u32).max(1)
     }
@@ -46,7 +46,7 @@ impl PlaceScratch {
     }
 }
 
-/// The best-scoring keyframe of each place, best first.
+/// Returns the best-scoring keyframe of each place, best first.
 ///
 /// `excluded` keyframes neither stand for a place nor drop others. `tie` orders keyframes of equal score, the
 /// smaller first. `neighbours` gives the keyframes directly covisible with one; it must be symmetric.
@@ -71,7 +71,7 @@ pub fn best_places<N: IntoIterator<Item = u32>>(
     }
 }
 
-/// The first keyframe of each place in a ranking made elsewhere, best first.
+/// Returns the first keyframe of each place in a ranking made elsewhere, best first.
 pub fn greedy_places<N: IntoIterator<Item = u32>>(
     ranked: impl IntoIterator<Item = u32>,
     places_max: usize,
@@ -188,7 +188,7 @@ mod tests {
         places
     }
 
-    /// A keyframe of two words of which the query knows one: it scores about `share` of 64.
+    /// Returns a keyframe of two words of which the query knows one: it scores about `share` of 64.
     fn file_of(shares: &[u32]) -> InvertedFile {
         let mut file = InvertedFile::new();
         for (keyframe, &share) in shares.iter().enumerate() {

@@ -34,7 +34,7 @@ pub fn cull_keyframe(index: &mut MapIndex, keyframe: KeyframeSeq, bow: Arc<BowVe
     record.finish()
 }
 
-/// The session of a keyframe, and the map points that it or its detections name.
+/// Returns the session of a keyframe, and the map points that it or its detections name.
 fn points_of(index: &MapIndex, keyframe: KeyframeSeq) -> Option<(SessionSeq, BTreeSet<PointId>)> {
     let culled = index.keyframe(keyframe)?;
     let mut points: BTreeSet<PointId> = culled.observes.iter().collect();

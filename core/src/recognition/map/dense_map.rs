@@ -23,12 +23,12 @@ struct Page<T> {
 }
 
 impl<T> DenseMap<T> {
-    /// The value under a number.
+    /// Returns the value under a number.
     pub fn get(&self, number: usize) -> Option<&T> {
         self.pages.get(number / PAGE)?.as_ref()?.slots[number % PAGE].as_deref()
     }
 
-    /// The value under a number, to be changed.
+    /// Returns the value under a number, to be changed.
     pub fn get_mut(&mut self, number: usize) -> Option<&mut T> {
         self.pages.get_mut(number / PAGE)?.as_mut()?.slots[number % PAGE].as_deref_mut()
     }
@@ -41,7 +41,7 @@ impl<T> DenseMap<T> {
         *slot = Some(Box::new(value));
     }
 
-    /// The value under a number, made by `value` if there is none.
+    /// Returns the value under a number, made by `value` if there is none.
     pub fn get_or_insert_with(&mut self, number: usize, value: impl FnOnce() -> T) -> &mut T {
         let page = self.page(number);
         let slot = &mut page.slots[number % PAGE];
@@ -61,7 +61,7 @@ impl<T> DenseMap<T> {
         Some(*value)
     }
 
-    /// The values with their numbers, ascending.
+    /// Returns the values with their numbers, ascending.
     pub fn iter(&self) -> impl Iterator<Item = (usize, &T)> {
         self.iter_from(0)
     }
@@ -77,7 +77,7 @@ impl<T> DenseMap<T> {
         .skip_while(move |(number, _)| *number < first)
     }
 
-    /// The values, by ascending number.
+    /// Returns the values, by ascending number.
     pub fn values(&self) -> impl Iterator<Item = &T> {
         self.iter().map(|(_, value)| value)
     }
@@ -92,7 +92,7 @@ impl<T> DenseMap<T> {
 }
 
 impl<T: Default> DenseMap<T> {
-    /// The value under a number, made if there is none.
+    /// Returns the value under a number, made if there is none.
     pub fn get_or_default(&mut self, number: usize) -> &mut T {
         self.get_or_insert_with(number, T::default)
     }

@@ -34,7 +34,7 @@ impl<'a> Recorder<'a> {
         Self { index, decided: Decided::default(), touched: BTreeSet::new(), keyframe_arrives: false }
     }
 
-    /// The map as it stands after the steps so far.
+    /// Returns the map as it stands after the steps so far.
     pub fn index(&self) -> &MapIndex {
         self.index
     }

@@ -28,13 +28,13 @@ pub struct Depth {
 }
 
 impl Reprojection {
-    /// How far off the pixel is in x and y; `None` if the point falls behind the camera.
+    /// Returns how far off the pixel is in x and y; `None` if the point falls behind the camera.
     pub fn residual_px(&self, point_in_camera: &Vector3<f64>, camera: &Pinhole) -> Option<[f64; 2]> {
         let [u, v] = camera.project(point_in_camera)?;
         Some([u - self.pixel[0], v - self.pixel[1]])
     }
 
-    /// The squared error in units of the variance; infinite if the point falls behind the camera.
+    /// Returns the squared error in units of the variance; infinite if the point falls behind the camera.
     fn chi_square(&self, map: &Map, camera: &Pinhole) -> f64 {
         let point = map.apply(&self.point);
         let Some([u, v]) = self.residual_px(&point, camera) else { return f64::INFINITY };
@@ -111,8 +111,8 @@ impl Hypothesis {
         }
     }
 
-    /// The worse of the squared errors in the two images, in units of the keypoint's variance; infinite if a point
-    /// falls behind a camera.
+    /// Returns the worse of the squared errors in the two images, in units of the keypoint's variance; infinite if a
+    /// point falls behind a camera.
     pub fn chi_square(&self, pair: &Correspondence) -> f64 {
         let in_query =
             pair.into_query.map_or(0.0, |it| it.chi_square(&self.query_from_candidate, &self.cameras.query));
@@ -122,7 +122,7 @@ impl Hypothesis {
         in_query.max(in_candidate)
     }
 
-    /// The sum of the errors of a pair in both images, in pixels, and how many images that is.
+    /// Returns the sum of the errors of a pair in both images, in pixels, and how many images that is.
     pub fn error_px(&self, pair: &Correspondence) -> (f64, u32) {
         let sides = [
             (pair.into_query, &self.query_from_candidate, &self.cameras.query),
@@ -137,23 +137,23 @@ impl Hypothesis {
         })
     }
 
-    /// A point of the candidate's frame in the query's.
+    /// Returns a point of the candidate's frame in the query's.
     pub fn in_query(&self, point_in_candidate: &Vector3<f64>) -> Vector3<f64> {
         self.query_from_candidate.apply(point_in_candidate)
     }
 
-    /// A point of the query's frame in the candidate's.
+    /// Returns a point of the query's frame in the candidate's.
     pub fn in_candidate(&self, point_in_query: &Vector3<f64>) -> Vector3<f64> {
         self.candidate_from_query.apply(point_in_query)
     }
 
-    /// The places of the pairs whose error in both images is below the limit.
+    /// Returns the places of the pairs whose error in both images is below the limit.
     pub fn inliers(&self, pairs: &[Correspondence], max_chi_square: f64) -> Vec<u32> {
         let is_inlier = |(_, pair): &(usize, &Correspondence)| self.chi_square(pair) < max_chi_square;
         pairs.iter().enumerate().filter(is_inlier).map(|(place, _)| place as u32).collect()
     }
 
-    /// The pairs whose error in both images is below the limit.
+    /// Returns the pairs whose error in both images is below the limit.
     pub fn explained(&self, pairs: &[Correspondence], max_chi_square: f64) -> Vec<Correspondence> {
         pairs.iter().filter(|pair| self.chi_square(pair) < max_chi_square).copied().collect()
     }

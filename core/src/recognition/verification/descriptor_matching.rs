@@ -32,7 +32,8 @@ pub struct Match {
     pub distance: u32,
 }
 
-/// The matches, ascending by the query's feature. Ties in distance go to the first feature, and fail the ratio test.
+/// Returns the matches, ascending by the query's feature. Ties in distance go to the first feature, and fail the ratio
+/// test.
 pub fn match_descriptors(query: &Side, candidate: &Side, limits: &MatchingLimits) -> Vec<Match> {
     if query.descriptors.words_each() != candidate.descriptors.words_each() {
         return Vec::new();
@@ -97,7 +98,7 @@ impl BestOfCandidates {
     }
 }
 
-/// The place of the least distance, that distance, and the least of the others.
+/// Returns the place of the least distance, that distance, and the least of the others.
 fn best_and_second(distances: &[u16]) -> Option<(usize, u16, u16)> {
     let least = |part: &[u16]| part.iter().fold(u16::MAX, |least, &distance| least.min(distance));
     let best = least(distances);

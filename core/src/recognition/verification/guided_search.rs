@@ -53,8 +53,9 @@ impl<'a> GuidedSearch<'a> {
         Self { query, candidate, window, limits, query_grid, candidate_grid }
     }
 
-    /// The pairs in `kept`, and those that projection and descriptors add to them, ascending by the query's feature. Each
-    /// feature and each landmark is in one pair at most; the nearest descriptors choose first, ties by the smaller feature.
+    /// Returns the pairs in `kept`, and those that projection and descriptors add to them, ascending by the query's
+    /// feature. Each feature and each landmark is in one pair at most; the nearest descriptors choose first, ties by
+    /// the smaller feature.
     pub fn search(&self, hypothesis: &Hypothesis, kept: Vec<Correspondence>) -> Vec<Correspondence> {
         let mut proposals = Vec::new();
         self.project_candidate_features(hypothesis, &mut proposals);
@@ -117,7 +118,7 @@ impl<'a> GuidedSearch<'a> {
         self.nearest(pixel, descriptor, self.query, &self.query_grid)
     }
 
-    /// The feature around a pixel whose descriptor is nearest, and its distance.
+    /// Returns the feature around a pixel whose descriptor is nearest, and its distance.
     fn nearest(
         &self,
         pixel: [f64; 2],
@@ -176,7 +177,7 @@ fn virtual_sighting(point: &Vector3<f64>, camera: &Pinhole, limits: &Limits) -> 
     Some((camera.project(point)?, limits.variance_px2(0).recip()))
 }
 
-/// The features that have a position, with it.
+/// Returns the features that have a position, with it.
 fn located<'a>(view: &'a View) -> impl Iterator<Item = (u32, Vector3<f64>)> + 'a {
     let points = view.points_in_camera.iter().enumerate();
     points.filter_map(|(feature, point)| Some((feature as u32, (*point)?.coords)))

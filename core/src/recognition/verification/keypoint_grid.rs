@@ -47,7 +47,7 @@ impl KeypointGrid {
         grid
     }
 
-    /// The keypoints closer than `radius_px` to a pixel, in no particular order.
+    /// Returns the keypoints closer than `radius_px` to a pixel, in no particular order.
     pub fn around(&self, [u, v]: [f64; 2], radius_px: f64) -> impl Iterator<Item = u32> + '_ {
         let columns = self.column(u - radius_px)..self.column(u + radius_px) + 1;
         let rows = self.row(v - radius_px)..self.row(v + radius_px) + 1;

@@ -161,7 +161,7 @@ impl Limits {
         (of_matches as u32).max(4)
     }
 
-    /// The depth of a point in its own camera; `None` behind it.
+    /// Returns the depth of a point in its own camera; `None` behind it.
     pub fn depth(&self, metres: f64) -> Option<Depth> {
         (metres > MIN_DEPTH).then(|| Depth { metres, inverse_sigma: (metres * self.depth_sigma).recip() })
     }
@@ -171,7 +171,7 @@ impl Limits {
         (0..octave).fold(self.keypoint_sigma_px, |sigma_px, _| sigma_px * self.octave_factor)
     }
 
-    /// The variance sigma^2(octave) of what a projected landmark and its keypoint are apart, in square pixels.
+    /// Returns the variance sigma^2(octave) of what a projected landmark and its keypoint are apart, in square pixels.
     pub fn variance_px2(&self, octave: u8) -> f64 {
         let sigma_px = self.keypoint_sigma_px(octave);
         sigma_px * sigma_px + self.landmark_sigma_px * self.landmark_sigma_px

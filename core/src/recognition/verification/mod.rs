@@ -65,7 +65,7 @@ impl View<'_> {
         Pinhole { fx, fy, cx, cy }
     }
 
-    /// The features that have a position.
+    /// Returns the features that have a position.
     fn located(&self) -> Vec<u32> {
         let points = self.points_in_camera.iter().enumerate();
         points.filter(|(_, point)| point.is_some()).map(|(feature, _)| feature as u32).collect()

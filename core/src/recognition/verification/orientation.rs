@@ -32,7 +32,7 @@ pub fn keep_consistent_rotations(matches: &mut Vec<Match>, query: &[Keypoint], c
     matches.retain(|_| bins.next().is_some_and(|bin| kept.contains(&bin)));
 }
 
-/// The bin of an angle, the bins being centred on multiples of 12 degrees.
+/// Returns the bin of an angle, the bins being centred on multiples of 12 degrees.
 fn bin(angle_deg: f64) -> usize {
     let turns = (angle_deg / 360.0).rem_euclid(1.0);
     (turns * BINS as f64).round() as usize % BINS

@@ -15,7 +15,8 @@ pub(in crate::recognition) const MAX_THICKNESS_SHARE: f64 = 0.35;
 /// Tilts below this, in radians, are hardly two.
 pub(in crate::recognition) const MIN_TILT_RAD: f64 = 0.05;
 
-/// The transformation that sees the same points tilted the other way, refined on them, if it explains them better.
+/// Returns the transformation that sees the same points tilted the other way, refined on them, if it explains them
+/// better.
 pub fn better_tilted(
     candidate_from_query: &Sim3,
     pairs: &[Correspondence],
@@ -68,7 +69,7 @@ mod tests {
     use crate::recognition::verification::correspondence::Reprojection;
     use crate::recognition::verification::limits::Limits;
 
-    /// A plate of 0.4 m, 4 m away, seen from two sides; its depths are known within a per cent.
+    /// Returns a plate of 0.4 m, 4 m away, seen from two sides; its depths are known within a per cent.
     fn plate() -> (Sim3, Vec<Correspondence>, Cameras) {
         let camera = Pinhole { fx: 525.0, fy: 525.0, cx: 320.0, cy: 240.0 };
         let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 0.8);

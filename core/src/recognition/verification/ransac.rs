@@ -69,8 +69,8 @@ struct Scored {
     inliers: u32,
 }
 
-/// A new best, refined on its inliers for as long as that lowers its cost (O. Chum et al., "Locally optimized RANSAC",
-/// 2003): what comes out depends less on which three points it came from.
+/// Returns a new best, refined on its inliers for as long as that lowers its cost (O. Chum et al., "Locally optimized
+/// RANSAC", 2003): what comes out depends less on which three points it came from.
 fn optimise(
     mut best: Scored,
     pairs: &[Correspondence],
@@ -88,7 +88,7 @@ fn optimise(
     best
 }
 
-/// The cost and the number of inliers, or `None` as soon as the cost is no less than `least_cost`.
+/// Returns the cost and the number of inliers, or `None` as soon as the cost is no less than `least_cost`.
 fn cost(tested: &Hypothesis, pairs: &[Correspondence], max: f64, least_cost: f64) -> Option<(f64, u32)> {
     let (mut cost, mut inliers) = (0.0, 0);
     for pair in pairs {

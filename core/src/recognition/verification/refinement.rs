@@ -59,7 +59,8 @@ pub fn refine(
     best
 }
 
-/// What the pairs at `places` cost under a transformation: Huber's sum over the squared errors of both images and depths.
+/// Returns what the pairs at `places` cost under a transformation: Huber's sum over the squared errors of both images
+/// and depths.
 pub fn cost(candidate_from_query: &Sim3, pairs: &[Correspondence], places: &[u32], cameras: &Cameras) -> f64 {
     Problem { pairs, places, cameras }.cost(candidate_from_query)
 }
@@ -78,7 +79,7 @@ pub(super) fn linearised(
     (information, gradient)
 }
 
-/// The transformation moved by a small step in the candidate's frame.
+/// Returns the transformation moved by a small step in the candidate's frame.
 fn moved(sim3: &Sim3, step: &Step) -> Sim3 {
     // Cayley's map: to first order the exponential, and it needs no sine.
     let half = step.fixed_rows::<3>(0) * 0.5;
@@ -185,7 +186,7 @@ impl NormalEquations {
         self.gradient += weighted * residual;
     }
 
-    /// The damped step; `None` if the equations do not determine one.
+    /// Returns the damped step; `None` if the equations do not determine one.
     fn solve(&self, damping: f64) -> Option<Step> {
         let mut information = self.information;
         let mut gradient = self.gradient;

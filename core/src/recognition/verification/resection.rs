@@ -62,13 +62,13 @@ pub fn resection(view: &View, limits: &Limits) -> Option<Sim3> {
     Some(found)
 }
 
-/// The squared error of each pair, in units of its variance.
+/// Returns the squared error of each pair, in units of its variance.
 fn errors(camera_from_posed: &Sim3, pairs: &[Correspondence], cameras: &Cameras) -> Vec<f64> {
     let hypothesis = Hypothesis::new(cameras, camera_from_posed);
     pairs.iter().map(|pair| hypothesis.chi_square(pair)).collect()
 }
 
-/// The upper median of a list that is not empty.
+/// Returns the upper median of a list that is not empty.
 fn median(errors: &[f64]) -> f64 {
     let mut errors = errors.to_vec();
     let middle = errors.len() / 2;

@@ -113,7 +113,8 @@ fn accept(result: &Verification, evidence: &Evidence, limits: &Limits) -> Result
     }
 }
 
-/// What the first matches say, before the guided search: what it adds was looked for where the transformation has it.
+/// Returns what the first matches say, before the guided search: what it adds was looked for where the transformation
+/// has it.
 fn evidence(
     matched: &[Correspondence],
     agreeing: &[u32],

@@ -28,7 +28,7 @@ impl Checksum {
         }
     }
 
-    /// The sum.
+    /// Returns the sum.
     pub fn finish(self) -> u64 {
         self.0.iter().fold(0, |sum, lane| step(sum, *lane))
     }

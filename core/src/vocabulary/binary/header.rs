@@ -20,7 +20,7 @@ pub(super) struct Header {
 impl Header {
     pub const BYTES: usize = 8 + 8 * 4 + 32 + 8 + 8;
 
-    /// The numbers, as the fingerprint covers them too.
+    /// Returns the numbers, as the fingerprint covers them too.
     pub fn numbers(shape: Shape, nodes: usize, words: usize) -> [u8; 32] {
         let bytes = shape.descriptor_bytes as u32;
         let numbers = [VERSION, shape.branching, shape.levels, 0, 0, bytes, nodes as u32, words as u32];

@@ -23,7 +23,7 @@ pub(super) fn header(line: &[u8]) -> Result<[u64; 4], TextFault> {
     if rest.trim_ascii_start().is_empty() { Ok(numbers) } else { Err(TextFault::Header) }
 }
 
-/// How many bytes the descriptor on a line has.
+/// Returns how many bytes the descriptor on a line has.
 pub(super) fn descriptor_bytes(line: &[u8]) -> Result<usize, TextFault> {
     let bytes = byte_count(line).ok_or(TextFault::Node("there are fewer than four numbers"))?;
     if bytes > 0 && bytes.is_multiple_of(8) && bytes <= DESCRIPTOR_BYTES_MAX {

@@ -41,8 +41,8 @@ pub(super) fn split(
     centres.zip(sizes).filter(|(_, size)| *size > 0).collect()
 }
 
-/// The first centres, as k-means++ draws them: each a member, the likelier the farther it is from those
-/// drawn before. (k-means++ takes the square of the Euclidean distance; between bits that is the Hamming distance.)
+/// Returns the first centres, as k-means++ draws them: each a member, the likelier the farther it is from those drawn
+/// before. (k-means++ takes the square of the Euclidean distance; between bits that is the Hamming distance.)
 fn seeds(set: &TrainingSet, members: &[u32], k: usize, random: &mut Random) -> Vec<u64> {
     let first = members[random.below(members.len() as u64) as usize];
     let mut centres = set.descriptor(first).to_vec();
@@ -75,7 +75,7 @@ fn assign(set: &TrainingSet, members: &[u32], centres: &[u64], each: usize) -> V
     members.iter().map(|&member| nearest(set.descriptor(member), centres) as u32).collect()
 }
 
-/// The majority of each cluster; one that lost all its members goes to the member farthest from its own centre.
+/// Returns the majority of each cluster; one that lost all its members goes to the member farthest from its own centre.
 fn majorities(
     set: &TrainingSet,
     members: &[u32],

@@ -30,12 +30,12 @@ impl Majority {
         }
     }
 
-    /// How many members there are.
+    /// Returns the number of members.
     pub fn members(&self) -> u32 {
         self.members
     }
 
-    /// The majority; a bit that half of them have is set.
+    /// Returns the majority; a bit that half of them have is set.
     pub fn descriptor(&self) -> impl Iterator<Item = u64> + '_ {
         self.planes.iter().map(|planes| {
             (0..64).fold(0, |word, bit| {

@@ -14,7 +14,7 @@ pub struct TrainingSet {
 }
 
 impl TrainingSet {
-    /// A set without images.
+    /// Returns a set without images.
     pub fn new() -> Self {
         Self::default()
     }
@@ -41,12 +41,12 @@ impl TrainingSet {
         Ok(())
     }
 
-    /// How many images have descriptors.
+    /// Returns how many images have descriptors.
     pub fn image_count(&self) -> usize {
         self.image_ends.len()
     }
 
-    /// How many descriptors there are.
+    /// Returns the number of descriptors.
     pub fn descriptor_count(&self) -> usize {
         self.descriptors.len().checked_div(self.each).unwrap_or(0)
     }
@@ -56,7 +56,7 @@ impl TrainingSet {
         (self.each > 0).then_some(self.each * 8)
     }
 
-    /// The descriptors of each image.
+    /// Returns the descriptors of each image.
     pub(super) fn images(&self) -> impl Iterator<Item = &[u64]> {
         let mut start = 0;
         self.image_ends.iter().map(move |&end| {

@@ -208,7 +208,7 @@ impl<'a> Query<'a> {
         points_of(self.maps[robot], &around, candidate)
     }
 
-    /// The keyframes that are covisible with the query.
+    /// Returns the keyframes that are covisible with the query.
     fn connected(&self) -> BTreeSet<usize> {
         self.maps[self.robot].covisible(self.number, usize::MAX).into_iter().collect()
     }

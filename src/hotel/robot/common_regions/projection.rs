@@ -59,7 +59,7 @@ impl<'a> Image<'a> {
         Self { features, grid: KeypointGrid::new(&keypoints, &CAMERA) }
     }
 
-    /// The features.
+    /// Returns the features.
     pub fn features(&self) -> &'a [Feature] {
         self.features
     }

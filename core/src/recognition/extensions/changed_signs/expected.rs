@@ -50,7 +50,7 @@ pub struct Expecting {
 }
 
 impl Sign {
-    /// A sign of a session, if it is one that readers read, and something measured where it stands.
+    /// Returns a sign of a session, if it is one that readers read, and something measured where it stands.
     pub fn of(index: &MapIndex, session: SessionSeq, root: AnchorSeq) -> Option<Self> {
         let object = index.objects().get(root)?;
         let centre = centre_of(object, session)?;

@@ -56,7 +56,8 @@ pub fn looks(index: &MapIndex, passage: &Passage, most: usize) -> Vec<Look> {
     pairs.iter().take(LOOKS_MAX.min(most)).filter_map(|pair| Look::at(index, passage, pair)).collect()
 }
 
-/// The map points around a sign that a keyframe of its session observes, but for those on the sign: a new one looks otherwise.
+/// Returns the map points around a sign that a keyframe of its session observes, but for those on the sign: a new one
+/// looks otherwise.
 fn points_around(index: &MapIndex, passage: &Passage, keyframe: KeyframeSeq) -> BTreeSet<PointId> {
     let sign = &passage.sign;
     let on_it = index.objects().get(sign.root).and_then(|object| object.shapes.get(&sign.session));
@@ -88,7 +89,7 @@ impl Look {
         Some(Self { query: (query, sights.0), candidate: (candidate, sights.1), path, around })
     }
 
-    /// The keyframes whose features it needs.
+    /// Returns the keyframes whose features it needs.
     pub fn wanted_features(&self) -> BTreeSet<KeyframeSeq> {
         let window = self.candidate.1.window.iter().copied();
         window.chain([self.query.0, self.candidate.0]).collect()

@@ -90,7 +90,7 @@ pub fn in_its_place(index: &MapIndex, passage: &Passage, place: &Point3) -> InIt
     }
 }
 
-/// The detections of a keyframe that feed anchors of an object's class.
+/// Returns the detections of a keyframe that feed anchors of an object's class.
 fn sightings<'a>(
     index: &'a MapIndex,
     object: &'a MergedAnchor,
@@ -136,7 +136,7 @@ pub(super) fn read_otherwise(index: &MapIndex, object: &MergedAnchor, seen: &Obs
     texts.find(|text| semantics::conflict(&description.text, text).is_some())
 }
 
-/// The text that the client read, and the one that a model read.
+/// Returns the text that the client read, and the one that a model read.
 fn readings(seen: &Observation) -> impl Iterator<Item = &str> {
     let by_model = seen.crop_reading.as_ref().map(|read| &*read.text);
     seen.reading.as_deref().into_iter().chain(by_model)

@@ -69,7 +69,7 @@ fn grown(aabb: Option<Aabb>, points: impl IntoIterator<Item = Point3>) -> Option
 }
 
 impl Anchor {
-    /// An anchor without any observation yet.
+    /// Returns an anchor without any observation yet.
     pub fn new(class: Box<str>) -> Self {
         Self {
             class,
@@ -99,7 +99,7 @@ impl Anchor {
         }
     }
 
-    /// The keyframes that saw it, ascending.
+    /// Returns the keyframes that saw it, ascending.
     pub fn keyframes(&self) -> impl Iterator<Item = KeyframeSeq> + '_ {
         let mut last = None;
         self.observations

@@ -56,12 +56,12 @@ impl ChangedSigns {
 }
 
 impl MapIndex {
-    /// The facts about signs that change.
+    /// Returns the facts about signs that change.
     pub fn changed_signs(&self) -> &ChangedSigns {
         &self.changed_signs
     }
 
-    /// The passages that missed an object since it was last seen.
+    /// Returns the passages that missed an object since it was last seen.
     pub fn misses_of(&self, object: &MergedAnchor) -> impl Iterator<Item = MissedSign> {
         let missed = &self.changed_signs.missed;
         object.members.iter().flat_map(|anchor| {

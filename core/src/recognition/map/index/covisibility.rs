@@ -24,7 +24,7 @@ impl<'a> Covisibility<'a> {
         Self { index }
     }
 
-    /// The keyframes covisible with one, ascending, without itself.
+    /// Returns the keyframes covisible with one, ascending, without itself.
     pub fn neighbours(self, keyframe: KeyframeSeq) -> impl Iterator<Item = KeyframeSeq> + use<'a> {
         self.joined(keyframe).map(|(other, ..)| other)
     }
@@ -34,19 +34,19 @@ impl<'a> Covisibility<'a> {
         self.neighbours(keyframe).chain(std::iter::once(keyframe))
     }
 
-    /// The number of keyframes that are covisible with one.
+    /// Returns the number of keyframes that are covisible with one.
     pub fn degree(self, keyframe: KeyframeSeq) -> usize {
         self.joined(keyframe).count()
     }
 
-    /// The neighbours, each with its number of shared map points.
+    /// Returns the neighbours, each with its number of shared map points.
     pub fn shared(self, keyframe: KeyframeSeq) -> impl Iterator<Item = Neighbour> + use<'a> {
         self.joined(keyframe).map(|(other, points, edge)| {
             (other, points.max(edge.and_then(|edge| edge.declared).unwrap_or(0)))
         })
     }
 
-    /// The keyframes of its session that share enough map points with one.
+    /// Returns the keyframes of its session that share enough map points with one.
     pub fn sharing_points(self, keyframe: KeyframeSeq) -> impl Iterator<Item = KeyframeSeq> + use<'a> {
         self.joined(keyframe).filter(|(_, points, _)| *points > 0).map(|(other, ..)| other)
     }
@@ -62,7 +62,7 @@ impl<'a> Covisibility<'a> {
         edge.is_some_and(|edge| edge.declared.is_some()) || self.joins_by_points(a, b)
     }
 
-    /// The union of the K_k^cov of some keyframes.
+    /// Returns the union of the K_k^cov of some keyframes.
     ///
     /// Where many keyframes see one place, the first of them brings nearly all of its neighbours; the union is complete
     /// once it holds every keyframe that shares any map point with any of them.
@@ -90,7 +90,7 @@ impl<'a> Covisibility<'a> {
         found
     }
 
-    /// The keyframes that share any map point with any of these.
+    /// Returns the keyframes that share any map point with any of these.
     fn touched_by(self, keyframes: &[&KeyframeSeq]) -> BTreeSet<KeyframeSeq> {
         let mut of_session: BTreeMap<_, BTreeSet<_>> = BTreeMap::new();
         for keyframe in keyframes.iter().filter_map(|keyframe| self.index.keyframe(**keyframe)) {
@@ -129,7 +129,7 @@ impl<'a> Covisibility<'a> {
         self.index.properties.settings.covisibility_min_shared_points
     }
 
-    /// The keyframes that share enough map points with one, ascending, each with how many.
+    /// Returns the keyframes that share enough map points with one, ascending, each with how many.
     pub(super) fn sharing(self, keyframe: KeyframeSeq) -> Cow<'a, [Neighbour]> {
         match self.index.lists.listed(keyframe) {
             Some(list) => Cow::Borrowed(list),
@@ -137,7 +137,7 @@ impl<'a> Covisibility<'a> {
         }
     }
 
-    /// The same, counted from the map points.
+    /// Returns the same, counted from the map points.
     pub(super) fn counted(self, keyframe: KeyframeSeq) -> Vec<Neighbour> {
         let Some(stored) = self.index.keyframe(keyframe) else { return Vec::new() };
         let mut sharing = self.index.points.sharing(stored.session, stored.observes.iter());
@@ -145,7 +145,8 @@ impl<'a> Covisibility<'a> {
         sharing
     }
 
-    /// The neighbours, ascending, each with the map points it shares, if they are enough, and the edge that is a fact.
+    /// Returns the neighbours, ascending, each with the map points it shares, if they are enough, and the edge that is
+    /// a fact.
     fn joined(
         self,
         keyframe: KeyframeSeq,

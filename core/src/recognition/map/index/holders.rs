@@ -15,7 +15,7 @@ pub struct Holders {
 }
 
 impl Holders {
-    /// The anchors that hold a point, ascending.
+    /// Returns the anchors that hold a point, ascending.
     pub fn of(&self, session: SessionSeq, id: PointId) -> impl Iterator<Item = AnchorSeq> + '_ {
         self.by_point.get(&(session, id)).into_iter().flatten().copied()
     }

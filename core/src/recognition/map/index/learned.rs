@@ -8,12 +8,12 @@ use crate::domain::map::{Learned, NamedTwins};
 use crate::semantics;
 
 impl MapIndex {
-    /// The pairs of keyframes that show one view in two places, ascending.
+    /// Returns the pairs of keyframes that show one view in two places, ascending.
     pub fn twins(&self) -> impl Iterator<Item = &Twins> {
         self.twins.iter().filter(|twins| self.are_twins(twins))
     }
 
-    /// The pairs that are kept, also those that are none at present because a sign changed.
+    /// Returns the pairs that are kept, also those that are none at present because a sign changed.
     pub fn kept_twins(&self) -> impl Iterator<Item = &Twins> {
         self.twins.iter()
     }
@@ -27,7 +27,7 @@ impl MapIndex {
         are_there && differ
     }
 
-    /// The object of a sign that takes part in comparisons, read alike twice or described.
+    /// Returns the object of a sign that takes part in comparisons, read alike twice or described.
     fn sign(&self, anchor: AnchorSeq) -> Option<&MergedAnchor> {
         let object = self.objects.get(self.objects.root(anchor)?)?;
         let is_known = |object: &&MergedAnchor| {

@@ -83,57 +83,58 @@ pub struct MapIndex {
 }
 
 impl MapIndex {
-    /// The map's description, classes and settings.
+    /// Returns the map's description, classes and settings.
     pub fn properties(&self) -> &MapProperties {
         &self.properties
     }
 
-    /// The vocabulary the map's words belong to, once there are any.
+    /// Returns the vocabulary the map's words belong to, once there are any.
     pub fn vocabulary(&self) -> Option<&str> {
         self.vocabulary.as_deref()
     }
 
-    /// A session's number.
+    /// Returns a session's number.
     pub fn session(&self, id: &SessionId) -> Option<SessionSeq> {
         self.session_by_id.get(id).copied()
     }
 
-    /// The sessions, in order of appearance.
+    /// Returns the sessions, in order of appearance.
     pub fn sessions(&self) -> &[SessionId] {
         &self.sessions
     }
 
-    /// A keyframe's number.
+    /// Returns a keyframe's number.
     pub fn keyframe_seq(&self, id: &KeyframeId) -> Option<KeyframeSeq> {
         self.keyframe_by_id.get(id).copied()
     }
 
-    /// A keyframe, unless it was culled.
+    /// Returns a keyframe, unless it was culled.
     pub fn keyframe(&self, seq: KeyframeSeq) -> Option<&Keyframe> {
         self.keyframes.get(seq.index())
     }
 
-    /// Every keyframe, in order of arrival.
+    /// Returns every keyframe, in order of arrival.
     pub fn keyframes(&self) -> impl Iterator<Item = &Keyframe> {
         self.keyframes.values()
     }
 
-    /// The keyframes from this number on, in order of arrival.
+    /// Returns the keyframes from this number on, in order of arrival.
     pub fn keyframes_from(&self, first: KeyframeSeq) -> impl Iterator<Item = &Keyframe> {
         self.keyframes.iter_from(first.index()).map(|(_, keyframe)| keyframe)
     }
 
-    /// How many keyframes there are.
+    /// Returns the number of keyframes.
     pub fn keyframe_count(&self) -> usize {
         self.keyframe_by_id.len()
     }
 
-    /// What the map's facts take on disk, in bytes: keyframes with all they brought, sessions, map points, merges, loops.
+    /// Returns what the map's facts take on disk, in bytes: keyframes with all they brought, sessions, map points,
+    /// merges, loops.
     pub fn bytes(&self) -> u64 {
         self.bytes + self.points.bytes() + self.objects.bytes()
     }
 
-    /// How much the map holds, as lists of maps show it.
+    /// Returns how much the map holds, as lists of maps show it.
     pub fn figures(&self) -> MapFigures {
         MapFigures {
             keyframes: self.keyframe_count() as u64,
@@ -149,12 +150,12 @@ impl MapIndex {
         KeyframeSeq(self.next_keyframe)
     }
 
-    /// An anchor with its own facts, unless it was removed.
+    /// Returns an anchor with its own facts, unless it was removed.
     pub fn anchor(&self, seq: AnchorSeq) -> Option<&Anchor> {
         self.anchors.get(seq.index())
     }
 
-    /// The numbers of the anchors from this one on, merged ones among them, oldest first.
+    /// Returns the numbers of the anchors from this one on, merged ones among them, oldest first.
     pub fn anchors_from(&self, first: AnchorSeq) -> impl Iterator<Item = AnchorSeq> + '_ {
         self.anchors.iter_from(first.index()).map(|(seq, _)| AnchorSeq(seq as u32))
     }
@@ -164,7 +165,7 @@ impl MapIndex {
         AnchorSeq(self.next_anchor)
     }
 
-    /// The confirmed loops.
+    /// Returns the confirmed loops.
     pub fn loops(&self) -> &BTreeMap<LoopId, Loop> {
         &self.loops
     }
@@ -175,42 +176,42 @@ impl MapIndex {
         ids.filter_map(|id| self.loops.get(id))
     }
 
-    /// The map points.
+    /// Returns the map points.
     pub fn points(&self) -> &Points {
         &self.points
     }
 
-    /// The anchors by map point.
+    /// Returns the anchors by map point.
     pub fn holders(&self) -> &Holders {
         &self.holders
     }
 
-    /// The covisibility graph.
+    /// Returns the covisibility graph.
     pub fn covisibility(&self) -> Covisibility<'_> {
         Covisibility::of(self)
     }
 
-    /// What is kept of the covisibility graph.
+    /// Returns what is kept of the covisibility graph.
     pub fn covisibility_lists(&self) -> &CovisibilityLists {
         &self.lists
     }
 
-    /// The objects.
+    /// Returns the objects.
     pub fn objects(&self) -> &Objects {
         &self.objects
     }
 
-    /// The readings of the anchors, and the numbering that follows.
+    /// Returns the readings of the anchors, and the numbering that follows.
     pub fn readings(&self) -> &Readings {
         &self.readings
     }
 
-    /// The texts of valid objects, and which of them match.
+    /// Returns the texts of valid objects, and which of them match.
     pub fn texts(&self) -> &TextIndex {
         &self.texts
     }
 
-    /// What a model said of texts.
+    /// Returns what a model said of texts.
     pub fn verdicts(&self) -> &Verdicts {
         self.texts.verdicts()
     }
@@ -220,27 +221,27 @@ impl MapIndex {
         self.model_away
     }
 
-    /// The bag-of-words index.
+    /// Returns the bag-of-words index.
     pub fn inverted_file(&self) -> &InvertedFile {
         &self.inverted_file
     }
 
-    /// The anchors (not objects) that a keyframe sees, ascending.
+    /// Returns the anchors (not objects) that a keyframe sees, ascending.
     pub fn anchors_seen_by(&self, keyframe: KeyframeSeq) -> impl Iterator<Item = AnchorSeq> + '_ {
         self.seen_by.get(keyframe.index()).into_iter().flatten().copied()
     }
 
-    /// The objects that a keyframe sees, ascending.
+    /// Returns the objects that a keyframe sees, ascending.
     pub fn objects_seen_by(&self, keyframe: KeyframeSeq) -> BTreeSet<AnchorSeq> {
         self.anchors_seen_by(keyframe).filter_map(|anchor| self.objects.root(anchor)).collect()
     }
 
-    /// The keyframes that see an object, ascending.
+    /// Returns the keyframes that see an object, ascending.
     pub fn keyframes_of(&self, object: &MergedAnchor) -> BTreeSet<KeyframeSeq> {
         object.members.iter().filter_map(|member| self.anchor(*member)).flat_map(Anchor::keyframes).collect()
     }
 
-    /// An anchor as if it were no part of a larger object.
+    /// Returns an anchor as if it were no part of a larger object.
     pub fn anchor_alone(&self, seq: AnchorSeq) -> Option<MergedAnchor> {
         self.anchor(seq)?;
         Some(MergedAnchor::of(vec![seq], &self.anchors, &self.judging()))
@@ -256,7 +257,7 @@ impl MapIndex {
         }
     }
 
-    /// An object's class.
+    /// Returns an object's class.
     pub fn class_of(&self, object: &MergedAnchor) -> &str {
         object.members.first().and_then(|member| self.anchor(*member)).map_or("", |anchor| &anchor.class)
     }

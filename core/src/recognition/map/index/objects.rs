@@ -144,22 +144,22 @@ pub struct Objects {
 }
 
 impl Objects {
-    /// The object an anchor belongs to, by the name of its oldest anchor.
+    /// Returns the object an anchor belongs to, by the name of its oldest anchor.
     pub fn root(&self, anchor: AnchorSeq) -> Option<AnchorSeq> {
         self.root_of.get(&anchor).copied()
     }
 
-    /// An object by its oldest anchor.
+    /// Returns an object by its oldest anchor.
     pub fn get(&self, root: AnchorSeq) -> Option<&MergedAnchor> {
         self.by_root.get(&root)
     }
 
-    /// Every object, oldest first.
+    /// Returns every object, oldest first.
     pub fn iter(&self) -> impl Iterator<Item = (AnchorSeq, &MergedAnchor)> {
         self.by_root.iter().map(|(root, object)| (*root, object))
     }
 
-    /// How many objects there are.
+    /// Returns the number of objects.
     pub fn len(&self) -> usize {
         self.by_root.len()
     }
@@ -169,22 +169,22 @@ impl Objects {
         self.by_root.is_empty()
     }
 
-    /// How many anchors they are made of.
+    /// Returns how many anchors they are made of.
     pub fn anchor_count(&self) -> usize {
         self.root_of.len()
     }
 
-    /// What the links take on disk, in bytes.
+    /// Returns what the links take on disk, in bytes.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
 
-    /// The links of an anchor.
+    /// Returns the links of an anchor.
     pub fn links(&self, anchor: AnchorSeq) -> impl Iterator<Item = &Merge> {
         self.links.get(&anchor).into_iter().flatten()
     }
 
-    /// The links that a loop made.
+    /// Returns the links that a loop made.
     pub fn links_of_loop(&self, id: &LoopId) -> Vec<Merge> {
         let made = |merge: &&Merge| merge.cause == MergeCause::Loop(id.clone());
         self.links
@@ -194,7 +194,7 @@ impl Objects {
             .collect()
     }
 
-    /// The anchors joined to one by links that hold within a single passage: not by loops.
+    /// Returns the anchors joined to one by links that hold within a single passage: not by loops.
     pub fn same_passage(&self, anchor: AnchorSeq) -> BTreeSet<AnchorSeq> {
         self.component(anchor, |merge| merge.cause == MergeCause::Covisible)
     }

@@ -66,12 +66,12 @@ impl Readings {
         self.sightings(class, text).is_some()
     }
 
-    /// The numbering of a class: the operator's, or the learned one if enough is known.
+    /// Returns the numbering of a class: the operator's, or the learned one if enough is known.
     pub fn numbering(&self, class: &str) -> Option<&Numbering> {
         self.given.as_deref().or_else(|| self.by_class.get(class)?.numbering.as_deref())
     }
 
-    /// The learned shapes by class; none where an operator gave patterns.
+    /// Returns the learned shapes by class; none where an operator gave patterns.
     pub fn learned(&self) -> Arc<BTreeMap<Box<str>, Vec<String>>> {
         self.learned.clone()
     }
@@ -183,7 +183,7 @@ fn is_alike(sightings: &[Sighting]) -> bool {
     first.0 != last.0
 }
 
-/// The texts that an observation was read as: by the client, by a model, or both.
+/// Returns the texts that an observation was read as: by the client, by a model, or both.
 fn readings(observation: &Observation) -> impl Iterator<Item = Text> {
     let by_client = observation.reading.as_deref();
     let by_model = observation.crop_reading.as_ref().map(|read| &*read.text);

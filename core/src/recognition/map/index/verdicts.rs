@@ -51,7 +51,7 @@ impl Verdicts {
         }
     }
 
-    /// How many there are.
+    /// Returns how many there are.
     pub fn len(&self) -> usize {
         self.count
     }
@@ -94,7 +94,7 @@ impl Verdicts {
         }
     }
 
-    /// The texts that a model has judged with this one.
+    /// Returns the texts that a model has judged with this one.
     pub fn judged_with<'a>(&'a self, class: &str, text: &str) -> impl Iterator<Item = &'a str> {
         let key = carried(class, text);
         let larger = self.similarity.get(&key).into_iter().flat_map(BTreeMap::keys);

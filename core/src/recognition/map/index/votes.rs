@@ -102,7 +102,7 @@ impl Votes {
         }
     }
 
-    /// The reading with the most weight; of equals, the newest.
+    /// Returns the reading with the most weight; of equals, the newest.
     pub fn elected(&self) -> Option<Elected<'_>> {
         let best = self.tallies.values().max_by_key(|tally| tally.rank())?;
         let weight = best.units as f64 / UNITS_PER_CONFIDENCE;
@@ -114,12 +114,13 @@ impl Votes {
         self.tallies.contains_key(normalised)
     }
 
-    /// A reading in normal form as it was last read.
+    /// Returns a reading in normal form as it was last read.
     pub fn as_read(&self, normalised: &str) -> Option<&str> {
         Some(&self.tallies.get(normalised)?.text)
     }
 
-    /// The described readings that say anything, heaviest first, in normal form, each with how often it was read.
+    /// Returns the described readings that say anything, heaviest first, in normal form, each with how often it was
+    /// read.
     pub fn described(&self) -> impl Iterator<Item = (&str, usize)> {
         let mut told: Vec<(&Box<str>, &Tally)> =
             self.tallies.iter().filter(|(_, tally)| tally.described && tally.informative).collect();
@@ -127,8 +128,8 @@ impl Votes {
         told.into_iter().map(|(normalised, tally)| (&**normalised, tally.count))
     }
 
-    /// The two readings that one description is to be made of: the two heaviest, if models or people said them and
-    /// the heaviest of all is one of them. Both in normal form.
+    /// Returns the two readings that one description is to be made of: the two heaviest, if models or people said them
+    /// and the heaviest of all is one of them. Both in normal form.
     pub fn to_merge(&self) -> Option<(&str, &str)> {
         let best = self.tallies.values().max_by_key(|tally| tally.rank())?;
         if self.tallies.len() < 2 || !best.described || !best.informative {
@@ -148,7 +149,7 @@ impl Votes {
         })
     }
 
-    /// Every reading, heaviest first.
+    /// Returns every reading, heaviest first.
     pub fn report(&self) -> Vec<ReadingReport> {
         let mut tallies: Vec<&Tally> = self.tallies.values().collect();
         tallies.sort_by_key(|tally| std::cmp::Reverse(tally.rank()));

@@ -11,12 +11,12 @@ pub(super) const BLOCK_KEYFRAMES: usize = 8192;
 /// A block is rewritten when more than one in this many of its keyframes has been removed.
 const REMOVED_SHARE: usize = 8;
 
-/// The block a keyframe belongs to.
+/// Returns the block a keyframe belongs to.
 pub(super) fn of(keyframe: u32) -> usize {
     keyframe as usize / BLOCK_KEYFRAMES
 }
 
-/// A keyframe's number within its block.
+/// Returns a keyframe's number within its block.
 pub(super) fn local(keyframe: u32) -> u16 {
     (keyframe as usize % BLOCK_KEYFRAMES) as u16
 }

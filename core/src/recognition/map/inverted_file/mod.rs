@@ -46,7 +46,7 @@ pub struct InvertedFile {
 }
 
 impl InvertedFile {
-    /// A file without keyframes.
+    /// Returns a file without keyframes.
     pub fn new() -> Self {
         Self::default()
     }
@@ -96,12 +96,12 @@ impl InvertedFile {
         accumulators.finish()
     }
 
-    /// How many postings the file holds: the sum of the keyframes' numbers of words.
+    /// Returns how many postings the file holds: the sum of the keyframes' numbers of words.
     pub fn posting_count(&self) -> usize {
         self.posting_count
     }
 
-    /// The heap memory the file occupies, in bytes, without the allocator's own.
+    /// Returns the heap memory the file occupies, in bytes, without the allocator's own.
     pub fn heap_bytes(&self) -> usize {
         // The standard hash map fills at most 7/8 of its buckets; a bucket is an entry and a control byte.
         let slots = self.slots.capacity() / 7 * 8 * (size_of::<(u32, u32)>() + 1);
@@ -177,7 +177,7 @@ impl PartialEq for InvertedFile {
 impl Eq for InvertedFile {}
 
 impl fmt::Debug for InvertedFile {
-    /// The figures only; the postings of a map fill many screens.
+    /// Returns the figures only; the postings of a map fill many screens.
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter
             .debug_struct("InvertedFile")

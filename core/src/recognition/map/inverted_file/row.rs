@@ -14,7 +14,7 @@ pub(super) struct Row {
 }
 
 impl Row {
-    /// The score against a query spread out by slot, packed as an accumulator.
+    /// Returns the score against a query spread out by slot, packed as an accumulator.
     pub(super) fn score(&self, weight_by_slot: &[u32]) -> u64 {
         let mut sum = 0;
         for (&slot, &weight) in self.slots.iter().zip(&self.weights) {

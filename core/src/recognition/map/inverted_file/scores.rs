@@ -78,7 +78,7 @@ pub(super) struct Accumulators<'s> {
 }
 
 impl<'s> Accumulators<'s> {
-    /// The accumulators of each block that holds anything, still as the last query left them.
+    /// Returns the accumulators of each block that holds anything, still as the last query left them.
     pub(super) fn blocks(&mut self) -> impl Iterator<Item = (usize, &mut [u64; BLOCK_KEYFRAMES])> {
         let held = self.places.iter().enumerate().filter(|(_, place)| **place != NO_KEYFRAMES);
         held.map(|(number, _)| number).zip(self.packed.as_chunks_mut().0)
@@ -101,7 +101,7 @@ impl<'s> Accumulators<'s> {
         }
     }
 
-    /// The scores, to read.
+    /// Returns the scores, to read.
     pub(super) fn finish(self) -> Scores<'s> {
         Scores { places: self.places, packed: self.packed }
     }
@@ -115,7 +115,7 @@ pub struct Scores<'s> {
 }
 
 impl<'s> Scores<'s> {
-    /// The score of one keyframe; zero for one that is not in the file.
+    /// Returns the score of one keyframe; zero for one that is not in the file.
     pub fn get(&self, keyframe: u32) -> Score {
         let place = self.places.get(block::of(keyframe)).filter(|place| **place != NO_KEYFRAMES);
         place.map_or(Score::default(), |place| {
@@ -123,7 +123,7 @@ impl<'s> Scores<'s> {
         })
     }
 
-    /// The keyframes that share a word with the query, by ascending id.
+    /// Returns the keyframes that share a word with the query, by ascending id.
     pub fn iter(&self) -> impl Iterator<Item = (u32, Score)> + use<'s> {
         let (places, packed) = (self.places, self.packed);
         let held = places.iter().enumerate().filter(|(_, place)| **place != NO_KEYFRAMES);
@@ -137,7 +137,7 @@ impl<'s> Scores<'s> {
     }
 }
 
-/// A score as an accumulator holds it: the sums of both halves are taken by one addition. Neither overflows:
+/// Returns a score as an accumulator holds it: the sums of both halves are taken by one addition. Neither overflows:
 /// the units of a whole vector sum to 2^31, and it has at most 65,535 words.
 pub(super) fn pack(units: u32, common_words: u32) -> u64 {
     u64::from(units) << 32 | u64::from(common_words)

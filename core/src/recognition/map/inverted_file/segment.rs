@@ -117,12 +117,12 @@ impl Segment {
         self.members.binary_search(&local).is_ok() && !self.removed.contains(&local)
     }
 
-    /// How many keyframes are here, those removed included.
+    /// Returns how many keyframes are here, those removed included.
     pub(super) fn member_count(&self) -> usize {
         self.members.len()
     }
 
-    /// How many keyframes are marked as removed.
+    /// Returns how many keyframes are marked as removed.
     pub(super) fn removed_count(&self) -> usize {
         self.removed.len()
     }
@@ -165,7 +165,7 @@ impl Segment {
             .filter(move |&local| kept.as_ref().is_none_or(|kept| kept[usize::from(local)]))
     }
 
-    /// Which keyframes still count; none if all do.
+    /// Returns which keyframes still count; none if all do.
     fn kept(&self) -> Option<Vec<bool>> {
         if self.removed.is_empty() {
             return None;

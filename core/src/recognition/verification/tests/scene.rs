@@ -35,7 +35,7 @@ impl Scene {
         Self { points, descriptors, point_noise_m: 0.01 }
     }
 
-    /// A room of 6 m by 3 m, with things standing about, before a camera at the origin that looks along z.
+    /// Returns a room of 6 m by 3 m, with things standing about, before a camera at the origin that looks along z.
     pub fn room(seed: u64, count: usize) -> Self {
         let mut rng = rng(seed);
         let mut draw = || {
@@ -57,8 +57,8 @@ impl Scene {
         Self { points: self.points.iter().map(|point| by.transform(point)).collect(), ..self.clone() }
     }
 
-    /// What a camera sees: pixels off by up to a pixel, points by a little, descriptors by some bits. One feature in five
-    /// has no position.
+    /// Returns what a camera sees: pixels off by up to a pixel, points by a little, descriptors by some bits. One
+    /// feature in five has no position.
     pub fn seen_from(&self, world_from_camera: &Sim3, seed: u64) -> Keyframe {
         let mut rng = rng(seed);
         let mut seen = Keyframe { from_world: world_from_camera.inverse(), ..Keyframe::default() };

@@ -53,7 +53,7 @@ impl ImageModel for Essential {
         Some(Self { matrix: direction.cross_matrix() * rotation })
     }
 
-    /// The squared distances from the epipolar lines.
+    /// Returns the squared distances from the epipolar lines.
     fn chi_squares(&self, views: &TwoViews, pair: &RayPair) -> [f64; 2] {
         let line = self.matrix * pair.query.ray;
         let back = self.matrix.transpose() * pair.candidate.ray;

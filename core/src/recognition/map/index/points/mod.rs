@@ -32,12 +32,12 @@ pub const POINT_BYTES: u64 = (size_of::<PointId>() + 3 * size_of::<f64>()) as u6
 const SPREAD: usize = 8;
 
 impl Points {
-    /// The point's position in its session's frame, if it has one.
+    /// Returns the point's position in its session's frame, if it has one.
     pub fn position(&self, session: SessionSeq, id: PointId) -> Option<Point3> {
         self.pages.get(&(session, page::of(id)))?.position(page::bit(id))
     }
 
-    /// What the points that have a position take on disk, in bytes. Those without one are numbers in keyframes.
+    /// Returns what the points that have a position take on disk, in bytes. Those without one are numbers in keyframes.
     pub fn bytes(&self) -> u64 {
         self.placed * POINT_BYTES
     }
@@ -54,7 +54,7 @@ impl Points {
         self.pages.get(&(session, page::of(id))).is_some_and(|page| page.is_observed(page::bit(id)))
     }
 
-    /// The keyframes that observe some of these points, ascending, each with how many.
+    /// Returns the keyframes that observe some of these points, ascending, each with how many.
     pub fn sharing(
         &self,
         session: SessionSeq,
@@ -126,7 +126,7 @@ impl PartialEq for Points {
     }
 }
 
-/// The points of each page, one bit each.
+/// Returns the points of each page, one bit each.
 fn by_page(ids: impl IntoIterator<Item = PointId>) -> Vec<(i64, u64)> {
     let mut pages: Vec<(i64, u64)> = Vec::new();
     let mut is_sorted = true;

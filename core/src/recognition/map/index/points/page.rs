@@ -11,12 +11,12 @@ use crate::geometry::Point3;
 /// Points of a page: one bit of a word each.
 const POINTS: PointId = 64;
 
-/// The page of a point.
+/// Returns the page of a point.
 pub(super) fn of(id: PointId) -> i64 {
     id.div_euclid(POINTS)
 }
 
-/// The bit of a point within its page.
+/// Returns the bit of a point within its page.
 pub(super) fn bit(id: PointId) -> u64 {
     1 << id.rem_euclid(POINTS)
 }
@@ -36,7 +36,7 @@ pub(super) struct Page {
 }
 
 impl Page {
-    /// The position of a point.
+    /// Returns the position of a point.
     pub(super) fn position(&self, bit: u64) -> Option<Point3> {
         (self.placed & bit != 0).then(|| self.positions[rank(self.placed, bit)])
     }
@@ -99,7 +99,7 @@ impl Page {
         self.positions.capacity() * size_of::<Point3>() + self.observers.len()
     }
 
-    /// The lists of these points, empty for one that is not observed.
+    /// Returns the lists of these points, empty for one that is not observed.
     fn lists(&self, points: u64) -> impl Iterator<Item = (u64, &[u8])> {
         let mut rest = &*self.observers;
         bits(points).map(move |bit| {

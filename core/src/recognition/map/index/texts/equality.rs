@@ -6,7 +6,7 @@ use super::matches::Verdict;
 use super::{TextId, TextIndex};
 
 impl TextIndex {
-    /// The matches of a text, by what they read.
+    /// Returns the matches of a text, by what they read.
     fn matches_by_name(&self, id: TextId) -> BTreeMap<&str, Verdict> {
         let node = self.node(id);
         let named = |other: TextId, verdict| (self.node(other).text.normalised(), verdict);

@@ -25,7 +25,7 @@ impl Matches {
         Self::Listed(BTreeMap::new())
     }
 
-    /// The list, unless the text is crowded.
+    /// Returns the list, unless the text is crowded.
     pub(super) fn listed(&self) -> Option<&BTreeMap<TextId, Verdict>> {
         match self {
             Self::Listed(list) => Some(list),

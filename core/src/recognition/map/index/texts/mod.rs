@@ -78,7 +78,7 @@ pub struct TextIndex {
 }
 
 impl Default for TextIndex {
-    /// The texts of a map with the settings that maps have by default.
+    /// Returns the texts of a map with the settings that maps have by default.
     fn default() -> Self {
         let min_level = Settings::default().matching_min_similarity_level;
         Self::new(u8::try_from(min_level).unwrap_or(u8::MAX), Verdicts::default())
@@ -86,7 +86,7 @@ impl Default for TextIndex {
 }
 
 impl TextIndex {
-    /// An index in which texts match from this SimilarityLevel on, where a model has said this so far.
+    /// Returns an index in which texts match from this SimilarityLevel on, where a model has said this so far.
     pub fn new(min_level: u8, verdicts: Verdicts) -> Self {
         Self::listing(min_level, verdicts, LISTED_MAX)
     }
@@ -107,12 +107,12 @@ impl TextIndex {
         }
     }
 
-    /// What a model said of texts.
+    /// Returns what a model said of texts.
     pub fn verdicts(&self) -> &Verdicts {
         &self.verdicts
     }
 
-    /// What a model said of texts, of an index that is done with.
+    /// Returns what a model said of texts, of an index that is done with.
     pub(super) fn into_verdicts(self) -> Verdicts {
         self.verdicts
     }
@@ -143,22 +143,22 @@ impl TextIndex {
         self.text_of.insert(object, id);
     }
 
-    /// The text an object carries.
+    /// Returns the text an object carries.
     pub fn of(&self, object: AnchorSeq) -> Option<TextId> {
         self.text_of.get(&object).copied()
     }
 
-    /// The text of this class that reads the same, if some object carries it.
+    /// Returns the text of this class that reads the same, if some object carries it.
     pub fn find(&self, class: &str, text: &Text) -> Option<TextId> {
         self.by_text.get(&(class.into(), text.normalised().into())).copied()
     }
 
-    /// The text of this class with this normal form, if some object carries it.
+    /// Returns the text of this class with this normal form, if some object carries it.
     pub fn find_normalised(&self, class: &str, normalised: &str) -> Option<TextId> {
         self.by_text.get(&(class.into(), normalised.into())).copied()
     }
 
-    /// How many distinct texts there are.
+    /// Returns the number of distinct texts.
     pub fn len(&self) -> usize {
         self.by_text.len()
     }
@@ -168,26 +168,26 @@ impl TextIndex {
         self.by_text.is_empty()
     }
 
-    /// A text, and the class of those that carry it.
+    /// Returns a text, and the class of those that carry it.
     pub fn text(&self, id: TextId) -> (&str, &Arc<Text>) {
         let node = self.node(id);
         (&node.class, &node.text)
     }
 
-    /// Every text, in no order that means anything.
+    /// Returns every text, in no order that means anything.
     pub fn iter(&self) -> impl Iterator<Item = TextId> + '_ {
         self.nodes.iter().enumerate().filter_map(|(id, node)| node.as_ref().map(|_| TextId(id)))
     }
 
-    /// The texts of a class, unless there are more than `max`.
+    /// Returns the texts of a class, unless there are more than `max`.
     pub fn of_class(&self, class: &str, max: usize) -> Option<BTreeSet<TextId>> {
         let of_class: BTreeSet<TextId> =
             self.iter().filter(|id| &*self.node(*id).class == class).take(max + 1).collect();
         (of_class.len() <= max).then_some(of_class)
     }
 
-    /// The texts of a class that share a specific word with this one, itself left out; each once, unless the word is
-    /// in more than `widespread` texts and so tells nothing.
+    /// Returns the texts of a class that share a specific word with this one, itself left out; each once, unless the
+    /// word is in more than `widespread` texts and so tells nothing.
     pub fn sharing_words(&self, id: TextId, widespread: usize) -> BTreeSet<TextId> {
         let node = self.node(id);
         let lists = node.text.specific_words().filter_map(|word| self.by_word.get(word));
@@ -209,12 +209,12 @@ impl TextIndex {
         }
     }
 
-    /// The verdict on a text that is read twice alike: "Level 5" is no match even then.
+    /// Returns the verdict on a text that is read twice alike: "Level 5" is no match even then.
     pub fn with_itself(&self, text: &Text) -> Option<(u8, Source)> {
         self.counts(semantics::similarity_level(text, text))
     }
 
-    /// The texts that match this one: itself, then the others in the order of their oldest objects.
+    /// Returns the texts that match this one: itself, then the others in the order of their oldest objects.
     pub fn matching(&self, id: TextId) -> impl Iterator<Item = TextId> + '_ {
         let node = self.node(id);
         let listed = node.matches.listed().map(|list| list.keys().copied().collect());
@@ -248,7 +248,7 @@ impl TextIndex {
         node.identity.filter(|_| decides)
     }
 
-    /// The texts that match one that need not be in the index (an inline keyframe's).
+    /// Returns the texts that match one that need not be in the index (an inline keyframe's).
     pub fn matching_text(&self, class: &str, text: &Text) -> Vec<TextId> {
         if let Some(id) = self.find(class, text) {
             return self.matching(id).collect();
@@ -268,12 +268,12 @@ impl TextIndex {
         self.node(id).matches.is_crowded()
     }
 
-    /// The objects that carry a text, oldest first.
+    /// Returns the objects that carry a text, oldest first.
     pub fn objects(&self, id: TextId) -> impl Iterator<Item = AnchorSeq> + '_ {
         self.node(id).objects.iter().copied()
     }
 
-    /// How many pairs of texts the judge has compared since the index was built.
+    /// Returns how many pairs of texts the judge has compared since the index was built.
     pub fn judged_pairs(&self) -> u64 {
         self.judged_pairs
     }
@@ -292,7 +292,7 @@ impl TextIndex {
         texts
     }
 
-    /// The texts that the built-in judge may match with this one, it among them if it is in the index.
+    /// Returns the texts that the built-in judge may match with this one, it among them if it is in the index.
     fn candidates(&self, class: &str, text: &Text) -> Vec<TextId> {
         if self.min_level < COMPLETE_FROM_LEVEL {
             return self.iter().filter(|id| &*self.node(*id).class == class).collect();
@@ -305,7 +305,7 @@ impl TextIndex {
         sharing
     }
 
-    /// The candidates, and the texts that a model has judged with this one.
+    /// Returns the candidates, and the texts that a model has judged with this one.
     fn partners(&self, class: &str, text: &Text) -> Vec<TextId> {
         let mut partners = self.candidates(class, text);
         let judged = self.verdicts.judged_with(class, text.normalised());
@@ -318,7 +318,7 @@ impl TextIndex {
         partners
     }
 
-    /// The judge's verdict, or the model's where the judge leaves the question open; none if it is no match.
+    /// Returns the judge's verdict, or the model's where the judge leaves the question open; none if it is no match.
     fn judge(&self, text: &Text, id: TextId) -> Option<Verdict> {
         let node = self.node(id);
         let by_model = self.verdicts.similarity(&node.class, text, &node.text);
