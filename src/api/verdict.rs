@@ -29,7 +29,7 @@ pub struct LoopAnswer {
     pub best: Option<String>,
     /// Every keyframe that passed, best first.
     pub loops: Vec<String>,
-    /// Did a stand-in judge because a model was away?
+    /// Whether a stand-in judged because a model was away.
     pub degraded: bool,
     /// Has the map shown one view in two places, so that geometry alone closes no loop in it (see the map's `twins`)? Left
     /// out where it has not.

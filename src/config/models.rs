@@ -241,7 +241,7 @@ impl ModelArgs {
         OnlyModels::try_parse_from(line).map(|parsed| parsed.models)
     }
 
-    /// Is there anything to ask?
+    /// Whether there is anything to ask.
     pub fn any(&self) -> bool {
         let scripted = self.model_kind == Kind::Scripted;
         let urls = [&self.model_url, &self.model_vision_url, &self.model_embeddings_url];

@@ -23,7 +23,7 @@ pub struct ServiceOptions {
     pub vocabulary: Option<PathBuf>,
     /// The models to ask.
     pub models: ModelChoice,
-    /// Is a key wanted even while the database has none? Where others than this machine reach the server.
+    /// Whether a key is wanted even while the database has none. Where others than this machine reach the server.
     pub keys_required: bool,
     /// The most that a map may hold.
     pub quotas: Quotas,

@@ -61,18 +61,18 @@ impl Method {
         MapSettings(settings.as_object().cloned().unwrap_or_default())
     }
 
-    /// Does its robot close a loop only once it is confirmed as in ORB-SLAM3 ([`super::robot::common_regions`])? Ours closes what
+    /// Whether its robot closes a loop only once it is confirmed as in ORB-SLAM3 ([`super::robot::common_regions`]). Ours closes what
     /// it is told.
     pub fn confirms(self) -> bool {
         !matches!(self, Self::Ours | Self::OursMonocular)
     }
 
-    /// Has its robot one camera and no depth, so that its lengths have a unit of their own?
+    /// Whether its robot has one camera and no depth, so that its lengths have a unit of their own.
     pub fn is_monocular(self) -> bool {
         self == Self::OursMonocular
     }
 
-    /// Does it look at signs?
+    /// Whether it looks at signs.
     pub fn sees_signs(self) -> bool {
         self != Self::BagOfWords
     }

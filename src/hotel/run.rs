@@ -90,7 +90,7 @@ pub struct Asked {
 pub struct Ranked {
     /// What it ranks by: S of Eq. (2), or inliers without anchors.
     pub score: f64,
-    /// Is it the same place?
+    /// Whether it is the same place.
     pub is_right: bool,
 }
 

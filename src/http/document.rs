@@ -95,7 +95,7 @@ fn constants() -> Vec<serde_json::Value> {
     constants::constants().map(shown).collect()
 }
 
-/// Does the operation name an action that a key must have?
+/// Whether the operation names an action that a key must have.
 fn wants_key(operation: &Operation) -> bool {
     operation.security.iter().flatten().any(|requirement| *requirement != SecurityRequirement::default())
 }

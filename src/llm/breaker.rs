@@ -36,7 +36,7 @@ impl Breaker {
         Self { failures_max, pause, state: Mutex::default() }
     }
 
-    /// May a question be asked now?
+    /// Whether a question may be asked now.
     pub fn admit(&self) -> Result<Admission<'_>, Fault> {
         let mut state = self.lock();
         let Some(open_until) = state.open_until else {
@@ -49,7 +49,7 @@ impl Breaker {
         Ok(Admission { breaker: self, probes: true })
     }
 
-    /// Is the model away, as far as is known? Until a question was answered, it is.
+    /// Whether the model is away, as far as is known. Until a question was answered, it is.
     pub fn is_open(&self) -> bool {
         self.lock().open_until.is_some()
     }

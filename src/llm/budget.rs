@@ -52,7 +52,7 @@ impl Limits {
         over(self.calls, day.calls) || over(self.microusd, day.microusd)
     }
 
-    /// Is nothing left of a day?
+    /// Whether nothing of a day's budget is left.
     fn used_up_by(self, day: Day) -> bool {
         let over = |limit: Option<i64>, sum: i64| limit.is_some_and(|limit| sum >= limit);
         over(self.calls, day.calls) || over(self.microusd, day.microusd)
@@ -217,14 +217,14 @@ impl Budget {
         *books.unwritten_hits.entry(key).or_default() += 1;
     }
 
-    /// Is today's budget spent, as far as another call goes?
+    /// Whether today's budget is spent, as far as another call goes.
     pub fn is_spent(&self) -> bool {
         let mut books = self.lock();
         books.turn_to(today());
         self.limits.used_up_by(books.day)
     }
 
-    /// Is a key's own budget of today spent, as far as another call goes?
+    /// Whether a key's own budget of today is spent, as far as another call goes.
     pub fn is_spent_for(&self, payer: &Payer) -> bool {
         let mut books = self.lock();
         books.turn_to(today());

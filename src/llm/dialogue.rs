@@ -62,9 +62,9 @@ pub struct Described {
     pub text: String,
     /// `model:<name>`, or the reader's name.
     pub source: Arc<str>,
-    /// Did a model describe it?
+    /// Whether a model described it.
     pub described: bool,
-    /// Did somebody stand in for a model that is away?
+    /// Whether another judge stood in for a model that is away.
     pub degraded: bool,
     /// How it came about.
     pub transcript: Vec<TranscriptStep>,
@@ -85,7 +85,7 @@ impl Describer {
         self.reads().then(|| format!("{eyes}.{tongue}.{reader}"))
     }
 
-    /// Can it make anything of a crop?
+    /// Whether it can make anything of a crop.
     pub fn reads(&self) -> bool {
         self.eyes.is_some() || self.reader.is_some()
     }
@@ -292,7 +292,7 @@ fn read_twice_alike(rounds: &[Round]) -> bool {
     !last.is_empty() && earlier.iter().any(|round| values(round) == last)
 }
 
-/// Does a summary say something, and only what was answered?
+/// Whether a summary says something, and only what was answered.
 fn is_backed(summary: &str, rounds: &[Round]) -> bool {
     let answers: Vec<&str> = rounds.iter().map(|round| round.answer.as_str()).collect();
     let known: Vec<Text> = answers.iter().map(|answer| Text::parse(answer)).collect();

@@ -139,12 +139,12 @@ impl Gateway {
         self.policy.prices.of(question).microusd(input, u64::from(self.policy.max_tokens)).unsigned_abs()
     }
 
-    /// Can this model answer such questions?
+    /// Whether this model can answer such questions.
     pub fn can(&self, question: &Question) -> bool {
         self.model.can(question)
     }
 
-    /// Can this model look at images?
+    /// Whether this model can look at images.
     pub fn sees(&self) -> bool {
         let picture = Picture { png: Vec::new(), hash: [0; 32], width: 0, height: 0 };
         self.model.can(&Question::Look {

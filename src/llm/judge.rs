@@ -29,7 +29,7 @@ pub struct Judged {
     pub reason: String,
     /// Was a model's answer found without a call?
     pub cached: bool,
-    /// Did the built-in judge stand in because the model was away?
+    /// Whether the built-in judge stood in because the model was away.
     pub degraded: bool,
 }
 
@@ -42,7 +42,7 @@ pub struct Merged {
     pub source: String,
     /// Was a model's answer found without a call?
     pub cached: bool,
-    /// Did the built-in judge stand in because the model was away?
+    /// Whether the built-in judge stood in because the model was away.
     pub degraded: bool,
 }
 
@@ -68,7 +68,7 @@ impl Judge {
         self.model.as_ref()
     }
 
-    /// Is there a model to judge by?
+    /// Whether there is a model to judge by.
     pub fn has_model(&self) -> bool {
         self.model.is_some()
     }

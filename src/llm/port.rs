@@ -50,7 +50,7 @@ pub struct Round {
 /// is not obeyed but measured.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Question {
-    /// Do two descriptions mean the same physical object?
+    /// Whether two descriptions mean the same physical object.
     Similarity {
         /// The objects' class.
         class: String,
@@ -119,7 +119,7 @@ impl Question {
         }
     }
 
-    /// Must the model see?
+    /// Whether the model must see.
     pub fn needs_eyes(&self) -> bool {
         matches!(self, Self::Look { .. })
     }
@@ -178,7 +178,7 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// May the very same question be answered a moment later?
+    /// Whether the very same question may be answered a moment later.
     pub fn is_passing(&self) -> bool {
         matches!(
             self,
@@ -190,7 +190,7 @@ impl Fault {
         )
     }
 
-    /// Does the server refuse this question, such as one that is too long for it, and may take others?
+    /// Whether the server refuses this question, such as one that is too long for it, and may take others.
     pub fn is_about_the_question(&self) -> bool {
         matches!(self, Self::Refused(400 | 413 | 422))
     }
@@ -222,7 +222,7 @@ pub trait Model: Send + Sync + std::fmt::Debug {
     /// identity means other keys in the cache.
     fn identity(&self) -> String;
 
-    /// Can it answer this kind of question?
+    /// Whether it can answer this kind of question.
     fn can(&self, question: &Question) -> bool;
 
     /// Answers a question, once.

@@ -127,7 +127,7 @@ impl Models {
         self.shared.failures.load(Ordering::Relaxed)
     }
 
-    /// Is a model away, or the budget spent? Then built-in verdicts stand in.
+    /// Whether a model is away, or the budget spent. Then built-in verdicts stand in.
     pub fn is_away(&self) -> bool {
         self.gateways.iter().any(|gateway| gateway.breaker().is_open()) || self.shared.budget.is_spent()
     }

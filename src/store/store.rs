@@ -46,7 +46,7 @@ impl Store {
         Transaction::read(&self.readers).await
     }
 
-    /// Has it been closed?
+    /// Whether it has been closed.
     pub fn is_closed(&self) -> bool {
         self.readers.is_closed()
     }

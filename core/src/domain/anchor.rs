@@ -22,7 +22,7 @@ pub struct Observation {
     pub range_assumed: bool,
     /// What was read.
     pub reading: Option<Box<str>>,
-    /// Did a model or a person describe it, rather than a reader of characters?
+    /// Whether a model or a person described it, rather than a reader of characters.
     pub described: bool,
     /// The area of the crop's box in pixels, if there is a crop.
     pub crop_area_px: Option<f64>,

@@ -11,9 +11,9 @@ pub struct CropReading {
     pub text: Box<str>,
     /// `model:<name>`, or the reader's name.
     pub source: Arc<str>,
-    /// Did a model describe it, rather than a reader of characters?
+    /// Whether a model described it, rather than a reader of characters.
     pub described: bool,
-    /// Did a reader stand in because the model was away? It is read again then.
+    /// Whether a reader stood in because the model was away. It is read again then.
     pub degraded: bool,
 }
 

@@ -39,7 +39,7 @@ impl Actions {
         (bits < 1 << Action::ALL.len()).then_some(Self(bits))
     }
 
-    /// Is it in the set?
+    /// Whether it is in the set.
     pub fn has(self, action: Action) -> bool {
         self.0 & (1 << action as u8) != 0
     }
@@ -78,7 +78,7 @@ impl MapPattern {
         Self("*".into())
     }
 
-    /// Does the pattern name this map?
+    /// Whether the pattern names this map.
     pub fn matches(&self, map: &MapId) -> bool {
         let Some((first, rest)) = self.0.split_once('*') else { return map.as_str() == &*self.0 };
         let Some(mut left) = map.as_str().strip_prefix(first) else { return false };
@@ -141,7 +141,7 @@ pub struct KeyProperties {
 }
 
 impl KeyProperties {
-    /// Does a map of this name exist for the key?
+    /// Whether a map of this name exists for the key.
     pub fn reaches(&self, map: &MapId) -> bool {
         self.maps.iter().any(|pattern| pattern.matches(map))
     }
@@ -178,7 +178,7 @@ pub struct Key {
 }
 
 impl Key {
-    /// Is it good at this moment?
+    /// Whether it is good at this moment.
     pub fn is_good(&self, now: Stamp) -> bool {
         self.revoked_sec.is_none() && self.properties.expires.is_none_or(|expires| now < expires)
     }

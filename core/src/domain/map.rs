@@ -11,7 +11,7 @@ use super::settings::Settings;
 pub struct MapProperties {
     /// Free text for people.
     pub description: String,
-    /// Are its lengths metres? If so, the scale between two sessions is 1.
+    /// Whether its lengths are metres. If so, the scale between two sessions is 1.
     pub metric: bool,
     /// The classes of which anchors are made, sorted; empty means every class.
     pub anchor_classes: Vec<String>,
@@ -35,7 +35,7 @@ pub struct MapFigures {
 }
 
 impl MapProperties {
-    /// Are detections of this class semantic anchors here (§III: predefined categories)?
+    /// Whether detections of this class are semantic anchors here (§III: predefined categories).
     pub fn anchors_class(&self, class: &str) -> bool {
         self.anchor_classes.is_empty() || self.anchor_classes.iter().any(|c| c == class)
     }

@@ -43,7 +43,7 @@ pub struct KeyframeReport {
     pub covisible: usize,
     /// What became of its detections, in their order, each with its anchor's state.
     pub detections: Vec<(Outcome, Option<AnchorState>)>,
-    /// Has it just shown an anchor that matches one seen before? That triggers loop detection (§III).
+    /// Whether it has just shown an anchor that matches one seen before. That triggers loop detection (§III).
     pub revisits: bool,
 }
 
@@ -67,7 +67,7 @@ pub struct AnchorMatchReport {
     pub level: u8,
     /// Who judged: `identical`, `identifiers`, `lexical`, `operator`, `model:<name>`.
     pub source: String,
-    /// Are some of the two anchors' keyframes covisible? If not, the robot has come back.
+    /// Whether some of the two anchors' keyframes are covisible. If not, the robot has come back.
     pub revisit: bool,
     /// One sentence for a person.
     pub reason: String,
@@ -116,7 +116,7 @@ pub struct AnchorReport {
     pub merged_from: Vec<AnchorSeq>,
     /// Grows with each fact about this anchor.
     pub version: u64,
-    /// Has it an image crop?
+    /// Whether it has an image crop.
     pub has_crop: bool,
 }
 
@@ -201,7 +201,7 @@ pub struct UsageReport {
     pub daily_calls: Option<u64>,
     /// The most that a day may cost, in millionths of a US dollar.
     pub daily_microusd: Option<u64>,
-    /// Is a model away, or the budget spent?
+    /// Whether a model is away, or the budget spent.
     pub away: bool,
 }
 

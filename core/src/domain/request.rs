@@ -20,7 +20,7 @@ pub struct MapPatch {
     pub description: Option<String>,
     /// The new classes.
     pub anchor_classes: Option<Vec<String>>,
-    /// Are its lengths metres?
+    /// Whether its lengths are metres.
     pub metric: Option<bool>,
     /// Settings to change, by name.
     pub settings: Vec<(String, SettingValue)>,

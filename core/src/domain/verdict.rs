@@ -200,7 +200,7 @@ pub struct Verdict {
     pub best: Option<KeyframeId>,
     /// Every loop, best first.
     pub loops: Vec<KeyframeId>,
-    /// Did a stand-in judge because a model was away?
+    /// Whether a stand-in judged because a model was away.
     pub degraded: bool,
     /// Whether the map has shown one view in two places, so that geometry alone closes no loop in it.
     pub has_twins: bool,

@@ -35,7 +35,7 @@ impl Aabb {
         nalgebra::center(&self.min, &self.max)
     }
 
-    /// Is the point inside or on the border? Containment is closed (M2).
+    /// Whether the point is inside or on the border. Containment is closed (M2).
     pub fn contains(&self, point: &Point3) -> bool {
         (0..3).all(|axis| self.min[axis] <= point[axis] && point[axis] <= self.max[axis])
     }

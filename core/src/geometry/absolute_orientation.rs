@@ -13,7 +13,7 @@ use super::{Point3, Sim3};
 /// the square of "width over length" of the points: below this they are on a line to within rounding.
 const MIN_EIGENVALUE_GAP: f64 = 1e-9;
 
-/// Is the scale part of the question?
+/// Whether the scale is part of the question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// Both sides are metric: the scale is 1.

@@ -83,7 +83,7 @@ impl PackedDescriptors {
         self.words.len().checked_div(self.words_each).unwrap_or(0)
     }
 
-    /// Are there none?
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.words.is_empty()
     }
@@ -131,7 +131,7 @@ impl Columns {
         self.count
     }
 
-    /// Are there none?
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }

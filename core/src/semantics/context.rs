@@ -75,7 +75,7 @@ impl Around<'_> {
         number && floor && next.kind == Kind::Word && !another
     }
 
-    /// Is the token the last, or the last before a comma or full stop?
+    /// Whether the token is the last, or the last before a comma or full stop.
     pub fn ends_phrase(&self, at: usize) -> bool {
         self.tokens.get(at + 1).is_none_or(|next| next.after_break)
     }

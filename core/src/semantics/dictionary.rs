@@ -47,13 +47,13 @@ pub fn stem(word: &str) -> String {
     if plural { word[..word.len() - 1].to_owned() } else { word }
 }
 
-/// Is this a "no" or "not"?
+/// Whether this is a "no" or "not".
 pub fn negates(word: &str) -> bool {
     static WORDS: LazyLock<HashSet<&str>> = LazyLock::new(|| NEGATIONS.split_whitespace().collect());
     WORDS.contains(word)
 }
 
-/// Does this word say that the writer could not tell?
+/// Whether this word says that the writer could not tell.
 pub fn is_unsure(stem: &str) -> bool {
     UNSURE.split_whitespace().any(|u| u == stem)
 }

@@ -73,7 +73,7 @@ fn name(direction: usize) -> &'static str {
     WORDS[direction].split(' ').next().unwrap_or_default()
 }
 
-/// Is this stem a direction?
+/// Whether this stem is a direction.
 pub fn is_direction(stem: &str) -> bool {
     bit(stem).is_some()
 }

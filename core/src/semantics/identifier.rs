@@ -98,7 +98,7 @@ impl Identifier {
     }
 }
 
-/// Is `code` a range: equal prefixes, rising numbers, with `digits` digits or more unless it has a prefix?
+/// Whether `code` is a range: equal prefixes, rising numbers, with `digits` digits or more unless it has a prefix.
 /// "901-905" is one; "1-03" is room 3 of floor 1.
 pub fn is_range(code: &str, digits: usize) -> bool {
     range(code, digits).is_some()

@@ -40,7 +40,7 @@ pub fn route_similarity(a: &Text, b: &Text) -> Route {
     }
 }
 
-/// May a model be asked whether two texts describe the same object?
+/// Whether a model may be asked whether two texts describe the same object.
 ///
 /// Not where a text says nothing or has an identifier of its own, not where they are on different floors, and not where
 /// they point opposite ways.
@@ -66,12 +66,12 @@ pub fn bound_similarity(a: &Text, b: &Text, level: u8) -> u8 {
     }
 }
 
-/// May a model be asked how much a text tells?
+/// Whether a model may be asked how much a text tells.
 pub fn information_is_open(text: &Text) -> bool {
     text.identifiers().is_empty() && OPEN_INFORMATION_LEVELS.contains(&text.information_level())
 }
 
-/// May this stand as MergeText of the two? It must have the identifiers of both, no other, and no digit of its own.
+/// Whether this may stand as MergeText of the two. It must have the identifiers of both, no other, and no digit of its own.
 pub fn accepts_merge(a: &str, b: &str, merged: &str) -> bool {
     let [of_a, of_b, of_merged] = [a, b, merged].map(Text::parse);
     let known = || of_a.identifiers().iter().chain(of_b.identifiers());
@@ -80,7 +80,7 @@ pub fn accepts_merge(a: &str, b: &str, merged: &str) -> bool {
     !of_merged.normalised().is_empty() && union && has_no_new_digits(merged, &[a, b])
 }
 
-/// Is each group of digits of a text in one of its sources?
+/// Whether each group of digits of a text is in one of its sources.
 pub fn has_no_new_digits(text: &str, sources: &[&str]) -> bool {
     let groups = |text: &str| -> Vec<String> {
         let clean = super::normalise::clean(text);

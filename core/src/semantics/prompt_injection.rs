@@ -227,7 +227,7 @@ const MARKS: &[&str] = &[
 /// Phrases of at least this many letters are also found with their letters apart, as in "i g n o r e".
 const SQUEEZED_LETTERS: usize = 8;
 
-/// Does this text speak to a model rather than of an object?
+/// Whether this text speaks to a model rather than of an object.
 pub fn addresses_a_model(text: &str) -> bool {
     let lower = clean(text).to_lowercase();
     if MARKS.iter().any(|mark| lower.contains(mark)) {

@@ -21,7 +21,7 @@ pub enum Role {
 }
 
 impl Role {
-    /// Can identifiers of these roles name the same thing?
+    /// Whether identifiers of these roles can name the same thing.
     pub fn is_compatible(&self, other: &Role) -> bool {
         match (self, other) {
             (Role::Bare, _) | (_, Role::Bare) => self == other,

@@ -90,7 +90,7 @@ fn word_or_code(text: &str) -> usize {
     }
 }
 
-/// Does `joiner` hold `before` and `after` together as one code or word?
+/// Whether `joiner` holds `before` and `after` together as one code or word.
 fn joins(joiner: char, before: &str, after: &str) -> bool {
     let digit_after = after.starts_with(|c: char| c.is_ascii_digit());
     let digit_before = before.ends_with(|c: char| c.is_ascii_digit());

@@ -67,7 +67,7 @@ impl Traces {
         Ok(Self { provider: Some(provider) })
     }
 
-    /// Is there a collector?
+    /// Whether there is a collector.
     pub fn are_sent(&self) -> bool {
         self.provider.is_some()
     }

@@ -31,7 +31,7 @@ pub(in crate::engine) struct Backlog {
     pub settled: Settled,
     /// Could embeddings choose the pairs when it was last looked at?
     pub by_embeddings: bool,
-    /// Does the map say that it waits for a model that is away?
+    /// Whether the map says that it waits for a model that is away.
     pub told_away: bool,
     /// The version at which everything lacking was found.
     pub looked_at: Option<u64>,
@@ -73,7 +73,7 @@ impl Backlog {
         pauses.chain(self.look_again_at).filter(|at| *at > now).min()
     }
 
-    /// Is there anything that a model has not given yet?
+    /// Whether there is anything that a model has not given yet.
     pub fn waits(&self) -> bool {
         !(self.found.is_empty() && self.under_way.is_empty() && self.paused.is_empty())
     }

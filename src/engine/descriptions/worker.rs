@@ -340,7 +340,7 @@ impl Round {
         }
     }
 
-    /// Has the key that pays for this map spent its day's budget?
+    /// Whether the key that pays for this map has spent its day's budget.
     fn is_spent_for(&self, live: &LiveMap) -> bool {
         let payer = self.service.payer(live.owner);
         payer.is_some_and(|payer| self.models.budget().is_spent_for(&payer))

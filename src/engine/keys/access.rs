@@ -47,7 +47,7 @@ pub enum Access {
 }
 
 impl Access {
-    /// May this be done?
+    /// Whether this may be done.
     pub fn may(&self, action: Action) -> bool {
         match self {
             Self::Open => true,

@@ -74,7 +74,7 @@ pub struct Keyring {
     changing: Arc<Mutex<()>>,
     /// Counts the times that the table was taken anew.
     taken: watch::Sender<u64>,
-    /// Is a key wanted even while there is none?
+    /// Whether a key is wanted even while there is none.
     required: bool,
 }
 
@@ -95,7 +95,7 @@ impl Keyring {
         Ok(keyring)
     }
 
-    /// Is anybody there who could be admitted?
+    /// Whether there is a key that could be admitted.
     pub fn has_good_key(&self) -> bool {
         let now = now();
         self.table().by_hash.values().any(|held| held.key.is_good(now))
@@ -132,7 +132,7 @@ impl Keyring {
         }
     }
 
-    /// Is an access good still? Without the disk: for those who go on and on.
+    /// Whether an access is still good, without a look at the disk: for requests that last.
     pub fn is_good(&self, access: &Access) -> bool {
         match access {
             Access::Open => self.is_open(),

@@ -8,7 +8,7 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use crate::engine::ServiceError;
 
-/// Who waits longer than this has gone to a server that does not keep up.
+/// Longest time a request waits for a permit before it is rejected as overloaded.
 const MAX_QUEUE_WAIT: Duration = Duration::from_secs(5);
 
 /// A limit on how many callers hold a permit at once.

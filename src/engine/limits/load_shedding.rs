@@ -99,7 +99,7 @@ impl LoadShedding {
         self.lock().all()
     }
 
-    /// Is it time for background work to rest?
+    /// Whether it is time for background work to rest.
     pub fn is_high(&self) -> bool {
         let most = self.most.load(Ordering::Relaxed);
         // One request alone is no pressure, however small the limit.

@@ -56,7 +56,7 @@ pub(in crate::engine) struct LiveMap {
     /// Held by the one who waits for the lock of `state` to decide a write.
     pub lane: tokio::sync::Mutex<()>,
     line: PoisonFlag,
-    /// Is the map deleted? Set under the lock of `state`.
+    /// Whether the map is deleted. Set under the lock of `state`.
     gone: AtomicBool,
     /// Lets so many read at once: a map of which a write takes long keeps no more readers from the others.
     pub reads: Arc<ConcurrencyLimit>,
@@ -123,12 +123,12 @@ impl LiveMap {
         })
     }
 
-    /// Has a write failed? Then what is in memory is ahead of the disk, and must be loaded anew.
+    /// Whether a write has failed. Then what is in memory is ahead of the disk, and must be loaded anew.
     pub fn is_poisoned(&self) -> bool {
         self.line.load(Ordering::Acquire)
     }
 
-    /// Does it decide nothing any more, because a write failed or it was deleted?
+    /// Whether it decides nothing any more, because a write failed or it was deleted.
     pub fn is_over(&self) -> bool {
         self.is_poisoned() || self.gone.load(Ordering::Acquire)
     }

@@ -229,7 +229,7 @@ impl FloorPlan {
     }
 }
 
-/// Does a wall stand between two points?
+/// Whether a wall stands between two points.
 pub fn is_hidden(eye: Flat, point: Flat, walls: &[Wall]) -> bool {
     // A point on a wall is seen from the side it is on: the line of sight ends just before it.
     let before = |axis: usize| eye[axis] + (point[axis] - eye[axis]) * 0.995;

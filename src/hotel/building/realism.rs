@@ -78,7 +78,7 @@ pub fn measure(
     })
 }
 
-/// Are these the same views of two different rooms?
+/// Whether these are the same views of two different rooms.
 fn are_twins(plan: &FloorPlan, a: &Step, b: &Step) -> bool {
     let (Place::Room(of_a), Place::Room(of_b)) = (a.stop.place, b.stop.place) else { return false };
     let in_room = |step: &Step, room: usize| {
@@ -97,7 +97,7 @@ fn words(vocabulary: &Vocabulary, step: &Step) -> Result<WordVector, DescriptorM
     Ok(vocabulary.transform(DESCRIPTOR_BITS / 8, &descriptor_bytes(step), 0)?.words)
 }
 
-/// Does Sim3 take two keyframes for one place, and with how many inliers?
+/// Returns whether Sim3 takes two keyframes for one place, and with how many inliers.
 fn verified(query: &Step, candidate: &Step) -> Option<(bool, f64)> {
     let [query, candidate] = [Matchable::of(query)?, Matchable::of(candidate)?];
     let result = verify(&query.view(), &candidate.view(), &[], &Limits::DEFAULT, 0);

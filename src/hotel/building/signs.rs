@@ -177,7 +177,7 @@ impl Decorator<'_> {
         hung
     }
 
-    /// Is there wall here, and no door near?
+    /// Whether there is wall here, and no door near.
     fn is_free(&self, place: [f64; 2]) -> bool {
         self.plan.rooms.iter().all(|room| {
             let [x, y] = room.door.origin;

@@ -53,7 +53,7 @@ pub fn triangulate(first_from_second: &Pose, first: Sight, second: Sight) -> Opt
         .then_some(Triangulated { in_second, parallax_rad })
 }
 
-/// Is the point seen where it was?
+/// Whether the point is seen where it was.
 fn is_seen(in_camera: &Point3, sight: Sight) -> bool {
     let Some([u, v]) = PINHOLE.project(&in_camera.coords) else { return false };
     let sigma_px = OCTAVE_FACTOR.powi(i32::from(sight.octave));

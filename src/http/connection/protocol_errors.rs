@@ -40,7 +40,7 @@ impl<S> ProtocolErrors<S> {
         Self { stream, seat, settled: 0, instead: None }
     }
 
-    /// Do these bytes answer nobody?
+    /// Whether these bytes answer no request.
     fn is_hypers_own(&self) -> bool {
         self.instead.is_some() || self.seat.requests() == self.settled
     }

@@ -165,7 +165,7 @@ pub enum Job {
 }
 
 impl Job {
-    /// Does it leave more room than it found? It is tried on a full disk, too.
+    /// Whether it leaves more room than it found. It is tried on a full disk, too.
     pub(in crate::store) fn frees_space(&self) -> bool {
         match self {
             // A key must be revocable whatever the disk holds, and takes no space.
@@ -186,13 +186,13 @@ impl Job {
         matches!(self, Self::DeleteMap(_) | Self::ChangeStaged { .. })
     }
 
-    /// Do later jobs of its map rest on it? A verdict that is not kept, or an event not told, is missed by none of them.
+    /// Whether later jobs of its map rest on it. A verdict that is not kept, or an event not told, is missed by none of them.
     pub(in crate::store) fn is_planned_upon(&self) -> bool {
         !matches!(self, Self::KeepQuery { .. } | Self::AppendEvents(..))
     }
 }
 
-/// Do these changes take something away?
+/// Whether these changes take something away.
 fn frees_space(changes: &[Change]) -> bool {
     let takes_away = |change: &Change| {
         matches!(change, Change::KeyframeRemoved(..) | Change::AnchorRemoved(_) | Change::LoopRemoved(_))

@@ -95,7 +95,7 @@ impl Reserve {
         }
     }
 
-    /// Is there room beside the reserve?
+    /// Whether there is room beside the reserve.
     fn is_room(&self) -> bool {
         let disk = statvfs(folder(&self.path));
         disk.map_or(true, |disk| disk.f_bavail.saturating_mul(disk.f_frsize) >= self.bytes / LOG_PART)

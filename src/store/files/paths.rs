@@ -86,12 +86,12 @@ impl DatabaseFiles {
         self.beside(".lock")
     }
 
-    /// Is there a file?
+    /// Whether there is a file.
     pub fn exist(&self) -> bool {
         self.database.is_file()
     }
 
-    /// Is this path the database, or one of the files without which it is not whole?
+    /// Whether this path is the database, or one of the files without which it is not whole.
     pub fn hold(&self, path: &Path) -> bool {
         let asked = Self::of_path(path).database;
         asked == self.database

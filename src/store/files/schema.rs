@@ -54,7 +54,7 @@ pub(in crate::store) async fn migrate(pool: &SqlitePool) -> Result<(), StoreErro
     migrate_by(pool, MIGRATIONS).await
 }
 
-/// Is it this version's schema already?
+/// Whether it is this version's schema already.
 pub(in crate::store) async fn expect_newest(pool: &SqlitePool) -> Result<(), StoreError> {
     let (found, known) = (version(&mut *pool.acquire().await?).await?, newest());
     match found.cmp(&known) {

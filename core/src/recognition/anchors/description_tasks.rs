@@ -185,7 +185,7 @@ fn has_degraded(with_crop: &[(AnchorSeq, &Observation)]) -> bool {
     with_crop.iter().any(|(_, seen)| seen.crop_reading.as_ref().is_some_and(|read| read.degraded))
 }
 
-/// Do enough of the readings agree, or were enough taken to leave it at that?
+/// Whether enough of the readings agree, or enough were taken to leave it at that.
 fn agrees(object: &MergedAnchor, reads: usize, agreeing_reads: u32) -> bool {
     let wanted = agreeing_reads as usize;
     let told: Vec<(Text, usize)> =
@@ -238,7 +238,7 @@ fn of_object<'a>(
     information.into_iter().chain(merge)
 }
 
-/// Do both texts describe one object, and each say something that the other does not? `None` if a model is to tell.
+/// Whether both texts describe one object, and each say something that the other does not. `None` if a model is to tell.
 fn describe_one(index: &MapIndex, class: &str, a: &str, b: &str) -> Option<bool> {
     let merged = semantics::merge(a, b);
     if merged == a || merged == b {

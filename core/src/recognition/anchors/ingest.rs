@@ -24,7 +24,7 @@ pub struct Ingested {
     pub keyframe: KeyframeSeq,
     /// What became of its detections, in their order.
     pub outcomes: Vec<Outcome>,
-    /// Does it see an anchor that matches one seen before? That triggers loop detection (§III).
+    /// Whether it sees an anchor that matches one seen before. That triggers loop detection (§III).
     pub revisits: bool,
     /// The changes and events.
     pub decided: Decided,

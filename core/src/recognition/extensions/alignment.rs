@@ -87,7 +87,7 @@ impl Compared {
         }
     }
 
-    /// Are there anchors to be held against a transformation?
+    /// Whether there are anchors to be held against a transformation.
     pub fn has_anchors(&self) -> bool {
         self.total_weight > 0.0
     }

@@ -92,7 +92,7 @@ pub fn worst_case(
     Some(WorstCase { awaited: waiting, similarity, contradicting_weight })
 }
 
-/// Has nothing described this anchor, and is there a crop that a model has not looked at?
+/// Whether nothing has described this anchor, and there is a crop that a model has not looked at.
 fn is_awaited(index: &MapIndex, anchor: &LocalAnchor) -> bool {
     let LocalName::MergedAnchor(root) = anchor.name else { return false };
     let unread = |member: &crate::domain::ids::AnchorSeq| {

@@ -124,7 +124,7 @@ pub struct InlineAnchor {
     pub class: Box<str>,
     /// What was read, parsed.
     pub text: Option<Arc<Text>>,
-    /// Did a model or a person describe it?
+    /// Whether a model or a person described it.
     pub described: bool,
     /// Whether the reader was not confident, and nothing else of the map was read alike.
     pub doubtful: bool,

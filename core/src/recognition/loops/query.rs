@@ -58,7 +58,7 @@ impl<'a> Query<'a> {
         Self { roles, ..self }
     }
 
-    /// Is this keyframe covisible with the query, or the query itself (§V, check 1)?
+    /// Whether this keyframe is covisible with the query, or the query itself (§V, check 1).
     pub fn excludes(&self, keyframe: KeyframeSeq) -> bool {
         self.centre.covisible.contains(&keyframe)
     }
@@ -81,7 +81,7 @@ impl<'a> Query<'a> {
         seqs.filter(|seq| !self.excludes(*seq) && self.is_too_recent(index, *seq)).count()
     }
 
-    /// Is this keyframe the query itself, or covisible with it for another reason than a confirmed loop? A loop
+    /// Whether this keyframe is the query itself, or covisible with it for another reason than a confirmed loop. A loop
     /// joins two passages and does not make them one.
     pub fn passes_with(&self, index: &MapIndex, keyframe: KeyframeSeq) -> bool {
         self.excludes(keyframe)

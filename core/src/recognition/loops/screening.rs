@@ -82,7 +82,7 @@ pub struct PreVerified {
     pub path: Option<TrackedPath>,
     /// Its geometry: camera, pose and map points.
     pub sight: Option<GeometrySnapshot>,
-    /// Did the built-in judge stand in for a model that is away?
+    /// Whether the built-in judge stood in for a model that is away.
     pub is_degraded: bool,
 }
 
@@ -158,11 +158,11 @@ pub struct Screening {
     pub map_version: u64,
     /// The map's settings at that version.
     pub settings: Settings,
-    /// Are the map's lengths metres?
+    /// Whether the map's lengths are metres.
     pub metric: bool,
     /// Which checks the query asks for.
     pub verify: Verify,
-    /// Has the query no words?
+    /// Whether the query has no words.
     pub empty_bow: bool,
     /// The number of keyframes left out as covisible.
     pub excluded_covisible: usize,
@@ -170,7 +170,7 @@ pub struct Screening {
     pub too_recent: usize,
     /// The query's loops that are confirmed already, by id.
     pub closed: Vec<ClosedLoop>,
-    /// Did the built-in judge stand in for a model that is away, about any candidate?
+    /// Whether the built-in judge stood in for a model that is away, about any candidate.
     pub degraded: bool,
     /// The pairs of keyframes of this map that geometry verified and the anchors contradict (M16); 0 where the
     /// map's settings do not mind.

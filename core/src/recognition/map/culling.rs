@@ -45,7 +45,7 @@ fn points_of(index: &MapIndex, keyframe: KeyframeSeq) -> Option<(SessionSeq, BTr
     Some((culled.session, points))
 }
 
-/// Has the map point a position, and nobody who would miss it? As in SLAM, where a point that nobody observes is culled;
+/// Whether the map point has a position, and no observer that would miss it. As in SLAM, where a point that nobody observes is culled;
 /// one that was sent before anybody observed it waits for its first observer.
 fn is_orphan(index: &MapIndex, session: SessionSeq, id: PointId) -> bool {
     index.points().position(session, id).is_some()

@@ -60,7 +60,7 @@ pub struct Correspondence {
 }
 
 impl Correspondence {
-    /// Does the candidate itself see it, and have both sides a position for it?
+    /// Whether the candidate itself sees it, and both sides have a position for it.
     pub fn is_located(&self) -> bool {
         self.candidate_feature.is_some() && self.into_query.is_some() && self.into_candidate.is_some()
     }

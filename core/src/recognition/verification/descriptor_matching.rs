@@ -65,7 +65,7 @@ impl Acceptance {
         Self { max_distance, max_ratio: limits.max_ratio, mutual: limits.mutual }
     }
 
-    /// Is the best near enough, and clearly nearer than the second best?
+    /// Whether the best is near enough, and clearly nearer than the second best.
     fn accepts(&self, best: u16, second: u16) -> bool {
         let best = f64::from(best);
         best <= self.max_distance && (second == u16::MAX || best < self.max_ratio * f64::from(second))

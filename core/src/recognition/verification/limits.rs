@@ -25,7 +25,7 @@ pub struct Limits {
     pub max_log10_false_alarms: f64,
     /// The inliers that must be beyond doubt.
     pub sure: SureLimits,
-    /// Is the scale 1, the map being metric?
+    /// Whether the scale is 1, the map being metric.
     pub fixed_scale: bool,
     /// How descriptors are matched.
     pub matching: MatchingLimits,
@@ -72,9 +72,9 @@ pub struct MatchingLimits {
     pub max_distance: f64,
     /// The best must be closer than this share of the second best (ORB-SLAM's loop closing: 0.75 to 0.9).
     pub max_ratio: f64,
-    /// Must each be the other's best?
+    /// Whether each must be the other's best.
     pub mutual: bool,
-    /// Must the matches turn the image alike, where both sides have orientations?
+    /// Whether the matches must turn the image alike, where both sides have orientations.
     pub orientation: bool,
 }
 

@@ -44,7 +44,7 @@ impl Model {
     }
 }
 
-/// Is the candidate the query's place?
+/// Whether the candidate is the query's place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// A model explains more features than chance does.

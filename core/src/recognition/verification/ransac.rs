@@ -115,7 +115,7 @@ impl PointPair {
     }
 }
 
-/// Can three pairs give a transformation worth testing? Surfaces are seen from one side only: a triangle that turns
+/// Whether three pairs can give a transformation worth testing. Surfaces are seen from one side only: a triangle that turns
 /// clockwise in one image and counter-clockwise in the other would have to be looked at from behind. Without this test a
 /// wall and its mirror image match, by a turn of 180 degrees.
 fn is_sound(sample: &[PointPair; 3], scale: Scale, limits: &SamplingLimits) -> bool {
@@ -158,7 +158,7 @@ impl Triangle {
         }
     }
 
-    /// Is it large enough for its distance, and wide enough for its length?
+    /// Whether it is large enough for its distance, and wide enough for its length.
     fn has_shape(&self, limits: &SamplingLimits) -> bool {
         let [a, b, c] = self.squared_sides;
         let longest = a.max(b).max(c);

@@ -216,7 +216,7 @@ impl MapIndex {
         self.texts.verdicts()
     }
 
-    /// Does the map wait for a model that is away?
+    /// Whether the map waits for a model that is away.
     pub fn model_away(&self) -> bool {
         self.model_away
     }
@@ -262,7 +262,7 @@ impl MapIndex {
         object.members.first().and_then(|member| self.anchor(*member)).map_or("", |anchor| &anchor.class)
     }
 
-    /// Does some keyframe that sees one object see what a keyframe of the other sees?
+    /// Whether some keyframe that sees one object sees what a keyframe of the other sees.
     pub fn objects_covisible(&self, a: &MergedAnchor, b: &MergedAnchor) -> bool {
         !self.covisibility().around(&self.keyframes_of(a)).is_disjoint(&self.keyframes_of(b))
     }

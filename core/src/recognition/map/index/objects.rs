@@ -43,7 +43,7 @@ pub struct Description {
     pub raw: Box<str>,
     /// The same, parsed.
     pub text: Arc<Text>,
-    /// Did an operator set it?
+    /// Whether an operator set it.
     pub by_hand: bool,
     /// Its certainty, but for passages, which depend on where the robot drove.
     pub certainty: Certainty,
@@ -164,7 +164,7 @@ impl Objects {
         self.by_root.len()
     }
 
-    /// Is there none?
+    /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.by_root.is_empty()
     }

@@ -14,9 +14,9 @@ const UNITS_PER_CONFIDENCE: f64 = 1e6;
 /// The votes for one reading; readings that normalise alike are one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Tally {
-    /// Does it say anything? Any number of "unknown" does not outvote one number read.
+    /// Whether it says anything. Any number of "unknown" does not outvote one number read.
     informative: bool,
-    /// Did a model or a person say so at least once?
+    /// Whether a model or a person said so at least once.
     described: bool,
     units: u64,
     count: usize,
@@ -44,7 +44,7 @@ pub struct Elected<'a> {
     pub text: &'a str,
     /// How many detections read it alike.
     pub count: usize,
-    /// Did a model or a person say so at least once?
+    /// Whether a model or a person said so at least once.
     pub described: bool,
     /// The summed confidence of these detections.
     pub weight: f64,
@@ -109,7 +109,7 @@ impl Votes {
         Some(Elected { text: &best.text, count: best.count, described: best.described, weight })
     }
 
-    /// Is this, in normal form, one of the readings?
+    /// Whether this is one of the readings, in normal form.
     pub fn says(&self, normalised: &str) -> bool {
         self.tallies.contains_key(normalised)
     }

@@ -175,7 +175,7 @@ fn stepped(
     Some((turn.to_rotation_matrix().into_inner() * rotation, moved.try_normalize(1e-12)?))
 }
 
-/// Does the point where the two rays come nearest lie in front of both cameras?
+/// Whether the point where the two rays come nearest lies in front of both cameras.
 fn is_in_front(pair: &RayPair, rotation: &Matrix3<f64>, direction: &Vector3<f64>) -> bool {
     // depth_c * candidate = depth_q * (R query) + t, in the sense of least squares.
     let (a, b) = (rotation * pair.query.ray, pair.candidate.ray);

@@ -142,7 +142,7 @@ fn frame_of([a, b, c, d]: &[Vector3<f64>; 4]) -> Option<Matrix3<f64>> {
     Some(Matrix3::from_columns(&[a * weights.x, b * weights.y, c * weights.z]))
 }
 
-/// Can four pairs give a map worth testing? No three may lie on a line, and every three must turn alike in both images.
+/// Whether four pairs can give a map worth testing. No three may lie on a line, and every three must turn alike in both images.
 fn is_sound(sample: &[&RayPair; 4]) -> bool {
     let triples = [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]];
     triples.into_iter().all(|triple| {

@@ -17,7 +17,7 @@ impl TextIndex {
         others.filter_map(|other| Some(named(other, self.judge(&node.text, other)?))).collect()
     }
 
-    /// Does a text mean the same in both indexes, of which the texts and verdicts are the same?
+    /// Whether a text means the same in both indexes, of which the texts and verdicts are the same.
     fn says_the_same(&self, id: TextId, other: &Self, theirs: TextId) -> bool {
         let (a, b) = (self.node(id), other.node(theirs));
         // What neither lists follows from the texts and the verdicts alone.

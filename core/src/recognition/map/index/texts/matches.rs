@@ -33,7 +33,7 @@ impl Matches {
         }
     }
 
-    /// Is there no list?
+    /// Whether there is no list.
     pub(super) fn is_crowded(&self) -> bool {
         matches!(self, Self::Crowded)
     }

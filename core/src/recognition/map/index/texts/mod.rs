@@ -195,7 +195,7 @@ impl TextIndex {
         shared.filter(|other| *other != id && self.node(*other).class == node.class).collect()
     }
 
-    /// Do two texts of the map match, and who says so?
+    /// Returns whether two texts of the map match, and the source of that judgement.
     pub fn level(&self, a: TextId, b: TextId) -> Option<(u8, Source)> {
         let (of_a, of_b) = (self.node(a), self.node(b));
         if a == b {
