@@ -71,7 +71,7 @@ pub struct AnchorView {
     pub merged_into: Option<String>,
     /// The anchors that go by its name.
     pub merged_from: Vec<String>,
-    /// Is there a crop at `.../crop`?
+    /// Whether there is a crop at `.../crop`.
     pub has_crop: bool,
     /// Grows with each fact about this anchor; the `etag` of its answers, wanted by `if-match`.
     pub version: u64,

@@ -21,7 +21,7 @@ pub struct MapBody {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_length = 4096)]
     pub description: Option<String>,
-    /// Are its lengths metres? Then the scale between two sessions is 1. If not, settings in metres are in the unit of the
+    /// Whether its lengths are metres. Then the scale between two sessions is 1. If not, settings in metres are in the unit of the
     /// poses that it is sent.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(default = true)]
@@ -43,7 +43,7 @@ pub struct MapPatchBody {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_length = 4096)]
     pub description: Option<String>,
-    /// Are its lengths metres?
+    /// Whether its lengths are metres.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub metric: Option<bool>,
     /// The classes of which anchors are made from now on; empty means every class.
@@ -69,7 +69,7 @@ pub struct MapView {
     pub map_version: u64,
     /// Free text for people.
     pub description: String,
-    /// Are its lengths metres?
+    /// Whether its lengths are metres.
     pub metric: bool,
     /// The classes of which anchors are made, sorted; empty means every class.
     pub anchor_classes: Vec<String>,

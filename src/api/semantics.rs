@@ -45,9 +45,9 @@ pub struct LevelAnswer {
     pub source: String,
     /// One sentence for a person.
     pub reason: String,
-    /// Did the answer come from a cache of model answers?
+    /// Whether the answer came from a cache of model answers.
     pub cached: bool,
-    /// Did the built-in judge stand in because a model was away?
+    /// Whether the built-in judge stood in because a model was away.
     pub degraded: bool,
 }
 
@@ -58,9 +58,9 @@ pub struct MergeAnswer {
     pub text: String,
     /// Who merged: `lexical` or `model:<name>`.
     pub source: String,
-    /// Did the answer come from a cache of model answers?
+    /// Whether the answer came from a cache of model answers.
     pub cached: bool,
-    /// Did the built-in judge stand in because a model was away?
+    /// Whether the built-in judge stood in because a model was away.
     pub degraded: bool,
 }
 

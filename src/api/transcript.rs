@@ -29,7 +29,7 @@ pub struct TranscriptView {
     pub text: String,
     /// Who described it: `model:<name>`, or a reader of characters such as `tesseract`.
     pub source: String,
-    /// Did a reader stand in because a model was away? It is described again then.
+    /// Whether a reader stood in because a model was away. It is described again then.
     pub degraded: bool,
     /// Questions and answers, in their order.
     pub steps: Vec<StepView>,

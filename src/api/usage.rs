@@ -34,7 +34,7 @@ pub struct Usage {
     /// The most that a day may cost, in US dollars; left out without such a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub daily_usd: Option<f64>,
-    /// Is a model away, or the day's budget spent? With models only.
+    /// Whether a model is away, or the day's budget spent. With models only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub away: Option<bool>,
 }

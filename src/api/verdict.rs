@@ -31,7 +31,7 @@ pub struct LoopAnswer {
     pub loops: Vec<String>,
     /// Whether a stand-in judged because a model was away.
     pub degraded: bool,
-    /// Has the map shown one view in two places, so that geometry alone closes no loop in it (see the map's `twins`)? Left
+    /// Whether the map has shown one view in two places, so that geometry alone closes no loop in it (see the map's `twins`). Left
     /// out where it has not.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub has_twins: bool,

@@ -252,7 +252,7 @@ impl Object<'_> {
         }
     }
 
-    /// Is the field there?
+    /// Whether the field is there.
     pub fn has(&self, name: &str) -> bool {
         self.members.contains_key(name)
     }

@@ -116,7 +116,7 @@ pub struct DetectionView {
     /// What a model or a person made of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub description: Option<String>,
-    /// Did a crop come with it?
+    /// Whether a crop came with it.
     pub has_crop: bool,
     /// The anchor that it feeds.
     #[serde(skip_serializing_if = "Option::is_none")]
