@@ -22,6 +22,7 @@
 //! | a number with its noun | [`mod@counted`] |
 
 pub mod anchor;
+pub mod anchor_name;
 pub mod bow;
 pub mod change;
 pub mod counted;
@@ -38,6 +39,7 @@ pub mod loop_warning;
 pub mod map;
 pub mod method;
 pub mod named;
+pub mod named_detection;
 pub mod point_list;
 pub mod reason;
 pub mod recorded;

@@ -1,8 +1,9 @@
 //! Recorded operations: what a map was sent, one by one, as a recording writes it.
 
-use super::ids::{KeyframeId, LoopId};
+use super::ids::LoopId;
 use super::judged::{CropReading, ModelVerdict};
 use super::keyframe::NewKeyframe;
+pub use super::named_detection::NamedDetection;
 use super::request::{MapPatch, NewLoop, PoseCorrection};
 
 /// An operation that changed a map, as its client sent it.
@@ -36,13 +37,4 @@ pub enum Recorded {
         /// The reading.
         reading: CropReading,
     },
-}
-
-/// A detection by the name of its keyframe. It stands for the anchor that it feeds, whose id is the server's.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct NamedDetection {
-    /// The keyframe.
-    pub keyframe: KeyframeId,
-    /// Which of its detections, counted from 0.
-    pub number: u16,
 }

@@ -5,7 +5,7 @@ use super::ids::{BackupId, JudgementId, KeyframeId, LoopId, PointId, SessionId};
 use super::judged::{CropReading, ModelVerdict};
 use super::judgement::Asks;
 use super::keyframe::NewKeyframe;
-use super::recorded::NamedDetection;
+use super::named_detection::NamedDetection;
 use super::settings::SettingValue;
 use super::verdict::Verify;
 use crate::geometry::{Point3, Pose};

@@ -1,5 +1,6 @@
 //! The answer to "is this keyframe a loop?", with the figures of every check that ran (§V).
 
+pub use super::anchor_name::AnchorName;
 use super::difference::DifferenceEvidence;
 use super::ids::{KeyframeId, LoopId};
 use super::named::named;
@@ -52,25 +53,6 @@ pub struct BowEvidence {
     pub common_words: u32,
     /// The lowest score of the query against its covisible keyframes; 0 without any.
     pub reference_score: f64,
-}
-
-/// Which of the two local anchor maps' anchors an entry names.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum AnchorName {
-    /// An anchor of the map, by its public id.
-    Stored(String),
-    /// The n-th detection of an inline keyframe, which founds no anchor because nothing is stored.
-    Inline(usize),
-}
-
-impl AnchorName {
-    /// Returns the name as the API writes it: `a-7`, or `inline-0`.
-    pub fn to_text(&self) -> String {
-        match self {
-            Self::Stored(id) => id.clone(),
-            Self::Inline(index) => format!("inline-{index}"),
-        }
-    }
 }
 
 /// A pair of anchors that match, x(i, j) = 1 of Eq. (1).

@@ -1,6 +1,6 @@
 //! An axis-aligned bounding box of points in one frame.
 
-use super::Point3;
+use super::point::Point3;
 
 /// A closed axis-aligned box in some frame, in metres. It may be flat, down to a single point.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,7 +7,8 @@
 use nalgebra::{Matrix3, Matrix4, Quaternion, UnitQuaternion, Vector3};
 use thiserror::Error;
 
-use super::{Point3, Sim3};
+use super::point::Point3;
+use super::sim3::Sim3;
 
 /// The rotation is unique if Horn's largest eigenvalue stands alone. Its gap to the next, as a share of it, is twice
 /// the square of "width over length" of the points: below this they are on a line to within rounding.

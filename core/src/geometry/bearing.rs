@@ -2,7 +2,8 @@
 
 use nalgebra::Vector3;
 
-use super::{Point3, Pose};
+use super::point::Point3;
+use super::pose::Pose;
 
 /// The direction and the distance of a point from a camera's centre.
 ///

@@ -2,6 +2,7 @@
 //!
 //! | concept | file |
 //! |---|---|
+//! | point in some frame | [`point`] |
 //! | rigid transformation between two frames | [`pose`] |
 //! | axis-aligned bounding box | [`aabb`] |
 //! | bearing and distance of a point from a camera | [`bearing`] |
@@ -15,14 +16,13 @@ pub mod absolute_orientation;
 pub mod bearing;
 pub mod hamming;
 pub mod pinhole;
+pub mod point;
 pub mod pose;
 pub mod sampling;
 pub mod sim3;
 
-/// A point in some frame, in metres; the name of the variable says which frame.
-pub type Point3 = nalgebra::Point3<f64>;
-
 pub use aabb::Aabb;
 pub use bearing::Bearing;
+pub use point::Point3;
 pub use pose::Pose;
 pub use sim3::Sim3;

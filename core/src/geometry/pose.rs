@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
-use super::Point3;
+use super::point::Point3;
 
 /// How far a quaternion's norm may be from 1 before it is taken for a mistake:
 /// single-precision clients and rounded logs stay far below this.

@@ -2,7 +2,8 @@
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
-use super::{Point3, Pose};
+use super::point::Point3;
+use super::pose::Pose;
 
 /// How far a quaternion's norm may be from 1 before it is taken for a mistake, as for [`Pose`].
 const MAX_NORM_ERROR: f64 = 0.01;

@@ -4,30 +4,17 @@
 //! and changes no answer, is not among them.
 
 mod changed_signs;
+mod constant;
 mod geometry;
 
 use super::anchors::{description_tasks, near_in_meaning, pairs};
 use super::extensions::{alignment, company, distinctiveness, passage, tracked_path, twins};
 use super::loops::candidates;
 use super::verification::{resection, similarity};
+pub use constant::Constant;
+use constant::constant;
+
 use crate::semantics;
-
-/// A number that decides verdicts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Constant {
-    /// The rule and the quantity, as `rule.quantity`.
-    pub name: &'static str,
-    /// Its value.
-    pub value: f64,
-    /// Its unit; `1` for counts, shares and factors.
-    pub unit: &'static str,
-    /// What it does, and where it comes from.
-    pub doc: &'static str,
-}
-
-const fn constant(name: &'static str, value: f64, unit: &'static str, doc: &'static str) -> Constant {
-    Constant { name, value, unit, doc }
-}
 
 /// Returns every constant, rule by rule in the order in which a query meets them.
 pub fn constants() -> impl Iterator<Item = &'static Constant> {

@@ -2,7 +2,7 @@
 
 use plotters::prelude::*;
 
-use super::FigureError;
+use super::error::FigureError;
 
 /// One arm's curve.
 #[derive(Clone, Debug)]

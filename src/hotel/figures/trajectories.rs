@@ -3,7 +3,7 @@
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::FigureError;
+use super::error::FigureError;
 use crate::hotel::building::floor_plan::{Flat, Wall};
 
 /// One trajectory with what is to be seen behind it.

@@ -1,6 +1,7 @@
 //! Sensing: camera, depth, odometry, detector and text recognition, each with its noise.
 
 pub mod camera;
+pub mod misreading;
 pub mod monocular;
 pub mod noise;
 pub mod ocr;

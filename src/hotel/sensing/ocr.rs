@@ -17,7 +17,7 @@
 //! that are alike.
 
 use super::camera::IMAGE_PX;
-use super::reader::misread;
+use super::misreading::misread;
 use crate::hotel::building::signs::Sign;
 use crate::hotel::rng::SeededRng;
 

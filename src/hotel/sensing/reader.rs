@@ -1,26 +1,10 @@
 //! Reader: what a detector's text recognition, or a model that describes pictures, makes of a sign.
 
+use super::misreading::misread;
 use super::noise::Noise;
 use super::ocr;
 use crate::hotel::building::signs::{Sign, SignKind};
 use crate::hotel::rng::SeededRng;
-
-/// Characters that are taken for each other.
-const LOOK_ALIKE: [(char, &str); 10] = [
-    ('0', "869"),
-    ('1', "74"),
-    ('2', "7"),
-    ('3', "89"),
-    ('4', "91"),
-    ('5', "683"),
-    ('6', "580"),
-    ('7', "12"),
-    ('8', "3069"),
-    ('9', "084"),
-];
-
-/// Of readings that are wrong, this share has lost a character; the others have it replaced.
-const DROPPED_SHARE: f64 = 0.25;
 
 /// Words that describe the same painting, each the other's.
 const SYNONYMS: [(&str, &str); 12] = [
@@ -128,17 +112,4 @@ impl Reader {
         ]);
         wording.replace("{}", what)
     }
-}
-
-/// Returns a number as it may be misread.
-pub fn misread(number: &str, rng: &mut SeededRng) -> String {
-    let mut characters: Vec<char> = number.chars().collect();
-    let at = rng.below(characters.len());
-    if rng.happens(DROPPED_SHARE) && characters.len() > 1 {
-        characters.remove(at);
-    } else if let Some((_, alike)) = LOOK_ALIKE.iter().find(|(character, _)| *character == characters[at]) {
-        let alike: Vec<char> = alike.chars().collect();
-        characters[at] = *rng.one_of(&alike);
-    }
-    characters.into_iter().collect()
 }

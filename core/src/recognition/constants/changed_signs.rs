@@ -1,6 +1,6 @@
 //! Constants of signs that change (M18).
 
-use super::{Constant, constant};
+use super::constant::{Constant, constant};
 use crate::recognition::extensions::{changed_signs, way_by_loops};
 use crate::recognition::map::index::CELL_M;
 

@@ -1,6 +1,6 @@
 //! Constants of geometry (§V, the last step).
 
-use super::{Constant, constant};
+use super::constant::{Constant, constant};
 use crate::geometry::pinhole::MIN_DEPTH;
 use crate::recognition::loops::geometry_snapshot;
 use crate::recognition::verification::limits::Limits;

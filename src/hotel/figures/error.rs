@@ -1,0 +1,12 @@
+//! Why a figure could not be drawn.
+
+/// Why a figure could not be drawn.
+#[derive(Debug, thiserror::Error)]
+#[error("the figure cannot be drawn: {0}")]
+pub struct FigureError(String);
+
+impl FigureError {
+    pub(super) fn of(error: impl std::fmt::Display) -> Self {
+        Self(error.to_string())
+    }
+}
