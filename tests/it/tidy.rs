@@ -4,6 +4,11 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use imports::{circles, import_graph};
+
+mod imports;
+mod tokens;
+
 /// The rooms from the top down; a room imports only from rows below its own. Rooms of one row do not
 /// know each other.
 const LAYERS: &[&[&str]] = &[
@@ -139,6 +144,44 @@ fn the_core_does_no_io_and_knows_no_clock_no_json_and_no_async() {
             "async ",
         ] {
             assert!(!text.contains(forbidden), "{} uses {forbidden}", path.display());
+        }
+    }
+}
+
+/// Rooms whose circles are not untied yet, by root.
+const ROOMS_WITH_CIRCLES: [(&str, &[&str]); 2] = [
+    ("src", &["cli", "engine", "hotel"]),
+    ("core/src", &["domain", "geometry", "recognition", "semantics", "vocabulary"]),
+];
+
+#[test]
+fn no_files_of_a_room_import_each_other_in_a_circle() {
+    let mut wrong = Vec::new();
+    for (root, not_yet) in ROOMS_WITH_CIRCLES {
+        let files = sources_of(root);
+        let code = files.iter().filter(|(path, _)| !is_test(path));
+        let graph = import_graph(code.map(|(path, text)| (path.as_path(), text.as_str())));
+        for circle in circles(&graph) {
+            if circle.iter().all(|file| not_yet.contains(&&*room(Path::new(file)))) {
+                continue;
+            }
+            let inside = circle.iter().map(|file| {
+                let imported = graph[file].iter().filter(|other| circle.contains(other));
+                format!("{root}/{file} -> {}", imported.cloned().collect::<Vec<_>>().join(", "))
+            });
+            wrong.push(inside.collect::<Vec<_>>());
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+#[test]
+fn print_graph() {
+    let files = sources_of("src");
+    let code = files.iter().filter(|(path, _)| !is_test(path));
+    let graph = import_graph(code.map(|(path, text)| (path.as_path(), text.as_str())));
+    for (file, to) in graph {
+        if file.starts_with("store/") || file.starts_with("service/") || file.starts_with("integrity/") {
+            println!("{file} -> {to:?}");
         }
     }
 }
