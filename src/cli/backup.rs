@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Failure, write_out};
+use super::failure::Failure;
+use super::output::write_out;
 use crate::domain::counted::counted;
 use crate::integrity::backup::{Copied, Copy, folder_of, regular_or_free};
 use crate::integrity::restore::{Allowed, restore};

@@ -3,7 +3,8 @@
 use clap::Args;
 use serde_json::json;
 
-use super::{Failure, write_out};
+use super::failure::Failure;
+use super::output::write_out;
 use crate::domain::counted::counted;
 use crate::integrity::check::{Checked, check};
 use crate::integrity::map_check::MapCheck;

@@ -1,9 +1,10 @@
 //! `revisit completions`: prints a script that completes the commands and flags of `revisit` in a shell.
 
-use clap::{Args, CommandFactory as _};
+use clap::{Args, Command};
 use clap_complete::Shell;
 
-use super::{Cli, Failure, write_out};
+use super::failure::Failure;
+use super::output::write_out;
 
 /// Print the script that completes commands and flags in a shell.
 ///
@@ -16,9 +17,9 @@ pub struct CompletionsArgs {
     shell: Shell,
 }
 
-/// Runs it.
-pub fn run(args: &CompletionsArgs) -> Result<(), Failure> {
+/// Prints the script that completes this program.
+pub fn run(args: &CompletionsArgs, mut program: Command) -> Result<(), Failure> {
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "revisit", &mut script);
+    clap_complete::generate(args.shell, &mut program, "revisit", &mut script);
     Ok(write_out(std::str::from_utf8(&script)?)?)
 }

@@ -4,8 +4,10 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 
-use super::hotel::hotel_server;
-use super::{Failure, stop_on_signal, write_out};
+use super::failure::Failure;
+use super::hotel_server::hotel_server;
+use super::output::write_out;
+use super::signals::stop_on_signal;
 use crate::client::Client;
 use crate::domain::verdict::Decision;
 use crate::geometry::absolute_orientation::Scale;

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use tempfile::NamedTempFile;
 
-use super::Failure;
+use super::failure::Failure;
 use crate::api::recording::write_line;
 use crate::client::Client;
 use crate::domain::counted::counted;

@@ -2,7 +2,8 @@
 
 use clap::Args;
 
-use super::{Failure, write_out};
+use super::failure::Failure;
+use super::output::write_out;
 use crate::config::tls;
 
 /// Ask a running server whether it is ready.

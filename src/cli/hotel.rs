@@ -1,11 +1,9 @@
-//! The subcommands that simulate: what they are, and the server that they talk to.
+//! The subcommands of the simulated hotel.
 
 use clap::Subcommand;
 
-use super::replay::OwnServer;
-use super::serve::temporary_server;
-use super::{Failure, demo, eval};
-use crate::hotel::building::texture::Patterns;
+use super::failure::Failure;
+use super::{demo, eval};
 
 /// The subcommands of the simulated hotel.
 #[derive(Debug, Subcommand)]
@@ -22,10 +20,4 @@ impl HotelCommand {
             Self::Eval(args) => eval::run(args).await,
         }
     }
-}
-
-/// Starts a server with the vocabulary of the simulated hotel, on a database that goes with it.
-pub async fn hotel_server() -> Result<OwnServer, Failure> {
-    let vocabulary = tokio::task::spawn_blocking(|| Patterns::new().vocabulary()).await??;
-    temporary_server(Some(vocabulary)).await
 }

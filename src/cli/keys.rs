@@ -4,7 +4,8 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use clap::{Args, Subcommand};
 
-use super::{Failure, write_out};
+use super::failure::Failure;
+use super::output::write_out;
 use crate::domain::counted::counted;
 use crate::domain::key::{Action, Key, KeyProperties, MapPattern};
 use crate::domain::keyframe::Stamp;

@@ -2,7 +2,8 @@
 
 use clap::{Args, ValueEnum};
 
-use super::{Failure, write_out};
+use super::failure::Failure;
+use super::output::write_out;
 use crate::http::document;
 
 /// Print the API document (OpenAPI 3.1).

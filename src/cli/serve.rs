@@ -8,8 +8,10 @@ use std::path::PathBuf;
 use clap::Args;
 use tokio::net::TcpListener;
 
+use super::failure::Failure;
+use super::output::write_out;
 use super::replay::OwnServer;
-use super::{Failure, stop_on_signal, write_out};
+use super::signals::stop_on_signal;
 use crate::api::verdict::LoopAnswer;
 use crate::config::memory::MemoryArgs;
 use crate::config::quotas::Quotas;

@@ -16,7 +16,8 @@ use flate2::write::GzEncoder;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Deserialize;
 
-use super::{Failure, write_out};
+use super::failure::Failure;
+use super::output::write_out;
 use crate::vocabulary::train::{TrainSettings, TrainingSet, train};
 use crate::vocabulary::{Vocabulary, decompressed};
 

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 use tempfile::NamedTempFile;
 
-use crate::cli::Failure;
+use crate::cli::failure::Failure;
 use crate::hotel::scoring::results::WorldResult;
 use crate::hotel::sensing::noise::NoiseKind;
 

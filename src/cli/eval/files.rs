@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::json;
 
-use crate::cli::Failure;
+use crate::cli::failure::Failure;
 use crate::geometry::absolute_orientation::Scale;
 use crate::geometry::{Point3, Pose};
 use crate::hotel::figures::{Panel, precision_recall, trajectories};

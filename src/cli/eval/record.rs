@@ -7,8 +7,8 @@ use std::path::Path;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
-use super::HotelArgs;
-use crate::cli::Failure;
+use super::arguments::HotelArgs;
+use crate::cli::failure::Failure;
 use crate::hotel::building::texture::Patterns;
 use crate::hotel::recording::recording;
 use crate::hotel::scenario::Scenario;

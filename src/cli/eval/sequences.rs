@@ -2,11 +2,12 @@
 
 use futures_util::{StreamExt as _, TryStreamExt as _};
 
-use super::HotelArgs;
+use super::arguments::HotelArgs;
 use super::files::{self, Driven12};
 use super::progress::Progress;
 use super::words_alone::words_alone;
-use crate::cli::{Failure, write_out};
+use crate::cli::failure::Failure;
+use crate::cli::output::write_out;
 use crate::client::Client;
 use crate::geometry::absolute_orientation::Scale;
 use crate::hotel::building::texture::Patterns;

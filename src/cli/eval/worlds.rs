@@ -2,10 +2,12 @@
 
 use futures_util::{StreamExt as _, TryStreamExt as _};
 
+use super::arguments::HotelArgs;
 use super::driven_worlds::DrivenWorlds;
+use super::files;
 use super::progress::Progress;
-use super::{HotelArgs, files};
-use crate::cli::{Failure, write_out};
+use crate::cli::failure::Failure;
+use crate::cli::output::write_out;
 use crate::client::{AnchorSearch, Client, Page};
 use crate::hotel::building::renumbering::{Signs, by_round};
 use crate::hotel::building::texture::Patterns;

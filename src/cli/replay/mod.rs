@@ -13,9 +13,12 @@
 //! | `table` | the same for a person to read |
 
 mod answered;
+mod arguments;
+mod error;
 mod frames;
 mod latency;
 mod overrides;
+mod own_server;
 mod play;
 mod recording;
 mod report;
@@ -24,141 +27,22 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-use std::any::Any;
 use std::error::Error;
-use std::io::{self, Write};
-use std::path::PathBuf;
 
-use clap::Args;
-use clap::builder::BoolishValueParser;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::client::{Client, ClientError};
+use crate::cli::output::write_out;
+use crate::client::Client;
 use frames::Frames;
 use play::Player;
 use recording::Recording;
 use report::Report;
 
+pub use arguments::ReplayArgs;
+pub use error::ReplayError;
 pub use overrides::{Overrides, Setting};
+pub use own_server::OwnServer;
 pub use recording::{LineError, count_operations};
-
-/// What a recording is, below the options of `--help`.
-const FORMAT: &str = include_str!("format.txt");
-
-/// Play a recording and score the loops found.
-///
-/// Without --server the recording is played against a server of its own, on a database that is thrown away. What a recording
-/// is stands below the options.
-#[derive(Args, Clone, Debug)]
-#[command(after_long_help = FORMAT)]
-pub struct ReplayArgs {
-    /// The recording: NDJSON, plain or compressed with gzip or zstd; `-` is standard input
-    pub file: PathBuf,
-    /// Play against this server instead of one of its own
-    #[arg(long, env = "REVISIT_SERVER", value_name = "URL")]
-    pub server: Option<String>,
-    /// API key for --server
-    #[arg(long, env = "REVISIT_KEY", value_name = "SECRET", hide_env_values = true)]
-    pub key: Option<String>,
-    /// Put this before every map id, to replay beside a map that is there already
-    #[arg(long, env = "REVISIT_MAP_PREFIX", value_name = "PREFIX", default_value = "")]
-    pub map_prefix: String,
-    /// Let every query wait this long for descriptions that a model still owes
-    #[arg(long, env = "REVISIT_MAX_WAIT_MS", value_name = "MS")]
-    pub max_wait_ms: Option<u64>,
-    /// Which settings to change
-    #[command(flatten)]
-    pub overrides: Overrides,
-    /// Where each session's frame lies in a common one: checks the transformations of the loops found
-    #[arg(long, env = "REVISIT_FRAMES", value_name = "FILE")]
-    pub frames: Option<PathBuf>,
-    /// One line for every query with a true loop that was not accepted: why not
-    #[arg(long, env = "REVISIT_EXPLAIN", value_parser = BoolishValueParser::new())]
-    pub explain: bool,
-    /// Go on when the server refuses a line; the exit code still says so
-    #[arg(long, env = "REVISIT_KEEP_GOING", value_parser = BoolishValueParser::new())]
-    pub keep_going: bool,
-    /// One JSON object on standard output instead of the table
-    #[arg(long, env = "REVISIT_JSON", value_parser = BoolishValueParser::new())]
-    pub json: bool,
-}
-
-/// A server that runs as long as this value lives.
-pub struct OwnServer {
-    url: String,
-    _running: Box<dyn Any + Send>,
-}
-
-impl OwnServer {
-    /// Returns the server at `url`; dropping `running` stops it and removes its database.
-    pub fn new(url: impl Into<String>, running: impl Send + 'static) -> Self {
-        Self { url: url.into(), _running: Box::new(running) }
-    }
-
-    /// Where it listens.
-    pub fn url(&self) -> &str {
-        &self.url
-    }
-}
-
-/// Why a replay came to no score, or to an incomplete one.
-#[derive(Debug, thiserror::Error)]
-pub enum ReplayError {
-    /// The file cannot be read.
-    #[error("cannot read {}: {source}", path.display())]
-    Open {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// The file of frames is none.
-    #[error("{0}")]
-    Frames(String),
-    /// No server to play against.
-    #[error("cannot start a server to replay against: {0}")]
-    OwnServer(Box<dyn Error + Send + Sync>),
-    /// The server's address is wrong.
-    #[error(transparent)]
-    Address(ClientError),
-    /// A line is no operation.
-    #[error(transparent)]
-    Line(#[from] LineError),
-    /// A line of the recording was refused, or not answered.
-    #[error("line {line}, {what}: {source}")]
-    Refused {
-        /// Counted from 1.
-        line: u64,
-        /// Which operation.
-        what: String,
-        /// What the server said.
-        source: ClientError,
-    },
-    /// A map of the recording's name holds something else.
-    #[error(
-        "line {line}: {server} has a map {map:?} with other content already; replay beside it with \
-         --map-prefix (say, --map-prefix again-), or delete it first\n{source}"
-    )]
-    MapExists {
-        /// Counted from 1.
-        line: u64,
-        /// The map.
-        map: String,
-        /// The server.
-        server: String,
-        /// What the server said.
-        source: ClientError,
-    },
-    /// The replay went on past refused lines.
-    #[error("{failed} of the recording's lines were refused: the score is that of the others")]
-    Incomplete {
-        /// How many.
-        failed: u64,
-    },
-    /// The score cannot be written.
-    #[error("cannot write the score: {0}")]
-    Output(#[from] io::Error),
-}
 
 /// Runs `revisit replay`; `own_server` starts a server on a temporary database, if one is needed.
 pub async fn run<S>(args: ReplayArgs, own_server: S) -> Result<(), ReplayError>
@@ -206,20 +90,11 @@ fn open(args: &ReplayArgs, progress: &ProgressBar) -> Result<Recording, ReplayEr
 }
 
 fn connect(args: &ReplayArgs, own_server: Option<&OwnServer>) -> Result<Client, ReplayError> {
-    let url = own_server.map(|server| server.url.as_str());
+    let url = own_server.map(OwnServer::url);
     let url = url.or(args.server.as_deref()).unwrap_or_default();
     let client = Client::new(url).map_err(ReplayError::Address)?;
     Ok(match (&args.key, own_server) {
         (Some(key), None) => client.with_key(key),
         _ => client,
     })
-}
-
-/// Returns a reader that has seen enough (`revisit replay ... | head`) is no error.
-fn write_out(text: &str) -> io::Result<()> {
-    let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        other => other,
-    }
 }

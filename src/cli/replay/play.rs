@@ -8,11 +8,12 @@ use indicatif::ProgressBar;
 use serde_json::{Map, Value};
 
 use super::answered::{Answered, Labels};
+use super::arguments::ReplayArgs;
+use super::error::ReplayError;
 use super::frames::Frames;
 use super::latency::Times;
 use super::overrides::Overrides;
 use super::recording::{Body, Deleted, Line, Op, Recording};
-use super::{ReplayArgs, ReplayError};
 use crate::client::{Client, ClientError, Recorded};
 
 /// The HTTP status of "there is another one by that name".

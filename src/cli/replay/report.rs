@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::ReplayArgs;
 use super::answered::{Answered, Figures};
+use super::arguments::ReplayArgs;
 use super::frames::TransformErrors;
 use super::latency::Latency;
 use super::play::Played;

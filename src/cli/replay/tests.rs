@@ -288,7 +288,7 @@ async fn a_malformed_line_stops_the_replay_after_the_lines_before_it() {
 async fn a_given_server_is_used_and_none_is_started() {
     let seen = Seen::default();
     let server = stub(Arc::clone(&seen)).await.expect("a stub");
-    let (unused, report) = play(RECORDING, &["--server", &server.url]).await;
+    let (unused, report) = play(RECORDING, &["--server", server.url()]).await;
     report.expect("a score");
     assert_eq!(unused.len(), 0);
     assert_eq!(seen.lock().expect("no test panicked").len(), 10);

@@ -1,0 +1,21 @@
+//! A server of the program's own.
+
+use std::any::Any;
+
+/// A server that runs as long as this value lives.
+pub struct OwnServer {
+    url: String,
+    _running: Box<dyn Any + Send>,
+}
+
+impl OwnServer {
+    /// Returns the server at `url`; dropping `running` stops it and removes its database.
+    pub fn new(url: impl Into<String>, running: impl Send + 'static) -> Self {
+        Self { url: url.into(), _running: Box::new(running) }
+    }
+
+    /// Where it listens.
+    pub fn url(&self) -> &str {
+        &self.url
+    }
+}
