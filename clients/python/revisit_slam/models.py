@@ -349,7 +349,7 @@ class Anchor(msgspec.Struct, kw_only=True, omit_defaults=True):
     merged_from: list[str]
     """The anchors that go by its name."""
     has_crop: bool
-    """Is there a crop at `.../crop`?"""
+    """Whether there is a crop at `.../crop`."""
     version: int
     """Grows with each fact about this anchor; the `etag` of its answers, wanted by `if-match`."""
     map_version: int | None = None
@@ -699,7 +699,7 @@ class DetectionView(msgspec.Struct, kw_only=True, omit_defaults=True):
     map_points: list[int]
     """The map points that the box covers, ascending."""
     has_crop: bool
-    """Did a crop come with it?"""
+    """Whether a crop came with it."""
     outcome: OutcomeName
     """What became of it."""
     position: list[float] | None = None
@@ -1058,9 +1058,9 @@ class LevelAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     reason: str
     """One sentence for a person."""
     cached: bool
-    """Did the answer come from a cache of model answers?"""
+    """Whether the answer came from a cache of model answers."""
     degraded: bool
-    """Did the built-in judge stand in because a model was away?"""
+    """Whether the built-in judge stood in because a model was away."""
 
 
 class LocalAnchor(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -1109,7 +1109,7 @@ class LoopAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     loops: list[str]
     """Every keyframe that passed, best first."""
     degraded: bool
-    """Did a stand-in judge because a model was away?"""
+    """Whether a stand-in judged because a model was away."""
     excluded_covisible: int
     """How many keyframes are no candidates because they are covisible with the query."""
     closed: list[ConfirmedLoop]
@@ -1119,8 +1119,8 @@ class LoopAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     keyframe: str | None = None
     """The keyframe that was asked about; left out for an inline one."""
     has_twins: bool | None = None
-    """Has the map shown one view in two places, so that geometry alone closes no loop in it (see the map's
-    `twins`)? Left out where it has not.
+    """Whether the map has shown one view in two places, so that geometry alone closes no loop in it (see
+    the map's `twins`). Left out where it has not.
     """
     reason: Reason | None = None
     """Why, where no candidate says it: there is none, or the loop is confirmed and no other is left."""
@@ -1223,8 +1223,8 @@ class MapBody(msgspec.Struct, kw_only=True, omit_defaults=True):
     description: str | None = None
     """Free text for people."""
     metric: bool | None = None
-    """Are its lengths metres? Then the scale between two sessions is 1. If not, settings in metres are in
-    the unit of the poses that it is sent.
+    """Whether its lengths are metres. Then the scale between two sessions is 1. If not, settings in metres
+    are in the unit of the poses that it is sent.
     """
     anchor_classes: list[str] | None = None
     """The classes of which anchors are made; empty means every class."""
@@ -1247,7 +1247,7 @@ class MapPatchBody(msgspec.Struct, kw_only=True, omit_defaults=True):
     description: str | None = None
     """Free text for people."""
     metric: bool | None = None
-    """Are its lengths metres?"""
+    """Whether its lengths are metres."""
     anchor_classes: list[str] | None = None
     """The classes of which anchors are made from now on; empty means every class."""
     settings: Settings | None = None
@@ -1280,7 +1280,7 @@ class MapView(msgspec.Struct, kw_only=True, omit_defaults=True):
     description: str
     """Free text for people."""
     metric: bool
-    """Are its lengths metres?"""
+    """Whether its lengths are metres."""
     anchor_classes: list[str]
     """The classes of which anchors are made, sorted; empty means every class."""
     settings: Settings
@@ -1349,9 +1349,9 @@ class MergeAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     source: str
     """Who merged: `lexical` or `model:<name>`."""
     cached: bool
-    """Did the answer come from a cache of model answers?"""
+    """Whether the answer came from a cache of model answers."""
     degraded: bool
-    """Did the built-in judge stand in because a model was away?"""
+    """Whether the built-in judge stood in because a model was away."""
 
 
 class ModelVerdict(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -1713,7 +1713,7 @@ class Transcript(msgspec.Struct, kw_only=True, omit_defaults=True):
     source: str
     """Who described it: `model:<name>`, or a reader of characters such as `tesseract`."""
     degraded: bool
-    """Did a reader stand in because a model was away? It is described again then."""
+    """Whether a reader stood in because a model was away. It is described again then."""
     steps: list[TranscriptStep]
     """Questions and answers, in their order."""
 
@@ -1788,7 +1788,7 @@ class Usage(msgspec.Struct, kw_only=True, omit_defaults=True):
     daily_usd: float | None = None
     """The most that a day may cost, in US dollars; left out without such a limit."""
     away: bool | None = None
-    """Is a model away, or the day's budget spent? With models only."""
+    """Whether a model is away, or the day's budget spent. With models only."""
 
 
 class UsageItem(msgspec.Struct, kw_only=True, omit_defaults=True):
