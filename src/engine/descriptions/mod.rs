@@ -3,6 +3,8 @@
 pub(super) mod backlog;
 pub(super) mod description_job;
 pub(super) mod rejudging;
+mod round;
 pub(super) mod running_jobs;
 pub(super) mod unexamined;
 pub(super) mod worker;
+mod written_maps;
