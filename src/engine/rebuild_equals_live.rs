@@ -11,7 +11,6 @@ use sqlx::sqlite::SqliteConnectOptions;
 use sqlx::{AssertSqlSafe, ConnectOptions as _, Executor as _};
 
 use super::maps::live::Decision;
-use super::maps::rebuild::rebuild;
 use super::service::Parts;
 use super::{Service, ServiceError, ServiceOptions};
 use crate::config::models::ModelArgs;
@@ -27,6 +26,7 @@ use crate::domain::roles::Roles;
 use crate::domain::settings::SettingValue;
 use crate::domain::verdict::{ReasonCode, Verify};
 use crate::geometry::{Point3, Pose};
+use crate::integrity::rebuild::rebuild;
 use crate::llm::Models;
 use crate::llm::port::{Fault, Model, Question, Reply};
 use crate::recognition::anchors::apply_model_answer::{learn_away, learn_reading, learn_verdict};

@@ -1,6 +1,6 @@
 //! One map: can its index be built, from facts told in either order, and are its numbers dense?
 
-use super::rebuild::rebuild;
+use super::rebuild::{RebuiltMap, rebuild};
 use crate::domain::ids::MapId;
 use crate::domain::map::MapFigures;
 use crate::recognition::loops::features::MatchableFeatures;
@@ -32,8 +32,8 @@ pub struct MapCheck {
 /// Checks a map within a read transaction.
 pub(super) async fn check(db: &mut Inspected, id: &MapId) -> MapCheck {
     let mut found = MapCheck { id: id.to_string(), ..MapCheck::default() };
-    match rebuild(db, id, Order::Forwards).await {
-        Ok(Some((facts, index))) => check_loaded(db, id, &facts, &index, &mut found).await,
+    match rebuild(&mut *db, id, Order::Forwards).await {
+        Ok(Some(RebuiltMap { facts, index })) => check_loaded(db, id, &facts, &index, &mut found).await,
         Ok(None) => {
             found.faults.push("it is in the list of maps, but cannot be found by its name".to_owned());
         }
@@ -79,7 +79,7 @@ async fn law(
     faults: &mut Vec<String>,
 ) -> Result<(), StoreError> {
     let backwards = rebuild(db, id, Order::Backwards).await?;
-    if backwards.is_none_or(|(_, backwards)| backwards != *forwards) {
+    if backwards.is_none_or(|backwards| backwards.index != *forwards) {
         faults.push("its index depends on the order in which its facts are told".to_owned());
     }
     Ok(())

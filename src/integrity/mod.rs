@@ -8,5 +8,5 @@
 pub mod backup;
 pub mod check;
 pub mod map_check;
-mod rebuild;
+pub mod rebuild;
 pub mod restore;

@@ -1,19 +1,29 @@
-//! Rebuild: the index of a map from the facts on disk.
+//! Rebuild: the index of a map from its facts on disk.
 
 use crate::domain::ids::MapId;
 use crate::recognition::map::index::MapIndex;
-use crate::store::{Inspected, MapFacts, Order, StoreError};
+use crate::store::{FactSource, MapFacts, Order, StoreError};
 
-/// Builds a map's index from its facts, told in an order; `None` if there is no such map.
-pub(super) async fn rebuild(
-    db: &mut Inspected,
+/// A map as it is on disk.
+#[derive(Debug)]
+pub struct RebuiltMap {
+    /// Its row.
+    pub facts: MapFacts,
+    /// Everything that follows from its facts.
+    pub index: MapIndex,
+}
+
+/// Builds a map's index from its facts, read in an order; `None` if there is no such map. The index equals the live one:
+/// that is the law of the house.
+pub async fn rebuild(
+    mut source: impl FactSource,
     id: &MapId,
     order: Order,
-) -> Result<Option<(MapFacts, MapIndex)>, StoreError> {
+) -> Result<Option<RebuiltMap>, StoreError> {
     let mut index = MapIndex::default();
-    let facts = db.load(id, order, |changes| index.apply(changes)).await?;
+    let facts = source.load(id, order, |changes| index.apply(changes)).await?;
     Ok(facts.map(|facts| {
         index.reserve(facts.next_keyframe.0, facts.next_anchor.0);
-        (facts, index)
+        RebuiltMap { facts, index }
     }))
 }

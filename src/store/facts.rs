@@ -1,13 +1,15 @@
-//! Facts of a map: what its row says, and in which order its changes are told.
+//! Facts of a map: its row, its changes, and the order in which they are read.
 
 use super::commit::job::MapKey;
-use crate::domain::ids::{AnchorSeq, KeyframeSeq};
+use super::error::StoreError;
+use crate::domain::change::Change;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId};
 use crate::domain::key::KeySeq;
 use crate::domain::map::{Learned, MapFigures};
 use crate::domain::request::Digest;
 
-/// What a map's row says. Its changes are told beside it, part by part: together they take as much memory as the index that
-/// is built from them.
+/// A map's row. Its changes are read beside it, part by part: together they take as much memory as the index that is built
+/// from them.
 #[derive(Clone, Debug)]
 pub struct MapFacts {
     /// Its key.
@@ -26,17 +28,28 @@ pub struct MapFacts {
     pub digest: Digest,
     /// The key that made it.
     pub owner: Option<KeySeq>,
-    /// How much it holds, as its row says.
+    /// The size of what it holds, as its row says.
     pub figures: MapFigures,
     /// Its knowledge of its building, as its row says; `None` if nothing was written to it since rows say so.
     pub learned: Option<Learned>,
 }
 
-/// In which order facts are told. It must not matter: `revisit check` compares the two.
+/// The order in which facts are read. It must not matter: `revisit check` compares the two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
     /// As they came.
     Forwards,
     /// The last first, and what moves things after the things.
     Backwards,
+}
+
+/// A source of facts: the store, or a database that is inspected.
+pub trait FactSource {
+    /// Reads a map's changes in an order, part by part, and returns its row; `None` if there is no such map.
+    fn load(
+        &mut self,
+        id: &MapId,
+        order: Order,
+        take: impl FnMut(&[Change]) + Send,
+    ) -> impl Future<Output = Result<Option<MapFacts>, StoreError>> + Send;
 }

@@ -8,7 +8,7 @@ use std::path::Path;
 use sqlx::{ConnectOptions as _, Connection as _, SqliteConnection};
 
 use super::StoreError;
-use super::facts::{MapFacts, Order};
+use super::facts::{FactSource, MapFacts, Order};
 use super::files::lock::DatabaseLock;
 use super::files::log::{self, LogFindings};
 use super::files::paths::DatabaseFiles;
@@ -122,16 +122,6 @@ impl Inspected {
         Ok(ids.into_iter().map(named).collect())
     }
 
-    /// Tells a map's changes, as [`super::Store::load`] does.
-    pub async fn load(
-        &mut self,
-        id: &MapId,
-        order: Order,
-        take: impl FnMut(&[Change]) + Send,
-    ) -> Result<Option<MapFacts>, StoreError> {
-        load(&mut self.db, id, order, take).await
-    }
-
     /// Checks the rows of a map that no index holds. `fit` tells whether features can be matched.
     pub async fn check_rows(
         &mut self,
@@ -146,6 +136,17 @@ impl Inspected {
     pub async fn close(mut self) -> Result<(), StoreError> {
         sqlx::query("rollback").execute(&mut self.db).await?;
         Ok(self.db.close().await?)
+    }
+}
+
+impl FactSource for &mut Inspected {
+    async fn load(
+        &mut self,
+        id: &MapId,
+        order: Order,
+        take: impl FnMut(&[Change]) + Send,
+    ) -> Result<Option<MapFacts>, StoreError> {
+        load(&mut self.db, id, order, take).await
     }
 }
 

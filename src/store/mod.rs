@@ -41,7 +41,7 @@ pub use commit::job::{Batch, Job, MapKey, NewKeyRow, NewKeyframeRows, Spent};
 pub use commit::queue::PoisonFlag;
 pub use error::StoreError;
 pub use export::Export;
-pub use facts::{MapFacts, Order};
+pub use facts::{FactSource, MapFacts, Order};
 pub use files::lock::{DatabaseLock, Purpose};
 pub use files::log::LogFindings;
 pub use files::schema::newest as newest_schema;

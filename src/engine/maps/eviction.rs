@@ -21,7 +21,7 @@ use crate::config::logging::in_part;
 use crate::domain::ids::MapId;
 use crate::engine::error::ServiceError;
 use crate::engine::limits::bounds::cores;
-use crate::engine::maps::rebuild::rebuild;
+use crate::integrity::rebuild::rebuild;
 use crate::store::{Order, Store, StoreError};
 
 /// Whether a map was asked for by a client, or by work in the background, after which it may leave first.

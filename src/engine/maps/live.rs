@@ -20,7 +20,7 @@ use crate::domain::key::KeySeq;
 use crate::engine::error::ServiceError;
 use crate::engine::limits::bounds::{WAITING_MAX, cores};
 use crate::engine::limits::concurrency_limit::ConcurrencyLimit;
-use crate::engine::maps::rebuild::RebuiltMap;
+use crate::integrity::rebuild::RebuiltMap;
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::map::recorder::Decided;
 use crate::store::{Batch, Job, MapKey, NewKeyframeRows, PoisonFlag, Store, StoreError};

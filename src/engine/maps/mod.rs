@@ -6,6 +6,5 @@ pub(super) mod feeds;
 pub(super) mod live;
 pub(super) mod map_memory;
 pub(super) mod pinned;
-pub(super) mod rebuild;
 pub(super) mod registry;
 pub(super) mod write_path;

@@ -17,22 +17,21 @@ use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId, SessionSeq};
 use crate::domain::key::KeySeq;
 use crate::geometry::Point3;
 use crate::store::commit::job::MapKey;
-use crate::store::facts::{MapFacts, Order};
+use crate::store::facts::{FactSource, MapFacts, Order};
 use crate::store::slices::deferred;
 use crate::store::{Store, StoreError};
 
 /// Rows read at a time: few, because a row of 700 words takes as much as its keyframe does in the index.
 const CHUNK: i64 = 256;
 
-impl Store {
-    /// Tells a map's changes in order, part by part, and returns what its row says; `None` if there is no such map.
-    pub async fn load(
-        &self,
+impl FactSource for &Store {
+    async fn load(
+        &mut self,
         id: &MapId,
         order: Order,
         take: impl FnMut(&[Change]) + Send,
     ) -> Result<Option<MapFacts>, StoreError> {
-        // One read transaction, so that what is told is one version of the map.
+        // One read transaction, so that the facts are those of one version of the map.
         let mut db = self.snapshot().await?;
         let facts = load(&mut db, id, order, take).await?;
         db.commit().await?;
