@@ -67,7 +67,9 @@ fn room(path: &Path) -> String {
 fn is_test(path: &Path) -> bool {
     let name = path.file_stem().unwrap().to_string_lossy();
     matches!(&*name, "tests" | "rebuild_equals_live" | "slices_equal_direct_writes" | "laws" | "golden")
-        || path.components().any(|part| part.as_os_str() == "tests")
+        || path
+            .components()
+            .any(|part| part.as_os_str() == "tests" || part.as_os_str() == "rebuild_equals_live")
 }
 
 #[test]

@@ -2,12 +2,13 @@
 
 use proptest::prelude::*;
 
-use super::{Request, any_request, pretty, send};
+use super::requests::{Request, any_request, send};
+use super::{open, pretty};
 use crate::domain::ids::{AnchorSeq, MapId};
 use crate::domain::map::MapProperties;
 use crate::domain::recorded::{NamedDetection, Recorded};
 use crate::domain::request::{MapPatch, NewVerdict};
-use crate::engine::{Service, ServiceError, ServiceOptions};
+use crate::engine::{Service, ServiceError};
 
 /// Whether a client can say it, and an export all that it does: what a model says for a second time stands in the place
 /// of the first.
@@ -32,11 +33,6 @@ fn any_exported() -> impl Strategy<Value = Vec<Request>> {
             requests
         },
     )
-}
-
-async fn open(folder: &tempfile::TempDir) -> Service {
-    let database = format!("sqlite://{}/law.db", folder.path().display());
-    Service::open(ServiceOptions::for_tests(database)).await.unwrap()
 }
 
 async fn exported(service: &Service, map: &MapId) -> Vec<Recorded> {
