@@ -1,15 +1,14 @@
-//! Keyframes: take in, read, cull.
+//! Keyframes: stored and culled.
 
 use std::sync::Arc;
 
-use super::maps::bad_cursor;
-use crate::domain::anchor::{AnchorState, Outcome};
+use super::keyframe_views::{find, report};
+use crate::domain::anchor::Outcome;
 use crate::domain::ids::{KeyframeId, KeyframeSeq, MapId};
 use crate::domain::invalid::FieldError;
 use crate::domain::keyframe::NewKeyframe;
-use crate::domain::report::{KeyframeRecord, KeyframeReport, KeyframeSummary, Page};
+use crate::domain::report::KeyframeReport;
 use crate::domain::request::Digest;
-use crate::domain::verdict::LocalAnchorReport;
 use crate::engine::bow::check_vocabulary;
 use crate::engine::limits::quota::check_keyframe;
 use crate::engine::maps::live::{Decision, LiveMap, State};
@@ -17,11 +16,9 @@ use crate::engine::maps::pinned::PinnedMap;
 use crate::engine::maps::write_path::{Begun, Manner};
 use crate::engine::{QueryAnswer, Service, ServiceError, Stored};
 use crate::recognition::anchors::ingest::{ingest, unknown_covisible};
-use crate::recognition::extensions::distinctiveness::PlaceCounts;
-use crate::recognition::loops::anchor_map::{Centre, local_anchor_map};
 use crate::recognition::map::culling::cull_keyframe;
 use crate::recognition::map::index::MapIndex;
-use crate::store::{KeyframeRow, NewKeyframeRows};
+use crate::store::NewKeyframeRows;
 
 /// What became of a `PUT` under the map's lock.
 enum Put {
@@ -202,49 +199,6 @@ impl Service {
         Ok(self.read(&live, look).await?.1)
     }
 
-    async fn keyframe_row(
-        &self,
-        live: &LiveMap,
-        id: &KeyframeId,
-        seq: KeyframeSeq,
-    ) -> Result<KeyframeRow, ServiceError> {
-        // Culled between the look at the index and the look at the store.
-        self.store.keyframe(live.key, seq).await?.ok_or_else(|| ServiceError::no_keyframe(id))
-    }
-
-    /// Returns the keyframes, in order of arrival.
-    pub async fn list_keyframes(
-        &self,
-        map: &MapId,
-        cursor: Option<&str>,
-        limit: usize,
-    ) -> Result<(u64, Page<KeyframeSummary>), ServiceError> {
-        let live = self.live(map).await?;
-        let from: u32 = cursor.map_or(Ok(0), |cursor| cursor.parse().map_err(|_| bad_cursor(cursor)))?;
-        let from = KeyframeSeq(from);
-        self.read(&live, move |state| {
-            let index = &state.index;
-            let mut rest = index.keyframes_from(from);
-            let items = rest.by_ref().take(limit).map(|keyframe| summary(index, keyframe)).collect();
-            Ok(Page { items, next_cursor: rest.next().map(|keyframe| keyframe.seq.0.to_string()) })
-        })
-        .await
-    }
-
-    /// Returns a keyframe as it stands.
-    pub async fn get_keyframe(
-        &self,
-        map: &MapId,
-        id: &KeyframeId,
-    ) -> Result<(u64, KeyframeRecord), ServiceError> {
-        let live = self.live(map).await?;
-        let name = id.clone();
-        let (_, seq) = self.read(&live, move |state| find(&state.index, &name)).await?;
-        let row = self.keyframe_row(&live, id, seq).await?;
-        let name = id.clone();
-        self.read(&live, move |state| record(&state.index, &name, seq, row.clone())).await
-    }
-
     /// Culls a keyframe; anchors and covisibility follow.
     pub async fn delete_keyframe(&self, map: &MapId, id: &KeyframeId) -> Result<u64, ServiceError> {
         let live = self.live(map).await?;
@@ -263,116 +217,4 @@ impl Service {
         self.features.forget(live.key, seq).await;
         Ok(version)
     }
-
-    /// Returns the keyframes covisible with one, each with its number of shared points, most first.
-    pub async fn covisible(
-        &self,
-        map: &MapId,
-        id: &KeyframeId,
-    ) -> Result<(u64, Vec<(KeyframeId, u32)>), ServiceError> {
-        let live = self.live(map).await?;
-        let id = id.clone();
-        self.read(&live, move |state| {
-            let index = &state.index;
-            let seq = find(index, &id)?;
-            let named = |(other, shared)| Some((index.keyframe(other)?.id.clone(), shared));
-            let mut items: Vec<_> = index.covisibility().shared(seq).filter_map(named).collect();
-            items.sort_by(|(a, of_a), (b, of_b)| of_b.cmp(of_a).then_with(|| a.cmp(b)));
-            Ok(items)
-        })
-        .await
-    }
-
-    /// M_k of §V-A.
-    pub async fn local_anchor_map(
-        &self,
-        map: &MapId,
-        id: &KeyframeId,
-    ) -> Result<(u64, Vec<LocalAnchorReport>), ServiceError> {
-        let live = self.live(map).await?;
-        let id = id.clone();
-        self.read(&live, move |state| {
-            let index = &state.index;
-            let centre =
-                Centre::stored(index, find(index, &id)?).ok_or_else(|| ServiceError::no_keyframe(&id))?;
-            let local = local_anchor_map(index, &centre, &mut PlaceCounts::default());
-            let report = |anchor: crate::recognition::loops::anchor_map::LocalAnchor| LocalAnchorReport {
-                anchor: anchor.name.public(),
-                class: anchor.class.into(),
-                state: anchor.state,
-                description: anchor.description.map(Into::into),
-                bearing: anchor.bearing,
-                weight: anchor.weight,
-            };
-            Ok(local.anchors.into_iter().map(report).collect())
-        })
-        .await
-    }
-}
-
-pub(in crate::engine) fn find(index: &MapIndex, id: &KeyframeId) -> Result<KeyframeSeq, ServiceError> {
-    index.keyframe_seq(id).ok_or_else(|| ServiceError::no_keyframe(id))
-}
-
-/// Returns the anchor's object, and its state.
-fn current(index: &MapIndex, outcome: Outcome) -> (Outcome, Option<AnchorState>) {
-    let rooted = |anchor| index.objects().root(anchor).unwrap_or(anchor);
-    let state = |anchor| index.objects().get(rooted(anchor)).map(|object| object.state);
-    match outcome {
-        Outcome::Created(anchor) => (Outcome::Created(rooted(anchor)), state(anchor)),
-        Outcome::Observed(anchor) => (Outcome::Observed(rooted(anchor)), state(anchor)),
-        Outcome::Ignored(reason) => (Outcome::Ignored(reason), None),
-    }
-}
-
-/// The version is the caller's to fill in.
-fn report(index: &MapIndex, id: &KeyframeId, seq: KeyframeSeq, outcomes: &[Outcome]) -> KeyframeReport {
-    KeyframeReport {
-        keyframe: id.clone(),
-        map_version: 0,
-        covisible: index.covisibility().degree(seq),
-        detections: outcomes.iter().map(|outcome| current(index, *outcome)).collect(),
-        revisits: false,
-    }
-}
-
-fn summary(index: &MapIndex, keyframe: &crate::domain::change::Keyframe) -> KeyframeSummary {
-    KeyframeSummary {
-        id: keyframe.id.clone(),
-        session: index.sessions()[keyframe.session.index()].clone(),
-        stamp: keyframe.stamp,
-        map_from_camera: keyframe.map_from_camera,
-        covisible: index.covisibility().degree(keyframe.seq),
-        anchors: index.objects_seen_by(keyframe.seq).into_iter().collect(),
-    }
-}
-
-fn record(
-    index: &MapIndex,
-    id: &KeyframeId,
-    seq: KeyframeSeq,
-    row: KeyframeRow,
-) -> Result<KeyframeRecord, ServiceError> {
-    let stored = index.keyframe(seq).ok_or_else(|| ServiceError::no_keyframe(id))?;
-    let position = |id: i64| Some((id, index.points().position(stored.session, id)?));
-    let named = |(other, shared): &(KeyframeSeq, u32)| Some((index.keyframe(*other)?.id.clone(), *shared));
-    let outcomes: Vec<Outcome> = row.detections.iter().map(|detection| detection.outcome).collect();
-    Ok(KeyframeRecord {
-        keyframe: NewKeyframe {
-            id: id.clone(),
-            session: index.sessions()[stored.session.index()].clone(),
-            stamp: stored.stamp,
-            map_from_camera: stored.map_from_camera,
-            camera: stored.camera,
-            bow: row.bow,
-            vocabulary: None,
-            features: row.features,
-            map_points: row.sent_points.into_iter().filter_map(position).collect(),
-            observes: stored.observes.to_vec(),
-            covisible: stored.declared.iter().filter_map(named).collect(),
-            detections: row.detections.into_iter().map(|detection| detection.detection).collect(),
-        },
-        detections: outcomes.into_iter().map(|outcome| current(index, outcome)).collect(),
-        covisible: index.covisibility().degree(seq),
-    })
 }

@@ -1,6 +1,6 @@
 //! Loops that clients closed: confirm, list, revoke.
 
-use super::keyframes::find;
+use super::keyframe_views::find;
 use crate::domain::change::Loop;
 use crate::domain::ids::{KeyframeId, LoopId, MapId};
 use crate::domain::invalid::FieldError;

@@ -6,6 +6,8 @@ pub(super) mod changed_signs;
 pub(super) mod events;
 pub(super) mod export;
 pub(super) mod judgements;
+mod keyframe_reads;
+pub(super) mod keyframe_views;
 pub(super) mod keyframes;
 pub(super) mod loops;
 pub(super) mod maps;

@@ -9,7 +9,7 @@ use sha2::{Digest as _, Sha256};
 use tokio::task::spawn_blocking;
 use tokio::time::{Instant, timeout_at};
 
-use super::keyframes::find;
+use super::keyframe_views::find;
 use crate::config::logging::in_part;
 use crate::domain::bow::BowVector;
 use crate::domain::ids::{KeyframeId, MapId};

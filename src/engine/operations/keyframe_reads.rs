@@ -1,0 +1,102 @@
+//! Keyframes: listed, read, and what surrounds one.
+
+use super::keyframe_views::{find, record, summary};
+use super::maps::bad_cursor;
+use crate::domain::ids::{KeyframeId, KeyframeSeq, MapId};
+use crate::domain::report::{KeyframeRecord, KeyframeSummary, Page};
+use crate::domain::verdict::LocalAnchorReport;
+use crate::engine::maps::live::LiveMap;
+use crate::engine::{Service, ServiceError};
+use crate::recognition::extensions::distinctiveness::PlaceCounts;
+use crate::recognition::loops::anchor_map::{Centre, local_anchor_map};
+use crate::store::KeyframeRow;
+
+impl Service {
+    /// Returns the keyframes, in order of arrival.
+    pub async fn list_keyframes(
+        &self,
+        map: &MapId,
+        cursor: Option<&str>,
+        limit: usize,
+    ) -> Result<(u64, Page<KeyframeSummary>), ServiceError> {
+        let live = self.live(map).await?;
+        let from: u32 = cursor.map_or(Ok(0), |cursor| cursor.parse().map_err(|_| bad_cursor(cursor)))?;
+        let from = KeyframeSeq(from);
+        self.read(&live, move |state| {
+            let index = &state.index;
+            let mut rest = index.keyframes_from(from);
+            let items = rest.by_ref().take(limit).map(|keyframe| summary(index, keyframe)).collect();
+            Ok(Page { items, next_cursor: rest.next().map(|keyframe| keyframe.seq.0.to_string()) })
+        })
+        .await
+    }
+
+    /// Returns a keyframe as it stands.
+    pub async fn get_keyframe(
+        &self,
+        map: &MapId,
+        id: &KeyframeId,
+    ) -> Result<(u64, KeyframeRecord), ServiceError> {
+        let live = self.live(map).await?;
+        let name = id.clone();
+        let (_, seq) = self.read(&live, move |state| find(&state.index, &name)).await?;
+        let row = self.keyframe_row(&live, id, seq).await?;
+        let name = id.clone();
+        self.read(&live, move |state| record(&state.index, &name, seq, row.clone())).await
+    }
+
+    /// Returns the keyframes covisible with one, each with its number of shared points, most first.
+    pub async fn covisible(
+        &self,
+        map: &MapId,
+        id: &KeyframeId,
+    ) -> Result<(u64, Vec<(KeyframeId, u32)>), ServiceError> {
+        let live = self.live(map).await?;
+        let id = id.clone();
+        self.read(&live, move |state| {
+            let index = &state.index;
+            let seq = find(index, &id)?;
+            let named = |(other, shared)| Some((index.keyframe(other)?.id.clone(), shared));
+            let mut items: Vec<_> = index.covisibility().shared(seq).filter_map(named).collect();
+            items.sort_by(|(a, of_a), (b, of_b)| of_b.cmp(of_a).then_with(|| a.cmp(b)));
+            Ok(items)
+        })
+        .await
+    }
+
+    /// Returns the local anchor map around a keyframe, M_k of §V-A.
+    pub async fn local_anchor_map(
+        &self,
+        map: &MapId,
+        id: &KeyframeId,
+    ) -> Result<(u64, Vec<LocalAnchorReport>), ServiceError> {
+        let live = self.live(map).await?;
+        let id = id.clone();
+        self.read(&live, move |state| {
+            let index = &state.index;
+            let centre =
+                Centre::stored(index, find(index, &id)?).ok_or_else(|| ServiceError::no_keyframe(&id))?;
+            let local = local_anchor_map(index, &centre, &mut PlaceCounts::default());
+            let report = |anchor: crate::recognition::loops::anchor_map::LocalAnchor| LocalAnchorReport {
+                anchor: anchor.name.public(),
+                class: anchor.class.into(),
+                state: anchor.state,
+                description: anchor.description.map(Into::into),
+                bearing: anchor.bearing,
+                weight: anchor.weight,
+            };
+            Ok(local.anchors.into_iter().map(report).collect())
+        })
+        .await
+    }
+
+    pub(super) async fn keyframe_row(
+        &self,
+        live: &LiveMap,
+        id: &KeyframeId,
+        seq: KeyframeSeq,
+    ) -> Result<KeyframeRow, ServiceError> {
+        // Culled between the look at the index and the look at the store.
+        self.store.keyframe(live.key, seq).await?.ok_or_else(|| ServiceError::no_keyframe(id))
+    }
+}
