@@ -1,16 +1,15 @@
 //! Body: decodes a request's bytes within bounds, and large ones off the async threads.
 
-use std::error::Error;
-use std::io;
-
 use axum::RequestExt as _;
 use axum::extract::{FromRef, FromRequest, Request};
 use axum::http::HeaderMap;
-use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE, EXPECT};
-use bytes::{Bytes, BytesMut};
-use http_body_util::{BodyExt as _, LengthLimitError};
+use axum::http::header::{CONTENT_TYPE, EXPECT};
+use bytes::Bytes;
+use http_body_util::BodyExt as _;
 use serde_json::Value;
 
+use super::arriving_body::{Arriving, announced};
+use super::body_errors::{broken, too_dense, too_large, too_many, unreadable};
 use super::decompression::Encoding;
 use super::path::{KeyframePath, MapPath};
 use crate::api::decoding::json_footprint::{TooMany, survey};
@@ -22,7 +21,6 @@ use crate::config::logging::in_span;
 use crate::domain::ids::MapId;
 use crate::domain::request::LoopQuery;
 use crate::http::App;
-use crate::http::connection::min_rate_body::TooSlow;
 use crate::http::guards::body_memory::{BodyMemory, HeldMemory, becomes_at_most, tree_bytes};
 use crate::http::problem::{Kind, Problem};
 
@@ -31,11 +29,6 @@ use crate::http::problem::{Kind, Problem};
 const SMALL_BODY_BYTES: usize = 8 << 10;
 /// Up to this a body is read without looking first at what it becomes in memory.
 const UNSURVEYED_BYTES: usize = 64 << 10;
-/// Bodies up to this take memory without asking; keyframes mostly do.
-const UNCOUNTED_BYTES: usize = 256 << 10;
-/// How much more than allowed is read and thrown away, so that the client gets to see the answer: a connection closed
-/// on unread bytes is reset, and the answer with it.
-const DISCARDED_BYTES: usize = 4 * limits::BODY_BYTES;
 
 /// A JSON body, read into the model.
 pub struct Body<T>(pub T);
@@ -161,7 +154,7 @@ impl Text {
 
     fn inflate(&mut self, memory: &BodyMemory) -> Result<(), Problem> {
         let most = becomes_at_most(self.bytes.len());
-        let broken = |_: io::Error| broken();
+        let broken = |_: std::io::Error| broken();
         let length = self.encoding.length(&self.bytes, most.min(limits::BODY_BYTES)).map_err(broken)?;
         let length =
             length.ok_or_else(|| if most < limits::BODY_BYTES { too_dense() } else { too_large() })?;
@@ -249,121 +242,4 @@ async fn json_text(request: Request, app: &App) -> Result<Text, Problem> {
     }
     let (bytes, held) = arriving.whole().inspect_err(|problem| count(app, problem))?;
     Ok(Text { bytes, encoding, becomes_at_most: None, held })
-}
-
-/// A body on its way in.
-struct Arriving {
-    bytes: BytesMut,
-    announced: usize,
-    held: HeldMemory,
-    counted: usize,
-    refused: Option<Problem>,
-    discarded: usize,
-}
-
-impl Arriving {
-    fn new(announced: usize) -> Self {
-        let refused = (announced > limits::BODY_BYTES).then(too_large);
-        Self {
-            bytes: BytesMut::new(),
-            announced,
-            held: HeldMemory::default(),
-            counted: 0,
-            refused,
-            discarded: 0,
-        }
-    }
-
-    /// Keeps a piece; or throws it away, once it is clear that the body is refused. `false` if it is no use to go on.
-    fn take(&mut self, piece: &[u8], memory: &BodyMemory) -> bool {
-        if self.refused.is_none() {
-            self.refused = self.make_room(piece.len(), memory).err();
-        }
-        if self.refused.is_none() {
-            self.bytes.extend_from_slice(piece);
-            return true;
-        }
-        self.bytes = BytesMut::new();
-        self.held = HeldMemory::default();
-        self.discarded += piece.len();
-        self.discarded <= DISCARDED_BYTES
-    }
-
-    fn make_room(&mut self, more: usize, memory: &BodyMemory) -> Result<(), Problem> {
-        let needed = self.bytes.len() + more;
-        if needed > limits::BODY_BYTES {
-            return Err(too_large());
-        }
-        if needed <= self.bytes.capacity() {
-            return Ok(());
-        }
-        // What is announced is not believed before some of it is there.
-        let room = (2 * needed).max(self.announced.min(16 * needed)).min(limits::BODY_BYTES);
-        if room > UNCOUNTED_BYTES {
-            memory.take(&mut self.held, room - self.counted)?;
-            self.counted = room;
-        }
-        self.bytes.reserve(room - self.bytes.len());
-        Ok(())
-    }
-
-    fn whole(self) -> Result<(Bytes, HeldMemory), Problem> {
-        match self.refused {
-            Some(problem) => Err(problem),
-            None => Ok((self.bytes.freeze(), self.held)),
-        }
-    }
-}
-
-fn announced(headers: &HeaderMap) -> usize {
-    headers.get(CONTENT_LENGTH).and_then(|value| value.to_str().ok()?.parse().ok()).unwrap_or(0)
-}
-
-fn too_large() -> Problem {
-    Problem::new(
-        Kind::TOO_LARGE,
-        format!("a body has at most {} bytes, compressed or not", limits::BODY_BYTES),
-    )
-}
-
-fn too_dense() -> Problem {
-    let (free, fold) = (limits::INFLATED_FREE_BYTES, limits::INFLATED_FOLD);
-    let detail = format!(
-        "a compressed body may become {free} bytes and {fold} times its own, as text and values; this one becomes more: \
-         send it uncompressed, or in parts"
-    );
-    Problem::new(Kind::TOO_LARGE, detail)
-}
-
-fn too_many(what: TooMany) -> Problem {
-    let detail = match what {
-        TooMany::Values => format!("the body holds more than {} values", limits::BODY_VALUES),
-        TooMany::Items => format!("a list of the body has more than {} items", limits::LIST_ITEMS),
-    };
-    Problem::new(Kind::TOO_LARGE, detail)
-}
-
-fn broken() -> Problem {
-    let detail = "the body broke off, or is not compressed as its content-encoding says";
-    Problem::new(Kind::BAD_REQUEST, detail)
-}
-
-/// Why a body broke off: the layers below hide it in a chain of errors.
-pub fn unreadable(error: &axum::Error) -> Problem {
-    let mut cause: Option<&(dyn Error + 'static)> = Some(error);
-    while let Some(error) = cause {
-        if error.is::<LengthLimitError>() {
-            return too_large();
-        }
-        if error.is::<TooSlow>() {
-            return Problem::new(Kind::TIMEOUT, "the body arrived too slowly");
-        }
-        // An error inside one of IO is not its source: its source's source is.
-        let inside = error.downcast_ref::<io::Error>().and_then(io::Error::get_ref);
-        cause = match inside {
-            Some(inside) => Some(inside),
-            None => error.source(),
-        };
-    }
-    broken()
 }

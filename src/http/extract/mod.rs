@@ -1,6 +1,8 @@
 //! Extractors: what a request contains, checked.
 
+mod arriving_body;
 pub mod body;
+pub mod body_errors;
 pub mod decompression;
 pub mod if_match;
 pub mod path;

@@ -9,7 +9,7 @@ use bytes::{Buf as _, Bytes, BytesMut};
 use http_body_util::BodyExt as _;
 
 use crate::api::limits::{BULK_BYTES, LINE_BYTES};
-use crate::http::extract::body::unreadable;
+use crate::http::extract::body_errors::unreadable;
 use crate::http::extract::decompression::Encoding;
 use crate::http::guards::body_memory::{BodyMemory, HeldMemory, becomes_at_most};
 use crate::http::problem::{Kind, Problem};

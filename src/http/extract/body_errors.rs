@@ -1,0 +1,64 @@
+//! Errors of bodies that are too large, broke off, or arrived too slowly.
+
+use std::error::Error;
+use std::io;
+
+use http_body_util::LengthLimitError;
+
+use crate::api::decoding::json_footprint::TooMany;
+use crate::api::limits;
+use crate::http::connection::min_rate_body::TooSlow;
+use crate::http::problem::{Kind, Problem};
+
+/// Returns the error of a body above the limit.
+pub(super) fn too_large() -> Problem {
+    Problem::new(
+        Kind::TOO_LARGE,
+        format!("a body has at most {} bytes, compressed or not", limits::BODY_BYTES),
+    )
+}
+
+/// Returns the error of a compressed body that becomes too large.
+pub(super) fn too_dense() -> Problem {
+    let (free, fold) = (limits::INFLATED_FREE_BYTES, limits::INFLATED_FOLD);
+    let detail = format!(
+        "a compressed body may become {free} bytes and {fold} times its own, as text and values; this one becomes more: \
+         send it uncompressed, or in parts"
+    );
+    Problem::new(Kind::TOO_LARGE, detail)
+}
+
+/// Returns the error of a body with too many values.
+pub(super) fn too_many(what: TooMany) -> Problem {
+    let detail = match what {
+        TooMany::Values => format!("the body holds more than {} values", limits::BODY_VALUES),
+        TooMany::Items => format!("a list of the body has more than {} items", limits::LIST_ITEMS),
+    };
+    Problem::new(Kind::TOO_LARGE, detail)
+}
+
+/// Returns the error of a body that broke off.
+pub(super) fn broken() -> Problem {
+    let detail = "the body broke off, or is not compressed as its content-encoding says";
+    Problem::new(Kind::BAD_REQUEST, detail)
+}
+
+/// Returns why a body broke off: the layers below hide it in a chain of errors.
+pub fn unreadable(error: &axum::Error) -> Problem {
+    let mut cause: Option<&(dyn Error + 'static)> = Some(error);
+    while let Some(error) = cause {
+        if error.is::<LengthLimitError>() {
+            return too_large();
+        }
+        if error.is::<TooSlow>() {
+            return Problem::new(Kind::TIMEOUT, "the body arrived too slowly");
+        }
+        // An error inside one of IO is not its source: its source's source is.
+        let inside = error.downcast_ref::<io::Error>().and_then(io::Error::get_ref);
+        cause = match inside {
+            Some(inside) => Some(inside),
+            None => error.source(),
+        };
+    }
+    broken()
+}
