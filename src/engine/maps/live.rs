@@ -13,6 +13,8 @@ use bytes::Bytes;
 use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 
 use super::feeds::Feed;
+pub(in crate::engine) use super::live_state::State;
+use super::live_state::{free, number};
 use super::map_memory::{MapMemory, MemoryShare};
 use crate::domain::event::Event;
 use crate::domain::ids::MapId;
@@ -31,19 +33,6 @@ const READS_OF_A_MAP_PER_CORE: usize = 1;
 
 /// Maximum answers of a map's loop queries that wait for the disk; further ones are not kept.
 const KEPT_UNDER_WAY_MAX: usize = 256;
-
-/// An index of a map with fewer bytes on disk is freed where it is dropped.
-const FREED_AT_ONCE_BYTES: u64 = 1 << 20;
-
-/// What is known of a map at one version.
-#[derive(Debug)]
-pub(in crate::engine) struct State {
-    /// Its facts and what follows from them.
-    pub index: MapIndex,
-    /// Grows by one with each write.
-    pub version: u64,
-    next_event: u64,
-}
 
 /// A map that is in memory.
 #[derive(Debug)]
@@ -318,33 +307,6 @@ impl LiveMap {
         self.memory.set(state.index.memory_bytes());
         Ok(self.submit(store, Job::DeleteMap(self.key), state.version, state.next_event, None))
     }
-}
-
-impl Drop for State {
-    fn drop(&mut self) {
-        free(std::mem::take(&mut self.index));
-    }
-}
-
-/// Frees an index. A large one takes long, and its last owner may be an async thread or hold a lock.
-fn free(index: MapIndex) {
-    if index.bytes() < FREED_AT_ONCE_BYTES {
-        return;
-    }
-    // Without a runtime no one waits for this thread.
-    if let Ok(runtime) = tokio::runtime::Handle::try_current() {
-        runtime.spawn_blocking(move || drop(index));
-    }
-}
-
-/// Numbers events; their map's version is the one they belong to.
-fn number(state: &mut State, mut events: Vec<Event>) -> Vec<Event> {
-    for event in &mut events {
-        event.seq = state.next_event;
-        event.map_version = state.version;
-        state.next_event += 1;
-    }
-    events
 }
 
 impl<T> Pending<T> {

@@ -4,6 +4,7 @@ pub(super) mod eviction;
 pub(super) mod features;
 pub(super) mod feeds;
 pub(super) mod live;
+mod live_state;
 pub(super) mod map_memory;
 pub(super) mod pinned;
 pub(super) mod registry;
