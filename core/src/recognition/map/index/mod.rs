@@ -261,9 +261,4 @@ impl MapIndex {
     pub fn class_of(&self, object: &MergedAnchor) -> &str {
         object.members.first().and_then(|member| self.anchor(*member)).map_or("", |anchor| &anchor.class)
     }
-
-    /// Whether some keyframe that sees one object sees what a keyframe of the other sees.
-    pub fn objects_covisible(&self, a: &MergedAnchor, b: &MergedAnchor) -> bool {
-        !self.covisibility().around(&self.keyframes_of(a)).is_disjoint(&self.keyframes_of(b))
-    }
 }
