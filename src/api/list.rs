@@ -21,7 +21,7 @@ macro_rules! list {
             pub map_version: u64,
             /// The items of this part.
             pub items: Vec<$item>,
-            /// Where the next part starts; null after the last one.
+            /// The cursor of the next part; null after the last one.
             #[schema(required)]
             pub next_cursor: Option<String>,
         }
@@ -61,7 +61,7 @@ macro_rules! plain_list {
         pub struct $name {
             /// The items of this part.
             pub items: Vec<$item>,
-            /// Where the next part starts; null after the last one.
+            /// The cursor of the next part; null after the last one.
             #[schema(required)]
             pub next_cursor: Option<String>,
         }

@@ -31,7 +31,7 @@ use crate::store::{MapKey, Store};
 #[derive(Clone, Debug)]
 pub struct Service(pub(super) Arc<Parts>);
 
-/// What the clones of a [`Service`] share.
+/// State that the clones of a [`Service`] share.
 #[derive(Clone, Debug)]
 pub struct Parts {
     pub(super) store: Store,

@@ -1,4 +1,4 @@
-//! Chance: everything random in the hotel comes from here, by name and seed.
+//! Random numbers: everything random in the hotel comes from here, by name and seed.
 //!
 //! Each part of a world draws from a stream of its own, named after what it is for: moving a painting does not change the
 //! odometry, and two arms of an experiment see the same data.

@@ -1,4 +1,4 @@
-//! Trial: one arm drives through recorded journeys, and what it was told is held against the truth.
+//! Run: one arm drives through recorded journeys, and what it was told is held against the truth.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! Journey: everything a robot's sensors say on one tour, and the truth beside it.
+//! Sequence: everything a robot's sensors say on one tour, and the truth beside it.
 //!
 //! A journey is recorded once and then driven through by each arm of the experiment, so that all see the same data.
 

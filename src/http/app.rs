@@ -22,7 +22,7 @@ use crate::engine::Service;
 #[derive(Clone)]
 pub struct App(Arc<Parts>);
 
-/// What an [`App`] shares.
+/// State that the clones of an [`App`] share.
 pub struct Parts {
     /// The engine.
     pub service: Service,

@@ -8,14 +8,14 @@ use super::map_check::{self, MapCheck};
 use crate::store::files::paths::DatabaseFiles;
 use crate::store::{Holdings, Inspected, Inspection, StoreError, newest_schema};
 
-/// What was found in a database.
+/// Findings in a database.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Checked {
-    /// What it holds, if that can be counted.
+    /// Its contents, if they can be counted.
     pub holds: Option<Holdings>,
     /// Faults of the database as a whole.
     pub faults: Vec<String>,
-    /// What cannot be told, and is no fault.
+    /// Limits of the check; they are no faults.
     pub notes: Vec<String>,
     /// Each map, by name. None where the schema is older than this program's: they are read after its migration.
     pub maps: Vec<MapCheck>,

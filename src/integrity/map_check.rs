@@ -10,7 +10,7 @@ use crate::store::{Inspected, MapFacts, Order, RowFindings, StoreError};
 /// The most faults that are listed of one map: a torn table has one in every row.
 const MAP_FAULTS_MAX: usize = 100;
 
-/// What was found in a map.
+/// Findings in a map.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MapCheck {
     /// Its name.
@@ -25,7 +25,7 @@ pub struct MapCheck {
     pub loops: u64,
     /// Its events that are kept.
     pub events: u64,
-    /// What is wrong with it.
+    /// Its faults.
     pub faults: Vec<String>,
 }
 

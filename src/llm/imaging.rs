@@ -11,7 +11,7 @@ use super::picture::{NoPicture, Picture};
 /// A side longer than this is no crop of a door plate.
 const SIDE_MAX_PX: u32 = 8192;
 
-/// What decoding may take, in bytes: a 4 MB file can claim to hold gigabytes.
+/// Memory that decoding may take, in bytes: a 4 MB file can claim to hold gigabytes.
 const ALLOCATION_MAX_BYTES: u64 = 128 << 20;
 
 /// A longer side is scaled down to this: models see no more, and are paid by the pixel.

@@ -6,7 +6,7 @@ use super::StoreError;
 use super::files::paths::DatabaseFiles;
 use super::files::schema;
 
-/// How much a database holds.
+/// The contents of a database, counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Holdings {
     /// The schema's version.

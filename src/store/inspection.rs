@@ -29,7 +29,7 @@ pub struct Inspection {
     /// No process has it open.
     is_closed: bool,
     _shared: Option<File>,
-    /// What its log shows.
+    /// Findings in its log.
     pub log: LogFindings,
 }
 

@@ -23,7 +23,7 @@ const WAL_LIMIT_BYTES: &str = "67108864";
 /// Bytes of a page, in new databases.
 const PAGE_BYTES: u32 = 16384;
 
-/// What a reader may cache: 512 KiB. Every commit empties it, and the system caches the file anyway.
+/// Cache of a reader: 512 KiB. Every commit empties it, and the system caches the file anyway.
 const READER_CACHE: &str = "-512";
 
 /// Readers beside the one writer.

@@ -21,7 +21,7 @@ pub struct Store {
 }
 
 impl Store {
-    /// Where it lies.
+    /// Its files.
     pub fn files(&self) -> &DatabaseFiles {
         &self.files
     }

@@ -10,7 +10,7 @@ from .open_enum import OpenEnum
 
 
 class AnchorState(OpenEnum):
-    """How far an anchor's description is."""
+    """The progress of an anchor's description."""
 
     PENDING = "pending"
     """Nothing has described it yet."""
@@ -419,7 +419,7 @@ class AnchorList(msgspec.Struct, kw_only=True, omit_defaults=True):
     items: list[Anchor]
     """The items of this part."""
     next_cursor: str | None
-    """Where the next part starts; null after the last one."""
+    """The cursor of the next part; null after the last one."""
 
 
 class AnchorMatch(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -480,7 +480,7 @@ class BackupList(msgspec.Struct, kw_only=True, omit_defaults=True):
     items: list[Backup]
     """The items of this part."""
     next_cursor: str | None
-    """Where the next part starts; null after the last one."""
+    """The cursor of the next part; null after the last one."""
 
 
 class BagOfWords(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -639,7 +639,7 @@ class CovisibleList(msgspec.Struct, kw_only=True, omit_defaults=True):
     items: list[CovisibleView]
     """The items of this part."""
     next_cursor: str | None
-    """Where the next part starts; null after the last one."""
+    """The cursor of the next part; null after the last one."""
 
 
 class CovisibleView(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -913,7 +913,7 @@ class KeyList(msgspec.Struct, kw_only=True, omit_defaults=True):
     items: list[KeyView]
     """The items of this part."""
     next_cursor: str | None
-    """Where the next part starts; null after the last one."""
+    """The cursor of the next part; null after the last one."""
 
 
 class KeyView(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -1012,7 +1012,7 @@ class KeyframeList(msgspec.Struct, kw_only=True, omit_defaults=True):
     items: list[KeyframeLine]
     """The items of this part."""
     next_cursor: str | None
-    """Where the next part starts; null after the last one."""
+    """The cursor of the next part; null after the last one."""
 
 
 class KeyframeView(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -1162,7 +1162,7 @@ class LoopList(msgspec.Struct, kw_only=True, omit_defaults=True):
     items: list[LoopView]
     """The items of this part."""
     next_cursor: str | None
-    """Where the next part starts; null after the last one."""
+    """The cursor of the next part; null after the last one."""
 
 
 class LoopQueryBody(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -1238,7 +1238,7 @@ class MapList(msgspec.Struct, kw_only=True, omit_defaults=True):
     items: list[MapView]
     """The items of this part."""
     next_cursor: str | None
-    """Where the next part starts; null after the last one."""
+    """The cursor of the next part; null after the last one."""
 
 
 class MapPatchBody(msgspec.Struct, kw_only=True, omit_defaults=True):

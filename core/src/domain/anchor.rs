@@ -1,4 +1,4 @@
-//! What became of a detection: an observation of a semantic anchor, or a reason why not.
+//! The outcome of a detection: an observation of a semantic anchor, or a reason why not.
 
 use super::ids::{AnchorSeq, KeyframeSeq, PointId};
 use super::judged::CropReading;
@@ -16,21 +16,21 @@ pub struct Observation {
     pub confidence: f64,
     /// The map points in the detection's box, ascending.
     pub map_points: Box<[PointId]>,
-    /// Where the object stands, in the keyframe's session's frame.
+    /// The object's position, in the keyframe's session's frame.
     pub position_in_session: Option<Point3>,
     /// Whether nothing measured the distance of that position.
     pub range_assumed: bool,
-    /// What was read.
+    /// The text that was read.
     pub reading: Option<Box<str>>,
     /// Whether a model or a person described it, rather than a reader of characters.
     pub described: bool,
     /// The area of the crop's box in pixels, if there is a crop.
     pub crop_area_px: Option<f64>,
-    /// What a model made of the crop, if one has read it.
+    /// A model's reading of the crop, if there is one.
     pub crop_reading: Option<CropReading>,
 }
 
-/// What ingest made of a detection (the `outcome` of `openapi/openapi.yaml`).
+/// The outcome of a detection on arrival (the `outcome` of `openapi/openapi.yaml`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// It founded a new anchor.
@@ -54,7 +54,7 @@ named! {
 }
 
 named! {
-    /// How far an anchor's description is.
+    /// The progress of an anchor's description.
     AnchorState {
         /// Nothing has described it yet.
         Pending = "pending",

@@ -16,9 +16,9 @@ pub struct DifferenceEvidence {
     pub candidate_identifier: String,
     /// Why the difference did not count.
     pub reason: DifferenceReason,
-    /// What was measured, in the reason's own unit.
+    /// The measured value, in the reason's own unit.
     pub measured: Option<f64>,
-    /// What it was compared with.
+    /// The value that it was compared with.
     pub limit: Option<f64>,
     /// One sentence for a person.
     pub detail: String,

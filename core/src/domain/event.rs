@@ -1,4 +1,4 @@
-//! What happened in a map, for those who listen.
+//! Events: changes of a map that listeners are notified of.
 
 use super::ids::{AnchorSeq, KeyframeId, LoopId};
 use super::named::named;
@@ -29,7 +29,7 @@ named! {
 pub struct Event {
     /// Its number in its map, growing by one; the id of the server-sent event.
     pub seq: u64,
-    /// What happened.
+    /// The kind of an event.
     pub kind: EventKind,
     /// The map's version in which it happened.
     pub map_version: u64,

@@ -89,7 +89,7 @@ pub struct Estimate {
 }
 
 named! {
-    /// How a job stands.
+    /// The state of a job.
     JobState {
         /// It asks.
         Running = "running",

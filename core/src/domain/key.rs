@@ -11,7 +11,7 @@ use super::keyframe::Stamp;
 use super::named::named;
 
 named! {
-    /// What a key may be allowed to do.
+    /// An action that a key may permit.
     Action {
         /// Read maps and what is in them.
         Read = "read",

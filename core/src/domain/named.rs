@@ -2,7 +2,7 @@
 
 /// An enum whose values have names in the API document.
 pub trait Named: Copy + PartialEq + 'static {
-    /// What the values say, for people.
+    /// The meaning of the type, for people.
     const ABOUT: &'static str;
     /// The values.
     const VALUES: &'static [Self];

@@ -13,9 +13,9 @@ use super::named::{Named, named};
 pub struct Reason {
     /// Which check.
     pub code: ReasonCode,
-    /// What was measured, in the check's own unit.
+    /// The measured value, in the check's own unit.
     pub measured: Option<f64>,
-    /// What it was held against.
+    /// The limit that it was compared with.
     pub limit: Option<f64>,
     /// One sentence for a person.
     pub detail: String,

@@ -5,7 +5,7 @@ use thiserror::Error;
 use super::named::Named;
 use crate::semantics::{Numbering, PatternError};
 
-/// What a setting's value is.
+/// The type of a setting's value, with default and bounds.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SettingValue {
     /// A real number; its unit is in the setting's name.
@@ -25,7 +25,7 @@ pub enum SettingValue {
 pub enum SettingKind {
     /// A real number in `[min, max]`.
     Number {
-        /// Where it starts.
+        /// The default.
         default: f64,
         /// The smallest value.
         min: f64,
@@ -34,7 +34,7 @@ pub enum SettingKind {
     },
     /// A whole number in `[min, max]`.
     Count {
-        /// Where it starts.
+        /// The default.
         default: u32,
         /// The smallest value.
         min: u32,
@@ -43,24 +43,24 @@ pub enum SettingKind {
     },
     /// On or off.
     Switch {
-        /// Where it starts.
+        /// The default.
         default: bool,
     },
     /// One of several names.
     Choice {
-        /// Where it starts.
+        /// The default.
         default: &'static str,
         /// The names.
         names: &'static [&'static str],
     },
     /// Regular expressions, as [`Numbering::given`] takes them.
     Patterns {
-        /// Where it starts.
+        /// The default.
         default: Vec<String>,
     },
 }
 
-/// Where a setting comes from.
+/// The source of a setting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SettingSource {
     /// A section of the paper.
@@ -96,9 +96,9 @@ pub struct Setting {
     pub kind: SettingKind,
     /// The value in the paper's method, where that differs from ours by more than a threshold of the paper.
     pub paper: Option<SettingValue>,
-    /// Where it comes from.
+    /// Its source.
     pub source: SettingSource,
-    /// What it does.
+    /// Its meaning.
     pub doc: &'static str,
 }
 

@@ -49,7 +49,7 @@ impl CandidateDecision {
 pub struct BowEvidence {
     /// DBoW2's L1 score, in `[0, 1]`.
     pub score: f64,
-    /// How many words the two keyframes share.
+    /// The number of words that the two keyframes share.
     pub common_words: u32,
     /// The lowest score of the query against its covisible keyframes; 0 without any.
     pub reference_score: f64,
@@ -64,7 +64,7 @@ pub struct MatchEvidence {
     pub candidate_anchor: AnchorName,
     /// SimilarityLevel of the two descriptions, 1 to 5.
     pub level: u8,
-    /// Who judged.
+    /// The judge.
     pub source: String,
     /// Angle between the two bearings, in radians.
     pub angle_difference_rad: f64,
@@ -92,7 +92,7 @@ pub struct ContradictionEvidence {
 pub struct AnchorEvidence {
     /// S of Eq. (2).
     pub similarity: f64,
-    /// What S must exceed.
+    /// The threshold that S must exceed.
     pub threshold: f64,
     /// Valid anchors in the query's local map.
     pub in_query: usize,
@@ -117,7 +117,7 @@ pub struct GeometryEvidence {
     pub status: GeometryStatus,
     /// Why it was skipped or failed, for a person.
     pub reason: Option<String>,
-    /// What was found, if it ran.
+    /// The figures, if it ran.
     pub figures: Option<GeometryFigures>,
 }
 
@@ -159,7 +159,7 @@ named! {
 pub struct Candidate {
     /// The candidate's name.
     pub keyframe: KeyframeId,
-    /// What became of it.
+    /// Its status.
     pub decision: CandidateDecision,
     /// Check 2.
     pub bow: BowEvidence,
@@ -186,7 +186,7 @@ pub struct Verdict {
     pub degraded: bool,
     /// Whether the map has shown one view in two places, so that geometry alone closes no loop in it.
     pub has_twins: bool,
-    /// How many keyframes were left out because they are covisible with the query (check 1).
+    /// The number of keyframes left out because they are covisible with the query (check 1).
     pub excluded_covisible: usize,
     /// The query's loops that are confirmed already, by id, at most [`CLOSED_MAX`].
     pub closed: Vec<ClosedLoop>,
@@ -231,7 +231,7 @@ pub struct LocalAnchorReport {
     pub state: super::anchor::AnchorState,
     /// Its description, if it has one.
     pub description: Option<String>,
-    /// Where it stands as seen from the central keyframe.
+    /// Its bearing and distance from the central keyframe.
     pub bearing: Bearing,
     /// Its weight in Eq. (2).
     pub weight: f64,

@@ -1,4 +1,4 @@
-//! Survey: how much a JSON text holds, found without holding it.
+//! JSON footprint: how much a JSON text holds, found without holding it.
 
 use std::cell::Cell;
 use std::fmt;

@@ -128,7 +128,7 @@ impl HotelArgs {
     }
 }
 
-/// What `--noise` names.
+/// The kinds of noise that `--noise` names.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NoiseKinds(Vec<NoiseKind>);
 

@@ -7,7 +7,7 @@ use clap::builder::BoolishValueParser;
 
 use super::overrides::Overrides;
 
-/// What a recording is, below the options of `--help`.
+/// The format of a recording, below the options of `--help`.
 const FORMAT: &str = include_str!("format.txt");
 
 /// Play a recording and score the loops found.
@@ -34,7 +34,7 @@ pub struct ReplayArgs {
     /// Which settings to change
     #[command(flatten)]
     pub overrides: Overrides,
-    /// Where each session's frame lies in a common one: checks the transformations of the loops found
+    /// Each session's frame in a common one: checks the transformations of the loops found
     #[arg(long, env = "REVISIT_FRAMES", value_name = "FILE")]
     pub frames: Option<PathBuf>,
     /// One line for every query with a true loop that was not accepted: why not

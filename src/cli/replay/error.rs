@@ -15,7 +15,7 @@ pub enum ReplayError {
     Open {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
     /// The file of frames is none.
@@ -37,7 +37,7 @@ pub enum ReplayError {
         line: u64,
         /// Which operation.
         what: String,
-        /// What the server said.
+        /// The server's error.
         source: ClientError,
     },
     /// A map of the recording's name holds something else.
@@ -52,13 +52,13 @@ pub enum ReplayError {
         map: String,
         /// The server.
         server: String,
-        /// What the server said.
+        /// The server's error.
         source: ClientError,
     },
     /// The replay went on past refused lines.
     #[error("{failed} of the recording's lines were refused: the score is that of the others")]
     Incomplete {
-        /// How many.
+        /// The number of lines.
         failed: u64,
     },
     /// The score cannot be written.

@@ -14,7 +14,7 @@ impl OwnServer {
         Self { url: url.into(), _running: Box::new(running) }
     }
 
-    /// Where it listens.
+    /// Returns the address on which it listens.
     pub fn url(&self) -> &str {
         &self.url
     }

@@ -17,13 +17,13 @@ use tracing_subscriber::registry::LookupSpan;
 
 use crate::config::{build, tls};
 
-/// Where a collector takes traces, by its base address.
+/// The path below a collector's base address that takes traces.
 const PATH: &str = "/v1/traces";
 
-/// How long what was not sent yet may take when the server stops.
+/// Time to send the remaining spans at shutdown.
 const FLUSH: Duration = Duration::from_secs(5);
 
-/// Where traces go.
+/// The destination of traces.
 #[derive(Args, Clone, Debug, Default)]
 pub struct TraceArgs {
     /// An OpenTelemetry collector that takes traces by OTLP over HTTP, such as http://127.0.0.1:4318; without it there

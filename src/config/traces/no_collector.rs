@@ -5,7 +5,7 @@ use tracing::{Span, Subscriber};
 use tracing_subscriber::Layer;
 use tracing_subscriber::layer::Identity;
 
-/// Where traces go: nowhere.
+/// The destination of traces: none.
 #[derive(Args, Clone, Debug, Default)]
 pub struct TraceArgs {}
 

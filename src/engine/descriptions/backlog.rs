@@ -1,4 +1,4 @@
-//! Board: what the worker knows of one map's work.
+//! Backlog: what the worker knows of one map's work.
 
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::time::Duration;

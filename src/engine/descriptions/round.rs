@@ -36,7 +36,7 @@ const DRAIN: Duration = Duration::from_secs(8);
 /// Rest before new jobs are taken where requests are shed.
 const REST: Duration = Duration::from_millis(250);
 
-/// What the loop shares with the handle to the worker.
+/// State that the loop shares with the handle to the worker.
 #[derive(Debug)]
 pub(super) struct Signals {
     /// Notified when there may be work.

@@ -8,7 +8,7 @@ use tokio::time::Instant;
 use super::backlog::PAUSE_MAX;
 use crate::domain::ids::MapId;
 
-/// How long a map rests after its first failed load. Each further failure doubles it.
+/// Rest of a map after its first failed load. Each further failure doubles it.
 const FIRST_REST: Duration = Duration::from_millis(250);
 
 /// The rest doubles at most this often.

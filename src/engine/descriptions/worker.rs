@@ -1,6 +1,6 @@
 //! The worker: asks models for missing descriptions and judgements, in the background (§IV-A.3).
 //!
-//! What is missing is a question to each map's index, so a crash loses nothing. An answer is on disk before it is used, so
+//! Missing descriptions follow from each map's index, so a crash loses nothing. An answer is on disk before it is used, so
 //! nothing is paid for twice. [`super::round`] is its loop; this is the handle to it.
 
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -1,4 +1,4 @@
-//! Pressure: how much is being worked on, and what is left out when it is too much.
+//! Load shedding: how much is being worked on, and what is left out when it is too much.
 //!
 //! | requests worked on, of `--max-requests` | what is left out |
 //! |---|---|

@@ -20,7 +20,7 @@ use crate::recognition::map::culling::cull_keyframe;
 use crate::recognition::map::index::MapIndex;
 use crate::store::NewKeyframeRows;
 
-/// What became of a `PUT` under the map's lock.
+/// The outcome of a `PUT` under the map's lock.
 enum Put {
     Created(KeyframeReport),
     Exists(KeyframeSeq),
@@ -36,7 +36,7 @@ pub struct PendingKeyframe {
     begun: Begun<Put>,
 }
 
-/// How often a PUT begins anew because the keyframe that it found was culled before it could be read.
+/// Maximum attempts of a PUT that begins again because the keyframe that it found was culled before it could be read.
 const PUT_AGAIN_MAX: usize = 16;
 
 impl PendingKeyframe {

@@ -15,7 +15,7 @@ use crate::engine::{QueryAnswer, Service, ServiceError};
 #[derive(Debug, Default)]
 pub(in crate::engine) struct VerdictCounters([AtomicU64; 3]);
 
-/// How many loop queries were answered since the start, by verdict.
+/// The number of loop queries answered since the start, by verdict.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct VerdictCounts([u64; 3]);
 

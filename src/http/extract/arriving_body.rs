@@ -12,7 +12,7 @@ use crate::http::problem::Problem;
 /// Bodies up to this take memory without asking; keyframes mostly do.
 const UNCOUNTED_BYTES: usize = 256 << 10;
 
-/// How much more than allowed is read and thrown away, so that the client gets to see the answer: a connection closed
+/// Bytes beyond the limit that are read and discarded, so that the client gets to see the answer: a connection closed
 /// on unread bytes is reset, and the answer with it.
 const DISCARDED_BYTES: usize = 4 * limits::BODY_BYTES;
 

@@ -1,6 +1,6 @@
 //! Admission: admits a request, or rejects it at once as overloaded.
 //!
-//! What is left out first is told in [`crate::engine::limits::load_shedding`]. A request that is refused is answered without its body,
+//! The order of shedding is that of [`crate::engine::limits::load_shedding`]. A rejected request is answered without its body,
 //! of which [`crate::http::connection::unread`] takes care.
 
 use std::sync::Arc;

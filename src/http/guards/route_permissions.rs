@@ -1,6 +1,6 @@
 //! The permission that each operation needs, as the API document declares it.
 //!
-//! What is documented is what is enforced. An operation without a `security` member is refused to every caller, and so is a
+//! The documented permissions are the enforced ones. An operation without a `security` member is refused to every caller, and so is a
 //! route that the document lacks: an omission admits nobody.
 
 use std::collections::HashMap;

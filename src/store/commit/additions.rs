@@ -22,7 +22,7 @@ use crate::store::slices::deferred;
 /// Events of a map are kept up to this number, oldest out first.
 const EVENTS_KEPT: u64 = 100_000;
 
-/// How often old events are taken out.
+/// Events between two removals of old ones.
 const EVENTS_SWEPT_EVERY: u64 = 256;
 
 /// Loop queries of a map are kept up to this number, oldest out first.

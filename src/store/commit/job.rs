@@ -68,9 +68,9 @@ pub struct NewKeyRow {
 pub struct Spent {
     /// Days since 1970, UTC.
     pub day: i64,
-    /// What was asked for.
+    /// The question.
     pub operation: &'static str,
-    /// Who answered.
+    /// The model that answered.
     pub model: Arc<str>,
     /// Calls.
     pub calls: i64,
@@ -143,9 +143,9 @@ pub enum Job {
     KeepAnswer {
         /// The hash.
         key: [u8; 32],
-        /// What was asked for.
+        /// The question.
         operation: &'static str,
-        /// Who answered.
+        /// The model that answered.
         model: Arc<str>,
         /// The answer, as received.
         answer: Arc<str>,

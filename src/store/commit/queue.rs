@@ -22,7 +22,7 @@ pub(in crate::store) struct Queued {
 /// Called by the writer when a job is on disk, or will never be: even if nobody waits any more.
 pub(in crate::store) type Done = Box<dyn FnOnce(Result<(), StoreError>) + Send + Sync>;
 
-/// What the writer is told.
+/// A message to the writer.
 pub(in crate::store) enum Message {
     Job(Box<Queued>),
     /// Answered once everything queued before it is settled.

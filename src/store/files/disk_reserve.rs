@@ -1,4 +1,4 @@
-//! Reserve: disk space kept beside the database, so that deletes still work when there is no other.
+//! Disk reserve: disk space kept beside the database, so that deletes still work when there is no other.
 //!
 //! A delete makes room only after it has written what it did to the write-ahead log. On a full disk the log is brought
 //! into the database's file with this reserve's space, and is then there to be written from its beginning. The reserve is

@@ -11,7 +11,7 @@ use sqlx::sqlite::SqliteConnectOptions;
 
 use crate::store::StoreError;
 
-/// How long a connection waits for a lock another process holds.
+/// Longest wait for a lock that another process holds.
 pub(in crate::store) const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Where a database lies.

@@ -1,4 +1,4 @@
-//! Renewal: what an earlier process left in the write-ahead log is written and synced once more before anything is built on it.
+//! WAL recovery: what an earlier process left in the write-ahead log is written and synced once more before anything is built on it.
 //!
 //! If a sync failed, the kernel may have dropped what it was to write and still show it to readers until the machine
 //! stops. A process that starts then takes it for committed, and commits after it; its own syncs succeed, and after

@@ -13,12 +13,12 @@ use crate::store::slices::parts::Kind;
 /// Whether features fit together, so that they can be matched.
 pub(super) type Fit = fn(Features) -> bool;
 
-/// What was found in a map's rows.
+/// Findings in a map's rows.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct RowFindings {
     /// Its events that are kept.
     pub events: u64,
-    /// What is wrong with it.
+    /// Its faults.
     pub faults: Vec<String>,
 }
 

@@ -14,7 +14,7 @@ use crate::store::StoreError;
 /// How far the squared norm of a stored quaternion may be from 1: it was normalised before it was stored.
 const MAX_ROTATION_ERROR: f64 = 1e-6;
 
-/// What was read of a map so far, as far as later rows refer to it.
+/// Rows of a map read so far, as far as later rows refer to them.
 #[derive(Debug, Default)]
 pub(in crate::store) struct Known {
     sessions: usize,
@@ -24,7 +24,7 @@ pub(in crate::store) struct Known {
     pub anchors: HashMap<AnchorSeq, KnownAnchor>,
 }
 
-/// What later rows must agree with of an anchor.
+/// An anchor, as far as later rows must agree with it.
 #[derive(Debug)]
 pub(in crate::store) struct KnownAnchor {
     pub class: Box<str>,

@@ -1,6 +1,6 @@
 //! M50: a keyframe sent along with the query is judged as if it had just arrived, and is not stored.
 //!
-//! What M50 leaves open is tested as the service documents it (`recognition/loops/anchor_map.rs`): sights of a known
+//! Cases that M50 leaves open are tested as the service documents it (`recognition/loops/anchor_map.rs`): sights of a known
 //! anchor add nothing to what the map knows of it, the others stand for themselves.
 
 use serde_json::{Value, json};

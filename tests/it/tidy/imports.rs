@@ -14,7 +14,7 @@ type ModulePath = Vec<String>;
 /// One file as a module.
 #[derive(Debug, Default)]
 struct Module {
-    /// Where it stands below the root.
+    /// Its path below the root.
     file: String,
     /// Whether it only lists modules and re-exports, so that it stands for its children.
     only_lists: bool,

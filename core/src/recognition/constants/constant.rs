@@ -9,7 +9,7 @@ pub struct Constant {
     pub value: f64,
     /// Its unit; `1` for counts, shares and factors.
     pub unit: &'static str,
-    /// What it does, and where it comes from.
+    /// Its meaning and its source.
     pub doc: &'static str,
 }
 
