@@ -3,9 +3,7 @@
 
 use serde_json::{Value, json};
 
-use super::scene::{
-    GeometrySnapshot, Keyframe, NAMES, Scene, candidate_of, close_to, door, keyframe, list, thing,
-};
+use super::scene::{Detection, Keyframe, NAMES, Scene, candidate_of, close_to, door, keyframe, list, thing};
 
 const AHEAD: [f64; 3] = [0.0, 0.0, 1.0];
 
@@ -13,7 +11,7 @@ const AHEAD: [f64; 3] = [0.0, 0.0, 1.0];
 type Readings<'a> = &'a [&'a str];
 
 /// Stores a passage; the first keyframe has its name, those that read the plate again are covisible with it.
-async fn pass(scene: &Scene, name: &str, readings: Readings<'_>, more: &[GeometrySnapshot]) {
+async fn pass(scene: &Scene, name: &str, readings: Readings<'_>, more: &[Detection]) {
     for (number, text) in readings.iter().enumerate() {
         let plate = door(text, AHEAD);
         if number == 0 {
@@ -24,7 +22,7 @@ async fn pass(scene: &Scene, name: &str, readings: Readings<'_>, more: &[Geometr
     }
 }
 
-fn seeing(sights: impl IntoIterator<Item = GeometrySnapshot>) -> Keyframe {
+fn seeing(sights: impl IntoIterator<Item = Detection>) -> Keyframe {
     keyframe().sees(sights)
 }
 
@@ -82,7 +80,7 @@ async fn the_veto_can_be_turned_off() {
 
 #[tokio::test]
 async fn only_anchors_of_one_class_at_the_same_relative_place_contradict() {
-    let check = async |what: &str, there: GeometrySnapshot, contradict: bool| {
+    let check = async |what: &str, there: Detection, contradict: bool| {
         let scene = Scene::new().await;
         scene.put("candidate", seeing([there])).await;
         scene.put("query", seeing([door("901", AHEAD)])).await;

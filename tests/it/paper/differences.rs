@@ -2,16 +2,12 @@
 
 use serde_json::{Value, json};
 
-use super::scene::{GeometrySnapshot, Scene, close_to, door, keyframe, list};
+use super::scene::{Detection, Scene, close_to, door, keyframe, list};
 
 const AHEAD: [f64; 3] = [0.0, 0.0, 1.0];
 
 /// The differences between two passages of one keyframe each.
-async fn between(
-    settings: Value,
-    query: &[GeometrySnapshot],
-    candidate: &[GeometrySnapshot],
-) -> (Value, Vec<Value>) {
+async fn between(settings: Value, query: &[Detection], candidate: &[Detection]) -> (Value, Vec<Value>) {
     let scene = Scene::with(settings).await;
     scene.put("candidate", keyframe().sees(candidate.iter().cloned())).await;
     scene.put("query", keyframe().sees(query.iter().cloned())).await;
@@ -91,7 +87,7 @@ async fn what_contradicts_or_agrees_is_no_difference() {
 
 #[tokio::test]
 async fn differences_are_few_and_the_nearest_signs_come_first() {
-    let hall = |first: u32| -> Vec<GeometrySnapshot> {
+    let hall = |first: u32| -> Vec<Detection> {
         (0..30).map(|n| door(&format!("{}", first + n * 7), [f64::from(n) * 2.0, 0.0, 1.5])).collect()
     };
     let (found, differences) = between(json!({}), &hall(1000), &hall(5001)).await;

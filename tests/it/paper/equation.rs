@@ -3,14 +3,14 @@
 use serde_json::{Value, json};
 
 use super::scene::{
-    GeometrySnapshot, NAMES, Scene, close_to, door, keyframe, list, merged, thing, to_the_letter, unread,
+    Detection, NAMES, Scene, close_to, door, keyframe, list, merged, thing, to_the_letter, unread,
 };
 
 /// What the query says of the candidate, each seeing these things from the origin.
 pub(super) async fn compared(
     settings: &Value,
-    query: impl IntoIterator<Item = GeometrySnapshot>,
-    candidate: impl IntoIterator<Item = GeometrySnapshot>,
+    query: impl IntoIterator<Item = Detection>,
+    candidate: impl IntoIterator<Item = Detection>,
 ) -> Value {
     let scene = Scene::with(settings.clone()).await;
     scene.put("candidate", keyframe().sees(candidate)).await;
@@ -29,7 +29,7 @@ fn letter(similarity: f64, matches: usize) -> Reading {
     Reading { settings: to_the_letter(&json!({})), similarity, matches }
 }
 
-async fn check(what: &str, reading: Reading, query: &[GeometrySnapshot], candidate: &[GeometrySnapshot]) {
+async fn check(what: &str, reading: Reading, query: &[Detection], candidate: &[Detection]) {
     let found = compared(&reading.settings, query.to_vec(), candidate.to_vec()).await;
     let anchors = &found["anchors"];
     close_to(what, &anchors["similarity"], reading.similarity);

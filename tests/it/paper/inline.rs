@@ -6,7 +6,7 @@
 use serde_json::{Value, json};
 
 use super::scene::{
-    GeometrySnapshot, Keyframe, NAMES, Scene, candidate_of, close_to, door, keyframe, list, thing, unread,
+    Detection, Keyframe, NAMES, Scene, candidate_of, close_to, door, keyframe, list, thing, unread,
 };
 
 /// The verdict without its name; anchors that the keyframe founds go by its detections.
@@ -56,7 +56,7 @@ async fn passage() -> Scene {
 
 #[tokio::test]
 async fn an_inline_keyframe_gets_the_verdict_it_would_get_if_it_were_stored() {
-    let query = |sights: Vec<GeometrySnapshot>| keyframe().words(&[(1, 0.25), (3, 0.75)]).sees(sights);
+    let query = |sights: Vec<Detection>| keyframe().words(&[(1, 0.25), (3, 0.75)]).sees(sights);
     check("the same door", &passage().await, query(vec![door("room 901", AHEAD)]), "loop").await;
     let two = vec![unread([1.0, 1.0, 1.0]), door("901", [0.5, 0.0, 2.0])];
     check("a door, and one that nobody has read", &passage().await, query(two), "loop").await;

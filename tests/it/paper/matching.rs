@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::scene::{GeometrySnapshot, Keyframe, Scene, close_to_all, door, keyframe, list, texts, thing};
+use super::scene::{Detection, Keyframe, Scene, close_to_all, door, keyframe, list, texts, thing};
 
 /// What became of two anchors.
 #[derive(Debug, PartialEq)]
@@ -37,13 +37,13 @@ async fn became(scene: &Scene) -> Became {
 }
 
 /// A plate over the square from (0,0,2) to (1,1,2).
-fn first(plate: GeometrySnapshot) -> Keyframe {
+fn first(plate: Detection) -> Keyframe {
     keyframe().points(&[(1, [0.0, 0.0, 2.0]), (2, [1.0, 1.0, 2.0])]).sees([plate.on([1, 2])])
 }
 
 /// A plate over the square from (1,1,2) to (2,2,2): it touches the first in one corner, and that is one of its six
 /// points, too few to be the same by tracking.
-fn second(plate: GeometrySnapshot) -> Keyframe {
+fn second(plate: Detection) -> Keyframe {
     let positions = [[1.0, 1.0], [2.0, 1.0], [1.5, 1.0], [1.5, 2.0], [2.0, 2.0], [1.5, 1.5]];
     let points: Vec<(i64, [f64; 3])> = (11..).zip(positions.map(|[x, y]| [x, y, 2.0])).collect();
     keyframe().points(&points).sees([plate.on(11..17)])

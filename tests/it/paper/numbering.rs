@@ -14,7 +14,7 @@ async fn building(scene: &Scene, plates: usize) {
     }
 }
 
-fn sign(text: &str, x: f64) -> super::scene::GeometrySnapshot {
+fn sign(text: &str, x: f64) -> super::scene::Detection {
     thing("sign", text).at([x, 0.0, 2.0])
 }
 
@@ -67,7 +67,7 @@ async fn a_pattern_that_is_none_is_refused_where_it_stands() {
 
 #[tokio::test]
 async fn where_a_distance_was_assumed_the_angle_alone_gates_and_weighs() {
-    let assumed = |sight: super::scene::GeometrySnapshot| {
+    let assumed = |sight: super::scene::Detection| {
         let mut sight = sight;
         sight.0["range"] = json!("assumed");
         sight

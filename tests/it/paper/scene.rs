@@ -247,7 +247,7 @@ impl Keyframe {
         self.set("map_points", json!({"ids": ids, "positions": positions}))
     }
 
-    pub(super) fn sees(self, sights: impl IntoIterator<Item = GeometrySnapshot>) -> Self {
+    pub(super) fn sees(self, sights: impl IntoIterator<Item = Detection>) -> Self {
         let sights: Vec<Value> = sights.into_iter().map(|sight| sight.0).collect();
         self.set("detections", json!(sights))
     }
@@ -260,24 +260,24 @@ pub(super) fn turned(place: [f64; 3], [x, y, z, w]: [f64; 4]) -> Value {
 
 /// A detection to be sent.
 #[derive(Clone)]
-pub(super) struct GeometrySnapshot(pub(super) Value);
+pub(super) struct Detection(pub(super) Value);
 
 /// A thing of a class, seen with full confidence, not yet anywhere.
-pub(super) fn thing(class: &str, text: &str) -> GeometrySnapshot {
-    GeometrySnapshot(json!({"class": class, "confidence": 1.0, "box": [0, 0, 10, 10], "text": text}))
+pub(super) fn thing(class: &str, text: &str) -> Detection {
+    Detection(json!({"class": class, "confidence": 1.0, "box": [0, 0, 10, 10], "text": text}))
 }
 
 /// A door plate at a position.
-pub(super) fn door(text: &str, position: [f64; 3]) -> GeometrySnapshot {
+pub(super) fn door(text: &str, position: [f64; 3]) -> Detection {
     thing("door_number", text).at(position)
 }
 
 /// A door plate that nobody has read.
-pub(super) fn unread(position: [f64; 3]) -> GeometrySnapshot {
+pub(super) fn unread(position: [f64; 3]) -> Detection {
     door("", position)
 }
 
-impl GeometrySnapshot {
+impl Detection {
     pub(super) fn at(mut self, position: [f64; 3]) -> Self {
         self.0["position"] = json!(position);
         self

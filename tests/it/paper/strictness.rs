@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use serde_json::{Value, json};
 
 use super::equation::compared;
-use super::scene::{GeometrySnapshot, NAMES, close_to, door, thing, to_the_letter};
+use super::scene::{Detection, NAMES, close_to, door, thing, to_the_letter};
 
 /// Do a door seen straight ahead at 2 m and one seen there match?
 async fn matches(what: &str, settings: Value, there: [f64; 3], expected: bool) {
@@ -47,14 +47,14 @@ async fn distances_must_differ_by_less_than_a_metre() {
 #[tokio::test]
 async fn s_must_exceed_its_threshold() {
     // Weights 2, 4, 2 against 1, 1, of which 2 and 1 match: 3 / 10, and 0.3 is not greater than 0.3.
-    let query = || -> Vec<GeometrySnapshot> {
+    let query = || -> Vec<Detection> {
         vec![door("901", [0.0, 0.0, 0.5]), door(NAMES[0], [0.25, 0.0, 0.0]), door(NAMES[1], [0.0, 0.5, 0.0])]
     };
-    let candidate = |more: &[GeometrySnapshot]| -> Vec<GeometrySnapshot> {
+    let candidate = |more: &[Detection]| -> Vec<Detection> {
         let two = [door("901", [0.0, 0.0, 1.0]), thing("poster", NAMES[2]).at([-1.0, 0.0, 0.0])];
         two.into_iter().chain(more.iter().cloned()).collect()
     };
-    let check = async |what: &str, threshold: f64, more: &[GeometrySnapshot], measured: f64, passes: bool| {
+    let check = async |what: &str, threshold: f64, more: &[Detection], measured: f64, passes: bool| {
         let settings = to_the_letter(&json!({"anchor_map_min_similarity": threshold}));
         let found = compared(&settings, query(), candidate(more)).await;
         close_to(what, &found["anchors"]["similarity"], measured);

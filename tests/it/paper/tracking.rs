@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::scene::{GeometrySnapshot, Keyframe, Scene, close_to_all, keyframe, texts, thing, unread};
+use super::scene::{Detection, Keyframe, Scene, close_to_all, keyframe, texts, thing, unread};
 
 /// The flat box from (0,0,2) to (1,1,2).
 const CORNERS: [(i64, [f64; 3]); 2] = [(1, [0.0, 0.0, 2.0]), (2, [1.0, 1.0, 2.0])];
@@ -11,7 +11,7 @@ const CORNERS: [(i64, [f64; 3]); 2] = [(1, [0.0, 0.0, 2.0]), (2, [1.0, 1.0, 2.0]
 const AWAY: [f64; 3] = [50.0, 0.0, 2.0];
 
 /// A plate that nobody has read: what is undescribed matches nothing, so that association alone decides.
-fn plate(class: &str) -> GeometrySnapshot {
+fn plate(class: &str) -> Detection {
     thing(class, "")
 }
 

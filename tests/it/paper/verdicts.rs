@@ -5,14 +5,14 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use super::equation::compared;
-use super::scene::{GeometrySnapshot, NAMES, Scene, close_to, door, keyframe, thing, to_the_letter, unread};
+use super::scene::{Detection, NAMES, Scene, close_to, door, keyframe, thing, to_the_letter, unread};
 
 /// A query that waits for nothing is answered long before; the test fails instead of hanging.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 const AHEAD: [f64; 3] = [0.0, 0.0, 1.0];
 
-fn plate() -> Vec<GeometrySnapshot> {
+fn plate() -> Vec<Detection> {
     vec![door("901", AHEAD)]
 }
 
@@ -20,8 +20,8 @@ fn plate() -> Vec<GeometrySnapshot> {
 async fn where_either_local_map_is_empty_a_setting_decides() {
     let check = async |what: &str,
                        policy: &str,
-                       query: Vec<GeometrySnapshot>,
-                       candidate: Vec<GeometrySnapshot>,
+                       query: Vec<Detection>,
+                       candidate: Vec<Detection>,
                        verdict: &str,
                        code: &str| {
         let found = compared(&json!({"without_anchors": policy}), query, candidate).await;
@@ -54,7 +54,7 @@ async fn where_either_local_map_is_empty_a_setting_decides() {
 
 #[tokio::test]
 async fn a_candidate_that_looks_far_less_alike_than_the_neighbours_leaves_nothing_undecided() {
-    let check = async |what: &str, settings: Value, sights: Vec<GeometrySnapshot>, expected: [&str; 2]| {
+    let check = async |what: &str, settings: Value, sights: Vec<Detection>, expected: [&str; 2]| {
         let scene = Scene::with(settings).await;
         // Of the candidate's words a fifth is the query's: 0.2 of what the neighbour scores.
         scene.put("candidate", keyframe().words(&[(1, 0.2), (9, 0.8)]).sees(sights.clone())).await;
@@ -117,8 +117,8 @@ async fn an_answer_is_undecided_if_any_candidate_is_and_none_is_a_loop() {
 async fn an_anchor_not_described_yet_leaves_undecided_what_it_could_turn() {
     let name = |number: usize, position: [f64; 3]| thing("poster", NAMES[number]).at(position);
     let check = async |what: &str,
-                       query: Vec<GeometrySnapshot>,
-                       candidate: Vec<GeometrySnapshot>,
+                       query: Vec<Detection>,
+                       candidate: Vec<Detection>,
                        pending: u32,
                        code: Option<&str>| {
         let found = compared(&json!({}), query, candidate).await;

@@ -3,21 +3,20 @@
 use serde_json::{Value, json};
 
 use super::equation::compared;
-use super::scene::{GeometrySnapshot, Keyframe, Scene, close_to, door, keyframe, thing, to_the_letter};
+use super::scene::{Detection, Keyframe, Scene, close_to, door, keyframe, thing, to_the_letter};
 
 /// A poster, a metre ahead.
-fn poster(text: &str) -> GeometrySnapshot {
+fn poster(text: &str) -> Detection {
     thing("sign", text).at([0.0, 0.0, 1.0])
 }
 
 #[tokio::test]
 async fn a_slogan_alone_makes_no_loop_and_beside_a_door_number_it_counts() {
-    let check =
-        async |what: &str, settings: Value, sights: &[GeometrySnapshot], verdict: &str, code: Value| {
-            let found = compared(&settings, sights.to_vec(), sights.to_vec()).await;
-            close_to(what, &found["anchors"]["similarity"], 1.0);
-            assert_eq!((&found["verdict"], &found["reason"]["code"]), (&json!(verdict), &code), "{what}");
-        };
+    let check = async |what: &str, settings: Value, sights: &[Detection], verdict: &str, code: Value| {
+        let found = compared(&settings, sights.to_vec(), sights.to_vec()).await;
+        close_to(what, &found["anchors"]["similarity"], 1.0);
+        assert_eq!((&found["verdict"], &found["reason"]["code"]), (&json!(verdict), &code), "{what}");
+    };
     let slogan = || poster("Be Updated");
     check("a slogan", json!({}), &[slogan()], "undecided", json!("no_witness")).await;
     let two = [slogan(), thing("sign", "Library Corner").at([0.5, 0.0, 1.0])];
