@@ -1,4 +1,4 @@
-//! `revisit backup`, `revisit restore`: a verified copy of the database, and back.
+//! `revisit backup` and `revisit restore`: verified copies of the database.
 
 use std::path::PathBuf;
 
@@ -11,18 +11,18 @@ use crate::integrity::backup::{Copied, Copy, folder_of, regular_or_free};
 use crate::integrity::restore::{Allowed, restore};
 use crate::store::files::paths::DatabaseFiles;
 
-/// What is added to the name of a copy that has faults.
+/// Suffix of the name of a copy that has faults.
 const DAMAGED: &str = ".damaged";
 
-/// The most faults that are listed; `revisit check --json` has them all.
+/// Maximum faults listed; `revisit check --json` lists all.
 const LISTED: usize = 20;
 
-/// Copy the database into a file, also while a server runs.
+/// Copy the database into a file, even while a server is running.
 ///
-/// The copy is what the database held at one moment: everything acknowledged before the backup began is in it. It is
-/// verified by what `check` looks at, and on disk, when the command ends. A copy that `check` finds faults in is kept as
-/// FILE.damaged, an earlier backup in FILE stays, and the command ends with 1. It needs as much room as the data, and the server's log grows meanwhile by
-/// what is written.
+/// The copy is a snapshot with every write acknowledged before the backup began. When the command ends, it is on disk
+/// and verified by the same check as `check`. A copy with faults is kept as FILE.damaged, an earlier backup in FILE is
+/// kept, and the exit code is 1. The backup needs as much disk space as the data, and the write-ahead log grows with
+/// every write until it is done.
 #[derive(Args, Debug)]
 pub struct BackupArgs {
     /// The file to write
@@ -30,26 +30,26 @@ pub struct BackupArgs {
     /// The database
     #[arg(long, env = "REVISIT_DATABASE", value_name = "URL", default_value = "sqlite://revisit.db")]
     database: String,
-    /// Replace the file if it is there
+    /// Replace an existing file
     #[arg(long, env = "REVISIT_FORCE")]
     force: bool,
 }
 
-/// Make a backup the database; no server may have that open.
+/// Restore the database from a backup; no server may have it open.
 ///
-/// The backup is checked first, by what `check` looks at. Nothing is overwritten: the database that is there keeps lying beside, under another
-/// name. Run it as the user that the server runs as.
+/// The backup is checked first, as by `check`. Nothing is overwritten: an existing database is kept under another
+/// name. Run the command as the user of the server.
 #[derive(Args, Debug)]
 pub struct RestoreArgs {
     /// The backup
     file: PathBuf,
-    /// The database to put in its place
+    /// The database to replace
     #[arg(long, env = "REVISIT_DATABASE", value_name = "URL", default_value = "sqlite://revisit.db")]
     database: String,
-    /// Do so though there is a database: it is kept under another name
+    /// Replace an existing database, which is kept under another name
     #[arg(long, env = "REVISIT_FORCE")]
     force: bool,
-    /// Do so though the backup has faults: sound maps are served, a damaged one answers 500
+    /// Restore a backup that has faults: intact maps are served, damaged ones return 500
     #[arg(long, env = "REVISIT_DAMAGED")]
     damaged: bool,
 }
@@ -79,7 +79,7 @@ pub async fn run(args: BackupArgs) -> Result<(), Failure> {
     ))?)
 }
 
-/// Keeps a copy that has faults, under a name that nobody takes for a backup, and returns what there is to say of it.
+/// Keeps a copy that has faults, under a name that cannot be mistaken for a backup, and returns the message about it.
 fn keep_damaged(copy: Copy, args: &BackupArgs) -> Result<String, Failure> {
     let count = copy.faults().len();
     let listed = copy.faults()[..count.min(LISTED)].join("\n  ");
@@ -89,7 +89,7 @@ fn keep_damaged(copy: Copy, args: &BackupArgs) -> Result<String, Failure> {
     let copied = copy.place(&damaged, args.force)?;
     Ok(format!(
         "not verified: the database has faults ({count}), and so has the copy, which is kept as {} ({} bytes, sha256 {}); \
-         {} is as it was. `revisit restore` takes such a copy with --damaged only.\n  {listed}",
+         {} is unchanged. `revisit restore` accepts such a copy only with --damaged.\n  {listed}",
         damaged.display(),
         copied.bytes,
         copied.sha256,
@@ -103,7 +103,7 @@ pub async fn run_restore(args: RestoreArgs) -> Result<(), Failure> {
     let backup = DatabaseFiles::of_path(&args.file);
     let restored = restore(&backup, &target, Allowed { replace: args.force, faults: args.damaged }).await?;
     let holds = report(&restored.copied);
-    // Its sum is not told: SQLite has written it anew, and it differs from the backup's.
+    // Its sum is not printed: SQLite has rewritten the file, so the sum differs from the backup's.
     let verified = match restored.faults.len() {
         0 => verified(&restored.copied).to_owned(),
         count => format!("not verified, faults: {count}"),
@@ -113,21 +113,23 @@ pub async fn run_restore(args: RestoreArgs) -> Result<(), Failure> {
         write_out(&format!("fault: {fault}\n"))?;
     }
     if let Some(kept) = restored.kept {
-        write_out(&format!("the database before it: {}\n", kept.display()))?;
+        write_out(&format!("previous database: {}\n", kept.display()))?;
     }
     for (key, name) in &restored.keys {
         let key = key.public();
-        write_out(&format!("{key} {name:?} is not revoked in it: do so again if you had done so since\n"))?;
+        write_out(&format!(
+            "{key} {name:?} is not revoked in the backup: if you revoked it since, revoke it again\n"
+        ))?;
     }
     Ok(())
 }
 
-/// Says how far a copy without faults was looked into.
+/// Returns the extent to which a copy without faults was verified.
 fn verified(copied: &Copied) -> &'static str {
     if copied.maps_checked {
         "verified"
     } else {
-        "its structure is sound; its maps are of another schema and were not looked into"
+        "its structure is sound; its maps have another schema and were not checked"
     }
 }
 

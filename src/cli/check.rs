@@ -1,4 +1,4 @@
-//! `revisit check`: is a database, or a backup, whole?
+//! `revisit check`: verifies the integrity of a database or a backup.
 
 use clap::Args;
 use serde_json::json;
@@ -13,22 +13,22 @@ use crate::store::files::paths::DatabaseFiles;
 /// Maximum faults listed as text; `--json` has them all.
 const LISTED: usize = 20;
 
-/// Look whether a database is whole, and every map in it holds the law.
+/// Check the integrity of a database and of every map in it.
 ///
-/// Works beside a running server and on backups, and writes nothing. Ends with 1 if anything is wrong. It finds torn
-/// pages, rows that refer to nothing, values that do not decode, numbers that are missing or would be given twice, and
-/// maps whose index depends on the order of its facts. It cannot find a value replaced by another that could be.
+/// Works on a database in use and on backups, and is read-only. Exits with 1 on any fault: torn pages, dangling
+/// references, values that do not decode, numbers that are missing or would be assigned twice, and maps whose index
+/// depends on the order of its facts. It cannot detect a value replaced by another valid one.
 #[derive(Args, Debug)]
 pub struct CheckArgs {
     /// The database, or a backup as sqlite://FILE
     #[arg(long, env = "REVISIT_DATABASE", value_name = "URL", default_value = "sqlite://revisit.db")]
     database: String,
-    /// Tell it as one JSON object
+    /// Print one JSON object
     #[arg(long, env = "REVISIT_JSON")]
     json: bool,
 }
 
-/// Runs it.
+/// Runs `check`.
 pub async fn run(args: CheckArgs) -> Result<(), Failure> {
     let files = DatabaseFiles::of_url(&args.database)?;
     let checked = check(&files).await?;
@@ -53,8 +53,7 @@ fn as_text(checked: &Checked, faults: &[String]) -> String {
     }
     if checked.is_older {
         lines.push(
-            "the schema is older than this program's: maps are looked into once `serve` has migrated it"
-                .into(),
+            "the schema is older than this program's: maps are checked once `serve` has migrated it".into(),
         );
     }
     lines.extend(checked.notes.iter().map(|note| format!("note: {note}")));

@@ -1,4 +1,4 @@
-//! The command line: every subcommand, and where it is run.
+//! Command line: the subcommands and their dispatch.
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 
@@ -9,10 +9,10 @@ use super::{backup, check, completions, export, health, keys, openapi, replay, s
 
 /// Revisit: semantic place recognition. "Is this keyframe a loop?"
 ///
-/// A SLAM client sends keyframes over HTTP, with the texts it has read on doors and signs, and asks whether it has
-/// been there before. Start with `revisit serve` and open its address in a browser.
+/// A SLAM client sends keyframes over HTTP, with the texts it has read on doors and signs. It queries whether a
+/// keyframe shows a known place. Start with `revisit serve` and open its address in a browser.
 ///
-/// Most flags are also environment variables, as --help tells of each.
+/// Most flags are also environment variables, which --help lists.
 #[derive(Debug, Parser)]
 #[command(name = "revisit", version)]
 pub struct Cli {

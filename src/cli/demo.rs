@@ -1,4 +1,4 @@
-//! `revisit demo`: the paper's experiment on one sequence, told as it happens.
+//! `revisit demo`: the paper's experiment on one sequence, printed as it runs.
 
 use std::time::{Duration, Instant};
 
@@ -22,37 +22,37 @@ use crate::hotel::scoring::tables;
 
 /// The sequence of the paper's Figure 6.
 const SEQUENCE: &str = "SE2 00";
-/// The map that stays to be looked at.
+/// The map that is kept for inspection.
 const MAP: &str = "hotel";
-/// The arms that drive after ours, and what they are.
+/// The arms that run after ours, with their descriptions.
 const OTHERS: [(Method, &str); 2] = [
-    (Method::Paper, "the paper's method to the letter, its loops confirmed as ORB-SLAM3 does"),
-    (Method::BagOfWords, "bag of words and Sim3 without signs, confirmed in the same way"),
+    (Method::Paper, "the paper's exact method, its loops confirmed as in ORB-SLAM3"),
+    (Method::BagOfWords, "bag of words and Sim3 without signs, loops confirmed the same way"),
 ];
-/// A line for every rejected look-alike would be hundreds: of a run of them one is told.
+/// Consecutive rejections per printed line; one line each would be hundreds.
 const REJECTIONS_EVERY: usize = 25;
-/// And of loops, which come in runs as well.
+/// Consecutive loops per printed line.
 const LOOPS_EVERY: usize = 6;
-/// After this long without a line, the drive prints how far it is.
+/// Time without a line after which progress is printed.
 const SILENCE_MAX: Duration = Duration::from_secs(3);
-/// How to go on without the hotel; `tests/it/readme.rs` runs its curls.
+/// The instructions for the user's own data; `tests/it/readme.rs` runs its curls.
 const YOUR_OWN_DATA: &str = include_str!("your_own_data.txt");
 
 /// Watch a robot in a hotel whose rooms all look alike.
 ///
-/// Starts a server on a database that is thrown away, drives the robot of the paper's sequence SE2 00 through it three times
-/// (with our method, with the paper's to the letter, and with bag of words and Sim3 alone), and prints what it was told.
-/// Then it prints how to send your own data, and the server stays up to be asked, until Ctrl-C.
+/// Starts a server on a temporary database and drives the robot of the paper's sequence SE2 00 three times. The runs
+/// use our method, the paper's exact method, and bag of words with Sim3 alone; their answers are printed. Afterwards
+/// it prints how to send your own data, and the server stays up until Ctrl-C.
 #[derive(Args, Debug)]
 pub struct DemoArgs {
-    /// Stop at once when the drive is over
+    /// Exit when the drive is over
     #[arg(long)]
     exit: bool,
 }
 
-/// Runs it.
+/// Runs `demo`.
 pub async fn run(args: DemoArgs) -> Result<(), Failure> {
-    write_out("Starting a server on a database that is thrown away, and building a hotel ...\n")?;
+    write_out("Starting a server on a temporary database, and building a hotel ...\n")?;
     let server = hotel_server().await?;
     write_out("Recording what the robot's camera sees on its way through the hotel ...\n\n")?;
     let client = Client::new(server.url())?;
@@ -64,7 +64,7 @@ pub async fn run(args: DemoArgs) -> Result<(), Failure> {
         scenario.tours[0].iter().map(|room| scenario.world.numbers[*room].as_str()).collect();
     write_out(&format!(
         "A hotel of 24 rooms that are furnished alike, around a corridor of 100 m. A robot drives to rooms {}\n\
-         ({} keyframes) and asks at each: is this a loop? The viewer: {}/\n\n",
+         ({} keyframes) and queries at each: is this a loop? Viewer: {}/\n\n",
         rooms.join(", "),
         scenario.course.order.len(),
         server.url()
@@ -73,7 +73,7 @@ pub async fn run(args: DemoArgs) -> Result<(), Failure> {
     let ours = drive(&client, MAP, Method::Ours, &scenario.course, |asked| teller.hear(asked)).await?;
     let mut drives = vec![ours];
     for (arm, method) in OTHERS {
-        write_out(&format!("\nThe same drive again, with {method} ...\n"))?;
+        write_out(&format!("\nThe same tour again, with {method} ...\n"))?;
         let map = format!("{MAP}-{}", arm.name());
         let mut progress = Progress::new(scenario.course.order.len());
         let driven =
@@ -100,12 +100,12 @@ pub async fn run(args: DemoArgs) -> Result<(), Failure> {
     }
     write_out(&next_steps(server.url(), &drives[0]))?;
     write_out(YOUR_OWN_DATA)?;
-    write_out("Ctrl-C stops this server and throws its database away.\n")?;
+    write_out("Ctrl-C stops this server and deletes its database.\n")?;
     stop_on_signal()?.cancelled().await;
     Ok(())
 }
 
-/// Prints how far a drive is after each silence.
+/// Prints the progress of a run after each silence.
 struct Progress {
     keyframes: usize,
     asked: usize,
@@ -118,14 +118,14 @@ impl Progress {
         Self { keyframes, asked: 0, loops: 0, last_line: Instant::now() }
     }
 
-    /// Counts one answer, for which a line was printed or not.
+    /// Counts one answer; `is_told` is whether a line was printed for it.
     fn count(&mut self, asked: &Asked, is_told: bool) {
         self.asked += 1;
         self.loops += usize::from(asked.answer.verdict.0 == Decision::Loop);
         let was_silent = !is_told && self.last_line.elapsed() >= SILENCE_MAX;
         if was_silent {
             let Self { keyframes, asked, loops, .. } = self;
-            // A reader that went away ends nothing: the tables are still to come.
+            // A closed standard output does not end the run: the tables follow.
             let _ = write_out(&format!("  {asked} of {keyframes} keyframes, {loops} answered with a loop\n"));
         }
         if is_told || was_silent {
@@ -134,7 +134,7 @@ impl Progress {
     }
 }
 
-/// Tells enough of what happens to be followed.
+/// Prints a selection of the answers.
 struct Teller<'a> {
     narrator: Narrator<'a>,
     progress: Progress,
@@ -174,7 +174,7 @@ fn next_steps(url: &str, ours: &RunResult) -> String {
     let keyframe = found.map_or_else(|| String::from("kf-0"), |asked| keyframe_id(asked.keyframe));
     let query = found.map_or("q", |asked| asked.answer.id.as_str());
     format!(
-        "The server stays up. Look at {url}/ in a browser, or ask:\n\n\
+        "The server stays up. Open {url}/ in a browser, or query it:\n\n\
          curl -s {url}/v1/maps/{MAP}\n\
          curl -s '{url}/v1/maps/{MAP}/anchors?class=door_number&limit=3'\n\
          curl -s {url}/v1/maps/{MAP}/keyframes/{keyframe}/local-anchor-map\n\

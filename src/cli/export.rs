@@ -20,14 +20,14 @@ use crate::store::files::paths::DatabaseFiles;
 /// Compression level of a file that ends in `.zst`.
 const ZSTD_LEVEL: i32 = 3;
 
-/// Lines are written in pieces of about this size.
+/// Approximate size of the pieces in which lines are written.
 const PIECE_BYTES: usize = 64 << 10;
 
-/// Write a map as a recording, also while a server runs.
+/// Export a map as a recording, even while a server is running.
 ///
-/// One operation a line, in the order of writing, each with the body in which it was sent: `revisit replay FILE` makes the
-/// same map again, on any server, with the same verdicts. Deleted keyframes are left out. A FILE that ends in `.zst` or `.gz`
-/// is compressed; it appears when it is whole.
+/// One operation per line, in write order, each with its original body. `revisit replay FILE` rebuilds the same map on
+/// any server, with the same verdicts. Deleted keyframes are omitted. A FILE that ends in `.zst` or `.gz` is
+/// compressed. It appears only once it is complete.
 #[derive(Args, Debug)]
 pub struct ExportArgs {
     /// The map
@@ -37,13 +37,13 @@ pub struct ExportArgs {
     /// The database to read
     #[arg(long, env = "REVISIT_DATABASE", value_name = "URL", default_value = "sqlite://revisit.db")]
     database: String,
-    /// Ask this server instead of reading a database
+    /// Export from this server instead of a database
     #[arg(long, env = "REVISIT_SERVER", value_name = "URL")]
     server: Option<String>,
     /// API key for --server
     #[arg(long, env = "REVISIT_KEY", value_name = "SECRET", hide_env_values = true)]
     key: Option<String>,
-    /// Replace the file if it is there
+    /// Replace an existing file
     #[arg(long, env = "REVISIT_FORCE")]
     force: bool,
 }
@@ -70,7 +70,7 @@ pub async fn run(args: ExportArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns a file beside this one, with the mode that the user's mask leaves to new files.
+/// Returns a file beside this one, with the mode that the user's umask gives new files.
 fn temporary(beside: &Path) -> io::Result<NamedTempFile> {
     let mode = Permissions::from_mode(0o666);
     tempfile::Builder::new().permissions(mode).tempfile_in(folder_of(beside))
@@ -139,7 +139,7 @@ async fn of_database(args: &ExportArgs, to: &mut impl Write) -> Result<usize, Un
     Ok(lines)
 }
 
-/// A file, compressed as its name says.
+/// An output file, compressed according to its name.
 enum Output {
     Plain(BufWriter<File>),
     Gzip(Box<flate2::write::GzEncoder<File>>),

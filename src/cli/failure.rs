@@ -1,6 +1,6 @@
-//! Why a subcommand failed.
+//! Failure of a subcommand.
 
 use std::error::Error;
 
-/// Why a subcommand failed, for a person.
+/// The reason why a subcommand failed, in text for a person.
 pub type Failure = Box<dyn Error + Send + Sync>;

@@ -1,4 +1,4 @@
-//! `revisit health`: asks a running server whether it is ready, for containers that have no other client.
+//! `revisit health`: checks whether a running server is ready, for containers without another HTTP client.
 
 use clap::Args;
 
@@ -6,20 +6,20 @@ use super::failure::Failure;
 use super::output::write_out;
 use crate::config::tls;
 
-/// Ask a running server whether it is ready.
+/// Check whether a running server is ready.
 ///
-/// Ends with 1 if it is not, or does not answer.
+/// Exits with 1 if it is not, or does not respond.
 #[derive(Args, Debug)]
 pub struct HealthArgs {
     /// The server's address
     #[arg(long, env = "REVISIT_URL", value_name = "URL", default_value = "http://127.0.0.1:7878")]
     url: String,
-    /// How long to wait for the answer, in milliseconds
+    /// Timeout for the response, in milliseconds
     #[arg(long, env = "REVISIT_HEALTH_TIMEOUT_MS", value_name = "MS", default_value_t = 3_000)]
     timeout_ms: u64,
 }
 
-/// Runs it.
+/// Runs `health`.
 pub async fn run(args: HealthArgs) -> Result<(), Failure> {
     let url = format!("{}/readyz", args.url.trim_end_matches('/'));
     let client = tls::client_for(&url).no_proxy().timeout(std::time::Duration::from_millis(args.timeout_ms));

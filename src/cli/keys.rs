@@ -1,4 +1,4 @@
-//! `revisit keys`: make, list and revoke API keys in a database, beside a running server or without one.
+//! `revisit keys`: creates, lists and revokes API keys in a database, with or without a running server.
 
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -15,16 +15,16 @@ use crate::engine::keys::lockout::{Lockout, WAY_BACK};
 use crate::store::Store;
 use crate::store::files::paths::DatabaseFiles;
 
-/// Make, list and revoke API keys.
+/// Create, list and revoke API keys.
 ///
-/// They live in the database; a server that runs on it sees what is done here within a second. Once a database has had a
-/// key, nothing is answered without one. Any key can be made and revoked here: over HTTP a server's first key must be able to
-/// administer, and the last one that may is kept.
+/// Keys are stored in the database; a running server applies changes within a second. Once a database has had a key,
+/// every API request needs one. This command creates and revokes any key. Over HTTP, the first key must be an
+/// administrator's, and the last such key is kept.
 #[derive(Args, Debug)]
 pub struct KeysArgs {
     #[command(subcommand)]
     command: Command,
-    /// The database; `create` makes it if it is not there
+    /// The database; `create` creates it if it does not exist
     #[arg(
         long,
         env = "REVISIT_DATABASE",
@@ -37,38 +37,38 @@ pub struct KeysArgs {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Make a key: its secret is the only line on standard output, and is shown this once
+    /// Create a key and print its secret, once, as the only line on standard output
     Create(CreateArgs),
-    /// List the keys, revoked ones among them
+    /// List the keys, including revoked ones
     List,
     /// Revoke a key
     Revoke {
-        /// Its id, such as key-7
+        /// The key's id, such as key-7
         id: String,
     },
 }
 
 #[derive(Args, Debug)]
 struct CreateArgs {
-    /// Whose it is, for people
+    /// The key's owner, for people
     #[arg(long, default_value = "")]
     name: String,
-    /// What it may do: read, write, query (loop queries, similarity of texts), admin (keys, backups); separated by commas
+    /// Its actions: read, write, query (loop queries, similarity of texts), admin (keys, backups); comma-separated
     #[arg(long, value_delimiter = ',', default_value = "read,write,query", value_parser = action)]
     actions: Vec<Action>,
-    /// The maps that exist for it, separated by commas; * stands for any characters
+    /// The maps that it covers, comma-separated; * matches any characters
     #[arg(long, value_delimiter = ',', default_value = "*")]
     maps: Vec<MapPattern>,
     /// Days until it expires
     #[arg(long, value_name = "DAYS", value_parser = clap::value_parser!(u32).range(1..=36_500))]
     expires_in_days: Option<u32>,
-    /// Requests a second
+    /// Maximum requests per second
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     rate_per_s: Option<u32>,
-    /// Calls of models a day at its expense
+    /// Maximum model calls per day
     #[arg(long, value_name = "N")]
     model_daily_calls: Option<u32>,
-    /// What they may cost a day, in US dollars
+    /// Maximum cost of model calls per day, in US dollars
     #[arg(long, value_name = "USD", value_parser = dollars)]
     model_daily_usd: Option<f64>,
 }
@@ -84,7 +84,7 @@ fn dollars(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Runs it.
+/// Runs `keys`.
 pub async fn run(args: KeysArgs) -> Result<(), Failure> {
     let creates = matches!(args.command, Command::Create(_));
     let files = DatabaseFiles::of_url(&args.database)?;
@@ -107,7 +107,9 @@ async fn perform(command: Command, keys: &Keyring) -> Result<(), Failure> {
                 eprintln!("This is the database's first key: from now on every request needs a key.");
             }
             note_missing_administrator(keys);
-            eprintln!("Its secret follows, this once; send it as `authorization: Bearer SECRET`.");
+            eprintln!(
+                "Its secret follows and is shown only once; send it as `authorization: Bearer SECRET`."
+            );
             write_out(&format!("{}\n", made.secret))?;
         }
         Command::List => {
@@ -127,10 +129,10 @@ async fn perform(command: Command, keys: &Keyring) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Notes that keys and backups cannot be managed over HTTP. Keys made here may well be all that is wanted.
+/// Notes that keys and backups cannot be managed over HTTP. This may be intended.
 fn note_missing_administrator(keys: &Keyring) {
     if !keys.has_administrator() {
-        eprintln!("No key may administer (make keys and take backups over HTTP): {WAY_BACK}.");
+        eprintln!("No administrator key (to create keys and backups over HTTP): {WAY_BACK}.");
     }
 }
 
@@ -158,7 +160,7 @@ impl CreateArgs {
     }
 }
 
-/// Returns a key on one line.
+/// Formats a key on one line.
 fn line(key: &Key) -> String {
     let KeyProperties { name, actions, maps, expires, rate_per_s, model_daily_calls, model_daily_microusd } =
         &key.properties;
@@ -179,7 +181,7 @@ fn line(key: &Key) -> String {
         say(format!("{} a day", counted(*calls, "model call")));
     }
     if let Some(microusd) = model_daily_microusd {
-        say(format!("{} USD of models a day", *microusd as f64 / 1e6));
+        say(format!("{} USD for models per day", *microusd as f64 / 1e6));
     }
     line
 }
@@ -188,7 +190,7 @@ fn days(seconds: i64) -> String {
     format!("{} and {}", counted(seconds / 86_400, "day"), counted(seconds % 86_400 / 3_600, "hour"))
 }
 
-/// Returns what is wrong, where a client of the API would read it from the fields of the problem.
+/// Returns the error as text, which a client of the API would read from the fields of the problem.
 fn in_words(error: ServiceError) -> Failure {
     match error {
         ServiceError::Invalid(errors) => {

@@ -1,4 +1,4 @@
-//! Command line: one thin file for each subcommand.
+//! Command line: one thin file per subcommand.
 
 mod backup;
 mod check;

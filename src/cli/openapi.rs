@@ -8,10 +8,10 @@ use crate::http::document;
 
 /// Print the API document (OpenAPI 3.1).
 ///
-/// A running server has it at /openapi.json.
+/// A running server serves it at /openapi.json.
 #[derive(Args, Debug)]
 pub struct OpenapiArgs {
-    /// The form to print it in
+    /// The output format
     #[arg(long, env = "REVISIT_FORMAT", value_enum, default_value_t = Format::Yaml)]
     format: Format,
 }
@@ -22,7 +22,7 @@ enum Format {
     Json,
 }
 
-/// Runs it.
+/// Runs `openapi`.
 pub fn run(args: &OpenapiArgs) -> Result<(), Failure> {
     let document = document();
     let text = match args.format {

@@ -21,27 +21,27 @@ use crate::engine::{ModelChoice, Service, ServiceOptions};
 use crate::http::{self, RunningServer};
 use crate::vocabulary::Vocabulary;
 
-/// Files that the database, the runtime and the log keep open.
+/// File descriptors reserved for the database, the runtime and the log.
 const FILES_BESIDE: u64 = 64;
 
 /// Serve maps over HTTP.
 ///
-/// The first line on standard output is `listening on http://ADDR`; logs go to standard error. SIGTERM and SIGINT
-/// finish what is in flight and exit 0.
+/// The first line on standard output is `listening on http://ADDR`; logs go to standard error. On SIGTERM and SIGINT,
+/// requests in flight are finished and the exit code is 0.
 #[derive(Args, Debug)]
 pub struct ServeArgs {
-    /// Where to listen; port 0 takes a free one. An address that other machines reach needs an API key in the database
-    /// first: `revisit keys create`
+    /// Address to listen on; port 0 picks a free port. An address that other machines can reach needs an API key in
+    /// the database first: `revisit keys create`
     #[arg(long, env = "REVISIT_LISTEN", value_name = "ADDR", default_value = "127.0.0.1:7878", value_parser = listen::address)]
     listen: SocketAddr,
-    /// Where everything is kept; the file is made if it is not there
+    /// The database of all data; the file is created if it does not exist
     #[arg(long, env = "REVISIT_DATABASE", value_name = "URL", default_value = "sqlite://revisit.db")]
     database: String,
-    /// A vocabulary: words are computed where a client sends features without them, and it guides matching. DBoW2's
-    /// text form or our binary one (`revisit vocabulary convert`), plain, gzip or zstd
+    /// A vocabulary, to compute words where a client sends features without them, and to guide matching. DBoW2's text
+    /// format or the binary format (`revisit vocabulary convert`), plain, gzip or zstd
     #[arg(long, env = "REVISIT_VOCABULARY", value_name = "FILE")]
     vocabulary: Option<PathBuf>,
-    /// A folder for the backups that clients ask for (POST /v1/backups); without it they are refused
+    /// Folder for backups requested by clients (POST /v1/backups), which are rejected without it
     #[arg(long, env = "REVISIT_BACKUPS", value_name = "DIR")]
     backups: Option<PathBuf>,
     /// Number of backups to keep; the oldest are deleted first
@@ -63,7 +63,7 @@ pub struct ServeArgs {
     traces: traces::TraceArgs,
 }
 
-/// Runs it.
+/// Runs `serve`.
 pub async fn run(args: ServeArgs) -> Result<(), Failure> {
     if let Some(reason) = build::missing_feature() {
         return Err(reason.into());
@@ -72,7 +72,7 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
     logging::start(&args.log, &traces)?;
     keep_to_small_pages();
     let stopping = stop_on_signal()?;
-    // The port first: a second server on one machine shall say so before it opens the database.
+    // The port first: a second server must fail on it before it opens the database.
     let listener = TcpListener::bind(args.listen)
         .await
         .map_err(|error| format!("cannot listen on {}: {error}", args.listen))?;
@@ -101,7 +101,7 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
         tracing::warn!(
             files,
             connections = args.limits.max_connections,
-            "fewer files may be open than connections"
+            "the limit of open files is below the number of connections"
         );
     }
     let addr = listener.local_addr()?;
@@ -114,21 +114,21 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
     Ok(served?)
 }
 
-/// Why a server that others reach does not start without a key, and how to make one.
+/// Returns why a server that other machines can reach does not start without a key, and how to create one.
 fn keyless(listen: SocketAddr, database: &str) -> String {
     format!(
-        "{listen} can be reached by other machines, and {database} has no API key to keep them out. Make one first:\n\
+        "other machines can reach {listen}, and {database} has no API key. Create one first:\n\
          \n    revisit keys create --name admin --actions read,write,query,admin --database {database}\n\n\
          or listen on 127.0.0.1"
     )
 }
 
-/// Returns a server on a database that goes with it, for `replay`.
+/// Returns a server on a temporary database, for `replay`.
 pub async fn own_server() -> Result<OwnServer, Failure> {
     temporary_server(None).await
 }
 
-/// Returns a server with this vocabulary, on a database that goes with it.
+/// Returns a server with this vocabulary, on a temporary database.
 pub(super) async fn temporary_server(vocabulary: Option<Vocabulary>) -> Result<OwnServer, Failure> {
     let directory = tempfile::tempdir()?;
     let database = format!("sqlite://{}", directory.path().join("revisit.db").display());
@@ -141,12 +141,12 @@ pub(super) async fn temporary_server(vocabulary: Option<Vocabulary>) -> Result<O
     let service = Service::open(options).await?;
     let server = RunningServer::start(service).await?;
     let url = server.url();
-    // Dropped in this order: the server stops before its directory goes.
+    // Dropped in this order: the server stops before its directory is removed.
     Ok(OwnServer::new(url, (server, directory)))
 }
 
-/// Has the kernel make no huge pages for this process. It makes them of regions of 2 MB with a single page in use, whenever it
-/// finds the time, and what is free within them is never given back.
+/// Disables huge pages for this process. The kernel creates them from 2 MB regions with a single page in use, and
+/// never releases the free part.
 fn keep_to_small_pages() {
     #[cfg(target_os = "linux")]
     if let Err(error) = rustix::thread::disable_transparent_huge_pages(true) {

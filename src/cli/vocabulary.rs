@@ -21,16 +21,16 @@ use super::output::write_out;
 use crate::vocabulary::train::{TrainSettings, TrainingSet, train};
 use crate::vocabulary::{Vocabulary, decompressed};
 
-/// A line of a recording is not longer, as in `replay`.
+/// Maximum length of a line of a recording, as in `replay`.
 const MAX_LINE_BYTES: u64 = 64 * 1024 * 1024;
 
-/// How hard text is compressed with zstd: it is written once, and twice the effort saves a twentieth.
+/// zstd level of text. The file is written once, and twice the effort saves 5 %.
 const ZSTD_LEVEL: i32 = 9;
 
 /// Convert, describe and train ORB vocabularies.
 ///
-/// A vocabulary is DBoW2's text (`ORBvoc.txt`; plain, gzip or zstd) or a binary form of Revisit's own, which loads
-/// some twenty times faster. Both are read everywhere, whatever the file is called.
+/// A vocabulary is in DBoW2's text format (`ORBvoc.txt`; plain, gzip or zstd) or in Revisit's binary format, which
+/// loads about twenty times faster. Every command accepts both, whatever the file name.
 #[derive(Args, Clone, Debug)]
 pub struct VocabularyArgs {
     #[command(subcommand)]
@@ -44,40 +44,40 @@ enum Command {
     Train(TrainArgs),
 }
 
-/// Write a vocabulary in the other form.
+/// Convert a vocabulary to the other format.
 #[derive(Args, Clone, Debug)]
 struct ConvertArgs {
-    /// The vocabulary, in either form
+    /// The vocabulary, in either format
     input: PathBuf,
-    /// Where to write it
+    /// The file to write
     output: PathBuf,
     #[command(flatten)]
     form: FormArgs,
 }
 
-/// Say what a vocabulary is.
+/// Describe a vocabulary.
 #[derive(Args, Clone, Debug)]
 struct InfoArgs {
-    /// The vocabulary, in either form
+    /// The vocabulary, in either format
     file: PathBuf,
 }
 
 /// Train a vocabulary on the descriptors of recordings.
 #[derive(Args, Clone, Debug)]
 struct TrainArgs {
-    /// NDJSON as `replay` plays it, plain, gzip or zstd; every keyframe with features counts as an image
+    /// NDJSON as for `replay`, plain, gzip or zstd; every keyframe with features counts as an image
     #[arg(required = true, value_name = "RECORDING")]
     recordings: Vec<PathBuf>,
-    /// Where to write the vocabulary
+    /// The file to write
     #[arg(value_name = "OUT")]
     output: PathBuf,
-    /// Into how many clusters a node is split
+    /// Number of clusters into which a node is split
     #[arg(long, env = "REVISIT_K", default_value_t = TrainSettings::default().branching)]
     k: u32,
-    /// How many times: there are up to k^levels words
+    /// Number of levels; there are at most k^levels words
     #[arg(long, env = "REVISIT_LEVELS", default_value_t = TrainSettings::default().levels)]
     levels: u32,
-    /// Draws the first centres; the same seed gives the same vocabulary
+    /// Seed of the first centres; the same seed gives the same vocabulary
     #[arg(long, env = "REVISIT_SEED", default_value_t = TrainSettings::default().seed)]
     seed: u64,
     #[command(flatten)]
@@ -86,7 +86,7 @@ struct TrainArgs {
 
 #[derive(Args, Clone, Copy, Debug)]
 struct FormArgs {
-    /// The form to write. By default the name decides: .txt, .gz and .zst are text, all others binary
+    /// The format to write; by default .txt, .gz and .zst are text, all other names binary
     #[arg(long, env = "REVISIT_FORM", value_enum)]
     form: Option<Form>,
 }
@@ -97,9 +97,9 @@ enum Form {
     Binary,
 }
 
-/// Runs it.
+/// Runs `vocabulary`.
 pub async fn run(args: VocabularyArgs) -> Result<(), Failure> {
-    // Nothing here waits for anything but the disk and the processor.
+    // Blocking: the work waits only for disk and processor.
     tokio::task::spawn_blocking(move || match args.command {
         Command::Convert(args) => convert(&args),
         Command::Info(args) => info(&args),
@@ -134,14 +134,14 @@ fn info(args: &InfoArgs) -> Result<(), Failure> {
     if vocabulary.fingerprint_holds() {
         return Ok(());
     }
-    Err("the content is not what the fingerprint says: convert the text form again".into())
+    Err("the content does not match the fingerprint: convert the text format again".into())
 }
 
 fn train_on(args: &TrainArgs) -> Result<(), Failure> {
     let output = &args.output;
-    // `train A.ndjson B.ndjson` with OUT forgotten would write over B.
+    // `train A.ndjson B.ndjson` with OUT forgotten would overwrite B.
     if output.exists() && is_recording(output)? {
-        return Err(format!("{} is a recording; where to write comes last", output.display()).into());
+        return Err(format!("{} is a recording; the file to write comes last", output.display()).into());
     }
     let mut set = TrainingSet::new();
     for recording in &args.recordings {
@@ -170,7 +170,7 @@ fn load(path: &Path) -> Result<Vocabulary, Failure> {
     Vocabulary::load(path).map_err(|error| format!("{}: {error}", path.display()).into())
 }
 
-/// Writes beside the file first: what was there stays whole until the new one is.
+/// Writes a temporary file first, so that the old one stays intact until the new one is complete.
 fn save(vocabulary: &Vocabulary, path: &Path, form: FormArgs) -> Result<(), Failure> {
     let failed = |error: io::Error| -> Failure { format!("cannot write {}: {error}", path.display()).into() };
     let mut partial = path.as_os_str().to_owned();
@@ -178,7 +178,7 @@ fn save(vocabulary: &Vocabulary, path: &Path, form: FormArgs) -> Result<(), Fail
     let partial = PathBuf::from(partial);
     let written = write_to(vocabulary, &partial, path, form).and_then(|()| fs::rename(&partial, path));
     written.map_err(|error| {
-        // It may not be there at all.
+        // It may not exist.
         let _ = fs::remove_file(&partial);
         failed(error)
     })
@@ -212,7 +212,7 @@ fn write_form(vocabulary: &Vocabulary, form: Form, out: &mut impl Write) -> io::
     }
 }
 
-/// What training needs of a line of a recording.
+/// The members of a recording's line that training needs.
 #[derive(Deserialize)]
 struct Line<'a> {
     #[serde(borrow)]
@@ -234,7 +234,7 @@ struct Descriptors<'a> {
     descriptors: Cow<'a, str>,
 }
 
-/// As the service reads it: with or without padding.
+/// Decodes as the service does: with or without padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &base64::alphabet::STANDARD,
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
@@ -278,7 +278,7 @@ fn is_recording(path: &Path) -> io::Result<bool> {
     Ok(head.trim_ascii_start().starts_with(b"{"))
 }
 
-/// Shown on standard error, and only on a terminal.
+/// Returns a progress bar on standard error, shown only on a terminal.
 fn progress_bar(what: &'static str) -> ProgressBar {
     let style = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {msg}")
         .unwrap_or_else(|_| ProgressStyle::default_bar());

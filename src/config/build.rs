@@ -1,11 +1,11 @@
-//! Build: what this binary is, and what it was built without.
+//! Build: the name, version and missing features of this binary.
 
 /// The program's name.
 pub const NAME: &str = env!("CARGO_PKG_NAME");
 /// The program's version.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// The variables that ask for something which a build may leave out: the feature, whether it is in, and its variables.
+/// Environment variables of optional features: the feature, whether it is built in, and its variables.
 const OPTIONAL: [(&str, bool, &[&str]); 2] = [
     (
         "llm",
@@ -21,7 +21,7 @@ const OPTIONAL: [(&str, bool, &[&str]); 2] = [
     ("otel", cfg!(feature = "otel"), &["REVISIT_OTLP_ENDPOINT"]),
 ];
 
-/// Returns why this build cannot do as the environment asks. A model that is configured and never asked would go unnoticed.
+/// Returns why this build cannot satisfy the environment. Otherwise a configured but missing model would go unnoticed.
 pub fn missing_feature() -> Option<String> {
     missing(&OPTIONAL, |variable| std::env::var_os(variable).is_some_and(|value| !value.is_empty()))
 }

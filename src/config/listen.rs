@@ -1,8 +1,8 @@
-//! Listen: where the server is reached, and whether by others than this machine.
+//! Listen address: parsing, and whether other machines can reach it.
 
 use std::net::{SocketAddr, ToSocketAddrs};
 
-/// Reads `--listen`: `ADDRESS:PORT` or `NAME:PORT`. Port 0 takes a free one.
+/// Parses `--listen`: `ADDRESS:PORT` or `NAME:PORT`. Port 0 picks a free one.
 pub fn address(text: &str) -> Result<SocketAddr, String> {
     let expected = "expected ADDRESS:PORT, such as 127.0.0.1:7878 or [::1]:7878";
     let mut found = text.to_socket_addrs().map_err(|error| format!("{expected} ({error})"))?;

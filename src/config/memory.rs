@@ -1,4 +1,4 @@
-//! Memory: how much of the machine's the maps may take.
+//! Memory: the budget of loaded maps.
 
 use std::fs;
 use std::path::Path;
@@ -7,15 +7,15 @@ use clap::Args;
 
 const MIB: u64 = 1 << 20;
 
-/// The budget where neither the operator nor the system says anything, in bytes.
+/// The budget where neither the operator nor the system states one, in bytes.
 const UNKNOWN_MACHINE: u64 = 1 << 30;
 
-/// How much memory the maps may take.
+/// The memory budget of loaded maps.
 #[derive(Args, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[command(next_help_heading = "Limits")]
 pub struct MemoryArgs {
-    /// Memory for the maps, in MiB. Beyond it idle maps leave memory, the least recently used first, and come back when they
-    /// are asked for; a map larger than this is loaded alone [default: half of the machine's, or of the container's]
+    /// Memory for loaded maps, in MiB. Above it, idle maps are evicted, least recently used first, and reloaded on
+    /// demand; a map larger than this is loaded alone [default: half of the memory of the machine or the container]
     #[arg(long, env = "REVISIT_MAP_MEMORY", value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..=1 << 30))]
     pub map_memory: Option<u64>,
 }
@@ -30,7 +30,7 @@ impl MemoryArgs {
     }
 }
 
-/// Returns the memory that this process may take, in bytes: the machine's, or less where a control group says so.
+/// Returns the memory available to this process, in bytes: the machine's, or less if a control group limits it.
 fn machine_bytes(root: &Path) -> Option<u64> {
     let read = |path: &str| fs::read_to_string(root.join(path)).ok();
     let machine = read("proc/meminfo").and_then(|text| total(&text));
@@ -39,15 +39,15 @@ fn machine_bytes(root: &Path) -> Option<u64> {
     of_groups.chain(machine).min()
 }
 
-/// Returns what `/proc/meminfo` says the machine has, in bytes.
+/// Returns the machine's total memory by `/proc/meminfo`, in bytes.
 fn total(meminfo: &str) -> Option<u64> {
     let line = meminfo.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
     let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kibibytes * 1024)
 }
 
-/// Returns the files that limit a group of `/proc/self/cgroup`: its own, and those of the groups that it is in. A container
-/// often sees its own group as the root, whatever path it is told.
+/// Returns the files that limit a group of `/proc/self/cgroup`: its own, and those of its parents. A container often
+/// sees its own group as the root, whatever its path.
 fn limit_files(line: &str) -> Vec<String> {
     let mut parts = line.splitn(3, ':');
     let (_, controllers, path) = (parts.next(), parts.next().unwrap_or(""), parts.next().unwrap_or("/"));

@@ -1,16 +1,16 @@
-//! Config: what the operator decides, and the one place that reads the environment.
+//! Config: the operator's settings, and the only place that reads the environment.
 //!
 //! | file | concept |
 //! |---|---|
-//! | [`build`] | what this binary is, and what it was built without |
-//! | [`limits`] | how much at once, and how patient |
-//! | [`listen`] | where to listen, and whether others reach it |
-//! | [`logging`] | what is logged, and how |
-//! | [`memory`] | how much memory the maps may take |
-//! | [`models`] | which language and vision models to ask, and what they may cost |
-//! | [`quotas`] | how much a map may hold |
+//! | [`build`] | name, version and missing features of this binary |
+//! | [`limits`] | concurrency, memory and timeouts |
+//! | [`listen`] | the listen address, and whether other machines reach it |
+//! | [`logging`] | filter and format of the log |
+//! | [`memory`] | the memory budget of maps |
+//! | [`models`] | language and vision models, and their budgets |
+//! | [`quotas`] | the maximum size of a map |
 //! | [`tls`] | the one TLS stack |
-//! | [`traces`] | where traces go |
+//! | [`traces`] | spans for an OpenTelemetry collector |
 
 pub mod build;
 pub mod limits;

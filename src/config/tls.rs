@@ -1,14 +1,14 @@
-//! TLS: the one implementation of its cryptography, chosen before the first client is made.
+//! TLS: the one cryptography provider, installed before the first client is created.
 
-/// Returns a builder of HTTP clients for one address. The certificates of the machine are read only where they are
-/// needed: a small container has none, and talks to its neighbours in plain HTTP.
+/// Returns a builder of HTTP clients for one address. The machine's certificates are read only for HTTPS, because a
+/// small container has none and uses plain HTTP.
 pub fn client_for(address: &str) -> reqwest::ClientBuilder {
     install();
     let builder = reqwest::Client::builder();
     if is_plain(address) { builder.tls_backend_preconfigured(trusting_nobody()) } else { builder }
 }
 
-/// Returns the same for a thread of its own.
+/// Returns a builder of blocking HTTP clients for one address.
 #[cfg(feature = "otel")]
 pub fn blocking_client_for(address: &str) -> reqwest::blocking::ClientBuilder {
     install();
@@ -16,8 +16,8 @@ pub fn blocking_client_for(address: &str) -> reqwest::blocking::ClientBuilder {
     if is_plain(address) { builder.tls_backend_preconfigured(trusting_nobody()) } else { builder }
 }
 
-/// Returns what lies beneath "error sending request" or "builder error": that nobody listens, or that the machine has
-/// no certificates.
+/// Returns the cause of "error sending request" or "builder error", such as a refused connection or missing
+/// certificates.
 pub fn cause_of(error: &reqwest::Error) -> String {
     let mut cause: &dyn std::error::Error = error;
     while let Some(beneath) = cause.source() {
@@ -36,9 +36,9 @@ fn trusting_nobody() -> rustls::ClientConfig {
         .with_no_client_auth()
 }
 
-/// Installs *ring* for this process, unless something is installed already. Without it every HTTP client panics
-/// when it is made; twice does no harm.
+/// Installs *ring* for this process, unless a provider is installed already. Without one, creating an HTTP client
+/// panics.
 pub fn install() {
-    // Fails if a provider is installed, which is what is wanted.
+    // Fails if a provider is already installed, which is fine.
     let _ = rustls::crypto::ring::default_provider().install_default();
 }

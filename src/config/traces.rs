@@ -1,7 +1,7 @@
 //! Traces: a span for each request, sent to an OpenTelemetry collector where one is configured.
 //!
-//! Spans of traces have a target of their own: logs do not show them, and what libraries log does not become part of a
-//! trace. Without a collector nothing is made, sent or remembered.
+//! Spans of traces have their own target, so logs do not show them, and log lines of libraries do not become part of a
+//! trace. Without a collector no span is created, sent or stored.
 
 #[cfg_attr(not(feature = "otel"), path = "traces/no_collector.rs")]
 mod collector;
@@ -13,8 +13,7 @@ pub use collector::{TraceArgs, Traces};
 /// The target of spans that are for traces only.
 pub const TARGET: &str = "revisit::trace";
 
-/// Returns the span of a request, under the one that its caller tells in `traceparent`. None of this happens without a
-/// collector.
+/// Returns the span of a request, under the parent in `traceparent`. Without a collector it is disabled.
 pub fn request_span(id: &str, method: &str, route: &str, header: impl Fn(&str) -> Option<String>) -> Span {
     let span = tracing::info_span!(
         target: TARGET, "request", otel.name = format!("{method} {route}"), otel.kind = "server",
@@ -27,12 +26,12 @@ pub fn request_span(id: &str, method: &str, route: &str, header: impl Fn(&str) -
     span
 }
 
-/// Returns a part of what a request takes its time for, under the span that is entered.
+/// Returns a span for a part of a request, under the current span.
 pub fn part(name: &'static str) -> Span {
     tracing::info_span!(target: TARGET, "part", otel.name = name)
 }
 
-/// How the request of a span ended.
+/// Records the status of a request in its span.
 pub fn answered(span: &Span, status: u16) {
     span.record("http.response.status_code", status);
     if status >= 500 {

@@ -1,7 +1,7 @@
-//! Driven worlds: each result is written as its drive ends, so that a run that was stopped can be taken up again.
+//! Driven worlds: each result is written when its run ends, so that a stopped run can be resumed.
 //!
-//! `worlds.ndjson` begins with a line that names the program that drives, by its SHA-256: figures of two methods are not
-//! mixed. Each line after it is one world.
+//! The first line of `worlds.ndjson` identifies the program by its SHA-256, so that results of two methods are not
+//! mixed. Each further line is one world.
 
 use std::collections::{HashMap, HashSet};
 use std::fs::{self, File};
@@ -21,20 +21,20 @@ use crate::hotel::sensing::noise::NoiseKind;
 
 const FILE: &str = "worlds.ndjson";
 
-/// The first line.
+/// The header line.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct Begin {
     program: String,
 }
 
-/// The worlds that were driven so far.
+/// The worlds completed so far.
 pub(super) struct DrivenWorlds {
     before: Vec<WorldResult>,
     file: Mutex<File>,
 }
 
 impl DrivenWorlds {
-    /// Begins a run in a folder, or takes up the one that is there.
+    /// Starts a run in a folder, or resumes the existing one.
     pub fn open(folder: &Path, resume: bool) -> Result<Self, Failure> {
         fs::create_dir_all(folder)?;
         Self::open_by(folder, resume, &this_program()?)
@@ -45,10 +45,10 @@ impl DrivenWorlds {
         let begin = Begin { program: program.to_owned() };
         let before = if resume { read(&path, &begin)? } else { Vec::new() };
         if !resume && path.exists() {
-            // Hours of drives are not thrown away because a command was repeated.
+            // Keep an earlier run: a repeated command must not discard hours of results.
             fs::rename(&path, folder.join(format!("{FILE}.old")))?;
         }
-        // Written anew: the last line of a run that was stopped may be half a line.
+        // Rewritten, because the last line of a stopped run may be incomplete.
         let mut text = line(&begin)?;
         for result in &before {
             text.push_str(&line(result)?);
@@ -59,20 +59,20 @@ impl DrivenWorlds {
         Ok(Self { before, file: Mutex::new(file) })
     }
 
-    /// Returns those of a list that are still to be driven.
+    /// Returns the worlds of a list that are not yet completed.
     pub fn left(&self, worlds: &[(NoiseKind, u64)]) -> Vec<(NoiseKind, u64)> {
         let driven: HashSet<(NoiseKind, u64)> = self.before.iter().map(key).collect();
         worlds.iter().copied().filter(|world| !driven.contains(world)).collect()
     }
 
-    /// Keeps a result.
+    /// Stores a result.
     pub fn keep(&self, result: &WorldResult) -> Result<(), Failure> {
         let line = line(result)?;
-        let mut file = self.file.lock().map_err(|_| "a drive before this one was not kept")?;
+        let mut file = self.file.lock().map_err(|_| "an earlier result was not stored")?;
         Ok(file.write_all(line.as_bytes())?)
     }
 
-    /// Returns the results of a list, those of before and those of now, in its order.
+    /// Returns the results of a list in its order, resumed and new ones.
     pub fn all(self, now: Vec<WorldResult>, worlds: &[(NoiseKind, u64)]) -> Vec<WorldResult> {
         let mut results = self.before;
         results.extend(now);
@@ -93,13 +93,13 @@ fn line(value: &impl Serialize) -> Result<String, Failure> {
 
 fn read(path: &Path, begin: &Begin) -> Result<Vec<WorldResult>, Failure> {
     let text = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
-    // What follows the last end of a line was not finished.
+    // Text after the last line break was not completely written.
     let whole = text.rfind('\n').map_or("", |end| &text[..end]);
     let mut lines = whole.lines();
     let begun: Begin = serde_json::from_str(lines.next().unwrap_or_default())
         .map_err(|error| format!("{}, line 1: {error}", path.display()))?;
     if begun != *begin {
-        return Err(format!("{} was begun by another build of this program", path.display()).into());
+        return Err(format!("{} was started by another build of this program", path.display()).into());
     }
     let parse = |(number, line): (usize, &str)| {
         serde_json::from_str(line)
@@ -110,7 +110,7 @@ fn read(path: &Path, begin: &Begin) -> Result<Vec<WorldResult>, Failure> {
 
 fn this_program() -> Result<String, Failure> {
     let mut hasher = Sha256::new();
-    // Where there is /proc, the program that runs, whatever a build has put in its place since.
+    // With /proc, the running program itself, even if a build has replaced its file since.
     let running = fs::read("/proc/self/exe").or_else(|_| fs::read(std::env::current_exe()?))?;
     hasher.update(running);
     Ok(STANDARD.encode(hasher.finalize()))

@@ -1,4 +1,4 @@
-//! What an experiment leaves behind: figures as SVG, trajectories in TUM format, everything as JSON.
+//! Output files of an experiment: figures as SVG, trajectories in TUM format, all results as JSON.
 
 use std::fs;
 use std::path::Path;
@@ -21,19 +21,19 @@ use crate::hotel::scoring::tum;
 /// The paper's Figure 6 shows this sequence.
 const FIGURE_6: &str = "SE2 00";
 
-/// One sequence, driven by every arm.
+/// One sequence, run by every arm.
 pub(super) struct Driven12 {
     /// Its figures.
     pub result: SequenceResult,
-    /// Its world and its truth.
+    /// Its world and ground truth.
     pub scenario: Scenario,
-    /// The arms at the end of their drives.
+    /// The arms at the end of their runs.
     pub arms: Vec<RunResult>,
     /// Odometry alone.
     pub odometry: Vec<Vec<Pose>>,
 }
 
-/// Writes everything about the paper's sequences.
+/// Writes all results of the paper's sequences.
 pub(super) fn write_sequences(folder: &Path, drives: &[Driven12]) -> Result<(), Failure> {
     let tum_folder = folder.join("trajectories");
     fs::create_dir_all(&tum_folder)?;
@@ -59,7 +59,7 @@ pub(super) fn write_sequences(folder: &Path, drives: &[Driven12]) -> Result<(), 
     write_json(folder, &json!({"sequences": results}))
 }
 
-/// Writes everything about random worlds.
+/// Writes all results of random worlds.
 pub(super) fn write_worlds(folder: &Path, results: &[WorldResult]) -> Result<(), Failure> {
     fs::create_dir_all(folder)?;
     write_json(folder, &json!({"worlds": results}))

@@ -2,14 +2,14 @@
 //!
 //! | file | concept |
 //! |---|---|
-//! | `arguments` | flags, and what they mean |
+//! | `arguments` | flags and their meaning |
 //! | `sequences` | the paper's twelve sequences: Tables II and III |
 //! | `worlds` | random worlds under noise |
 //! | `record` | a tour as a recording |
 //! | `files` | figures, trajectories and JSON |
-//! | `driven_worlds` | results as they come, so that a run can be taken up again |
+//! | `driven_worlds` | incremental results, so that a run can be resumed |
 //! | `words_alone` | bag of words without geometry, beside the arms |
-//! | `progress` | how much is driven |
+//! | `progress` | progress display |
 
 mod arguments;
 mod driven_worlds;
@@ -27,11 +27,11 @@ use arguments::{Experiment, Generator};
 
 pub use arguments::EvalArgs;
 
-/// Runs it.
+/// Runs `eval`.
 pub async fn run(args: EvalArgs) -> Result<(), Failure> {
     let Experiment::Hotel(args) = args.experiment;
     if args.hotel == Some(Generator::V2) && args.noise.is_some() {
-        return Err("--hotel v2 takes no --noise: its trouble is its own".into());
+        return Err("--hotel v2 takes no --noise: it has its own disturbances".into());
     }
     if let Some(file) = args.record.clone() {
         return tokio::task::spawn_blocking(move || record::run(&args, &file)).await?;

@@ -1,4 +1,4 @@
-//! Progress: how much of an experiment is driven; a bar on a terminal, elsewhere a line for each drive.
+//! Progress of an experiment: a bar on a terminal, otherwise a line for each run.
 
 use std::io::Write as _;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -28,13 +28,13 @@ pub(super) struct Drive<'a> {
 }
 
 impl Progress {
-    /// Begins a number of runs.
+    /// Starts a number of runs.
     pub fn new(drives: usize) -> Self {
         let drives = drives as u64;
         let bar = ProgressBar::new(drives * STEPS);
         let style = ProgressStyle::with_template("{msg:40} {wide_bar} {percent:>3} % {left:>12}");
         let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
-        // By the whole way so far: drives differ, and the bar's own guess jumps with each of them.
+        // Extrapolates from the whole elapsed time: runs differ, and the bar's own estimate jumps with each of them.
         let left = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
             let (done, whole) = (state.pos(), state.len().unwrap_or(0));
             let _ = write!(out, "{}", left(state.elapsed(), done, whole));
@@ -42,17 +42,17 @@ impl Progress {
         bar.set_style(style.with_key("left", left));
         bar.enable_steady_tick(Duration::from_millis(250));
         let progress = Self { bar, drives, begun: Instant::now(), ended: AtomicU64::new(0) };
-        progress.tell(&format!("{drives} drives are left"));
+        progress.tell(&format!("{drives} runs remaining"));
         progress
     }
 
-    /// Begins one of them.
+    /// Starts one run.
     pub fn drive(&self, name: String, keyframes: usize) -> Drive<'_> {
         self.bar.set_message(name.clone());
         Drive { progress: self, name, begun: Instant::now(), keyframes, heard: 0, steps: 0 }
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
     }
@@ -60,7 +60,7 @@ impl Progress {
     /// Writes a line where there is no terminal.
     fn tell(&self, line: &str) {
         if self.bar.is_hidden() {
-            // Who reads it may have gone; the results go elsewhere.
+            // A closed standard error is ignored: the results are written elsewhere.
             let _ = writeln!(std::io::stderr(), "{line}");
         }
     }
@@ -75,7 +75,7 @@ impl Drive<'_> {
         self.steps = steps;
     }
 
-    /// Ends it.
+    /// Ends the run.
     pub fn end(self) {
         let Self { progress, name, begun, steps, .. } = self;
         progress.bar.inc(STEPS - steps);
@@ -86,7 +86,7 @@ impl Drive<'_> {
     }
 }
 
-/// Says how long the rest takes, if it goes on as it went.
+/// Returns the estimated remaining time, at the average rate so far.
 fn left(elapsed: Duration, done: u64, whole: u64) -> String {
     if done == 0 {
         return String::from("begun");

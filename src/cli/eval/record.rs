@@ -15,9 +15,9 @@ use crate::hotel::scenario::Scenario;
 use crate::hotel::scoring::paper::SEQUENCES;
 use crate::hotel::sensing::noise::NoiseKind;
 
-/// The sequence of the paper's Figure 6, which the demo drives as well.
+/// The sequence of the paper's Figure 6, which the demo runs as well.
 const SEQUENCE: &str = "SE2 00";
-/// zstd's own default.
+/// The default level of zstd.
 const ZSTD_LEVEL: i32 = 3;
 
 /// Writes the tour that the arguments name.

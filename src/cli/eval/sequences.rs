@@ -18,7 +18,7 @@ use crate::hotel::scoring::paper::{PrintedSequence, SEQUENCES};
 use crate::hotel::scoring::results::{ArmResult, Confusion, SequenceResult};
 use crate::hotel::scoring::tables;
 
-/// Drives those that are asked for, all twelve if none is, prints the tables and writes the files.
+/// Runs the selected sequences, by default all twelve, prints the tables and writes the files.
 pub(super) async fn run(args: &HotelArgs, client: &Client) -> Result<(), Failure> {
     let asked = if args.sequences.is_empty() { SEQUENCES.to_vec() } else { args.sequences.clone() };
     let progress = Progress::new(asked.len() * Method::OF_SEQUENCES.len());

@@ -1,10 +1,10 @@
-//! Words alone: the candidate whose words are most alike, without geometry, at the threshold that is best once the truth is
-//! known.
+//! Words alone: the candidate with the most similar words, without geometry, at the best threshold given the ground
+//! truth.
 //!
-//! It stands beside the arms because it does well: in a hotel whose rooms are furnished alike its best threshold is high, and
-//! the loops that it then names are mostly right. The candidates are those of our arm's drive. As in `revisit replay`, a query
-//! whose likest keyframe is neither right nor wrong is not scored, at any threshold: the number of returns is printed, for it
-//! is smaller than that of the arms.
+//! A strong baseline: in a hotel whose rooms are furnished alike its best threshold is high, and the loops above it
+//! are mostly correct. The candidates are those of our arm's run. As in `revisit replay`, a query whose best keyframe
+//! is neither correct nor wrong is not scored at any threshold. The number of returns is therefore smaller than that
+//! of the arms, and is printed.
 
 use std::fmt::Write as _;
 
@@ -14,10 +14,10 @@ use crate::hotel::method::Method;
 use crate::hotel::run::{Asked, WordsAlone};
 use crate::hotel::scoring::paper::ORB_SLAM3_PRECISION;
 
-/// Returns a line for each data set and each way to choose a threshold.
+/// Returns a line for each data set and each threshold rule.
 pub(super) fn words_alone(drives: &[Driven12]) -> String {
     let mut text = String::from(
-        "words alone, by query, with thresholds that are chosen with the truth in hand; queries whose likest keyframe is neither right\n\
+        "words alone, by query, with thresholds chosen by the ground truth; queries whose best keyframe is neither correct\n\
          nor wrong are not scored (as in `revisit replay`)\n",
     );
     for (dataset, _) in ORB_SLAM3_PRECISION {
@@ -42,7 +42,7 @@ pub(super) fn words_alone(drives: &[Driven12]) -> String {
     text
 }
 
-/// Returns a query as it is scored; none if its best is neither right nor wrong.
+/// Returns a query as it is scored; none if its best is neither correct nor wrong.
 fn marked(asked: &Asked) -> Option<Marked> {
     let best = match asked.words {
         WordsAlone::Unscored => return None,

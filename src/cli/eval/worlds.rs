@@ -1,4 +1,4 @@
-//! Random worlds under noise, one table row for each kind; or one world, with its reasons.
+//! Random worlds under noise, one table row for each kind; or one world, explained.
 
 use futures_util::{StreamExt as _, TryStreamExt as _};
 
@@ -21,7 +21,7 @@ use crate::hotel::scoring::tables::{self, pooled_worlds};
 use crate::hotel::seeds;
 use crate::hotel::sensing::noise::NoiseKind;
 
-/// Number of worlds under each kind of noise.
+/// Runs the worlds under each kind of noise, and prints and writes the results.
 pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result<(), Failure> {
     let kinds = &args.kinds();
     let (seeds, name) =
@@ -55,7 +55,8 @@ pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result
     ))?)
 }
 
-/// Returns the arms that drive under a kind of noise: the paper knows no new numbers, and eight rounds take long.
+/// Returns the arms that run under a kind of noise: the paper does not cover changed numbers, and eight rounds take
+/// long.
 fn arms_of(kind: NoiseKind) -> &'static [Method] {
     match kind {
         NoiseKind::Renumbered => &[Method::Ours],
@@ -88,7 +89,7 @@ async fn drive_world(
     Ok(WorldResult { noise: kind, seed, keyframes: scenario.course.order.len(), arms, rounds, signs })
 }
 
-/// Counts what became of the signs of a map.
+/// Counts the final states of the signs of a map.
 async fn count_signs(client: &Client, map: &str, scenario: &Scenario) -> Result<Signs, Failure> {
     let mut anchors = Vec::new();
     let mut search =
@@ -108,7 +109,7 @@ async fn count_signs(client: &Client, map: &str, scenario: &Scenario) -> Result<
     Ok(Signs::count(told, &scenario.world, &scenario.eras))
 }
 
-/// One world: what an arm was told wherever it was wrong, or missed something.
+/// Explains one world: prints an arm's answers wherever it was wrong or missed a loop.
 pub(super) async fn explain(args: &HotelArgs, client: &Client, seed: u64) -> Result<(), Failure> {
     for kind in &args.kinds() {
         let scenario = world(*kind, seed).await?;

@@ -1,4 +1,4 @@
-//! Answered: one query of the recording: what is true of it, what was answered, and why.
+//! Answered: one query of the recording, with its ground truth, its answer and the reasons.
 
 use serde::Serialize;
 
@@ -7,43 +7,43 @@ use crate::api::verdict::{CandidateView, LoopAnswer, ReasonView};
 use crate::domain::reason::ReasonCode;
 use crate::domain::verdict::Decision;
 
-/// What the recording says is true of a query.
+/// The ground truth of a query.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Labels {
     /// The keyframes that are a loop; empty: there is none.
     pub truth: Vec<String>,
-    /// The keyframes that are neither right nor wrong.
+    /// The keyframes that are neither correct nor wrong.
     pub ignore: Vec<String>,
 }
 
-/// A query and its answer, without the parts that no report mentions.
+/// A query and its answer, without the parts that no report uses.
 #[derive(Clone, Debug)]
 pub(super) struct Answered {
-    /// The map asked.
+    /// The map queried.
     pub map: String,
-    /// The keyframe asked about.
+    /// The keyframe queried.
     pub keyframe: String,
-    /// None: the recording does not say what is true, so nothing can be scored.
+    /// None: the ground truth is unknown, so the query is not scored.
     pub labels: Option<Labels>,
     /// The answer.
     pub verdict: Decision,
-    /// Why it is no loop: the answer's own reason, or its leading candidate's.
+    /// The reason why it is not a loop: the answer's own, or its leading candidate's.
     pub reason: Option<ReasonView>,
     /// The keyframe named best.
     best: Option<String>,
-    /// Every keyframe that the answer calls a loop.
+    /// Every keyframe that the answer reports as a loop.
     loops: Vec<String>,
-    /// What the answer is about: the best, or the one that came nearest to it.
+    /// The candidate that the answer is about: the best, or else the nearest to acceptance.
     pub leading: Option<Figures>,
-    /// Of the candidates that are true, the one that came nearest.
+    /// Of the true candidates, the nearest to acceptance.
     pub nearest_true: Option<Figures>,
     /// The keyframe that BoW alone would name, with its score.
     bow_best: Option<(String, f64)>,
-    /// Why each candidate was stopped, as codes.
+    /// The reason code of each rejected candidate.
     pub candidate_reasons: Vec<ReasonCode>,
 }
 
-/// A candidate in a line.
+/// The figures of a candidate, on one line.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Figures {
     /// The candidate.
@@ -54,7 +54,7 @@ pub(super) struct Figures {
     pub bow_score: f64,
     /// Inliers of the geometry.
     pub inliers: Option<u64>,
-    /// The check that stopped it.
+    /// The check that rejected it.
     pub reason: Option<ReasonView>,
 }
 
@@ -92,36 +92,36 @@ impl Answered {
         if !accepted {
             marked.best = None;
         } else if marked.best.is_none() {
-            // A loop with nothing is wrong, whatever is true.
+            // A loop without a keyframe is wrong, whatever the ground truth.
             marked.best = Some(Best { correct: false, score: 1.0 });
         }
         Some(marked)
     }
 
-    /// Returns what BoW alone would answer, if it is to be scored.
+    /// Returns the answer of BoW alone, if it is to be scored.
     pub fn bow_alone(&self) -> Option<Marked> {
         let best = self.bow_best.as_ref();
         self.mark(best.map(|(keyframe, score)| (keyframe.as_str(), *score)))
     }
 
-    /// The recording says that there is a loop to be found.
+    /// Whether the ground truth contains a loop.
     pub fn has_truth(&self) -> bool {
         let labels = self.labels.as_ref();
         labels.is_some_and(|labels| !labels.truth.is_empty())
     }
 
-    /// The best is neither right nor wrong.
+    /// Whether the best is neither correct nor wrong.
     pub fn is_ignored(&self) -> bool {
         self.labels.is_some() && self.service().is_none()
     }
 
-    /// A loop was said that is not true.
+    /// Whether a loop was reported that is not true.
     pub fn is_false_loop(&self) -> bool {
         let best = self.service().and_then(|marked| marked.best);
         best.is_some_and(|best| !best.correct)
     }
 
-    /// Any of the loops said is not true, whether or not the best is scored.
+    /// Whether any reported loop is not true, even if the best is not scored.
     pub fn has_wrong_loop(&self) -> bool {
         let labels = self.labels.as_ref();
         let best = self.best.iter().filter(|_| self.verdict == Decision::Loop);
@@ -131,13 +131,13 @@ impl Answered {
         })
     }
 
-    /// A loop was said that is true.
+    /// Whether a true loop was reported.
     pub fn is_right(&self) -> bool {
         let best = self.service().and_then(|marked| marked.best);
         best.is_some_and(|best| best.correct)
     }
 
-    /// There is a loop, and it was not said.
+    /// Whether there is a true loop that was not reported.
     pub fn is_missed(&self) -> bool {
         self.has_truth() && self.verdict != Decision::Loop
     }
@@ -167,7 +167,7 @@ impl Figures {
     }
 }
 
-/// Returns the highest score, of equal ones the smallest id; what shares no word is no BoW candidate.
+/// Returns the highest score, and the smallest id among equals. A keyframe that shares no word is not a BoW candidate.
 fn bow_best(candidates: &[CandidateView]) -> Option<(String, f64)> {
     candidates
         .iter()
@@ -222,7 +222,7 @@ mod tests {
         check(&["a"], &[], "no_loop", None, Some((true, None)));
         check(&["a"], &[], "undecided", Some("a"), Some((true, None)));
         check(&[], &[], "undecided", None, Some((false, None)));
-        // Neither right nor wrong, and no true loop missed either.
+        // Neither correct nor wrong, and no true loop missed either.
         check(&["a"], &["c"], "loop", Some("c"), None);
         check(&[], &["c"], "loop", Some("c"), None);
         check(&["a"], &["c"], "loop", Some("a"), Some((true, Some(true))));

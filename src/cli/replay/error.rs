@@ -1,4 +1,4 @@
-//! Why a replay failed.
+//! Replay errors.
 
 use std::error::Error;
 use std::io;
@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use super::recording::LineError;
 use crate::client::ClientError;
 
-/// Why a replay came to no score, or to an incomplete one.
+/// The reason why a replay has no score, or an incomplete one.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
     /// The file cannot be read.
@@ -18,32 +18,32 @@ pub enum ReplayError {
         /// The system's error.
         source: io::Error,
     },
-    /// The file of frames is none.
+    /// The file of frames is invalid.
     #[error("{0}")]
     Frames(String),
-    /// No server to play against.
+    /// No server to replay against.
     #[error("cannot start a server to replay against: {0}")]
     OwnServer(Box<dyn Error + Send + Sync>),
-    /// The server's address is wrong.
+    /// The server's address is invalid.
     #[error(transparent)]
     Address(ClientError),
-    /// A line is no operation.
+    /// A line is not an operation.
     #[error(transparent)]
     Line(#[from] LineError),
-    /// A line of the recording was refused, or not answered.
+    /// A line of the recording was rejected, or got no response.
     #[error("line {line}, {what}: {source}")]
     Refused {
         /// Counted from 1.
         line: u64,
-        /// Which operation.
+        /// The operation.
         what: String,
         /// The server's error.
         source: ClientError,
     },
-    /// A map of the recording's name holds something else.
+    /// A map with the recording's name has other content.
     #[error(
-        "line {line}: {server} has a map {map:?} with other content already; replay beside it with \
-         --map-prefix (say, --map-prefix again-), or delete it first\n{source}"
+        "line {line}: {server} already has a map {map:?} with other content; replay beside it with \
+         --map-prefix (such as --map-prefix again-), or delete it first\n{source}"
     )]
     MapExists {
         /// Counted from 1.
@@ -55,8 +55,8 @@ pub enum ReplayError {
         /// The server's error.
         source: ClientError,
     },
-    /// The replay went on past refused lines.
-    #[error("{failed} of the recording's lines were refused: the score is that of the others")]
+    /// The replay continued past rejected lines.
+    #[error("{failed} of the recording's lines were rejected: the score covers only the others")]
     Incomplete {
         /// The number of lines.
         failed: u64,

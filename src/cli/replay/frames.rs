@@ -1,8 +1,8 @@
-//! Frames: how far the transformations of accepted loops are from where the sessions' frames are known to lie.
+//! Frames: errors of the transformations of accepted loops, given where the sessions' frames lie.
 //!
-//! A recording of several robots may come with a file that tells where each session's frame lies in a common one. The
-//! true camera-to-camera transformation then follows from the poses, and an answer's `candidate_from_query` is held
-//! against it.
+//! A recording of several robots may include a file with the pose of each session's frame in a common one. The true
+//! camera-to-camera transformation then follows from the poses, and is compared with an answer's
+//! `candidate_from_query`.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -17,7 +17,7 @@ use crate::api::geometry::Similarity;
 use crate::api::space::Transform;
 use crate::geometry::Pose;
 
-/// Where each session's frame lies in a common one, and where each keyframe was taken.
+/// The pose of each session's frame in a common one, and of each keyframe.
 #[derive(Debug, Default)]
 pub(super) struct Frames {
     common_from_session: BTreeMap<String, Pose>,
@@ -30,7 +30,7 @@ struct FramesFile {
     common_from_session: BTreeMap<String, Transform>,
 }
 
-/// How far transformations are off.
+/// Errors of transformations.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct TransformErrors {
     /// Loops compared: accepted, true, with a transformation, in sessions whose frames are known.
@@ -41,7 +41,7 @@ pub(super) struct TransformErrors {
     pub rotation_deg: Spread,
 }
 
-/// The middle and the upper end of a set of figures.
+/// The median and the upper end of a set of figures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct Spread {
     pub median: f64,
@@ -63,7 +63,7 @@ impl Frames {
         Ok(Self { common_from_session, ..Self::default() })
     }
 
-    /// A keyframe was sent.
+    /// Records a sent keyframe.
     pub fn saw(&mut self, map: &str, id: &str, body: &serde_json::Map<String, Value>) {
         let session = body.get("session").and_then(Value::as_str).unwrap_or("default");
         let sent = body.get("pose").and_then(|pose| Transform::deserialize(pose).ok()).and_then(pose);
@@ -75,7 +75,7 @@ impl Frames {
         }
     }
 
-    /// A true loop was found, with this transformation.
+    /// Records a true loop that was found, with its transformation.
     pub fn found(&mut self, map: &str, query: &str, candidate: &str, candidate_from_query: &Similarity) {
         let camera = |id: &str| self.common_from_camera.get(&(map.to_owned(), id.to_owned()));
         let (Some(query), Some(candidate)) = (camera(query), camera(candidate)) else { return };
@@ -92,7 +92,7 @@ impl Frames {
         self.errors.push(((a - b).norm(), 2.0 * w.abs().min(1.0).acos().to_degrees()));
     }
 
-    /// Returns what came of it; nothing if nothing could be compared.
+    /// Returns the errors; none if nothing could be compared.
     pub fn errors(&self) -> Option<TransformErrors> {
         let spread = |of: fn(&(f64, f64)) -> f64| {
             let mut sorted: Vec<f64> = self.errors.iter().map(of).collect();

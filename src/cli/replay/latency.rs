@@ -1,4 +1,4 @@
-//! Latency: percentiles of how long the server took.
+//! Latency: percentiles of response times.
 
 use std::time::Duration;
 
@@ -8,12 +8,12 @@ use serde::Serialize;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Times(Vec<f64>);
 
-/// What is said of them; nothing if there were none.
+/// The percentiles; none without requests.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub(super) struct Latency {
-    /// Half of the requests took no longer.
+    /// The median.
     pub p50: Option<f64>,
-    /// 99 of 100 requests took no longer.
+    /// The 99th percentile.
     pub p99: Option<f64>,
 }
 
@@ -28,7 +28,7 @@ impl Times {
     }
 }
 
-/// By nearest rank: a figure that was measured, of sorted figures.
+/// Returns a percentile of sorted figures, by nearest rank: always a measured figure.
 pub(super) fn percentile(sorted: &[f64], percent: usize) -> Option<f64> {
     let rank = (sorted.len() * percent).div_ceil(100);
     sorted.get(rank.checked_sub(1)?).copied()

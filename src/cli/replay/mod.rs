@@ -1,16 +1,16 @@
-//! Replay: plays a recording against a server, and scores the loops it answers (`docs/recordings.md`).
+//! Replay: sends a recording to a server, and scores the loops that it reports (`docs/recordings.md`).
 //!
 //! | file | concept |
 //! |---|---|
-//! | `recording` | a file becomes operations, line by line |
+//! | `recording` | parses a file into operations, line by line |
 //! | `overrides` | settings of the recording's maps, changed for this replay |
-//! | `play` | operations become requests, answers are kept |
-//! | `answered` | one query: what is true, what was answered, and why |
-//! | `frames` | how far transformations are from the true ones |
+//! | `play` | turns operations into requests and keeps the answers |
+//! | `answered` | one query: ground truth, answer and reasons |
+//! | `frames` | errors of the transformations |
 //! | `score` | precision and recall, of the service and of BoW alone |
 //! | `latency` | percentiles |
-//! | `report` | everything learnt, as the JSON object |
-//! | `table` | the same for a person to read |
+//! | `report` | all results, as the JSON object |
+//! | `table` | the report for a person to read |
 
 mod answered;
 mod arguments;
@@ -65,7 +65,7 @@ where
     let progress = progress_bar();
     let recording = open(args, &progress)?;
     let frames = args.frames.as_deref().map(Frames::read).transpose().map_err(ReplayError::Frames)?;
-    // Kept to the end: dropping it stops the server.
+    // Kept to the end, because dropping it stops the server.
     let own_server = match &args.server {
         Some(_) => None,
         None => Some(own_server().await.map_err(ReplayError::OwnServer)?),
@@ -77,7 +77,7 @@ where
     Ok(Report::new(args, played?))
 }
 
-/// Shown on standard error, and only on a terminal; counts the bytes of the file.
+/// Returns a progress bar that counts the bytes of the file, on standard error and only on a terminal.
 fn progress_bar() -> ProgressBar {
     let style = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {msg}")
         .unwrap_or_else(|_| ProgressStyle::default_bar());

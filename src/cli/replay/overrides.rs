@@ -1,4 +1,4 @@
-//! Overrides: settings of the recording's maps, changed for this replay to compare two readings.
+//! Overrides: settings of the recording's maps, changed for this replay.
 
 use std::str::FromStr;
 
@@ -9,13 +9,13 @@ use serde_json::{Map, Value};
 /// The settings to change, on the command line.
 #[derive(Args, Clone, Debug, Default)]
 pub struct Overrides {
-    /// The paper's method to the letter: the setting method=paper
+    /// Use the paper's exact method: the setting method=paper
     #[arg(long, env = "REVISIT_PAPER", value_parser = BoolishValueParser::new())]
     pub paper: bool,
-    /// Change a setting of every map of the recording; repeatable, and stronger than --paper
+    /// Change a setting of every map of the recording; repeatable, overrides --paper
     #[arg(long = "set", env = "REVISIT_SET", value_name = "NAME=VALUE", value_delimiter = ',')]
     pub settings: Vec<Setting>,
-    /// Take every distance for a guess: `"range":"assumed"` on each detection
+    /// Mark every distance as assumed: `"range":"assumed"` on each detection
     #[arg(long, env = "REVISIT_ASSUMED_RANGES", value_parser = BoolishValueParser::new())]
     pub assumed_ranges: bool,
 }
@@ -23,7 +23,7 @@ pub struct Overrides {
 /// One `name=value`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
-    /// As the API document names it.
+    /// The name in the API document.
     pub name: String,
     /// A number, `true`, `false`, or else a string.
     pub value: Value,
@@ -70,7 +70,7 @@ impl Overrides {
         }
         match body.entry("settings").or_insert_with(|| Value::Object(Map::new())) {
             Value::Object(settings) => settings.extend(changes),
-            // Settings that are no object: nothing of the recording is worth keeping there.
+            // Settings that are not an object: nothing of the recording is worth keeping there.
             other => *other = Value::Object(changes),
         }
     }

@@ -1,4 +1,4 @@
-//! A server of the program's own.
+//! A temporary server started by this program.
 
 use std::any::Any;
 

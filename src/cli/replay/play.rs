@@ -1,4 +1,4 @@
-//! Play: operations become requests, one after the other as they were recorded, and answers are kept.
+//! Play: turns operations into requests, sequentially in recorded order, and keeps the answers.
 
 use std::collections::BTreeSet;
 use std::io::Write as _;
@@ -16,7 +16,7 @@ use super::overrides::Overrides;
 use super::recording::{Body, Deleted, Line, Op, Recording};
 use crate::client::{Client, ClientError, Recorded};
 
-/// The HTTP status of "there is another one by that name".
+/// The HTTP status of an existing resource with other content.
 const CONFLICT: u16 = 409;
 
 /// Plays one recording.
@@ -32,7 +32,7 @@ pub(super) struct Player {
     played: Played,
 }
 
-/// What came of a recording.
+/// The results of a recording.
 #[derive(Debug, Default)]
 pub(super) struct Played {
     /// The maps declared, as the server knows them.
@@ -47,19 +47,19 @@ pub(super) struct Played {
     pub poses: u64,
     /// Anchors described by hand.
     pub descriptions: u64,
-    /// Verdicts of models brought.
+    /// Model verdicts imported.
     pub judgements: u64,
     /// Keyframes, anchors and loops removed.
     pub deletions: u64,
-    /// Lines that the server refused.
+    /// Lines that the server rejected.
     pub failed: u64,
     /// Every query that was answered.
     pub queries: Vec<Answered>,
-    /// How long the queries took.
+    /// Durations of queries.
     pub query_times: Times,
-    /// How long writing the keyframes took.
+    /// Durations of keyframe writes.
     pub keyframe_times: Times,
-    /// Where the sessions' frames lie, if that is known.
+    /// The poses of the sessions' frames, if known.
     pub frames: Frames,
 }
 
@@ -83,7 +83,7 @@ impl Player {
             let Line { number, map, op } = line?;
             let map = format!("{}{map}", self.map_prefix);
             let what = describe(&map, &op);
-            // Without its map no later line makes sense.
+            // Without its map no later line can succeed.
             let keep_going = self.keep_going && !matches!(op, Op::Map { .. });
             match self.step(&map, op).await {
                 Ok(()) => {}
@@ -142,7 +142,7 @@ impl Player {
         Ok(())
     }
 
-    /// Declares a map; a later line with another body changes what it names of it.
+    /// Declares a map; a later line with another body updates the members that it names.
     async fn map(&mut self, map: &str, mut body: Body) -> Result<(), ClientError> {
         self.overrides.apply(&mut body);
         let body = Recorded(body);
@@ -179,8 +179,8 @@ impl Player {
         if answer.replayed {
             if self.played.replayed_keyframes == 0 {
                 self.say(&format!(
-                    "{id} is in {map} already: queries may find keyframes recorded later than \
-                     themselves; --map-prefix replays into a map of its own"
+                    "{id} is in {map} already: queries may find keyframes recorded later; \
+                     --map-prefix replays into a new map"
                 ));
             }
             self.played.replayed_keyframes += 1;
@@ -211,15 +211,15 @@ impl Player {
         Ok(())
     }
 
-    /// Returns a conflict with what the server held before; otherwise the recording contradicts itself.
+    /// Whether the conflict is with earlier content of the server; otherwise the recording contradicts itself.
     fn is_of_another_replay(&self, map: &str, error: &ClientError) -> bool {
         is_conflict(error) && (self.found.contains(map) || !self.played.maps.contains(map))
     }
 
-    /// A word to the person watching; never on standard output.
+    /// Prints a message on standard error, never on standard output.
     fn say(&self, text: &str) {
         self.progress.suspend(|| {
-            // With standard error gone nobody is watching.
+            // A closed standard error is ignored.
             let _ = writeln!(std::io::stderr(), "{text}");
         });
     }
@@ -239,11 +239,11 @@ fn describe(map: &str, op: &Op) -> String {
         Op::Description { keyframe, detection, .. } => {
             format!("description of detection {detection} of {keyframe} of {map}")
         }
-        Op::Judgement { .. } => format!("what a model said of {map}"),
+        Op::Judgement { .. } => format!("model verdict of {map}"),
         Op::Delete(deleted) => match deleted {
             Deleted::Keyframe(keyframe) => format!("removal of {keyframe} of {map}"),
             Deleted::Anchor { keyframe, detection } => {
-                format!("removal of the anchor at detection {detection} of {keyframe} of {map}")
+                format!("removal of the anchor of detection {detection} of {keyframe} of {map}")
             }
             Deleted::Loop(closed) => format!("revocation of loop {closed} of {map}"),
         },

@@ -1,4 +1,4 @@
-//! Recording: a file of one JSON object a line becomes operations, never held whole in memory.
+//! Recording: parses a file of one JSON object per line into operations, without holding it in memory.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Cursor, Read};
@@ -9,14 +9,14 @@ use indicatif::ProgressBar;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
-/// No line is longer; a keyframe is some 100 kB.
+/// Maximum length of a line; a keyframe is about 100 kB.
 const MAX_LINE_BYTES: u64 = 64 * 1024 * 1024;
 
-/// How a file says what it is, whatever its name.
+/// The first bytes of a format, whatever the file's name.
 const GZIP_MAGIC: &[u8] = &[0x1f, 0x8b];
 const ZSTD_MAGIC: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
 
-/// The operations of a recording, in order; ends after the first line that is none.
+/// The operations of a recording, in order; ends after the first invalid line.
 pub(super) struct Recording {
     reader: Box<dyn BufRead + Send>,
     max_line_bytes: u64,
@@ -25,7 +25,7 @@ pub(super) struct Recording {
     broken: bool,
 }
 
-/// One operation, and the line it stands on.
+/// One operation, and its line.
 #[derive(Debug, PartialEq)]
 pub(super) struct Line {
     /// Counted from 1.
@@ -36,7 +36,7 @@ pub(super) struct Line {
     pub op: Op,
 }
 
-/// What to do, with the body as the API document has it.
+/// An operation, with the body as the API document defines it.
 #[derive(Debug, Deserialize, PartialEq)]
 #[serde(tag = "op", rename_all = "lowercase")]
 pub(super) enum Op {
@@ -53,9 +53,9 @@ pub(super) enum Op {
         keyframe: String,
         #[serde(default)]
         body: Body,
-        /// The keyframes that are; none given: the recording does not say.
+        /// The true keyframes; none: the ground truth is unknown.
         truth: Option<Vec<String>>,
-        /// The keyframes that are neither right nor wrong.
+        /// The keyframes that are neither correct nor wrong.
         #[serde(default)]
         ignore: Vec<String>,
     },
@@ -63,11 +63,11 @@ pub(super) enum Op {
     Loop { body: Body },
     /// Correct poses.
     Poses { body: Body },
-    /// Describe an anchor by hand: the one that a detection feeds.
+    /// Describe the anchor of a detection by hand.
     Description { keyframe: String, detection: usize, body: Body },
-    /// Bring what a model said.
+    /// Import a model verdict.
     Judgement { body: Body },
-    /// Remove a keyframe, the anchor that one of its detections feeds, or a loop.
+    /// Remove a keyframe, the anchor of one of its detections, or a loop.
     Delete(Deleted),
 }
 
@@ -77,9 +77,9 @@ pub(super) enum Op {
 pub(super) enum Deleted {
     /// A keyframe.
     Keyframe(String),
-    /// The anchor that a detection feeds.
+    /// The anchor of a detection.
     Anchor { keyframe: String, detection: usize },
-    /// A loop, which is revoked.
+    /// A loop, to be revoked.
     Loop(String),
 }
 
@@ -99,7 +99,7 @@ impl TryFrom<DeletedAsWritten> for Deleted {
             (Some(keyframe), None, None) => Ok(Self::Keyframe(keyframe)),
             (Some(keyframe), Some(detection), None) => Ok(Self::Anchor { keyframe, detection }),
             (None, None, Some(closed)) => Ok(Self::Loop(closed)),
-            _ => Err("a delete line names a keyframe, a keyframe and a detection, or a loop"),
+            _ => Err("a delete line needs a keyframe, a keyframe and a detection, or a loop"),
         }
     }
 }
@@ -115,7 +115,7 @@ struct Written {
     op: Op,
 }
 
-/// A line that is no operation.
+/// A line that is not an operation.
 #[derive(Debug, thiserror::Error)]
 #[error("line {line}: {fault}")]
 pub struct LineError {
@@ -136,7 +136,7 @@ enum Fault {
 }
 
 impl Recording {
-    /// Opens a file (`-`: standard input), and tells `progress` how far it is read.
+    /// Opens a file (`-`: standard input), and reports to `progress` how much is read.
     pub fn open(path: &Path, progress: &ProgressBar) -> io::Result<Self> {
         if path == Path::new("-") {
             return Self::new(progress.wrap_read(io::stdin()), MAX_LINE_BYTES);
@@ -146,7 +146,7 @@ impl Recording {
         Self::new(progress.wrap_read(file), MAX_LINE_BYTES)
     }
 
-    /// Reads plain NDJSON, gzip or zstd, told apart by their first bytes.
+    /// Reads plain NDJSON, gzip or zstd, detected by their first bytes.
     fn new(mut bytes: impl Read + Send + 'static, max_line_bytes: u64) -> io::Result<Self> {
         let mut head = Vec::new();
         let longest_magic = ZSTD_MAGIC.len() as u64;
@@ -169,7 +169,7 @@ impl Recording {
         loop {
             text.clear();
             self.line += 1;
-            // One byte more than allowed tells a line that fits from one that does not.
+            // One byte beyond the limit distinguishes a line that fits from one that does not.
             let mut bounded = self.reader.by_ref().take(self.max_line_bytes + 1);
             let length = bounded.read_until(b'\n', &mut text)?;
             if length == 0 {
@@ -213,7 +213,7 @@ impl Iterator for Recording {
     }
 }
 
-/// The text is one line to `serde_json` as well: "line 1" would mislead, the column helps.
+/// Returns the fault without `serde_json`'s "line 1", which would mislead; the column helps.
 fn malformed(error: &serde_json::Error) -> Fault {
     let message = error.to_string();
     let what = message.split(" at line ").next().unwrap_or_default();
@@ -223,8 +223,7 @@ fn malformed(error: &serde_json::Error) -> Fault {
     })
 }
 
-/// Returns how many operations these bytes hold, each of them read: the whole of what a recording can contain, for
-/// tools that check one, and for fuzzing.
+/// Returns the number of operations in these bytes, all parsed; for tools that check a recording, and for fuzzing.
 pub fn count_operations(bytes: impl Read + Send + 'static) -> io::Result<usize> {
     let mut count = 0;
     for line in Recording::new(bytes, MAX_LINE_BYTES)? {

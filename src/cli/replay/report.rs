@@ -1,4 +1,4 @@
-//! Report: everything learnt from a recording, as the JSON object of `--json`.
+//! Report: all results of a recording, as the JSON object of `--json`.
 
 use std::collections::BTreeMap;
 
@@ -27,21 +27,21 @@ pub(super) struct Report {
     pub descriptions: u64,
     pub judgements: u64,
     pub deletions: u64,
-    /// Queries asked and answered.
+    /// Queries answered.
     pub queries: usize,
     /// Of the queries scored.
     #[serde(flatten)]
     pub accuracy: Accuracy,
     pub no_loop: usize,
     pub undecided: usize,
-    /// Queries not scored: their best is neither right nor wrong.
+    /// Queries not scored: their best is neither correct nor wrong.
     pub ignored: usize,
-    /// Queries not scored: the recording does not say what is true.
+    /// Queries not scored: the ground truth is unknown.
     pub unlabelled: usize,
-    /// Queries, scored or not, whose `loops` name a keyframe that is neither true nor to be ignored.
+    /// Queries, scored or not, whose `loops` include a keyframe that is neither true nor ignored.
     pub loops_wrong: usize,
     pub bow_only: BowOnly,
-    /// How far the transformations of true loops are off, with `--frames`.
+    /// Errors of the transformations of true loops, with `--frames`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transform_errors: Option<TransformErrors>,
     /// Of the queries.
@@ -53,22 +53,22 @@ pub(super) struct Report {
     /// Queries with a true loop that were not accepted, with `--explain`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub missed: Option<Vec<QueryLine>>,
-    /// Keyframes that the server had before: queries may have found keyframes of their future.
+    /// Keyframes that the server already had: queries may have found keyframes of their future.
     pub replayed_keyframes: u64,
-    /// Lines refused, with `--keep-going`.
+    /// Lines rejected, with `--keep-going`.
     pub failed: u64,
 }
 
-/// How often each check said no.
+/// Number of rejections by each check.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(super) struct Reasons {
     /// By the reason of each query that was not accepted.
     pub queries: BTreeMap<String, u64>,
-    /// By the reason of each candidate that was not.
+    /// By the reason of each candidate that was not accepted.
     pub candidates: BTreeMap<String, u64>,
 }
 
-/// One query that deserves a look.
+/// One query worth inspecting.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct QueryLine {
     pub map: String,
@@ -77,7 +77,7 @@ pub(super) struct QueryLine {
     pub reason: Option<ReasonView>,
     /// The candidate that the answer is about.
     pub best: Option<Figures>,
-    /// Of the true candidates, the one that came nearest.
+    /// Of the true candidates, the nearest to acceptance.
     pub nearest_true: Option<Figures>,
 }
 

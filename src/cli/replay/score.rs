@@ -1,34 +1,34 @@
 //! Score: precision and recall over the queries of a recording, of the service and of BoW alone.
 //!
-//! A query whose best is to be ignored is not scored: it counts neither as accepted, nor as a loop
-//! to be found. Recall's denominator is therefore the queries *scored* that have a true loop, and
-//! may differ between two methods that differ in what they name best; `with_truth` says it.
+//! A query whose best is ignored is not scored: it counts neither as accepted nor as a loop to be found. Recall's
+//! denominator is therefore the number of *scored* queries that have a true loop, reported as `with_truth`. It may
+//! differ between methods that name a different best.
 
 use serde::Serialize;
 
-/// One scored method's answer to one query, next to what is true.
+/// One scored method's answer to one query, with the ground truth.
 #[derive(Clone, Debug)]
 pub(in crate::cli) struct Marked {
-    /// The query has a true loop.
+    /// Whether the query has a true loop.
     pub has_truth: bool,
-    /// What the method names best, if anything.
+    /// The keyframe that the method names best, if any.
     pub best: Option<Best>,
 }
 
-/// What a method names best.
+/// The keyframe that a method names best.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::cli) struct Best {
     pub correct: bool,
-    /// How sure the method is.
+    /// The method's confidence.
     pub score: f64,
 }
 
-/// Precision and recall, with what they are made of.
+/// Precision and recall, with their counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub(in crate::cli) struct Accuracy {
-    /// Loops said.
+    /// Loops reported.
     pub accepted: u64,
-    /// Loops said that are true.
+    /// Reported loops that are true.
     pub correct: u64,
     /// Queries scored that have a true loop.
     pub with_truth: u64,
@@ -38,7 +38,7 @@ pub(in crate::cli) struct Accuracy {
     pub recall: Option<f64>,
 }
 
-/// BoW alone, which has no threshold of its own: three ways to choose one, knowing the truth.
+/// BoW alone, which has no threshold of its own: three ways to choose one by the ground truth.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(in crate::cli) struct BowOnly {
     /// Accepting every best candidate.
@@ -50,7 +50,7 @@ pub(in crate::cli) struct BowOnly {
     pub recall_at_precision_1: Option<f64>,
 }
 
-/// What accepting scores of at least `threshold` gives.
+/// The result of accepting scores of at least `threshold`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(in crate::cli) struct AtThreshold {
     /// The lowest score accepted.
@@ -62,7 +62,7 @@ pub(in crate::cli) struct AtThreshold {
     pub accuracy: Accuracy,
 }
 
-/// Returns the accuracy of a method that accepts what it names best.
+/// Returns the accuracy of a method that accepts every best candidate.
 pub(in crate::cli) fn accuracy(marked: &[Marked]) -> Accuracy {
     let best = || marked.iter().filter_map(|query| query.best);
     Accuracy::new(
@@ -83,13 +83,13 @@ pub(in crate::cli) fn bow_only(marked: &[Marked]) -> BowOnly {
         .fold(0.0, f64::max);
     BowOnly {
         every_best,
-        // Of equal ones the highest threshold: it says fewer false loops.
+        // Of equal ones the highest threshold, which reports fewer false loops.
         best_f1: thresholds.iter().copied().reduce(|best, at| if at.f1 > best.f1 { at } else { best }),
         recall_at_precision_1: every_best.recall.map(|_| no_false_loop),
     }
 }
 
-/// Returns every threshold that makes a difference, from the highest: the scores themselves.
+/// Returns every distinct threshold, the scores themselves, in descending order.
 fn thresholds(marked: &[Marked], with_truth: u64) -> Vec<AtThreshold> {
     let mut best: Vec<Best> = marked.iter().filter_map(|query| query.best).collect();
     best.sort_by(|a, b| b.score.total_cmp(&a.score));
@@ -114,7 +114,7 @@ impl Accuracy {
     fn f1(&self) -> f64 {
         match self.accepted + self.with_truth {
             0 => 0.0,
-            // 2PR / (P + R), with the counts put in.
+            // 2PR / (P + R), in terms of the counts.
             sum => 2.0 * self.correct as f64 / sum as f64,
         }
     }

@@ -44,9 +44,9 @@ fn write_recording(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
         writeln!(f, "with {}", changes.join(", "))?;
     }
     let notes = [
-        (report.ignored as u64, "not scored: best is neither right nor wrong"),
-        (report.unlabelled as u64, "not scored: the recording does not say what is true"),
-        (report.replayed_keyframes, "keyframes were there before: queries may have found later ones"),
+        (report.ignored as u64, "not scored: best is neither correct nor wrong"),
+        (report.unlabelled as u64, "not scored: the ground truth is unknown"),
+        (report.replayed_keyframes, "keyframes existed before: queries may have found later ones"),
         (report.failed, "lines refused"),
     ];
     for (count, note) in notes.into_iter().filter(|(count, _)| *count > 0) {
@@ -64,7 +64,7 @@ fn write_accuracies(f: &mut Formatter<'_>, service: &Accuracy, bow: &BowOnly) ->
         write_accuracy(f, &name, &best.accuracy)?;
     }
     let recall = share(bow.recall_at_precision_1);
-    writeln!(f, "{:36}{:>30}{recall:>9}", "BoW alone, no false loop", "1.000")
+    writeln!(f, "{:36}{:>30}{recall:>9}", "BoW alone, without false loops", "1.000")
 }
 
 fn write_accuracy(f: &mut Formatter<'_>, name: &str, accuracy: &Accuracy) -> fmt::Result {
@@ -77,7 +77,7 @@ fn write_verdicts(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
     let (no_loop, undecided) = (report.no_loop, report.undecided);
     let loops = report.queries - no_loop - undecided;
     writeln!(f, "\nverdicts  {loops} loop, {no_loop} no_loop, {undecided} undecided")?;
-    writeln!(f, "          {} of all queries, scored or not, name a wrong loop", report.loops_wrong)?;
+    writeln!(f, "          {} of all queries, scored or not, include a wrong loop", report.loops_wrong)?;
     if let Some(errors) = &report.transform_errors {
         let (t, r) = (errors.translation_m, errors.rotation_deg);
         writeln!(
@@ -133,7 +133,7 @@ fn write_missed(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
     Ok(())
 }
 
-/// Returns what stopped the right answer, where that is another candidate than the one just shown.
+/// Returns the reason that stopped the true candidate, if that is not the one just shown.
 fn true_candidate(line: &QueryLine) -> String {
     match (&line.best, &line.nearest_true) {
         (None, None) => String::new(),
@@ -171,7 +171,7 @@ fn sentence(reason: &ReasonView) -> String {
     }
 }
 
-/// Counts as they are, anything else with three decimals.
+/// Formats counts as integers, other figures with three decimals.
 fn number(value: f64) -> String {
     if value.fract() == 0.0 { format!("{value}") } else { format!("{value:.3}") }
 }

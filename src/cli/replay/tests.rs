@@ -197,7 +197,7 @@ with candidates_max=5
 Revisit                                      2        1      0.500    0.333
 BoW alone, every best candidate              3        1      0.333    0.333
 BoW alone, best F1 (score >= 0.100)          3        1      0.333    0.333
-BoW alone, no false loop                                     1.000    0.000
+BoW alone, without false loops                               1.000    0.000
 
 verdicts  4 loop, 1 no_loop, 1 undecided
           1 of all queries, scored or not, name a wrong loop

@@ -1,4 +1,4 @@
-//! The collector: where traces go, and what sends them.
+//! Collector: the destination of traces, and their exporter.
 
 use std::time::Duration;
 
@@ -17,7 +17,7 @@ use tracing_subscriber::registry::LookupSpan;
 
 use crate::config::{build, tls};
 
-/// The path below a collector's base address that takes traces.
+/// The path for traces below a collector's base address.
 const PATH: &str = "/v1/traces";
 
 /// Time to send the remaining spans at shutdown.
@@ -26,20 +26,21 @@ const FLUSH: Duration = Duration::from_secs(5);
 /// The destination of traces.
 #[derive(Args, Clone, Debug, Default)]
 pub struct TraceArgs {
-    /// An OpenTelemetry collector that takes traces by OTLP over HTTP, such as http://127.0.0.1:4318; without it there
-    /// are none. OTEL_EXPORTER_OTLP_ENDPOINT, OTEL_SERVICE_NAME, OTEL_TRACES_SAMPLER and their like are honoured
+    /// An OpenTelemetry collector that receives traces by OTLP over HTTP, such as http://127.0.0.1:4318; without it
+    /// none are sent. OTEL_EXPORTER_OTLP_ENDPOINT, OTEL_SERVICE_NAME, OTEL_TRACES_SAMPLER and similar variables are
+    /// honoured
     #[arg(long, env = "REVISIT_OTLP_ENDPOINT", value_name = "URL")]
     pub otlp_endpoint: Option<String>,
 }
 
-/// Traces on their way to the collector.
+/// The exporter of traces.
 #[derive(Debug, Default)]
 pub struct Traces {
     provider: Option<SdkTracerProvider>,
 }
 
 impl TraceArgs {
-    /// Returns the address that takes traces, from the flag or from OpenTelemetry's own variables.
+    /// Returns the address for traces, from the flag or from OpenTelemetry's own variables.
     fn address(&self) -> Option<String> {
         let variable = |name: &str| std::env::var(name).ok().filter(|value| !value.is_empty());
         let is_off = variable("OTEL_SDK_DISABLED").is_some_and(|value| value.eq_ignore_ascii_case("true"))
@@ -58,21 +59,21 @@ impl TraceArgs {
 }
 
 impl Traces {
-    /// Gets ready to send, if there is a collector.
+    /// Prepares the exporter, if a collector is configured.
     pub fn start(args: &TraceArgs) -> Result<Self, String> {
         let Some(address) = args.address() else { return Ok(Self::default()) };
-        // The client has a runtime of its own, which cannot be made within another one.
+        // The client has its own runtime, which cannot be created within another one.
         let provider = std::thread::spawn(move || provider(&address)).join();
-        let provider = provider.map_err(|_| "the client for traces broke off".to_owned())??;
+        let provider = provider.map_err(|_| "the client for traces failed".to_owned())??;
         Ok(Self { provider: Some(provider) })
     }
 
-    /// Whether there is a collector.
+    /// Whether a collector is configured.
     pub fn are_sent(&self) -> bool {
         self.provider.is_some()
     }
 
-    /// Returns the layer that gives spans of a target to the sender.
+    /// Returns the layer that exports the spans of a target.
     pub fn layer<S: Subscriber + for<'span> LookupSpan<'span>>(
         &self,
         target: &str,
@@ -84,12 +85,12 @@ impl Traces {
         Some(layer.with_filter(Targets::new().with_target(target, Level::INFO)))
     }
 
-    /// Sends what is left.
+    /// Sends the remaining spans.
     pub async fn flush(self) {
         let Some(provider) = self.provider else { return };
         let flushed = tokio::task::spawn_blocking(move || provider.shutdown_with_timeout(FLUSH)).await;
         if let Ok(Err(error)) = flushed {
-            tracing::warn!(%error, "the last traces may not have reached their collector");
+            tracing::warn!(%error, "the last traces may not have reached the collector");
         }
     }
 }
@@ -107,14 +108,14 @@ fn provider(address: &str) -> Result<SdkTracerProvider, String> {
     Ok(SdkTracerProvider::builder().with_resource(resource.build()).with_batch_exporter(exporter).build())
 }
 
-/// Puts a span under the one that the headers of its caller name.
+/// Sets the parent of a span from the headers of the request.
 pub(super) fn set_parent(span: &Span, header: impl Fn(&str) -> Option<String>) {
     let parent = TraceContextPropagator::new().extract(&Headers::of(header));
-    // Fails only once the span has begun.
+    // Fails only once the span has started.
     let _ = span.set_parent(parent);
 }
 
-/// The two headers of the W3C's trace context.
+/// The two headers of W3C Trace Context.
 struct Headers([(&'static str, Option<String>); 2]);
 
 impl Headers {

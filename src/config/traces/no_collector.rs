@@ -1,4 +1,4 @@
-//! No collector: a program without the feature `otel` sends no traces, and has no flags about them.
+//! No collector: without the feature `otel` the program sends no traces and has no flags for them.
 
 use clap::Args;
 use tracing::{Span, Subscriber};
@@ -14,7 +14,7 @@ pub struct TraceArgs {}
 pub struct Traces;
 
 impl Traces {
-    /// Has nothing to get ready.
+    /// Prepares nothing.
     pub fn start(_: &TraceArgs) -> Result<Self, String> {
         Ok(Self)
     }
@@ -29,7 +29,7 @@ impl Traces {
         None::<Identity>
     }
 
-    /// Has nothing to send.
+    /// Sends nothing.
     #[expect(clippy::unused_async, reason = "the same call as with a collector")]
     pub async fn flush(self) {}
 }

@@ -110,7 +110,7 @@ async fn what_is_restored_is_served_and_what_was_there_is_kept_whole() {
     assert!(names(folder.path()).contains("revisit.db-wal"));
     let told = revisit(&["restore", "--database", &from, "--force", &to]).well();
     assert!(told.contains("1 map, 1 keyframe,"), "{told}");
-    let kept = told.lines().find_map(|line| line.strip_prefix("the database before it: ")).unwrap();
+    let kept = told.lines().find_map(|line| line.strip_prefix("previous database: ")).unwrap();
     let kept = checked(Path::new(kept)).await;
     assert_eq!(kept.all_faults().collect::<Vec<_>>(), Vec::<String>::new());
     assert_eq!(kept.holds.unwrap().keyframes, 6, "the log came along");
@@ -143,7 +143,7 @@ async fn a_restore_that_broke_off_costs_the_database_before_it_nothing() {
         std::fs::hard_link(folder.path().join("revisit.db-wal"), name).unwrap();
     }
     let told = revisit(&["restore", "--database", &from, "--force", &to]).well();
-    let kept = told.lines().find_map(|line| line.strip_prefix("the database before it: ")).unwrap();
+    let kept = told.lines().find_map(|line| line.strip_prefix("previous database: ")).unwrap();
     assert_eq!(checked(Path::new(kept)).await.holds.unwrap().keyframes, 2, "with what was in its log only");
 }
 

@@ -20,7 +20,7 @@ fn a_mistyped_database_or_filter_is_refused_and_makes_nothing() {
     }
     for filter in ["warning", "verbose", "info;debug", "warn,revisit=loud"] {
         revisit(&["serve", "--listen", "127.0.0.1:0", "--log", filter, "--database", &missing])
-            .refused("says no level");
+            .refused("has no level");
     }
     assert!(names(folder.path()).is_empty(), "{:?}", names(folder.path()));
 }
@@ -59,7 +59,10 @@ async fn the_database_is_its_owners_only_and_a_restore_tells_which_keys_are_good
     revisit(&["backup", "--database", &from, &to]).well();
     revisit(&["keys", "revoke", "key-1", "--database", &from]).well();
     let told = revisit(&["restore", "--database", &from, "--force", &to]).well();
-    assert!(told.contains("key-1 \"robots\" is not revoked in it") && !told.contains("guests"), "{told}");
+    assert!(
+        told.contains("key-1 \"robots\" is not revoked in the backup") && !told.contains("guests"),
+        "{told}"
+    );
 
     let fresh = folder.path().join("fresh.db");
     let mut server = Server::start(&fresh);
