@@ -1,4 +1,4 @@
-//! Answer: the few forms of a successful response.
+//! Answer: the forms of a successful response.
 
 use axum::Json;
 use axum::http::header::CONTENT_TYPE;
@@ -9,7 +9,7 @@ use serde::Serialize;
 
 const REPLAYED: HeaderName = HeaderName::from_static("idempotent-replayed");
 
-/// Returns a write by id: 201 when it is new, 200 and `idempotent-replayed: true` when it was there already.
+/// Responds to a write by id: 201 if it is new, 200 and `idempotent-replayed: true` if it already existed.
 pub fn written(created: bool, body: impl Serialize) -> Response {
     if created {
         return (StatusCode::CREATED, Json(body)).into_response();
@@ -17,7 +17,7 @@ pub fn written(created: bool, body: impl Serialize) -> Response {
     ([(REPLAYED, HeaderValue::from_static("true"))], Json(body)).into_response()
 }
 
-/// JSON that is written already.
+/// Responds with JSON that is already serialised.
 pub fn json_bytes(bytes: Bytes) -> Response {
     ([(CONTENT_TYPE, HeaderValue::from_static("application/json"))], bytes).into_response()
 }

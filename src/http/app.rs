@@ -18,7 +18,7 @@ use super::metrics::counters::Metrics;
 use crate::config::limits::LimitArgs;
 use crate::engine::Service;
 
-/// The state that handlers work with; clones share everything.
+/// The state of the handlers; clones share everything.
 #[derive(Clone)]
 pub struct App(Arc<Parts>);
 
@@ -57,8 +57,8 @@ impl Deref for App {
 }
 
 impl App {
-    /// Creates an app around a service within limits, until `stopping` is cancelled. The API document, as JSON, declares
-    /// the permission of each operation; one that is no JSON is an error.
+    /// Creates an app around a service within limits, until `stopping` is cancelled. The API document, as JSON,
+    /// declares the permission of each operation; invalid JSON is an error.
     pub fn new(
         service: Service,
         limits: LimitArgs,

@@ -1,4 +1,4 @@
-//! Document: the API document, made of the routes themselves.
+//! Document: the API document, built from the routes themselves.
 
 use serde_json::json;
 use utoipa::openapi::extensions::ExtensionsBuilder;
@@ -18,42 +18,42 @@ use crate::recognition::constants::{self, Constant};
 #[openapi(
     info(
         title = "Revisit",
-        description = "Semantic place recognition: is this keyframe a loop?\n\nIds are made by clients, writing is \
-            `PUT` by id, and a retry is harmless. Every answer of 400 and above is `application/problem+json` and \
-            lists every fault of the request at once. Lengths are metres, angles radians, image coordinates pixels. \
-            An optional field is left out, never null. Numbers that decide verdicts are a map's settings, or constants, which \
+        description = "Semantic place recognition: is this keyframe a loop?\n\nClients choose ids and write by \
+            `PUT`, so retries are safe. Every response of 400 and above is `application/problem+json` and \
+            lists all faults of the request. Lengths are in metres, angles in radians, image coordinates in pixels. \
+            An optional field is omitted, never null. Numbers that affect verdicts are a map's settings, or constants, which \
             this document lists under `x-constants`.",
         license(name = "MIT OR Apache-2.0", identifier = "MIT OR Apache-2.0")
     ),
     servers(
-        (url = "/", description = "The server that gives this document"),
-        (url = "http://127.0.0.1:7878", description = "`revisit serve` on this machine, as it comes")
+        (url = "/", description = "The server of this document"),
+        (url = "http://127.0.0.1:7878", description = "`revisit serve` on this machine, by default")
     ),
     tags(
         (name = "maps", description = "A map and its settings"),
-        (name = "keyframes", description = "Keyframes in, one by one or in bulk"),
-        (name = "loops", description = "Is this keyframe a loop? And what follows when it is. A verdict is not yet a closed \
+        (name = "keyframes", description = "Store keyframes, individually or in bulk"),
+        (name = "loops", description = "Loop queries and confirmed loops. A verdict does not close a \
             loop: nothing changes until the client confirms one"),
-        (name = "anchors", description = "Semantic anchors: what was read, where it stands, what matches it"),
-        (name = "events", description = "What happens in a map, as it happens"),
-        (name = "semantics", description = "The three functions of §IV-A.2, and what models cost"),
-        (name = "service", description = "How the server is"),
-        (name = "keys", description = "API keys. From the first one on, every request needs a key: make the administrator's first")
+        (name = "anchors", description = "Semantic anchors: their readings, positions and matches"),
+        (name = "events", description = "Changes of a map, as a stream"),
+        (name = "semantics", description = "The three functions of §IV-A.2, and the cost of models"),
+        (name = "service", description = "State of the server"),
+        (name = "keys", description = "API keys. From the first one on, every request needs a key: create the administrator's first")
     ),
     components(schemas(ProblemView, EventView)),
     modifiers(&BearerKey)
 )]
 struct Frame;
 
-/// How a key is shown.
+/// The security scheme of API keys.
 struct BearerKey;
 
 impl Modify for BearerKey {
     fn modify(&self, document: &mut utoipa::openapi::OpenApi) {
         let mut bearer = Http::new(HttpAuthScheme::Bearer);
         bearer.description = Some(
-            "An API key, with the action that the operation names. A server on loopback whose database never had a key \
-             wants none."
+            "An API key with the action that the operation requires. A server on loopback whose database never had a key \
+             requires none."
                 .to_owned(),
         );
         document.components.get_or_insert_default().add_security_scheme(SCHEME, SecurityScheme::Http(bearer));
@@ -86,7 +86,7 @@ pub fn document() -> utoipa::openapi::OpenApi {
     document
 }
 
-/// Returns the numbers that decide verdicts and are no settings.
+/// Returns the constants that affect verdicts and are not settings.
 fn constants() -> Vec<serde_json::Value> {
     let shown = |constant: &Constant| {
         let Constant { name, value, unit, doc } = constant;
@@ -95,7 +95,7 @@ fn constants() -> Vec<serde_json::Value> {
     constants::constants().map(shown).collect()
 }
 
-/// Whether the operation names an action that a key must have.
+/// Whether the operation requires a key with an action.
 fn wants_key(operation: &Operation) -> bool {
     operation.security.iter().flatten().any(|requirement| *requirement != SecurityRequirement::default())
 }
@@ -105,8 +105,8 @@ fn operations(item: &mut PathItem) -> impl Iterator<Item = &mut Operation> {
     [get, put, post, patch, delete].into_iter().flatten()
 }
 
-/// Takes null out of optional fields: with us they are left out. It also takes every `oneOf` out of the document, which
-/// utoipa writes for "this schema or null" and on which generators for C++ break.
+/// Removes null from optional fields, which this API omits instead. This also removes every `oneOf`: utoipa writes it
+/// for "this schema or null", and C++ generators fail on it.
 fn settle(schema: &mut RefOr<Schema>) {
     let RefOr::T(Schema::Object(object)) = schema else { return };
     let Object { properties, required, .. } = object;
@@ -137,7 +137,7 @@ fn refuse_null(property: &mut RefOr<Schema>) {
     }
 }
 
-/// "This type or null" is this type.
+/// Reduces "this type or null" to this type.
 fn only(kind: &mut SchemaType) {
     if let SchemaType::Array(kinds) = kind {
         kinds.retain(|kind| *kind != Type::Null);

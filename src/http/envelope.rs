@@ -1,4 +1,4 @@
-//! Envelope: every answer carries its request's id, and every error is a problem document.
+//! Envelope: adds the request id to every response, and writes every error as a problem document.
 
 use std::any::Any;
 use std::fmt;
@@ -21,15 +21,15 @@ use super::problem::{Kind, Problem};
 use crate::config::traces;
 use crate::domain::ids::KeyframeId;
 
-/// The header that names a request.
+/// The header with a request's id.
 pub const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
-/// The media type of refusals.
+/// The media type of problem documents.
 pub const PROBLEM_JSON: HeaderValue = HeaderValue::from_static("application/problem+json");
 
-/// Keeps browsers from guessing what an answer is.
+/// Keeps browsers from guessing the type of a response.
 pub const NO_SNIFF: HeaderValue = HeaderValue::from_static("nosniff");
 
-/// The target of the line that tells of every request.
+/// The target of the access log.
 const ACCESS: &str = "revisit::access";
 
 /// A request's id, in the request's extensions.
@@ -42,24 +42,24 @@ impl fmt::Display for RequestId {
     }
 }
 
-/// Returns the pattern of a request's route, never its path: of ids there are as many as there are keyframes.
+/// Returns the pattern of a request's route, never its path: there are as many paths as keyframes.
 pub fn route_of(request: &Request) -> &str {
     request.extensions().get::<MatchedPath>().map_or("unmatched", MatchedPath::as_str)
 }
 
-/// Returns the layer around everything else. What is logged inside stands in the request's span, and so tells its id.
+/// Middleware around all other layers. Log lines inside it belong to the request's span, which has its id.
 pub async fn envelope(mut request: Request, next: Next) -> Response {
     let started = Instant::now();
     let id = RequestId::of(&request);
     request.extensions_mut().insert(id.clone());
-    // Whoever prints the headers prints no key.
+    // Marked sensitive, so that printed headers never show a key.
     if let Some(key) = request.headers_mut().get_mut(AUTHORIZATION) {
         key.set_sensitive(true);
     }
     let (method, uri) = (request.method().clone(), request.uri().clone());
     let header = |name: &str| Some(request.headers().get(name)?.to_str().ok()?.to_owned());
     let trace = traces::request_span(&id.0, method.as_str(), route_of(&request), header);
-    // At the level of errors, for these must tell their request even if nothing else is logged.
+    // At error level, because the span must exist even if only errors are logged.
     let log = || tracing::error_span!("request", request_id = %id, %method, route = %route_of(&request), key = Empty);
     let span = trace.in_scope(log);
     let mut response = next.run(request).instrument(span.clone()).instrument(trace.clone()).await;
@@ -74,13 +74,13 @@ pub async fn envelope(mut request: Request, next: Next) -> Response {
     if let Ok(value) = HeaderValue::from_str(&id.0) {
         response.headers_mut().insert(REQUEST_ID, value);
     }
-    // A crop is a stranger's bytes: a browser shall take an answer for what it says it is, and for nothing else.
+    // A crop is untrusted content: a browser must not guess another type for it.
     response.headers_mut().insert(X_CONTENT_TYPE_OPTIONS, NO_SNIFF);
     response
 }
 
 impl RequestId {
-    /// Returns the client's own id, if it looks like one: it goes into logs.
+    /// Returns the client's own id if it is valid, because it is logged.
     fn of(request: &Request) -> Self {
         let given = request.headers().get(REQUEST_ID).and_then(|value| value.to_str().ok());
         match given.map(str::parse::<KeyframeId>) {
@@ -89,7 +89,7 @@ impl RequestId {
         }
     }
 
-    /// Returns a number drawn once by this process, and a count.
+    /// Returns a random number of this process and a counter.
     pub(super) fn next() -> Self {
         static PROCESS: LazyLock<u64> = LazyLock::new(|| RandomState::new().build_hasher().finish());
         static COUNT: AtomicU64 = AtomicU64::new(1);
@@ -98,11 +98,11 @@ impl RequestId {
     }
 }
 
-/// Writes the problem; a refusal by axum or a layer of tower-http becomes one here and keeps its headers (`allow`).
+/// Writes the problem document. Errors of axum or tower-http become one here and keep their headers (`allow`).
 fn refusal(response: Response, id: &RequestId, uri: &Uri) -> Response {
     let (mut parts, _) = response.into_parts();
     let problem = parts.extensions.remove::<Problem>().unwrap_or_else(|| Problem::of_status(parts.status));
-    // The one place where failures are logged: what is refused is the client's affair, what fails is ours.
+    // The only place where failures are logged: rejections are client errors and are not.
     if let Some(cause) = problem.cause() {
         tracing::error!(path = uri.path(), status = parts.status.as_u16(), cause, "request failed");
     } else if parts.status.is_server_error() && !problem.is_overload() {
@@ -119,26 +119,26 @@ fn refusal(response: Response, id: &RequestId, uri: &Uri) -> Response {
     Response::from_parts(parts, Body::from(serde_json::to_vec(&view).unwrap_or_default()))
 }
 
-/// Returns a handler that panicked is a failure like any other; the process goes on.
+/// Responds to a panicking handler like any other internal error; the process continues.
 pub fn panicked(payload: Box<dyn Any + Send>) -> Response {
     let text = payload.downcast_ref::<&str>().map(ToString::to_string);
     let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();
-    // Taken by value because tower-http hands it over so.
+    // tower-http passes it by value.
     drop(payload);
     Problem::internal(format!("panicked: {text}")).into_response()
 }
 
-/// Returns a path that names nothing.
+/// Responds to an unknown path.
 pub async fn no_such_path(uri: Uri) -> Problem {
     let path: String = uri.path().chars().take(200).collect();
-    Problem::new(Kind::NOT_FOUND, format!("there is nothing at {path}; /docs lists what there is"))
+    Problem::new(Kind::NOT_FOUND, format!("there is no resource at {path}; /docs lists the API"))
 }
 
-/// Returns a path that is there, with a method that it does not have; axum adds `allow`.
+/// Responds to a known path with a method that it does not have; axum adds `allow`.
 pub async fn no_such_method(method: Method, uri: Uri) -> Problem {
     let path: String = uri.path().chars().take(200).collect();
     Problem::new(
         Kind::METHOD_NOT_ALLOWED,
-        format!("{path} does not take {method}; the header `allow` says what it takes"),
+        format!("{path} does not support {method}; the header `allow` lists the supported methods"),
     )
 }

@@ -1,4 +1,4 @@
-//! Error responses of operations, for the API document. Each names a set of kinds that an operation can give.
+//! Error responses of operations for the API document: each names a set of kinds.
 
 use std::collections::BTreeMap;
 
@@ -29,24 +29,24 @@ macro_rules! refusals {
 refusals! {
     /// Of operations that only read a resource.
     ReadErrors = [BAD_REQUEST, NOT_FOUND, INVALID, MAP_DAMAGED, UNAVAILABLE];
-    /// Of the operation that listens to a map.
+    /// Of the event stream of a map.
     OfStream = [BAD_REQUEST, NOT_FOUND, GONE, INVALID, MAP_DAMAGED, UNAVAILABLE];
-    /// Of operations that only read, and name no resource.
+    /// Of operations that only read, without a named resource.
     OfList = [BAD_REQUEST, INVALID, UNAVAILABLE];
-    /// Of operations that ask something with a body, and name no resource.
+    /// Of queries with a body, without a named resource.
     OfQuestion = [SYNTAX, TIMEOUT, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, INVALID, UNAVAILABLE];
-    /// Of operations that ask something about a map, with a body.
+    /// Of queries about a map, with a body.
     OfMapQuestion = [SYNTAX, NOT_FOUND, TIMEOUT, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, INVALID, MAP_DAMAGED, UNAVAILABLE];
     /// Of operations that write a body.
     OfWrite = [
         SYNTAX, NOT_FOUND, TIMEOUT, CONFLICT, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, INVALID, MAP_DAMAGED, UNAVAILABLE,
         DISK_FULL
     ];
-    /// Of the operation that takes a backup.
+    /// Of the operation that creates a backup.
     OfBackup = [
         SYNTAX, TIMEOUT, CONFLICT, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, INVALID, NOT_VERIFIED, UNAVAILABLE, DISK_FULL
     ];
-    /// Of operations that write a body on top of a version.
+    /// Of operations that update a given version.
     OfPatch = [
         SYNTAX, NOT_FOUND, TIMEOUT, PRECONDITION_FAILED, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, INVALID,
         PRECONDITION_REQUIRED, UNAVAILABLE, DISK_FULL
@@ -55,25 +55,25 @@ refusals! {
     OfDelete = [BAD_REQUEST, NOT_FOUND, INVALID, UNAVAILABLE];
     /// Of the operation that revokes a key.
     OfKeyDelete = [BAD_REQUEST, NOT_FOUND, CONFLICT, INVALID, UNAVAILABLE];
-    /// Of operations that delete a version.
+    /// Of operations that delete a given version.
     OfVersionedDelete = [BAD_REQUEST, NOT_FOUND, PRECONDITION_FAILED, INVALID, UNAVAILABLE];
-    /// Of operations that can say that they are not ready.
+    /// Of the readiness check.
     OfReadiness = [UNAVAILABLE];
-    /// Of operations that refuse nobody.
+    /// Of operations without errors of their own.
     OfNobody = [];
 }
 
-/// Returns what a key can meet at any operation that wants one.
+/// Returns the errors of every operation that requires a key.
 pub fn of_keys() -> impl Iterator<Item = (String, RefOr<Response>)> {
     [Kind::UNAUTHORIZED, Kind::FORBIDDEN, Kind::TOO_MANY_REQUESTS]
         .into_iter()
         .map(|kind| (kind.status.as_str().to_owned(), reference(kind.code)))
 }
 
-/// References: what a refusal looks like stands in the document once for each kind.
+/// Returns references: the document defines each kind once.
 fn responses(kinds: &[Kind]) -> BTreeMap<String, RefOr<Response>> {
     let named = kinds.iter().map(|kind| (kind.status.as_str().to_owned(), reference(kind.code)));
-    // What any operation can meet: a failure of ours, a proxy's limit, a header too long.
+    // Possible for any operation: an internal error, a proxy's limit, a header that is too long.
     named.chain([("default".to_owned(), reference(ANY))]).collect()
 }
 
@@ -81,10 +81,10 @@ fn reference(code: &str) -> RefOr<Response> {
     Ref::from_response_name(code).into()
 }
 
-/// The name of the answer that stands for all the others.
+/// The name of the response for all other errors.
 const ANY: &str = "other";
 
-/// Every kind of refusal, by its code, for the document's components.
+/// Returns every kind of error by its code, for the document's components.
 pub fn components() -> impl Iterator<Item = (String, RefOr<Response>)> {
     let kinds = Kind::ALL.iter().map(|kind| (kind.code.to_owned(), response(*kind, kind.title)));
     kinds.chain([(ANY.to_owned(), response(Kind::INTERNAL, "Any other error"))])
@@ -102,7 +102,7 @@ fn response(kind: Kind, description: &str) -> RefOr<Response> {
         .into()
 }
 
-/// Returns what a client could see of this kind.
+/// Returns an example of this kind.
 fn example(kind: Kind) -> Problem {
     let fault = |pointer: &str, detail: &str| FieldError::new(pointer, detail);
     match kind {

@@ -2,12 +2,12 @@
 //!
 //! | file or folder | concept |
 //! |---|---|
-//! | [`routes`] | one file for each kind of resource: extract, call the engine once, answer |
-//! | [`extract`] | path, query and body of a request, checked |
-//! | [`answer`], [`problem`], [`envelope`] | success, errors, and the request id of every answer |
+//! | [`routes`] | one file per kind of resource: extract, call the engine once, respond |
+//! | [`extract`] | path, query and body of a request, validated |
+//! | [`answer`], [`problem`], [`envelope`] | success, errors, and the request id of every response |
 //! | [`guards`] | layers that admit or reject a request before its handler |
-//! | [`connection`] | the accept loop; connections: their number, timeouts, shutdown |
-//! | [`router`], [`app`] | the layers around the routes, and the state that they share |
+//! | [`connection`] | the accept loop; connection limit, timeouts, shutdown |
+//! | [`router`], [`app`] | the layers around the routes, and their shared state |
 //! | [`metrics::counters`] | the metrics page |
 //! | [`mod@document`], [`error_responses`] | the API document |
 //! | [`pages`] | the viewer and the reference |

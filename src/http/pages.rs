@@ -1,4 +1,4 @@
-//! Pages: the viewer and the API reference, embedded in the binary. They load nothing from elsewhere.
+//! Pages: the viewer and the API reference, embedded in the binary. They load nothing from other servers.
 
 use std::future::ready;
 
@@ -10,7 +10,7 @@ use axum::routing::get;
 
 use crate::api::words;
 
-/// Nothing from elsewhere, no inline script, and no framing by others.
+/// No external content, no inline script, and no framing by other sites.
 const POLICY: &str = "default-src 'self'; img-src 'self' data: blob:; frame-ancestors 'none'; base-uri 'none'; form-action 'self'";
 
 struct Asset {
@@ -27,7 +27,7 @@ macro_rules! assets {
     };
 }
 
-/// Every file of `assets/`; a test finds those that are missing here.
+/// Every file of `assets/`; a test reports missing ones.
 #[rustfmt::skip]
 const ASSETS: &[Asset] = assets![
     "docs.css"
@@ -57,10 +57,10 @@ const ASSETS: &[Asset] = assets![
     "viewer_verdict.js"
 ];
 
-/// The codes of verdicts with their words for people, made from the tables of the model.
+/// The codes of verdicts with their texts, generated from the tables of the model.
 const WORDS: &str = "words.js";
 
-/// Their routes: the pages under their own addresses, everything else under `/assets`.
+/// Returns their routes: pages under their own addresses, all other files under `/assets`.
 pub fn routes<S: Clone + Send + Sync + 'static>() -> Router<S> {
     let words = Bytes::from(words::script());
     let words = move || ready(serve(WORDS, words.clone()));
@@ -79,7 +79,7 @@ fn serve(name: &str, content: impl IntoResponse) -> impl IntoResponse {
     let headers = [
         (CONTENT_TYPE, media_type(name)),
         (CONTENT_SECURITY_POLICY, POLICY),
-        // The binary changes under the same addresses.
+        // A new binary has new files under the same addresses.
         (CACHE_CONTROL, "no-cache"),
     ];
     (headers, content)

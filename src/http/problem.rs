@@ -1,4 +1,4 @@
-//! Problem: why a request was rejected or failed, before the envelope writes it (`openapi/openapi.yaml`).
+//! Problem: the reason why a request was rejected or failed, before the envelope writes it (`openapi/openapi.yaml`).
 
 use std::time::Duration;
 
@@ -10,14 +10,14 @@ use crate::api::problem::{FaultView, ProblemView};
 use crate::domain::invalid::FieldError;
 use crate::engine::ServiceError;
 
-/// A kind of problem: its status, its code and its title go together, and `/docs` explains each.
+/// A kind of problem: its status, code and title, which `/docs` explains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kind {
     /// The HTTP status.
     pub status: StatusCode,
-    /// The word for programs.
+    /// The code for programs.
     pub code: &'static str,
-    /// A few words for people.
+    /// The title for people.
     pub title: &'static str,
 }
 
@@ -57,10 +57,10 @@ kinds! {
     MAP_FULL = INSUFFICIENT_STORAGE, "map_full", "The map is full";
 }
 
-/// The code of what is refused because there is too much.
+/// The code of requests rejected under overload.
 const OVERLOADED: &str = "overloaded";
 
-/// One problem. As a response it is empty but for its status: the envelope knows the request's id and writes it.
+/// One problem. As a response it has only its status: the envelope, which knows the request's id, writes the body.
 #[derive(Clone, Debug)]
 pub struct Problem {
     kind: Kind,
@@ -72,21 +72,21 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// Returns a problem of a kind, with what happened this time.
+    /// Creates a problem of a kind, with the detail of this occurrence.
     pub fn new(kind: Kind, detail: impl Into<String>) -> Self {
         let detail = detail.into().into();
-        // Who is told "not now" is told when.
+        // Every 503 states when to retry.
         let retry_after_s = (kind == Kind::UNAVAILABLE).then_some(1);
         Self { kind, code: kind.code, detail, errors: Vec::new(), retry_after_s, cause: None }
     }
 
-    /// Returns the problem of a bare status, as layers below ours answer it.
+    /// Creates the problem of a bare status, as lower layers return it.
     pub fn of_status(status: StatusCode) -> Self {
         let reason = status.canonical_reason().unwrap_or("The request failed");
         let unnamed = Kind { status, code: "http", title: reason };
         let kind = Kind::ALL.iter().copied().find(|kind| kind.status == status && *kind != Kind::SYNTAX);
         let detail = match status {
-            // A content-type that is refused is refused by name: what is left is the encoding.
+            // A rejected content-type has its own problem, so this one is the encoding.
             StatusCode::UNSUPPORTED_MEDIA_TYPE => {
                 "the content-encoding is not one of gzip, zstd and identity"
             }
@@ -95,7 +95,7 @@ impl Problem {
         Self::new(kind.unwrap_or(unnamed), detail)
     }
 
-    /// Faults of the request's body, path or parameters.
+    /// Creates the problem of faults in the request's body, path or parameters.
     pub fn invalid(errors: Vec<FieldError>) -> Self {
         let detail = match errors.as_slice() {
             [one] => {
@@ -106,47 +106,48 @@ impl Problem {
         Self { errors, ..Self::new(Kind::INVALID, detail) }
     }
 
-    /// Too many requests of one key; good again after this time.
+    /// Creates the problem of a key that exceeds its rate, with the time until it may retry.
     pub fn too_many_requests(wait: Duration) -> Self {
         let seconds = wait.as_secs_f64().ceil().clamp(1.0, f64::from(u32::MAX)) as u32;
         Self {
             retry_after_s: Some(seconds),
-            ..Self::had_its_share("the key's requests a second are used up")
+            ..Self::had_its_share("the key exceeds its requests per second")
         }
     }
 
-    /// A key has as much as it may have at once; good again when it gives some of it back.
+    /// Creates the problem of a key that has reached a concurrency limit.
     pub fn had_its_share(detail: impl Into<String>) -> Self {
         Self { retry_after_s: Some(1), ..Self::new(Kind::TOO_MANY_REQUESTS, detail) }
     }
 
-    /// Returns a failure of ours; `cause` goes to the log and nowhere else.
+    /// Creates an internal error; `cause` is only logged.
     pub fn internal(cause: impl Into<String>) -> Self {
-        let detail = "the server's log tells more under the request's id";
+        let detail = "the server's log has the cause under the request's id";
         Self { cause: Some(cause.into().into()), ..Self::new(Kind::INTERNAL, detail) }
     }
 
-    /// Returns a failure of ours that its client can do something about: told, and logged.
+    /// Creates an internal error that the client can act on: returned and logged.
     fn logged(kind: Kind, detail: String) -> Self {
         Self { cause: Some(detail.as_str().into()), ..Self::new(kind, detail) }
     }
 
-    /// There is more to do than can be done: come back.
+    /// Creates the problem of a request rejected under overload, to be retried.
     pub fn overloaded(detail: impl Into<String>) -> Self {
         Self { code: OVERLOADED, ..Self::new(Kind::UNAVAILABLE, detail) }
     }
 
-    /// Was it refused only because there is too much? Such refusals are counted, not logged: they come by thousands.
+    /// Whether it was rejected only because of overload. Such rejections are counted, not logged, because they are
+    /// frequent.
     pub fn is_overload(&self) -> bool {
         self.code == OVERLOADED
     }
 
-    /// Returns what a program tells it by.
+    /// Returns the code.
     pub fn code(&self) -> &'static str {
         self.code
     }
 
-    /// Returns the same problem with the faults that make it.
+    /// Returns the problem with these faults.
     pub fn with(self, errors: Vec<FieldError>) -> Self {
         Self { errors, ..self }
     }
@@ -156,17 +157,17 @@ impl Problem {
         self.kind.status
     }
 
-    /// When to come back, in seconds.
+    /// Returns the time until a retry, in seconds.
     pub fn retry_after_s(&self) -> Option<u32> {
         self.retry_after_s
     }
 
-    /// Returns what went wrong inside, for the log.
+    /// Returns the internal cause, for the log.
     pub fn cause(&self) -> Option<&str> {
         self.cause.as_deref()
     }
 
-    /// Returns the problem as it is written.
+    /// Returns the problem document.
     pub fn view(self, request_id: &str) -> ProblemView {
         ProblemView {
             kind: format!("/docs#problem-{}", self.kind.code),
@@ -189,9 +190,7 @@ impl From<ServiceError> for Problem {
             ServiceError::PreconditionFailed { detail } => Self::new(Kind::PRECONDITION_FAILED, detail),
             ServiceError::Invalid(errors) => Self::invalid(errors),
             ServiceError::TooLarge { detail } => Self::new(Kind::TOO_LARGE, detail),
-            ServiceError::DiskFull => {
-                Self::new(Kind::DISK_FULL, "nothing can be written; reading and deleting still work")
-            }
+            ServiceError::DiskFull => Self::new(Kind::DISK_FULL, "writes fail; reads and deletes still work"),
             ServiceError::MapFull { detail } => Self::new(Kind::MAP_FULL, detail),
             ServiceError::Unavailable { detail, retry_after_s } => {
                 Self { retry_after_s: Some(retry_after_s), ..Self::new(Kind::UNAVAILABLE, detail) }

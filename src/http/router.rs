@@ -1,4 +1,4 @@
-//! Router: the routes, and the layers that every request passes.
+//! Router: the routes, and the layers around them.
 
 use std::time::Instant;
 
@@ -18,21 +18,21 @@ use super::guards::admission::admit;
 use super::{App, document, pages, routes};
 use crate::api::limits;
 
-/// Returns every route, in its layers.
+/// Returns every route with its layers.
 pub fn router(app: App) -> Router {
     let (api, _) = routes::api(document::frame()).split_for_parts();
-    // From the outside in: what is outside sees all that is inside.
+    // Outermost first.
     let layers = ServiceBuilder::new()
         .layer(from_fn(envelope))
         .layer(from_fn_with_state(app.clone(), observe))
         .layer(from_fn_with_state(app.clone(), admit))
         .layer(CompressionLayer::new())
-        // Before compression an answer has a length, and is what takes memory.
+        // Before compression, because only then a response has a length and is held in memory.
         .layer(from_fn_with_state(app.clone(), bound_answers))
         .layer(CatchPanicLayer::custom(envelope::panicked))
-        // What is compressed is bounded by the largest body there is, what is inflated by its reader.
+        // Limits the compressed size; the body's reader limits the inflated size.
         .layer(RequestBodyLimitLayer::new(limits::BULK_BYTES));
-    // The pages ask for a key themselves, in the browser, and hold nothing.
+    // The pages contain no data and ask for a key in the browser.
     api.route_layer(from_fn_with_state(app.clone(), authorise))
         .merge(pages::routes())
         .fallback(envelope::no_such_path)
@@ -41,7 +41,7 @@ pub fn router(app: App) -> Router {
         .with_state(app)
 }
 
-/// Counts and times a request under the pattern of its route.
+/// Counts and times a request by the pattern of its route.
 async fn observe(State(app): State<App>, request: Request, next: Next) -> Response {
     let started = Instant::now();
     let method = request.method().clone();

@@ -283,7 +283,7 @@ async fn a_bulk_of_nonsense_does_not_fill_the_memory_with_its_answer() {
     let answer = Answer::text(request).await;
     assert!(answer.len() < 5 << 20, "{} bytes", answer.len());
     let last: Value = serde_json::from_str(answer.lines().last().unwrap()).unwrap();
-    assert!(last.to_string().contains("too many lines were refused"), "{last}");
+    assert!(last.to_string().contains("too many lines were rejected"), "{last}");
 }
 
 #[tokio::test]

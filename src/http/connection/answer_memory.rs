@@ -1,8 +1,8 @@
-//! Answer memory: a bound on the bytes of large answers that their clients have not taken yet.
+//! Answer memory: a limit on the bytes of large responses not yet received by their clients.
 //!
-//! An answer stays in memory until its last byte has left, and a client that does not read keeps it there. Where the
-//! answers of all connections together would take more than is allowed, the connection that has taken nothing for longest
-//! is closed for the new answer. Where all of them are being taken, the new one is refused.
+//! A response stays in memory until its last byte is sent, so a client that does not read keeps it there. If all
+//! responses together would exceed the limit, the connection stalled longest is closed for the new response. If none
+//! is stalled, the new one is rejected.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -12,7 +12,7 @@ use tokio::time::Instant;
 
 use super::connection_limit::ConnectionSlot;
 
-/// A client that has taken a piece within this time keeps its answer.
+/// A client that has received a piece within this time keeps its response.
 const STALLED_AFTER: Duration = Duration::from_secs(1);
 
 /// The memory that large answers share.
@@ -25,7 +25,7 @@ pub struct AnswerMemory {
 #[derive(Debug, Default)]
 struct Holders {
     bytes: usize,
-    /// The numbers grow with time: the first is the one of which nothing was taken for longest.
+    /// By increasing number, so that the first is the one stalled longest.
     answers: BTreeMap<u64, Leaving>,
     next: u64,
 }
@@ -37,7 +37,7 @@ struct Leaving {
     seat: Arc<ConnectionSlot>,
 }
 
-/// The place of one answer in the shared memory, until this is dropped.
+/// One response's share of the memory, until this is dropped.
 #[derive(Debug)]
 pub struct Share {
     memory: Arc<AnswerMemory>,
@@ -45,16 +45,16 @@ pub struct Share {
 }
 
 impl AnswerMemory {
-    /// Creates a memory of this many MiB.
+    /// Creates a shared memory of this many MiB.
     pub fn new(mebibytes: usize) -> Arc<Self> {
         Arc::new(Self { most: mebibytes.saturating_mul(1 << 20), held: Mutex::default() })
     }
 
-    /// Takes memory for an answer, and says how many connections, whose clients take nothing, are closed for it.
+    /// Reserves memory for a response, and returns the number of stalled connections closed for it.
     pub fn take(self: &Arc<Self>, bytes: usize, seat: &Arc<ConnectionSlot>) -> (Option<Share>, usize) {
         let mut held = self.lock();
         let mut evictions = 0;
-        // An answer larger than the whole memory leaves when it is the only one.
+        // A response larger than the whole memory is sent while it is the only one.
         while held.bytes > 0 && held.bytes.saturating_add(bytes) > self.most {
             let stalled = held.answers.first_entry().filter(|first| {
                 let Leaving { taken, .. } = first.get();
@@ -72,7 +72,7 @@ impl AnswerMemory {
     }
 
     fn lock(&self) -> MutexGuard<'_, Holders> {
-        // A table of numbers is whole after each of its operations.
+        // The numbers are consistent after each operation, so a poisoned lock is usable.
         self.held.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -86,7 +86,7 @@ impl Holders {
 }
 
 impl Share {
-    /// Notes that the client has taken a piece.
+    /// Records that the client has received a piece.
     pub fn taken(&mut self) {
         let mut held = self.memory.lock();
         if let Some(leaving) = held.answers.remove(&self.number) {
@@ -98,7 +98,7 @@ impl Share {
 impl Drop for Share {
     fn drop(&mut self) {
         let mut held = self.memory.lock();
-        // One that was evicted is not there any more.
+        // An evicted one has already been removed.
         if let Some(leaving) = held.answers.remove(&self.number) {
             held.bytes -= leaving.bytes;
         }
@@ -110,7 +110,7 @@ mod tests {
     use super::*;
     use crate::http::connection::connection_limit::ConnectionSlots;
 
-    /// Lets all answers look as if their clients had taken nothing for this long.
+    /// Backdates all responses, as if their clients had been stalled for this long.
     fn age(memory: &AnswerMemory, by: Duration) {
         for leaving in memory.lock().answers.values_mut() {
             leaving.taken = leaving.taken.checked_sub(by).unwrap();

@@ -1,4 +1,4 @@
-//! Body completion: an answer body that reports when its last byte has been sent.
+//! Body completion: a response body that reports when its last byte has been sent.
 
 use std::pin::Pin;
 use std::sync::Arc;
@@ -9,14 +9,14 @@ use hyper::body::{Frame, SizeHint};
 
 use super::connection_limit::ConnectionSlot;
 
-/// An answer on its way out; when it goes, its connection waits for the next request.
+/// The body of a response; when it is dropped, its connection waits for the next request.
 pub struct CompletionBody {
     body: Body,
     seat: Arc<ConnectionSlot>,
 }
 
 impl CompletionBody {
-    /// Returns the body of an answer on the connection of this seat.
+    /// Returns the body of a response on the connection of this slot.
     pub fn new(body: Body, seat: Arc<ConnectionSlot>) -> Self {
         Self { body, seat }
     }

@@ -1,4 +1,4 @@
-//! The layer that counts large answers, and sends them piece by piece ([`AnswerMemory`]).
+//! The layer that counts large responses, and sends them in pieces ([`AnswerMemory`]).
 //!
 //! [`AnswerMemory`]: super::answer_memory::AnswerMemory
 
@@ -17,29 +17,29 @@ use super::connection_limit::ConnectionSlot;
 use crate::http::App;
 use crate::http::problem::Problem;
 
-/// Answers up to this size are not counted: their number is bounded by that of connections.
+/// Responses up to this size are not counted: the connection limit bounds their number.
 const UNCOUNTED_BYTES: u64 = 64 << 10;
-/// A large answer leaves in pieces of this size, so that it is known whether its client takes it.
+/// Size of the pieces of a large response, which show whether its client is reading.
 const PIECE_BYTES: usize = 64 << 10;
 
-/// Middleware that counts large answers, and refuses those for which there is no memory.
+/// Middleware that counts large responses, and rejects those for which there is no memory.
 pub async fn bound_answers(State(app): State<App>, request: Request, next: Next) -> Response {
     let seat = request.extensions().get::<Arc<ConnectionSlot>>().cloned();
     let response = next.run(request).await;
-    // A stream has no length, and holds an event at a time.
+    // An event stream has no length, and holds one event at a time.
     let length = response.body().size_hint().exact().filter(|length| *length > UNCOUNTED_BYTES);
     let (Some(seat), Some(length)) = (seat, length) else { return response };
     let (share, evictions) = app.answers.take(length as usize, &seat);
     (0..evictions).for_each(|_| app.metrics.shed_metrics.connection("evicted"));
     let Some(share) = share else {
         app.metrics.shed_metrics.shed("answer");
-        let detail = "answers that other clients have not taken yet hold all the memory for answers";
+        let detail = "responses not yet received by other clients use all of the memory for responses";
         return Problem::overloaded(detail).into_response();
     };
     response.map(|body| Body::new(Pieces { body, rest: Bytes::new(), share }))
 }
 
-/// A body that leaves piece by piece.
+/// A body that is sent in pieces.
 struct Pieces {
     body: Body,
     rest: Bytes,
@@ -54,7 +54,7 @@ impl HttpBody for Pieces {
         mut self: Pin<&mut Self>,
         cx: &mut Context<'_>,
     ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
-        // The next piece is asked for when the one before it has left.
+        // The next piece is requested once the previous one has been sent.
         self.share.taken();
         if self.rest.is_empty() {
             match ready!(Pin::new(&mut self.body).poll_frame(cx)) {

@@ -1,8 +1,8 @@
 //! Connection limit: evicts the longest-idle connection when all slots are in use.
 //!
-//! A connection either waits (for its client's first or next request) or works on one. When every seat is taken, a new
-//! connection gets that of the one that has waited longest: a client that has opened connections and says nothing cannot
-//! lock others out. When all are at work, the new one is refused.
+//! A connection either waits (for its client's first or next request) or works on one. When every slot is in use, a
+//! new connection evicts the one that has waited longest, so idle connections cannot lock others out. If all of them
+//! work, the new one is rejected.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
@@ -11,27 +11,27 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore};
 use tokio::time::Instant;
 
-/// Every seat of a server.
+/// The slots of a server.
 #[derive(Debug)]
 pub struct ConnectionSlots {
     free: Arc<Semaphore>,
-    /// Those that wait for their clients, longest first; the numbers grow with time.
+    /// The waiting connections by increasing number, the longest-waiting first.
     waiting: Mutex<BTreeMap<u64, Arc<Notify>>>,
     next: AtomicU64,
     open: AtomicUsize,
 }
 
-/// What a new connection gets.
+/// The result of a claim for a new connection.
 pub enum SlotClaim {
-    /// A seat that nobody has.
+    /// A free slot.
     Free(OwnedSemaphorePermit),
-    /// That of another, which has been told to go.
+    /// The slot of an evicted connection, which has been notified.
     Instead,
-    /// None.
+    /// No slot.
     Full,
 }
 
-/// A connection's seat.
+/// A connection's slot.
 #[derive(Debug)]
 pub struct ConnectionSlot {
     slots: Arc<ConnectionSlots>,
@@ -41,14 +41,14 @@ pub struct ConnectionSlot {
     _permit: OwnedSemaphorePermit,
 }
 
-/// What a connection is about.
+/// The activity of a connection.
 #[derive(Clone, Copy, Debug)]
 pub enum Phase {
-    /// It waits for its client; since when, and its number among those that wait.
+    /// It waits for its client.
     Waits {
-        /// Nothing of the request has arrived, and others were answered before.
+        /// Whether nothing of the request has arrived, and others were answered before.
         idle: bool,
-        /// Since when.
+        /// The start of the wait.
         since: Instant,
         /// Its number in [`ConnectionSlots::waiting`].
         number: u64,
@@ -68,7 +68,7 @@ impl ConnectionSlots {
         })
     }
 
-    /// Returns what a new connection gets; another may be told to go for it.
+    /// Claims a slot for a new connection, and notifies the evicted connection, if any.
     pub fn claim(&self) -> SlotClaim {
         if let Ok(permit) = self.free.clone().try_acquire_owned() {
             return SlotClaim::Free(permit);
@@ -82,7 +82,7 @@ impl ConnectionSlots {
         }
     }
 
-    /// Sits down; after [`SlotClaim::Instead`] as soon as the other has gone.
+    /// Takes the slot; after [`SlotClaim::Instead`], as soon as the evicted connection has closed.
     pub async fn acquire(
         self: &Arc<Self>,
         claimed: Option<OwnedSemaphorePermit>,
@@ -103,7 +103,7 @@ impl ConnectionSlots {
         }))
     }
 
-    /// Connections that have a seat.
+    /// Returns the number of connections with a slot.
     pub fn open(&self) -> usize {
         self.open.load(Ordering::Relaxed)
     }
@@ -115,38 +115,39 @@ impl ConnectionSlots {
     }
 
     fn lock(&self) -> MutexGuard<'_, BTreeMap<u64, Arc<Notify>>> {
-        // A map is whole after each of its operations.
+        // The map is consistent after each operation, so a poisoned lock is usable.
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl ConnectionSlot {
-    /// Returns what the connection is about.
+    /// Returns the connection's activity.
     pub fn phase(&self) -> Phase {
         *self.lock()
     }
 
-    /// The first bytes of a request arrived. Its place among those that wait is kept: a byte now and then must not save
-    /// a connection from giving way.
+    /// Records the first bytes of a request. The connection keeps its position in the eviction order, because a byte
+    /// now and then must not protect it from eviction.
     pub fn on_read(&self) {
         if let Phase::Waits { idle: idle @ true, since, .. } = &mut *self.lock() {
             (*idle, *since) = (false, Instant::now());
         }
     }
 
-    /// Some of an answer was taken: the client is not idle yet. Its place among those that wait is kept here, too.
+    /// Records that some of a response was received. The client is no longer idle, but keeps its position in the
+    /// eviction order.
     pub fn speaks(&self) {
         if let Phase::Waits { idle: true, since, .. } = &mut *self.lock() {
             *since = Instant::now();
         }
     }
 
-    /// Requests that have arrived.
+    /// Returns the number of requests that have arrived.
     pub fn requests(&self) -> u64 {
         self.requests.load(Ordering::Relaxed)
     }
 
-    /// A request has arrived.
+    /// Records that a request has arrived.
     pub fn works(&self) {
         self.requests.fetch_add(1, Ordering::Relaxed);
         let was = std::mem::replace(&mut *self.lock(), Phase::Works);
@@ -155,7 +156,7 @@ impl ConnectionSlot {
         }
     }
 
-    /// The answer has left.
+    /// Records that the response has been sent.
     pub fn rests(&self) {
         let mut phase = self.lock();
         if matches!(*phase, Phase::Works) {
@@ -163,18 +164,18 @@ impl ConnectionSlot {
         }
     }
 
-    /// Has the connection closed.
+    /// Requests that the connection be closed.
     pub fn request_close(&self) {
         self.told.notify_one();
     }
 
-    /// Resolves when it has to give way.
+    /// Resolves when the connection is evicted.
     pub async fn close_requested(&self) {
         self.told.notified().await;
     }
 
     fn lock(&self) -> MutexGuard<'_, Phase> {
-        // A value that is replaced as a whole.
+        // The value is only replaced as a whole, so a poisoned lock is usable.
         self.phase.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -1,10 +1,10 @@
-//! I/O timeouts: how long a connection waits for its client.
+//! I/O timeouts: limits on the time that a connection waits for its client.
 //!
-//! hyper's own timer for heads also runs while a connection is idle, and it has none for answers that nobody takes. So
-//! the stream tells the seat what it hears and says, and is timed itself where it writes.
+//! hyper's own timer for heads also runs on idle connections, and it has none for responses that are not read. The
+//! stream therefore reports reads and writes to the slot, and times its writes itself.
 //!
-//! A connection that is closed on bytes that were not read is reset, and an answer on its way is lost with it. So closing
-//! lingers: after the last answer the stream reads what its client still sends, until the client closes, too.
+//! Closing a connection with unread bytes resets it, and loses a response in transit. Closing therefore lingers: after
+//! the last response, the stream reads and discards input until the client closes.
 
 use std::io;
 use std::mem::MaybeUninit;
@@ -20,23 +20,23 @@ use super::connection_limit::{ConnectionSlot, Phase};
 use crate::api::limits;
 use crate::config::limits::LimitArgs;
 
-/// The longest that a closed connection lingers.
+/// Maximum time that a closed connection lingers.
 const LINGER: Duration = Duration::from_secs(3);
-/// The longest that it lingers while its client sends nothing.
+/// Maximum time that it lingers while its client sends nothing.
 const LINGER_SILENT: Duration = Duration::from_secs(1);
-/// The most that it reads meanwhile: the largest body.
+/// Maximum bytes that it reads while lingering: the largest body.
 const LINGER_BYTES: usize = limits::BODY_BYTES;
 
-/// Resolves when the client should have sent a request long since.
+/// Resolves when the client's request is overdue.
 pub async fn overdue(seat: &ConnectionSlot, limits: &LimitArgs) {
-    // Looked at again and again: what a connection is about changes more often than this, and costs nothing so.
+    // Polled: the activity changes too often to wake a timer for each change.
     let again = limits.header_timeout / 4;
     loop {
         let now = Instant::now();
         let due = match seat.phase() {
             Phase::Waits { idle: true, since, .. } => since + limits.keep_alive,
             Phase::Waits { idle: false, since, .. } => since + limits.header_timeout,
-            // While a request is worked on, its body has a timer of its own.
+            // The body of a request in progress has its own timer.
             Phase::Works => now + again,
         };
         if due <= now {
@@ -46,7 +46,7 @@ pub async fn overdue(seat: &ConnectionSlot, limits: &LimitArgs) {
     }
 }
 
-/// A stream with the patience of its server.
+/// A stream with the timeouts of its server.
 pub struct TimeoutStream<S> {
     stream: S,
     seat: Arc<ConnectionSlot>,
@@ -55,7 +55,7 @@ pub struct TimeoutStream<S> {
     lingering: Option<Linger>,
 }
 
-/// A stream that is closed on our side.
+/// A stream closed by this side.
 struct Linger {
     end: Instant,
     timer: Pin<Box<Sleep>>,
@@ -63,12 +63,12 @@ struct Linger {
 }
 
 impl<S> TimeoutStream<S> {
-    /// Returns the stream of the connection on this seat.
+    /// Returns the stream of the connection on this slot.
     pub fn new(stream: S, seat: Arc<ConnectionSlot>, limits: &LimitArgs) -> Self {
         Self { stream, seat, stall: limits.stall_timeout, writing: None, lingering: None }
     }
 
-    /// Something could be written, or nothing.
+    /// Starts or clears the write timer.
     fn watch_writing(
         &mut self,
         cx: &mut Context<'_>,
@@ -82,7 +82,7 @@ impl<S> TimeoutStream<S> {
         let stall = self.stall;
         let timer = self.writing.get_or_insert_with(|| Box::pin(sleep_until(Instant::now() + stall)));
         ready!(timer.as_mut().poll(cx));
-        Poll::Ready(Err(io::Error::new(io::ErrorKind::TimedOut, "the client does not take its answer")))
+        Poll::Ready(Err(io::Error::new(io::ErrorKind::TimedOut, "the client does not read its response")))
     }
 }
 
@@ -144,7 +144,7 @@ impl Linger {
         Self { end: now + LINGER, timer, left: LINGER_BYTES }
     }
 
-    /// Reads and forgets until the client closes, or has had its time.
+    /// Reads and discards until the client closes or its time is over.
     fn poll<S: AsyncRead + Unpin>(&mut self, stream: &mut S, cx: &mut Context<'_>) -> Poll<()> {
         let mut forgotten = [MaybeUninit::uninit(); 8 << 10];
         loop {

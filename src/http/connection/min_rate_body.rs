@@ -1,7 +1,8 @@
 //! Minimum body rate: a request body must arrive at a minimum average rate, and without long pauses.
 //!
-//! Only the time in which the server waits for its client is counted: one that sends faster than its lines can be stored
-//! is not held to anything. A gigabyte over a slow link may take its hours; a byte now and then may not.
+//! Only the time in which the server waits for its client counts, so a client that sends faster than its lines are
+//! stored is not limited. A gigabyte over a slow link may take hours, but an occasional byte does not keep a request
+//! open.
 
 use std::error::Error;
 use std::fmt;
@@ -18,25 +19,25 @@ use tokio::time::{Instant, Sleep, sleep_until};
 use crate::config::limits::LimitArgs;
 use crate::engine::limits::load_shedding::RequestPermit;
 
-/// How slow a body may be.
+/// The minimum speed of a body.
 #[derive(Clone, Copy, Debug)]
 pub struct MinRate {
-    /// Time that everybody has, whatever was sent.
+    /// Time granted to every body, whatever was sent.
     grace: Duration,
-    /// The longest pause.
+    /// Maximum pause.
     stall: Duration,
-    /// Bytes that buy a second.
+    /// Bytes per second.
     rate: f64,
 }
 
 impl MinRate {
-    /// As the operator has it.
+    /// Returns the operator's settings.
     pub fn of(limits: &LimitArgs) -> Self {
         let (grace, stall) = (limits.header_timeout, limits.stall_timeout);
         Self { grace, stall, rate: limits.min_body_rate as f64 }
     }
 
-    /// Returns how long a body may be waited for now, after so much of it was, and so much arrived.
+    /// Returns how much longer to wait for a body, given the time waited and the bytes received.
     fn patience(&self, waited: Duration, received: u64) -> Duration {
         let bought = Duration::try_from_secs_f64(received as f64 / self.rate).unwrap_or(Duration::MAX);
         self.grace.saturating_add(bought).saturating_sub(waited).min(self.stall)
@@ -55,11 +56,11 @@ impl fmt::Display for TooSlow {
 
 impl Error for TooSlow {}
 
-/// A body, timed.
+/// A timed body.
 pub struct MinRateBody {
     body: Body,
     pace: MinRate,
-    /// Its request does not count as worked on while its client is waited for.
+    /// The permit of its request, released while the server waits for the client.
     turn: Option<Arc<RequestPermit>>,
     waited: Duration,
     received: u64,
@@ -67,7 +68,7 @@ pub struct MinRateBody {
 }
 
 impl MinRateBody {
-    /// Returns a body at a pace.
+    /// Returns a body with a minimum rate.
     pub fn new(body: Body, pace: MinRate, turn: Option<Arc<RequestPermit>>) -> Self {
         Self { body, pace, turn, waited: Duration::ZERO, received: 0, waiting: None }
     }
@@ -144,7 +145,7 @@ mod tests {
         assert_eq!(pace.patience(secs(90), 10 << 10), secs(0));
     }
 
-    /// Plays a body of equal chunks after equal pauses without a clock: the time it took, or after which it was cut off.
+    /// Simulates a body of equal chunks after equal pauses; returns its duration, or the time at which it was cut off.
     fn played(chunk: u64, every: Duration, chunks: u32) -> Result<Duration, Duration> {
         let pace = MinRate { grace: Duration::from_secs(5), stall: Duration::from_secs(30), rate: 1024.0 };
         let (mut waited, mut received) = (Duration::ZERO, 0);

@@ -1,8 +1,7 @@
-//! Protocol errors: hyper's own answers to malformed or oversized heads, rewritten as problem documents.
+//! Protocol errors: hyper's own responses to malformed or oversized heads, rewritten as problem documents.
 //!
-//! hyper has no hook for it: it writes a bare 400, 414 or 431 and closes. But those are the only bytes it writes when
-//! every request that it delivered is answered and every answer is written out, and so they can be told from all others
-//! without being looked at.
+//! hyper has no hook for them: it writes a bare 400, 414 or 431 and closes. It writes these only when every delivered
+//! request is answered and every response is written out. This identifies them without parsing the output.
 
 use std::io::{self, IoSlice};
 use std::pin::Pin;
@@ -16,26 +15,26 @@ use super::connection_limit::{ConnectionSlot, Phase};
 use crate::http::envelope::{REQUEST_ID, RequestId};
 use crate::http::problem::{Kind, Problem};
 
-/// `HTTP/1.1 400 `: where the status of an answer is.
+/// Position of the status: `HTTP/1.1 400 `.
 const STATUS: std::ops::Range<usize> = 9..12;
 
-/// A stream on which no answer is without its problem.
+/// A stream on which every error response has a problem document.
 pub struct ProtocolErrors<S> {
     stream: S,
     seat: Arc<ConnectionSlot>,
-    /// So many requests had been delivered when all that had been answered was written out.
+    /// The number of requests delivered when the last response was completely written.
     settled: u64,
     instead: Option<Instead>,
 }
 
-/// What is written instead of an answer of hyper's.
+/// The replacement of a response of hyper's.
 struct Instead {
     bytes: Vec<u8>,
     written: usize,
 }
 
 impl<S> ProtocolErrors<S> {
-    /// Returns the stream of the connection on this seat.
+    /// Returns the stream of the connection on this slot.
     pub fn new(stream: S, seat: Arc<ConnectionSlot>) -> Self {
         Self { stream, seat, settled: 0, instead: None }
     }
@@ -47,7 +46,7 @@ impl<S> ProtocolErrors<S> {
 }
 
 impl<S: AsyncWrite + Unpin> ProtocolErrors<S> {
-    /// Writes a problem for an answer of hyper's that has so many bytes.
+    /// Writes a problem document in place of hyper's response.
     fn poll_instead(&mut self, cx: &mut Context<'_>, of_hyper: &[IoSlice<'_>]) -> Poll<io::Result<usize>> {
         let instead = self.instead.get_or_insert_with(|| {
             let hypers = of_hyper.iter().flat_map(|slice| slice.iter().copied()).collect();
@@ -63,13 +62,15 @@ impl<S: AsyncWrite + Unpin> ProtocolErrors<S> {
     }
 }
 
-/// Returns an answer of hyper's with a problem for its body.
+/// Returns hyper's response with a problem document as its body.
 fn to_problem(hypers: Vec<u8>) -> Vec<u8> {
     let Some(status) = hypers.get(STATUS).and_then(|status| StatusCode::from_bytes(status).ok()) else {
         return hypers;
     };
     let problem = match status {
-        StatusCode::BAD_REQUEST => Problem::new(Kind::BAD_REQUEST, "the request's head is no HTTP/1.1"),
+        StatusCode::BAD_REQUEST => {
+            Problem::new(Kind::BAD_REQUEST, "the request's head is not valid HTTP/1.1")
+        }
         status => Problem::of_status(status),
     };
     let id = RequestId::next().to_string();
@@ -122,7 +123,7 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for ProtocolErrors<S> {
         self.stream.is_write_vectored()
     }
 
-    /// hyper asks for this once it has written all that it had.
+    /// hyper calls this once it has written everything.
     fn poll_flush(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
         if matches!(self.seat.phase(), Phase::Waits { .. }) {
             self.settled = self.seat.requests();

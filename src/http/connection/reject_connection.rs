@@ -6,30 +6,30 @@ use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::TcpStream;
 use tokio::sync::OwnedSemaphorePermit;
 
-/// Told without having read what is asked; so there is no request id of the client's in it.
+/// Sent before the request is read, so it has no request id of the client's.
 const ANSWER: &str = "HTTP/1.1 503 Service Unavailable\r\n\
     content-type: application/problem+json\r\n\
     retry-after: 1\r\n\
     connection: close\r\n\
-    content-length: 189\r\n\
+    content-length: 190\r\n\
     x-content-type-options: nosniff\r\n\
     x-request-id: refused\r\n\r\n\
     {\"type\":\"/docs#problem-unavailable\",\"title\":\"The server is temporarily unavailable\",\"status\":503,\
-    \"detail\":\"every connection is taken\",\"code\":\"overloaded\",\"request_id\":\"refused\",\"errors\":[]}";
+    \"detail\":\"all connections are in use\",\"code\":\"overloaded\",\"request_id\":\"refused\",\"errors\":[]}";
 
-/// How long such a connection is kept, so that its client gets to read the answer.
+/// Time for the client to read the response before the connection is closed.
 const LINGER: Duration = Duration::from_secs(1);
-/// What it may send meanwhile: a connection closed on unread bytes is reset, and the answer with it.
+/// Maximum bytes discarded meanwhile: closing with unread bytes would reset the connection and lose the response.
 const DISCARDED_BYTES: u64 = 256 << 10;
 
-/// Answers and closes.
+/// Responds with 503 and closes.
 pub async fn reject(mut stream: TcpStream, _permit: OwnedSemaphorePermit) {
     let told = async {
         stream.write_all(ANSWER.as_bytes()).await?;
         stream.shutdown().await?;
         tokio::io::copy(&mut (&mut stream).take(DISCARDED_BYTES), &mut tokio::io::sink()).await
     };
-    // Whether it was heard or not, that was it.
+    // Closed whether or not the client has read it.
     let _ = tokio::time::timeout(LINGER, told).await;
 }
 

@@ -1,11 +1,12 @@
 //! Server: accepts connections until shutdown begins, then finishes requests in flight.
 //!
-//! `axum::serve` waits for ever: for half a head, for a body, for an answer to be taken. Here each of these has its time
-//! ([`super::io_timeout`], [`super::min_rate_body`]), and connections have their number ([`super::connection_limit`]).
+//! `axum::serve` waits indefinitely: for half a head, for a body, for a response to be read. Here each of these has a
+//! timeout ([`super::io_timeout`], [`super::min_rate_body`]), and the number of connections is limited
+//! ([`super::connection_limit`]).
 //!
-//! Stopping resets no connection. Where the kernel can (Linux), the listener opens no new ones; it is closed after those that
-//! were being opened ([`HANDSHAKES`]) were accepted. Each connection is answered once more, with `connection: close`; one whose client sends
-//! no request is closed after [`LAST_REQUESTS`].
+//! Shutdown resets no connection. On Linux, the listener first ignores new ones. It is closed once those being opened
+//! ([`HANDSHAKES`]) are accepted. Each connection receives one more response, with `connection: close`; one without a
+//! request is closed after [`LAST_REQUESTS`].
 
 use std::convert::Infallible;
 use std::io;
@@ -43,22 +44,22 @@ use crate::http::App;
 use crate::http::document::document;
 use crate::http::router::router;
 
-/// How long requests in flight may take to finish once the server is told to stop.
+/// Maximum time for requests in flight to finish after shutdown begins.
 const DRAIN: Duration = Duration::from_secs(10);
-/// The time for connections that are being opened when the server stops: a round trip between continents.
+/// Time for connections that are being opened at shutdown: an intercontinental round trip.
 const HANDSHAKES: Duration = Duration::from_millis(250);
-/// How long a connection without a request stays open once the server stops: a client that has just sent one is answered.
+/// Time until a connection without a request is closed at shutdown, so that a request just sent is still answered.
 const LAST_REQUESTS: Duration = Duration::from_secs(1);
-/// The most bytes of a request's head, and of what is read ahead of a body.
+/// Maximum bytes of a request's head, and of the read-ahead of a body.
 const HEAD_BYTES: usize = 64 << 10;
-/// After a failed accept (no file descriptors are left, mostly) the next try waits so long, and twice as long each time.
+/// First and maximum delay after a failed accept (usually no file descriptors are left); it doubles each time.
 const ACCEPT_AGAIN: [Duration; 2] = [Duration::from_millis(20), Duration::from_secs(1)];
-/// Maximum connections that are answered at once that all slots are in use. Further ones are closed without an answer.
+/// Maximum concurrent 503 responses to connections without a slot. Further ones are closed without a response.
 const REFUSALS_AT_ONCE: usize = 64;
-/// Maximum log lines a minute about rejected connections.
+/// Maximum log lines per minute about rejected connections.
 const COMPLAINTS_PER_MINUTE: NonZeroU32 = NonZeroU32::new(6).unwrap();
 
-/// Serves until `stopping` is cancelled and what is in flight is finished, or has had its time.
+/// Serves until `stopping` is cancelled and the requests in flight are finished or timed out.
 pub async fn serve(
     listener: TcpListener,
     service: Service,
@@ -79,7 +80,7 @@ pub async fn serve(
     let graceful = GracefulShutdown::new();
     let stopped = async {
         stopping.cancelled().await;
-        // `/readyz` says no already.
+        // `/readyz` already returns 503.
         tokio::time::sleep(drain).await;
     };
     tokio::select! {
@@ -91,8 +92,8 @@ pub async fn serve(
     let _ = tokio::time::timeout(HANDSHAKES, server.accept(&listener, &graceful)).await;
     match sockets::close(listener) {
         Ok(opened) => opened.into_iter().for_each(|stream| server.admit(stream, graceful.watcher())),
-        // Those that are served already still finish.
-        Err(error) => tracing::warn!(%error, "connections that were opened are not served"),
+        // Connections already being served still finish.
+        Err(error) => tracing::warn!(%error, "opened connections are not served"),
     }
     server.open.close();
     let finished = async {
@@ -107,7 +108,7 @@ pub async fn serve(
 
 fn http() -> http1::Builder {
     let mut http = http1::Builder::new();
-    // Heads and idle connections are timed by `TimeoutStream`, which knows the one from the other.
+    // `TimeoutStream` times heads and idle connections, because it can tell them apart.
     http.timer(TokioTimer::new())
         .header_read_timeout(None)
         .max_buf_size(HEAD_BYTES)
@@ -121,7 +122,7 @@ struct Connections {
     refusals: Arc<Semaphore>,
     complaints: DefaultDirectRateLimiter,
     http: http1::Builder,
-    /// Cancelled when no connection is to stay open after its next answer.
+    /// Cancelled when connections must close after their next response.
     closing: CancellationToken,
     /// The tasks that serve connections.
     open: TaskTracker,
@@ -136,7 +137,7 @@ impl Connections {
                     [again, _] = ACCEPT_AGAIN;
                     self.admit(stream, graceful.watcher());
                 }
-                // The client was gone before we came to it.
+                // The client had closed before the accept.
                 Err(error) if sockets::is_the_clients(&error) => {}
                 Err(error) => {
                     tracing::warn!(%error, "no connection can be accepted");
@@ -147,7 +148,7 @@ impl Connections {
         }
     }
 
-    /// Gives the connection a seat, or tells it that there is none. Never waits: others are at the door.
+    /// Gives the connection a slot, or rejects it. Never waits, because that would block other connections.
     fn admit(self: &Arc<Self>, stream: TcpStream, watcher: Watcher) {
         let claimed = match self.app.slots.claim() {
             SlotClaim::Free(permit) => Some(permit),
@@ -159,7 +160,7 @@ impl Connections {
                 self.app.metrics.shed_metrics.connection("refused");
                 if self.complaints.check().is_ok() {
                     tracing::warn!(
-                        "every connection is at work, and new ones are refused (--max-connections)"
+                        "all connections are in use, and new ones are rejected (--max-connections)"
                     );
                 }
                 if let Ok(permit) = self.refusals.clone().try_acquire_owned() {
@@ -178,7 +179,7 @@ impl Connections {
 
     async fn converse(&self, stream: TcpStream, seat: Arc<ConnectionSlot>, watcher: Watcher) {
         if let Err(error) = sockets::prepare(&stream, self.app.limits.stall_timeout) {
-            tracing::debug!(%error, "a connection without its options");
+            tracing::debug!(%error, "the options of a connection could not be set");
         }
         let stream = TimeoutStream::new(stream, seat.clone(), &self.app.limits);
         let stream = TokioIo::new(ProtocolErrors::new(stream, seat.clone()));
@@ -201,15 +202,15 @@ impl Connections {
         let conversation = watcher.watch(self.http.serve_connection(stream, answer));
         tokio::select! {
             ended = conversation => if let Err(error) = ended {
-                tracing::debug!(%error, "a connection broke off");
+                tracing::debug!(%error, "a connection failed");
             },
             () = overdue(&seat, &self.app.limits) => tracing::debug!("a client sent no request in time"),
-            () = seat.close_requested() => tracing::debug!("a connection gave way to another"),
+            () = seat.close_requested() => tracing::debug!("a connection was evicted for another"),
         }
     }
 }
 
-/// A server in this process, for those who need one of their own: replay, demo and tests.
+/// A server in this process, for replay, demo and tests.
 pub struct RunningServer {
     addr: SocketAddr,
     stopping: CancellationToken,
@@ -223,7 +224,7 @@ impl RunningServer {
         Self::start_within(service, LimitArgs::of::<&str>(&[]).map_err(io::Error::other)?).await
     }
 
-    /// Returns the same within limits of one's own.
+    /// Starts serving within the given limits.
     pub async fn start_within(service: Service, limits: LimitArgs) -> io::Result<Self> {
         let listener = TcpListener::bind((std::net::Ipv4Addr::LOCALHOST, 0)).await?;
         let addr = listener.local_addr()?;
@@ -232,22 +233,22 @@ impl RunningServer {
         Ok(Self { addr, stopping, served: Some(served), service })
     }
 
-    /// Where it listens.
+    /// Returns its address.
     pub fn addr(&self) -> SocketAddr {
         self.addr
     }
 
-    /// Where it listens, as a client wants it.
+    /// Returns its URL.
     pub fn url(&self) -> String {
         format!("http://{}", self.addr)
     }
 
-    /// What SIGTERM does, without waiting for what follows.
+    /// Starts shutdown as SIGTERM does, without waiting for it.
     pub fn tell_to_stop(&self) {
         self.stopping.cancel();
     }
 
-    /// Stops it as SIGTERM would, and closes its service.
+    /// Stops it as SIGTERM does, and closes its service.
     pub async fn stop(mut self) -> io::Result<()> {
         self.stopping.cancel();
         let result = match self.served.take() {

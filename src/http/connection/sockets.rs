@@ -1,4 +1,4 @@
-//! Sockets: the options of connections, and how a listening socket is closed without a reset.
+//! Sockets: options of connections, and closing a listener without resets.
 
 use std::io;
 use std::time::Duration;
@@ -6,27 +6,27 @@ use std::time::Duration;
 use socket2::SockRef;
 use tokio::net::{TcpListener, TcpStream};
 
-/// Sets the options of a connection that was accepted.
+/// Sets the options of an accepted connection.
 pub fn prepare(stream: &TcpStream, vanished_after: Duration) -> io::Result<()> {
-    // Answers are small and waited for: none is held back to be sent with the next.
+    // Responses are small and awaited, so Nagle's algorithm would only delay them.
     stream.set_nodelay(true)?;
-    // Without it the kernel sends to a client that has vanished for a quarter of an hour.
+    // Without it, the kernel retransmits to a vanished client for about 15 minutes.
     #[cfg(target_os = "linux")]
     SockRef::from(stream).set_tcp_user_timeout(Some(vanished_after))?;
     Ok(())
 }
 
-/// Opens no new connection, where the kernel can (Linux): a client tries again after a second, and is refused once the
+/// Ignores new connections where the kernel can (Linux). Their clients retry after a second, and are refused once the
 /// listener is closed.
 ///
-/// Those that are being opened still are: their clients may think them open, and have sent a request.
+/// Connections being opened are still completed: their clients may consider them open and have sent a request.
 pub fn open_no_more(listener: &TcpListener) {
     if let Err(error) = drop_opening_packets(SockRef::from(listener)) {
-        tracing::debug!(%error, "new connections are not held back");
+        tracing::debug!(%error, "new connections are still opened");
     }
 }
 
-/// Closes a listener, and returns the connections that clients had opened already: closing resets what it holds.
+/// Closes a listener and returns the connections that clients had already opened, because closing would reset them.
 pub fn close(listener: TcpListener) -> io::Result<Vec<TcpStream>> {
     let listener = listener.into_std()?;
     let mut opened = Vec::new();
@@ -39,17 +39,17 @@ pub fn close(listener: TcpListener) -> io::Result<Vec<TcpStream>> {
             Err(error) if error.kind() == io::ErrorKind::WouldBlock => return Ok(opened),
             Err(error) if is_the_clients(&error) || error.kind() == io::ErrorKind::Interrupted => {}
             Err(error) => {
-                tracing::warn!(%error, "connections that were opened are not served");
+                tracing::warn!(%error, "opened connections are not served");
                 return Ok(opened);
             }
         }
     }
 }
 
-/// Has a listening socket drop each packet with SYN and without ACK, which is the first of a connection.
+/// Makes a listening socket drop packets with SYN and without ACK, the first of a connection.
 ///
-/// Socket filters are programs of classic BPF; byte 13 of the TCP header, with which a packet begins here, has the flags
-/// (RFC 9293, section 3.1).
+/// Socket filters are classic BPF programs. A packet begins with the TCP header here, whose byte 13 has the flags (RFC
+/// 9293, section 3.1).
 #[cfg(target_os = "linux")]
 fn drop_opening_packets(listener: SockRef<'_>) -> io::Result<()> {
     use socket2::SockFilter;
@@ -57,9 +57,9 @@ fn drop_opening_packets(listener: SockRef<'_>) -> io::Result<()> {
     const LOAD: u16 = 0x30;
     /// `BPF_ALU | BPF_AND | BPF_K`: keeps the bits of k.
     const AND: u16 = 0x54;
-    /// `BPF_JMP | BPF_JEQ | BPF_K`: skips this many instructions if equal to k, and that many if not.
+    /// `BPF_JMP | BPF_JEQ | BPF_K`: skips the first count of instructions if equal to k, else the second.
     const JUMP_IF_EQUAL: u16 = 0x15;
-    /// `BPF_RET | BPF_K`: returns k, which is how many bytes of the packet are let through.
+    /// `BPF_RET | BPF_K`: returns k, the number of bytes of the packet to pass.
     const RETURN: u16 = 0x06;
     const FLAGS: u32 = 13;
     const SYN: u32 = 0x02;
@@ -78,7 +78,7 @@ fn drop_opening_packets(_: SockRef<'_>) -> io::Result<()> {
     Err(io::ErrorKind::Unsupported.into())
 }
 
-/// Whether an accept failed because its client had gone.
+/// Whether an accept failed because its client had closed.
 pub fn is_the_clients(error: &io::Error) -> bool {
     use io::ErrorKind::{ConnectionAborted, ConnectionRefused, ConnectionReset};
     matches!(error.kind(), ConnectionAborted | ConnectionRefused | ConnectionReset)

@@ -1,8 +1,8 @@
 //! Unread bodies: a request body that its handler did not read to the end.
 //!
-//! The next request of a connection begins where the body before it ends. So an answer that leaves part of a body unread
-//! either waits for the rest of it, or says `connection: close`. hyper closes such a connection, but it decides that after
-//! the answer's head has left, and the client learns of it only when its next request fails.
+//! The next request of a connection begins where the previous body ends. A response that leaves part of a body unread
+//! therefore either waits for the rest, or has `connection: close`. hyper closes such a connection, too, but decides
+//! that only after the head is sent. The client would notice only when its next request fails.
 
 use std::pin::Pin;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -15,12 +15,12 @@ use axum::http::{HeaderValue, Request, Response, StatusCode};
 use http_body_util::BodyExt as _;
 use hyper::body::{Frame, SizeHint};
 
-/// The most that is read of a body after its request was answered; with more to come the connection is closed.
+/// Maximum bytes of a body read after its request was answered; if more follow, the connection is closed.
 const READ_BYTES: u64 = 64 << 10;
-/// The longest that an answer waits for the rest of its request's body.
+/// Maximum time that a response waits for the rest of its request's body.
 const READ_FOR: Duration = Duration::from_secs(1);
 
-/// The part of a body that is left after its request was answered.
+/// The unread rest of a body after its request was answered.
 pub struct Unread {
     left: Arc<Mutex<Left>>,
     /// Whether the client sends its body only after `100 Continue`.
@@ -32,13 +32,13 @@ enum Left {
     Lent,
     /// The body was read to its end.
     Nothing,
-    /// The body broke off.
+    /// The body failed.
     Broken,
-    /// The body was dropped before its end; `begun` if some of it was asked for.
+    /// The body was dropped before its end; `begun` if some of it was read.
     Some { body: Body, begun: bool },
 }
 
-/// A body that comes back when it is dropped before its end.
+/// A body that is returned when it is dropped before its end.
 struct Lent {
     body: Body,
     begun: bool,
@@ -55,15 +55,15 @@ impl Unread {
         (request, Self { left, asks_first })
     }
 
-    /// Reads the rest of the body if it is small, or says in the answer that the connection closes.
+    /// Reads the rest of the body if it is small, or sets `connection: close`.
     pub async fn settle<B>(self, mut response: Response<B>) -> Response<B> {
         let left = std::mem::replace(&mut *lock(&self.left), Left::Nothing);
         let is_read = match left {
             Left::Nothing => true,
             Left::Lent | Left::Broken => false,
-            // The client waits to be asked, and may never send.
+            // The client waits for `100 Continue`, and may never send.
             Left::Some { begun: false, .. } if self.asks_first => false,
-            // It was waited for long enough.
+            // It has already timed out.
             Left::Some { .. } if response.status() == StatusCode::REQUEST_TIMEOUT => false,
             Left::Some { body, .. } => read_rest(body).await,
         };
@@ -139,6 +139,6 @@ impl HttpBody for Lent {
 }
 
 fn lock(left: &Mutex<Left>) -> MutexGuard<'_, Left> {
-    // A value that is replaced as a whole.
+    // The value is only replaced as a whole, so a poisoned lock is usable.
     left.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,4 +1,4 @@
-//! A body on its way in: kept within bounds, or thrown away once it is refused.
+//! Arriving body: a request body kept within limits, or discarded once it is rejected.
 
 use axum::http::HeaderMap;
 use axum::http::header::CONTENT_LENGTH;
@@ -9,14 +9,14 @@ use crate::api::limits;
 use crate::http::guards::body_memory::{BodyMemory, HeldMemory};
 use crate::http::problem::Problem;
 
-/// Bodies up to this take memory without asking; keyframes mostly do.
+/// Bodies up to this size are not counted; most keyframes are smaller.
 const UNCOUNTED_BYTES: usize = 256 << 10;
 
-/// Bytes beyond the limit that are read and discarded, so that the client gets to see the answer: a connection closed
-/// on unread bytes is reset, and the answer with it.
+/// Bytes beyond the limit that are read and discarded, so that the client receives the response: closing with unread
+/// bytes would reset the connection.
 const DISCARDED_BYTES: usize = 4 * limits::BODY_BYTES;
 
-/// A body on its way in.
+/// A request body being received.
 pub(super) struct Arriving {
     bytes: BytesMut,
     announced: usize,
@@ -27,7 +27,7 @@ pub(super) struct Arriving {
 }
 
 impl Arriving {
-    /// Creates a body of which this many bytes are announced.
+    /// Creates a body with this announced length.
     pub fn new(announced: usize) -> Self {
         let refused = (announced > limits::BODY_BYTES).then(too_large);
         Self {
@@ -40,7 +40,8 @@ impl Arriving {
         }
     }
 
-    /// Keeps a piece; or throws it away, once it is clear that the body is refused. `false` if it is no use to go on.
+    /// Stores a piece, or discards it once the body is certain to be rejected. Returns `false` if reading on is
+    /// useless.
     pub fn take(&mut self, piece: &[u8], memory: &BodyMemory) -> bool {
         if self.refused.is_none() {
             self.refused = self.make_room(piece.len(), memory).err();
@@ -63,7 +64,7 @@ impl Arriving {
         if needed <= self.bytes.capacity() {
             return Ok(());
         }
-        // What is announced is not believed before some of it is there.
+        // The announced length is trusted only up to a multiple of the bytes received.
         let room = (2 * needed).max(self.announced.min(16 * needed)).min(limits::BODY_BYTES);
         if room > UNCOUNTED_BYTES {
             memory.take(&mut self.held, room - self.counted)?;
@@ -73,7 +74,7 @@ impl Arriving {
         Ok(())
     }
 
-    /// Returns the whole body, or why it is refused.
+    /// Returns the whole body, or the reason for its rejection.
     pub fn whole(self) -> Result<(Bytes, HeldMemory), Problem> {
         match self.refused {
             Some(problem) => Err(problem),
@@ -82,7 +83,7 @@ impl Arriving {
     }
 }
 
-/// Returns the length that the headers announce; 0 without one.
+/// Returns the announced length; 0 without one.
 pub(super) fn announced(headers: &HeaderMap) -> usize {
     headers.get(CONTENT_LENGTH).and_then(|value| value.to_str().ok()?.parse().ok()).unwrap_or(0)
 }

@@ -1,4 +1,4 @@
-//! Body: decodes a request's bytes within bounds, and large ones off the async threads.
+//! Body: decodes a request's bytes within limits, and large ones off the async threads.
 
 use axum::RequestExt as _;
 use axum::extract::{FromRef, FromRequest, Request};
@@ -24,13 +24,13 @@ use crate::http::App;
 use crate::http::guards::body_memory::{BodyMemory, HeldMemory, becomes_at_most, tree_bytes};
 use crate::http::problem::{Kind, Problem};
 
-/// Bodies up to this are decoded where they are: a thread costs more. A larger one keeps others waiting there, those above
-/// all who only want to hear that the server is busy.
+/// Bodies up to this size are decoded in place, where a thread would cost more. Larger ones would delay other requests
+/// there, above all those that are only to be rejected.
 const SMALL_BODY_BYTES: usize = 8 << 10;
-/// Up to this a body is read without looking first at what it becomes in memory.
+/// Bodies up to this size are read without first estimating their size in memory.
 const UNSURVEYED_BYTES: usize = 64 << 10;
 
-/// A JSON body, read into the model.
+/// A JSON body, decoded into the model.
 pub struct Body<T>(pub T);
 
 impl<T: Decode + Send + 'static, S: Send + Sync> FromRequest<S> for Body<T>
@@ -48,7 +48,7 @@ where
 
 /// A keyframe in the body, named by the path.
 pub struct KeyframeInPath {
-    /// Where it is to be stored.
+    /// The path.
     pub place: KeyframePath,
     /// The keyframe.
     pub sent: SentKeyframe,
@@ -100,10 +100,10 @@ where
     }
 }
 
-/// Refuses a body with every fault that it has, those that only the map can tell of the keyframe at `place` among them.
+/// Rejects a body with all of its faults, including those that only the map can reveal about the keyframe at `place`.
 pub async fn all_faults(app: &App, map: &MapId, place: &str, mut faulty: Faulty) -> Problem {
     let declared = std::mem::take(&mut faulty.declared);
-    // A map that cannot be asked is not what this refusal is about.
+    // A failing map is not the subject of this error.
     let mut unknown = if declared.is_empty() {
         Vec::new()
     } else {
@@ -115,18 +115,18 @@ pub async fn all_faults(app: &App, map: &MapId, place: &str, mut faulty: Faulty)
     Problem::invalid(faulty.with(unknown))
 }
 
-/// A JSON text as it came, not read yet.
+/// A JSON text as received, not yet decoded.
 #[derive(Debug)]
 pub struct Text {
     bytes: Bytes,
     encoding: Encoding,
-    /// What it may become in memory, if it came compressed.
+    /// Maximum size in memory if it was compressed.
     becomes_at_most: Option<usize>,
     held: HeldMemory,
 }
 
 impl Text {
-    /// Returns a line of a body; if that was compressed, with the most that the line may become.
+    /// Returns a line of a body, with its maximum size in memory if the body was compressed.
     pub fn line(bytes: Bytes, becomes_at_most: Option<usize>) -> Self {
         Self { bytes, encoding: Encoding::Identity, becomes_at_most, held: HeldMemory::default() }
     }
@@ -135,7 +135,7 @@ impl Text {
         self.encoding == Encoding::Identity && self.bytes.len() <= bytes
     }
 
-    /// Inflates and parses it, unless that would take too much memory.
+    /// Inflates and parses it, unless that exceeds the memory.
     fn value(&mut self, memory: &BodyMemory) -> Result<Value, Problem> {
         if self.is_at_most(UNSURVEYED_BYTES) && self.becomes_at_most.is_none() {
             return parsed(&self.bytes);
@@ -165,7 +165,7 @@ impl Text {
     }
 }
 
-/// Parses a text and reads its value, on a thread where it may take its time if it is long.
+/// Parses a text and decodes its value, long ones on a blocking thread.
 pub async fn decoded<T: Send + 'static>(
     mut text: Text,
     app: &App,
@@ -185,7 +185,7 @@ pub async fn decoded<T: Send + 'static>(
     decoded.inspect_err(|problem| count(app, problem))
 }
 
-/// A body is shed where there is no memory for it.
+/// Counts a body shed for lack of memory.
 fn count(app: &App, problem: &Problem) {
     if problem.is_overload() {
         app.metrics.shed_metrics.shed("body");
@@ -199,7 +199,7 @@ fn parsed(bytes: &[u8]) -> Result<Value, Problem> {
     })
 }
 
-/// Refuses a body whose type is none of these; a body that does not say is taken at its word.
+/// Rejects a body of any other type; a body without a type is accepted.
 pub fn expect_type(
     headers: &HeaderMap,
     accepted: impl Fn(&str) -> bool,
@@ -211,7 +211,7 @@ pub fn expect_type(
     if accepted(&essence) {
         return Ok(());
     }
-    // What curl sends unless told otherwise; taken for JSON it would let any web page write here unasked.
+    // curl's default. Accepting it as JSON would let any web page write here, because browsers send it without CORS.
     let hint = if essence == "application/x-www-form-urlencoded" {
         format!("; with curl, add -H 'content-type: {wanted}'")
     } else {
@@ -228,7 +228,7 @@ async fn json_text(request: Request, app: &App) -> Result<Text, Problem> {
     expect_type(request.headers(), is_json, "application/json")?;
     let encoding = Encoding::of(request.headers())?;
     let announced = announced(request.headers());
-    // Who asks before sending gets the answer before sending.
+    // A client that sends `expect` receives the error before it sends the body.
     if request.headers().contains_key(EXPECT) && announced > limits::BODY_BYTES {
         return Err(too_large());
     }

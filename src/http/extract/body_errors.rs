@@ -1,4 +1,4 @@
-//! Errors of bodies that are too large, broke off, or arrived too slowly.
+//! Errors of bodies that are too large, incomplete or too slow.
 
 use std::error::Error;
 use std::io;
@@ -18,11 +18,11 @@ pub(super) fn too_large() -> Problem {
     )
 }
 
-/// Returns the error of a compressed body that becomes too large.
+/// Returns the error of a compressed body that expands too much.
 pub(super) fn too_dense() -> Problem {
     let (free, fold) = (limits::INFLATED_FREE_BYTES, limits::INFLATED_FOLD);
     let detail = format!(
-        "a compressed body may become {free} bytes and {fold} times its own, as text and values; this one becomes more: \
+        "a compressed body may expand to {free} bytes and {fold} times its size, as text and values; this one exceeds that: \
          send it uncompressed, or in parts"
     );
     Problem::new(Kind::TOO_LARGE, detail)
@@ -31,19 +31,19 @@ pub(super) fn too_dense() -> Problem {
 /// Returns the error of a body with too many values.
 pub(super) fn too_many(what: TooMany) -> Problem {
     let detail = match what {
-        TooMany::Values => format!("the body holds more than {} values", limits::BODY_VALUES),
+        TooMany::Values => format!("the body has more than {} values", limits::BODY_VALUES),
         TooMany::Items => format!("a list of the body has more than {} items", limits::LIST_ITEMS),
     };
     Problem::new(Kind::TOO_LARGE, detail)
 }
 
-/// Returns the error of a body that broke off.
+/// Returns the error of an incomplete body.
 pub(super) fn broken() -> Problem {
-    let detail = "the body broke off, or is not compressed as its content-encoding says";
+    let detail = "the body is incomplete, or does not match its content-encoding";
     Problem::new(Kind::BAD_REQUEST, detail)
 }
 
-/// Returns why a body broke off: the layers below hide it in a chain of errors.
+/// Returns the reason why a body is incomplete, which the layers below hide in a chain of errors.
 pub fn unreadable(error: &axum::Error) -> Problem {
     let mut cause: Option<&(dyn Error + 'static)> = Some(error);
     while let Some(error) = cause {
@@ -53,7 +53,7 @@ pub fn unreadable(error: &axum::Error) -> Problem {
         if error.is::<TooSlow>() {
             return Problem::new(Kind::TIMEOUT, "the body arrived too slowly");
         }
-        // An error inside one of IO is not its source: its source's source is.
+        // An error inside an I/O error is not its source; that error's own source is.
         let inside = error.downcast_ref::<io::Error>().and_then(io::Error::get_ref);
         cause = match inside {
             Some(inside) => Some(inside),

@@ -1,8 +1,8 @@
 //! Decompression: inflates a compressed body, and rejects a decompression bomb before it takes memory.
 //!
-//! A whole body is inflated twice: once to see how much it is, keeping nothing, and once for good. A stream of lines is
-//! inflated as it goes. What a few bytes may become is bounded ([`crate::http::guards::body_memory::becomes_at_most`]), and so is the
-//! window of a zstd frame, which its sender chooses and its reader has to hold.
+//! A whole body is inflated twice: first to measure it without storing it, then to decode it. A stream of lines is
+//! inflated incrementally. The expansion is limited ([`crate::http::guards::body_memory::becomes_at_most`]). So is the
+//! window of a zstd frame, which the sender chooses and the reader must hold.
 
 use std::io::{self, Read};
 use std::sync::Arc;
@@ -20,26 +20,26 @@ use tokio_util::io::{ReaderStream, StreamReader};
 
 use crate::http::problem::{Kind, Problem};
 
-/// A zstd frame may look back 8 MiB: what RFC 8878 asks every reader to take, and `zstd -19` to use.
+/// Maximum zstd window, 8 MiB: the size that RFC 8878 recommends readers to support, and that `zstd -19` uses.
 const ZSTD_WINDOW_LOG_MAX: u32 = 23;
-/// What a zstd stream holds while it is read.
+/// Memory of a zstd stream while it is read.
 const ZSTD_STREAM_BYTES: usize = (1 << ZSTD_WINDOW_LOG_MAX) + (512 << 10);
 /// Size of the pieces in which a body is measured, in bytes.
 const PIECE_BYTES: usize = 32 << 10;
 
-/// How a body is compressed.
+/// The compression of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
-    /// Not at all.
+    /// None.
     Identity,
-    /// As RFC 1952 has it; one member after another.
+    /// RFC 1952; one or more members.
     Gzip,
-    /// As RFC 8878 has it; one frame after another.
+    /// RFC 8878; one or more frames.
     Zstd,
 }
 
 impl Encoding {
-    /// Returns what the headers say. One inside the other is not taken: nobody needs it but those who build bombs.
+    /// Reads the headers. Nested encodings are rejected: only decompression bombs need them.
     pub fn of(headers: &HeaderMap) -> Result<Self, Problem> {
         let mut given = headers.get_all(CONTENT_ENCODING).iter();
         let Some(first) = given.next() else { return Ok(Self::Identity) };
@@ -55,7 +55,7 @@ impl Encoding {
         Err(Problem::new(Kind::UNSUPPORTED_MEDIA_TYPE, detail))
     }
 
-    /// Returns what it takes in memory to read a stream of it.
+    /// Returns the memory for reading a stream of it.
     pub fn stream_bytes(self) -> usize {
         match self {
             Self::Identity => 0,
@@ -64,7 +64,7 @@ impl Encoding {
         }
     }
 
-    /// Returns how long the text is, found without keeping it; `None` if longer than `most`.
+    /// Returns the length of the text without storing it; `None` if longer than `most`.
     pub fn length(self, bytes: &[u8], most: usize) -> io::Result<Option<usize>> {
         let (mut reader, mut piece, mut length) = (self.reader(bytes)?, vec![0; PIECE_BYTES], 0);
         loop {
@@ -78,7 +78,7 @@ impl Encoding {
         }
     }
 
-    /// Returns the text, whose length is known.
+    /// Returns the text, given its length.
     pub fn text(self, bytes: &[u8], length: usize) -> io::Result<Vec<u8>> {
         let mut text = Vec::with_capacity(length);
         self.reader(bytes)?.take(length as u64).read_to_end(&mut text)?;
@@ -97,7 +97,7 @@ impl Encoding {
         })
     }
 
-    /// Returns a body inflated as it arrives, and how many bytes of it have arrived.
+    /// Returns a body inflated as it arrives, and the number of compressed bytes received.
     pub fn stream(self, body: Body) -> (Body, Arc<AtomicUsize>) {
         let arrived = Arc::new(AtomicUsize::new(0));
         let count = arrived.clone();

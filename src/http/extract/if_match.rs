@@ -1,4 +1,4 @@
-//! If-Match: which version of an anchor a client has seen, so that two operators do not overwrite each other.
+//! If-Match: the version of an anchor that a client has seen, so that two operators do not overwrite each other.
 
 use axum::extract::FromRequestParts;
 use axum::http::header::IF_MATCH;
@@ -7,28 +7,28 @@ use axum::http::request::Parts;
 use crate::domain::invalid::FieldError;
 use crate::http::problem::{Kind, Problem};
 
-/// No anchor ever gets this version: a tag that is none of ours matches nothing, and the service says 404 or 412.
+/// A version that no anchor ever has: an unknown tag matches nothing, and the service returns 404 or 412.
 const NO_VERSION: u64 = u64::MAX;
 
-/// What `if-match` says, if it is there.
+/// The value of `if-match`, if present.
 pub struct IfMatch(Option<Seen>);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Seen {
-    /// `*`: whatever version there is.
+    /// `*`: any version.
     Any,
     /// This version.
     Version(u64),
 }
 
 impl IfMatch {
-    /// Returns the version it asks for (`None` for any), or the problem that it is missing.
+    /// Returns the version (`None` for any), or the problem that the header is missing.
     pub fn required(self) -> Result<Option<u64>, Problem> {
-        let detail = "send `if-match` with the anchor's `etag`, or `*` for whatever version it has";
+        let detail = "send `if-match` with the anchor's `etag`, or `*` for any version";
         self.0.map(Seen::version).ok_or_else(|| Problem::new(Kind::PRECONDITION_REQUIRED, detail))
     }
 
-    /// Returns the version it asks for; a request without it minds none.
+    /// Returns the version; none without the header, which means any.
     pub fn optional(self) -> Option<u64> {
         self.0.and_then(Seen::version)
     }
@@ -66,7 +66,7 @@ fn read(text: &str) -> Option<Seen> {
     if text == "*" {
         return Some(Seen::Any);
     }
-    // A weak tag is well formed and never matches (RFC 9110 §13.1.1).
+    // A weak tag is well-formed and never matches (RFC 9110 §13.1.1).
     let (weak, tag) = text.strip_prefix("W/").map_or((false, text), |tag| (true, tag));
     let tag = tag.strip_prefix('"')?.strip_suffix('"')?;
     if tag.contains('"') {

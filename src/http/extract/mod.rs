@@ -1,4 +1,4 @@
-//! Extractors: what a request contains, checked.
+//! Extractors: validated parts of a request.
 
 mod arriving_body;
 pub mod body;

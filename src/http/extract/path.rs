@@ -1,4 +1,4 @@
-//! Path: the ids in a request's path, checked.
+//! Path: validated ids of a request's path.
 
 use std::str::FromStr;
 
@@ -37,7 +37,7 @@ pub struct LoopPath {
     pub id: LoopId,
 }
 
-/// A job that asks a map's verdicts again.
+/// A job that re-evaluates a map's verdicts.
 pub struct JudgementPath {
     /// The map.
     pub map: MapId,
@@ -48,7 +48,7 @@ pub struct JudgementPath {
 /// An API key.
 pub struct KeyPath(pub KeyframeId);
 
-/// A kept loop query of a map.
+/// A stored loop query of a map.
 pub struct QueryPath {
     /// The map.
     pub map: MapId,
@@ -74,46 +74,46 @@ macro_rules! documented {
 
 documented! {
     MapPathParams {
-        /// The map's id, made by its client.
+        /// The map's id, chosen by its client.
         map,
     }
     KeyframePathParams {
-        /// The map's id, made by its client.
+        /// The map's id, chosen by its client.
         map,
-        /// The keyframe's id, made by its client.
+        /// The keyframe's id, chosen by its client.
         keyframe,
     }
     AnchorPathParams {
-        /// The map's id, made by its client.
+        /// The map's id, chosen by its client.
         map,
-        /// The anchor's id, such as `a-7`, made by the service.
+        /// The anchor's id, such as `a-7`, assigned by the service.
         anchor,
     }
     LoopPathParams {
-        /// The map's id, made by its client.
+        /// The map's id, chosen by its client.
         map,
-        /// The loop's id, made by its client.
+        /// The loop's id, chosen by its client.
         r#loop,
     }
     JudgementPathParams {
-        /// The map's id, made by its client.
+        /// The map's id, chosen by its client.
         map,
-        /// The job's id, such as `j-7`, made by its client or by the service.
+        /// The job's id, such as `j-7`, chosen by its client or assigned by the service.
         id,
     }
     KeyPathParams {
-        /// The key's id, such as `key-7`, made by the service.
+        /// The key's id, such as `key-7`, assigned by the service.
         id,
     }
     QueryPathParams {
-        /// The map's id, made by its client.
+        /// The map's id, chosen by its client.
         map,
-        /// The query's id, as its answer told it.
+        /// The query's id, as returned in its answer.
         query,
     }
 }
 
-/// The parts of a path that have names.
+/// The named parameters of a path.
 struct Named(RawPathParams);
 
 impl Named {
@@ -128,7 +128,7 @@ impl Named {
         text.parse().map_err(|error| fault(error).got(text).limit(ID_FORM))
     }
 
-    /// Two ids, or the faults of both.
+    /// Returns two ids, or the faults of both.
     fn ids<A, B>(&self, first: &str, second: &str) -> Result<(A, B), Problem>
     where
         A: FromStr<Err = IdError>,
@@ -164,7 +164,7 @@ impl<S: Send + Sync> FromRequestParts<S> for AnchorPath {
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
         let (map, anchor): (MapId, KeyframeId) = Named::of(parts, state).await?.ids("map", "anchor")?;
-        // Anchors are named by the service: any other name is nobody's.
+        // The service assigns the ids of anchors, so any other id does not exist.
         let none = || Problem::new(Kind::NOT_FOUND, format!("there is no anchor {anchor}"));
         let anchor = AnchorSeq::from_public(anchor.as_str()).ok_or_else(none)?;
         Ok(Self { map, anchor })

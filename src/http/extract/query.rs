@@ -1,4 +1,4 @@
-//! Query: the query parameters, checked all at once. An unknown parameter is an error.
+//! Query: the query parameters, validated together. An unknown parameter is an error.
 
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
@@ -12,7 +12,7 @@ use crate::domain::invalid::FieldError;
 use crate::domain::request::AnchorFilter;
 use crate::http::problem::{Kind, Problem};
 
-/// A request's parameters, read into the model.
+/// A request's parameters, decoded into the model.
 pub struct Query<T>(pub T);
 
 impl<T: Decode, S: Send + Sync> FromRequestParts<S> for Query<T> {
@@ -26,7 +26,7 @@ impl<T: Decode, S: Send + Sync> FromRequestParts<S> for Query<T> {
         if let Some(at) = (0..pairs.len()).find(|&at| again(at)) {
             return Err(Problem::invalid(vec![FieldError::new(format!("?{}", pairs[at].0), "given twice")]));
         }
-        // Read as the object of strings that they are: one reader tells the faults of bodies and of parameters.
+        // Decoded as an object of strings, so that bodies and parameters share one error reporter.
         let object =
             Value::Object(pairs.into_iter().map(|(name, text)| (name, Value::String(text))).collect());
         read::decode(&object).map(Self).map_err(|mut faults| {
@@ -38,19 +38,19 @@ impl<T: Decode, S: Send + Sync> FromRequestParts<S> for Query<T> {
     }
 }
 
-/// Which part of a list.
+/// The page of a list.
 #[derive(Clone, Debug, PartialEq, Eq, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct Paging {
-    /// How many items at most.
+    /// Maximum number of items.
     #[param(minimum = 1, maximum = 1000, default = 100, required = false)]
     pub limit: usize,
-    /// Where to start: `next_cursor` of the part before.
+    /// Start of the page: `next_cursor` of the previous one.
     #[param(max_length = 256)]
     pub cursor: Option<String>,
 }
 
-/// Which anchors.
+/// A filter of anchors.
 #[derive(IntoParams)]
 #[into_params(parameter_in = Query)]
 #[expect(dead_code, reason = "documents what the reader reads")]
@@ -58,52 +58,52 @@ pub struct AnchorSearch {
     /// Only anchors of this class.
     #[param(min_length = 1, max_length = 64)]
     class: Option<String>,
-    /// Only anchors whose description has these words.
+    /// Only anchors whose description contains these words.
     #[param(max_length = 4096)]
     text: Option<String>,
     /// Only anchors in this state.
     #[param(inline)]
     state: Option<crate::api::names::AnchorStateName>,
-    /// Also anchors that go by another one's name.
+    /// Include anchors that were merged into another.
     #[param(default = false)]
     merged: Option<bool>,
 }
 
-/// Which anchors, and which part of them.
+/// A filter of anchors, and a page of the result.
 pub struct AnchorPage {
-    /// Which anchors.
+    /// The filter.
     pub filter: AnchorFilter,
-    /// Which part.
+    /// The page.
     pub page: Paging,
 }
 
-/// From where to listen.
+/// The start of an event stream.
 #[derive(Clone, Debug, PartialEq, Eq, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct Since {
-    /// The number of the last event seen; 0, the default, is before the first. `last-event-id` wins over it.
+    /// The number of the last event seen; 0, the default, is before the first. `last-event-id` overrides it.
     #[param(minimum = 0)]
     pub since: Option<u64>,
 }
 
-/// What a PUT of a keyframe asks besides.
+/// The optional query of a keyframe's PUT.
 #[derive(Clone, Debug, PartialEq, Eq, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct KeyframeParams {
-    /// `loop`: answer the loop query in the same round trip.
+    /// `loop`: return the answer of a loop query in the same round trip.
     #[param(value_type = Option<String>, pattern = "^loop$")]
     pub query: Option<AskLoop>,
 }
 
-/// The one question a PUT can carry.
+/// The only query that a PUT supports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AskLoop;
 
-/// Whether the last key that may administer may go.
+/// Whether the last administrator key may be revoked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct LastAdmin {
-    /// Revoke the key even if no key that may administer is left: then only `revisit keys create` makes another.
+    /// Revoke the key even if no administrator key is left; then only `revisit keys create` creates one.
     #[param(default = false, required = false)]
     pub last_admin: bool,
 }

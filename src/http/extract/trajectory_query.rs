@@ -1,4 +1,4 @@
-//! Which trajectory, and in which format.
+//! The trajectory to export, and its format.
 
 use utoipa::IntoParams;
 
@@ -6,7 +6,7 @@ use crate::api::decoding::read::{self, Decode, Node};
 use crate::api::trajectory::TrajectoryFormat;
 use crate::domain::ids::SessionId;
 
-/// Which trajectory.
+/// The parameters of a trajectory.
 #[derive(IntoParams)]
 #[into_params(parameter_in = Query)]
 #[expect(dead_code, reason = "documents what the reader reads")]
@@ -14,7 +14,7 @@ pub struct TrajectorySearch {
     /// `tum`, `kitti` or `g2o`.
     #[param(pattern = "^(tum|kitti|g2o)$", example = "tum")]
     format: String,
-    /// Only this session; `tum` and `kitti` need it where the map has several.
+    /// Only this session; required for `tum` and `kitti` if the map has several.
     #[param(
         min_length = 1,
         max_length = 128,
@@ -24,12 +24,12 @@ pub struct TrajectorySearch {
     session: Option<String>,
 }
 
-/// Which trajectory, and in which format.
+/// The trajectory to export, and its format.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TrajectoryQuery {
     /// The format.
     pub format: TrajectoryFormat,
-    /// The session, if one was named.
+    /// The session, if given.
     pub session: Option<SessionId>,
 }
 

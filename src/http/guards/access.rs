@@ -21,11 +21,11 @@ use crate::http::App;
 use crate::http::envelope::no_such_method;
 use crate::http::problem::{Kind, Problem};
 
-/// Why a request is refused.
+/// The reason for a rejection.
 enum Refusal {
     /// The route lacks the method; it has these.
     NoSuchMethod(String),
-    /// Its caller lacks the permission.
+    /// The caller lacks the permission.
     Problem(Problem),
 }
 
@@ -45,7 +45,7 @@ impl Caller {
         if self.0.may(action) { Ok(()) } else { Err(lacks(&self.0, action)) }
     }
 
-    /// Whether the caller's key reaches this map.
+    /// Whether the caller's key covers this map.
     pub fn reaches(&self, map: &MapId) -> bool {
         match &self.0 {
             Access::Open => true,
@@ -59,7 +59,7 @@ impl<S: Send + Sync> FromRequestParts<S> for Caller {
 
     async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
         let caller = parts.extensions.get::<Self>().cloned();
-        caller.ok_or_else(|| Problem::internal("a route outside the layer of access"))
+        caller.ok_or_else(|| Problem::internal("a route outside the access layer"))
     }
 }
 
@@ -87,7 +87,8 @@ async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Refusa
     let action = match app.permissions.find(&parts.method, route).map_err(Refusal::NoSuchMethod)? {
         Permission::Nothing => return Ok(None),
         Permission::Undeclared => {
-            let detail = "the API document does not say who may do this, so it is refused to everybody";
+            let detail =
+                "the API document declares no permission for this operation, so it is denied to every caller";
             return Err(Problem::new(Kind::FORBIDDEN, detail).into());
         }
         Permission::Action(action) => action,
@@ -107,14 +108,14 @@ async fn admitted(app: &App, parts: &mut Parts) -> Result<Option<Caller>, Refusa
     if let Some(map) = map_of(parts).await
         && !caller.reaches(&map)
     {
-        // The same answer as for a map that does not exist.
+        // The same response as for a map that does not exist.
         return Err(Problem::from(ServiceError::no_map(&map)).into());
     }
     caller.needs(action)?;
     Ok(Some(caller))
 }
 
-/// Finds the access that a secret gives. An unknown secret waits for a look at the disk without holding its permit.
+/// Returns the access of a secret. An unknown secret waits for a database lookup without holding its permit.
 async fn access(app: &App, secret: Option<&str>, working: &HeldPermit) -> Option<Access> {
     match app.service.keys().find(secret) {
         Found::Admitted(access) => Some(access),
@@ -137,8 +138,8 @@ fn secret(parts: &Parts) -> Result<Option<Arc<str>>, Problem> {
     }
 }
 
-/// Returns the map that the route names, decoded as its handler will decode it. One that is no id names no map; the
-/// handler says so.
+/// Returns the map of the route, decoded as its handler will decode it. An invalid id is not a map; the handler
+/// reports it.
 async fn map_of(parts: &mut Parts) -> Option<MapId> {
     let params = RawPathParams::from_request_parts(parts, &()).await.ok()?;
     params.iter().find(|(name, _)| *name == "map")?.1.parse().ok()
@@ -146,9 +147,9 @@ async fn map_of(parts: &mut Parts) -> Option<MapId> {
 
 fn unauthorized(given: bool) -> Problem {
     let detail = if given {
-        "this key is not known, has expired, or was revoked; it is sent as `authorization: Bearer <secret>`"
+        "the key is unknown, expired or revoked; send a valid one as `authorization: Bearer <secret>`"
     } else {
-        "this server wants an API key: `authorization: Bearer <secret>`; `revisit keys create` makes one"
+        "this server requires an API key: `authorization: Bearer <secret>`; `revisit keys create` creates one"
     };
     Problem::new(Kind::UNAUTHORIZED, detail)
 }
@@ -160,7 +161,7 @@ fn lacks(access: &Access, action: Action) -> Problem {
     };
     Problem::new(
         Kind::FORBIDDEN,
-        format!("this takes a key that may {}; this one may {may}", action.as_str()),
+        format!("this operation requires a key with the action {}; this key has {may}", action.as_str()),
     )
 }
 
@@ -183,7 +184,7 @@ mod tests {
     use crate::config::limits::LimitArgs;
     use crate::engine::{Service, ServiceOptions};
 
-    /// Asks a router with the permissions of this document; its handlers allow everything.
+    /// Sends a request to a router with the permissions of this document; its handlers allow everything.
     async fn asked(document: &Value, method: Method, path: &str) -> (StatusCode, String) {
         let folder = tempfile::tempdir().unwrap();
         let database = format!("sqlite://{}", folder.path().join("a.db").display());
@@ -214,9 +215,9 @@ mod tests {
         let cases = [
             (documented(), Method::GET, "/v1/maps", StatusCode::OK, ""),
             (documented(), Method::HEAD, "/v1/maps", StatusCode::OK, ""),
-            // The router has it, the document does not.
+            // Known to the router, not documented.
             (documented(), Method::DELETE, "/v1/maps", StatusCode::METHOD_NOT_ALLOWED, "GET,HEAD"),
-            // Neither has it.
+            // Neither routed nor documented.
             (documented(), Method::PATCH, "/v1/maps", StatusCode::METHOD_NOT_ALLOWED, "GET,HEAD"),
             (documented(), Method::GET, "/v1/forgotten", StatusCode::FORBIDDEN, ""),
             (silent(), Method::GET, "/v1/maps", StatusCode::FORBIDDEN, ""),

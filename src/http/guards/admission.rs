@@ -1,7 +1,7 @@
 //! Admission: admits a request, or rejects it at once as overloaded.
 //!
-//! The order of shedding is that of [`crate::engine::limits::load_shedding`]. A rejected request is answered without its body,
-//! of which [`crate::http::connection::unread`] takes care.
+//! The shedding order is that of [`crate::engine::limits::load_shedding`]. A rejected request is answered without
+//! reading its body; [`crate::http::connection::unread`] handles the rest of it.
 
 use std::sync::Arc;
 
@@ -16,21 +16,21 @@ use crate::http::App;
 use crate::http::connection::min_rate_body::MinRateBody;
 use crate::http::problem::Problem;
 
-/// Asked when it matters most how the server is: never refused, and answered out of memory.
+/// Never rejected, because operators need them most under overload; served from memory.
 const ALWAYS: [&str; 3] = ["/healthz", "/readyz", "/metrics"];
-/// Questions that come by POST.
+/// Queries sent by POST.
 const QUESTIONS: [&str; 4] = [
     "/v1/maps/{map}/loop-queries",
     "/v1/semantics/similarity",
     "/v1/semantics/information",
     "/v1/semantics/merge",
 ];
-/// A request's turn, for those inside who have to wait for something that is no work.
+/// The permit of a request, for handlers that wait for something other than work.
 #[derive(Clone, Debug, Default)]
 pub struct HeldPermit(Option<Arc<RequestPermit>>);
 
 impl HeldPermit {
-    /// The request does not count as worked on while this goes on.
+    /// Awaits without counting the request as in flight.
     pub async fn release_while<T>(&self, waiting: impl Future<Output = T>) -> T {
         match &self.0 {
             Some(turn) => turn.release_while(waiting).await,
@@ -39,7 +39,7 @@ impl HeldPermit {
     }
 }
 
-/// Lets a request in and times its body, or refuses it.
+/// Admits a request and times its body, or rejects it.
 pub async fn admit(State(app): State<App>, mut request: Request, next: Next) -> Response {
     let route = request.extensions().get::<MatchedPath>().map_or("", MatchedPath::as_str);
     let (kind, what) = kind(request.method(), route);
@@ -48,14 +48,15 @@ pub async fn admit(State(app): State<App>, mut request: Request, next: Next) -> 
         None if ALWAYS.contains(&route) => None,
         None => {
             app.metrics.shed_metrics.shed(what);
-            return Problem::overloaded("the server has all the work it can do at once").into_response();
+            return Problem::overloaded("the server has reached its limit of concurrent requests")
+                .into_response();
         }
     };
     request.extensions_mut().insert(HeldPermit(turn.clone()));
     let pace = app.pace;
     let timed = turn.clone();
     let response = next.run(request.map(|body| Body::new(MinRateBody::new(body, pace, timed)))).await;
-    // The turn ends here: an answer on its way out, and a stream of events above all, needs no work.
+    // The permit ends here: sending a response, above all an event stream, is not work.
     drop(turn);
     response
 }

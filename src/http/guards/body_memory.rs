@@ -1,8 +1,8 @@
-//! Body memory: a bound on the memory that large request bodies take together.
+//! Body memory: a limit on the total memory of large request bodies.
 //!
-//! One body is bounded by [`limits::BODY_BYTES`], but what it becomes is larger, and many may come at once. So a large
-//! one asks for memory before it takes any, and is refused where others have it. Small ones are not counted: their
-//! number is bounded by that of connections.
+//! One body is limited by [`limits::BODY_BYTES`], but its decoded form is larger, and many may arrive concurrently. A
+//! large body therefore reserves memory first, and is rejected if none is left. Small ones are not counted: the
+//! connection limit bounds their number.
 
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ pub struct BodyMemory {
     readers: Arc<Semaphore>,
 }
 
-/// What one body has taken, until this is dropped.
+/// The memory of one body, until this is dropped.
 #[derive(Debug, Default)]
 pub struct HeldMemory(Option<OwnedSemaphorePermit>);
 
@@ -35,11 +35,11 @@ impl BodyMemory {
         Self { free: Arc::new(Semaphore::new(units)), readers: Arc::new(Semaphore::new(cores)) }
     }
 
-    /// Takes more memory for a body, or fails if none is left.
+    /// Reserves more memory for a body, or fails if none is left.
     pub fn take(&self, held: &mut HeldMemory, bytes: usize) -> Result<(), Problem> {
         let units = u32::try_from(bytes.div_ceil(UNIT)).unwrap_or(u32::MAX);
         let Ok(permit) = self.free.clone().try_acquire_many_owned(units) else {
-            return Err(Problem::overloaded("other large bodies take all the memory there is for them"));
+            return Err(Problem::overloaded("other large bodies use all of the memory for bodies"));
         };
         match &mut held.0 {
             Some(have) => have.merge(permit),
@@ -54,14 +54,14 @@ impl BodyMemory {
     }
 }
 
-/// Returns the maximum size that a compressed body may inflate to, in bytes.
+/// Returns the maximum size to which a compressed body may expand, in bytes.
 pub fn becomes_at_most(compressed: usize) -> usize {
     limits::INFLATED_FREE_BYTES.saturating_add(compressed.saturating_mul(limits::INFLATED_FOLD))
 }
 
 /// Returns the memory of a decoded body beside its text, in bytes.
 pub fn tree_bytes(survey: JsonFootprint) -> usize {
-    /// A value, and what a list keeps free for its growth.
+    /// A value, and the spare capacity of its list.
     const VALUE: usize = 96;
     /// A member's name and its place in the object.
     const MEMBER: usize = 96;

@@ -1,7 +1,7 @@
 //! The permission that each operation needs, as the API document declares it.
 //!
-//! The documented permissions are the enforced ones. An operation without a `security` member is refused to every caller, and so is a
-//! route that the document lacks: an omission admits nobody.
+//! The documented permissions are the enforced ones. An operation without a `security` member is denied to every
+//! caller, and so is an undocumented route: an omission admits no request.
 
 use std::collections::HashMap;
 
@@ -20,7 +20,7 @@ pub enum Permission {
     Nothing,
     /// A key with this action.
     Action(Action),
-    /// The document does not say: every caller is refused.
+    /// Not declared: every caller is denied.
     Undeclared,
 }
 
@@ -41,10 +41,10 @@ impl RoutePermissions {
         Self(operations.collect())
     }
 
-    /// Finds the permission of a request. Fails with the methods allowed, as `allow` lists them, where the route documents
-    /// others but not this one.
+    /// Returns the permission of an operation. If the route documents only other methods, fails with these, formatted
+    /// for `allow`.
     pub fn find(&self, method: &Method, route: &str) -> Result<Permission, String> {
-        // The router answers HEAD like GET.
+        // The router handles HEAD like GET.
         let asked = if method == Method::HEAD { &Method::GET } else { method };
         if let Some(permission) = self.0.get(&(asked.clone(), route.to_owned())) {
             return Ok(*permission);

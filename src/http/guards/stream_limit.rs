@@ -1,7 +1,7 @@
-//! Stream limit: bounds open event streams, for each key and in all.
+//! Stream limit: bounds open event streams, per key and in total.
 //!
-//! A stream of events keeps its connection at work for as long as its client likes, so that it gives way to nobody. One
-//! key must not take every seat that way.
+//! An event stream keeps its connection active indefinitely, so it is never evicted. One key must not occupy every
+//! slot that way.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -11,7 +11,7 @@ use crate::domain::key::KeySeq;
 use crate::engine::keys::access::Access;
 use crate::http::problem::Problem;
 
-/// The streams of a server, by the key that opened them; `None` is everybody while there is no key.
+/// The streams of a server by key; `None` is all clients without a key.
 #[derive(Debug)]
 pub struct StreamLimit {
     most: usize,
@@ -27,12 +27,12 @@ pub struct Listening {
 }
 
 impl StreamLimit {
-    /// Creates a limit for each key, and one for all of them together.
+    /// Creates a limit per key, and one for all keys together.
     pub fn new((most, most_in_all): (usize, usize)) -> Arc<Self> {
         Arc::new(Self { most, most_in_all, open: Mutex::default() })
     }
 
-    /// Begins one, unless there are enough.
+    /// Opens a stream, unless a limit is reached.
     pub fn begin(self: &Arc<Self>, access: &Access) -> Result<Listening, Problem> {
         let (key, most) = (access.key(), self.most);
         let mut open = self.lock();
@@ -40,11 +40,11 @@ impl StreamLimit {
         if count >= most {
             return Err(match key {
                 Some(_) => Problem::had_its_share(format!(
-                    "the key listens to {}, and may to no more",
+                    "the key has reached its limit of {}",
                     counted(most, "stream")
                 )),
                 None => Problem::overloaded(format!(
-                    "without keys there is room for {} at once",
+                    "a server without keys allows at most {}",
                     counted(most, "stream")
                 )),
             });
@@ -52,7 +52,7 @@ impl StreamLimit {
         if open.values().sum::<usize>() >= self.most_in_all {
             let most = self.most_in_all;
             return Err(Problem::overloaded(format!(
-                "there is room for {} at once",
+                "the server allows at most {}",
                 counted(most, "stream")
             )));
         }
@@ -62,7 +62,7 @@ impl StreamLimit {
     }
 
     fn lock(&self) -> MutexGuard<'_, HashMap<Option<KeySeq>, usize>> {
-        // A count is whole after each operation.
+        // The counts are consistent after each operation, so a poisoned lock is usable.
         self.open.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -71,7 +71,7 @@ impl Drop for Listening {
     fn drop(&mut self) {
         let mut open = self.streams.lock();
         let left = open.get(&self.key).map_or(0, |count| count.saturating_sub(1));
-        // Keys come and go; those that listen to nothing leave nothing behind.
+        // Keys come and go, so those without streams are removed.
         if left == 0 {
             open.remove(&self.key);
         } else {

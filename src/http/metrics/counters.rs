@@ -27,7 +27,7 @@ pub struct Metrics {
     latency: Family<RouteLabels, Histogram>,
     verdicts: Family<VerdictLabels, Counter>,
     started: Instant,
-    /// What was refused because of too much.
+    /// Rejected requests and connections.
     pub shed_metrics: ShedMetrics,
     /// Parallel to [`GAUGES`].
     gauges: Vec<Gauge<u64, AtomicU64>>,
@@ -68,11 +68,7 @@ impl Default for Metrics {
         let verdicts = Family::default();
         registry.register("loop_verdicts", "Loop queries by verdict", verdicts.clone());
         let refusals = Family::default();
-        registry.register(
-            "http_refusals",
-            "Requests that were refused or failed, by status",
-            refusals.clone(),
-        );
+        registry.register("http_refusals", "Requests rejected or failed, by status", refusals.clone());
         let built = vec![("version", build::VERSION)];
         registry.register("build", "What runs", Info::new(built));
         let shed_metrics = ShedMetrics::default();
@@ -96,12 +92,12 @@ impl Metrics {
     /// The media type of [`Metrics::text`].
     pub const MEDIA_TYPE: &'static str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
 
-    /// Returns how long the server runs.
+    /// Returns the time since the server started.
     pub fn uptime(&self) -> Duration {
         self.started.elapsed()
     }
 
-    /// A request was answered. The route is the pattern, never the path: a label for each id would fill the memory.
+    /// Counts a response. The route is the pattern, never the path: one label per id would exhaust the memory.
     pub fn answered(&self, method: &str, route: &str, status: u16, took: Duration) {
         let method = known(method);
         if status >= 400 {
@@ -113,13 +109,13 @@ impl Metrics {
         self.requests.get_or_create(&RequestLabels { method, route, status }).inc();
     }
 
-    /// Everything, with the figures as they are now.
+    /// Returns all metrics, with the current gauges.
     pub fn text(&self, figures: &Figures) -> String {
         for ((_, _, read), gauge) in GAUGES.iter().zip(&self.gauges) {
             gauge.set(read(figures));
         }
         for (decision, count) in figures.stats.verdicts.each() {
-            // A verdict that was never given has no line.
+            // Verdicts never given are omitted.
             if count > 0 {
                 let labels = VerdictLabels { verdict: decision.as_str() };
                 self.verdicts.get_or_create(&labels).inner().store(count, Ordering::Relaxed);
@@ -127,7 +123,7 @@ impl Metrics {
         }
         self.map_load.set(figures.stats.map_load_microseconds as f64 / 1e6);
         let mut out = String::new();
-        // Writing into a string does not fail.
+        // Writing to a string does not fail.
         let _ = text::encode(&mut out, &self.registry);
         out
     }

@@ -3,25 +3,25 @@
 use super::process::Process;
 use crate::engine::Stats;
 
-/// What the gauges are read from.
+/// The sources of the gauges.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Figures {
     /// The service's.
     pub stats: Stats,
     /// The process's.
     pub process: Process,
-    /// How long the server runs, in seconds.
+    /// Time since the server started, in seconds.
     pub uptime_s: u64,
 }
 
-/// A gauge's name, without the prefix; what it is; and where it is read.
+/// A gauge: its name without the prefix, its description, and its reader.
 type Row = (&'static str, &'static str, fn(&Figures) -> u64);
 
 /// Every gauge.
 pub const GAUGES: &[Row] = &[
     ("maps", "Maps in memory", |f| f.stats.maps),
-    ("map_memory_bytes", "Bytes that the maps in memory take, estimated", |f| f.stats.map_memory_bytes),
-    ("map_memory_limit_bytes", "Bytes that they may take before idle ones are evicted (--map-memory)", |f| {
+    ("map_memory_bytes", "Estimated bytes of the maps in memory", |f| f.stats.map_memory_bytes),
+    ("map_memory_limit_bytes", "Bytes of maps above which idle ones are evicted (--map-memory)", |f| {
         f.stats.map_memory_limit_bytes
     }),
     ("map_loads", "Maps loaded into memory since the server started", |f| f.stats.map_loads),
@@ -32,41 +32,37 @@ pub const GAUGES: &[Row] = &[
     ("keyframes", "Keyframes of all maps in memory", |f| f.stats.keyframes),
     ("anchors", "Semantic anchors of all maps in memory", |f| f.stats.anchors),
     ("postings", "Postings of the inverted files", |f| f.stats.postings),
-    ("index_bytes", "Bytes that the inverted files take in memory", |f| f.stats.index_bytes),
+    ("index_bytes", "Bytes of the inverted files in memory", |f| f.stats.index_bytes),
     ("commits", "Writes committed since the server started", |f| f.stats.commits),
-    ("commit_batches", "Transactions that carried them; fewer than commits under load", |f| {
+    ("commit_batches", "Transactions of these commits; fewer than commits under load", |f| {
         f.stats.commit_batches
     }),
-    ("queue_depth", "Writes that wait for their commit", |f| f.stats.queue_depth),
-    ("writes_under_way", "Writes that are decided or wait for their commit", |f| f.stats.writes_under_way),
-    ("writes_waiting", "Writes that wait for their turn to be decided", |f| f.stats.writes_waiting),
-    ("reads_under_way", "Heavy reads and verifications that compute", |f| f.stats.reads_under_way),
-    ("reads_waiting", "Heavy reads and verifications that wait for their turn", |f| f.stats.reads_waiting),
-    ("triggers_waiting", "Keyframes that models have found to be worth asking about", |f| {
+    ("queue_depth", "Writes waiting for their commit", |f| f.stats.queue_depth),
+    ("writes_under_way", "Writes being decided or waiting for their commit", |f| f.stats.writes_under_way),
+    ("writes_waiting", "Writes waiting to be decided", |f| f.stats.writes_waiting),
+    ("reads_under_way", "Heavy reads and verifications in progress", |f| f.stats.reads_under_way),
+    ("reads_waiting", "Heavy reads and verifications waiting for a permit", |f| f.stats.reads_waiting),
+    ("triggers_waiting", "Keyframes waiting for a loop check after a model's description", |f| {
         f.stats.triggers_waiting
     }),
-    ("triggers_under_way", "Loop checks that anchors have triggered", |f| f.stats.triggers_under_way),
+    ("triggers_under_way", "Loop checks in progress that anchors have triggered", |f| {
+        f.stats.triggers_under_way
+    }),
     ("feature_cache_hits", "Features that geometry found in memory", |f| f.stats.feature_cache_hits),
     ("feature_cache_misses", "Features that geometry read from disk", |f| f.stats.feature_cache_misses),
     ("feature_cache_bytes", "Bytes of the features in memory", |f| f.stats.feature_cache_bytes),
     ("database_bytes", "Bytes of the database on disk", |f| f.stats.database_bytes),
     ("wal_bytes", "Bytes of its write-ahead log on disk", |f| f.stats.wal_bytes),
-    (
-        "newest_backup_seconds",
-        "When POST /v1/backups took the newest backup, since 1970; 0 without any",
-        |f| f.stats.newest_backup_s,
-    ),
-    ("model_jobs", "Questions that models are to be asked", |f| f.stats.model_jobs),
-    ("model_calls", "Calls of models since the database was made", |f| f.stats.model_calls),
+    ("newest_backup_seconds", "Unix time of the newest backup by POST /v1/backups; 0 without any", |f| {
+        f.stats.newest_backup_s
+    }),
+    ("model_jobs", "Questions waiting for a model", |f| f.stats.model_jobs),
+    ("model_calls", "Model calls since the database was created", |f| f.stats.model_calls),
     ("model_cache_hits", "Questions answered without a call", |f| f.stats.model_cache_hits),
     ("model_failures", "Questions that models could not answer", |f| f.stats.model_failures),
-    ("model_microusd", "What models cost, in millionths of a US dollar", |f| f.stats.model_microusd),
-    ("models_away", "1 while a model is away or the budget is spent", |f| f.stats.models_away),
-    ("resident_memory_bytes", "Bytes of memory that the process holds; 0 where it cannot be told", |f| {
-        f.process.resident_bytes
-    }),
-    ("open_fds", "Files and connections that the process has open; 0 where it cannot be told", |f| {
-        f.process.open_fds
-    }),
-    ("uptime_seconds", "How long the server runs", |f| f.uptime_s),
+    ("model_microusd", "Cost of models, in millionths of a US dollar", |f| f.stats.model_microusd),
+    ("models_away", "1 while a model is unavailable or the budget is spent", |f| f.stats.models_away),
+    ("resident_memory_bytes", "Resident memory of the process; 0 if unknown", |f| f.process.resident_bytes),
+    ("open_fds", "Open files and connections of the process; 0 if unknown", |f| f.process.open_fds),
+    ("uptime_seconds", "Time since the server started", |f| f.uptime_s),
 ];

@@ -2,17 +2,17 @@
 
 use std::fs;
 
-/// What the process takes.
+/// The resources of the process.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Process {
-    /// BodyMemory that it holds, in bytes.
+    /// Resident memory, in bytes.
     pub resident_bytes: u64,
-    /// Files and connections that it has open.
+    /// Open files and connections.
     pub open_fds: u64,
 }
 
 impl Process {
-    /// As it is now.
+    /// Returns the current values.
     pub fn now() -> Self {
         let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
         // The folder itself is open while it is read.

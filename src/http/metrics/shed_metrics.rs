@@ -1,4 +1,4 @@
-//! Load shedding in figures: rejected requests and connections, and those in flight.
+//! Load-shedding metrics: rejected requests and connections, and those in flight.
 
 use std::sync::atomic::AtomicU64;
 
@@ -28,30 +28,30 @@ struct ShedLabels {
 }
 
 impl ShedMetrics {
-    /// Registers them.
+    /// Registers the metrics.
     pub fn register(&self, registry: &mut Registry) {
         registry.register("connections_open", "Connections open", self.open_connections.clone());
-        registry.register("requests_in_flight", "Requests worked on", self.in_flight.clone());
+        registry.register("requests_in_flight", "Requests in flight", self.in_flight.clone());
         registry.register(
             "connections",
-            "Connections that were accepted, refused for want of a seat, or sent away for another",
+            "Connections accepted, refused without a free slot, or evicted for another",
             self.connections.clone(),
         );
-        registry.register("shed", "Requests answered 503 at once, by what they were", self.shed.clone());
+        registry.register("shed", "Requests rejected with 503 at once, by kind", self.shed.clone());
     }
 
-    /// How much there is now.
+    /// Sets the gauges.
     pub fn now(&self, open_connections: usize, in_flight: usize) {
         self.open_connections.set(open_connections as u64);
         self.in_flight.set(in_flight as u64);
     }
 
-    /// A connection was `accepted`, `refused` or `evicted`.
+    /// Counts a connection that was `accepted`, `refused` or `evicted`.
     pub fn connection(&self, fate: &'static str) {
         self.connections.get_or_create(&FateLabels { fate }).inc();
     }
 
-    /// A `read`, a `write`, a large `body` or a large `answer` was shed.
+    /// Counts a shed `read`, `write`, large `body` or large `answer`.
     pub fn shed(&self, what: &'static str) {
         self.shed.get_or_create(&ShedLabels { what }).inc();
     }

@@ -1,4 +1,4 @@
-//! Anchors: searched, read, described by hand, deleted.
+//! Anchors: search, read, describe by hand, delete.
 
 use axum::Json;
 use axum::extract::State;
@@ -20,10 +20,10 @@ use crate::http::problem::Problem;
 
 /// Search anchors
 ///
-/// Oldest first, one part at a time. Anchors that go by another one's name are left out unless asked for.
+/// Oldest first, paged. Merged anchors are omitted unless requested.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/anchors", tag = "anchors", params(MapPathParams, AnchorSearch, Paging), security(("key" = ["read"])),
-    responses((status = 200, description = "One part of the list", body = AnchorList, example = examples::anchors), ReadErrors)
+    responses((status = 200, description = "One page of the list", body = AnchorList, example = examples::anchors), ReadErrors)
 )]
 pub async fn list_anchors(
     State(service): State<Service>,
@@ -36,7 +36,7 @@ pub async fn list_anchors(
 
 /// Read an anchor
 ///
-/// With its readings, its place in each session's frame and the anchors that match it.
+/// Returns its readings, its position in each session's frame and the anchors that match it.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors", params(AnchorPathParams), security(("key" = ["read"])),
     responses(
@@ -55,13 +55,14 @@ pub async fn get_anchor(
 
 /// Describe an anchor by hand
 ///
-/// The description stands whatever is read later; null takes it back. `if-match` says which version was seen.
+/// A manual description overrides later readings; null removes it. `if-match` states the version that the client has
+/// seen.
 #[utoipa::path(
     patch, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors", security(("key" = ["write"])),
     params(AnchorPathParams, ("if-match" = String, Header, description = "The anchor's `etag`, or `*` for any version", example = "*")),
     request_body(content = AnchorPatchBody, example = examples::anchor_patch),
     responses(
-        (status = 200, description = "The anchor as it is now", body = AnchorView, 
+        (status = 200, description = "The updated anchor", body = AnchorView, 
             headers(("etag" = String, description = "The anchor's version, for `if-match`")), example = examples::anchor),
         OfPatch
     )
@@ -79,16 +80,16 @@ pub async fn patch_anchor(
 
 /// Delete an anchor
 ///
-/// Its detections stay with their keyframes and feed nothing any more.
+/// Its detections stay with their keyframes, but no longer belong to an anchor.
 #[utoipa::path(
     delete, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors", security(("key" = ["write"])),
     params(
         AnchorPathParams,
-        ("if-match" = Option<String>, Header, description = "The anchor's `etag`; without it any version goes",
+        ("if-match" = Option<String>, Header, description = "The anchor's `etag`; without it, any version",
             example = "\"4\"")
     ),
     responses(
-        (status = 200, description = "The anchor is gone", body = MapVersion, example = examples::map_version),
+        (status = 200, description = "The anchor is deleted", body = MapVersion, example = examples::map_version),
         OfVersionedDelete
     )
 )]
@@ -103,7 +104,7 @@ pub async fn delete_anchor(
 
 /// Read an anchor's best crop
 ///
-/// The largest image of it that a detection brought, as it was sent.
+/// The largest image of it in any detection, as it was sent.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/anchors/{anchor}/crop", tag = "anchors", params(AnchorPathParams), security(("key" = ["read"])),
     responses(
@@ -119,14 +120,14 @@ pub async fn get_crop(
     AnchorPath { map, anchor }: AnchorPath,
 ) -> Result<Response, Problem> {
     let crop = service.crop(&map, anchor).await?;
-    // A client sent it, and browsers shall not find a page in it.
+    // Client content: browsers must not treat it as a page.
     Ok(([(CONTENT_TYPE, crop.media_type), (X_CONTENT_TYPE_OPTIONS, "nosniff")], crop.bytes).into_response())
 }
 
 /// Read how an anchor was described
 ///
-/// The dialogues between a language model and a vision model about its crops, the newest first; none where no model
-/// has read one.
+/// The dialogues between a language model and a vision model about its crops, newest first; empty if no model has read
+/// one.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/anchors/{anchor}/transcript", tag = "anchors", params(AnchorPathParams), security(("key" = ["read"])),
     responses((status = 200, description = "The dialogues", body = TranscriptList, example = examples::transcript), ReadErrors)

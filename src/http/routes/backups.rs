@@ -1,4 +1,4 @@
-//! Backups: taken by the server itself, into the folder that its operator has named.
+//! Backups: created by the server, in the folder that its operator configured.
 
 use axum::Json;
 use axum::extract::State;
@@ -17,16 +17,17 @@ use crate::http::problem::Problem;
 
 /// Take a backup
 ///
-/// A whole copy of the database as it is now, into the folder that `revisit serve --backups` names; verified and on disk
-/// when it is answered. Verified is what `revisit restore` would accept; a copy of a database with faults is kept apart, as
-/// `latest.damaged`, and answered 500 (`backup_not_verified`) with the first faults. The same id again is answered with the backup that is there. One at a time: another one
-/// meanwhile is told to wait. The oldest beyond the number that is kept make room.
+/// Creates a complete copy of the database in the folder given by `revisit serve --backups`. It is verified and on
+/// disk when the response is sent. A verified backup is one that `revisit restore` accepts. If the database has
+/// faults, the copy is kept as `latest.damaged`, and the response is 500 (`backup_not_verified`) with the first
+/// faults. An existing id returns the existing backup. Only one backup runs at a time; another request receives 503.
+/// The oldest backups beyond the configured number are deleted.
 #[utoipa::path(
     post, path = "/v1/backups", tag = "service", security(("key" = ["admin"])),
     request_body(content = BackupBody, example = examples::backup_body),
     responses(
-        (status = 201, description = "The backup is taken", body = BackupView, example = examples::backup_taken),
-        (status = 200, description = "There was a backup of this id", body = BackupView,
+        (status = 201, description = "The backup was created", body = BackupView, example = examples::backup_taken),
+        (status = 200, description = "A backup of this id already existed", body = BackupView,
             headers(("idempotent-replayed" = String, description = "`true`")), example = examples::backup_taken),
         OfBackup
     )
@@ -41,11 +42,11 @@ pub async fn take_backup(
 
 /// List backups
 ///
-/// The newest first, one part at a time.
+/// Newest first, paged.
 #[utoipa::path(
     get, path = "/v1/backups", tag = "service", params(Paging), security(("key" = ["admin"])),
     responses(
-        (status = 200, description = "One part of the list", body = BackupList, example = examples::backups), OfList
+        (status = 200, description = "One page of the list", body = BackupList, example = examples::backups), OfList
     )
 )]
 pub async fn list_backups(

@@ -31,15 +31,15 @@ pub(super) const NDJSON: &str = "application/x-ndjson";
 
 /// Store many keyframes
 ///
-/// One keyframe a line, each with its `id`; blank lines are passed over. They are stored in their order, each for itself:
-/// a bad line gets its problem and the others go on. The answer has one line an item.
+/// One keyframe per line, each with its `id`; blank lines are skipped. Lines are stored in order and independently: an
+/// invalid line gets its problem, and the others continue. The response has one line per item.
 #[utoipa::path(
     post, path = "/v1/maps/{map}/keyframes", tag = "keyframes", params(MapPathParams), security(("key" = ["write"])),
     request_body(content = BulkItem, content_type = "application/x-ndjson", example = examples::bulk_body),
     responses(
         (status = 200, description = "Every keyframe is stored", body = BulkLine, content_type = "application/x-ndjson",
             example = examples::bulk_line),
-        (status = 207, description = "Some are not; each line tells", body = BulkLine,
+        (status = 207, description = "Some are not; each line has its result", body = BulkLine,
             content_type = "application/x-ndjson", example = examples::bulk_line),
         OfWrite
     )
@@ -63,24 +63,25 @@ pub async fn put_keyframes(
     Ok(answer.into_response())
 }
 
-/// Maximum lines of one request that wait for the disk at once: enough to share its syncs, and few beside those of others.
+/// Maximum lines of one request that wait for the disk: enough to share its syncs, and few compared with other
+/// requests.
 const UNDER_WAY_MAX: usize = 128;
 
-/// Lines of one request, blank ones counted: a few bytes can hold a billion of them.
+/// Maximum lines of one request, including blank ones: a few compressed bytes can hold a billion of them.
 const LINES_MAX: usize = 10 * limits::BULK_ITEMS;
 
-/// What refusals may take of the answer, in bytes: a robot's bulk has few, and a small body can hold very many lines of
-/// nonsense. From half of it on, only the first fault of a line is listed.
+/// Maximum bytes of errors in the response: a robot's upload has few, but a small body can contain many invalid lines.
+/// Above half of it, only the first fault of a line is listed.
 const REFUSALS_BYTES: usize = 2 << 20;
 
-/// A line that is decided and on its way to the disk.
+/// A decided line that is being written to disk.
 struct UnderWay {
     line: usize,
     id: Option<String>,
     keyframe: PendingKeyframe,
 }
 
-/// The lines answered so far. They are kept until the end, for only then is it known whether any failed.
+/// The lines answered so far. They are kept until the end, which decides whether any failed.
 struct Answer {
     app: App,
     map: PinnedMap,
@@ -113,7 +114,7 @@ impl Answer {
             let line = match self.next_line(&mut lines).await {
                 Ok(Some(line)) => line,
                 Ok(None) => return self.all_committed().await,
-                // What came before is stored: the answer says so, and in its last line what broke off.
+                // Earlier lines are stored: the response lists them, and its last line has the error.
                 Err(problem) => return self.refused(number, None, problem).await,
             };
             if number > LINES_MAX {
@@ -125,7 +126,7 @@ impl Answer {
                 Line::Text(text) => text,
                 Line::TooLong => {
                     let detail = format!(
-                        "a line has at most {} bytes, and fewer if it came as a few compressed ones",
+                        "a line has at most {} bytes, and fewer if it was compressed to a few",
                         limits::LINE_BYTES
                     );
                     self.refused(number, None, Problem::new(Kind::TOO_LARGE, detail)).await;
@@ -133,7 +134,7 @@ impl Answer {
                 }
             };
             if self.refusals_bytes > REFUSALS_BYTES {
-                let detail = "too many lines were refused; the rest is not stored";
+                let detail = "too many lines were rejected; the rest is not stored";
                 return self.broken_off(number, Problem::new(Kind::TOO_LARGE, detail), lines).await;
             }
             if self.items == limits::BULK_ITEMS {
@@ -144,7 +145,7 @@ impl Answer {
                 return self.broken_off(number, Problem::new(Kind::TOO_LARGE, detail), lines).await;
             }
             self.items += 1;
-            // The first was counted with the request.
+            // The first line was counted with the request.
             if self.items > 1 {
                 self.key_allows(working).await;
             }
@@ -162,8 +163,8 @@ impl Answer {
         }
     }
 
-    /// The next line. While it is on its way, those before it get their answers: who waits for a client keeps no turn to
-    /// write from others.
+    /// Returns the next line. While waiting for it, earlier lines are answered: a request must not hold its write
+    /// permit while it waits for its client.
     async fn next_line(&mut self, lines: &mut Lines) -> Result<Option<Line>, Problem> {
         let mut next = pin!(lines.next());
         if let Poll::Ready(line) = poll!(next.as_mut()) {
@@ -173,8 +174,8 @@ impl Answer {
         next.await
     }
 
-    /// Waits until the key may store another line: a bulk is slowed down where single requests are refused. Nobody else
-    /// goes without a turn for that: it counts neither as a request nor, with what it has decided, as writes under way.
+    /// Waits until the key's rate allows another line: a bulk upload is throttled where single requests are rejected.
+    /// Meanwhile it holds no permit, neither as a request nor for its pending writes, so it delays no other client.
     async fn key_allows(&mut self, working: &HeldPermit) {
         let Access::Key(held) = self.access.clone() else { return };
         if held.count().is_err() {
@@ -183,13 +184,13 @@ impl Answer {
         }
     }
 
-    /// Refuses what is left of the request.
+    /// Rejects the rest of the request.
     async fn broken_off(&mut self, number: usize, problem: Problem, mut lines: Lines) {
         self.refused(number, None, problem).await;
         lines.discard().await;
     }
 
-    /// Answers the oldest line that is under way, once it is on disk.
+    /// Answers the oldest pending line, once it is on disk.
     async fn oldest_committed(&mut self) {
         let Some(UnderWay { line, id, keyframe }) = self.under_way.pop_front() else { return };
         match keyframe.committed().await {
@@ -202,7 +203,7 @@ impl Answer {
         }
     }
 
-    /// Answers every line under way: lines are answered in their order.
+    /// Answers all pending lines, in order.
     async fn all_committed(&mut self) {
         while !self.under_way.is_empty() {
             self.oldest_committed().await;
@@ -229,7 +230,7 @@ impl Answer {
 
     fn push(&mut self, line: &BulkLine, stored: bool) {
         self.failed |= !stored;
-        // Writing into a vector does not fail.
+        // Writing to a vector does not fail.
         let _ = serde_json::to_writer(&mut self.lines, line);
         self.lines.push(b'\n');
     }
@@ -242,16 +243,16 @@ impl IntoResponse for Answer {
     }
 }
 
-/// What the rest hears when the key is revoked or expires, or when there is a key now, in the middle of a request.
+/// Returns the problem of the remaining lines when the key is revoked or expires, or when the first key is created.
 fn access_ended(access: &Access) -> Problem {
     let detail = match access {
-        Access::Open => "a key was made meanwhile, and is needed from now on; the rest is not stored",
+        Access::Open => "a key was created meanwhile, so requests need one now; the rest is not stored",
         Access::Key(_) => "the key has expired or was revoked meanwhile; the rest is not stored",
     };
     Problem::new(Kind::UNAUTHORIZED, detail)
 }
 
-/// Decides one line and queues it; a refusal comes with the id, if the line has one.
+/// Decides one line and queues it; an error has the line's id, if known.
 async fn begin(
     app: &App,
     map: &PinnedMap,

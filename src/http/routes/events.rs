@@ -1,4 +1,4 @@
-//! Events: a map's stream, resumable wherever it broke off.
+//! Events: a map's event stream, resumable at any event.
 
 use std::convert::Infallible;
 use std::time::Duration;
@@ -23,26 +23,26 @@ use crate::http::guards::access::Caller;
 use crate::http::guards::stream_limit::Listening;
 use crate::http::problem::{Kind, Problem};
 
-/// How many events are fetched at once.
+/// Maximum events fetched together.
 const BATCH: usize = 256;
-/// A comment this often keeps proxies from hanging up.
+/// Interval of comments that keep proxies from closing the stream.
 const KEEP_ALIVE: Duration = Duration::from_secs(15);
 
-/// Listen to a map
+/// Stream a map's events
 ///
 /// Server-sent events: `id` is a sequence number, `event` the kind, `data` an Event as JSON. A client that reconnects
-/// with `last-event-id`, as browsers do, misses nothing; where it would, because the map was deleted and made again or the
-/// event is too old to be kept, the answer is 410. The stream ends with the server, with the map and with the key;
-/// the number of streams of a key is limited (429).
+/// with `last-event-id`, as browsers do, misses nothing. If it would, because the map was recreated or the event is
+/// too old, the response is 410. The stream ends with the server, the map or the key. The number of streams per key is
+/// limited (429).
 #[utoipa::path(
     get, path = "/v1/maps/{map}/events", tag = "events", security(("key" = ["read"])),
     params(
         MapPathParams, Since,
-        ("last-event-id" = Option<u64>, Header, description = "The number of the last event seen; wins over `since`",
+        ("last-event-id" = Option<u64>, Header, description = "The number of the last event seen; overrides `since`",
             example = 30)
     ),
     responses(
-        (status = 200, description = "Events, as they happen", body = String, content_type = "text/event-stream",
+        (status = 200, description = "The event stream", body = String, content_type = "text/event-stream",
             example = examples::event_stream),
         OfStream
     )
@@ -65,14 +65,14 @@ pub async fn listen(
     Ok(Sse::new(stream).keep_alive(KeepAlive::new().interval(KEEP_ALIVE)))
 }
 
-/// Names what the client sent where that is the reason.
+/// Names the client's parameter if it is the cause.
 fn unresumed(error: ServiceError, place: &str, from: u64) -> Problem {
     let is_gone = matches!(error, ServiceError::Gone { .. });
     let problem = Problem::from(error);
     if !is_gone {
         return problem;
     }
-    let fault = FieldError::new(place, "not the number of an event that is kept").got(from.to_string());
+    let fault = FieldError::new(place, "not the number of a stored event").got(from.to_string());
     problem.with(vec![fault.limit("0, or the number of an event of this map")])
 }
 
@@ -87,9 +87,9 @@ fn stream(
     async_stream::stream! {
         let _listening = listening;
         loop {
-            // Marked as seen before fetching: what comes in between wakes the wait below.
+            // Marked as seen before fetching, so that events arriving meanwhile wake the wait below.
             listener.mark_seen();
-            // An error here is a map that is gone; the client learns more when it reconnects.
+            // An error here means that the map was deleted; the client receives the reason when it reconnects.
             let Ok(events) = app.service.events(&map, since, BATCH).await else { return };
             let more = !events.is_empty();
             for event in events {

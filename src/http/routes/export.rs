@@ -17,16 +17,16 @@ use crate::http::extract::path::{MapPath, MapPathParams};
 use crate::http::guards::access::Caller;
 use crate::http::problem::Problem;
 
-/// Lines are sent in pieces of about this size.
+/// Approximate size of the pieces in which lines are sent.
 const PIECE_BYTES: usize = 64 << 10;
 
 /// Export a map
 ///
-/// The map as a recording, as `revisit replay` plays it: one operation a line, in the order of writing, each with the body
-/// in which it was sent. Poses and positions are those of that time, and corrections follow as they came (`keep_history`).
-/// Deleted keyframes are left out, with all that hangs on them. Words stand in every keyframe, also where the server computed
-/// them. Playing it gives a map with the same verdicts, under other ids of anchors and queries. An answer that breaks off
-/// is not whole; at most two exports run at once.
+/// Returns the map as a recording for `revisit replay`: one operation per line, in write order, each with its original
+/// body. Poses and positions are the original ones, and corrections follow in order (`keep_history`). Deleted
+/// keyframes are omitted, with everything that depends on them. Every keyframe includes its words, even where the
+/// server computed them. Replaying it gives a map with the same verdicts, but other ids of anchors and queries. An
+/// aborted response is incomplete. At most two exports run at once.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/export", tag = "maps", params(MapPathParams), security(("key" = ["read"])),
     responses(
@@ -48,7 +48,8 @@ pub async fn export_map(
     Ok((headers, Body::from_stream(pieces(app, caller.0, map, export))).into_response())
 }
 
-/// The lines of a map. An error breaks the answer off, so that no client takes a part for the whole.
+/// Returns the lines of a map. An error aborts the response, so that a partial export is never mistaken for a complete
+/// one.
 fn pieces(
     app: App,
     access: Access,
@@ -60,9 +61,9 @@ fn pieces(
         loop {
             let next = tokio::select! {
                 next = export.next() => next,
-                () = app.service.keys().ended(&access) => Err(ServiceError::NotFound("the key has ended".to_owned())),
+                () = app.service.keys().ended(&access) => Err(ServiceError::NotFound("the key has expired or was revoked".to_owned())),
             };
-            let next = next.inspect_err(|error| tracing::error!(%map, %error, "an export broke off"))?;
+            let next = next.inspect_err(|error| tracing::error!(%map, %error, "an export failed"))?;
             let Some(recorded) = next else { break };
             write_line(&map, recorded, &mut piece)
                 .map_err(|error| ServiceError::Internal(format!("a line was not written: {error}")))?;

@@ -1,4 +1,4 @@
-//! Judgements: jobs that ask a changed model again.
+//! Judgements: jobs that re-evaluate verdicts with a changed model.
 
 use axum::Json;
 use axum::extract::State;
@@ -14,18 +14,18 @@ use crate::http::extract::body::Body;
 use crate::http::extract::path::{JudgementPath, JudgementPathParams, MapPath, MapPathParams};
 use crate::http::problem::Problem;
 
-/// Ask a changed model again
+/// Re-evaluate verdicts with a changed model
 ///
-/// When a model or its prompts change, the verdicts of a map stay as they are until this job asks for them again. With
-/// `"preview": true` it only counts the questions and what they may cost. The job goes on in the background, within the
-/// budget and over restarts; one job of a map runs at a time. Verdicts that it replaces stay on record, and anchors that
-/// were merged stay merged.
+/// When a model or its prompts change, a map keeps its verdicts until this job re-evaluates them. With `"preview":
+/// true` it only returns the number of questions and their maximum cost. The job runs in the background within the
+/// budget and survives restarts; a map has one running job at a time. Replaced verdicts stay on record, and merged
+/// anchors stay merged.
 #[utoipa::path(
     post, path = "/v1/maps/{map}/judgements", tag = "anchors", params(MapPathParams), security(("key" = ["write"])),
     request_body(content = JudgementBody, example = examples::judgement_body),
     responses(
-        (status = 201, description = "The job is started", body = JudgementView, example = examples::judgement),
-        (status = 200, description = "A preview, or the job that was started before by this id", body = JudgementView,
+        (status = 201, description = "The job was started", body = JudgementView, example = examples::judgement),
+        (status = 200, description = "A preview, or the existing job of this id", body = JudgementView,
             headers(("idempotent-replayed" = String, description = "`true`, unless it is a preview")),
             example = examples::judgement_preview),
         OfWrite
@@ -42,9 +42,9 @@ pub async fn judge_again(
     Ok(if is_preview { Json(view).into_response() } else { written(stored.created, view) })
 }
 
-/// Read a job that asks again
+/// Read a re-evaluation job
 ///
-/// How far it is, and which verdicts it has replaced by others.
+/// Returns its progress and the verdicts that it has replaced.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/judgements/{id}", tag = "anchors", params(JudgementPathParams),
     security(("key" = ["read"])),
@@ -57,14 +57,14 @@ pub async fn get_judgement(
     Ok(Json(service.judgement(&map, &id).await?.into()))
 }
 
-/// Stop a job that asks again
+/// Stop a re-evaluation job
 ///
-/// What it has learned stays. The job can still be read; one that has ended stays as it is.
+/// Its results so far are kept. The job can still be read; a finished job does not change.
 #[utoipa::path(
     delete, path = "/v1/maps/{map}/judgements/{id}", tag = "anchors", params(JudgementPathParams),
     security(("key" = ["write"])),
     responses(
-        (status = 200, description = "The job asks nothing more", body = JudgementView, example = examples::judgement),
+        (status = 200, description = "The job is stopped", body = JudgementView, example = examples::judgement),
         OfDelete
     )
 )]

@@ -1,4 +1,4 @@
-//! Keyframes: one in, with or without its loop query; read back; culled.
+//! Keyframes: stored with or without a loop query, read, deleted.
 
 use axum::Json;
 use axum::extract::State;
@@ -24,14 +24,14 @@ use crate::http::problem::Problem;
 
 /// Store a keyframe
 ///
-/// Its detections are associated with anchors; with `?query=loop` the loop query is answered in the same round trip.
-/// The same body again changes nothing and answers 200; another body under the same id is a conflict.
+/// Its detections are associated with anchors. With `?query=loop` the response includes the answer of a loop query.
+/// Sending the same body again changes nothing and returns 200; a different body under the same id is a conflict.
 #[utoipa::path(
     put, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePathParams, KeyframeParams), security(("key" = ["write"])),
     request_body(content = KeyframeBody, example = examples::keyframe_body),
     responses(
         (status = 201, description = "The keyframe is stored", body = KeyframeAnswer, example = examples::keyframe_answer),
-        (status = 200, description = "The same keyframe was stored before", body = KeyframeAnswer,
+        (status = 200, description = "The same keyframe was already stored", body = KeyframeAnswer,
             headers(("idempotent-replayed" = String, description = "`true`")), example = examples::keyframe_answer),
         OfWrite
     )
@@ -58,11 +58,11 @@ pub async fn put_keyframe(
 
 /// List keyframes
 ///
-/// In order of arrival, one part at a time.
+/// In order of arrival, paged.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/keyframes", tag = "keyframes", params(MapPathParams, Paging), security(("key" = ["read"])),
     responses(
-        (status = 200, description = "One part of the list", body = KeyframeList, example = examples::keyframes),
+        (status = 200, description = "One page of the list", body = KeyframeList, example = examples::keyframes),
         ReadErrors
     )
 )]
@@ -77,7 +77,7 @@ pub async fn list_keyframes(
 
 /// Read a keyframe
 ///
-/// As it was sent, with its pose and its points as last corrected, and what became of its detections.
+/// As it was sent, with its last corrected pose and points, and the anchors of its detections.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePathParams), security(("key" = ["read"])),
     responses((status = 200, description = "The keyframe", body = KeyframeView, example = examples::keyframe), ReadErrors)
@@ -92,11 +92,11 @@ pub async fn get_keyframe(
 
 /// Cull a keyframe
 ///
-/// Its observations go with it; an anchor that loses its last one goes too.
+/// Deletes its observations, too, and any anchor without other observations.
 #[utoipa::path(
     delete, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePathParams), security(("key" = ["write"])),
     responses(
-        (status = 200, description = "The keyframe is gone", body = MapVersion, example = examples::map_version),
+        (status = 200, description = "The keyframe is deleted", body = MapVersion, example = examples::map_version),
         OfDelete
     )
 )]
@@ -110,11 +110,11 @@ pub async fn delete_keyframe(
 
 /// List covisible keyframes
 ///
-/// Those that share enough map points with it, and those declared covisible, by a client or by a confirmed loop.
+/// Keyframes that share enough map points with it, or that a client or a confirmed loop declared covisible.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/keyframes/{keyframe}/covisible", tag = "keyframes", params(KeyframePathParams), security(("key" = ["read"])),
     responses(
-        (status = 200, description = "All of them", body = CovisibleList, example = examples::covisible),
+        (status = 200, description = "All covisible keyframes", body = CovisibleList, example = examples::covisible),
         ReadErrors
     )
 )]
@@ -128,7 +128,7 @@ pub async fn list_covisible(
 
 /// Read a local anchor map
 ///
-/// M_k of §V-A: the anchors seen by a keyframe and those covisible with it, as bearings and distances from its camera.
+/// M_k of §V-A: the anchors seen by a keyframe and its covisible keyframes, as bearings and distances from its camera.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/keyframes/{keyframe}/local-anchor-map", tag = "keyframes", params(KeyframePathParams), security(("key" = ["read"])),
     responses(

@@ -1,4 +1,4 @@
-//! Keys: made, listed, revoked.
+//! Keys: create, list, revoke.
 
 use axum::Json;
 use axum::extract::State;
@@ -17,10 +17,10 @@ use crate::http::problem::Problem;
 
 /// List keys
 ///
-/// In order of creation, revoked ones among them; secrets are kept nowhere.
+/// In order of creation, including revoked ones. Secrets are not stored.
 #[utoipa::path(
     get, path = "/v1/keys", tag = "keys", params(Paging), security(("key" = ["admin"])),
-    responses((status = 200, description = "One part of the list", body = KeyList, example = key::example_list), OfList)
+    responses((status = 200, description = "One page of the list", body = KeyList, example = key::example_list), OfList)
 )]
 pub async fn list_keys(
     State(service): State<Service>,
@@ -31,11 +31,11 @@ pub async fn list_keys(
     Ok(Json(KeyList { items, next_cursor: keys.next_cursor }))
 }
 
-/// Make a key
+/// Create a key
 ///
-/// The answer shows its secret, once. From the first key on, every request needs a key, the viewer's too. So a server's
-/// first key must be able to administer: with `admin`, for every map, without an expiry (else 409). `revisit keys create`
-/// makes keys in the database itself, and is the way back in.
+/// The response contains the secret, which is shown only once. From the first key on, every request needs a key,
+/// including the viewer's. The first key must therefore be an administrator's: with `admin`, for every map, without an
+/// expiry (else 409). `revisit keys create` creates keys directly in the database, to regain access.
 #[utoipa::path(
     post, path = "/v1/keys", tag = "keys", security(("key" = ["admin"])),
     request_body(content = KeyBody, example = key::example_body),
@@ -54,11 +54,11 @@ pub async fn create_key(
 
 /// Revoke a key
 ///
-/// It is refused from now on, and stays in the list. Revoking it again changes nothing. The last key that may administer is
-/// revoked only with `last_admin=true` (else 409).
+/// The key is rejected from now on and stays in the list. Revoking it again changes nothing. The last administrator
+/// key is revoked only with `last_admin=true` (else 409).
 #[utoipa::path(
     delete, path = "/v1/keys/{id}", tag = "keys", params(KeyPathParams, LastAdmin), security(("key" = ["admin"])),
-    responses((status = 204, description = "The key is good no longer"), OfKeyDelete)
+    responses((status = 204, description = "The key is revoked"), OfKeyDelete)
 )]
 pub async fn revoke_key(
     State(service): State<Service>,

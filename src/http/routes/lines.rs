@@ -1,4 +1,4 @@
-//! Lines: a streamed body cut at its newlines, no line longer than memory should hold.
+//! Lines: a streamed body split at newlines, with a limit on the length of a line.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -14,11 +14,11 @@ use crate::http::extract::decompression::Encoding;
 use crate::http::guards::body_memory::{BodyMemory, HeldMemory, becomes_at_most};
 use crate::http::problem::{Kind, Problem};
 
-/// What is compressed well is inflated without ever waiting; after so many bytes others get their turn.
+/// Bytes after which inflating yields: highly compressed input never waits for the client.
 const YIELD_BYTES: usize = 256 << 10;
-/// What is read of the rest once a body is given up.
+/// Maximum bytes discarded after a body is rejected.
 const DISCARDED_BYTES: usize = 16 << 20;
-/// Lines up to this take memory without asking.
+/// Lines up to this size are not counted.
 const UNCOUNTED_BYTES: usize = 256 << 10;
 
 /// One line of the body.
@@ -26,7 +26,7 @@ const UNCOUNTED_BYTES: usize = 256 << 10;
 pub enum Line {
     /// Its bytes, without the newline.
     Text(Bytes),
-    /// It had more than [`LINE_BYTES`], or became more than the few bytes may that it came as, and was passed over.
+    /// A skipped line that was longer than [`LINE_BYTES`], or expanded too much.
     TooLong,
 }
 
@@ -34,11 +34,11 @@ pub enum Line {
 pub struct Lines {
     body: Body,
     buffer: BytesMut,
-    /// How much of the buffer is known to have no newline.
+    /// Length of the buffer known to contain no newline.
     searched: usize,
-    /// Is the line at hand too long already?
+    /// Whether the current line is already too long.
     skipping: bool,
-    /// Has there been a long line?
+    /// Whether there was a long line.
     is_long: bool,
     taken: usize,
     unyielded: usize,
@@ -47,15 +47,15 @@ pub struct Lines {
     compressed: Option<Compressed>,
 }
 
-/// How much of a compressed body has arrived.
+/// The compressed bytes received.
 struct Compressed {
     arrived: Arc<AtomicUsize>,
-    /// And had, when the line at hand began.
+    /// The count at the start of the current line.
     before: usize,
 }
 
 impl Lines {
-    /// The lines of this body. They share the memory of large bodies.
+    /// Returns the lines of this body. They use the shared memory of large bodies.
     pub fn of(body: Body, encoding: Encoding, memory: BodyMemory) -> Result<Self, Problem> {
         let mut held = HeldMemory::default();
         let (body, compressed) = if encoding == Encoding::Identity {
@@ -79,13 +79,13 @@ impl Lines {
         })
     }
 
-    /// What the line last read may become in memory, if it came compressed.
+    /// Returns the maximum size in memory of the line last read, if it was compressed.
     pub fn becomes_at_most(&self) -> Option<usize> {
         let Compressed { arrived, before } = self.compressed.as_ref()?;
         Some(becomes_at_most(arrived.load(Ordering::Relaxed).saturating_sub(*before)))
     }
 
-    /// The next line; an error ends the body.
+    /// Returns the next line; an error ends the body.
     pub async fn next(&mut self) -> Result<Option<Line>, Problem> {
         if let Some(Compressed { arrived, before }) = &mut self.compressed {
             *before = arrived.load(Ordering::Relaxed);
@@ -100,7 +100,7 @@ impl Lines {
         }
     }
 
-    /// Throws away some of what follows, so that a client that is still sending gets to see the answer.
+    /// Discards some of the rest, so that a client that is still sending receives the response.
     pub async fn discard(&mut self) {
         let mut left = DISCARDED_BYTES;
         while left > 0 {
@@ -109,7 +109,7 @@ impl Lines {
         }
     }
 
-    /// The line at the front of the buffer, if its newline is there.
+    /// Returns the first line of the buffer, if it is complete.
     fn complete(&mut self) -> Option<Line> {
         let newline = self.buffer[self.searched..].iter().position(|&byte| byte == b'\n');
         let Some(at) = newline.map(|at| at + self.searched) else {
@@ -127,7 +127,7 @@ impl Lines {
         Some(self.line(text))
     }
 
-    /// What follows the last newline.
+    /// Returns the text after the last newline.
     fn rest(&mut self) -> Option<Line> {
         if self.buffer.is_empty() && !self.skipping {
             return None;
@@ -142,7 +142,7 @@ impl Lines {
         if too_long { Line::TooLong } else { Line::Text(text) }
     }
 
-    /// Takes in more of the body; `false` at its end.
+    /// Reads more of the body; returns `false` at its end.
     async fn fill(&mut self) -> Result<bool, Problem> {
         if self.body.is_end_stream() {
             return Ok(false);
@@ -167,11 +167,11 @@ impl Lines {
         Ok(true)
     }
 
-    /// A long line gets all the room that a line may have, once and for the rest of the body.
+    /// Reserves the maximum length of a line for a long line, once and for the rest of the body.
     fn make_room(&mut self, more: usize) -> Result<(), Problem> {
         let needed = self.buffer.len() + more;
         if needed > self.buffer.capacity() && needed > UNCOUNTED_BYTES {
-            // What is split off for lines comes out of the same room and is given back with them.
+            // Lines split off use the same memory and release it with them.
             if !self.is_long {
                 self.memory.take(&mut self.held, LINE_BYTES)?;
                 self.is_long = true;

@@ -1,4 +1,4 @@
-//! Loop queries: "is this keyframe a loop?", and the verdict read back with every figure.
+//! Loop queries: "is this keyframe a loop?", and reading a verdict again with every figure.
 
 use axum::extract::State;
 use axum::http::HeaderName;
@@ -14,17 +14,17 @@ use crate::http::extract::body::QueryOfMap;
 use crate::http::extract::path::{MapPathParams, QueryPath, QueryPathParams};
 use crate::http::problem::Problem;
 
-/// The W3C header in which a server tells what it spent its time on.
+/// The W3C header with a server's timings.
 const SERVER_TIMING: HeaderName = HeaderName::from_static("server-timing");
 
-/// Ask whether a keyframe is a loop
+/// Query whether a keyframe is a loop
 ///
-/// About a stored keyframe or one sent along. It changes nothing and calls no model; the same map version, keyframe,
-/// settings and seed give the same bytes.
+/// The keyframe is a stored one, or one in the body. The query changes nothing and calls no model. The same map
+/// version, keyframe, settings and seed give the same bytes.
 ///
-/// A verdict is not yet a closed loop: it is an answer. Once the client has closed the loop in its own map, it confirms that
-/// with `POST /v1/maps/{map}/loops`. From then on the two keyframes are covisible, and the same question is answered with the
-/// loop in `closed` and the reason `already_closed`.
+/// A verdict does not close a loop. Once the client has closed the loop in its own map, it confirms that with `POST
+/// /v1/maps/{map}/loops`. From then on the two keyframes are covisible. The same query then returns the loop in
+/// `closed` and the reason `already_closed`.
 #[utoipa::path(
     post, path = "/v1/maps/{map}/loop-queries", tag = "loops", params(MapPathParams), security(("key" = ["query"])),
     request_body(content = LoopQueryBody, example = examples::loop_query),
@@ -43,7 +43,7 @@ pub async fn query_loop(
 
 /// Read a verdict again
 ///
-/// The very bytes that were answered. Records are bounded for each map, the oldest go first.
+/// Returns the exact bytes of the answer. The number of records per map is limited; the oldest are deleted first.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/loop-queries/{query}", tag = "loops", params(QueryPathParams), security(("key" = ["read"])),
     responses((status = 200, description = "The verdict", body = LoopAnswer, example = examples::loop_answer), ReadErrors)
@@ -55,7 +55,7 @@ pub async fn get_loop_query(
     Ok(json_bytes(service.kept_query(&map, &query).await?))
 }
 
-/// What each step took, in milliseconds.
+/// Formats the duration of each step, in milliseconds.
 fn server_timing(timings: Timings) -> String {
     let Timings { screen_ms, features_ms, geometry_ms } = timings;
     format!("screen;dur={screen_ms:.3}, features;dur={features_ms:.3}, geometry;dur={geometry_ms:.3}")

@@ -1,4 +1,4 @@
-//! Loops: closed by clients, and revoked again.
+//! Loops: confirmed by clients, and revoked.
 
 use axum::Json;
 use axum::extract::State;
@@ -18,14 +18,15 @@ use crate::http::problem::Problem;
 
 /// Confirm a loop
 ///
-/// The client has closed it: anchors matched between the two local maps become one, and the two keyframes covisible. Only this
-/// closes a loop; a verdict of a query changes nothing. What speaks against it is told in `warnings`.
+/// States that the client has closed the loop. Matched anchors of the two local maps are merged, and the two keyframes
+/// become covisible. Only this closes a loop; the verdict of a query changes nothing. Evidence against the loop is
+/// returned in `warnings`.
 #[utoipa::path(
     post, path = "/v1/maps/{map}/loops", tag = "loops", params(MapPathParams), security(("key" = ["write"])),
     request_body(content = LoopBody, example = examples::loop_body),
     responses(
         (status = 201, description = "The loop is confirmed", body = LoopClosed, example = examples::loop_closed),
-        (status = 200, description = "The same loop was confirmed before", body = LoopClosed,
+        (status = 200, description = "The same loop was already confirmed", body = LoopClosed,
 
             headers(("idempotent-replayed" = String, description = "`true`")), example = examples::loop_closed),
         OfWrite
@@ -43,10 +44,10 @@ pub async fn confirm_loop(
 
 /// List confirmed loops
 ///
-/// Oldest first, one part at a time.
+/// Oldest first, paged.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/loops", tag = "loops", params(MapPathParams, Paging), security(("key" = ["read"])),
-    responses((status = 200, description = "One part of the list", body = LoopList, example = examples::loops), ReadErrors)
+    responses((status = 200, description = "One page of the list", body = LoopList, example = examples::loops), ReadErrors)
 )]
 pub async fn list_loops(
     State(service): State<Service>,
@@ -59,7 +60,7 @@ pub async fn list_loops(
 
 /// Revoke a loop
 ///
-/// It was none after all: what it merged is split again, and the two keyframes are no longer covisible through it.
+/// For a loop that was wrong: its merges are undone, and the two keyframes are no longer covisible through it.
 #[utoipa::path(
     delete, path = "/v1/maps/{map}/loops/{loop}", tag = "loops", params(LoopPathParams), security(("key" = ["write"])),
     responses(

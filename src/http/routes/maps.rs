@@ -1,4 +1,4 @@
-//! Maps: a building's memory, and its settings.
+//! Maps: a building's keyframes and anchors, and its settings.
 
 use axum::Json;
 use axum::extract::State;
@@ -21,10 +21,10 @@ use crate::http::problem::Problem;
 
 /// List maps
 ///
-/// By id, one part at a time; those that exist for the key.
+/// Sorted by id, paged; only maps that the key covers.
 #[utoipa::path(
     get, path = "/v1/maps", tag = "maps", params(Paging), security(("key" = ["read"])),
-    responses((status = 200, description = "One part of the list", body = MapList, example = examples::maps), OfList)
+    responses((status = 200, description = "One page of the list", body = MapList, example = examples::maps), OfList)
 )]
 pub async fn list_maps(
     State(service): State<Service>,
@@ -35,15 +35,15 @@ pub async fn list_maps(
     Ok(Json(maps.into()))
 }
 
-/// Make a map
+/// Create a map
 ///
-/// The same body again changes nothing and answers 200; another body under the same id is a conflict.
+/// Sending the same body again changes nothing and returns 200; a different body under the same id is a conflict.
 #[utoipa::path(
     put, path = "/v1/maps/{map}", tag = "maps", params(MapPathParams), security(("key" = ["write"])),
     request_body(content = MapBody, example = examples::map_body),
     responses(
-        (status = 201, description = "The map is made", body = MapView, example = examples::map),
-        (status = 200, description = "The same map was made before", body = MapView, 
+        (status = 201, description = "The map was created", body = MapView, example = examples::map),
+        (status = 200, description = "The same map already existed", body = MapView, 
             headers(("idempotent-replayed" = String, description = "`true`")), example = examples::map),
         OfWrite
     )
@@ -60,7 +60,7 @@ pub async fn put_map(
 
 /// Read a map
 ///
-/// With every setting in force.
+/// Includes every setting in force.
 #[utoipa::path(
     get, path = "/v1/maps/{map}", tag = "maps", params(MapPathParams), security(("key" = ["read"])),
     responses((status = 200, description = "The map", body = MapView, example = examples::map), ReadErrors)
@@ -74,11 +74,11 @@ pub async fn get_map(
 
 /// Change a map
 ///
-/// What is left out stays as it is; `settings` changes the settings it names.
+/// Omitted members keep their values; `settings` changes only the settings that it contains.
 #[utoipa::path(
     patch, path = "/v1/maps/{map}", tag = "maps", params(MapPathParams), security(("key" = ["write"])),
     request_body(content = MapPatchBody, example = examples::map_patch),
-    responses((status = 200, description = "The map as it is now", body = MapView, example = examples::map), OfWrite)
+    responses((status = 200, description = "The updated map", body = MapView, example = examples::map), OfWrite)
 )]
 pub async fn patch_map(
     State(service): State<Service>,
@@ -90,10 +90,10 @@ pub async fn patch_map(
 
 /// Delete a map
 ///
-/// With everything in it.
+/// Deletes everything in it.
 #[utoipa::path(
     delete, path = "/v1/maps/{map}", tag = "maps", params(MapPathParams), security(("key" = ["write"])),
-    responses((status = 204, description = "The map is gone"), OfDelete)
+    responses((status = 204, description = "The map is deleted"), OfDelete)
 )]
 pub async fn delete_map(
     State(service): State<Service>,

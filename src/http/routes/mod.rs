@@ -1,4 +1,4 @@
-//! Routes: one file for each kind of resource, handlers that extract, ask the service once, and answer.
+//! Routes: one file per kind of resource; handlers extract, call the service once, and respond.
 
 mod anchors;
 mod backups;

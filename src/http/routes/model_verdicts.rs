@@ -1,4 +1,4 @@
-//! Model verdicts: what a model said elsewhere.
+//! Model verdicts: imported from models elsewhere.
 
 use axum::Json;
 use axum::extract::State;
@@ -12,16 +12,16 @@ use crate::http::extract::body::Body;
 use crate::http::extract::path::{MapPath, MapPathParams};
 use crate::http::problem::Problem;
 
-/// Bring what a model said
+/// Import a model verdict
 ///
-/// A level or a merged text of texts of one class, or the description of a detection's crop: it is applied as if a model of
-/// this server had said it, and asks none. So a copy of a map, or a model that runs elsewhere, brings its verdicts. Where no
-/// anchor carries the texts, or the crop was read for good, it changes nothing.
+/// A level or a merged text of texts of one class, or the description of a detection's crop. It is applied like a
+/// verdict of this server's model, and calls none. A copy of a map, or a model that runs elsewhere, can import
+/// verdicts this way. It has no effect if no anchor has these texts, or if the crop's reading is final.
 #[utoipa::path(
     post, path = "/v1/maps/{map}/model-verdicts", tag = "anchors", params(MapPathParams), security(("key" = ["write"])),
     request_body(content = ModelVerdictBody, example = examples::model_verdict),
     responses(
-        (status = 200, description = "What became of it", body = ModelVerdictAnswer, example = examples::model_verdict_answer),
+        (status = 200, description = "The result", body = ModelVerdictAnswer, example = examples::model_verdict_answer),
         OfWrite
     )
 )]

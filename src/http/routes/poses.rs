@@ -1,4 +1,4 @@
-//! Poses: what the client's optimisation corrected.
+//! Poses: corrections by the client's optimisation.
 
 use axum::Json;
 use axum::extract::State;
@@ -14,13 +14,13 @@ use crate::http::problem::Problem;
 
 /// Correct poses and map points
 ///
-/// After a loop was closed and the client has optimised: all of it in one transaction, or nothing. Boxes of anchors
-/// follow their points.
+/// For use after the client has closed a loop and optimised its map. All corrections are one transaction. Boxes of
+/// anchors follow their points.
 #[utoipa::path(
     post, path = "/v1/maps/{map}/poses", tag = "loops", params(MapPathParams), security(("key" = ["write"])),
     request_body(content = PosesBody, example = examples::poses_body),
     responses(
-        (status = 200, description = "They are corrected", body = PosesAnswer, example = examples::poses_answer),
+        (status = 200, description = "The corrections are stored", body = PosesAnswer, example = examples::poses_answer),
         OfWrite
     )
 )]

@@ -1,4 +1,4 @@
-//! Semantics: the judge asked by hand, to see why two texts match or do not.
+//! Semantics: direct calls of the judge, to see why two texts match or do not.
 
 use axum::Json;
 use axum::extract::State;
@@ -14,7 +14,7 @@ use crate::llm::judge::Judged;
 
 /// SimilarityLevel of two descriptions
 ///
-/// 1 different objects, 5 the same.
+/// From 1, different objects, to 5, the same object.
 #[utoipa::path(
     post, path = "/v1/semantics/similarity", tag = "semantics", security(("key" = ["query"])),
     request_body(content = TextPair, example = examples::text_pair),
@@ -31,7 +31,7 @@ pub async fn similarity(
 
 /// InformationLevel of a description
 ///
-/// 1 says nothing, 5 an identifier in context.
+/// From 1, no information, to 5, an identifier in context.
 #[utoipa::path(
     post, path = "/v1/semantics/information", tag = "semantics", security(("key" = ["query"])),
     request_body(content = OneText, example = examples::one_text),
@@ -48,7 +48,7 @@ pub async fn information(
 
 /// MergeText of two descriptions
 ///
-/// One description of what both describe.
+/// Merges two descriptions of one object into one.
 #[utoipa::path(
     post, path = "/v1/semantics/merge", tag = "semantics", security(("key" = ["query"])),
     request_body(content = TextPair, example = examples::text_pair),

@@ -1,4 +1,4 @@
-//! Service: how the server is, for those who run it.
+//! Service: the state of the server, for operators.
 
 use axum::Json;
 use axum::extract::State;
@@ -17,9 +17,9 @@ use crate::http::metrics::gauges::Figures;
 use crate::http::metrics::process::Process;
 use crate::http::problem::{Kind, Problem};
 
-/// Is the process alive?
+/// Check liveness
 ///
-/// It answers, so it is.
+/// Returns 200 while the process is alive.
 #[utoipa::path(
     get, path = "/healthz", tag = "service", security(()),
     responses((status = 200, description = "It is", body = Health, example = examples::health), OfNobody)
@@ -28,10 +28,9 @@ pub async fn healthz() -> Json<Health> {
     Json(Health::of("alive"))
 }
 
-/// Is the server ready for requests?
+/// Check readiness for requests
 ///
-/// 200 once the database is open, 503 from the moment the server is told to stop. Maps are loaded when they are first
-/// asked for.
+/// Returns 200 once the database is open, 503 after shutdown begins. Maps are loaded on first use.
 #[utoipa::path(
     get, path = "/readyz", tag = "service", security(()),
     responses((status = 200, description = "It is ready", body = Health, example = examples::ready), OfReadiness)
@@ -46,7 +45,7 @@ pub async fn readyz(State(app): State<App>) -> Result<Json<Health>, Problem> {
 
 /// Read the server's version
 ///
-/// With that of the SQLite inside it.
+/// Includes the version of the embedded SQLite.
 #[utoipa::path(
     get, path = "/version", tag = "service", security(()),
     responses((status = 200, description = "The version", body = Version, example = examples::version), OfReadiness)
@@ -63,7 +62,7 @@ pub async fn get_version(State(service): State<Service>) -> Result<Json<Version>
 
 /// Read the metrics
 ///
-/// In the form of OpenMetrics, for Prometheus.
+/// In the OpenMetrics format, for Prometheus.
 #[utoipa::path(
     get, path = "/metrics", tag = "service", security(()),
     responses(
@@ -74,7 +73,7 @@ pub async fn get_version(State(service): State<Service>) -> Result<Json<Version>
 )]
 pub async fn get_metrics(State(app): State<App>) -> impl IntoResponse {
     app.metrics.shed_metrics.now(app.slots.open(), app.service.pressure().working());
-    // Nothing here waits for the database, or for a request: an operator looks most when the server is busiest.
+    // Nothing here waits for the database or another request, because operators need metrics most under load.
     let figures = Figures {
         stats: app.service.stats(),
         process: Process::now(),

@@ -1,4 +1,4 @@
-//! Trajectories: a map's poses as evo, g2o and gtsam read them.
+//! Trajectories: a map's poses in the formats of evo, g2o and gtsam.
 
 use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
@@ -17,11 +17,12 @@ use crate::http::problem::Problem;
 
 /// Read a trajectory
 ///
-/// Poses (`map_from_camera`) as last corrected, by stamp. `tum`: lines of `seconds x y z qx qy qz qw`. `kitti`: lines of twelve
-/// numbers, the upper rows of the pose. `g2o`: a pose graph of all sessions, each in its own frame: keyframes are vertices,
-/// neighbours of a session are joined as far apart as they are now, and confirmed loops by the transformation of their
-/// `query`, with the information that its `covariance` leaves. A loop whose query is not kept, or verified no full
-/// transformation, is a comment. Information is in metres and radians, as gtsam and Ceres read it.
+/// Poses (`map_from_camera`) as last corrected, by stamp. `tum`: lines of `seconds x y z qx qy qz qw`. `kitti`: lines
+/// of twelve numbers, the upper rows of the pose. `g2o`: a pose graph of all sessions, each in its own frame, with
+/// keyframes as vertices. Successive keyframes of a session are joined by their current relative pose. Confirmed loops
+/// are joined by the transformation of their `query`, with the inverse of its `covariance` as information. A loop
+/// whose query is no longer stored, or has no full transformation, is a comment. Information is in metres and radians,
+/// as gtsam and Ceres read it.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/trajectory", tag = "keyframes", params(MapPathParams, TrajectorySearch), security(("key" = ["read"])),
     responses(
@@ -40,7 +41,7 @@ pub async fn get_trajectory(
         TrajectoryFormat::G2o => measured(&service, &map, &report).await?,
         TrajectoryFormat::Tum | TrajectoryFormat::Kitti => Vec::new(),
     };
-    // Numbers of a hundred thousand poses take a while to write; others are answered meanwhile.
+    // Formatting a hundred thousand poses takes long, so it must not block an async thread.
     let text = spawn_blocking(move || write_trajectory(&report, &measured, asked.format)).await;
     let text =
         text.map_err(|error| ServiceError::Internal(format!("a trajectory was not written: {error}")))?;
@@ -48,7 +49,7 @@ pub async fn get_trajectory(
     Ok(([(CONTENT_TYPE, "text/plain; charset=utf-8")], text).into_response())
 }
 
-/// Reads the loops' transformations from the kept answers.
+/// Returns the loops' transformations from the stored answers.
 async fn measured(
     service: &Service,
     map: &MapId,
@@ -62,7 +63,7 @@ async fn measured(
         };
         all.push(match service.kept_query(map, query).await {
             Ok(answer) => MeasuredLoop::of(&answer, closed.candidate_id.as_str()),
-            // Only so many answers are kept, and a client may name a query of its own.
+            // The number of stored answers is limited, and a client may name a query of its own.
             Err(ServiceError::NotFound(_)) => None,
             Err(error) => return Err(error.into()),
         });

@@ -1,4 +1,4 @@
-//! Usage: what models were asked.
+//! Usage: calls and cost of models.
 
 use axum::Json;
 use axum::extract::State;
@@ -10,7 +10,7 @@ use crate::http::error_responses::OfReadiness;
 
 /// Read the usage of models
 ///
-/// Calls, tokens and cost since the database was made, and how today stands against its limits.
+/// Calls, tokens and cost since the database was created, and today's usage against its limits.
 #[utoipa::path(
     get, path = "/v1/usage", tag = "semantics", security(("key" = ["read"])),
     responses((status = 200, description = "The usage", body = Usage, example = examples::usage), OfReadiness)
