@@ -1,4 +1,4 @@
-//! A circuit breaker: a model that fails again and again is left alone for a while, then tried with one question.
+//! Circuit breaker: a repeatedly failing model is not called for a while, then probed with one question.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -7,7 +7,7 @@ use tokio::time::Instant;
 
 use super::port::Fault;
 
-/// Watches one model.
+/// The state of one model.
 #[derive(Debug)]
 pub struct Breaker {
     failures_max: u32,
@@ -19,11 +19,11 @@ pub struct Breaker {
 struct State {
     failures: u32,
     open_until: Option<Instant>,
-    /// One question is under way to see whether the model is back.
+    /// Whether a probe is in flight.
     probing: bool,
 }
 
-/// A question that may be asked; tell how it went. Dropped without a word, it counts as neither.
+/// An admitted question, whose outcome must be reported. Dropped without a report, it counts as neither.
 #[derive(Debug)]
 pub struct Admission<'a> {
     breaker: &'a Breaker,
@@ -36,7 +36,7 @@ impl Breaker {
         Self { failures_max, pause, state: Mutex::default() }
     }
 
-    /// Whether a question may be asked now.
+    /// Admits a question, unless the breaker is open.
     pub fn admit(&self) -> Result<Admission<'_>, Fault> {
         let mut state = self.lock();
         let Some(open_until) = state.open_until else {
@@ -49,30 +49,30 @@ impl Breaker {
         Ok(Admission { breaker: self, probes: true })
     }
 
-    /// Whether the model is away, as far as is known. Until a question was answered, it is.
+    /// Whether the model counts as unavailable, which holds until a question is answered.
     pub fn is_open(&self) -> bool {
         self.lock().open_until.is_some()
     }
 
-    /// Returns how long until the model is tried again.
+    /// Returns the time until the model is probed.
     pub fn closed_for(&self) -> Option<Duration> {
         let until = self.lock().open_until?;
         Some(until.saturating_duration_since(Instant::now()))
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
-        // Three plain values: whole after each assignment.
+        // Three plain values, consistent after each assignment, so a poisoned lock is usable.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl Admission<'_> {
-    /// It was answered: the model is there.
+    /// Reports an answer: the model is available.
     pub fn succeeded(self) {
         *self.breaker.lock() = State::default();
     }
 
-    /// It was not.
+    /// Reports a failure.
     pub fn failed(self) {
         let mut state = self.breaker.lock();
         state.failures = state.failures.saturating_add(1);
@@ -94,7 +94,7 @@ impl Drop for Admission<'_> {
 mod tests {
     use super::*;
 
-    /// Ends the pause of a model that is away.
+    /// Ends the pause of an unavailable model.
     fn end_pause(breaker: &Breaker) {
         breaker.lock().open_until = Some(Instant::now());
     }

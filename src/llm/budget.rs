@@ -1,5 +1,5 @@
-//! The daily budget, a hard stop, and the usage. What a call may cost is on disk before the call is made, and settled
-//! by what the model reports: a crash can only make the books too cautious.
+//! Budget: a hard daily limit, and usage. The maximum cost of a call is on disk before the call, and settled by the
+//! model's report. A crash therefore only overestimates the spending.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -11,12 +11,12 @@ use crate::store::{Job, Spent, Store, StoreError, UsageRow};
 
 const SECONDS_A_DAY: u64 = 86_400;
 
-/// US dollars a million tokens are millionths of a dollar a token.
+/// Prices. US dollars per million tokens equal millionths of a dollar per token.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prices {
-    /// A million tokens sent.
+    /// Per million input tokens.
     pub input_usd: f64,
-    /// A million tokens received.
+    /// Per million output tokens.
     pub output_usd: f64,
 }
 
@@ -27,7 +27,7 @@ impl Prices {
     }
 }
 
-/// What a day (UTC) may bring.
+/// Limits per day (UTC).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limits {
     /// Millionths of a US dollar.
@@ -36,30 +36,30 @@ pub struct Limits {
     pub calls: Option<i64>,
 }
 
-/// A key that pays, within limits of its own beside the server's.
+/// A paying key, with its own limits beside the server's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Payer {
     /// The key.
     pub key: KeySeq,
-    /// What a day may bring for it.
+    /// Its daily limits.
     pub limits: Limits,
 }
 
 impl Limits {
-    /// Would this be too much for a day?
+    /// Whether a day's usage exceeds these limits.
     fn broken_by(self, day: Day) -> bool {
         let over = |limit: Option<i64>, sum: i64| limit.is_some_and(|limit| sum > limit);
         over(self.calls, day.calls) || over(self.microusd, day.microusd)
     }
 
-    /// Whether nothing of a day's budget is left.
+    /// Whether a day's usage reaches these limits.
     fn used_up_by(self, day: Day) -> bool {
         let over = |limit: Option<i64>, sum: i64| limit.is_some_and(|limit| sum >= limit);
         over(self.calls, day.calls) || over(self.microusd, day.microusd)
     }
 }
 
-/// What a day has brought so far.
+/// The usage of a day so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Day {
     calls: i64,
@@ -72,14 +72,14 @@ impl Day {
     }
 }
 
-/// Sums of one operation and model.
+/// Totals of one operation and model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Totals {
-    /// Calls, failed ones among them.
+    /// Calls, including failed ones.
     pub calls: i64,
-    /// Tokens sent.
+    /// Input tokens.
     pub input_tokens: i64,
-    /// Tokens received.
+    /// Output tokens.
     pub output_tokens: i64,
     /// Millionths of a US dollar.
     pub microusd: i64,
@@ -87,7 +87,7 @@ pub struct Totals {
     pub cache_hits: i64,
 }
 
-/// The books.
+/// The budget and its records.
 #[derive(Debug)]
 pub struct Budget {
     store: Store,
@@ -101,11 +101,11 @@ struct Books {
     day: Day,
     day_of_key: BTreeMap<KeySeq, Day>,
     ever: BTreeMap<(String, String), Totals>,
-    /// Cache hits not written yet; they travel with the next call.
+    /// Cache hits not yet written; they are stored with the next call.
     unwritten_hits: BTreeMap<(String, String), i64>,
 }
 
-/// A call that was entered and not settled yet.
+/// A reserved call that is not yet settled.
 #[derive(Debug)]
 pub struct Reservation {
     day: i64,
@@ -116,7 +116,7 @@ pub struct Reservation {
 }
 
 impl Budget {
-    /// Returns the books as they stand on disk.
+    /// Loads the records from disk.
     pub async fn open(store: Store, limits: Limits) -> Result<Self, StoreError> {
         let today = today();
         let mut books = Books { today, ..Books::default() };
@@ -133,7 +133,7 @@ impl Budget {
         Ok(Self { store, limits, books: Mutex::new(books) })
     }
 
-    /// Enters a call before it is made, at the most that it may cost.
+    /// Reserves the maximum cost of a call before the call.
     pub async fn reserve(
         &self,
         operation: Operation,
@@ -178,7 +178,7 @@ impl Budget {
         Ok(Reservation { day, operation, model: model.clone(), microusd, key: payers_key })
     }
 
-    /// Settles a call by what it took. Written behind: until then the books are too cautious.
+    /// Settles a call by its actual usage. Written asynchronously; until then the spending is overestimated.
     pub fn settle(&self, reservation: Reservation, input_tokens: u64, output_tokens: u64, microusd: i64) {
         let Reservation { day, operation, model, microusd: reserved, key } = reservation;
         let (input_tokens, output_tokens) = (input_tokens as i64, output_tokens as i64);
@@ -209,7 +209,7 @@ impl Budget {
         self.store.committer().submit_alone(Job::Spend(spent));
     }
 
-    /// A question was answered without a call.
+    /// Counts a question answered without a call.
     pub fn hit(&self, operation: Operation, model: &str) {
         let key = (operation.as_str().to_owned(), model.to_owned());
         let mut books = self.lock();
@@ -217,27 +217,27 @@ impl Budget {
         *books.unwritten_hits.entry(key).or_default() += 1;
     }
 
-    /// Whether today's budget is spent, as far as another call goes.
+    /// Whether today's budget has no room for another call.
     pub fn is_spent(&self) -> bool {
         let mut books = self.lock();
         books.turn_to(today());
         self.limits.used_up_by(books.day)
     }
 
-    /// Whether a key's own budget of today is spent, as far as another call goes.
+    /// Whether a key's own budget of today has no room for another call.
     pub fn is_spent_for(&self, payer: &Payer) -> bool {
         let mut books = self.lock();
         books.turn_to(today());
         payer.limits.used_up_by(books.of(payer.key))
     }
 
-    /// Returns the sums by operation and model, since the database was made.
+    /// Returns the totals by operation and model since the database was created.
     pub fn usage(&self) -> Vec<(String, String, Totals)> {
         let books = self.lock();
         books.ever.iter().map(|((operation, model), t)| (operation.clone(), model.clone(), *t)).collect()
     }
 
-    /// Calls and millionths of a dollar of today, and their limits.
+    /// Returns today's calls and cost in millionths of a dollar, and their limits.
     pub fn today(&self) -> (i64, i64, Limits) {
         let mut books = self.lock();
         books.turn_to(today());
@@ -245,7 +245,7 @@ impl Budget {
     }
 
     fn lock(&self) -> MutexGuard<'_, Books> {
-        // Sums: none is worth more than the last whole assignment.
+        // Sums: the last complete assignment is usable after a poisoned lock.
         self.books.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -274,7 +274,7 @@ fn totals(row: &UsageRow) -> Totals {
     }
 }
 
-/// Days since 1970, UTC.
+/// Returns the days since 1970, UTC.
 fn today() -> i64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     (since.as_secs() / SECONDS_A_DAY) as i64

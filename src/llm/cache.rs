@@ -1,4 +1,4 @@
-//! Answers that were paid for: in memory over SQLite, found again by all that they depend on, and by nothing less.
+//! Answer cache: paid answers in memory and SQLite, keyed by exactly the inputs that they depend on.
 
 use std::future::Future;
 use std::sync::Arc;
@@ -10,13 +10,13 @@ use super::port::{Fault, Model, Question};
 use super::prompts::{self, prompt};
 use crate::store::{Job, Store};
 
-/// Answers kept in memory.
+/// Maximum answers in memory.
 const IN_MEMORY: u64 = 10_000;
 
-/// The hash of all that an answer depends on.
+/// The hash of all inputs of an answer.
 pub type Key = [u8; 32];
 
-/// Answers by key. Equal questions at one time share one call; errors are not kept.
+/// Answers by key. Concurrent equal questions share one call; errors are not cached.
 #[derive(Clone, Debug)]
 pub struct AnswerCache {
     memory: Cache<Key, Arc<str>>,
@@ -29,7 +29,8 @@ impl AnswerCache {
         Self { memory: Cache::new(IN_MEMORY), store }
     }
 
-    /// Returns the answer, from memory, from disk, or by asking. What was asked for is on disk before it is returned.
+    /// Returns the answer from memory, from disk, or by calling the model. A new answer is on disk before it is
+    /// returned.
     pub async fn get_or_ask(
         &self,
         key: Key,

@@ -1,4 +1,4 @@
-//! Models as the operator configured them: each flag becomes an adapter.
+//! Configured models: turns the operator's flags into adapters.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -13,7 +13,7 @@ use super::tesseract::{ReaderError, Tesseract};
 use crate::config::models::{Kind, ModelArgs, Reader};
 use crate::store::{Store, StoreError};
 
-/// Why models cannot be used as configured.
+/// The reason why models cannot be used as configured.
 #[derive(Debug, Error)]
 pub enum SetupError {
     /// An address.
@@ -25,7 +25,7 @@ pub enum SetupError {
     /// A model without a name.
     #[error("{0} needs a name: what does its server call it?")]
     NoName(&'static str),
-    /// Embeddings without a model that they could choose for.
+    /// Embeddings without a model whose pairs they could select.
     #[error(
         "--model-embeddings-url chooses the pairs of texts that a language model is asked about: it needs --model-url"
     )]
@@ -33,7 +33,7 @@ pub enum SetupError {
     /// The reader.
     #[error("--reader tesseract: {0}")]
     Reader(#[from] ReaderError),
-    /// The books could not be read.
+    /// The budget's records could not be read.
     #[error(transparent)]
     Store(#[from] StoreError),
 }
@@ -48,7 +48,7 @@ struct Chosen<'a> {
 }
 
 impl Models {
-    /// Returns the models that are configured; `None` if there are none.
+    /// Returns the configured models; `None` if there are none.
     pub async fn open(args: &ModelArgs, store: &Store) -> Result<Option<Self>, SetupError> {
         if !args.any() {
             return Ok(None);

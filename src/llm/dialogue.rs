@@ -1,7 +1,7 @@
-//! The dialogue that describes a crop (§IV-A.1, after ChatCaptioner): one side sees, the other asks.
+//! Dialogue that describes a crop (§IV-A.1, after ChatCaptioner): one model sees, the other asks.
 //!
-//! The first question is always for the exact text. It stops early: when an identifier was read twice alike, or when
-//! two answers in a row say nothing. What the summary claims must have been answered.
+//! The first question is always for the exact text. The dialogue stops early when an identifier was read alike twice,
+//! or when two successive answers are empty. A summary may contain only what was answered.
 
 use std::sync::Arc;
 
@@ -15,10 +15,10 @@ use super::tesseract::{self, Tesseract};
 use crate::domain::judged::TranscriptStep;
 use crate::semantics::{self, Text};
 
-/// Rounds about a door, a sign, a shelf: they are there to be read.
+/// Maximum rounds about a door, a sign or a shelf, which are short texts.
 const ROUNDS_OF_PLATE: usize = 3;
 
-/// Rounds about a picture: its motif takes more words.
+/// Maximum rounds about a picture, whose motif takes more words.
 const ROUNDS_OF_PICTURE: usize = 5;
 
 /// Consecutive empty answers that end a dialogue.
@@ -30,13 +30,13 @@ const PICTURES: [&str; 7] = ["paint", "picture", "poster", "mural", "artwork", "
 const AGAIN: &str =
     "Read the number, name or code on it once more, character by character. What is it exactly?";
 
-/// What is said of a question that was not answered.
+/// The answer recorded for an unanswered question.
 const UNKNOWN: &str = "unknown";
 
-/// What a model is shown in place of an answer that addresses it.
+/// The replacement for an answer that addresses a model, in prompts to models.
 const WITHHELD: &str = "(a text, noted)";
 
-/// What is asked where no language model asks.
+/// The questions without a language model.
 const FIXED: [&str; 4] = [
     "What does it show?",
     "Which colours and shapes does it have?",
@@ -44,40 +44,40 @@ const FIXED: [&str; 4] = [
     "What is around it?",
 ];
 
-/// Who takes part.
+/// The participants.
 #[derive(Clone, Debug, Default)]
 pub struct Describer {
-    /// Who sees.
+    /// The vision model.
     pub eyes: Option<Gateway>,
-    /// Who asks and sums up.
+    /// The language model that asks and summarises.
     pub tongue: Option<Gateway>,
-    /// Who reads characters.
+    /// The text reader (OCR).
     pub reader: Option<Tesseract>,
 }
 
-/// What came of a crop.
+/// The result for a crop.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Described {
-    /// The description; empty if nothing could be made of it.
+    /// The description; empty if the crop could not be read.
     pub text: String,
     /// `model:<name>`, or the reader's name.
     pub source: Arc<str>,
     /// Whether a model described it.
     pub described: bool,
-    /// Whether another judge stood in for a model that is away.
+    /// Whether a substitute answered for an unavailable model.
     pub degraded: bool,
-    /// How it came about.
+    /// The dialogue.
     pub transcript: Vec<TranscriptStep>,
 }
 
 impl Describer {
-    /// Returns the same at somebody's expense.
+    /// Returns a copy whose calls are charged to this payer.
     pub fn paid_by(&self, payer: Option<Payer>) -> Self {
         let paid = |gateway: &Option<Gateway>| gateway.as_ref().map(|gateway| gateway.paid_by(payer.clone()));
         Self { eyes: paid(&self.eyes), tongue: paid(&self.tongue), reader: self.reader.clone() }
     }
 
-    /// Returns the hash of all that a description depends on beside the crop; `None` where nothing describes.
+    /// Returns the hash of all inputs of a description beside the crop; `None` without a describer.
     pub fn fingerprint(&self) -> Option<String> {
         let models = [&self.eyes, &self.tongue].map(|model| model.as_ref().map(Gateway::fingerprint));
         let reader = if self.reader.is_some() { tesseract::SOURCE } else { "" };
@@ -85,12 +85,12 @@ impl Describer {
         self.reads().then(|| format!("{eyes}.{tongue}.{reader}"))
     }
 
-    /// Whether it can make anything of a crop.
+    /// Whether it can read crops.
     pub fn reads(&self) -> bool {
         self.eyes.is_some() || self.reader.is_some()
     }
 
-    /// Describes an object of a class; `text` is what the client read, if that says too little.
+    /// Describes an object of a class; `text` is the client's reading, if that is insufficient.
     pub async fn describe(
         &self,
         picture: Arc<Picture>,
@@ -112,13 +112,13 @@ impl Describer {
                 degraded,
                 transcript: dialogue.transcript,
             }),
-            // The reader stands in, and the crop is looked at again when the model is back.
+            // The reader substitutes, and the crop is described again once the model is available.
             Err(_) if read.is_some() => Ok(by_reader(read, true, dialogue.transcript)),
             Err(fault) => Err(fault),
         }
     }
 
-    /// Returns what the reader of characters makes of it, if that is anything.
+    /// Returns the OCR reading, if there is one.
     async fn read(&self, picture: &Arc<Picture>, transcript: &mut Vec<TranscriptStep>) -> Option<String> {
         let reader = self.reader.as_ref()?;
         let read = match reader.read(picture.clone()).await {
@@ -139,7 +139,7 @@ fn by_reader(read: Option<String>, degraded: bool, transcript: Vec<TranscriptSte
     Described { text, source: tesseract::SOURCE.into(), described: false, degraded, transcript }
 }
 
-/// Returns all that the answers say, each thing once.
+/// Returns the distinct contents of the answers.
 pub(super) fn summary(history: &[Round]) -> String {
     let told = history.iter().map(|round| round.answer.as_str());
     let informative = told.filter(|answer| Text::parse(answer).information_level() > 1);
@@ -149,7 +149,7 @@ pub(super) fn summary(history: &[Round]) -> String {
         .unwrap_or_else(|| "unknown".to_owned())
 }
 
-/// Returns how many rounds a dialogue about an object of a class takes at most.
+/// Returns the maximum rounds of a dialogue about an object of a class.
 pub(super) fn rounds_of(class: &str) -> usize {
     if is_picture(class) { ROUNDS_OF_PICTURE } else { ROUNDS_OF_PLATE }
 }
@@ -169,9 +169,9 @@ struct Dialogue<'a> {
 }
 
 impl Dialogue<'_> {
-    /// Asks until enough is known; the description, and whether the model was away for a part of it.
+    /// Asks until enough is known; returns the description, and whether the model was unavailable for a part of it.
     async fn hold(&mut self) -> Result<(String, bool), Fault> {
-        // What was asked, with "unknown" where nothing was answered; and the answers that say something.
+        // All questions, with "unknown" for those without an answer; and the useful answers.
         let (mut asked, mut rounds): (Vec<Round>, Vec<Round>) = (Vec::new(), Vec::new());
         let (mut silent, mut settled, mut flagged) = (0, false, false);
         for number in 0..rounds_of(&self.class) {
@@ -202,7 +202,7 @@ impl Dialogue<'_> {
         }
         let own = summary(&rounds);
         match &self.describer.tongue {
-            // Without the flagged answer a model's summary would lose the sign.
+            // Without the flagged answer a model's summary would omit the sign.
             Some(tongue) if !settled && !flagged => match self.sum_up(tongue, &rounds).await {
                 Ok(summary) if is_backed(&summary, &rounds) => Ok((summary, false)),
                 Ok(_) => Ok((own, false)),
@@ -237,7 +237,7 @@ impl Dialogue<'_> {
     }
 
     async fn look(&mut self, question: &str, number: usize, rounds: &[Round]) -> Result<String, Fault> {
-        // A second reading is worth something only if it does not know the first.
+        // A second reading is independent only without the first.
         let history = if question == AGAIN { Vec::new() } else { rounds.to_vec() };
         let hint = self.hint.clone().filter(|_| number == 0);
         let look =
@@ -263,8 +263,8 @@ impl Dialogue<'_> {
     }
 }
 
-/// Returns an answer, unless it says nothing or repeats an earlier one. A text that addresses a model is kept whole:
-/// "Level 5" and "Shop assistant wanted" hang in buildings, and the built-in judge obeys no text.
+/// Returns an answer, unless it is empty or repeats an earlier one. A text that addresses a model is kept: "Level 5"
+/// and "Shop assistant wanted" hang in buildings, and the built-in judge follows no instructions.
 fn useful(question: &str, answer: &str, rounds: &[Round]) -> Option<String> {
     let text = Text::parse(answer);
     let echoes = text == Text::parse(question)
@@ -272,7 +272,7 @@ fn useful(question: &str, answer: &str, rounds: &[Round]) -> Option<String> {
     (!says_nothing(answer) && !echoes).then(|| answer.to_owned())
 }
 
-/// Empty, unsure, or a mere "no".
+/// Whether an answer is empty, unsure, or a mere "no".
 fn says_nothing(answer: &str) -> bool {
     let text = Text::parse(answer);
     let words = text.normalised();
@@ -282,7 +282,7 @@ fn says_nothing(answer: &str) -> bool {
         || (text.identifiers().is_empty() && denies.iter().any(|denial| words.starts_with(denial)))
 }
 
-/// Was the same identifier read in two answers?
+/// Whether two answers have the same identifier.
 fn read_twice_alike(rounds: &[Round]) -> bool {
     let values = |round: &Round| -> Vec<String> {
         Text::parse(&round.answer).identifiers().iter().map(|identifier| identifier.value.clone()).collect()
@@ -292,7 +292,7 @@ fn read_twice_alike(rounds: &[Round]) -> bool {
     !last.is_empty() && earlier.iter().any(|round| values(round) == last)
 }
 
-/// Whether a summary says something, and only what was answered.
+/// Whether a summary is non-empty and contains only what was answered.
 fn is_backed(summary: &str, rounds: &[Round]) -> bool {
     let answers: Vec<&str> = rounds.iter().map(|round| round.answer.as_str()).collect();
     let known: Vec<Text> = answers.iter().map(|answer| Text::parse(answer)).collect();

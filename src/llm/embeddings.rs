@@ -1,4 +1,5 @@
-//! Embeddings of texts: made by a model, kept on disk like every answer, and at hand in memory while pairs are chosen.
+//! Embeddings of texts: computed by a model, cached on disk like every answer, and held in memory while pairs are
+//! selected.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,13 +13,13 @@ use super::port::{Fault, Question};
 use crate::recognition::anchors::pairs;
 use crate::semantics::Embedding;
 
-/// Bytes of embeddings at hand; each is a byte a component.
+/// Maximum bytes of embeddings in memory; each component takes a byte.
 const BYTES_AT_HAND: u64 = 64 << 20;
 
-/// A text that the model does not take is left out for so long.
+/// Time for which a text that the model rejects is skipped.
 const LEFT_OUT: Duration = Duration::from_hours(1);
 
-/// Most texts that are left out at a time.
+/// Maximum texts skipped at a time.
 const LEFT_OUT_MAX: u64 = 100_000;
 
 /// The embeddings of one model.
@@ -30,9 +31,9 @@ pub struct Embeddings {
 }
 
 impl Embeddings {
-    /// Returns the embeddings that this model makes.
+    /// Returns the embeddings of this model.
     pub fn new(model: Gateway) -> Self {
-        // A text has at most a few thousand characters, and an embedding as many components.
+        // A text has at most a few thousand characters, and an embedding about as many components.
         let bytes = |text: &str, embedding: &Embedding| (text.len() + embedding.components().len()) as u32;
         let at_hand = Cache::builder()
             .weigher(move |text: &Arc<str>, embedding: &Arc<Embedding>| bytes(text, embedding))
@@ -42,17 +43,18 @@ impl Embeddings {
         Self { model, at_hand, failed }
     }
 
-    /// Returns the time for which the model is left alone because it failed too often; meanwhile words choose the pairs.
+    /// Returns the time for which the unavailable model is not called; meanwhile words select the pairs.
     pub fn away_for(&self) -> Option<Duration> {
         self.model.breaker().closed_for().filter(|left| !left.is_zero())
     }
 
-    /// Takes the embedding of a text at hand, at somebody's expense.
+    /// Loads the embedding of a text into memory, charged to the payer.
     pub async fn take(&self, text: &str, payer: Option<Payer>) -> Result<(), Fault> {
         match self.ask(text, payer).await {
             Ok(embedding) => {
                 self.at_hand.insert(text.into(), Arc::new(embedding));
-                // Where all places are taken by others, words choose: else it would be asked for again and again.
+                // If other texts fill the memory, words select the pairs: otherwise it would be requested again and
+                // again.
                 self.at_hand.run_pending_tasks();
                 if self.at_hand.contains_key(text) {
                     self.failed.invalidate(text);

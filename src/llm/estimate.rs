@@ -1,4 +1,4 @@
-//! What asking again may cost: an upper bound, before anything is asked.
+//! Cost estimate of a re-evaluation: an upper bound, without any call.
 
 use std::sync::Arc;
 
@@ -9,8 +9,7 @@ use super::port::{Question, Round};
 use crate::domain::judgement::{Estimate, TextFunction, Workload};
 
 impl Models {
-    /// Returns the most that a workload may take. Answers that are kept cost nothing, and calls that fail and are made
-    /// again are not foreseen.
+    /// Returns the maximum cost of a workload. Cached answers cost nothing; retries of failed calls are not included.
     pub fn estimate(&self, workload: &Workload) -> Estimate {
         let mut estimate = Estimate::default();
         for (class, count) in &workload.crops {
@@ -21,7 +20,7 @@ impl Models {
         let Some(judge) = self.judge.model() else { return estimate };
         for (function, count, chars) in &workload.texts {
             let question = empty(*function);
-            // A 4 is asked again the other way round.
+            // A 4 is asked again in reverse order.
             let turns = if *function == TextFunction::Similarity { 2 } else { 1 };
             let mean_chars = chars.div_ceil((*count).max(1));
             estimate.calls += count * turns;
@@ -30,7 +29,7 @@ impl Models {
         estimate
     }
 
-    /// One dialogue of all its rounds, each with all that was said before, and its summary.
+    /// Estimates a dialogue with all rounds, each with the history before it, and its summary.
     fn estimate_crop(&self, class: &str) -> Estimate {
         let Some(eyes) = &self.describer.eyes else { return Estimate::default() };
         let mut estimate = Estimate::default();
@@ -54,7 +53,7 @@ impl Models {
     }
 }
 
-/// Longer answers are rare: they are asked for in a few words.
+/// Longer answers are rare, because the prompts ask for a few words.
 const ROUND_CHARS: usize = 300;
 
 fn longest_round() -> Round {

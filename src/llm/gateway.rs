@@ -1,5 +1,5 @@
-//! Asking a model: cache, breaker, budget, retries, in this order. A question that nobody waits for any more is
-//! finished all the same, for it is paid.
+//! Gateway to a model: cache, breaker, budget, retries, in this order. A question whose caller has gone is still
+//! completed, because it is paid for.
 
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -19,39 +19,39 @@ use super::port::{Fault, Model, Question, Reply};
 use super::prompts::prompt;
 use super::{parse, prompts};
 
-/// Enough to tell models apart.
+/// Sufficient to distinguish models.
 const FINGERPRINT_BYTES: usize = 8;
 
-/// English text has about four characters a token; three are cautious.
+/// English text has about four characters per token; three is a safe estimate.
 const CHARS_PER_TOKEN: usize = 3;
 
-/// What an image is taken for before the model says how many tokens it was.
+/// Assumed tokens of an image before the model reports them.
 const TOKENS_PER_IMAGE: u64 = 1500;
 
-/// A server that asks for a longer pause is away: nobody waits for it.
+/// A server that requests a longer pause counts as unavailable.
 const PAUSE_MAX: Duration = Duration::from_secs(30);
 
-/// An unusable answer is asked for once more; the third would hardly differ.
+/// Maximum attempts with unusable answers; a third answer would hardly differ.
 const UNUSABLE_ANSWERS_MAX: u32 = 2;
 
-/// How a call is made.
+/// The parameters of a call.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Policy {
-    /// How long an answer about texts may take.
+    /// Timeout of an answer about texts.
     pub text_timeout: Duration,
-    /// How long an answer about an image may take.
+    /// Timeout of an answer about an image.
     pub vision_timeout: Duration,
-    /// How often a call that failed in passing is tried again.
+    /// Maximum retries after a transient failure.
     pub retries: usize,
-    /// The first pause before that; it doubles.
+    /// Delay before the first retry; it doubles each time.
     pub retry_delay: Duration,
-    /// The most tokens of an answer, for the reservation.
+    /// Maximum tokens of an answer, for the reservation.
     pub max_tokens: u32,
-    /// What tokens cost, by the role that a question is for.
+    /// Prices of tokens, by the question's role.
     pub prices: RolePrices,
 }
 
-/// Prices by role: a vision model on this machine is free where the one that judges texts is paid.
+/// Prices by role: a local vision model may be free while the model for texts is paid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RolePrices {
     /// Of questions about texts.
@@ -73,20 +73,20 @@ impl RolePrices {
     }
 }
 
-/// What all models share.
+/// State shared by all models.
 #[derive(Debug)]
 pub struct Shared {
-    /// Answers that were paid for.
+    /// Cached answers.
     pub cache: AnswerCache,
-    /// The books.
+    /// The budget.
     pub budget: Budget,
-    /// Calls at once.
+    /// Concurrent calls.
     pub calls: Semaphore,
-    /// Questions that no call could answer, since the start.
+    /// Questions that no call could answer since the start.
     pub failures: AtomicU64,
 }
 
-/// The way to one model; clones share everything.
+/// The gateway to one model; clones share everything.
 #[derive(Clone, Debug)]
 pub struct Gateway {
     model: Arc<dyn Model>,
@@ -97,34 +97,34 @@ pub struct Gateway {
     payer: Option<Payer>,
 }
 
-/// An answer, and whether it was there already.
+/// An answer, and whether it was cached.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Answered {
     /// The answer, as the model wrote it; it has passed [`parse::check`].
     pub content: Arc<str>,
-    /// Was it answered without a call of its own?
+    /// Whether it was answered without a call of its own.
     pub cached: bool,
 }
 
 impl Gateway {
-    /// Returns the way to a model.
+    /// Returns the gateway to a model.
     pub fn new(model: Arc<dyn Model>, breaker: Breaker, policy: Policy, shared: Arc<Shared>) -> Self {
         let name = model.name().into();
         Self { model, name, breaker: Arc::new(breaker), policy, shared, payer: None }
     }
 
-    /// Returns the same at somebody's expense.
+    /// Returns a copy whose calls are charged to this payer.
     pub fn paid_by(&self, payer: Option<Payer>) -> Self {
         Self { payer, ..self.clone() }
     }
 
-    /// `model:<name>`.
+    /// Returns `model:<name>`.
     pub fn source(&self) -> Arc<str> {
         format!("model:{}", self.name).into()
     }
 
-    /// Returns the hash of all that the answers depend on beside the question: the model, its parameters, and the wording
-    /// of the prompts. Another fingerprint means that verdicts may differ.
+    /// Returns the hash of all inputs of the answers beside the question: the model, its parameters, and the prompts.
+    /// A different fingerprint means that verdicts may differ.
     pub fn fingerprint(&self) -> String {
         let hash = Sha256::digest(format!("{}\n{}", self.model.identity(), prompts::VERSION));
         hash.iter().take(FINGERPRINT_BYTES).fold(String::new(), |mut name, byte| {
@@ -133,7 +133,8 @@ impl Gateway {
         })
     }
 
-    /// Returns the most that one call may cost, in millionths of a US dollar, with so many characters more than in the question.
+    /// Returns the maximum cost of one call, in millionths of a US dollar, with `more_chars` characters beyond the
+    /// question.
     pub(super) fn most(&self, question: &Question, more_chars: u64) -> u64 {
         let input = tokens_sent(question) + more_chars / CHARS_PER_TOKEN as u64;
         self.policy.prices.of(question).microusd(input, u64::from(self.policy.max_tokens)).unsigned_abs()
@@ -155,15 +156,15 @@ impl Gateway {
         })
     }
 
-    /// Returns what is known of the model's being there.
+    /// Returns the breaker of the model.
     pub fn breaker(&self) -> &Breaker {
         &self.breaker
     }
 
-    /// Answers a question. Equal questions at one time make one call.
+    /// Answers a question. Concurrent equal questions share one call.
     pub async fn ask(&self, question: Question) -> Result<Answered, Fault> {
         let gateway = self.clone();
-        // A task of its own: who waits may go away (and with it the cache's place for the answer), the call goes on.
+        // A separate task: if the caller is dropped, and with it the cache's entry, the call still continues.
         let asked = tokio::spawn(async move { gateway.find(question).await }.in_current_span());
         asked.await.unwrap_or_else(|_| Err(Fault::Unreachable("the call broke off".to_owned())))
     }
@@ -194,7 +195,7 @@ impl Gateway {
         }
     }
 
-    /// Calls the model, again if it failed in passing, and tells the breaker how it went.
+    /// Calls the model, with retries after transient failures, and reports the outcome to the breaker.
     async fn call(&self, question: &Question) -> Result<Reply, Fault> {
         if !self.model.can(question) {
             return Err(Fault::Unable);
@@ -218,7 +219,7 @@ impl Gateway {
             .await;
         match &answered {
             Ok(_) => admission.succeeded(),
-            // The budget says nothing about the model.
+            // A spent budget does not concern the model's availability.
             Err(Fault::Spent | Fault::Store(_)) => drop(admission),
             // Nor does a text that is too long for it.
             Err(fault) if matches!(question, Question::Embed { .. }) && fault.is_about_the_question() => {
@@ -229,12 +230,12 @@ impl Gateway {
         answered
     }
 
-    /// Returns the most tokens of an answer; an embedding is not counted in tokens.
+    /// Returns the maximum tokens of an answer; an embedding is not counted in tokens.
     fn tokens_received_max(&self, question: &Question) -> u64 {
         if matches!(question, Question::Embed { .. }) { 0 } else { u64::from(self.policy.max_tokens) }
     }
 
-    /// One call: entered in the books, made, settled, checked.
+    /// Makes one call: reserves, calls, settles, checks.
     async fn attempt(&self, question: &Question) -> Result<Reply, Fault> {
         let budget = &self.shared.budget;
         let (input_max, output_max) = (tokens_sent(question), self.tokens_received_max(question));
@@ -253,7 +254,7 @@ impl Gateway {
                     reply.output_tokens.unwrap_or((reply.content.len() / CHARS_PER_TOKEN) as u64 + 1);
                 budget.settle(reservation, input, output, prices.microusd(input, output));
             }
-            // It may have been answered and charged: what was reserved stays.
+            // The call may have been answered and charged, so the reservation is kept.
             Err(Fault::TimedOut(_) | Fault::Garbled(_)) => budget.settle(reservation, 0, 0, most),
             Err(_) => budget.settle(reservation, 0, 0, 0),
         }
@@ -263,8 +264,7 @@ impl Gateway {
     }
 }
 
-/// Returns how long to wait before a call is made again: as long as the server asks for, if that is longer; `None` if
-/// it is not to be made again.
+/// Returns the delay before a retry: the longer of ours and the server's; `None` if the call is not retried.
 fn pause_after(fault: &Fault, pause: Option<Duration>, unusable_answers: u32) -> Option<Duration> {
     match fault {
         Fault::Limited { retry_after: Some(asked) } => {

@@ -1,4 +1,4 @@
-//! Imaging: what needs decoders of images. A crop becomes pixels, and pixels a page for a reader of characters.
+//! Imaging: decodes crops, and prepares pages for the text reader.
 
 use std::io::Cursor;
 
@@ -8,23 +8,23 @@ use sha2::{Digest as _, Sha256};
 
 use super::picture::{NoPicture, Picture};
 
-/// A side longer than this is no crop of a door plate.
+/// Maximum side; a longer one is not a crop of a door plate.
 const SIDE_MAX_PX: u32 = 8192;
 
-/// Memory that decoding may take, in bytes: a 4 MB file can claim to hold gigabytes.
+/// Maximum memory of decoding, in bytes: a 4 MB file can claim gigabytes.
 const ALLOCATION_MAX_BYTES: u64 = 128 << 20;
 
-/// A longer side is scaled down to this: models see no more, and are paid by the pixel.
+/// Longer sides are scaled down to this: models see no more detail, and are paid by the pixel.
 const SENT_SIDE_PX: u32 = 1024;
 
 /// Characters are read best at about this height.
 const HEIGHT_PX: u32 = 96;
 
-/// White around the text, which the reader expects of a page.
+/// White border around the text, which the reader expects.
 const BORDER_PX: u32 = 16;
 
 impl Picture {
-    /// Decodes a PNG or JPEG file, told by its first bytes, whatever was claimed.
+    /// Decodes a PNG or JPEG file, detected by its first bytes, whatever its declared type.
     pub fn decode(file: &[u8]) -> Result<Self, NoPicture> {
         let Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) = image::guess_format(file) else {
             return Err(NoPicture);
@@ -56,7 +56,7 @@ impl Picture {
     }
 }
 
-/// Prepares a page for a reader of characters: dark on white, of a fixed height, with a border, split by Otsu's threshold.
+/// Prepares a page for the text reader: dark on white by Otsu's threshold, with a fixed height and a border.
 pub(super) fn page(picture: &Picture) -> Option<Vec<u8>> {
     let grey = image::load_from_memory_with_format(&picture.png, ImageFormat::Png).ok()?.to_luma8();
     let width = (u64::from(grey.width()) * u64::from(HEIGHT_PX) / u64::from(grey.height().max(1))).max(1);
@@ -64,7 +64,7 @@ pub(super) fn page(picture: &Picture) -> Option<Vec<u8>> {
     let grey = image::imageops::resize(&grey, width, HEIGHT_PX, FilterType::CatmullRom);
     let threshold = otsu(&grey);
     let dark = grey.pixels().filter(|pixel| pixel.0[0] <= threshold).count();
-    // Characters cover less than their ground: what covers more is the ground.
+    // Characters cover less area than their background, so the larger area is the background.
     let inverted = 2 * dark > (width * HEIGHT_PX) as usize;
     let mut page = GrayImage::from_pixel(width + 2 * BORDER_PX, HEIGHT_PX + 2 * BORDER_PX, Luma([255]));
     for (x, y, pixel) in grey.enumerate_pixels() {
@@ -76,7 +76,7 @@ pub(super) fn page(picture: &Picture) -> Option<Vec<u8>> {
     Some(png)
 }
 
-/// Returns the threshold that parts an image's greys into the two tightest groups (Otsu 1979).
+/// Returns the threshold that splits an image's greys into the two tightest groups (Otsu 1979).
 fn otsu(grey: &GrayImage) -> u8 {
     let mut counts = [0u64; 256];
     for pixel in grey.pixels() {

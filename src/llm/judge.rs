@@ -1,5 +1,5 @@
-//! InformationLevel, SimilarityLevel and MergeText (§IV-A.2): the built-in judge in front, a model where it leaves the
-//! question open, and the identifiers over both.
+//! InformationLevel, SimilarityLevel and MergeText (§IV-A.2): the built-in judge first, a model for open questions,
+//! and identifiers with precedence over both.
 
 use std::time::Duration;
 
@@ -9,16 +9,16 @@ use super::parse;
 use super::port::{Fault, Question};
 use crate::semantics::{self, Route, Text};
 
-/// Who judges where no model does.
+/// The name of the built-in judge.
 pub const BUILT_IN: &str = "lexical";
 
-/// From this level on two texts describe one object: such an answer is asked for again, the other way round.
+/// The level from which two texts describe one object; such an answer is asked again in reverse order.
 const SAME_OBJECT: u8 = 4;
 
-/// InformationLevel of a text that addresses a model, at most: enough for an anchor, whatever the text demands.
+/// Maximum InformationLevel of a text that addresses a model: enough for an anchor, whatever the text demands.
 const FLAGGED_LEVEL_MAX: u8 = 4;
 
-/// A level, who found it, and why.
+/// A level, its source and its reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Judged {
     /// 1 to 5.
@@ -27,38 +27,38 @@ pub struct Judged {
     pub source: String,
     /// One sentence for a person.
     pub reason: String,
-    /// Was a model's answer found without a call?
+    /// Whether a model's answer was cached.
     pub cached: bool,
-    /// Whether the built-in judge stood in because the model was away.
+    /// Whether the built-in judge substituted for an unavailable model.
     pub degraded: bool,
 }
 
-/// One description out of two.
+/// Two descriptions merged into one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Merged {
     /// The description.
     pub text: String,
     /// `lexical` or `model:<name>`.
     pub source: String,
-    /// Was a model's answer found without a call?
+    /// Whether a model's answer was cached.
     pub cached: bool,
-    /// Whether the built-in judge stood in because the model was away.
+    /// Whether the built-in judge substituted for an unavailable model.
     pub degraded: bool,
 }
 
-/// The three functions.
+/// The three functions of §IV-A.2.
 #[derive(Clone, Debug, Default)]
 pub struct Judge {
     model: Option<Gateway>,
 }
 
 impl Judge {
-    /// Judges by this model where the built-in judge leaves a question open; without one, alone.
+    /// Creates a judge that consults this model on open questions; without one, the built-in judge alone.
     pub fn new(model: Option<Gateway>) -> Self {
         Self { model }
     }
 
-    /// Returns the same at somebody's expense.
+    /// Returns a copy whose calls are charged to this payer.
     pub fn paid_by(&self, payer: Option<Payer>) -> Self {
         Self { model: self.model.as_ref().map(|model| model.paid_by(payer)) }
     }
@@ -73,7 +73,7 @@ impl Judge {
         self.model.is_some()
     }
 
-    /// SimilarityLevel. Symmetric: the pair is asked in one order.
+    /// Computes SimilarityLevel. Symmetric: the pair is asked in one order.
     pub async fn similarity(&self, class: &str, a: &str, b: &str, patience: Option<Duration>) -> Judged {
         let (of_a, of_b) = (Text::parse(a), Text::parse(b));
         let route = semantics::route_similarity(&of_a, &of_b);
@@ -96,7 +96,7 @@ impl Judge {
         }
     }
 
-    /// InformationLevel.
+    /// Computes InformationLevel.
     pub async fn information(&self, class: &str, text: &str, patience: Option<Duration>) -> Judged {
         let parsed = Text::parse(text);
         let (level, reason) = semantics::information(&parsed);
@@ -104,7 +104,7 @@ impl Judge {
         let Some(model) = self.model.as_ref().filter(|_| semantics::information_is_open(&parsed)) else {
             return built_in;
         };
-        // A sign that addresses a model is asked about all the same: its worth raises no pair.
+        // A sign that addresses a model is still rated, because its own level raises no pair.
         let most = if semantics::addresses_a_model(text) { FLAGGED_LEVEL_MAX } else { 5 };
         let question =
             Question::Information { class: class_name(class), text: parsed.normalised().to_owned() };
@@ -120,7 +120,8 @@ impl Judge {
         }
     }
 
-    /// MergeText. A model's text stands only if it has the identifiers of both, no other, and no digit of its own.
+    /// Computes MergeText. A model's text is accepted only if it has the identifiers of both, no others, and no new
+    /// digits.
     pub async fn merge(&self, class: &str, a: &str, b: &str, patience: Option<Duration>) -> Merged {
         let text = semantics::merge(a, b);
         let built_in = Merged { source: BUILT_IN.to_owned(), cached: false, degraded: false, text };
@@ -148,7 +149,7 @@ impl Judge {
     }
 }
 
-/// Asks a pair in canonical order; a 4 is asked again the other way round, and the lower level counts.
+/// Asks a pair in canonical order. A 4 is asked again in reverse order, and the lower level counts.
 async fn ask_similarity(
     model: &Gateway,
     class: &str,
@@ -173,7 +174,7 @@ async fn ask_level(model: &Gateway, question: Question) -> Result<(u8, Option<St
     Ok((level, reason, answered.cached))
 }
 
-/// Who waits has only so much patience; the question goes on without them.
+/// Limits the time that the caller waits; the question continues without it.
 async fn within<T>(
     patience: Option<Duration>,
     asked: impl Future<Output = Result<T, Fault>>,
@@ -186,7 +187,7 @@ async fn within<T>(
     }
 }
 
-/// Returns a text that speaks to the model does not reach it.
+/// Returns the built-in verdict if a text addresses the model, so that it is not sent.
 fn not_sent(built_in: &Judged, texts: &[&str]) -> Option<Judged> {
     texts.iter().any(|text| semantics::addresses_a_model(text)).then(|| Judged {
         reason: format!("{}; no model was asked, for a text addresses it", built_in.reason),
@@ -194,7 +195,7 @@ fn not_sent(built_in: &Judged, texts: &[&str]) -> Option<Judged> {
     })
 }
 
-/// A class is a client's word as well.
+/// Cleans a class, which is client input as well.
 pub fn class_name(class: &str) -> String {
     let name = semantics::clean(class);
     if name.is_empty() || semantics::addresses_a_model(&name) { "object".to_owned() } else { name }

@@ -1,26 +1,26 @@
-//! Models: the one port to language and vision models, its adapters, and all that keeps them affordable and harmless.
+//! Models: the port to language and vision models, its adapters, and the limits on their cost and influence.
 //!
 //! | concept | file |
 //! |---|---|
-//! | the port: a question, an answer, what can go wrong | [`port`] |
+//! | the port: question, answer, errors | [`port`] |
 //! | the adapters: chat, embeddings, VQA, scripted, built-in | [`adapters`] |
-//! | what is asked, word by word | [`prompts`] |
-//! | what an answer must look like | [`parse`] |
+//! | the prompts | [`prompts`] |
+//! | validation of answers | [`parse`] |
 //! | an image as it is sent | [`picture`] |
 //! | decoding an image | `imaging` |
-//! | asking: cache, budget, breaker, retries, in this order | [`gateway`] |
-//! | answers that were paid for | [`cache`] |
+//! | calls: cache, budget, breaker, retries, in this order | [`gateway`] |
+//! | cached answers | [`cache`] |
 //! | the daily budget and the usage | [`budget`] |
-//! | what asking again may cost | [`estimate`] |
-//! | a model that is away is left alone | [`breaker`] |
+//! | cost estimate of a re-evaluation | [`estimate`] |
+//! | the circuit breaker of an unavailable model | [`breaker`] |
 //! | InformationLevel, SimilarityLevel, MergeText of §IV-A.2 | [`judge`] |
-//! | embeddings, by which pairs of texts are chosen | [`embeddings`] |
+//! | embeddings, which select pairs of texts | [`embeddings`] |
 //! | the dialogue of §IV-A.1 | [`dialogue`] |
-//! | a reader of characters on this machine | [`tesseract`] |
-//! | all of it | [`setup`] |
-//! | the same as the operator configured it | `configured` |
+//! | the local text reader (OCR) | [`tesseract`] |
+//! | all models with their limits | [`setup`] |
+//! | models from the operator's flags | `configured` |
 
-// The port and what asks through it are always there. The feature holds what reaches out: adapters and decoders.
+// The port and its callers are always compiled. The feature contains the adapters and decoders, which reach outside.
 #[cfg(feature = "llm")]
 pub mod adapters;
 pub mod breaker;

@@ -1,4 +1,4 @@
-//! Imaging in a program without the feature `llm`: nothing looks at crops, and none is decoded.
+//! Imaging without the feature `llm`: crops are neither decoded nor described.
 
 use super::picture::{NoPicture, Picture};
 

@@ -1,4 +1,4 @@
-//! What an answer must look like. Strict: an answer in another form is none, and the built-in judge stands in.
+//! Validation of answers. Strict: an answer in another form is an error, and the built-in judge substitutes.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -7,13 +7,13 @@ use serde_json::Value;
 use super::port::{Fault, Question};
 use crate::semantics::{self, Embedding};
 
-/// A description longer than this is no description.
+/// Maximum characters of a description.
 const TEXT_CHARS_MAX: usize = 2000;
 
-/// A question longer than this is none.
+/// Maximum characters of a question.
 const QUESTION_CHARS_MAX: usize = 300;
 
-/// Checks that an answer can be used; whatever fails here is neither kept nor believed.
+/// Checks that an answer is usable; one that fails is neither cached nor used.
 pub fn check(question: &Question, content: &str) -> Result<(), Fault> {
     match question {
         Question::Similarity { .. } | Question::Information { .. } => level(content).map(drop),
@@ -24,7 +24,7 @@ pub fn check(question: &Question, content: &str) -> Result<(), Fault> {
     }
 }
 
-/// Returns a level with its reason: `{"level": 1..5}`, or the number alone. Never a digit out of a sentence.
+/// Parses a level with its reason: `{"level": 1..5}`, or the number alone. Never a digit out of a sentence.
 pub fn level(content: &str) -> Result<(u8, Option<String>), Fault> {
     let value: Value =
         serde_json::from_str(thought_through(content)).map_err(|_| Fault::Garbled("no JSON"))?;
@@ -43,7 +43,7 @@ pub fn level(content: &str) -> Result<(u8, Option<String>), Fault> {
     Ok((level as u8, reason.filter(|reason| !reason.is_empty())))
 }
 
-/// Returns a text: `{"text": "..."}`, or plain words.
+/// Parses a text: `{"text": "..."}`, or plain words.
 pub fn text(content: &str) -> Result<String, Fault> {
     let content = thought_through(content);
     let text = if content.starts_with(['{', '[', '`']) {
@@ -61,7 +61,7 @@ pub fn text(content: &str) -> Result<String, Fault> {
     }
 }
 
-/// Returns what was seen; nothing to be seen is an answer, too.
+/// Parses what was seen; an empty answer is valid, too.
 pub fn look(content: &str) -> Result<String, Fault> {
     let seen = semantics::clean(thought_through(content));
     if seen.chars().count() > TEXT_CHARS_MAX {
@@ -70,20 +70,20 @@ pub fn look(content: &str) -> Result<String, Fault> {
     Ok(seen)
 }
 
-/// Returns an embedding, as [`write_embedding`] writes it.
+/// Parses an embedding in the form of [`write_embedding`].
 pub fn embedding(content: &str) -> Result<Embedding, Fault> {
     let bytes = STANDARD.decode(content).map_err(|_| Fault::Garbled("no embedding"))?;
     let components = bytes.into_iter().map(u8::cast_signed).collect();
     Embedding::from_components(components).ok_or(Fault::Garbled("no embedding"))
 }
 
-/// Writes an embedding as it is kept: its components, a byte each, in base64.
+/// Formats an embedding for the cache: its components, a byte each, in base64.
 pub fn write_embedding(embedding: &Embedding) -> String {
     let bytes: Vec<u8> = embedding.components().iter().map(|component| component.cast_unsigned()).collect();
     STANDARD.encode(bytes)
 }
 
-/// Returns the next question of a dialogue: one line.
+/// Parses the next question of a dialogue: one line.
 pub fn next_question(content: &str) -> Result<String, Fault> {
     let question = text(content)?;
     if question.chars().count() > QUESTION_CHARS_MAX {
@@ -92,7 +92,7 @@ pub fn next_question(content: &str) -> Result<String, Fault> {
     Ok(question)
 }
 
-/// Without the thoughts that some models write before they answer.
+/// Removes the reasoning that some models write before they answer.
 fn thought_through(content: &str) -> &str {
     let content = content.trim();
     match content.strip_prefix("<think>") {
@@ -101,7 +101,7 @@ fn thought_through(content: &str) -> &str {
     }
 }
 
-/// Returns a reason as it is shown: clean, and one sentence long.
+/// Cleans a reason for display, and cuts it to one sentence.
 fn shown(reason: &str) -> String {
     semantics::clean(reason).chars().take(200).collect()
 }

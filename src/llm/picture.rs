@@ -1,13 +1,13 @@
-//! An image as it is sent: decoded within limits and written anew, so that nothing but its pixels travels on.
+//! Picture: an image decoded within limits and re-encoded, so that nothing but its pixels is sent.
 
 use thiserror::Error;
 
-/// An image that was decoded.
+/// A decoded image.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Picture {
     /// As PNG.
     pub png: Vec<u8>,
-    /// SHA-256 of its size and pixels: the same image in another file is the same image.
+    /// SHA-256 of its size and pixels, so that the same image in another file has the same hash.
     pub hash: [u8; 32],
     /// Width in pixels.
     pub width: u32,
@@ -15,7 +15,7 @@ pub struct Picture {
     pub height: u32,
 }
 
-/// Why a file is no image to be sent.
+/// The reason why a file cannot be sent as an image.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("the crop cannot be decoded")]
 pub struct NoPicture;

@@ -1,4 +1,4 @@
-//! The port: what a model can be asked, what it answers, and what can go wrong.
+//! The port: questions to a model, its answers, and its errors.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::picture::Picture;
 
-/// What is asked for; the key of usage and metrics.
+/// The operation; the key of usage and metrics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Operation {
     /// SimilarityLevel.
@@ -39,15 +39,15 @@ impl Operation {
 /// One round of a dialogue about an image.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, serde::Serialize)]
 pub struct Round {
-    /// What was asked.
+    /// The question.
     pub question: String,
-    /// What was answered.
+    /// The answer.
     pub answer: String,
 }
 
-/// A question to a model. Texts are clean: control, bidi and zero-width characters are gone. None addresses a model, but
-/// for the one text of [`Question::Information`], whose level raises no pair, and that of [`Question::Embed`], which
-/// is not obeyed but measured.
+/// A question to a model. Texts are clean: without control, bidi and zero-width characters. None addresses a model,
+/// with two exceptions. The text of [`Question::Information`] may, because its level raises no pair. That of
+/// [`Question::Embed`] may, because it is measured and not followed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Question {
     /// Whether two descriptions mean the same physical object.
@@ -59,14 +59,14 @@ pub enum Question {
         /// The other description.
         b: String,
     },
-    /// How much does a description tell?
+    /// How informative a description is.
     Information {
         /// The object's class.
         class: String,
         /// The description.
         text: String,
     },
-    /// One description out of two.
+    /// Merges two descriptions into one.
     Merge {
         /// The objects' class.
         class: String,
@@ -75,29 +75,29 @@ pub enum Question {
         /// The other description.
         b: String,
     },
-    /// What is to be seen on this image?
+    /// Describes an image.
     Look {
         /// The image.
         picture: Arc<Picture>,
-        /// What to tell about it.
+        /// The aspect to describe.
         question: String,
-        /// What was asked before.
+        /// The dialogue before.
         history: Vec<Round>,
-        /// What a reader of characters made of it.
+        /// The OCR reading.
         hint: Option<String>,
     },
-    /// What to ask next about an image that only the other side sees?
+    /// Requests the next question about an image that only the other model sees.
     NextQuestion {
         /// The object's class.
         class: String,
-        /// What was asked before.
+        /// The dialogue before.
         history: Vec<Round>,
     },
-    /// What does the dialogue tell of the object?
+    /// Summarises the dialogue about the object.
     Summary {
         /// The object's class.
         class: String,
-        /// What was asked.
+        /// The dialogue.
         history: Vec<Round>,
     },
     /// The embedding of a text.
@@ -108,7 +108,7 @@ pub enum Question {
 }
 
 impl Question {
-    /// Returns what is asked for.
+    /// Returns the operation.
     pub fn operation(&self) -> Operation {
         match self {
             Self::Similarity { .. } => Operation::Similarity,
@@ -119,66 +119,66 @@ impl Question {
         }
     }
 
-    /// Whether the model must see.
+    /// Whether the model must accept images.
     pub fn needs_eyes(&self) -> bool {
         matches!(self, Self::Look { .. })
     }
 }
 
-/// What a model answered, as it came, and what it took.
+/// A model's raw answer, and its usage.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Reply {
     /// The answer.
     pub content: String,
-    /// Tokens sent; `None` if the model does not tell.
+    /// Input tokens; `None` if the model does not report them.
     pub input_tokens: Option<u64>,
-    /// Tokens received; `None` if the model does not tell.
+    /// Output tokens; `None` if the model does not report them.
     pub output_tokens: Option<u64>,
 }
 
-/// Why there is no answer. The texts name neither keys nor what a server wrote: it may have echoed one.
+/// The reason for a missing answer. The texts contain neither keys nor a server's text, which may echo one.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum Fault {
-    /// No connection, or one that broke.
+    /// No connection, or one that failed.
     #[error("the model cannot be reached: {0}")]
     Unreachable(String),
-    /// No answer in time.
+    /// Timeout.
     #[error("the model did not answer within {} s", .0.as_secs_f32())]
     TimedOut(Duration),
     /// Too many questions.
     #[error("the model has too many questions")]
     Limited {
-        /// When it wants the next one, if it says.
+        /// The requested delay, if any.
         retry_after: Option<Duration>,
     },
     /// A failure of the server.
     #[error("the model's server failed with status {0}")]
     Failing(u16),
-    /// The server does not accept the question: a wrong key, a wrong name, a parameter it does not know.
+    /// The server rejects the question: a wrong key, a wrong name, an unknown parameter.
     #[error("the model's server refused with status {0}")]
     Refused(u16),
-    /// An answer that is none.
+    /// An invalid answer.
     #[error("the model's answer is unusable: {0}")]
     Garbled(&'static str),
-    /// This model is not made for the question.
+    /// This model does not support the question.
     #[error("this model cannot answer such a question")]
     Unable,
-    /// The model failed too often, and is left alone for a while.
+    /// The model failed too often and is not called for a while.
     #[error("the model is away; it is asked again later")]
     Away,
-    /// What may be spent today is spent.
+    /// The daily budget is spent.
     #[error("the daily budget is spent")]
     Spent,
-    /// A job panicked (a bug); it is tried again like any other that failed.
+    /// A job panicked (a bug); it is retried like any failed job.
     #[error("the job broke off")]
     Broken,
-    /// What must be kept could not be.
+    /// The answer could not be stored.
     #[error("the answer could not be kept: {0}")]
     Store(String),
 }
 
 impl Fault {
-    /// Whether the very same question may be answered a moment later.
+    /// Whether the same question may be answered a moment later.
     pub fn is_passing(&self) -> bool {
         matches!(
             self,
@@ -190,7 +190,7 @@ impl Fault {
         )
     }
 
-    /// Whether the server refuses this question, such as one that is too long for it, and may take others.
+    /// Whether the server rejects only this question, for example because it is too long.
     pub fn is_about_the_question(&self) -> bool {
         matches!(self, Self::Refused(400 | 413 | 422))
     }
@@ -215,16 +215,16 @@ impl Fault {
 
 /// A model.
 pub trait Model: Send + Sync + std::fmt::Debug {
-    /// Its name, for people: the `<name>` of `model:<name>`.
+    /// Returns its name, for people: the `<name>` of `model:<name>`.
     fn name(&self) -> &str;
 
-    /// Returns all that its answers depend on besides the question: its address, its name, its parameters. Another
-    /// identity means other keys in the cache.
+    /// Returns all inputs of its answers beside the question: its address, name and parameters. Another identity means
+    /// other keys in the cache.
     fn identity(&self) -> String;
 
     /// Whether it can answer this kind of question.
     fn can(&self, question: &Question) -> bool;
 
-    /// Answers a question, once.
+    /// Answers a question once.
     fn answer<'a>(&'a self, question: &'a Question) -> BoxFuture<'a, Result<Reply, Fault>>;
 }

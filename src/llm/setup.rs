@@ -1,4 +1,4 @@
-//! The models at hand, with all that keeps them affordable.
+//! The available models with their limits.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -19,27 +19,27 @@ use crate::config::models::ModelArgs;
 use crate::domain::roles::Roles;
 use crate::store::{Fingerprints, Store, StoreError};
 
-/// The models at hand.
+/// The available models.
 #[derive(Debug)]
 pub struct Models {
     /// The three functions.
     pub judge: Judge,
     /// The dialogue.
     pub describer: Describer,
-    /// Longest time a client that asks about texts waits for a model.
+    /// Maximum time that a client's question about texts waits for a model.
     pub patience: Duration,
-    /// How long a job that failed is left alone, at first.
+    /// First delay before a failed job is retried.
     pub pause: Duration,
-    /// Jobs at once.
+    /// Concurrent jobs.
     pub jobs_at_once: usize,
-    /// Embeddings, by which the pairs that the judge's model is asked about are chosen.
+    /// Embeddings, which select the pairs for the judge's model.
     pub embeddings: Option<Embeddings>,
     gateways: Vec<Gateway>,
     shared: Arc<Shared>,
 }
 
 impl Models {
-    /// Asks these models, the second of them about images.
+    /// Sets up these models, the second of them for images.
     pub async fn with(
         found: [Option<Arc<dyn Model>>; 2],
         reader: Option<Tesseract>,
@@ -49,7 +49,7 @@ impl Models {
         Self::all(found, None, reader, args, store).await
     }
 
-    /// Returns the same with a model of embeddings beside them.
+    /// Sets up these models, with an embeddings model.
     pub(super) async fn all(
         [model, vision]: [Option<Arc<dyn Model>>; 2],
         embeddings: Option<Arc<dyn Model>>,
@@ -109,7 +109,7 @@ impl Models {
         Roles { vision: self.describer.reads(), text: self.judge.has_model() }
     }
 
-    /// Returns the fingerprints of those who answer: what others answered may be asked again.
+    /// Returns the fingerprints of the current models: verdicts of others may be re-evaluated.
     pub fn fingerprints(&self) -> Fingerprints {
         Fingerprints {
             crops: self.describer.fingerprint(),
@@ -117,17 +117,17 @@ impl Models {
         }
     }
 
-    /// Returns the books.
+    /// Returns the budget.
     pub fn budget(&self) -> &Budget {
         &self.shared.budget
     }
 
-    /// Questions that no call could answer, since the start.
+    /// Returns the number of questions that no call could answer since the start.
     pub fn failures(&self) -> u64 {
         self.shared.failures.load(Ordering::Relaxed)
     }
 
-    /// Whether a model is away, or the budget spent. Then built-in verdicts stand in.
+    /// Whether a model is unavailable or the budget spent; the built-in judge substitutes then.
     pub fn is_away(&self) -> bool {
         self.gateways.iter().any(|gateway| gateway.breaker().is_open()) || self.shared.budget.is_spent()
     }

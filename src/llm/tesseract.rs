@@ -1,4 +1,4 @@
-//! Tesseract: a reader of characters on this machine, by its command line, so that a plain machine can read a door plate.
+//! Tesseract: a local text reader (OCR), run by its command line, so that a plain machine can read door plates.
 
 use std::io;
 use std::process::Stdio;
@@ -13,27 +13,27 @@ use super::imaging;
 use super::picture::Picture;
 use crate::semantics;
 
-/// The name of its readings.
+/// The source name of its readings.
 pub const SOURCE: &str = "tesseract";
 
 const PROGRAM: &str = "tesseract";
 
-/// One plate is read in a few tenths of a second.
+/// Timeout; one plate takes a few tenths of a second.
 const TIME_MAX: Duration = Duration::from_secs(20);
 
-/// A reading longer than this is noise.
+/// A longer reading is noise.
 const CHARS_MAX: usize = 500;
 
-/// Why nothing was read.
+/// The reason why nothing was read.
 #[derive(Debug, Error)]
 pub enum ReaderError {
-    /// The program is not there, or does not run.
+    /// The program is missing, or does not run.
     #[error("tesseract does not run: {0}")]
     Program(#[from] io::Error),
-    /// It ended with an error.
+    /// It exited with an error.
     #[error("tesseract failed with {0}")]
     Failed(std::process::ExitStatus),
-    /// It took too long.
+    /// It timed out.
     #[error("tesseract took longer than {} s", TIME_MAX.as_secs())]
     TimedOut,
     /// The image could not be prepared.
@@ -41,10 +41,10 @@ pub enum ReaderError {
     Image,
 }
 
-/// The reader, found on this machine.
+/// The reader, if installed on this machine.
 #[derive(Clone, Debug)]
 pub struct Tesseract {
-    /// As it names itself.
+    /// Its reported version.
     pub version: String,
 }
 
@@ -61,11 +61,11 @@ impl Tesseract {
         Ok(Self { version })
     }
 
-    /// Reads one line of characters; empty if there is none.
+    /// Reads one line of text; empty if there is none.
     pub async fn read(&self, picture: Arc<Picture>) -> Result<String, ReaderError> {
         let prepared = tokio::task::spawn_blocking(move || imaging::page(&picture));
         let page = prepared.await.map_err(|_| ReaderError::Image)?.ok_or(ReaderError::Image)?;
-        // One line, by the neural engine; the image goes in and the text comes out without a file.
+        // One line, by the neural engine; image and text are piped, without files.
         let mut child = Command::new(PROGRAM)
             .args(["stdin", "stdout", "--psm", "7", "--oem", "1"])
             .stdin(Stdio::piped())
@@ -76,7 +76,7 @@ impl Tesseract {
         let mut stdin = child.stdin.take();
         let exchange = async {
             if let Some(stdin) = &mut stdin {
-                // It may have seen enough and hung up: its status tells.
+                // It may close its input early; its exit status decides.
                 let _ = stdin.write_all(&page).await;
             }
             drop(stdin);

@@ -1,4 +1,4 @@
-//! The built-in judge in the form of a model: what it says of texts, and of an image what the client had read.
+//! The built-in judge as a model: its verdicts about texts, and for an image the text that the client read.
 
 use futures_util::future::BoxFuture;
 use serde_json::json;
@@ -7,7 +7,7 @@ use crate::llm::dialogue::summary;
 use crate::llm::port::{Fault, Model, Question, Reply};
 use crate::semantics::{self, Text};
 
-/// Costs nothing and is always there.
+/// A model that is free and always available.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BuiltIn;
 

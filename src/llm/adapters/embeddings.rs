@@ -1,4 +1,4 @@
-//! Embeddings, as OpenAI speaks them and Ollama, vLLM, llama.cpp's server and text-embeddings-inference do.
+//! Embeddings, by the protocol of OpenAI, Ollama, vLLM, llama.cpp's server and text-embeddings-inference.
 
 use futures_util::future::BoxFuture;
 use serde_json::{Value, json};
@@ -44,7 +44,7 @@ impl Model for Embeddings {
     }
 }
 
-/// Returns the one vector of an answer, rounded.
+/// Returns the single vector of an answer, rounded.
 fn reply(answer: &Value) -> Result<Reply, Fault> {
     let vector = answer.pointer("/data/0/embedding").and_then(Value::as_array);
     let vector: Option<Vec<f64>> = vector.and_then(|vector| vector.iter().map(Value::as_f64).collect());

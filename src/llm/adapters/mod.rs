@@ -1,4 +1,4 @@
-//! The adapters: one file for each way to speak to a model.
+//! The adapters: one file per protocol.
 
 mod built_in;
 mod embeddings;

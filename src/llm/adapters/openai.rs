@@ -1,4 +1,4 @@
-//! Chat completions, as OpenAI speaks them and vLLM, Ollama, LM Studio and llama.cpp's server do.
+//! Chat completions, by the protocol of OpenAI, vLLM, Ollama, LM Studio and llama.cpp's server.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -11,22 +11,22 @@ use crate::llm::picture::Picture;
 use crate::llm::port::{Fault, Model, Question, Reply};
 use crate::llm::prompts::{Prompt, prompt};
 
-/// What differs between servers.
+/// The differences between servers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dialect {
-    /// Which parameter bounds the answer.
+    /// The parameter that limits the length of the answer.
     pub token_parameter: TokenParameter,
-    /// The most tokens of an answer.
+    /// Maximum tokens of an answer.
     pub max_tokens: u32,
-    /// The temperature, if the model takes one.
+    /// The temperature, if the model accepts one.
     pub temperature: Option<f64>,
-    /// The seed, if the model takes one.
+    /// The seed, if the model accepts one.
     pub seed: Option<i64>,
-    /// How to ask for JSON.
+    /// How JSON output is requested.
     pub response_format: ResponseFormat,
-    /// Where the rules stand.
+    /// Where the instructions are placed.
     pub system_role: SystemRole,
-    /// How an image is sent.
+    /// How an image is encoded.
     pub image_form: ImageForm,
 }
 
@@ -133,7 +133,7 @@ impl Model for OpenAi {
     }
 }
 
-/// Returns the first choice of a completion, if it is whole.
+/// Returns the first choice of a completion, if it is complete.
 fn reply(answer: &Value) -> Result<Reply, Fault> {
     let choice = answer.pointer("/choices/0").ok_or(Fault::Garbled("no choices"))?;
     if choice.pointer("/message/refusal").is_some_and(|refusal| !refusal.is_null()) {

@@ -1,4 +1,4 @@
-//! A model that says what it is told to: for tests, and to count what another would cost.
+//! A scripted model: for tests, and to count the cost of another.
 
 use std::fmt;
 use std::sync::Arc;
@@ -11,16 +11,16 @@ use crate::llm::prompts::prompt;
 
 type Script = dyn Fn(&Question) -> Result<String, Fault> + Send + Sync;
 
-/// Follows a script; its tokens are estimated from the real prompts.
+/// A model that follows a script; its tokens are estimated from the real prompts.
 pub struct Scripted {
     name: String,
     script: Option<Arc<Script>>,
 }
 
-/// English text has about four characters a token.
+/// English text has about four characters per token.
 const CHARS_PER_TOKEN: usize = 4;
 
-/// A small image is some hundred tokens with most vision models.
+/// A small image has a few hundred tokens in most vision models.
 const TOKENS_PER_IMAGE: u64 = 300;
 
 impl Scripted {
@@ -32,7 +32,8 @@ impl Scripted {
         Self { name: name.into(), script: Some(Arc::new(script)) }
     }
 
-    /// Returns a model that says what the built-in judge would, and asks on: for counting calls and tokens.
+    /// Returns a model that gives the built-in judge's verdicts and keeps asking questions: for counting calls and
+    /// tokens.
     pub fn rehearsal() -> Self {
         Self { name: "scripted".to_owned(), script: None }
     }

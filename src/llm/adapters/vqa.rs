@@ -1,4 +1,5 @@
-//! Visual question answering, as BLIP-2 and LAVIS servers do it: one POST of `{image, question, history} -> {answer}`.
+//! Visual question answering, by the protocol of BLIP-2 and LAVIS servers: a POST of `{image, question, history} ->
+//! {answer}`.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -8,7 +9,7 @@ use serde_json::{Value, json};
 use super::wire::Endpoint;
 use crate::llm::port::{Fault, Model, Question, Reply};
 
-/// A model that sees and judges nothing.
+/// A model that sees, and judges nothing.
 #[derive(Debug)]
 pub struct Vqa {
     endpoint: Endpoint,

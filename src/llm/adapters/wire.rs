@@ -1,4 +1,5 @@
-//! One POST of JSON to a configured address, and nothing else: no redirects, no proxies, bounded answers.
+//! HTTP client of the models: one POST of JSON to a configured address, without redirects or proxies, with bounded
+//! answers.
 
 use std::time::Duration;
 
@@ -11,27 +12,27 @@ use thiserror::Error;
 use crate::config::tls;
 use crate::llm::port::Fault;
 
-/// An answer longer than this is none.
+/// Maximum length of an answer, in bytes.
 const ANSWER_BYTES_MAX: usize = 1 << 20;
 
-/// A server that wants to be left alone for longer than this is away.
+/// A server that requests a longer pause counts as unavailable.
 const RETRY_AFTER_MAX: Duration = Duration::from_hours(1);
 
-/// Why an address cannot be used.
+/// The reason why an address cannot be used.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum EndpointError {
-    /// It is no address.
+    /// It is not an address.
     #[error("{0} is no http or https address")]
     Address(String),
-    /// It has a name and a password in it, which would end up in logs.
+    /// It contains credentials, which would end up in logs.
     #[error("a model's address must not contain a name or a password; use REVISIT_MODEL_KEY")]
     Credentials,
-    /// The HTTP client cannot be made.
+    /// The HTTP client cannot be created.
     #[error("the HTTP client: {0}")]
     Client(String),
 }
 
-/// Where a model is, and the key it wants.
+/// A model's address and key.
 #[derive(Clone, Debug)]
 pub struct Endpoint {
     http: reqwest::Client,
@@ -103,17 +104,17 @@ fn refuse_failures(response: &Response) -> Result<(), Fault> {
         StatusCode::REQUEST_TIMEOUT | StatusCode::TOO_EARLY | StatusCode::CONFLICT => {
             Err(Fault::Failing(status.as_u16()))
         }
-        // A busy server says when to come back as well.
+        // A busy server may also state when to retry.
         StatusCode::SERVICE_UNAVAILABLE if retry_after(response).is_some() => {
             Err(Fault::Limited { retry_after: retry_after(response) })
         }
         status if status.is_server_error() => Err(Fault::Failing(status.as_u16())),
-        // Redirects as well: questions go to the configured host only.
+        // Redirects, too: questions are sent to the configured host only.
         status => Err(Fault::Refused(status.as_u16())),
     }
 }
 
-/// In seconds; the form as a date is rare and is left to the pause between retries.
+/// Parses seconds; the rare date format is ignored, and the delay between retries applies.
 fn retry_after(response: &Response) -> Option<Duration> {
     let seconds: f64 = response.headers().get(RETRY_AFTER)?.to_str().ok()?.trim().parse().ok()?;
     (seconds >= 0.0).then(|| Duration::from_secs_f64(seconds.min(RETRY_AFTER_MAX.as_secs_f64())))
