@@ -1,4 +1,4 @@
-//! Arms: the methods that drive through the same data.
+//! Arms: the methods that run on the same data.
 
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -9,25 +9,25 @@ use crate::api::settings::MapSettings;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
-    /// Revisit as it comes.
+    /// Revisit with its defaults.
     Ours,
-    /// The paper's method to the letter, every switch of ours off, built into ORB-SLAM3 (§III).
+    /// The paper's exact method, with all of our extensions off, on ORB-SLAM3 (§III).
     Paper,
     /// Bag of words and Sim3 without anchors, as ORB-SLAM3 closes loops.
     #[serde(rename = "bow")]
     BagOfWords,
-    /// Revisit as it comes, for a robot with one camera and no depth ([`super::sensing::monocular`]).
+    /// Revisit with its defaults, for a robot with one camera and no depth ([`super::sensing::monocular`]).
     #[serde(rename = "monocular")]
     OursMonocular,
 }
 
 impl Method {
-    /// Those that drive the paper's sequences, in the order of tables.
+    /// The arms for the paper's sequences, in the order of tables.
     pub const OF_SEQUENCES: [Self; 3] = [Self::Ours, Self::Paper, Self::BagOfWords];
-    /// Those that drive random worlds: bag of words with Sim3 is lost in each of them.
+    /// The arms for random worlds: bag of words with Sim3 fails in each of them.
     pub const OF_WORLDS: [Self; 3] = [Self::Ours, Self::OursMonocular, Self::Paper];
 
-    /// Returns a word for file names and map ids.
+    /// Returns the name for files and map ids.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ours => "ours",
@@ -37,7 +37,7 @@ impl Method {
         }
     }
 
-    /// Returns what a table calls it.
+    /// Returns the name in tables.
     pub fn title(self) -> &'static str {
         match self {
             Self::Ours => "Ours",
@@ -61,18 +61,18 @@ impl Method {
         MapSettings(settings.as_object().cloned().unwrap_or_default())
     }
 
-    /// Whether its robot closes a loop only once it is confirmed as in ORB-SLAM3 ([`super::robot::common_regions`]). Ours closes what
-    /// it is told.
+    /// Whether its robot closes a loop only once it is confirmed as in ORB-SLAM3 ([`super::robot::common_regions`]).
+    /// Ours closes every reported loop.
     pub fn confirms(self) -> bool {
         !matches!(self, Self::Ours | Self::OursMonocular)
     }
 
-    /// Whether its robot has one camera and no depth, so that its lengths have a unit of their own.
+    /// Whether its robot has one camera and no depth, so that its unit of length is arbitrary.
     pub fn is_monocular(self) -> bool {
         self == Self::OursMonocular
     }
 
-    /// Whether it looks at signs.
+    /// Whether it uses signs.
     pub fn sees_signs(self) -> bool {
         self != Self::BagOfWords
     }

@@ -1,6 +1,7 @@
-//! Recording: a tour as `revisit replay` plays it, with its truth, for who wants to drive it against a server of their own.
+//! Recording: a tour with its truth in the format of `revisit replay`, for running it against any server.
 //!
-//! Poses are odometry's: a recording cannot close loops and correct them, because it does not hear the answers.
+//! Poses are those of odometry: a recording cannot close loops and correct poses, because it does not receive the
+//! answers.
 
 use serde_json::{Value, json};
 
@@ -13,7 +14,7 @@ use crate::api::keyframe::BowShape;
 use crate::geometry::Sim3;
 use crate::vocabulary::{DescriptorMismatch, Vocabulary};
 
-/// Returns the lines of a course: its map, and each keyframe with its query. Words come with the keyframes, so that a
+/// Returns the lines of a course: its map, and each keyframe with its query. Keyframes include their words, so that a
 /// server needs no vocabulary.
 pub fn recording(
     map: &str,

@@ -1,7 +1,7 @@
-//! Random numbers: everything random in the hotel comes from here, by name and seed.
+//! Random numbers: the only source of randomness in the hotel, by name and seed.
 //!
-//! Each part of a world draws from a stream of its own, named after what it is for: moving a painting does not change the
-//! odometry, and two arms of an experiment see the same data.
+//! Each part of a world draws from its own stream, named after its purpose. Moving a painting therefore does not
+//! change the odometry, and all arms of an experiment see the same data.
 
 use rand::{Rng, RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -14,7 +14,7 @@ pub struct SeededRng(ChaCha8Rng);
 impl SeededRng {
     /// Returns the stream of this name under this seed.
     pub fn new(seed: u64, name: &str) -> Self {
-        // FNV-1a: stable for ever, unlike the standard library's hasher.
+        // FNV-1a, which is stable across versions, unlike the standard library's hasher.
         let named = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
             (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
         });
@@ -24,37 +24,37 @@ impl SeededRng {
         Self(ChaCha8Rng::from_seed(bytes))
     }
 
-    /// Uniform in `[low, high)`.
+    /// Draws uniformly from `[low, high)`.
     pub fn within(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.0.random::<f64>()
     }
 
-    /// Uniform below `bound`, which must not be 0.
+    /// Draws uniformly below `bound`, which must not be 0.
     pub fn below(&mut self, bound: usize) -> usize {
         self.0.random_range(0..bound)
     }
 
-    /// True with this probability.
+    /// Returns true with this probability.
     pub fn happens(&mut self, probability: f64) -> bool {
         self.0.random::<f64>() < probability
     }
 
-    /// Normally distributed around 0.
+    /// Draws from a normal distribution around 0.
     pub fn normal(&mut self, sigma: f64) -> f64 {
         Normal::new(0.0, sigma).map_or(0.0, |normal| normal.sample(&mut self.0))
     }
 
-    /// 64 random bits.
+    /// Draws 64 random bits.
     pub fn bits(&mut self) -> u64 {
         self.0.next_u64()
     }
 
-    /// One of several.
+    /// Draws one of several items.
     pub fn one_of<'a, T>(&mut self, items: &'a [T]) -> &'a T {
         &items[self.below(items.len())]
     }
 
-    /// Puts a list into a random order.
+    /// Shuffles a list.
     pub fn shuffle<T>(&mut self, items: &mut [T]) {
         for last in (1..items.len()).rev() {
             items.swap(last, self.below(last + 1));

@@ -1,7 +1,7 @@
-//! Route: the robot starts in a room, goes through the corridor to others in some order, and returns (§VI-A).
+//! Route: the robot starts in a room, visits others through the corridor in some order, and returns (§VI-A).
 //!
-//! A keyframe is made whenever it has driven or turned far enough. In each room it looks around once; on leaving it
-//! turns once in front of the door, so that it has read the plate.
+//! It makes a keyframe after a certain distance or turn. In each room it looks around once. On leaving it turns once
+//! in front of the door, so that it has read the plate.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,18 +11,18 @@ use super::sensing::camera::Stand;
 
 /// Maximum metres between keyframes.
 pub const KEYFRAME_EVERY_M: f64 = 0.6;
-/// And after at most so much of a turn.
+/// Maximum turn between keyframes.
 pub const KEYFRAME_EVERY_RAD: f64 = 18.0 / 180.0 * PI;
-/// How far behind its door a room's middle is.
+/// Distance of a room's middle from its door.
 const ROOM_MIDDLE_M: f64 = 2.3;
-/// And where the robot stands that looks out of it.
+/// Distance from the door at which the robot looks out of a room.
 const THRESHOLD_M: f64 = 0.4;
-/// No two passes are the same: how far off the line a pass may be, in metres.
+/// Lateral deviation of a pass from the line, in metres, so that no two passes are the same.
 const PASS_SCATTER_M: f64 = 0.12;
-/// And how its heading scatters from keyframe to keyframe.
+/// Scatter of the heading between keyframes.
 const HEADING_SCATTER_RAD: f64 = 0.02;
 
-/// Where a visit takes place.
+/// The place of a visit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Place {
     /// In this room, behind its door.
@@ -31,20 +31,20 @@ pub enum Place {
     Corridor,
 }
 
-/// A keyframe's true stand.
+/// A keyframe's true pose and visit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
-    /// Where it was taken.
+    /// Its pose.
     pub stand: Stand,
-    /// Counted from 0: a stay in a room, or a walk between two.
+    /// The number of the visit, from 0: a stay in a room, or a walk between two.
     pub visit: usize,
-    /// Where that is.
+    /// The visit's place.
     pub place: Place,
-    /// On which of several floors that are alike, from 0.
+    /// The floor, of several identical-looking ones, from 0.
     pub storey: usize,
 }
 
-/// The robot's way so far.
+/// The robot's walk so far.
 struct Walk<'a> {
     plan: &'a FloorPlan,
     rng: &'a mut SeededRng,
@@ -54,7 +54,7 @@ struct Walk<'a> {
     place: Place,
 }
 
-/// Returns the keyframes of a tour through these rooms, the first of which is where it starts.
+/// Returns the keyframes of a tour through these rooms, starting in the first.
 pub fn tour(plan: &FloorPlan, rooms: &[usize], rng: &mut SeededRng) -> Vec<Stop> {
     let Some(&first) = rooms.first() else { return Vec::new() };
     let door = plan.rooms[first].door;
@@ -68,7 +68,7 @@ pub fn tour(plan: &FloorPlan, rooms: &[usize], rng: &mut SeededRng) -> Vec<Stop>
         walk.enter(pair[1]);
         walk.look_around();
     }
-    // Back in the first room it sees once more what it saw first: the way out.
+    // Back in the first room, it again sees its first view, the way out.
     walk.face_out(rooms[rooms.len() - 1]);
     walk.stops
 }
@@ -85,7 +85,7 @@ impl Walk<'_> {
         self.stops.push(Stop { stand, visit: self.visit, place, storey: 0 });
     }
 
-    /// Turns to a heading, the shorter way.
+    /// Turns to a heading in the shorter direction.
     fn turn_to(&mut self, heading_rad: f64) {
         let turn = (heading_rad - self.at.heading_rad + PI).rem_euclid(TAU) - PI;
         self.turn_by(turn);
@@ -105,7 +105,7 @@ impl Walk<'_> {
         self.turn_by(turn);
     }
 
-    /// Drives straight to about there, looking ahead.
+    /// Drives straight to approximately this point, looking ahead.
     fn drive_to(&mut self, [x, y]: [f64; 2]) {
         let mut scatter = || self.rng.within(-PASS_SCATTER_M, PASS_SCATTER_M);
         let to = [x + scatter(), y + scatter()];
@@ -139,7 +139,7 @@ impl Walk<'_> {
         self.drive_to(door.at(0.0, ROOM_MIDDLE_M));
     }
 
-    /// From one door to another, the shorter way around the ring.
+    /// Drives from one door to another, the shorter way around the ring.
     fn follow_corridor(&mut self, from: usize, to: usize) {
         let ring_m = self.plan.ring_m();
         let (from_m, to_m) = (self.plan.rooms[from].along_m, self.plan.rooms[to].along_m);
@@ -170,7 +170,7 @@ impl Walk<'_> {
     }
 }
 
-/// Returns a number of rooms in some order, and the first again.
+/// Returns a number of rooms in random order, followed by the first again.
 pub fn some_rooms(plan: &FloorPlan, count: usize, rng: &mut SeededRng) -> Vec<usize> {
     let mut rooms: Vec<usize> = (0..plan.rooms.len()).collect();
     rng.shuffle(&mut rooms);

@@ -1,4 +1,4 @@
-//! Run: one arm drives through recorded journeys, and what it was told is held against the truth.
+//! Run: one arm on recorded journeys, with its answers compared with the truth.
 
 use std::collections::HashMap;
 
@@ -19,21 +19,21 @@ use crate::domain::verdict::Decision;
 use crate::geometry::absolute_orientation::Scale;
 use crate::geometry::{Point3, Pose};
 
-/// Journeys with their truth, ready to be driven through by every arm.
+/// Journeys with their truth, shared by every arm.
 #[derive(Clone, Debug)]
 pub struct Course {
-    /// One for each robot.
+    /// One per robot.
     pub journeys: Vec<Sequence>,
-    /// The keyframes of all robots in the order in which they are taken: turn by turn.
+    /// The keyframes of all robots in temporal order, taking turns.
     pub order: Vec<KeyframeIndex>,
-    /// What is right for each of them.
+    /// The truth for each of them.
     pub answers: Vec<Answerable>,
-    /// The first visit to each room of each floor: which robot's, and which of its visits.
+    /// The first visit to each room of each floor: its robot and visit number.
     first_stays: HashMap<(usize, Place), (usize, usize)>,
 }
 
 impl Course {
-    /// Robots drive at the same time, keyframe by keyframe.
+    /// Creates a course. Robots drive concurrently, keyframe by keyframe.
     pub fn new(journeys: Vec<Sequence>) -> Self {
         let longest = journeys.iter().map(|journey| journey.steps.len()).max().unwrap_or(0);
         let order: Vec<KeyframeIndex> = (0..longest)
@@ -45,7 +45,7 @@ impl Course {
         Self { journeys, order, answers, first_stays }
     }
 
-    /// Was this keyframe taken in a room that a robot, this one or another, had visited before?
+    /// Whether a robot, this one or another, had visited this keyframe's room before.
     fn is_revisit(&self, keyframe: KeyframeIndex) -> bool {
         let stop = self.journeys[keyframe.0].steps[keyframe.1].stop;
         let stay = (keyframe.0, stop.visit);
@@ -67,69 +67,70 @@ fn first_stays(journeys: &[Sequence], order: &[KeyframeIndex]) -> HashMap<(usize
 /// One query with its answer.
 #[derive(Clone, Debug)]
 pub struct Asked {
-    /// Which keyframe.
+    /// The keyframe.
     pub keyframe: KeyframeIndex,
-    /// The keyframe with which the robot takes it for a loop.
+    /// The keyframe with which the robot accepts a loop.
     pub accepted: Option<KeyframeIndex>,
-    /// The distance between the two in truth, in metres.
+    /// The true distance between the two, in metres.
     pub apart_m: Option<f64>,
-    /// The candidate that the arm ranks first, whether it passed its threshold or not.
+    /// The candidate that the arm ranks first, whether or not it passed the threshold.
     pub ranked: Option<Ranked>,
     /// The answer of bag of words alone.
     pub words: WordsAlone,
-    /// How it is scored.
+    /// Its score.
     pub scored: Scored,
-    /// Why a loop that was there was not found: the reason of the right candidate that came farthest.
+    /// For a missed loop, the reason of the true candidate that came farthest.
     pub lost_by: Option<String>,
-    /// What the server said.
+    /// The server's answer.
     pub answer: LoopAnswer,
 }
 
 /// The candidate that an arm ranks first, for its curve of precision over recall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ranked {
-    /// What it ranks by: S of Eq. (2), or inliers without anchors.
+    /// The score for ranking: S of Eq. (2), or inliers without anchors.
     pub score: f64,
     /// Whether it is the same place.
     pub is_right: bool,
 }
 
-/// The answer of bag of words alone: the candidate whose words are most alike.
+/// The answer of bag of words alone: the candidate with the most similar words.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WordsAlone {
-    /// One that is neither right nor wrong.
+    /// A candidate that is neither correct nor wrong.
     Unscored,
-    /// None.
+    /// No candidate.
     Nothing,
-    /// One, with the score of its words.
+    /// A candidate, with the score of its words.
     Names(Ranked),
 }
 
-/// An arm at the end of its drive.
+/// An arm at the end of its run.
 #[derive(Clone, Debug)]
 pub struct RunResult {
-    /// Which arm.
+    /// The arm.
     pub arm: Method,
     /// Every query, in order.
     pub asked: Vec<Asked>,
-    /// Each robot's own estimate of its keyframes' poses, in its own frame.
+    /// Each robot's own pose estimates of its keyframes, in its own frame.
     pub poses: Vec<Vec<Pose>>,
-    /// RMSE of the positions after alignment, in metres, over all robots; by scale too where the robot is monocular.
+    /// RMSE of the positions after alignment, in metres, over all robots; aligned by scale, too, if the robot is
+    /// monocular.
     pub absolute_pose_error_m: f64,
-    /// The share by which its lengths are off along the way, where the robot is monocular.
+    /// The relative error of its lengths along the way, if the robot is monocular.
     pub scale_error: Option<ScaleError>,
-    /// How often pose graphs were optimised.
+    /// The number of pose graph optimisations.
     pub closed: usize,
 }
 
 impl RunResult {
-    /// Returns the queries as they are scored.
+    /// Returns the scored queries.
     pub fn scored(&self) -> Vec<Scored> {
         self.asked.iter().map(|asked| asked.scored).collect()
     }
 }
 
-/// Drives an arm through a course, on a map of its own. `told` hears of each answer.
+/// Runs an arm on a course, in its own map. `told` receives each answer.
 pub async fn drive(
     client: &Client,
     map: &str,
@@ -197,7 +198,7 @@ pub fn odometry(course: &Course) -> Vec<Vec<Pose>> {
     course.journeys.iter().map(motions).collect()
 }
 
-/// RMSE of the robots' positions, each aligned with its own truth, in metres.
+/// Returns the RMSE of the robots' positions, each aligned with its own truth, in metres.
 pub fn absolute_pose_error_m(journeys: &[Sequence], poses: &[Vec<Pose>], scale: Scale) -> f64 {
     let squared = journeys.iter().zip(poses).map(|(journey, poses)| {
         let truth: Vec<Point3> =
@@ -223,7 +224,8 @@ fn ranked(
         Method::BagOfWords => candidate.inliers().unwrap_or(0) as f64,
         Method::Ours | Method::OursMonocular | Method::Paper => candidate.similarity().unwrap_or(0.0),
     };
-    // What passed is ranked as the server answered it, confirmed or not; beyond the threshold, what only that threshold stopped.
+    // Accepted candidates are ranked by the server's answer, confirmed or not; below the threshold, those rejected by
+    // it alone.
     let threshold =
         if arm == Method::BagOfWords { ReasonCode::TooFewInliers } else { ReasonCode::ScoreBelowThreshold };
     let is_near =
@@ -253,8 +255,8 @@ fn words_alone(
     }
 }
 
-/// Returns the reason code of the first right candidate, which is the best of those that failed; `not_confirmed` if the server
-/// took it for a loop, `not_a_candidate` if the answer has none.
+/// Returns the reason code of the first true candidate, which is the best of those that failed. It is `not_confirmed`
+/// if the server accepted it, `not_a_candidate` if the answer has none.
 fn lost_by(
     answer: &LoopAnswer,
     answerable: &Answerable,

@@ -1,4 +1,4 @@
-//! Scenario: which world, which tour, which noise; the paper's twelve sequences, and any number of random ones.
+//! Scenario: a world, a tour and its noise: the paper's twelve sequences, and any number of random ones.
 
 use super::building::floor_plan::Layout;
 use super::building::renumbering::{Era, ROOMS, ROUNDS, eras, round_of, world_of};
@@ -13,18 +13,18 @@ use super::scoring::paper::PrintedSequence;
 use super::sensing::noise::NoiseKind;
 use super::sequence::Sequence;
 
-/// Rooms of a tour: six in the paper's, fewer in random worlds, so that many fit into a night.
+/// Rooms of a tour: six in the paper's, fewer in random worlds, so that many runs fit into a night.
 const PAPER_ROOMS: usize = 6;
 const RANDOM_ROOMS: usize = 4;
-/// What odometry is off by in random worlds, in metres: the range of Table III.
+/// Range of odometry's drift in random worlds, in metres, from Table III.
 const RANDOM_DRIFT_M: [f64; 2] = [0.22, 0.96];
 
-/// A world with what drives through it.
+/// A world with its journeys.
 #[derive(Clone, Debug)]
 pub struct Scenario {
     /// The world.
     pub world: World,
-    /// The floors above it that are alike, if there are any.
+    /// The identical-looking floors above it, if any.
     pub upper: Vec<World>,
     /// The journeys through them.
     pub course: Course,
@@ -35,7 +35,7 @@ pub struct Scenario {
 }
 
 impl Scenario {
-    /// One of the paper's sequences: its layout, a tour of its own, its drift.
+    /// Returns one of the paper's sequences: its layout, its own tour, its drift.
     pub fn of_paper(sequence: &PrintedSequence, patterns: &Patterns) -> Self {
         let (layout, floor, seed) =
             if sequence.dataset == "SE1" { (Layout::SE1, 9, 901) } else { (Layout::SE2, 3, 302) };
@@ -51,7 +51,7 @@ impl Scenario {
         storey.checked_sub(1).map_or(&self.world, |above| &self.upper[above])
     }
 
-    /// Returns a random world under some noise.
+    /// Returns a random world with some noise.
     pub fn random(seed: u64, kind: NoiseKind, patterns: &Patterns) -> Self {
         let mut rng = SeededRng::new(seed, "scenario");
         if kind == NoiseKind::SecondHotel {
@@ -84,7 +84,7 @@ impl Scenario {
         Self { world, upper, course: Course::new(journeys), tours, eras: Vec::new() }
     }
 
-    /// One robot on a tour of many rounds, with odometry that drifts in each as it does in a tour of one.
+    /// Records one robot on a tour of many rounds, each with the drift of a single tour.
     fn renumbered(world: World, drift_m: f64, patterns: &Patterns, seed: u64) -> Self {
         let mut rng = SeededRng::new(seed, "route");
         let mut round = some_rooms(&world.plan, ROOMS, &mut rng);
@@ -98,7 +98,7 @@ impl Scenario {
         Self { course: Course::new(vec![journey]), tours: vec![rooms], upper: Vec::new(), world, eras }
     }
 
-    /// One robot for each drift; robots of a fleet share half their rooms.
+    /// Records one robot per drift; robots of a fleet share half of their rooms.
     fn drive(world: World, kind: NoiseKind, rooms: usize, drifts_m: &[f64], seed: u64) -> Self {
         let mut rng = SeededRng::new(seed, "route");
         let (mut journeys, mut tours) = (Vec::new(), Vec::<Vec<usize>>::new());

@@ -1,10 +1,10 @@
-//! Seeds: which random worlds a method may be tuned on, and which are kept for reporting alone.
+//! Seeds: the random worlds for tuning, and those held out for reporting.
 
 use std::ops::Range;
 
-/// The worlds of `eval hotel --worlds`, for tuning and for looking at.
+/// The worlds of `eval hotel --worlds`, for tuning and inspection.
 pub const DEVELOPMENT: Range<u64> = 0..1_000;
 
-/// The worlds of `eval hotel --worlds --held-out`, for reporting. Nothing is tuned on them (CONTRIBUTING.md), and none is
-/// explained by `eval hotel --world`.
+/// The worlds of `eval hotel --worlds --held-out`, for reporting only. They are never used for tuning
+/// (CONTRIBUTING.md), and `eval hotel --world` does not explain them.
 pub const HELD_OUT: Range<u64> = 1_000_000..1_001_000;

@@ -1,6 +1,6 @@
-//! Sequence: everything a robot's sensors say on one tour, and the truth beside it.
+//! Sequence: all sensor data of a robot's tour, with the truth.
 //!
-//! A journey is recorded once and then driven through by each arm of the experiment, so that all see the same data.
+//! A journey is recorded once and then used by each arm of the experiment, so that all see the same data.
 
 use super::building::signs::SignKind;
 use super::building::world::World;
@@ -14,7 +14,7 @@ use super::sensing::sensor::{Feature, take_image};
 use super::sensing::tracking::Tracker;
 use crate::geometry::{Point3, Pose};
 
-/// The confidence of a reader in text that is none.
+/// The reader's confidence in a reading where there is no text.
 const IMAGINED_CONFIDENCE: f64 = 0.7;
 
 /// A detection as the robot sends it.
@@ -22,35 +22,35 @@ const IMAGINED_CONFIDENCE: f64 = 0.7;
 pub struct Detection {
     /// Its class.
     pub class: &'static str,
-    /// How sure the detector is.
+    /// The detector's confidence.
     pub confidence: f64,
     /// `[x0, y0, x1, y1]`, in pixels.
     pub bounding_box: [f64; 4],
     /// The features on it.
     pub features: Vec<usize>,
-    /// What was read, or how it is described.
+    /// The reading or the description.
     pub text: String,
 }
 
-/// A map point that a keyframe places, for the first time or anew.
+/// A map point that a keyframe places, for the first time or again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placed {
-    /// The feature of the keyframe that it is.
+    /// Its feature in the keyframe.
     pub feature: usize,
-    /// Its place in the keyframe's camera frame: in metres by depth, in the robot's own unit by triangulation.
+    /// Its position in the keyframe's camera frame: in metres by depth, in the robot's own unit by triangulation.
     pub in_camera: Point3,
 }
 
-/// A keyframe as the sensors give it.
+/// The sensor data of a keyframe.
 #[derive(Clone, Debug)]
 pub struct Step {
-    /// The truth: where it was taken, on which visit.
+    /// The truth: its pose and visit.
     pub stop: Stop,
-    /// Its motion since the last keyframe, `previous_from_this`, as odometry has it. The first one's is the identity.
+    /// Its motion since the last keyframe by odometry, `previous_from_this`. The first one's is the identity.
     pub motion: Pose,
     /// Its corners.
     pub features: Vec<Feature>,
-    /// The map point of each, as the robot's tracking numbers it, and whether it is new.
+    /// The map point of each feature, as the robot's tracking numbers it, and whether it is new.
     pub map_points: Vec<(u64, bool)>,
     /// The map points that it places.
     pub placed: Vec<Placed>,
@@ -63,18 +63,18 @@ pub struct Step {
 pub struct Sequence {
     /// The keyframes in order.
     pub steps: Vec<Step>,
-    /// How much longer a metre is at each keyframe in the unit of a robot without depth than at the first, as a natural
-    /// logarithm ([`scale_drift`]).
+    /// The units per metre of a robot without depth at each keyframe, relative to the first, as a natural logarithm
+    /// ([`scale_drift`]).
     pub scale_drift: Vec<f64>,
 }
 
 impl Sequence {
-    /// Drives through a world and records it; odometry drifts by `drift_m`.
+    /// Records a tour through a world; odometry drifts by `drift_m`.
     pub fn record(world: &World, stops: &[Stop], noise: Noise, drift_m: f64, seed: u64) -> Self {
         Self::through(|_| world, stops, noise, drift_m, seed)
     }
 
-    /// Returns the same through a world that changes from visit to visit; no sign is hung or taken down.
+    /// Records a tour through a world that changes between visits; no sign is added or removed.
     pub fn through<'a>(
         world_at: impl Fn(usize) -> &'a World,
         stops: &[Stop],
@@ -123,14 +123,14 @@ impl Sequence {
     }
 }
 
-/// Returns the new map points where depth has them.
+/// Returns the new map points at their depth.
 fn placed_by_depth(features: &[Feature], map_points: &[(u64, bool)]) -> Vec<Placed> {
     let features = features.iter().zip(map_points).enumerate();
     let new = features.filter(|(_, (_, (_, is_new)))| *is_new);
     new.map(|(feature, (seen, _))| Placed { feature, in_camera: seen.in_camera }).collect()
 }
 
-/// Returns the places of the features in a box, `[x0, y0, x1, y1]` in pixels.
+/// Returns the indices of the features in a box, `[x0, y0, x1, y1]` in pixels.
 fn features_in(features: &[Feature], [x0, y0, x1, y1]: [f64; 4]) -> Vec<usize> {
     let is_in = |feature: &Feature| {
         (x0..=x1).contains(&feature.keypoint.u) && (y0..=y1).contains(&feature.keypoint.v)

@@ -12,9 +12,9 @@ pub type Flat = [f64; 2];
 pub const CORRIDOR_HALF_WIDTH_M: f64 = 1.1;
 /// Half the width of a doorway.
 pub const DOORWAY_HALF_WIDTH_M: f64 = 0.45;
-/// Where walls end.
+/// The height of walls.
 pub const CEILING_M: f64 = 2.6;
-/// How far a room's left wall is from the middle of its door, looking in.
+/// The distance of a room's left wall from the middle of its door, looking in.
 pub const ROOM_LEFT_M: f64 = 1.0;
 
 /// A wall as seen from above: everything from floor to ceiling between two points.
@@ -26,10 +26,10 @@ pub struct Wall {
     pub to: Flat,
 }
 
-/// A place on a wall with a frame of its own: `u` to the right when looking along `facing`, `v` along it.
+/// A place on a wall with its own frame: `u` to the right when looking along `facing`, `v` along it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
-    /// Where u and v are 0.
+    /// The origin of u and v.
     pub origin: Flat,
     /// A unit vector.
     pub facing: Flat,
@@ -63,22 +63,22 @@ impl Spot {
 pub struct Room {
     /// The middle of the doorway, facing into the room.
     pub door: Spot,
-    /// Where its door is along the corridor's centreline.
+    /// The position of its door along the corridor's centreline.
     pub along_m: f64,
 }
 
-/// What a layout is made of.
+/// The parameters of a layout.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layout {
     /// The centreline's long side, in metres.
     pub length_m: f64,
     /// Its short side.
     pub width_m: f64,
-    /// Doors are this far apart.
+    /// The distance between doors.
     pub pitch_m: f64,
     /// Rooms outside each long side, outside each short side, and inside each long side.
     pub rooms: [usize; 3],
-    /// How deep a room is.
+    /// The depth of a room.
     pub depth_m: f64,
 }
 
@@ -90,7 +90,7 @@ impl Layout {
     pub const SE2: Self =
         Self { length_m: 29.0, width_m: 21.0, pitch_m: 4.6, rooms: [6, 4, 2], depth_m: 5.6 };
 
-    /// One of many more or less like these, with 24 rooms.
+    /// Draws a random layout similar to these, with 24 rooms.
     pub fn random(rng: &mut SeededRng) -> Self {
         let rooms = *rng.one_of(&[[8, 4, 0], [7, 4, 1], [6, 4, 2], [6, 3, 3]]);
         let pitch_m = rng.within(3.9, 4.5);
@@ -100,16 +100,16 @@ impl Layout {
     }
 }
 
-/// A floor from above.
+/// A floor plan.
 #[derive(Clone, Debug)]
 pub struct FloorPlan {
-    /// Its measures.
+    /// Its dimensions.
     pub layout: Layout,
     /// Every wall; doorways are gaps between them.
     pub walls: Vec<Wall>,
     /// The rooms, in the order of their doors along the corridor.
     pub rooms: Vec<Room>,
-    /// Where the corridor's pattern repeats: at each door of its outer wall, and on to the corners where there are none.
+    /// The places where the corridor's pattern repeats: each door of its outer wall, and further on up to the corners.
     pub bays: Vec<Spot>,
 }
 
@@ -138,7 +138,7 @@ impl FloorPlan {
         plan
     }
 
-    /// Returns how long the corridor is, along its centreline.
+    /// Returns the length of the corridor along its centreline.
     pub fn ring_m(&self) -> f64 {
         2.0 * (self.layout.length_m + self.layout.width_m)
     }
@@ -159,14 +159,14 @@ impl FloorPlan {
         }
     }
 
-    /// Where the corridor turns, along its centreline.
+    /// Returns the positions of the corridor's corners along its centreline.
     pub fn corners_m(&self) -> [f64; 4] {
         let Layout { length_m: l, width_m: w, .. } = self.layout;
         [0.0, l, l + w, 2.0 * l + w]
     }
 
-    /// One side of the corridor: its wall with gaps for doors, and the rooms behind. `overhang_m` is how much the wall
-    /// is longer than the centreline at both ends (an inner wall is shorter).
+    /// Builds one side of the corridor: its wall with gaps for doors, and the rooms behind. At both ends, the wall is
+    /// longer than the centreline by `overhang_m` (an inner wall is shorter).
     #[expect(clippy::too_many_arguments, reason = "one call site, a row of a table")]
     fn side(
         &mut self,
@@ -208,7 +208,7 @@ impl FloorPlan {
         self.walls.push(Wall { from: on_wall(free_from), to: on_wall(side_m + overhang_m) });
     }
 
-    /// Returns the room that this point is in, if it is in one.
+    /// Returns the room that contains this point, if any.
     pub fn room_around(&self, [x, y]: Flat) -> Option<usize> {
         self.rooms.iter().position(|room| {
             let ([ox, oy], [fx, fy]) = (room.door.origin, room.door.facing);
@@ -218,12 +218,12 @@ impl FloorPlan {
         })
     }
 
-    /// Returns how far a room's right wall is from the middle of its door, looking in.
+    /// Returns the distance of a room's right wall from the middle of its door, looking in.
     pub fn room_right_m(&self) -> f64 {
         self.layout.pitch_m - ROOM_LEFT_M - 0.1
     }
 
-    /// Returns the walls that come nearer than this to a point.
+    /// Returns the walls within this range of a point.
     pub fn walls_around(&self, eye: Flat, range_m: f64) -> Vec<Wall> {
         self.walls.iter().copied().filter(|wall| distance_m(eye, wall) < range_m).collect()
     }
@@ -231,7 +231,7 @@ impl FloorPlan {
 
 /// Whether a wall stands between two points.
 pub fn is_hidden(eye: Flat, point: Flat, walls: &[Wall]) -> bool {
-    // A point on a wall is seen from the side it is on: the line of sight ends just before it.
+    // A point on a wall is visible from its own side, so the line of sight ends just before it.
     let before = |axis: usize| eye[axis] + (point[axis] - eye[axis]) * 0.995;
     let end = [before(0), before(1)];
     walls.iter().any(|wall| cross(eye, end, wall.from, wall.to))

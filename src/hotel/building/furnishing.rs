@@ -1,8 +1,8 @@
-//! Furnishing: the points of rooms and corridor that a camera may recognise.
+//! Furnishing: the points of rooms and corridor that a camera can recognise.
 //!
 //! Rooms of one kind are copies of one model: the same walls, beds and desks at the same places, up to centimetres and
-//! a few bits of each descriptor; what a guest left behind is nobody's copy. So are the stretches of corridor between
-//! doors. This is what takes in bag of words and geometry alike.
+//! a few bits of each descriptor. Only a guest's belongings are unique. The stretches of corridor between doors are
+//! copies, too. Such copies confuse both bag of words and geometry.
 
 use super::floor_plan::{
     CEILING_M, CORRIDOR_HALF_WIDTH_M, DOORWAY_HALF_WIDTH_M, FloorPlan, ROOM_LEFT_M, Spot,
@@ -15,13 +15,13 @@ use crate::hotel::rng::SeededRng;
 pub struct WorldPoint {
     /// In metres.
     pub position: [f64; 3],
-    /// The direction it is best seen from; a unit vector.
+    /// The direction from which it is seen best; a unit vector.
     pub normal: [f64; 3],
-    /// What it looks like from the front.
+    /// Its descriptor from the front.
     pub descriptor: Descriptor,
-    /// At this distance it is a corner of the image pyramid's middle octave.
+    /// The distance at which it is a corner of the image pyramid's middle octave.
     pub reference_m: f64,
-    /// Which way it is turned in the image of an upright camera, in degrees.
+    /// Its orientation in the image of an upright camera, in degrees.
     pub angle_deg: f64,
 }
 
@@ -52,14 +52,14 @@ const POINTS_PER_DOOR_FRAME: usize = 110;
 const POINTS_PER_STRETCH: usize = 650;
 /// Points on each wall of a corner of the corridor.
 const POINTS_PER_CORNER_WALL: usize = 900;
-/// How far a corner reaches into the corridor on either side.
+/// Length of a corner along the corridor on either side.
 const CORNER_ARM_M: f64 = 3.0;
-/// Points that are nobody's copy, in each room and on each stretch.
+/// Unique points of each room and each stretch.
 const OWN_POINTS: usize = 120;
-/// How far a copy's point is from the model's, in metres.
+/// Scatter of a copy's point around the model's, in metres.
 const COPY_SCATTER_M: f64 = 0.008;
-/// Where the best distance of points lies: coarse corners are found from afar, fine ones from near by, as many of one size
-/// as of another.
+/// Range of reference distances: coarse corners are found from afar, fine ones from nearby, uniformly distributed over
+/// sizes.
 const REFERENCE_M: [f64; 2] = [0.5, 5.0];
 
 /// The model of rooms, and of the corridor along them.
@@ -137,7 +137,8 @@ impl Model {
         Self { room, door_frame, stretch, corner }
     }
 
-    /// Builds a corner of the corridor: `spot` stands in its middle and faces the wall ahead of who comes along, who will turn left.
+    /// Builds a corner of the corridor: `spot` is in its middle and faces the wall ahead of a robot that will turn
+    /// left.
     pub fn furnish_corner(
         &self,
         spot: &Spot,
@@ -150,7 +151,7 @@ impl Model {
             .collect()
     }
 
-    /// Builds a room behind this door, with what its guest left there.
+    /// Builds the room behind this door, with its guest's belongings.
     pub fn furnish_room(
         &self,
         door: &Spot,
@@ -173,7 +174,7 @@ impl Model {
         points
     }
 
-    /// Builds the stretch of corridor to the right of this door; `keep` says which of its points have a wall to be on.
+    /// Builds the stretch of corridor to the right of this door; `keep` selects the points that lie on a wall.
     pub fn furnish_stretch(
         &self,
         door: &Spot,
@@ -198,7 +199,7 @@ impl Model {
 
 fn on_furniture(piece: &Furniture, shift: f64, patterns: &Patterns, rng: &mut SeededRng) -> ModelPoint {
     let mut position: [f64; 3] = std::array::from_fn(|axis| rng.within(piece.min[axis], piece.max[axis]));
-    // On a side that can be seen from the door, or on top.
+    // On a side visible from the door, or on top.
     let normal = match rng.below(3) {
         0 => {
             position[1] = piece.min[1];
@@ -231,7 +232,7 @@ fn model_point(position: [f64; 3], normal: [f64; 3], patterns: &Patterns, rng: &
 fn copied(model: &ModelPoint, spot: &Spot, rng: &mut SeededRng) -> WorldPoint {
     let mut scattered = model.position;
     for (axis, coordinate) in scattered.iter_mut().enumerate() {
-        // On its surface: a copy's point moves along the wall, not into it.
+        // Within its surface: a copy's point moves along the wall, not into it.
         *coordinate += rng.normal(COPY_SCATTER_M) * (1.0 - model.normal[axis].abs());
     }
     let [x, y] = spot.at(scattered[0], scattered[1]);

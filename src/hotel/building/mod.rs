@@ -1,4 +1,4 @@
-//! The building: floor plan, furniture, signs, and what changes in them.
+//! The building: floor plan, furniture, signs, and their changes.
 
 pub mod floor_plan;
 pub mod furnishing;

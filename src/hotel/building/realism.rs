@@ -1,4 +1,4 @@
-//! Realism: the figures by which the simulated hotel is held against real ones, so that nobody makes the task easy unnoticed.
+//! Realism: figures that compare the simulated hotel with real ones, so that it cannot become too easy unnoticed.
 
 use super::floor_plan::FloorPlan;
 use super::texture::DESCRIPTOR_BITS;
@@ -13,31 +13,31 @@ use crate::hotel::sequence::{Sequence, Step};
 use crate::recognition::verification::{Limits, Status, View, verify};
 use crate::vocabulary::{DescriptorMismatch, Vocabulary, WordVector};
 
-/// What was measured; medians.
+/// Measured medians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Realism {
     /// Features of an image.
     pub features: f64,
-    /// Physical points that one keyframe shares with the next.
+    /// Physical points shared by successive keyframes.
     pub shared_with_next: f64,
     /// Bag-of-words score between keyframes of one place on two visits.
     pub score_same_place: f64,
-    /// And between the same views of two rooms.
+    /// Bag-of-words score between the same views of two rooms.
     pub score_twin_rooms: f64,
-    /// And between a room and the corridor.
+    /// Bag-of-words score between a room and the corridor.
     pub score_elsewhere: f64,
     /// Inliers of Sim3 between keyframes of one place on two visits.
     pub inliers_same_place: f64,
-    /// And between the same views of two rooms.
+    /// Inliers of Sim3 between the same views of two rooms.
     pub inliers_twin_rooms: f64,
-    /// The share of the same views of two rooms that Sim3 takes for one place.
+    /// The share of equal views of two rooms that Sim3 verifies as one place.
     pub verified_twin_rooms: f64,
 }
 
-/// Two twin views may differ by so much in place and heading, in metres and radians.
+/// Maximum difference of two twin views in place and heading, in metres and radians.
 const TWIN_M: f64 = 0.4;
 const TWIN_RAD: f64 = 0.15;
-/// Only every so many of the pairs are looked at.
+/// Sampling interval of the pairs.
 const EVERY_PAIR: usize = 7;
 
 /// Measures one journey through a floor.
@@ -97,7 +97,7 @@ fn words(vocabulary: &Vocabulary, step: &Step) -> Result<WordVector, DescriptorM
     Ok(vocabulary.transform(DESCRIPTOR_BITS / 8, &descriptor_bytes(step), 0)?.words)
 }
 
-/// Returns whether Sim3 takes two keyframes for one place, and with how many inliers.
+/// Returns whether Sim3 verifies two keyframes as one place, and its inliers.
 fn verified(query: &Step, candidate: &Step) -> Option<(bool, f64)> {
     let [query, candidate] = [Matchable::of(query)?, Matchable::of(candidate)?];
     let result = verify(&query.view(), &candidate.view(), &[], &Limits::DEFAULT, 0);

@@ -1,7 +1,7 @@
-//! Renumbering: a hotel whose door numbers change while robots go on driving through it.
+//! Renumbering: a hotel whose door numbers change during a tour.
 //!
-//! The tour is driven in rounds. Before the second round one plate in ten is replaced, before the fifth every plate of one
-//! side of the corridor. A new plate has a number that the floor did not have, and its digits look different.
+//! The tour has several rounds. Before the second round one plate in ten is replaced, before the fifth every plate of
+//! one side of the corridor. A new plate has a number that is new to the floor, and its digits look different.
 
 use std::collections::BTreeSet;
 
@@ -18,14 +18,14 @@ use crate::hotel::sequence::Sequence;
 
 /// Rounds of a tour.
 pub const ROUNDS: usize = 8;
-/// Rooms of a round: few, for a tour of many rounds is long.
+/// Rooms per round: few, because a tour of many rounds is long.
 pub const ROOMS: usize = 2;
-/// The round before which one plate in ten is replaced, counted from 0, and the share.
+/// The round before which one plate in ten is replaced, from 0, and that share.
 const FEW: (usize, f64) = (1, 0.1);
-/// The round before which a side is renumbered: three rounds have passed the first new plates.
+/// The round before which a side is renumbered, three rounds after the first new plates.
 const SIDE: usize = 4;
 
-/// A world as it is from some round on.
+/// The state of a world from a certain round on.
 #[derive(Clone, Debug)]
 pub struct Era {
     /// The first round.
@@ -34,10 +34,10 @@ pub struct Era {
     pub world: World,
 }
 
-/// Returns the eras of a world; `tour` are the rooms of one round.
+/// Returns the eras of a world; `tour` lists the rooms of one round.
 pub fn eras(world: &World, tour: &[usize], patterns: &Patterns, rng: &mut SeededRng) -> Vec<Era> {
     let rooms = world.plan.rooms.len();
-    // The robot passes the doors of its rooms for sure.
+    // The robot certainly passes the doors of its rooms.
     let mut known = tour.to_vec();
     rng.shuffle(&mut known);
     let few = ((rooms as f64 * FEW.1).ceil() as usize).min(known.len());
@@ -59,13 +59,13 @@ pub fn world_of<'a>(first: &'a World, eras: &'a [Era], round: usize) -> &'a Worl
     era.map_or(first, |era| &era.world)
 }
 
-/// Returns the side of the ring on which a room's door is, 0 to 3.
+/// Returns the side of the ring with a room's door, 0 to 3.
 fn side_of(plan: &FloorPlan, room: usize) -> usize {
     let along_m = plan.rooms[room].along_m.rem_euclid(plan.ring_m());
     plan.corners_m().iter().filter(|corner_m| **corner_m <= along_m).count()
 }
 
-/// Returns the round of a visit: each round stays once in each room, with the corridor between.
+/// Returns the round of a visit: each round has one stay per room, with the corridor between.
 pub fn round_of(visit: usize) -> usize {
     (visit / (2 * ROOMS)).min(ROUNDS - 1)
 }
@@ -73,13 +73,13 @@ pub fn round_of(visit: usize) -> usize {
 /// The queries of one round.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Round {
-    /// All.
+    /// All queries.
     pub all: Counts,
-    /// Those whose image shows the plate of a door that has a new number by then, and no other plate.
+    /// Those whose image shows a replaced plate, and no other plate.
     pub at_new_plates: Counts,
 }
 
-/// The counts of an arm, round by round.
+/// Counts the queries of an arm by round.
 pub fn by_round(driven: &RunResult, journey: &Sequence, first: &World, eras: &[Era]) -> Vec<Round> {
     let is_new = |text: &str, round: usize| world_of(first, eras, round).renumbered.contains(text);
     let shows_new_plates_alone = |keyframe: usize, round: usize| {
@@ -102,16 +102,16 @@ pub fn by_round(driven: &RunResult, journey: &Sequence, first: &World, eras: &[E
         .collect()
 }
 
-/// The signs that a map holds at the end of a tour, by what became of them.
+/// The signs of a map at the end of a tour, by their final state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Signs {
-    /// Plates that are retired, and hang there no longer.
+    /// Retired plates that were removed.
     pub retired_gone: u64,
-    /// Signs that are retired, though they hang there.
+    /// Retired signs that still hang.
     pub retired_hanging: u64,
-    /// Texts that are retired, and never hung anywhere: misread.
+    /// Retired texts that never hung anywhere, because they were misread.
     pub retired_misread: u64,
-    /// Plates that hang there no longer, and are still valid.
+    /// Removed plates that are still valid.
     pub valid_gone: u64,
 }
 
@@ -141,7 +141,7 @@ impl Signs {
         counted
     }
 
-    /// Adds those of another map.
+    /// Adds the counts of another map.
     pub fn plus(self, other: Self) -> Self {
         Self {
             retired_gone: self.retired_gone + other.retired_gone,

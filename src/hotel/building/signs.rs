@@ -1,11 +1,11 @@
-//! Signs: what hangs on the walls and can be read or described: door plates, paintings, exit signs, floor signs.
+//! Signs: readable or describable objects on the walls: door plates, paintings, exit signs, floor signs.
 
 use super::floor_plan::{CORRIDOR_HALF_WIDTH_M, FloorPlan, Spot};
 use super::furnishing::WorldPoint;
 use super::texture::{Descriptor, Patterns, copy};
 use crate::hotel::rng::SeededRng;
 
-/// What kind of sign, which is the class of its detections.
+/// The kind of a sign, which is the class of its detections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum SignKind {
     /// A door number beside its door.
@@ -14,12 +14,12 @@ pub enum SignKind {
     Painting,
     /// An exit sign.
     ExitSign,
-    /// The floor's number, the same everywhere.
+    /// The floor's number, the same on the whole floor.
     FloorSign,
 }
 
 impl SignKind {
-    /// Returns the class as a detector names it.
+    /// Returns the class name of a detector.
     pub fn class(self) -> &'static str {
         match self {
             Self::DoorPlate => "door_number",
@@ -29,7 +29,7 @@ impl SignKind {
         }
     }
 
-    /// Returns how far off a detector still finds it, in metres.
+    /// Returns the range of a detector, in metres.
     pub fn detected_within_m(self) -> f64 {
         match self {
             Self::DoorPlate | Self::FloorSign => 5.2,
@@ -49,13 +49,13 @@ impl SignKind {
 /// A sign on a wall.
 #[derive(Clone, Debug)]
 pub struct Sign {
-    /// What it is.
+    /// Its kind.
     pub kind: SignKind,
-    /// What stands on it, or what it shows: the truth, which a reader may get wrong.
+    /// Its true text or motif, which a reader may misread.
     pub text: String,
     /// Its middle, in metres.
     pub centre: [f64; 3],
-    /// Where it looks; a unit vector.
+    /// The direction that it faces; a unit vector.
     pub normal: [f64; 2],
     /// Half its width and height, in metres.
     pub half_size_m: [f64; 2],
@@ -63,48 +63,48 @@ pub struct Sign {
     pub points: std::ops::Range<usize>,
 }
 
-/// What the signs of a world are like.
+/// The arrangement of a world's signs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SignPlan {
-    /// The same painting on every wall, and a floor's number and an exit sign with a description at every door.
+    /// Whether every wall has the same painting, and every door a floor number and a described exit sign.
     pub repeated: bool,
-    /// The number of different paintings, hung one after the other; 0: as many as there are walls for them.
+    /// The number of different paintings, hung in turn; 0: a different one on each wall.
     pub prints: usize,
 }
 
 /// Points of one sign.
 const POINTS_PER_SIGN: usize = 16;
-/// One plate point in so many, from the first, is on its digits and differs from plate to plate.
+/// Stride of the plate points, from the first, that are on the digits and differ between plates.
 pub const POINTS_PER_DIGIT_POINT: usize = 3;
-/// Where a plate hangs, right of the middle of its door, and how high.
+/// Position of a plate, right of the middle of its door, and its height.
 const PLATE_U_M: f64 = 0.62;
 const PLATE_Z_M: f64 = 1.45;
-/// Where repeated signs hang, left of the middle of the door.
+/// Position of repeated signs, left of the middle of the door.
 const REPEATED_U_M: f64 = -0.62;
-/// Where a painting may hang, right of the middle of the door across the corridor.
+/// Possible positions of a painting, right of the middle of the opposite door.
 const PAINTING_U_M: [f64; 3] = [0.0, 0.5, -0.5];
-/// A door with its plate needs so much wall on either side of its middle, and half a painting more.
+/// Wall needed for a door with its plate on either side of its middle, without half a painting.
 const DOOR_AND_PLATE_M: f64 = 1.05;
 /// The height of a painting's middle.
 const PAINTING_Z_M: f64 = 1.5;
 /// The height of an exit sign's middle.
 const EXIT_Z_M: f64 = 1.95;
 
-/// What repeated exit signs are described as: enough words to be an anchor, and nothing that tells one from another.
+/// Description of repeated exit signs: enough words for an anchor, and nothing that distinguishes them.
 pub const REPEATED_EXIT: &str = "an illuminated pictogram of a running figure heading for a doorway";
 
 /// Hangs the signs of a floor. The points of a sign are appended to `points`.
 pub struct Decorator<'a> {
-    /// Where.
+    /// The floor plan.
     pub plan: &'a FloorPlan,
-    /// What corners look like.
+    /// The patterns of corners.
     pub patterns: &'a Patterns,
     /// All points of the world so far.
     pub points: &'a mut Vec<WorldPoint>,
 }
 
 impl Decorator<'_> {
-    /// Hangs everything; `numbers` are the rooms', in their order.
+    /// Hangs all signs; `numbers` are those of the rooms, in order.
     pub fn hang(&mut self, numbers: &[String], signs: SignPlan, rng: &mut SeededRng) -> Vec<Sign> {
         let mut hung = Vec::new();
         let mut titles = paintings(self.plan.rooms.len() + 8, rng);
@@ -123,7 +123,7 @@ impl Decorator<'_> {
         };
         let floor_number = numbers[0].chars().take(numbers[0].len().saturating_sub(2)).collect::<String>();
         for (number, room) in self.plan.rooms.iter().enumerate() {
-            // The digits differ little: a plate's points look like its neighbours' but for some of them.
+            // Plates differ only in the points on their digits.
             let digits = look_like_no_other(rng);
             let look: Vec<Descriptor> = floor
                 .iter()
@@ -134,7 +134,7 @@ impl Decorator<'_> {
             let plate = place(&room.door, PLATE_U_M, 0.0, PLATE_Z_M, -1.0);
             hung.push(self.sign(SignKind::DoorPlate, numbers[number].clone(), plate, &look, rng));
             let opposite = -2.0 * CORRIDOR_HALF_WIDTH_M;
-            // Where it is seen through the open door, if another door leaves room for it.
+            // Visible through the open door, if another door leaves room for it.
             let free = PAINTING_U_M.into_iter().find(|u| self.is_free(room.door.at(*u, opposite)));
             if let Some(u) = free {
                 let spot = place(&room.door, u, opposite, PAINTING_Z_M, 1.0);
@@ -154,7 +154,7 @@ impl Decorator<'_> {
         }
         let rooms = self.plan.rooms.len();
         for (corner, corner_m) in self.plan.corners_m().into_iter().enumerate() {
-            // On the outer walls, seen by who comes along either way.
+            // On the outer walls, visible from both directions.
             let ([x, y], heading) = self.plan.centreline(corner_m - 1e-6);
             let ahead = Spot { origin: [x, y], facing: [heading.cos(), heading.sin()] };
             let aside = Spot { origin: [x, y], facing: [heading.sin(), -heading.cos()] };
@@ -177,7 +177,7 @@ impl Decorator<'_> {
         hung
     }
 
-    /// Whether there is wall here, and no door near.
+    /// Whether there is wall here, and no door nearby.
     fn is_free(&self, place: [f64; 2]) -> bool {
         self.plan.rooms.iter().all(|room| {
             let [x, y] = room.door.origin;
@@ -211,7 +211,7 @@ impl Decorator<'_> {
     }
 }
 
-/// Returns a place on a wall: its middle and where it looks.
+/// Returns a place on a wall: its middle and the direction that it faces.
 fn place(spot: &Spot, u: f64, v: f64, z: f64, towards: f64) -> ([f64; 3], [f64; 2]) {
     let [x, y] = spot.at(u, v);
     ([x, y, z], spot.direction(0.0, towards))
@@ -276,7 +276,7 @@ const SETTINGS: [&str; 14] = [
     "jungle",
 ];
 
-/// Titles of different paintings.
+/// Draws titles of different paintings.
 fn paintings(count: usize, rng: &mut SeededRng) -> Vec<String> {
     let mut subjects = SUBJECTS;
     rng.shuffle(&mut subjects);

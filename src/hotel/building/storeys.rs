@@ -1,7 +1,7 @@
-//! Storeys: floors of one hotel that are alike, with a robot on each and a second one on the lowest.
+//! Storeys: identical-looking floors of one hotel, with a robot on each and a second one on the lowest.
 //!
-//! Each floor is furnished from the same models and hung with the same prints; what differs are the numbers on the doors,
-//! the guests' belongings, centimetres and a few bits.
+//! Each floor is furnished from the same models and has the same prints. Floors differ only in door numbers, guests'
+//! belongings, centimetres and a few bits.
 
 use super::floor_plan::Layout;
 use super::signs::SignPlan;
@@ -12,12 +12,12 @@ use crate::hotel::route::{Stop, some_rooms, tour};
 use crate::hotel::sensing::noise::NoiseKind;
 use crate::hotel::sequence::Sequence;
 
-/// The number of floors that are alike.
+/// The number of floors.
 pub const STOREYS: usize = 3;
 /// The number of different prints on the walls of a floor.
 const PRINTS: usize = 6;
 
-/// The floors with what drives through them.
+/// The floors with their robots' journeys.
 #[derive(Clone, Debug)]
 pub struct Storeys {
     /// The floors, from the lowest.
@@ -29,8 +29,8 @@ pub struct Storeys {
 }
 
 impl Storeys {
-    /// Builds the floors and drives through them; odometry drifts by one of `drifts_m` for each robot. The last one comes by
-    /// half the rooms of the first.
+    /// Builds the floors and records the journeys; `drifts_m` gives each robot's drift. The last robot visits half of
+    /// the first one's rooms.
     pub fn new(
         layout: Layout,
         lowest: u32,

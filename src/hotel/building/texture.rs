@@ -1,10 +1,11 @@
-//! Texture: what a point looks like, as a 256-bit descriptor in the manner of ORB.
+//! Texture: the appearance of a point, as a 256-bit descriptor similar to ORB.
 //!
-//! Corners in the world are variations of a few thousand patterns (a door frame's corner, the leg of a chair), which
-//! is why a vocabulary trained on one building works in another. A descriptor is therefore made in layers, each turning
-//! over a share of the bits: the pattern; the model (this corner of this make of chair); the copy (this very chair, a
-//! scratch); the side it is seen from; and the noise of one image. Shares add up to what is measured of ORB: two views of
-//! one point differ in 20 to 45 of 256 bits, different points in about 128 (E. Rublee et al., ICCV 2011).
+//! Corners in the world are variations of a few thousand patterns, such as a door frame's corner or the leg of a
+//! chair. This is why a vocabulary trained on one building works in another. A descriptor therefore has layers, each
+//! of which flips a share of the bits: the pattern, the model, the copy, the viewing side, and the noise of one image.
+//! A model is this corner of this make of chair; a copy is this very chair, with a scratch. The shares add up to
+//! measurements of ORB: two views of one point differ in 20 to 45 of 256 bits, different points in about 128 (E.
+//! Rublee et al., ICCV 2011).
 
 use crate::hotel::rng::SeededRng;
 use crate::vocabulary::Vocabulary;
@@ -13,26 +14,26 @@ use crate::vocabulary::train::{TrainError, TrainSettings, TrainingSet, train};
 /// A descriptor of 256 bits.
 pub type Descriptor = [u64; 4];
 
-/// How many bits a descriptor has.
+/// Bits of a descriptor.
 pub const DESCRIPTOR_BITS: usize = 256;
-/// How many patterns the world is made of.
+/// Number of patterns in the world.
 pub const PATTERNS: usize = 1_500;
-/// What a model's corner differs from its pattern by, in bits.
+/// Bits in which a model's corner differs from its pattern.
 const MODEL_BITS: f64 = 22.0;
-/// What a copy differs from its model by.
+/// Bits in which a copy differs from its model.
 const COPY_BITS: f64 = 17.0;
-/// What a side differs from the front by.
+/// Bits in which a side view differs from the front.
 const SIDE_BITS: f64 = 9.0;
-/// What one image differs from the next by.
+/// Bits of noise of one image.
 const IMAGE_BITS: f64 = 8.0;
-/// Number of images from which the vocabulary is trained, drawn apart from every world.
+/// Number of images for training the vocabulary, drawn independently of every world.
 const TRAINING_IMAGES: usize = 150;
 /// Number of corners in each of them.
 const TRAINING_CORNERS: usize = 80;
-/// The patterns are the same for all worlds, as corners are the same in all buildings.
+/// Seed of the patterns, which are the same for all worlds, as corners are in all buildings.
 const PATTERN_SEED: u64 = 0x4f52_4220_7061_7474;
 
-/// The patterns that the world is made of.
+/// The patterns of the world.
 #[derive(Clone, Debug)]
 pub struct Patterns(Vec<Descriptor>);
 
@@ -48,7 +49,7 @@ impl Patterns {
         varied(*rng.one_of(&self.0), MODEL_BITS, rng)
     }
 
-    /// Returns a vocabulary learnt from other images than any world's.
+    /// Trains a vocabulary on images that belong to no world.
     pub fn vocabulary(&self) -> Result<Vocabulary, TrainError> {
         let mut rng = SeededRng::new(PATTERN_SEED, "vocabulary");
         let mut set = TrainingSet::new();
@@ -57,7 +58,7 @@ impl Patterns {
             let image: Vec<u8> = corners.collect::<Vec<_>>().iter().flat_map(bytes).collect();
             set.add_image(DESCRIPTOR_BITS / 8, &image)?;
         }
-        // Five levels, so that the nodes that guide matching lie one below the root.
+        // Five levels, so that the nodes that guide matching are one level below the root.
         train(&set, TrainSettings { branching: 10, levels: 5, ..TrainSettings::default() }, |_| {})
     }
 }
@@ -68,28 +69,28 @@ impl Default for Patterns {
     }
 }
 
-/// This very copy of a model's corner.
+/// Returns a copy of a model's corner.
 pub fn copy(model: Descriptor, rng: &mut SeededRng) -> Descriptor {
     varied(model, COPY_BITS, rng)
 }
 
-/// Returns the point as seen from a side: the same bits turn over whenever it is seen from there.
+/// Returns the point as seen from a side; the same side always flips the same bits.
 pub fn from_side(point: Descriptor, side: i32) -> Descriptor {
     let seed = point[0] ^ (side as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     varied(point, SIDE_BITS, &mut SeededRng::new(seed, "side"))
 }
 
-/// Returns the point in one image.
+/// Returns the point in one image, with noise.
 pub fn in_image(side: Descriptor, rng: &mut SeededRng) -> Descriptor {
     varied(side, IMAGE_BITS, rng)
 }
 
-/// Returns a descriptor's bytes, as it travels.
+/// Returns a descriptor's bytes, as they are sent.
 pub fn bytes(descriptor: &Descriptor) -> impl Iterator<Item = u8> + use<> {
     descriptor.map(u64::to_le_bytes).into_iter().flatten()
 }
 
-/// Turns over so many random bits on average, within a third of it.
+/// Flips a random number of bits, on average `mean_bits`, within a third of it.
 fn varied(mut descriptor: Descriptor, mean_bits: f64, rng: &mut SeededRng) -> Descriptor {
     let count = rng.within(mean_bits * 0.67, mean_bits * 1.33).round() as usize;
     for _ in 0..count {

@@ -8,42 +8,42 @@ use super::signs::{Decorator, POINTS_PER_DIGIT_POINT, Sign, SignKind, SignPlan};
 use super::texture::{Patterns, copy};
 use crate::hotel::rng::SeededRng;
 
-/// What a world is made from.
+/// The parameters of a world.
 #[derive(Clone, Debug)]
 pub struct WorldPlan {
-    /// The floor's measures.
+    /// The floor's dimensions.
     pub layout: Layout,
-    /// The number on the floor's doors starts with this.
+    /// The first digits of the floor's door numbers.
     pub floor: u32,
-    /// What hangs on the walls.
+    /// The arrangement of its signs.
     pub signs: SignPlan,
-    /// Furnishes it.
+    /// Seed of its furnishing.
     pub seed: u64,
 }
 
-/// A floor with everything on it.
+/// A furnished floor with signs.
 #[derive(Clone, Debug)]
 pub struct World {
-    /// From above.
+    /// The floor plan.
     pub plan: FloorPlan,
-    /// What a camera may recognise.
+    /// The points that a camera can recognise.
     pub points: Vec<WorldPoint>,
-    /// What can be read.
+    /// The signs.
     pub signs: Vec<Sign>,
     /// The rooms' numbers, in the order of their doors along the corridor.
     pub numbers: Vec<String>,
-    /// Those of them that the floor did not have at first.
+    /// The replaced numbers among them.
     pub renumbered: BTreeSet<String>,
 }
 
 impl World {
-    /// Builds it.
+    /// Builds a world.
     pub fn new(of: &WorldPlan, patterns: &Patterns) -> Self {
         Self::storey(of, 0, patterns)
     }
 
-    /// Builds the floor that is so many storeys above it: other copies of the same models, the same prints at the same
-    /// places, and other numbers.
+    /// Builds the floor `storey` levels above: other copies of the same models, the same prints at the same places,
+    /// and other numbers.
     pub fn storey(of: &WorldPlan, storey: usize, patterns: &Patterns) -> Self {
         let plan = FloorPlan::new(of.layout);
         let mut rng = SeededRng::new(of.seed, "furnishing");
@@ -81,7 +81,7 @@ impl World {
         Self { plan, points, signs, numbers, renumbered: BTreeSet::new() }
     }
 
-    /// Gives rooms numbers that the floor did not have, on new plates.
+    /// Replaces the plates of rooms by numbers new to the floor.
     pub fn renumber(&mut self, rooms: &[usize], patterns: &Patterns, rng: &mut SeededRng) {
         let floor = self.numbers[0][..self.numbers[0].len() - 2].to_owned();
         for room in rooms {
@@ -99,7 +99,7 @@ impl World {
     }
 }
 
-/// Stretches of corridor are copied past doors and corners; only what lands on a wall is there.
+/// Whether a point is on a wall: stretches of corridor are copied past doors and corners, and the rest is dropped.
 fn is_on_a_wall(plan: &FloorPlan, at: [f64; 2]) -> bool {
     plan.walls.iter().any(|wall| {
         let (dx, dy) = (wall.to[0] - wall.from[0], wall.to[1] - wall.from[1]);

@@ -1,6 +1,6 @@
-//! Why a figure could not be drawn.
+//! Errors of figures.
 
-/// Why a figure could not be drawn.
+/// The reason why a figure could not be drawn.
 #[derive(Debug, thiserror::Error)]
 #[error("the figure cannot be drawn: {0}")]
 pub struct FigureError(String);

@@ -1,4 +1,4 @@
-//! Precision over recall, as the threshold of each arm goes from strict to lenient.
+//! Precision over recall, as the threshold of each arm varies from strict to lenient.
 
 use plotters::prelude::*;
 
@@ -7,16 +7,16 @@ use super::error::FigureError;
 /// One arm's curve.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// What the legend calls it.
+    /// The name in the legend.
     pub name: String,
-    /// (recall, precision), from the strictest threshold on.
+    /// (recall, precision), from the strictest threshold.
     pub points: Vec<(f64, f64)>,
-    /// Where it works as it comes.
+    /// The point of the default threshold.
     pub operating_point: Option<(f64, f64)>,
 }
 
 const SIZE_PX: (u32, u32) = (640, 460);
-/// Okabe and Ito's palette: told apart by colour-blind readers, too.
+/// Okabe and Ito's palette, which colour-blind readers can distinguish, too.
 const COLOURS: [RGBColor; 4] =
     [RGBColor(0, 114, 178), RGBColor(230, 159, 0), RGBColor(204, 121, 167), RGBColor(0, 158, 115)];
 

@@ -6,18 +6,18 @@ use plotters::prelude::*;
 use super::error::FigureError;
 use crate::hotel::building::floor_plan::{Flat, Wall};
 
-/// One trajectory with what is to be seen behind it.
+/// One trajectory with its background.
 #[derive(Clone, Debug)]
 pub struct Panel {
-    /// What it shows.
+    /// Its title.
     pub title: String,
     /// One line below the title.
     pub caption: String,
-    /// Where the robot was.
+    /// The robot's true positions.
     pub truth: Vec<Flat>,
-    /// Where it believed to be, laid over the truth.
+    /// Its estimated positions, aligned with the truth.
     pub estimate: Vec<Flat>,
-    /// The loops it closed, by the places of their ends in `estimate`, and whether they were right.
+    /// The loops that it closed, by the indices of their ends in `estimate`, and whether they were correct.
     pub loops: Vec<(usize, usize, bool)>,
     /// The floor plan.
     pub walls: Vec<Wall>,
@@ -48,7 +48,7 @@ pub fn trajectories(panels: &[Panel]) -> Result<String, FigureError> {
     Ok(svg)
 }
 
-/// `[x0, x1, y0, y1]` around everything, with one scale for both axes.
+/// Returns `[x0, x1, y0, y1]` around everything, with one scale for both axes.
 fn bounds(panels: &[Panel]) -> [f64; 4] {
     let ends = panels.iter().flat_map(|panel| panel.walls.iter().flat_map(|wall| [wall.from, wall.to]));
     let points = panels.iter().flat_map(|panel| panel.truth.iter().chain(&panel.estimate).copied());
@@ -89,7 +89,7 @@ fn draw(
         let style = if *is_right { RIGHT.stroke_width(3) } else { WRONG.mix(0.5).stroke_width(1) };
         chart.draw_series([PathElement::new(line, style)]).map_err(FigureError::of)?;
     }
-    // Five metres, to measure by.
+    // A scale bar of five metres.
     let (x, y) = (x0 + 2.0, y0 + 1.5);
     chart
         .draw_series([PathElement::new([(x, y), (x + 5.0, y)], BLACK.stroke_width(2))])

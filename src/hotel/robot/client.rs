@@ -1,6 +1,7 @@
-//! Robot: a SLAM client with odometry and a pose graph of its own, that asks the server on each keyframe.
+//! Robot: a SLAM client with odometry and its own pose graph, which queries the server at each keyframe.
 //!
-//! A loop that it closes becomes an edge of its pose graph, false or not. That is the point of the experiment.
+//! A loop that it closes becomes an edge of its pose graph, whether correct or not. This is the purpose of the
+//! experiment.
 
 use super::message;
 use super::pose_graph::{Edge, PoseGraphError, optimise};
@@ -16,27 +17,27 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 /// Keyframes that a robot collects after a closed loop before it optimises again (ORB-SLAM2: 10).
 const CLOSING_EVERY_KEYFRAMES: usize = 10;
-/// What odometry errs by between two keyframes, as far as the pose graph is told.
+/// Odometry error between two keyframes, as assumed by the pose graph.
 const ODOMETRY_SIGMA_M: f64 = 0.01;
 const ODOMETRY_SIGMA_RAD: f64 = 0.004;
-/// And what a loop's transformation errs by.
+/// Error of a loop's transformation, as assumed by the pose graph.
 const LOOP_SIGMA_M: f64 = 0.02;
 const LOOP_SIGMA_RAD: f64 = 0.006;
-/// The same of the logarithm of a monocular robot's scale.
+/// The same for the logarithm of a monocular robot's scale.
 const ODOMETRY_SIGMA_LOG_SCALE: f64 = 0.01;
 const LOOP_SIGMA_LOG_SCALE: f64 = 0.01;
 /// Poses and points that moved less are not sent again.
 const MOVED_M: f64 = 0.001;
 const MOVED_RAD: f64 = 0.0005;
-/// And those whose scale changed by less.
+/// Poses whose scale changed by less are not sent again.
 const MOVED_LOG_SCALE: f64 = 0.0005;
-/// The most points of one request (its limit).
+/// Maximum points of one request, the API's limit.
 const POINTS_PER_CORRECTION: usize = 100_000;
 
-/// Why a drive ended early.
+/// The reason why a run ended early.
 #[derive(Debug, thiserror::Error)]
 pub enum DriveError {
-    /// The server refused, or was not there.
+    /// The server rejected a request or was unreachable.
     #[error(transparent)]
     Client(#[from] ClientError),
     /// The pose graph has no solution.
@@ -44,7 +45,7 @@ pub enum DriveError {
     PoseGraph(#[from] PoseGraphError),
 }
 
-/// A robot on its way.
+/// A robot during a run.
 #[derive(Debug)]
 pub struct Robot<'a> {
     client: &'a Client,
@@ -53,7 +54,7 @@ pub struct Robot<'a> {
     arm: Method,
     session: String,
     slam_map: SlamMap<'a>,
-    /// Its keyframes' poses and scales, as last told to the server.
+    /// Its keyframes' poses and scales, as last sent to the server.
     told: Vec<(Pose, f64)>,
     edges: Vec<Edge>,
     /// Loops accepted since the last optimisation.
@@ -73,9 +74,9 @@ struct WaitingLoop {
 pub struct LoopToClose {
     /// The id of the keyframe to close it with.
     pub candidate: String,
-    /// The latest keyframe's pose in the candidate's camera frame, in lengths of the map, and the ratio of their scales.
+    /// The latest keyframe's pose in the candidate's camera frame, in units of the map, and the ratio of their scales.
     pub candidate_from_query: Sim3,
-    /// The id of the server's answer that proposed it.
+    /// The id of the answer that proposed it.
     pub answer: String,
 }
 
@@ -96,12 +97,12 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// Returns the map that it keeps itself, in its own frame.
+    /// Returns its own map, in its own frame.
     pub fn slam_map(&self) -> &SlamMap<'a> {
         &self.slam_map
     }
 
-    /// Returns how often it has optimised its pose graph.
+    /// Returns the number of its pose graph optimisations.
     pub fn closed(&self) -> usize {
         self.closed
     }
@@ -116,11 +117,11 @@ impl<'a> Robot<'a> {
         keyframe.strip_prefix(&self.session)?.strip_prefix('-')?.parse().ok()
     }
 
-    /// Sends the next keyframe with the question, and returns the answer.
+    /// Sends the next keyframe with a loop query, and returns the answer.
     pub async fn ask(&mut self, step: &'a Step) -> Result<LoopAnswer, DriveError> {
         let similarity = match self.slam_map.latest() {
             Some(last) => last.after(&Sim3::from(step.motion)),
-            // Its frame is its own: it does not know where it woke up.
+            // Its frame is arbitrary: it does not know its initial pose.
             None => Sim3::from(Stand { at: [0.0, 0.0], heading_rad: 0.0 }.map_from_camera()),
         };
         let (pose, scale) = (similarity.without_scale(), similarity.scale());
@@ -142,11 +143,11 @@ impl<'a> Robot<'a> {
         Ok(answer.answer.loop_answer.unwrap_or_else(|| unreachable!("it was asked for")))
     }
 
-    /// Takes a loop of its latest keyframe, if there is one, and optimises when enough keyframes have come.
+    /// Accepts a loop of its latest keyframe, if any, and optimises once enough keyframes have followed.
     pub async fn close(&mut self, closed_with: Option<LoopToClose>) -> Result<(), DriveError> {
         let Some(latest) = self.slam_map.poses().len().checked_sub(1) else { return Ok(()) };
         if let Some(closed_with) = closed_with {
-            // A loop with another robot's keyframe moves nothing: each keeps a frame of its own.
+            // A loop with another robot's keyframe corrects no pose, because each robot has its own frame.
             if let Some(earlier) = self.number_of(&closed_with.candidate) {
                 self.edges.push(Edge {
                     from: earlier,
@@ -165,12 +166,12 @@ impl<'a> Robot<'a> {
         Ok(())
     }
 
-    /// Closes what is left at the end of the drive.
+    /// Closes the remaining loops at the end of the run.
     pub async fn finish(&mut self) -> Result<(), DriveError> {
         if self.waiting.is_empty() { Ok(()) } else { self.close_loops().await }
     }
 
-    /// Optimises the pose graph, tells the server what moved, and which loop was closed.
+    /// Optimises the pose graph, sends the corrected poses and points, and confirms the loop.
     async fn close_loops(&mut self) -> Result<(), DriveError> {
         let mut similarities = self.slam_map.similarities();
         optimise(&mut similarities, &self.edges)?;
@@ -186,7 +187,7 @@ impl<'a> Robot<'a> {
                 .filter(|(_, reference, _)| self.has_moved(*reference))
                 .map(|(id, _, place)| (id, place))
                 .collect();
-            // Poses with the first points: a long tour has more points than one request takes.
+            // Poses with the first points: a long tour has more points than fit in one request.
             let mut parts = points.chunks(POINTS_PER_CORRECTION);
             let first = message::poses(&self.session, &keyframes, parts.next().unwrap_or_default());
             self.client.post_poses(self.map, &first).await?;
@@ -197,7 +198,7 @@ impl<'a> Robot<'a> {
                 self.told[number] = (self.slam_map.poses()[number], self.slam_map.scales()[number]);
             }
         }
-        // One loop for each closing, the newest: the others are its neighbours.
+        // One loop per closing, the newest: the others are its neighbours.
         if let Some(closing) = self.waiting.drain(..).next_back() {
             let body = LoopBody {
                 id: format!("{}-loop-{}", self.session, self.closed),
@@ -210,7 +211,7 @@ impl<'a> Robot<'a> {
         Ok(())
     }
 
-    /// Returns a loop's transformation in the units of the two frames: the server knows both in lengths of the map.
+    /// Converts a loop's transformation to the units of the two frames; the server uses units of the map for both.
     fn in_units(&self, candidate: usize, query: usize, candidate_from_query: &Sim3) -> Sim3 {
         let [in_candidate, in_query] = [candidate, query].map(|number| self.slam_map.scales()[number]);
         let length = |scale: f64| Sim3::from_parts(scale, UnitQuaternion::identity(), Vector3::zeros());

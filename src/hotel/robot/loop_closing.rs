@@ -1,4 +1,4 @@
-//! Loop closing: which of the loops that the server answers a robot closes.
+//! Loop closing: which of the reported loops a robot closes.
 
 use super::client::{LoopToClose, Robot};
 use super::common_regions::confirmation::{Confirmation, Proposal};
@@ -10,33 +10,33 @@ use crate::geometry::Sim3;
 use crate::hotel::method::Method;
 use crate::hotel::scoring::truth::KeyframeIndex;
 
-/// One robot's way of closing loops.
+/// One robot's rule for closing loops.
 #[derive(Clone, Debug)]
 pub enum LoopClosing {
-    /// It closes what it is told.
+    /// Closes every reported loop.
     AsTold,
-    /// It closes what three keyframes confirm, as ORB-SLAM3 does.
+    /// Closes loops that three keyframes confirm, as ORB-SLAM3 does.
     OnceConfirmed(Confirmation),
 }
 
-/// A loop that a robot takes for one.
+/// A loop that a robot accepts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accepted {
-    /// The keyframe it is with.
+    /// Its earlier keyframe.
     pub candidate: KeyframeIndex,
-    /// The number of points that agree: the server's inliers, or what the confirmation found.
+    /// The number of points that agree: the server's inliers, or those of the confirmation.
     pub inliers: u64,
     /// The loop to close; none where the server verified no transformation with known lengths.
     pub to_close: Option<LoopToClose>,
 }
 
 impl LoopClosing {
-    /// Returns the way of an arm's robots.
+    /// Returns the rule of an arm's robots.
     pub fn of(arm: Method) -> Self {
         if arm.confirms() { Self::OnceConfirmed(Confirmation::default()) } else { Self::AsTold }
     }
 
-    /// Hears the answer to a keyframe, the latest of its robot.
+    /// Receives the answer for a keyframe, the latest of its robot.
     pub fn hear(
         &mut self,
         robots: &[Robot<'_>],
@@ -63,7 +63,7 @@ impl LoopClosing {
     }
 }
 
-/// Finds the keyframe of this id among those of all robots.
+/// Returns the keyframe with this id among those of all robots.
 pub fn find(robots: &[Robot<'_>], keyframe: &str) -> Option<KeyframeIndex> {
     robots.iter().enumerate().find_map(|(robot, own)| Some((robot, own.number_of(keyframe)?)))
 }
@@ -82,7 +82,7 @@ fn as_told(robots: &[Robot<'_>], answer: &LoopAnswer) -> Option<Accepted> {
     })
 }
 
-/// Every loop of an answer that has a transformation.
+/// Returns every loop of an answer that has a transformation.
 fn proposals(robots: &[Robot<'_>], answer: &LoopAnswer) -> Vec<Proposal> {
     let proposal = |keyframe: &String| {
         Some(Proposal {

@@ -1,4 +1,4 @@
-//! Message: what the robot says to the server, in the words of the API document.
+//! Message: the robot's requests, in the terms of the API document.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -14,7 +14,7 @@ use crate::hotel::method::Method;
 use crate::hotel::sensing::camera::{FOCAL_LENGTH_PX, IMAGE_PX};
 use crate::hotel::sequence::Step;
 
-/// Keyframes come this often by their stamps, in nanoseconds.
+/// Interval of the keyframes' stamps, in nanoseconds.
 pub const STEP_NS: u64 = 500_000_000;
 
 /// Returns the map of one arm.
@@ -76,7 +76,7 @@ pub fn keyframe(
     }
 }
 
-/// Returns the descriptors of a keyframe, one after the other.
+/// Returns the concatenated descriptors of a keyframe.
 pub fn descriptor_bytes(step: &Step) -> Vec<u8> {
     step.features.iter().flat_map(|feature| bytes(&feature.descriptor)).collect()
 }
@@ -118,7 +118,7 @@ fn points(points: &[(u64, Point3)]) -> PointsShape {
     PointsShape { ids, positions }
 }
 
-/// Digits that no sensor has are not sent.
+/// Rounds to hundredths, because no sensor is more precise.
 fn hundredths(value: f64) -> f64 {
     (value * 1e2).round() / 1e2
 }

@@ -1,4 +1,4 @@
-//! The robot: a SLAM client with a pose graph of its own.
+//! The robot: a SLAM client with its own pose graph.
 
 pub mod client;
 pub mod common_regions;

@@ -1,12 +1,12 @@
-//! Pose graph: what the robot knows of its way, odometry and loops, brought into agreement.
+//! Pose graph: reconciles the robot's odometry and loops.
 //!
-//! Poses are similarities: the scale of a camera's frame is how long its unit of length is in the map, 1 where depth is
-//! measured. Scales are solved first ([`super::scale_graph`]), then poses with translations of those lengths. ORB-SLAM solves
-//! both at once (H. Strasdat, J. M. M. Montiel and A. J. Davison, RSS 2010).
+//! Poses are similarities: the scale of a camera's frame is the length of its unit in the map, 1 where depth is
+//! measured. Scales are solved first ([`super::scale_graph`]), then poses with translations of those lengths. ORB-SLAM
+//! solves both at once (H. Strasdat, J. M. M. Montiel and A. J. Davison, RSS 2010).
 //!
-//! The solver is factrs (Levenberg-Marquardt over SE(3) with sparse Cholesky): kept up, differentiates the residuals by
-//! itself, and without its `rayon` feature gives the same bytes for the same graph. It brings its own version of nalgebra,
-//! so poses are converted at this border and nowhere else.
+//! The solver is factrs (Levenberg-Marquardt over SE(3) with sparse Cholesky). It is maintained, differentiates the
+//! residuals automatically, and without its `rayon` feature gives the same bytes for the same graph. It uses its own
+//! version of nalgebra, so poses are converted here and nowhere else.
 
 use factrs::core::{BetweenResidual, GaussianNoise, Graph, LevenMarquardt, PriorResidual, SE3, SO3, Values};
 use factrs::fac;
@@ -25,11 +25,11 @@ mod symbols {
 }
 use symbols::X;
 
-/// The first pose is held where it is, in metres and radians.
+/// Standard deviation of the fixed first pose, in metres and radians.
 const ANCHOR_SIGMA: f64 = 1e-6;
-/// The solver ends when an iteration gains less than this share of the cost.
+/// The solver stops when an iteration reduces the cost by less than this share.
 const MIN_RELATIVE_GAIN: f64 = 1e-4;
-/// Or after so many iterations: false loops contradict each other, and their optimum is of no use to anybody.
+/// Maximum iterations. False loops contradict each other, and their optimum is useless.
 const MAX_ITERATIONS: usize = 20;
 
 /// A measured motion between two poses.
@@ -37,29 +37,29 @@ const MAX_ITERATIONS: usize = 20;
 pub struct Edge {
     /// The number of the first pose.
     pub from: usize,
-    /// And of the second.
+    /// The number of the second pose.
     pub to: usize,
     /// The pose of `to` in the frame of `from`, in the units of `from`.
     pub from_from_to: Sim3,
-    /// What its translation scatters by along each axis, in units of the map: metres where depth is measured.
+    /// Standard deviation of its translation along each axis, in units of the map: metres where depth is measured.
     pub sigma_m: f64,
-    /// What its rotation scatters by about each axis, in radians.
+    /// Standard deviation of its rotation about each axis, in radians.
     pub sigma_rad: f64,
-    /// What the logarithm of its scale scatters by.
+    /// Standard deviation of the logarithm of its scale.
     pub sigma_log_scale: f64,
 }
 
-/// Why there is no solution.
+/// The reason why there is no solution.
 #[derive(Debug, thiserror::Error)]
 pub enum PoseGraphError {
-    /// An edge names a pose that is not there.
+    /// An edge names a pose that does not exist.
     #[error("an edge leads from pose {from} to pose {to}, of {poses}")]
     UnknownPose {
         /// The first pose it names.
         from: usize,
-        /// And the second.
+        /// The second pose.
         to: usize,
-        /// How many there are.
+        /// The number of poses.
         poses: usize,
     },
     /// The linear system cannot be solved.
@@ -67,7 +67,7 @@ pub enum PoseGraphError {
     Unsolvable,
 }
 
-/// Moves the poses, `map_from_camera`, to where they agree best with the edges; the first stays.
+/// Moves the poses, `map_from_camera`, to agree best with the edges; the first stays.
 pub fn optimise(poses: &mut [Sim3], edges: &[Edge]) -> Result<(), PoseGraphError> {
     let Some(first) = poses.first().copied() else { return Ok(()) };
     if let Some(edge) = edges.iter().find(|edge| edge.from.max(edge.to) >= poses.len()) {
@@ -93,9 +93,9 @@ pub fn optimise(poses: &mut [Sim3], edges: &[Edge]) -> Result<(), PoseGraphError
     params.base.max_iterations = MAX_ITERATIONS;
     params.base.error_tol_relative = MIN_RELATIVE_GAIN;
     let solved = match LevenMarquardt::new(params, graph).optimize(values) {
-        // What is best after so many iterations is the answer.
+        // The best result after the maximum of iterations is the answer.
         Ok(solved) | Err(OptError::MaxIterations(solved)) => solved,
-        // No step makes it better: it is as good as it gets.
+        // No step improves it, so it is already optimal.
         Err(OptError::FailedToStep) => return Ok(()),
         Err(OptError::InvalidSystem) => return Err(PoseGraphError::Unsolvable),
     };
@@ -106,7 +106,7 @@ pub fn optimise(poses: &mut [Sim3], edges: &[Edge]) -> Result<(), PoseGraphError
     Ok(())
 }
 
-/// Returns the scale of each pose that agrees best with the edges; those that are there where no edge knows of another.
+/// Returns the scale of each pose that agrees best with the edges; unchanged if no edge has a different one.
 fn scales(poses: &[Sim3], edges: &[Edge]) -> Result<Vec<f64>, PoseGraphError> {
     if edges.iter().all(|edge| edge.from_from_to.scale() == 1.0) {
         return Ok(poses.iter().map(Sim3::scale).collect());
@@ -144,8 +144,8 @@ mod tests {
 
     type Poses = Vec<Sim3>;
 
-    /// Around a ring, each step too long and turned too far; and the edge that knows better. Each step's unit is `grows` times
-    /// as long as that of the one before.
+    /// Returns a ring whose steps are too long and turned too far, and the edge that corrects it. Each step's unit is
+    /// `grows` times that of the step before.
     fn ring(poses: usize, grows: f64) -> (Poses, Poses, Vec<Edge>, Edge) {
         let turn = |angle: f64| UnitQuaternion::from_euler_angles(0.0, 0.0, angle);
         let step = |length: f64, angle: f64| Sim3::from_parts(1.0, turn(angle), [length, 0.0, 0.0].into());

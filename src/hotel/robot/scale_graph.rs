@@ -1,6 +1,6 @@
-//! Scale graph: how long the units of a monocular robot's frames are, by what odometry and loops say of their ratios.
+//! Scale graph: the units of a monocular robot's frames, from the ratios measured by odometry and loops.
 //!
-//! In the logarithm of the scale that is linear least squares over a graph, with one number for each frame.
+//! In the logarithm of the scale, this is linear least squares over a graph with one number per frame.
 
 use factrs::core::{BetweenResidual, GaussNewton, GaussianNoise, Graph, PriorResidual, Values, VectorVar1};
 use factrs::fac;
@@ -14,7 +14,7 @@ mod symbols {
 }
 use symbols::S;
 
-/// The first scale is held where it is.
+/// Standard deviation of the fixed first scale.
 const ANCHOR_SIGMA: f64 = 1e-6;
 
 /// A measured ratio of two frames' scales.
@@ -22,16 +22,16 @@ const ANCHOR_SIGMA: f64 = 1e-6;
 pub struct Ratio {
     /// The number of the first frame.
     pub from: usize,
-    /// And of the second.
+    /// The number of the second frame.
     pub to: usize,
     /// The natural logarithm of the scale of `to` over that of `from`.
     pub log_ratio: f64,
-    /// What it scatters by.
+    /// Its standard deviation.
     pub sigma: f64,
 }
 
-/// Returns the logarithms of the scales that agree best with the ratios, from where to begin; the first stays. None if they
-/// leave one open, or name a frame that is not there.
+/// Returns the logarithms of the scales that agree best with the ratios, from an initial guess; the first stays. None
+/// if a scale is undetermined, or a ratio names a frame that does not exist.
 pub fn solve(log_scales: &[f64], ratios: &[Ratio]) -> Option<Vec<f64>> {
     let first = *log_scales.first()?;
     if ratios.iter().any(|ratio| ratio.from.max(ratio.to) >= log_scales.len()) {
@@ -71,7 +71,7 @@ mod tests {
 
     #[test]
     fn a_loop_is_shared_out_by_what_each_ratio_scatters_by() {
-        // A chain that says "as before" three times, once with less certainty, and a loop that is sure of 0.4 in all.
+        // A chain with three unchanged ratios, one of them less certain, and a certain loop of 0.4 in total.
         let ratios = [
             ratio(0, 1, 0.0, 0.1),
             ratio(1, 2, 0.0, 0.1),

@@ -1,4 +1,4 @@
-//! SLAM map: what a robot keeps of its way itself: keyframes, its estimates of their poses, and map points.
+//! SLAM map: a robot's own keyframes, pose estimates and map points.
 
 use std::collections::HashMap;
 
@@ -9,17 +9,18 @@ use crate::hotel::sequence::Step;
 /// Keyframes that share at least this many map points are covisible (ORB-SLAM's covisibility graph, and the service's default).
 pub const COVISIBLE_POINTS: usize = 15;
 
-/// A robot's keyframes, poses and map points, in a frame of its own.
+/// A robot's keyframes, poses and map points, in its own frame.
 #[derive(Clone, Debug, Default)]
 pub struct SlamMap<'a> {
     steps: Vec<&'a Step>,
     poses: Vec<Pose>,
-    /// How long the unit of each keyframe's frame is in the map; 1 where depth is measured.
+    /// The length of each frame's unit in the map; 1 where depth is measured.
     scales: Vec<f64>,
     points: HashMap<u64, MapPoint>,
 }
 
-/// A map point: the keyframes that see it, its look in the first of them, and its place in the last that placed it.
+/// A map point: the keyframes that see it, its appearance in the first of them, and its position in the last that
+/// placed it.
 #[derive(Clone, Debug)]
 struct MapPoint {
     first: Sight,
@@ -27,7 +28,7 @@ struct MapPoint {
     observers: Vec<usize>,
 }
 
-/// A map point's place in the camera frame of a keyframe, in that frame's unit.
+/// A map point's position in the camera frame of a keyframe, in that frame's unit.
 #[derive(Clone, Copy, Debug)]
 struct Reference {
     keyframe: usize,
@@ -65,33 +66,33 @@ impl<'a> SlamMap<'a> {
         keyframe
     }
 
-    /// Its keyframes' poses, `map_from_camera`.
+    /// Returns its keyframes' poses, `map_from_camera`.
     pub fn poses(&self) -> &[Pose] {
         &self.poses
     }
 
-    /// Returns how long the units of its keyframes' frames are in the map.
+    /// Returns the lengths of its frames' units in the map.
     pub fn scales(&self) -> &[f64] {
         &self.scales
     }
 
-    /// Returns a keyframe's pose with its scale, if it is there.
+    /// Returns a keyframe's pose with its scale, if it exists.
     pub fn similarity(&self, keyframe: usize) -> Option<Sim3> {
         let (pose, scale) = (self.poses.get(keyframe)?.isometry(), self.scales.get(keyframe)?);
         Some(Sim3::from_parts(*scale, pose.rotation, pose.translation.vector))
     }
 
-    /// That of the latest keyframe.
+    /// Returns the pose and scale of the latest keyframe.
     pub fn latest(&self) -> Option<Sim3> {
         self.similarity(self.poses.len().checked_sub(1)?)
     }
 
-    /// Those of all keyframes.
+    /// Returns the poses and scales of all keyframes.
     pub fn similarities(&self) -> Vec<Sim3> {
         (0..self.poses.len()).filter_map(|keyframe| self.similarity(keyframe)).collect()
     }
 
-    /// Moves its keyframes, and with them the points that they placed.
+    /// Corrects its keyframes, and with them the points that they placed.
     pub fn correct(&mut self, similarities: &[Sim3]) {
         debug_assert_eq!(similarities.len(), self.poses.len(), "one for each keyframe");
         self.poses = similarities.iter().map(Sim3::without_scale).collect();
@@ -108,7 +109,7 @@ impl<'a> SlamMap<'a> {
         self.steps[keyframe].map_points.iter().map(|(id, _)| *id)
     }
 
-    /// Returns the map points that have a place, with the keyframe that placed each, in the order of their numbers.
+    /// Returns the map points that have a position, with the keyframe that placed each, in the order of their numbers.
     pub fn points(&self) -> Vec<(u64, usize, Point3)> {
         let placed = |(id, point): (&u64, &MapPoint)| {
             let reference = point.reference?;
@@ -119,15 +120,15 @@ impl<'a> SlamMap<'a> {
         points
     }
 
-    /// Returns a map point's place in the map's frame, if it has one; the pose of the camera that saw it first, and
-    /// that sight.
+    /// Returns a map point's position in the map's frame, if it has one, with the pose and the feature of its first
+    /// observation.
     pub fn point(&self, id: u64) -> Option<(Point3, &Pose, &'a Feature)> {
         let point = self.points.get(&id)?;
         let Sight { keyframe, feature } = point.first;
         Some((self.place(point.reference?), &self.poses[keyframe], &self.steps[keyframe].features[feature]))
     }
 
-    /// Up to `limit` covisible keyframes, those that share most points first, of equals the older.
+    /// Returns up to `limit` covisible keyframes, those that share most points first, of equals the older.
     pub fn covisible(&self, keyframe: usize, limit: usize) -> Vec<usize> {
         let mut shared: HashMap<usize, usize> = HashMap::new();
         for observer in self.point_ids(keyframe).flat_map(|id| &self.points[&id].observers) {

@@ -1,20 +1,20 @@
-//! Absolute pose error: how far positions are off after the trajectory was laid over the truth, as evo computes it.
+//! Absolute pose error: position error after aligning the trajectory with the truth, as evo computes it.
 //!
-//! `evo_ape tum truth.tum estimate.tum -a` aligns with a rotation and a translation (S. Umeyama, PAMI 13, 1991), with `-s` also
-//! by a scale, and prints, among others, the root of the mean squared distance. evo 1.x gives the same digits for the trajectories that
-//! `revisit eval hotel` writes.
+//! `evo_ape tum truth.tum estimate.tum -a` aligns with a rotation and a translation (S. Umeyama, PAMI 13, 1991), with
+//! `-s` also by a scale. It prints, among others, the root mean square distance. evo 1.x gives the same digits for the
+//! trajectories that `revisit eval hotel` writes.
 
 use crate::geometry::absolute_orientation::{Scale, align};
 use crate::geometry::{Point3, Sim3};
 
-/// Returns the transformation `truth_from_estimate` that lays the estimate over the truth; none if the points leave it
-/// open.
+/// Returns the transformation `truth_from_estimate` that aligns the estimate with the truth; none if the points leave
+/// it undetermined.
 pub fn alignment(estimated: &[Point3], truth: &[Point3], scale: Scale) -> Option<Sim3> {
     let pairs: Vec<(Point3, Point3)> = estimated.iter().copied().zip(truth.iter().copied()).collect();
     align(&pairs, scale).ok()
 }
 
-/// RMSE of the positions after alignment, in metres.
+/// Computes the RMSE of the positions after alignment, in metres.
 pub fn rmse_after_alignment(estimated: &[Point3], truth: &[Point3], scale: Scale) -> Option<f64> {
     let truth_from_estimate = alignment(estimated, truth, scale)?;
     let squared =

@@ -1,12 +1,12 @@
-//! Curve: precision over recall by query, as the threshold on what an arm ranks by goes from strict to lenient.
+//! Curve: precision over recall by query, as the threshold of an arm's ranking score varies from strict to lenient.
 
 use super::score::by_query;
 use crate::hotel::figures::Curve;
 use crate::hotel::run::RunResult;
 
-/// Returns the curve of an arm over several drives, of the server's answers: a robot that waits for more keyframes to
-/// agree works elsewhere, at the operating point. Queries whose first candidate is neither right nor wrong are left
-/// out.
+/// Returns the curve of an arm over several runs, from the server's answers. A robot that waits for more keyframes to
+/// agree works at another point, the operating point. Queries whose first candidate is neither correct nor wrong are
+/// omitted.
 pub fn curve(drives: &[&RunResult]) -> Option<Curve> {
     let arm = drives.first()?.arm;
     let asked = || drives.iter().flat_map(|driven| &driven.asked);
@@ -17,7 +17,7 @@ pub fn curve(drives: &[&RunResult]) -> Option<Curve> {
     let (mut right, mut points) = (0_u32, Vec::new());
     for (number, (score, is_right)) in ranked.iter().enumerate() {
         right += u32::from(*is_right);
-        // Equal scores are accepted together, and nothing is accepted for a score of nothing.
+        // Equal scores are accepted together, and a score of zero accepts nothing.
         let is_last_of_equals = ranked.get(number + 1).is_none_or(|next| next.0 < *score);
         if is_last_of_equals && *score > 0.0 {
             points.push((f64::from(right) / with_truth, f64::from(right) / (number + 1) as f64));

@@ -1,4 +1,4 @@
-//! Explain: one line a person can follow for what the robot was told.
+//! Explain: a readable line for each answer.
 
 use super::score::Outcome;
 use crate::api::verdict::CandidateView;
@@ -7,7 +7,7 @@ use crate::hotel::route::Place;
 use crate::hotel::run::Asked;
 use crate::hotel::scenario::Scenario;
 
-/// Tells what happened at keyframes of one course.
+/// Describes the answers at keyframes of one course.
 #[derive(Clone, Copy, Debug)]
 pub struct Narrator<'a> {
     /// The floors, for the rooms' numbers, and the journeys through them.
@@ -15,7 +15,7 @@ pub struct Narrator<'a> {
 }
 
 impl Narrator<'_> {
-    /// Where a keyframe was taken, in truth.
+    /// Returns where a keyframe was taken, in truth.
     pub fn place(&self, (robot, number): (usize, usize)) -> String {
         let floor = self.scenario.floor_of(robot);
         match self.scenario.course.journeys[robot].steps[number].stop.place {
@@ -25,7 +25,7 @@ impl Narrator<'_> {
         }
     }
 
-    /// Returns what was answered, with the figures that decided.
+    /// Returns the answer with the figures that decided.
     pub fn answer(&self, asked: &Asked) -> String {
         let keyframe = format!("{} in {}", keyframe_id(asked.keyframe), self.place(asked.keyframe));
         let Some(candidate) = asked.answer.leading() else {
@@ -39,7 +39,7 @@ impl Narrator<'_> {
         }
     }
 
-    /// Returns the same, with what is true beside it.
+    /// Returns the answer with the truth.
     pub fn judged(&self, asked: &Asked) -> String {
         let truth = match asked.scored.outcome {
             Outcome::Right => "right",
@@ -55,7 +55,7 @@ impl Narrator<'_> {
     }
 }
 
-/// Returns the id that a keyframe has on the server.
+/// Returns the id of a keyframe on the server.
 pub fn keyframe_id((robot, number): (usize, usize)) -> String {
     format!("{}-{number}", crate::hotel::run::session(robot))
 }
@@ -73,7 +73,7 @@ fn agreement(candidate: &CandidateView) -> String {
     }
 }
 
-/// Returns the ratio of the two keyframes' scales, where lengths have no common unit.
+/// Returns the ratio of the two keyframes' scales, if lengths have no common unit.
 fn at_scale(candidate: &CandidateView) -> String {
     let geometry = &candidate.geometry;
     match geometry.full_transform().map(|transform| transform.scale) {

@@ -13,17 +13,17 @@ use crate::hotel::run::{Asked, RunResult};
 use crate::hotel::sensing::monocular::ScaleError;
 use crate::hotel::sensing::noise::NoiseKind;
 
-/// The distance in truth, in metres, below which the two keyframes of a wrong loop were taken near each other.
+/// The true distance, in metres, below which the two keyframes of a wrong loop count as near each other.
 pub const NEAR_M: f64 = 3.0;
 
 /// A share with the figures behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Share {
-    /// So many ...
+    /// The numerator.
     pub part: u64,
-    /// ... of so many.
+    /// The denominator.
     pub whole: u64,
-    /// Their quotient; 1 of none.
+    /// Their quotient; 1 if the denominator is 0.
     pub share: f64,
     /// Wilson's interval at 95 %.
     pub confidence_interval: (f64, f64),
@@ -32,9 +32,9 @@ pub struct Share {
 /// Precision and recall.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Accuracy {
-    /// Right answers of all answers.
+    /// Correct answers of all answers.
     pub precision: Share,
-    /// Right answers of all that had one.
+    /// Correct answers of all queries with a true loop.
     pub recall: Share,
 }
 
@@ -50,18 +50,18 @@ pub struct ArmResult {
     /// RMSE of the positions after alignment, in metres; NaN (`null`) where they cannot be aligned.
     #[serde(deserialize_with = "nan_of_null")]
     pub absolute_pose_error_m: f64,
-    /// The share by which its lengths are off along the way, where the robot is monocular.
+    /// The relative error of its lengths along the way, if the robot is monocular.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale_error: Option<ScaleError>,
-    /// How often the robots optimised their pose graphs.
+    /// The number of pose graph optimisations.
     pub optimised: usize,
     /// The keyframes whose answer was wrong.
     pub wrong: Vec<String>,
-    /// Those of them that were taken less than [`NEAR_M`] from the place that they were taken for.
+    /// Those of them taken less than [`NEAR_M`] from the place of the wrong candidate.
     pub wrong_near: usize,
-    /// Those that had a true loop and no answer.
+    /// The keyframes with a true loop and no answer.
     pub missed: Vec<String>,
-    /// The reason codes of the right candidates at those, each with how often it decided.
+    /// The reason codes of their true candidates, with the number of queries that each decided.
     pub lost_by: BTreeMap<String, u64>,
 }
 
@@ -70,21 +70,21 @@ pub struct ArmResult {
 pub struct SequenceResult {
     /// `SE1 00`.
     pub sequence: String,
-    /// How many keyframes it has.
+    /// The number of keyframes.
     pub keyframes: usize,
     /// Odometry alone, in metres.
     pub odometry_m: f64,
     /// The arms.
     pub arms: Vec<ArmResult>,
-    /// What confuses bag of words and Sim3.
+    /// The confusion of bag of words and Sim3.
     pub confusion: Confusion,
-    /// What the paper printed for it.
+    /// The paper's figures for it.
     #[serde(skip)]
     pub printed: PrintedSequence,
 }
 
-/// The figures behind right and wrong loops of the arm without anchors, at the median; but for their count those that the
-/// keyframe itself proposed, and not an earlier one.
+/// The median figures of correct and wrong loops of the arm without anchors. Except for their count, they cover loops
+/// that the keyframe itself proposed, not an earlier one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Confusion {
     /// Wrong loops.
@@ -93,7 +93,7 @@ pub struct Confusion {
     pub score_of_wrong: f64,
     /// Their inliers.
     pub inliers_of_wrong: f64,
-    /// The score of right loops.
+    /// The score of correct loops.
     pub score_of_right: f64,
     /// Their inliers.
     pub inliers_of_right: f64,
@@ -102,15 +102,15 @@ pub struct Confusion {
 /// One random world under one kind of noise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WorldResult {
-    /// The trouble that makes it harder.
+    /// The kind of noise.
     pub noise: NoiseKind,
     /// The world's number.
     pub seed: u64,
-    /// How many keyframes its tours have.
+    /// The number of keyframes of its tours.
     pub keyframes: usize,
     /// The arms.
     pub arms: Vec<ArmResult>,
-    /// Ours, round by round, where door numbers change.
+    /// Our results by round, if door numbers change.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rounds: Vec<Round>,
     /// The signs of its map at the end.
@@ -123,7 +123,7 @@ fn nan_of_null<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<f64,
 }
 
 impl Accuracy {
-    /// Of some counts.
+    /// Computes the accuracy of some counts.
     pub fn of(counts: &Counts) -> Self {
         Self {
             precision: Share::of(counts.right, counts.accepted),
@@ -131,7 +131,7 @@ impl Accuracy {
         }
     }
 
-    /// The counts behind it.
+    /// Returns its counts.
     pub fn counts(&self) -> Counts {
         Counts {
             accepted: self.precision.whole,
@@ -150,11 +150,11 @@ impl Share {
 }
 
 impl Confusion {
-    /// Of a drive.
+    /// Returns the results of a run.
     pub fn of(driven: &RunResult) -> Self {
         let figures = |outcome: Outcome, of: fn(&CandidateView) -> f64| -> Vec<f64> {
             let answers = driven.asked.iter().filter(|asked| asked.scored.outcome == outcome);
-            // One that later keyframes confirmed need not be among the candidates of the last.
+            // A loop confirmed by later keyframes need not be among the last one's candidates.
             let accepted = |asked: &Asked| Some(super::explain::keyframe_id(asked.accepted?));
             answers.filter_map(|asked| asked.answer.candidate(&accepted(asked)?).map(of)).collect()
         };
@@ -175,7 +175,7 @@ fn median(mut figures: Vec<f64>) -> f64 {
 }
 
 impl ArmResult {
-    /// Of a drive.
+    /// Computes the confusion in a run.
     pub fn of(driven: &RunResult) -> Self {
         let scored = driven.scored();
         let with = |outcome: Outcome| -> Vec<String> {
@@ -202,7 +202,7 @@ impl ArmResult {
     }
 }
 
-/// An arm's counts by query and by visit over several results.
+/// Pools an arm's counts over several results, by query and by visit.
 pub fn pooled<'a>(results: impl Iterator<Item = &'a [ArmResult]>, arm: Method) -> [Counts; 2] {
     results.flatten().filter(|result| result.arm == arm).fold([Counts::default(); 2], |sum, result| {
         [sum[0].plus(result.by_query.counts()), sum[1].plus(result.by_visit.counts())]

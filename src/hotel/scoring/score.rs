@@ -1,60 +1,61 @@
 //! Score: precision and recall, by query and by visit.
 //!
-//! By query as `replay` counts. By visit as the paper does ("when the robot visited the rooms", §VI-A): a visit is a stay
-//! in a room, and its answer is the loop with the most inliers that its robot took at any of its keyframes. Precision is right
-//! answers of all answers; recall is visits in which at least one keyframe was rightly answered, of those to a room visited
-//! before.
+//! By query as in `replay`. By visit as in the paper ("when the robot visited the rooms", §VI-A): a visit is a stay in
+//! a room. Its answer is the loop with the most inliers that its robot accepted at any of its keyframes. Precision is
+//! correct answers of all answers. Recall is visits with at least one correctly answered keyframe, of those to a room
+//! visited before.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-/// What became of one query.
+/// The outcome of one query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// No loop, and there was none.
+    /// No loop, correctly.
     RightlyNone,
-    /// No loop, though there was one.
+    /// No loop, although there was one.
     Missed,
-    /// A loop, and it was one.
+    /// A correct loop.
     Right,
-    /// A loop, and it was none.
+    /// A wrong loop.
     Wrong,
-    /// A loop with a keyframe that is neither right nor wrong.
+    /// A loop with a keyframe that is neither correct nor wrong.
     Unscored,
 }
 
 /// One query of an experiment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scored {
-    /// Which robot and which of its visits to rooms; none on the way between two.
+    /// The robot and the number of its visit to a room; none between rooms.
     pub visit: Option<(usize, usize)>,
-    /// Was that room visited before?
+    /// Whether that room was visited before.
     pub is_revisit: bool,
-    /// Was there a true loop?
+    /// Whether there was a true loop.
     pub has_truth: bool,
-    /// What was answered.
+    /// The outcome.
     pub outcome: Outcome,
-    /// The number of points that agree with the loop that was taken: the server's inliers, or what the robot's confirmation found.
+    /// The number of points that agree with the accepted loop: the server's inliers, or those of the robot's
+    /// confirmation.
     pub inliers: u64,
 }
 
-/// Right of accepted, and found of those there are.
+/// Counts for precision and recall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counts {
-    /// Taken for loops.
+    /// Accepted loops.
     pub accepted: u64,
-    /// Rightly so.
+    /// Correct ones of these.
     pub right: u64,
-    /// Those that had a true loop.
+    /// Queries or visits with a true loop.
     pub with_truth: u64,
-    /// Of these, found.
+    /// Those of these that were found.
     pub found: u64,
 }
 
 impl Counts {
-    /// Returns the share of accepted loops that are right; 1 if nothing was accepted.
+    /// Returns the share of accepted loops that are correct; 1 if nothing was accepted.
     pub fn precision(&self) -> f64 {
         share(self.right, self.accepted)
     }
@@ -64,7 +65,7 @@ impl Counts {
         share(self.found, self.with_truth)
     }
 
-    /// Both together.
+    /// Adds two counts.
     pub fn plus(self, other: Self) -> Self {
         Self {
             accepted: self.accepted + other.accepted,
@@ -75,7 +76,7 @@ impl Counts {
     }
 }
 
-/// The counts of some queries, by query.
+/// Counts some queries, by query.
 pub fn by_query(queries: &[Scored]) -> Counts {
     let mut counts = Counts::default();
     for query in queries.iter().filter(|query| query.outcome != Outcome::Unscored) {
@@ -88,7 +89,7 @@ pub fn by_query(queries: &[Scored]) -> Counts {
     counts
 }
 
-/// The counts of the same queries, by visit.
+/// Counts the same queries, by visit.
 pub fn by_visit(queries: &[Scored]) -> Counts {
     let mut visits: BTreeMap<(usize, usize), Vec<&Scored>> = BTreeMap::new();
     for query in queries {
@@ -99,7 +100,7 @@ pub fn by_visit(queries: &[Scored]) -> Counts {
     let mut counts = Counts::default();
     for visit in visits.values() {
         let answers = visit.iter().filter(|query| matches!(query.outcome, Outcome::Right | Outcome::Wrong));
-        // Of equals the first, so that the order of keyframes decides and not that of a map.
+        // Of equals the first, so that the order of keyframes decides and not the order of a map.
         let answer = answers.rev().max_by_key(|query| query.inliers).map(|query| query.outcome);
         let right = answer == Some(Outcome::Right);
         counts.accepted += u64::from(answer.is_some());
@@ -111,7 +112,7 @@ pub fn by_visit(queries: &[Scored]) -> Counts {
     counts
 }
 
-/// Wilson's interval of a share at 95 % (E. B. Wilson, JASA 22, 1927).
+/// Computes Wilson's interval of a share at 95 % (E. B. Wilson, JASA 22, 1927).
 pub fn confidence_interval(part: u64, whole: u64) -> (f64, f64) {
     const Z: f64 = 1.959_964;
     if whole == 0 {

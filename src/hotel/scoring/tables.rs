@@ -1,4 +1,4 @@
-//! Tables: the paper's Tables II and III beside what was measured, and one row for each kind of noise.
+//! Tables: the paper's Tables II and III beside the measured figures, and one row for each kind of noise.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -11,7 +11,7 @@ use crate::hotel::method::Method;
 use crate::hotel::sensing::monocular::ScaleError;
 use crate::hotel::sensing::noise::NoiseKind;
 
-/// Table II: precision and recall on each data set, by query and by the paper's unit.
+/// Returns Table II: precision and recall on each data set, by query and by the paper's unit.
 pub fn table_2(results: &[SequenceResult]) -> String {
     let mut text = String::from(
         "Table II: loop closure detection, by query and by visit to a room (the paper's unit)\n\
@@ -47,7 +47,7 @@ pub fn table_2(results: &[SequenceResult]) -> String {
     text
 }
 
-/// Tells what a reader of Table II must know about it.
+/// Returns the caveats of Table II.
 pub fn caveats(results: &[SequenceResult]) -> String {
     let mut text = String::from(
         "The paper printed its figures for a hotel of its own, which is not public. A tour comes back to one of its rooms, so that\n\
@@ -68,7 +68,7 @@ pub fn caveats(results: &[SequenceResult]) -> String {
     text
 }
 
-/// Returns what confuses bag of words and Sim3, on average over the sequences.
+/// Returns the figures that confuse bag of words and Sim3, on average over the sequences.
 pub fn confusion(results: &[SequenceResult]) -> String {
     let mut text = String::from(
         "what confuses bag of words + Sim3: one place taken for another that is furnished alike\n",
@@ -92,7 +92,7 @@ pub fn confusion(results: &[SequenceResult]) -> String {
     text
 }
 
-/// Table III: absolute pose error of each sequence, in metres.
+/// Returns Table III: the absolute pose error of each sequence, in metres.
 pub fn table_3(results: &[SequenceResult]) -> String {
     let mut text = String::from(
         "Table III: absolute pose error in metres (RMSE of positions after alignment, as evo_ape -a)\n\
@@ -128,7 +128,7 @@ pub fn table_3(results: &[SequenceResult]) -> String {
     text
 }
 
-/// Returns what each kind of noise does to ours and to the paper's method.
+/// Returns the effect of each kind of noise on our method and the paper's.
 pub fn noise_table(results: &[WorldResult], arms: &[Method]) -> String {
     let mut text = String::from(
         "                                                      by query                                by visit (the paper's unit)\n\
@@ -136,7 +136,7 @@ pub fn noise_table(results: &[WorldResult], arms: &[Method]) -> String {
     );
     let mut row = |name: &str, arm: Method, [query, visit]: [Counts; 2]| {
         if query == Counts::default() {
-            // It drove through none of them.
+            // The arm ran in none of them.
             return;
         }
         let [query, visit] = [Accuracy::of(&query), Accuracy::of(&visit)];
@@ -165,7 +165,7 @@ pub fn noise_table(results: &[WorldResult], arms: &[Method]) -> String {
     text
 }
 
-/// Returns what the monocular robots' lengths and positions are off by, on average over the worlds; empty without any.
+/// Returns the errors of the monocular robots' lengths and positions, on average over the worlds; empty without any.
 pub fn monocular(results: &[WorldResult]) -> String {
     let of_arm = |arm: Method| results.iter().filter_map(move |result| arm_of(&result.arms, arm));
     let errors: Vec<ScaleError> =
@@ -188,14 +188,14 @@ pub fn monocular(results: &[WorldResult]) -> String {
     )
 }
 
-/// Returns the worlds that are pooled: those with one trouble each, or all if there are no others.
+/// Returns the pooled worlds: those with a single kind of noise, or all if there are no others.
 pub fn pooled_worlds(results: &[WorldResult]) -> impl Iterator<Item = &WorldResult> {
     let is_pooled = |result: &&WorldResult| result.noise != NoiseKind::Mixed;
     let all = !results.iter().any(|result| is_pooled(&result));
     results.iter().filter(move |result| all || is_pooled(result))
 }
 
-/// Returns the true loops that ours did not find, by the reason of the right candidate that came farthest.
+/// Returns the true loops that our method missed, by the reason of the true candidate that came farthest.
 pub fn losses<'a>(results: impl Iterator<Item = &'a [ArmResult]>) -> String {
     let (mut by_code, mut there): (BTreeMap<&str, u64>, u64) = (BTreeMap::new(), 0);
     for ours in results.filter_map(|arms| arm_of(arms, Method::Ours)) {
@@ -215,7 +215,7 @@ pub fn losses<'a>(results: impl Iterator<Item = &'a [ArmResult]>) -> String {
     text
 }
 
-/// Ours, round by round, where door numbers change; empty where none do.
+/// Returns our results by round, where door numbers change; otherwise empty.
 pub fn rounds(results: &[WorldResult]) -> String {
     let rounds = results.iter().map(|result| result.rounds.len()).max().unwrap_or(0);
     let mut text = String::new();
@@ -243,8 +243,8 @@ pub fn rounds(results: &[WorldResult]) -> String {
     text
 }
 
-/// Returns the worlds in which ours was wrong, and how to look into one; of those that are held out their number, for nobody
-/// looks into them.
+/// Returns the worlds in which our method was wrong, and the command to explain one; for held-out worlds only their
+/// number, because they must not be inspected.
 pub fn failures(results: &[WorldResult], held_out: bool) -> String {
     let wrong_in =
         |result: &WorldResult| arm_of(&result.arms, Method::Ours).map_or(0, |ours| ours.wrong.len());

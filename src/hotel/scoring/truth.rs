@@ -1,4 +1,4 @@
-//! Truth: which earlier keyframes are the same place. It comes from the simulator alone, and no server sees it.
+//! Truth: which earlier keyframes show the same place. It comes from the simulator alone, and no server receives it.
 
 use std::collections::HashSet;
 
@@ -6,29 +6,29 @@ use crate::hotel::robot::slam_map::COVISIBLE_POINTS;
 use crate::hotel::route::heading_difference_rad;
 use crate::hotel::sequence::{Sequence, Step};
 
-/// Keyframes nearer than this, in metres, ...
+/// Maximum distance of keyframes at one place, in metres.
 const SAME_PLACE_M: f64 = 1.0;
-/// ... that look the same way up to this, are one place.
+/// Maximum difference of their viewing directions.
 const SAME_VIEW_RAD: f64 = 30.0 / 180.0 * std::f64::consts::PI;
-/// Farther off, so many of the same physical points make a keyframe neither right nor wrong.
+/// Shared physical points from which a farther keyframe is neither correct nor wrong.
 const SAME_POINTS: usize = 25;
 
-/// From one floor to the next, in metres.
+/// Height of a floor, in metres.
 const STOREY_M: f64 = 3.0;
 
 /// A keyframe of an experiment: the robot's number, and the keyframe's in its journey.
 pub type KeyframeIndex = (usize, usize);
 
-/// What is right for one query.
+/// The truth of one query.
 #[derive(Clone, Debug, Default)]
 pub struct Answerable {
-    /// The same place: right.
+    /// The keyframes at the same place.
     pub truth: HashSet<KeyframeIndex>,
-    /// Neither right nor wrong.
+    /// The keyframes that are neither correct nor wrong.
     pub ignore: HashSet<KeyframeIndex>,
 }
 
-/// Returns what is right for each keyframe, in the order in which they were taken.
+/// Returns the truth of each keyframe, in temporal order.
 pub fn answers(journeys: &[Sequence], order: &[KeyframeIndex]) -> Vec<Answerable> {
     let step = |(robot, number): KeyframeIndex| &journeys[robot].steps[number];
     let points: Vec<Vec<(usize, u32)>> = order.iter().map(|at| points(step(*at))).collect();
@@ -52,13 +52,13 @@ pub fn answers(journeys: &[Sequence], order: &[KeyframeIndex]) -> Vec<Answerable
         .collect()
 }
 
-/// Were the two taken at one place, looking the same way?
+/// Whether the two were taken at one place, facing the same direction.
 pub fn is_same_place(a: &Step, b: &Step) -> bool {
     apart_m(a, b) < SAME_PLACE_M
         && heading_difference_rad(a.stop.stand.heading_rad, b.stop.stand.heading_rad) < SAME_VIEW_RAD
 }
 
-/// Returns the distance between the places where two were taken, in metres.
+/// Returns the distance between the places of two keyframes, in metres.
 pub fn apart_m(a: &Step, b: &Step) -> f64 {
     let (storey_a, storey_b) = (a.stop.storey, b.stop.storey);
     let (a, b) = (a.stop.stand.at, b.stop.stand.at);
@@ -66,7 +66,7 @@ pub fn apart_m(a: &Step, b: &Step) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1]).hypot(up_m)
 }
 
-/// Returns how many physical points two keyframes share.
+/// Returns the number of physical points that two keyframes share.
 pub fn shared_points(a: &Step, b: &Step) -> usize {
     shared(&points(a), &points(b))
 }
@@ -82,7 +82,7 @@ fn sorted<T: Ord>(items: impl Iterator<Item = T>) -> Vec<T> {
     items
 }
 
-/// Returns how many items two sorted lists share.
+/// Returns the number of items that two sorted lists share.
 fn shared<T: Ord>(a: &[T], b: &[T]) -> usize {
     let (mut i, mut j, mut count) = (0, 0, 0);
     while i < a.len() && j < b.len() {

@@ -1,4 +1,4 @@
-//! TUM: trajectories as text, `timestamp tx ty tz qx qy qz qw` a line, which evo reads.
+//! TUM: trajectories as text for evo, `timestamp tx ty tz qx qy qz qw` per line.
 
 use std::fmt::Write as _;
 

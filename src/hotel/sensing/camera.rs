@@ -1,15 +1,15 @@
-//! Camera: where the robot's camera stands, and what falls into its image of 640 x 480 (§VI).
+//! Camera: the pose of the robot's camera, and projection into its image of 640 x 480 (§VI).
 
 use crate::domain::keyframe::Camera;
 use crate::geometry::pinhole::Pinhole;
 use crate::geometry::{Point3, Pose};
 use crate::hotel::building::floor_plan::Flat;
 
-/// Focal length, in pixels: 63 degrees from left to right, as a RealSense D435i has.
+/// Focal length, in pixels: a horizontal field of view of 63 degrees, as a RealSense D435i has.
 pub const FOCAL_LENGTH_PX: f64 = 525.0;
 /// The image's sides, in pixels.
 pub const IMAGE_PX: [f64; 2] = [640.0, 480.0];
-/// The same for who computes with it.
+/// The camera with its image size.
 pub const CAMERA: Camera = Camera {
     fx: FOCAL_LENGTH_PX,
     fy: FOCAL_LENGTH_PX,
@@ -18,27 +18,27 @@ pub const CAMERA: Camera = Camera {
     width: IMAGE_PX[0] as u32,
     height: IMAGE_PX[1] as u32,
 };
-/// The same without the image's size.
+/// The camera without its image size.
 pub const PINHOLE: Pinhole = Pinhole { fx: CAMERA.fx, fy: CAMERA.fy, cx: CAMERA.cx, cy: CAMERA.cy };
 /// The camera's height above the floor.
 pub const CAMERA_HEIGHT_M: f64 = 1.2;
-/// Nothing nearer is in focus.
+/// Minimum focus distance.
 const NEAREST_M: f64 = 0.3;
 
-/// A place on the floor, and the way the robot looks.
+/// A position on the floor, and a heading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stand {
-    /// Where, in metres.
+    /// The position, in metres.
     pub at: Flat,
     /// In radians from x towards y.
     pub heading_rad: f64,
 }
 
 impl Stand {
-    /// `map_from_camera` of the upright camera of a robot that stands here: x right, y down, z forward.
+    /// Returns `map_from_camera` of the upright camera of a robot that stands here: x right, y down, z forward.
     pub fn map_from_camera(&self) -> Pose {
         let half = (self.heading_rad - std::f64::consts::FRAC_PI_2) / 2.0;
-        // First from camera axes to a camera that looks along the map's y, then the turn about the map's z.
+        // First from camera axes to a camera that faces the map's y, then the turn about the map's z.
         let h = std::f64::consts::FRAC_1_SQRT_2;
         let (turn, level) = ([0.0, 0.0, half.sin(), half.cos()], [-h, 0.0, 0.0, h]);
         let rotation = [
@@ -51,7 +51,7 @@ impl Stand {
     }
 }
 
-/// Where a point of the camera's frame is in the image, if it is in it.
+/// Projects a point of the camera's frame; none outside the image.
 pub fn project(point_in_camera: &Point3) -> Option<[f64; 2]> {
     if point_in_camera.z < NEAREST_M {
         return None;
@@ -61,7 +61,7 @@ pub fn project(point_in_camera: &Point3) -> Option<[f64; 2]> {
     ((0.0..IMAGE_PX[0]).contains(&u) && (0.0..IMAGE_PX[1]).contains(&v)).then_some([u, v])
 }
 
-/// Returns the point at this depth that is seen at this pixel, in the camera's frame.
+/// Returns the point at this depth and pixel, in the camera's frame.
 pub fn unproject(pixel: [f64; 2], depth_m: f64) -> Point3 {
     let x = (pixel[0] - IMAGE_PX[0] / 2.0) / FOCAL_LENGTH_PX * depth_m;
     let y = (pixel[1] - IMAGE_PX[1] / 2.0) / FOCAL_LENGTH_PX * depth_m;

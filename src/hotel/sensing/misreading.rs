@@ -1,11 +1,11 @@
-//! Misreading: what text recognition makes of a number that it reads wrong.
+//! Misreading: simulates how text recognition misreads a number.
 
 use crate::hotel::rng::SeededRng;
 
-/// Of readings that are wrong, this share has lost a character; the others have it replaced.
+/// The share of misreadings that lose a character; the others replace one.
 const DROPPED_SHARE: f64 = 0.25;
 
-/// Characters that are taken for each other.
+/// Look-alike characters.
 const LOOK_ALIKE: [(char, &str); 10] = [
     ('0', "869"),
     ('1', "74"),
@@ -19,7 +19,7 @@ const LOOK_ALIKE: [(char, &str); 10] = [
     ('9', "084"),
 ];
 
-/// Returns a number as it may be misread.
+/// Returns a misread number.
 pub fn misread(number: &str, rng: &mut SeededRng) -> String {
     let mut characters: Vec<char> = number.chars().collect();
     let at = rng.below(characters.len());

@@ -1,14 +1,14 @@
-//! Monocular: a tour as a robot sees it that has one camera and no depth.
+//! Monocular: a tour as seen by a robot with one camera and no depth.
 //!
 //! | | |
 //! |---|---|
-//! | unit | its own: the median depth of the first keyframe (as ORB-SLAM's first map has it) |
+//! | unit | arbitrary: the median depth of the first keyframe (as for ORB-SLAM's first map) |
 //! | drift of scale | a random walk of the unit's logarithm ([`super::odometry::scale_drift`]) |
 //! | motions | odometry's, in that unit |
-//! | map points | triangulated from their own keypoints ([`super::triangulation`]), so that what is seen without parallax has no place |
+//! | map points | triangulated from their own keypoints ([`super::triangulation`]), so that points without parallax have no position |
 //!
-//! Triangulation knows the camera's true motion from one sight to the next, up to the unit: that is better than any bundle
-//! adjustment, and flatters.
+//! Triangulation uses the camera's true motion between observations, up to the unit. This is better than any bundle
+//! adjustment, and flatters the results.
 
 use std::collections::HashMap;
 
@@ -18,11 +18,11 @@ use super::triangulation::{Sight, triangulate};
 use crate::geometry::{Point3, Pose};
 use crate::hotel::sequence::{Placed, Sequence, Step};
 
-/// A point is placed anew each time its parallax has grown by this factor, as bundle adjustment would move it.
+/// A point is placed again each time its parallax has grown by this factor, similar to bundle adjustment.
 const PLACED_ANEW: f64 = 2.0;
 
-/// The share by which a monocular robot's lengths are off along its way: the standard deviation of the logarithm of its unit
-/// over the keyframes, the root of the mean square over robots.
+/// The relative error of a monocular robot's lengths along its way: the standard deviation of its unit's logarithm
+/// over the keyframes, as root mean square over robots.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ScaleError {
     /// By odometry alone.
@@ -32,7 +32,7 @@ pub struct ScaleError {
 }
 
 impl ScaleError {
-    /// Of robots on their tours, with the scales of their keyframes in the end.
+    /// Computes the error of robots on their tours, from the final scales of their keyframes.
     pub fn of(journeys: &[Sequence], scales: &[&[f64]]) -> Self {
         let variances = |corrects: bool| -> f64 {
             let of_robot = |(journey, scales): (&Sequence, &&[f64])| {
@@ -51,14 +51,14 @@ fn variance(values: &[f64]) -> f64 {
     values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len().max(1) as f64
 }
 
-/// A map point on its way through a tour.
+/// A map point during a tour.
 struct Track {
     first: (usize, Sight),
-    /// The parallax by which it was placed last, in radians; 0 before.
+    /// The parallax of its last placement, in radians; 0 before.
     parallax_rad: f64,
 }
 
-/// Returns the units of a robot without depth to a metre, at each keyframe.
+/// Returns the units per metre of a robot without depth, at each keyframe.
 pub fn units_per_metre(journey: &Sequence) -> Vec<f64> {
     let mut depths_m: Vec<f64> = (journey.steps.first().into_iter())
         .flat_map(|step| step.features.iter().map(|feature| feature.in_camera.z))

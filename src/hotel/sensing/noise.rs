@@ -1,28 +1,29 @@
-//! Noise: what makes a world harder than the paper's.
+//! Noise: disturbances that make a world harder than the paper's.
 
 use serde::{Deserialize, Serialize};
 
-/// A kind of trouble.
+/// A kind of noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum NoiseKind {
     /// None: the paper's worlds.
     None,
-    /// The reader takes characters for others, now and then all through a visit.
+    /// The reader confuses characters, occasionally throughout a visit.
     Reader,
     /// Detections are missed, and some doors have no plate.
     Missed,
     /// Signs, paintings and numbers that hang everywhere.
     Repeated,
-    /// The same thing is said in other words.
+    /// Descriptions of one thing vary in wording.
     Wording,
-    /// Two robots with frames of their own in one map.
+    /// Two robots, each with its own frame, in one map.
     Fleet,
-    /// All of the above but the second robot.
+    /// All of the above except the second robot.
     Mixed,
-    /// Door numbers change between rounds; no headline counts it.
+    /// Door numbers change between rounds; not part of any headline figure.
     Renumbered,
-    /// The second hotel: three floors that are alike, the same prints on their walls, and a reader with real limits.
+    /// The second hotel: three identical-looking floors, the same prints on their walls, and a reader with realistic
+    /// limits.
     #[serde(rename = "v2")]
     SecondHotel,
 }
@@ -40,11 +41,11 @@ impl NoiseKind {
         Self::Renumbered,
         Self::SecondHotel,
     ];
-    /// One trouble at a time, and at last all of it together.
+    /// Each kind alone, and finally all combined.
     pub const TROUBLES: [Self; 6] =
         [Self::Reader, Self::Missed, Self::Repeated, Self::Wording, Self::Fleet, Self::Mixed];
 
-    /// Returns the kind of a name.
+    /// Returns the kind with this name.
     pub fn of_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
@@ -64,7 +65,7 @@ impl NoiseKind {
         }
     }
 
-    /// Returns what a table says of it.
+    /// Returns the title in tables.
     pub fn title(self) -> &'static str {
         match self {
             Self::None => "nothing",
@@ -79,7 +80,7 @@ impl NoiseKind {
         }
     }
 
-    /// Returns what it does.
+    /// Returns its parameters.
     pub fn noise(self) -> Noise {
         let quiet = Noise::default();
         match self {
@@ -102,22 +103,22 @@ impl NoiseKind {
     }
 }
 
-/// How much of what.
+/// The parameters of the noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Noise {
     /// The share of readings with a wrong character.
     pub misread_share: f64,
-    /// The share of plates that a visit's light makes look like another number, for all its readings.
+    /// The share of plates that look like another number in a visit's light, for all readings of that visit.
     pub glare_share: f64,
     /// The share of detections that are missed.
     pub missed_share: f64,
     /// The share of doors without a plate.
     pub no_plate_share: f64,
-    /// Signs, paintings and numbers repeat at every door.
+    /// Whether signs, paintings and numbers repeat at every door.
     pub repeated_signs: bool,
-    /// Descriptions vary in their wording.
+    /// Whether descriptions vary in their wording.
     pub other_wording: bool,
-    /// Text is read by an ordinary OCR ([`super::ocr`]) that knows no classes of signs.
+    /// Whether text is read by an ordinary OCR ([`super::ocr`]), which does not distinguish classes of signs.
     pub ocr: bool,
 }
 

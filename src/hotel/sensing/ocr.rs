@@ -1,52 +1,52 @@
-//! OCR: what an ordinary text recognition reads of a sign, as the recording `floors` shows it.
+//! OCR: simulates how ordinary text recognition reads a sign, calibrated on the recording `floors`.
 //!
-//! Calibrated on the 265 readings of its plates ("7.04"; the digits of the true floor are known) and its 1,281 readings
-//! altogether, of 1,056 photographs:
+//! The calibration uses the 265 readings of its plates ("7.04"; the digits of the true floor are known) and all of its
+//! 1,281 readings, from 1,056 photographs:
 //!
-//! | what | in `floors` | here |
+//! | measure | in `floors` | here |
 //! |---|---|---|
-//! | height of the letters | none of the plates below 10 px, 14 from 10 to 14, 74 from 14 to 18 | nothing below 10 px, every second one up to 14 px |
-//! | from aside | nine in ten boxes of right readings are wider than half the widest: 60 degrees | nothing beyond 60 degrees |
+//! | height of the letters | none of the plates below 10 px, 14 from 10 to 14, 74 from 14 to 18 | nothing below 10 px, half of them up to 14 px |
+//! | oblique view | nine in ten boxes of correct readings are wider than half the widest: 60 degrees | nothing beyond 60 degrees |
 //! | between two readings of one plate, at most 4 s apart | read in 41 of 47 | `missed_share` of [`super::noise`], 13 % |
-//! | read right, but for a lost dot | 188 of 265, 71 % | 71 % |
+//! | read correctly, except for a lost dot | 188 of 265, 71 % | 71 % |
 //! | cut off at one end | 26, 10 % | 10 % |
-//! | another code | 51, 19 %, among them railings that are no plate | 15 %, and 4 % all through a visit |
+//! | another code | 51, 19 %, including railings misread as plates | 15 %, and 4 % throughout a visit |
 //! | text where there is none: single letters, rows of zeros | 219, in 175 photographs | one in 17 % of the images, a second in 20 % of those |
 //!
-//! One thing is left out: errors are drawn anew for each image, though real ones err alike in images
-//! that are alike.
+//! One simplification: errors are drawn independently for each image, although real ones are correlated in similar
+//! images.
 
 use super::camera::IMAGE_PX;
 use super::misreading::misread;
 use crate::hotel::building::signs::Sign;
 use crate::hotel::rng::SeededRng;
 
-/// The class of what it reads: it tells no plate from an exit sign.
+/// The class of its readings: it does not distinguish plates from exit signs.
 pub const CLASS: &str = "sign";
-/// Letters are so tall, as a share of the sign's height.
+/// Height of letters, as a share of the sign's height.
 const LETTER_SHARE: f64 = 0.5;
-/// Smaller letters are not read, in pixels, ...
+/// Height below which letters are not read, in pixels.
 const LETTER_MIN_PX: f64 = 10.0;
-/// ... and half of those below this are not.
+/// Height below which only half of the letters are read, in pixels.
 const LETTER_CLEAR_PX: f64 = 14.0;
 const UNCLEAR_READ_SHARE: f64 = 0.5;
-/// Signs that look narrower than this share of their shape are not read: 60 degrees from aside.
+/// Minimum apparent width, as a share of the true one, at which signs are read: 60 degrees from the normal.
 const NARROWEST: f64 = 0.5;
-/// Readings that are cut off, and those with another character.
+/// Shares of readings that are cut off, and of those with a wrong character.
 const CUT_SHARE: f64 = 0.10;
 const OTHER_SHARE: f64 = 0.15;
-/// Images in which something is read that is no text, and those of them in which it happens twice.
+/// Share of images with a reading where there is no text, and of those the share with a second.
 const IMAGINED_SHARE: f64 = 0.17;
 const IMAGINED_TWICE_SHARE: f64 = 0.2;
-/// Two in three are single letters, the others rows of zeros.
+/// Share of these that are single letters; the others are rows of zeros.
 const SINGLE_LETTER_SHARE: f64 = 0.67;
 const SINGLE_LETTERS: [&str; 12] = ["H", "0", "L", "G", "C", "e", "O", "E", "D", "W", "口", "二"];
 const ROW_OF_ZEROS: [usize; 2] = [2, 9];
-/// The height of what is imagined, in pixels.
+/// Range of the height of such readings, in pixels.
 const IMAGINED_PX: [f64; 2] = [12.0, 90.0];
 
-/// Reads a sign that looks like `text` in this box, `[x0, y0, x1, y1]` in pixels; nothing if it is too small or seen
-/// too much from aside.
+/// Reads a sign that looks like `text` in this box, `[x0, y0, x1, y1]` in pixels; none if it is too small or too
+/// oblique.
 pub fn read(text: &str, sign: &Sign, bounding_box: [f64; 4], rng: &mut SeededRng) -> Option<String> {
     let [x0, y0, x1, y1] = bounding_box;
     let (width_px, height_px) = (x1 - x0, y1 - y0);
@@ -64,7 +64,7 @@ pub fn read(text: &str, sign: &Sign, bounding_box: [f64; 4], rng: &mut SeededRng
     Some(if rng.happens(OTHER_SHARE / (1.0 - CUT_SHARE)) { misread(text, rng) } else { text.to_owned() })
 }
 
-/// Reads texts where nothing is written: with their boxes, in pixels.
+/// Draws readings where there is no text, with their boxes in pixels.
 pub fn imagine(rng: &mut SeededRng) -> Vec<(String, [f64; 4])> {
     let mut texts = Vec::new();
     if rng.happens(IMAGINED_SHARE) {
@@ -124,7 +124,7 @@ mod tests {
         let share = |width_px, height_px| {
             readings(width_px, height_px).iter().filter(|read| read.is_some()).count() as f64 / 4_000.0
         };
-        // The plate is 10 to 7; its letters are half as tall as it.
+        // The plate's shape is 10 to 7, and its letters have half its height.
         for (height_px, is_read) in [(19.0, 0.0), (24.0, 0.5), (30.0, 1.0), (200.0, 1.0)] {
             let share = share(height_px * 10.0 / 7.0, height_px);
             assert!((share - is_read).abs() < 0.03, "{height_px} px: {share}");

@@ -1,8 +1,8 @@
-//! Odometry: the robot's own estimate of its way, which drifts.
+//! Odometry: the robot's own motion estimate, which drifts.
 //!
-//! Between two keyframes the estimate errs a little in heading and length; the errors add up to a drift like that of
-//! ORB-SLAM3 without loops. How much is set by the absolute pose error that the paper printed for the sequence (Table III,
-//! ORB-VO): the same errors are scaled until the aligned trajectory is off by just that.
+//! Between two keyframes the estimate has small errors of heading and length, which add up to a drift like that of
+//! ORB-SLAM3 without loops. The absolute pose error printed for the sequence (Table III, ORB-VO) determines the drift.
+//! The same errors are scaled until the aligned trajectory has exactly that error.
 
 use crate::geometry::absolute_orientation::Scale;
 use crate::geometry::{Point3, Pose};
@@ -14,20 +14,20 @@ use crate::hotel::scoring::absolute_pose_error::rmse_after_alignment;
 const HEADING_PER_METRE: f64 = 0.004;
 const HEADING_PER_RADIAN: f64 = 0.006;
 const HEADING_BIAS_PER_METRE: f64 = 0.0006;
-/// Errors of length before scaling: noise per square root of a metre, and a share that is always the same.
+/// Errors of length before scaling: noise per square root of a metre, and a constant share.
 const LENGTH_PER_METRE: f64 = 0.006;
 const LENGTH_SHARE: f64 = 0.004;
-/// Tilt and height per square root of a metre or radian: small, because gravity is seen.
+/// Tilt and height per square root of a metre or radian: small, because gravity is observable.
 const TILT_PER_STEP: f64 = 0.0006;
 const HEIGHT_PER_METRE: f64 = 0.002;
-/// The logarithm of the unit of a robot without depth scatters by this per square root of a metre ...
+/// Standard deviation of the logarithm of the unit of a robot without depth, per square root of a metre.
 const DRIFT_PER_METRE: f64 = 0.01;
-/// ... and of a radian.
+/// The same per square root of a radian.
 const DRIFT_PER_RADIAN: f64 = 0.015;
-/// How many halvings find the scale.
+/// Number of bisection steps for the scale.
 const HALVINGS: u32 = 40;
 
-/// What one step errs by before scaling.
+/// The errors of one step before scaling.
 #[derive(Clone, Copy, Debug)]
 struct StepError {
     heading_rad: f64,
@@ -37,8 +37,8 @@ struct StepError {
     up_m: f64,
 }
 
-/// Returns the relative motions that odometry reports, `previous_from_next` for each keyframe but the first, such that
-/// the whole trajectory is off by `drift_m`: RMSE after alignment, as evo computes it.
+/// Returns the relative motions that odometry reports, `previous_from_next` for each keyframe but the first. The whole
+/// trajectory then has the error `drift_m`: RMSE after alignment, as evo computes it.
 pub fn drifting_motions(truth: &[Pose], drift_m: f64, rng: &mut SeededRng) -> Vec<Pose> {
     let motions: Vec<Pose> = truth.windows(2).map(|pair| pair[0].inverse().after(&pair[1])).collect();
     let errors = errors(&motions, rng);
@@ -59,7 +59,7 @@ pub fn drifting_motions(truth: &[Pose], drift_m: f64, rng: &mut SeededRng) -> Ve
     erring(&motions, &errors, f64::midpoint(low, high))
 }
 
-/// Returns the poses that follow from a first one and motions.
+/// Integrates motions from a first pose.
 pub fn integrate(first: &Pose, motions: &[Pose]) -> Vec<Pose> {
     let mut poses = vec![*first];
     for motion in motions {
@@ -68,8 +68,8 @@ pub fn integrate(first: &Pose, motions: &[Pose]) -> Vec<Pose> {
     poses
 }
 
-/// Draws how much longer a metre is at each keyframe than at the first in the unit of a robot without depth, as natural
-/// logarithms: a random walk with the way driven, and more where it turns. How far it leads is our choice.
+/// Draws the units per metre of a robot without depth at each keyframe, relative to the first, as natural logarithms.
+/// They are a random walk with the distance driven, stronger in turns. Its strength is our choice.
 pub fn scale_drift(truth: &[Pose], rng: &mut SeededRng) -> Vec<f64> {
     let mut drift = Vec::with_capacity(truth.len());
     let mut before: Option<(&Pose, f64)> = None;
@@ -108,11 +108,11 @@ fn errors(motions: &[Pose], rng: &mut SeededRng) -> Vec<StepError> {
         .collect()
 }
 
-/// Returns the motions with their errors, scaled.
+/// Returns the motions with scaled errors.
 fn erring(motions: &[Pose], errors: &[StepError], scale: f64) -> Vec<Pose> {
     (motions.iter().zip(errors))
         .map(|(motion, error)| {
-            // In the optical frame: y is down, so a turn to the left is a negative turn about it; z is ahead.
+            // In the optical frame y is down, so a left turn is a negative turn about it; z is ahead.
             let half = |rad: f64| rad * scale / 2.0;
             let rotation = [half(error.tilt_rad[0]), half(-error.heading_rad), half(error.tilt_rad[1]), 1.0];
             let norm = rotation.iter().map(|x| x * x).sum::<f64>().sqrt();

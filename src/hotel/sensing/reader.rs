@@ -1,4 +1,4 @@
-//! Reader: what a detector's text recognition, or a model that describes pictures, makes of a sign.
+//! Reader: simulates text recognition, or a model that describes pictures.
 
 use super::misreading::misread;
 use super::noise::Noise;
@@ -6,7 +6,7 @@ use super::ocr;
 use crate::hotel::building::signs::{Sign, SignKind};
 use crate::hotel::rng::SeededRng;
 
-/// Words that describe the same painting, each the other's.
+/// Synonyms for descriptions of the same painting, in both directions.
 const SYNONYMS: [(&str, &str); 12] = [
     ("sunset", "dusk"),
     ("dawn", "sunrise"),
@@ -22,22 +22,22 @@ const SYNONYMS: [(&str, &str); 12] = [
     ("locomotive", "train"),
 ];
 
-/// What a reader makes of the signs of one visit.
+/// The reader of the signs of one visit.
 #[derive(Clone, Debug)]
 pub struct Reader {
     noise: Noise,
-    /// Signs that this visit's light makes look like something else: (sign, what is read).
+    /// Signs that this visit's light disguises: (sign, the text read).
     glare: Vec<(usize, String)>,
     visit: usize,
 }
 
 impl Reader {
-    /// Returns a reader under this noise.
+    /// Returns a reader with this noise.
     pub fn new(noise: Noise) -> Self {
         Self { noise, glare: Vec::new(), visit: usize::MAX }
     }
 
-    /// Reads a sign in this box, in pixels: the class of the detection and what it says; nothing where it sees no text.
+    /// Reads a sign in this box, in pixels; returns the class and the text of the detection, none if it sees no text.
     pub fn detect(
         &mut self,
         number: usize,
@@ -53,12 +53,12 @@ impl Reader {
         Some((ocr::CLASS, ocr::read(&text, sign, bounding_box, rng)?))
     }
 
-    /// Reads what is not there: texts with their boxes, in pixels.
+    /// Draws readings where there is no text, with their boxes in pixels.
     pub fn imagine(&self, rng: &mut SeededRng) -> Vec<(String, [f64; 4])> {
         if self.noise.ocr { ocr::imagine(rng) } else { Vec::new() }
     }
 
-    /// Returns what it says of the sign in this image.
+    /// Returns its reading of the sign in this image.
     fn read(&mut self, number: usize, sign: &Sign, visit: usize, rng: &mut SeededRng) -> String {
         if self.visit != visit {
             self.visit = visit;

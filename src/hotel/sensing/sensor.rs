@@ -1,4 +1,4 @@
-//! Sensor: what the robot's camera, its depth estimate and its detector make of the world from one stand.
+//! Sensor: simulates the robot's camera, depth estimate and detector from one pose.
 
 use super::camera::{FOCAL_LENGTH_PX, Stand, project, unproject};
 use crate::domain::keyframe::Keypoint;
@@ -10,19 +10,19 @@ use crate::hotel::building::texture::{Descriptor, from_side, in_image};
 use crate::hotel::building::world::World;
 use crate::hotel::rng::SeededRng;
 
-/// Nothing farther off is recognised.
+/// Maximum range of recognition.
 pub const RANGE_M: f64 = 8.0;
 /// Share of the corners on which a feature detector fires.
 const FOUND_SHARE: f64 = 0.85;
-/// The most features of an image; the nearest are kept.
+/// Maximum features of an image; the nearest are kept.
 const FEATURES_MAX: usize = 400;
-/// Corners are recognised up to this far from their normal.
+/// Maximum angle between a corner's normal and the view for recognition.
 const MAX_OBLIQUITY_RAD: f64 = 1.3;
-/// A corner's look changes from one such sector of directions to the next.
+/// Width of a sector of viewing directions with the same appearance.
 const SECTOR_RAD: f64 = 0.61;
-/// A keypoint's place scatters so much at octave 0, in pixels.
+/// Standard deviation of a keypoint's position at octave 0, in pixels.
 const KEYPOINT_SIGMA_PX: f64 = 0.6;
-/// A point's depth scatters by this share of it.
+/// Standard deviation of a point's depth, as a share of it.
 const DEPTH_SIGMA: f64 = 0.012;
 /// The octave of the image pyramid in which a corner at its reference distance is seen.
 const MIDDLE_OCTAVE: f64 = 3.0;
@@ -30,38 +30,38 @@ const MIDDLE_OCTAVE: f64 = 3.0;
 pub const OCTAVES: f64 = 8.0;
 /// The scale from one octave to the next.
 pub const OCTAVE_FACTOR: f64 = 1.2;
-/// An upright camera's keypoints are turned alike from image to image, up to this, in degrees.
+/// Standard deviation of a keypoint's angle in an upright camera, in degrees.
 const ANGLE_SIGMA_DEG: f64 = 4.0;
-/// Signs are found up to this far from their normal.
+/// Maximum angle between a sign's normal and the view for detection.
 const SIGN_MAX_OBLIQUITY_RAD: f64 = 1.25;
-/// Number of a sign's points that must be among the features.
+/// Minimum number of a sign's points among the features.
 const SIGN_POINTS_MIN: usize = 3;
-/// The corners of a box scatter so much, in pixels.
+/// Standard deviation of a box's corners, in pixels.
 const BOX_SIGMA_PX: f64 = 1.5;
 
-/// A corner that was found in an image.
+/// A corner found in an image.
 #[derive(Clone, Copy, Debug)]
 pub struct Feature {
-    /// Which of the world's points it is. Only the truth may look at this.
+    /// Its point in the world, for the ground truth only.
     pub point: u32,
-    /// Where it is in the image.
+    /// Its position in the image.
     pub keypoint: Keypoint,
-    /// What it looks like.
+    /// Its appearance.
     pub descriptor: Descriptor,
-    /// Where depth puts it, in the camera's frame, in metres.
+    /// Its position by depth in the camera's frame, in metres.
     pub in_camera: Point3,
 }
 
-/// A sign that was found in an image.
+/// A sign found in an image.
 #[derive(Clone, Debug)]
 pub struct SeenSign {
-    /// Which of the world's signs it is. Only the reader and the truth may look at this.
+    /// Its sign in the world, for the reader and the ground truth only.
     pub sign: usize,
     /// `[x0, y0, x1, y1]`, in pixels.
     pub bounding_box: [f64; 4],
-    /// How sure the detector is.
+    /// The detector's confidence.
     pub confidence: f64,
-    /// Which of the image's features are on it.
+    /// The indices of the image's features on it.
     pub features: Vec<usize>,
 }
 
@@ -122,7 +122,7 @@ fn find(
     if facing < MAX_OBLIQUITY_RAD.cos() || is_hidden(stand.at, [x, y], walls) || !rng.happens(FOUND_SHARE) {
         return None;
     }
-    // From which side: around the vertical for what hangs on walls, by compass for what lies flat.
+    // The viewing side: around the vertical for points on walls, by compass for horizontal surfaces.
     let azimuth = if point.normal[2].abs() > 0.5 {
         dy.atan2(dx)
     } else {

@@ -1,9 +1,9 @@
-//! Tracking: which map point a feature is, as the robot's own SLAM would number it.
+//! Tracking: the map point of a feature, as the robot's own SLAM numbers it.
 
 use std::collections::HashMap;
 
-/// A point that was unseen for so many keyframes is not tracked any more: it comes back under a new number, so that a
-/// revisit is not covisible with what it revisits.
+/// Keyframes without a sight of a point after which it is no longer tracked. It then gets a new number, so that a
+/// revisit is not covisible with the earlier visit.
 const FORGOTTEN_AFTER_KEYFRAMES: usize = 100;
 
 /// The map points of one robot.

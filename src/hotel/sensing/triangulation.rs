@@ -1,36 +1,36 @@
-//! Triangulation: where a point is that was seen from two places.
+//! Triangulation: the position of a point seen from two poses.
 //!
-//! The midpoint of the shortest line between the two rays (R. I. Hartley and P. Sturm, "Triangulation", CVIU 68, 1997, §3.1).
-//! It is taken under ORB-SLAM's conditions: parallax, in front of both cameras, and seen again where it was seen.
+//! Uses the midpoint of the shortest line between the two rays (R. I. Hartley and P. Sturm, "Triangulation", CVIU 68,
+//! 1997, §3.1). ORB-SLAM's conditions apply: parallax, in front of both cameras, and a small reprojection error.
 
 use super::camera::{PINHOLE, unproject};
 use super::sensor::OCTAVE_FACTOR;
 use crate::geometry::{Point3, Pose};
 
-/// The least angle between the two rays: its cosine is 0.9998 (ORB-SLAM2, `LocalMapping::CreateNewMapPoints`).
+/// Minimum angle between the two rays: its cosine is 0.9998 (ORB-SLAM2, `LocalMapping::CreateNewMapPoints`).
 const MIN_PARALLAX_RAD: f64 = 0.02;
-/// The largest squared reprojection error in variances: chi-squared with two degrees of freedom at 95 %.
+/// Maximum squared reprojection error in variances: chi-squared with two degrees of freedom at 95 %.
 const MAX_SQUARED_ERROR: f64 = 5.991;
 
-/// A point in one image.
+/// An observation of a point in one image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sight {
-    /// Where, in pixels.
+    /// The pixel.
     pub pixel: [f64; 2],
     /// The octave of the image pyramid.
     pub octave: u8,
 }
 
-/// A point that was found.
+/// A triangulated point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangulated {
-    /// Its place in the second camera's frame.
+    /// Its position in the second camera's frame.
     pub in_second: Point3,
     /// The angle between the two rays.
     pub parallax_rad: f64,
 }
 
-/// Finds a point from two sights and the motion between them, `first_from_second`.
+/// Triangulates a point from two observations and the motion between them, `first_from_second`.
 pub fn triangulate(first_from_second: &Pose, first: Sight, second: Sight) -> Option<Triangulated> {
     let centre = first_from_second.centre().coords;
     let towards_first = unproject(first.pixel, 1.0).coords;
@@ -53,7 +53,7 @@ pub fn triangulate(first_from_second: &Pose, first: Sight, second: Sight) -> Opt
         .then_some(Triangulated { in_second, parallax_rad })
 }
 
-/// Whether the point is seen where it was.
+/// Whether the point projects to its observation.
 fn is_seen(in_camera: &Point3, sight: Sight) -> bool {
     let Some([u, v]) = PINHOLE.project(&in_camera.coords) else { return false };
     let sigma_px = OCTAVE_FACTOR.powi(i32::from(sight.octave));
@@ -91,7 +91,7 @@ mod tests {
         let second = sight(&point, &aside(0.4));
         assert_eq!(triangulate(&aside(-0.4), first, second), None, "the rays meet behind");
         let off = |by_px: f64| Sight { pixel: [second.pixel[0], second.pixel[1] + by_px], ..second };
-        // Each of the two sights is half of it off; 1.44 pixels are one standard deviation.
+        // Each of the two observations has half of the error; 1.44 pixels are one standard deviation.
         assert!(triangulate(&aside(0.4), first, off(6.0)).is_some());
         assert_eq!(triangulate(&aside(0.4), first, off(8.0)), None);
     }

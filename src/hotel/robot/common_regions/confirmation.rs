@@ -1,4 +1,4 @@
-//! Confirmation: three keyframes that agree, neighbours of the query or keyframes that follow it.
+//! Confirmation: agreement of three keyframes, which are neighbours of the query or follow it.
 
 use std::collections::BTreeSet;
 
@@ -11,21 +11,21 @@ use crate::hotel::scoring::truth::KeyframeIndex;
 
 /// The number of keyframes that must agree.
 const AGREEING: usize = 3;
-/// The number of points that must be found in a query before refinement, ...
+/// Minimum points found in a query before refinement.
 const FOUND_FIRST: usize = 50;
-/// ... so many must fit the refined transformation, ...
+/// Minimum points that fit the refined transformation.
 const FITTING: usize = 20;
-/// ... and so many must be found by it.
+/// Minimum points found after refinement.
 const FOUND_REFINED: usize = 80;
-/// Points that a neighbour of the query must find.
+/// Minimum points found by a neighbour of the query.
 const FOUND_BY_NEIGHBOUR: usize = 30;
-/// A keyframe that follows must find so many, ...
+/// Minimum points found by a following keyframe before refinement.
 const FOUND_LATER: usize = 30;
-/// ... more than so many must fit, ...
+/// A following keyframe needs more fitting points than this.
 const FITTING_LATER: usize = 50;
-/// ... and so many must be found after refinement.
+/// Minimum points found by a following keyframe after refinement.
 const FOUND_LATER_REFINED: usize = 100;
-/// The number of keyframes in a row that end it by not agreeing.
+/// Consecutive keyframes without agreement that end it.
 const FAILURES: u32 = 2;
 
 /// A loop that the server proposes.
@@ -46,22 +46,22 @@ pub struct Confirmed {
     pub candidate: KeyframeIndex,
     /// The query's pose in the candidate's camera frame, refined.
     pub candidate_from_query: Pose,
-    /// The number of the window's points that the query shows.
+    /// The number of the window's points visible in the query.
     pub found: usize,
     /// The id of the answer that proposed it: an earlier one if later keyframes had to agree.
     pub answer: String,
 }
 
-/// The memory of one robot's loop closing from keyframe to keyframe.
+/// The state of one robot's loop closing between keyframes.
 #[derive(Clone, Debug, Default)]
 pub struct Confirmation {
     pending: Option<Pending>,
 }
 
-/// A loop on which fewer than three keyframes agree so far.
+/// A loop with fewer than three agreeing keyframes so far.
 #[derive(Clone, Debug)]
 struct Pending {
-    /// As of the last keyframe that agreed.
+    /// Its state at the last keyframe that agreed.
     latest: Confirmed,
     last: usize,
     agreeing: usize,
@@ -69,7 +69,7 @@ struct Pending {
 }
 
 impl Confirmation {
-    /// Hears what the server proposes for a keyframe, and returns the loop that is confirmed with it. `maps` are those of all
+    /// Receives the server's proposals for a keyframe, and returns the loop confirmed with it. `maps` are those of all
     /// robots.
     pub fn hear(
         &mut self,
@@ -92,7 +92,7 @@ impl Confirmation {
         self.keep(best?)
     }
 
-    /// Keeps a loop until enough keyframes agree; one on which none agrees is forgotten.
+    /// Keeps a loop until enough keyframes agree; one without any agreement is dropped.
     fn keep(&mut self, pending: Pending) -> Option<Confirmed> {
         if pending.agreeing >= AGREEING {
             self.pending = None;
@@ -103,13 +103,13 @@ impl Confirmation {
     }
 }
 
-/// The fate of a pending loop at the keyframe that follows.
+/// The state of a pending loop after the following keyframe.
 enum Followed {
     Agrees(Pending),
     Fails(Pending),
 }
 
-/// A keyframe that is asked.
+/// The keyframe being checked.
 struct Query<'a> {
     maps: &'a [&'a SlamMap<'a>],
     robot: usize,
@@ -128,13 +128,13 @@ impl<'a> Query<'a> {
         Self { maps, robot, number, image: Image::new(map.features(number)), points }
     }
 
-    /// Checks a proposal, and asks the query's neighbours.
+    /// Checks a proposal, and the query's neighbours.
     fn check(&self, proposal: &Proposal) -> Option<Pending> {
         let (robot, candidate) = proposal.candidate;
         let around = keyframes_around(self.maps[robot], candidate);
         let connected = self.connected();
         if robot == self.robot && around.iter().any(|keyframe| connected.contains(keyframe)) {
-            // It has just been here.
+            // The robot has just been here.
             return None;
         }
         let window = points_of(self.maps[robot], &around, candidate);
@@ -158,7 +158,7 @@ impl<'a> Query<'a> {
         Some(Pending { latest, last: self.number, agreeing, failures: 0 })
     }
 
-    /// Counts the neighbours that see the window where the transformation has it, up to three.
+    /// Counts the neighbours that see the window where the transformation predicts it, up to three.
     fn agreeing_neighbours(&self, found: &Confirmed) -> usize {
         let map = self.maps[self.robot];
         let agrees = |neighbour: &usize| {
@@ -177,7 +177,7 @@ impl<'a> Query<'a> {
             .count()
     }
 
-    /// Asks the keyframe whether it agrees with a loop of the last one that did.
+    /// Checks whether the keyframe agrees with a loop of the last agreeing one.
     fn follow(&self, pending: Pending) -> Followed {
         let Some((candidate_from_query, found)) = self.found_later(&pending) else {
             return Followed::Fails(Pending { failures: pending.failures + 1, ..pending });

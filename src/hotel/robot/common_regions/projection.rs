@@ -1,4 +1,4 @@
-//! Projection: map points that a query shows where a transformation has them (ORB-SLAM3's `SearchByProjection`).
+//! Projection: map points visible in a query where a transformation predicts them (ORB-SLAM3's `SearchByProjection`).
 
 use super::window::WindowPoint;
 use crate::geometry::hamming::distance_fixed;
@@ -7,11 +7,11 @@ use crate::hotel::sensing::camera::{CAMERA, project};
 use crate::hotel::sensing::sensor::{Feature, OCTAVE_FACTOR, OCTAVES};
 use crate::recognition::verification::keypoint_grid::KeypointGrid;
 
-/// Descriptors that differ in so many bits are alike (ORB-SLAM3's `TH_LOW`) ...
+/// Maximum differing bits of similar descriptors (ORB-SLAM3's `TH_LOW`).
 const ALIKE_BITS: f64 = 50.0;
-/// A camera that is nearer than the octaves reach by more than this factor does not recognise a point, ...
+/// Nearest distance at which a point is recognised, as a factor of the octaves' range.
 const NEAREST_FACTOR: f64 = 0.8;
-/// ... nor does one that is farther off by more than this.
+/// Farthest distance, likewise.
 const FARTHEST_FACTOR: f64 = 1.2;
 /// The cosine of the widest angle between two directions from which a point is recognised: 60 degrees.
 const VIEW_COSINE: f64 = 0.5;
@@ -34,26 +34,26 @@ impl Search {
     pub const NEIGHBOURS: Self = Self { radius_px: 3.0, bits_factor: 1.5 };
 }
 
-/// A keyframe's features, to be found by pixel.
+/// A keyframe's features, indexed by pixel.
 #[derive(Debug)]
 pub struct Image<'a> {
     features: &'a [Feature],
     grid: KeypointGrid,
 }
 
-/// A map point and the feature that shows it.
+/// A map point and its feature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Found {
-    /// Its place among the window's points.
+    /// Its index among the window's points.
     pub point: usize,
-    /// The feature's place in the image.
+    /// The feature's index in the image.
     pub feature: usize,
-    /// The number of bits in which the descriptors differ.
+    /// The number of differing bits of the descriptors.
     pub distance: u32,
 }
 
 impl<'a> Image<'a> {
-    /// Sorts the features by place.
+    /// Sorts the features by position.
     pub fn new(features: &'a [Feature]) -> Self {
         let keypoints: Vec<_> = features.iter().map(|feature| feature.keypoint).collect();
         Self { features, grid: KeypointGrid::new(&keypoints, &CAMERA) }
@@ -64,7 +64,8 @@ impl<'a> Image<'a> {
         self.features
     }
 
-    /// Looks for each point where `candidate_from_query` has it; a feature shows one point at most, the first that takes it.
+    /// Searches for each point where `candidate_from_query` predicts it; a feature matches at most one point, the
+    /// first.
     pub fn search(&self, points: &[WindowPoint], candidate_from_query: &Pose, search: Search) -> Vec<Found> {
         let mut is_taken = vec![false; self.features.len()];
         let query_centre = candidate_from_query.centre();
@@ -94,8 +95,8 @@ impl<'a> Image<'a> {
     }
 }
 
-/// Returns the octave in which a camera at `centre`, in the candidate's frame, sees a point by its distance; none if it is too
-/// near, too far off, or sees it from another side.
+/// Predicts the octave in which a camera at `centre`, in the candidate's frame, sees a point. None if it is too near,
+/// too far, or sees it from another side.
 fn predicted_octave(point: &WindowPoint, centre: &Point3) -> Option<u8> {
     let (now, first) = (point.in_candidate - centre, point.in_candidate - point.first_seen_from);
     let (now_m, first_m) = (now.norm(), first.norm());

@@ -1,4 +1,4 @@
-//! Refinement: the transformation that fits the points which were found, and how many of them it fits.
+//! Refinement: the transformation that fits the found points best, and the number of points that fit it.
 
 use super::projection::{Found, Image};
 use super::window::WindowPoint;
@@ -8,10 +8,10 @@ use crate::hotel::sensing::sensor::OCTAVE_FACTOR;
 use crate::recognition::verification::correspondence::{Cameras, Correspondence, Hypothesis, Reprojection};
 use crate::recognition::verification::refinement::refine;
 
-/// The squared error in either image, in units of a keypoint's variance, beyond which a point does not fit.
+/// Maximum squared error of a fitting point in either image, in units of a keypoint's variance.
 const MAX_CHI_SQUARE: f64 = 10.0;
 
-/// A transformation that was refined, and how many points fit it.
+/// A refined transformation and the number of fitting points.
 #[derive(Clone, Copy, Debug)]
 pub struct Refined {
     /// The pose of the query in the candidate's camera frame.
@@ -20,8 +20,8 @@ pub struct Refined {
     pub inliers: usize,
 }
 
-/// Refines `candidate_from_query` on the points that were found; the scale stays 1, as with a depth camera.
-/// `query_points` are the query's own map points in its camera frame, one for each feature.
+/// Refines `candidate_from_query` on the found points; the scale stays 1, as with a depth camera. `query_points` are
+/// the query's own map points in its camera frame, one for each feature.
 pub fn refined(
     candidate_from_query: &Pose,
     image: &Image<'_>,
@@ -34,7 +34,7 @@ pub fn refined(
         .iter()
         .filter_map(|found| {
             let (keypoint, point) = (image.features()[found.feature].keypoint, &window[found.point]);
-            // What lies behind the candidate is seen by its neighbours alone and says nothing in its image.
+            // Points behind the candidate are seen only by its neighbours, and give no residual in its image.
             let in_candidate = PINHOLE.project(&point.in_candidate.coords)?;
             let into = |point: &Point3, pixel, octave| Reprojection {
                 point: point.coords,

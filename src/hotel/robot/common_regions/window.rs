@@ -1,4 +1,4 @@
-//! Window: the map points around a candidate, as its camera has them.
+//! Window: the map points around a candidate, in its camera frame.
 
 use std::collections::BTreeSet;
 
@@ -6,15 +6,15 @@ use crate::geometry::{Point3, Pose};
 use crate::hotel::building::texture::Descriptor;
 use crate::hotel::robot::slam_map::SlamMap;
 
-/// The number of keyframes around the one in the middle: those that share most points with it.
+/// Number of keyframes around the middle one: those that share most points with it.
 pub const COVISIBLE: usize = 10;
 
 /// A map point of a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindowPoint {
-    /// Its place in the candidate's camera frame, in metres.
+    /// Its position in the candidate's camera frame, in metres.
     pub in_candidate: Point3,
-    /// The place of the camera that saw it first, in the same frame, in metres.
+    /// The position of the camera that first saw it, in the same frame, in metres.
     pub first_seen_from: Point3,
     /// The octave in which that camera saw it.
     pub octave: u8,
@@ -22,13 +22,13 @@ pub struct WindowPoint {
     pub descriptor: Descriptor,
 }
 
-/// Returns the keyframes around a candidate, itself among them, in the order of their numbers.
+/// Returns the candidate and the keyframes around it, in the order of their numbers.
 pub fn keyframes_around(map: &SlamMap<'_>, candidate: usize) -> BTreeSet<usize> {
     map.covisible(candidate, COVISIBLE).into_iter().chain([candidate]).collect()
 }
 
-/// Returns the same and, where fewer than ten are covisible with the candidate, those that are covisible with them but not
-/// with the query, up to ten more for each.
+/// Returns the same. If fewer than ten are covisible with the candidate, adds up to ten keyframes for each that are
+/// covisible with them but not with the query.
 pub fn keyframes_farther_around(
     map: &SlamMap<'_>,
     candidate: usize,
@@ -45,7 +45,7 @@ pub fn keyframes_farther_around(
     all
 }
 
-/// Returns the map points that these keyframes see, in the order of their numbers.
+/// Returns the map points seen by these keyframes, in the order of their numbers.
 pub fn points_of(map: &SlamMap<'_>, keyframes: &BTreeSet<usize>, candidate: usize) -> Vec<WindowPoint> {
     let ids: BTreeSet<u64> = keyframes.iter().flat_map(|keyframe| map.point_ids(*keyframe)).collect();
     let candidate_from_map: Pose = map.poses()[candidate].inverse();
