@@ -1,4 +1,4 @@
-//! A recording is played against a stub of the service, and its answers are scored.
+//! A recording is replayed against a stub of the service, and its answers are scored.
 
 use std::sync::{Arc, Mutex};
 
@@ -19,7 +19,7 @@ struct CommandLine {
     args: ReplayArgs,
 }
 
-/// The requests a stub saw.
+/// The requests received by a stub.
 type Seen = Arc<Mutex<Vec<(String, Value)>>>;
 
 /// Stops the stub with the value that `OwnServer` holds.
@@ -48,7 +48,7 @@ async fn stub(seen: Seen) -> Result<OwnServer, Box<dyn Error + Send + Sync>> {
     Ok(OwnServer::new(url, StopOnDrop(running)))
 }
 
-/// What the stub knows: `taken` holds another map, `before` is there already, `bad-*` is refused.
+/// Returns the stub's responses: `taken` has another map, `before` already exists, `bad-*` is rejected.
 fn answer(request: &str, body: &Value) -> Response {
     let problem = |status: StatusCode, title: &str| {
         (status, Json(json!({"title": title, "status": status.as_u16(), "errors": []}))).into_response()
@@ -115,7 +115,7 @@ const RECORDING: &str = r#"{"op":"map","id":"m","body":{"settings":{"candidates_
 {"op":"poses","body":{"session":"default"}}
 "#;
 
-/// Plays `recording` with these flags; what was asked, and what came of it.
+/// Replays `recording` with these flags; returns the requests and the result.
 async fn play(recording: &str, flags: &[&str]) -> (Vec<(String, Value)>, Result<Report, ReplayError>) {
     let file = tempfile::NamedTempFile::new().expect("a temporary file");
     std::fs::write(file.path(), recording).expect("a temporary file");

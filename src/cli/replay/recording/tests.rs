@@ -1,4 +1,4 @@
-//! A recording is read whatever it is packed in, and what is wrong with it is said with the line.
+//! Recordings are read in every compression, and faults are reported with their line.
 
 use std::io::Write as _;
 

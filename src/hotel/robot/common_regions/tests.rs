@@ -1,4 +1,4 @@
-//! Two passes along a wall of points, by hand.
+//! Two passes along a wall of points, with expected values by hand.
 
 use super::confirmation::{Confirmation, Proposal};
 use super::projection::{Image, Search};
@@ -14,9 +14,9 @@ use crate::hotel::sensing::camera::{PINHOLE, Stand, unproject};
 use crate::hotel::sensing::sensor::Feature;
 use crate::hotel::sequence::{Placed, Step};
 
-/// The octave in which everything is seen.
+/// The octave of all observations.
 const OCTAVE: u8 = 3;
-/// From one keyframe to the next along the wall, in metres.
+/// Distance between successive keyframes along the wall, in metres.
 const STEP_M: f64 = 0.05;
 
 fn level(x: f64) -> Pose {
@@ -32,7 +32,7 @@ fn feature(point: u32, pixel: [f64; 2], depth_m: f64, octave: u8, descriptor: De
     Feature { point, keypoint, descriptor, in_camera: unproject(pixel, depth_m) }
 }
 
-/// Points about 3 m in front of a camera at the origin, each with a look of its own.
+/// Returns points about 3 m in front of a camera at the origin, each with its own descriptor.
 fn wall(points: u32) -> Vec<(Point3, Descriptor)> {
     let mut rng = SeededRng::new(7, "wall");
     let place =
@@ -40,7 +40,7 @@ fn wall(points: u32) -> Vec<(Point3, Descriptor)> {
     (0..points).map(|_| (place(&mut rng), std::array::from_fn(|_| rng.bits()))).collect()
 }
 
-/// A keyframe at `x` that sees the wall, its map points numbered from `first_id`.
+/// Returns a keyframe at `x` that sees the wall, with map points numbered from `first_id`.
 fn step(wall: &[(Point3, Descriptor)], x: f64, first_id: u64) -> Step {
     let features: Vec<Feature> = (wall.iter().enumerate())
         .map(|(number, (point, descriptor))| {
@@ -58,7 +58,7 @@ fn step(wall: &[(Point3, Descriptor)], x: f64, first_id: u64) -> Step {
     Step { stop, motion: Pose::identity(), features, map_points, placed, detections: Vec::new() }
 }
 
-/// `passes` along the wall, four keyframes each, whose map points have nothing in common.
+/// Returns `passes` along the wall of four keyframes each, without common map points.
 fn passes(wall: &[(Point3, Descriptor)], passes: usize) -> Vec<Step> {
     let keyframe = |number: usize| step(wall, STEP_M * (number % 4) as f64, 1_000 * (number / 4) as u64);
     (0..4 * passes).map(keyframe).collect()
@@ -79,7 +79,7 @@ fn proposal(candidate: usize, candidate_from_query: Pose) -> Proposal {
 #[test]
 fn a_point_is_found_where_it_must_be_if_it_looks_alike_from_there() {
     let look: Descriptor = [0; 4];
-    // 4 m ahead, first seen from a little nearer, so that it is expected in the octave in which it was seen.
+    // 4 m ahead, first seen from slightly nearer, so that its predicted octave is the observed one.
     let point = |octave| WindowPoint {
         in_candidate: Point3::new(0.0, 0.0, 4.0),
         first_seen_from: Point3::new(0.0, 0.0, 0.1),
@@ -115,7 +115,7 @@ fn a_point_is_found_where_it_must_be_if_it_looks_alike_from_there() {
         let from_aside = seen_from(3.9 * sine, 4.0 - 3.9 * cosine);
         assert_eq!(found(from_aside, 0.0, 7, 1, Search::FIRST), is_found, "{degrees} degrees");
     }
-    // Seen in octave 0 from 3.9 m it is not recognised from beyond 1.2 times that.
+    // Seen in octave 0 from 3.9 m, it is not recognised beyond 1.2 times that.
     for (z, is_found) in [(0.1, true), (0.6, true), (0.7, false)] {
         let nearer = WindowPoint { octave: 0, ..seen_from(0.0, z) };
         assert_eq!(found(nearer, 0.0, 0, 1, Search::FIRST), is_found, "first seen {} m before it", 4.0 - z);
@@ -139,7 +139,7 @@ fn a_feature_shows_one_point() {
 #[test]
 fn a_window_is_what_the_keyframes_around_see_as_the_candidate_has_it() {
     let wall = wall(40);
-    // The third sees the last points only, 14 of them with the second; the fourth is another place.
+    // The third sees only the last points, 14 of them with the second; the fourth is another place.
     let steps = [
         step(&wall[..30], 0.0, 0),
         step(&wall[10..], 0.1, 10),
@@ -234,7 +234,7 @@ fn what_lies_half_a_metre_aside_or_was_seen_just_now_is_no_loop() {
 #[test]
 fn keyframes_that_follow_confirm_what_one_neighbour_does_and_two_failures_end_it() {
     let wall = wall(120);
-    // The points that the query and each keyframe after it show; the query has one neighbour. It is asked at the query alone.
+    // Points visible in the query and each following keyframe; the query has one neighbour, checked only at the query.
     for (sees, confirmed_at) in [
         (&[120, 100, 100, 100][..], Some(4)),
         (&[120, 99, 100, 100][..], Some(5)),
