@@ -190,8 +190,8 @@ async fn the_table_shows_the_same_to_a_person() {
     let expected = "\
 tower.ndjson: 1 map, 1 keyframe, 1 closed loop, 1 pose correction, 6 queries (3 with a true loop)
 with candidates_max=5
-1 not scored: best is neither right nor wrong
-1 not scored: the recording does not say what is true
+1 not scored: best is neither correct nor wrong
+1 not scored: the ground truth is unknown
 
                                       accepted  correct  precision   recall
 Revisit                                      2        1      0.500    0.333
@@ -200,7 +200,7 @@ BoW alone, best F1 (score >= 0.100)          3        1      0.333    0.333
 BoW alone, without false loops                               1.000    0.000
 
 verdicts  4 loop, 1 no_loop, 1 undecided
-          1 of all queries, scored or not, name a wrong loop
+          1 of all queries, scored or not, include a wrong loop
 latency   query p50 1.2 ms, p99 3.0 ms; keyframe write p50 2.0 ms, p99 4.0 ms
 
 why not a loop                         queries  candidates
