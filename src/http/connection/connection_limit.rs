@@ -134,7 +134,7 @@ impl ConnectionSlot {
         }
     }
 
-    /// Records that some of a response was received. The client is no longer idle, but keeps its position in the
+    /// Records that some of a response was received. This restarts the idle time, but keeps the position in the
     /// eviction order.
     pub fn speaks(&self) {
         if let Phase::Waits { idle: true, since, .. } = &mut *self.lock() {
