@@ -1,6 +1,7 @@
 //! Blocking keys: hashes that texts of level 4 and more share, so that only texts sharing one need comparing.
 
 use super::identifier::Identifier;
+use super::stable_hash::hash;
 use super::words::{self, Word};
 
 /// Keys of a text: of its own identifiers if it has any, else of its most telling words, else of the floor or building.
@@ -16,17 +17,4 @@ pub fn of_text(identifiers: &[Identifier], own: &[Identifier], words: &[Word]) -
     keys.sort_unstable();
     keys.dedup();
     keys
-}
-
-/// Key of a canonical identifier with its look-alike letters as digits.
-pub fn of_identifier(value: &str) -> u64 {
-    hash(b'i', value)
-}
-
-/// FNV-1a, which is the same on every machine and in every release, as stored keys must be.
-pub fn hash(kind: u8, text: &str) -> u64 {
-    const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
-    const PRIME: u64 = 0x0100_0000_01b3;
-    let bytes = std::iter::once(kind).chain(text.bytes());
-    bytes.fold(OFFSET, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(PRIME))
 }

@@ -4,6 +4,7 @@ use super::dictionary::{self, Class};
 use super::direction;
 use super::frame;
 use super::identifier;
+use super::misreading;
 use super::role::{self, Role};
 use super::token::{Kind, Token};
 
@@ -34,7 +35,7 @@ impl Around<'_> {
                 let name = dictionary::stem(word);
                 let is_name = !label && self.tokens[first - 1].kind == Kind::Word && word.len() > 1;
                 let named =
-                    is_name && !dictionary::negates(word) && dictionary::class_of(&name) == Class::Specific;
+                    is_name && !dictionary::negates(word) && misreading::class_of(&name) == Class::Specific;
                 return named.then(|| (Role::Named(name), first - 1));
             }
             (first, label) = (first - 1, true);

@@ -22,19 +22,9 @@ pub enum Class {
     Function,
 }
 
-/// Class of a [`stem`], also of a misread one.
-pub fn class_of(stem: &str) -> Class {
-    listed(generic::misread(stem).unwrap_or(stem)).unwrap_or(Class::Specific)
-}
-
 /// Class of a stem as written, if the dictionary has it.
 pub fn listed(stem: &str) -> Option<Class> {
     CLASSES.get(stem).copied()
-}
-
-/// Whether a stem is a colour, material or number: what a thing has one of.
-pub fn is_look(stem: &str) -> bool {
-    class_of(stem) == Class::Colour || LOOKS.split_whitespace().any(|look| look == stem)
 }
 
 /// Without the plural, and without a possessive.
@@ -61,6 +51,27 @@ pub fn is_unsure(stem: &str) -> bool {
 /// Returns a verb or adjective that says the writer could not tell, when it is negated: "cannot *read*".
 pub fn is_unsure_when_negated(stem: &str) -> bool {
     PERCEPTION.split_whitespace().any(|p| p == stem)
+}
+
+/// Splits a run of Han, Kana or Hangul into words of the dictionary, the longest first. None if something is left over.
+pub fn split(run: &str) -> Option<Vec<&str>> {
+    const LONGEST: usize = 10;
+    let mut rest = run;
+    let mut words = Vec::new();
+    while !rest.is_empty() {
+        let ends: Vec<usize> = rest.char_indices().skip(1).map(|(end, _)| end).take(LONGEST - 1).collect();
+        let ends = ends.into_iter().chain((rest.chars().count() <= LONGEST).then_some(rest.len()));
+        // One character may be part of any name.
+        let is_word = |end: &usize| rest[..*end].chars().nth(1).is_some() && is_known(&rest[..*end]);
+        let end = ends.filter(is_word).max()?;
+        words.push(&rest[..end]);
+        rest = &rest[end..];
+    }
+    Some(words)
+}
+
+fn is_known(word: &str) -> bool {
+    listed(word).is_some() || negates(word)
 }
 
 const NEGATIONS: &str = "no not none never without cannot can't don't doesn't isn't aren't won't non nor unable \
@@ -122,7 +133,7 @@ const DESCRIPTIVE: &str = "big large small little tall short long wide narrow th
     another main abstract";
 
 /// Materials and numbers, of which a thing has one as it has one colour.
-const LOOKS: &str = "wooden wood metal metallic steel brass bronze glass plastic paper stone brick concrete marble leather fabric \
+pub(super) const LOOKS: &str = "wooden wood metal metallic steel brass bronze glass plastic paper stone brick concrete marble leather fabric \
     ceramic golden two three four five six seven eight nine ten";
 
 static CLASSES: LazyLock<HashMap<String, Class>> = LazyLock::new(|| {
@@ -139,3 +150,15 @@ static CLASSES: LazyLock<HashMap<String, Class>> = LazyLock::new(|| {
         .flat_map(|(class, words)| words.split_whitespace().map(move |word| (stem(word), class)));
     roles.chain(words).collect()
 });
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_without_spaces_is_split_into_generic_words_or_not_at_all() {
+        assert_eq!(split("安全出口禁止吸烟"), Some(vec!["安全出口", "禁止吸烟"]));
+        assert_eq!(split("上野出口"), None);
+        assert_eq!(split("会议室"), None);
+    }
+}

@@ -8,6 +8,7 @@ use std::collections::HashSet;
 use std::sync::LazyLock;
 
 use super::dictionary::{self, Class};
+use super::misreading;
 use super::normalise::bare;
 use super::role;
 
@@ -158,7 +159,7 @@ pub fn is_noun(stem: &str) -> bool {
 
 /// Grammar says nothing, a "no" only of something else.
 fn is_grammar(stem: &str) -> bool {
-    dictionary::class_of(stem) == Class::Function || dictionary::negates(stem)
+    misreading::class_of(stem) == Class::Function || dictionary::negates(stem)
 }
 
 fn contains(list: &str, word: &str) -> bool {

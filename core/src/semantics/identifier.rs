@@ -1,7 +1,7 @@
 //! An identifier: a number or code that names one thing, and how two of them relate.
 
-use super::blocking_keys;
 use super::role::Role;
+use super::stable_hash::hash;
 
 /// A number or code read in a text, with what it numbers.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -48,7 +48,7 @@ impl Identifier {
     pub(super) fn new(role: Role, code: &str) -> Identifier {
         let written = code.to_uppercase();
         let value = canonical(&written);
-        let look_alike = blocking_keys::of_identifier(&canonical(&look_alike_form(&value)));
+        let look_alike = hash(b'i', &canonical(&look_alike_form(&value)));
         let span = range(&value, 3).or_else(|| single(&value));
         Identifier { role, value, written, look_alike, span }
     }

@@ -3,10 +3,10 @@
 use super::dictionary::{self, Class};
 use super::frame;
 use super::identifier::Identifier;
+use super::misreading;
 use super::noise::is_one_symbol;
 use super::normalise::bare;
 use super::role::Role;
-use super::text::Text;
 use super::words::Word;
 
 /// From this many specific words on, a text without identifier or name is worth an anchor.
@@ -21,31 +21,7 @@ pub struct Information {
     pub level: u8,
     /// Whether it only numbers parts of a building that hold many objects: "Level 5".
     pub is_container_alone: bool,
-    name: Option<String>,
-}
-
-/// InformationLevel of a text, 1 to 5, and the reason in one sentence.
-pub fn information(text: &Text) -> (u8, String) {
-    let level = text.information_level();
-    let reason = match (text.identifiers.first(), &text.information.name) {
-        _ if text.normalised().is_empty() => "the text is empty".to_owned(),
-        _ if level == 1 && !text.foreign.is_empty() => {
-            format!("{} is not how this building writes its numbers", text.foreign[0].as_str())
-        }
-        _ if level == 1 => format!("\"{}\" says nothing about the object", text.normalised()),
-        (Some(identifier), _) if level == 5 => {
-            format!("{} is an identifier with another word", identifier.as_str())
-        }
-        (Some(identifier), _) => format!("{} is an identifier", identifier.as_str()),
-        (None, Some(name)) => format!("{name} is a proper name"),
-        (None, None) => {
-            match specific(&text.words).map(|word| word.text.as_str()).collect::<Vec<_>>().as_slice() {
-                [] => "it has only generic words".to_owned(),
-                words => format!("its specific words are {}", words.join(", ")),
-            }
-        }
-    };
-    (level, reason)
+    pub(super) name: Option<String>,
 }
 
 /// Finds the level of a text: `clean` has its capitals, the rest is parsed from the normalised form.
@@ -75,7 +51,8 @@ pub fn assess(
     Information { level, is_container_alone, name }
 }
 
-fn specific(words: &[Word]) -> impl Iterator<Item = &Word> {
+/// Returns the words that are not on every door.
+pub fn specific(words: &[Word]) -> impl Iterator<Item = &Word> {
     words.iter().filter(|word| word.class < Class::Generic)
 }
 
@@ -104,7 +81,7 @@ fn proper_name(clean: &str, read: &[Word]) -> Option<String> {
         |stem: &str| read.binary_search(&Word::of_class(Class::Generic, stem.to_owned())).is_ok();
     let is_specific = |word: &str| {
         let stem = dictionary::stem(&bare(word));
-        dictionary::class_of(&stem) == Class::Specific
+        misreading::class_of(&stem) == Class::Specific
             && !dictionary::is_unsure(&stem)
             && !dictionary::negates(&stem)
             && !is_generic(&stem)

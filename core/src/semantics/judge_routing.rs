@@ -5,7 +5,8 @@
 
 use super::agreement::{Agreement, agreement};
 use super::direction::Bearing;
-use super::similarity::{Judgement, Source, similarity};
+use super::evidence::Source;
+use super::similarity::{Judgement, similarity};
 use super::text::Text;
 use super::words;
 

@@ -2,7 +2,8 @@
 //!
 //! "A bridge at a glass vase" and "a bridge at a blue vase" have most words in common, and are two pictures.
 
-use super::dictionary::{self, Class};
+use super::dictionary::Class;
+use super::misreading;
 use super::reading::{Mention, What};
 use super::token::Token;
 
@@ -23,7 +24,7 @@ impl Looks {
             }
             end = mention.end;
             match &mention.what {
-                What::Word { word, .. } if dictionary::is_look(&word.text) => before.push(look(&word.text)),
+                What::Word { word, .. } if misreading::is_look(&word.text) => before.push(look(&word.text)),
                 What::Word { word, .. } if word.class == Class::Descriptive => {}
                 What::Word { word, .. } if word.class != Class::Quantity => {
                     found.extend(before.drain(..).map(|look| (word.text.clone(), look.to_owned())));

@@ -6,6 +6,7 @@ use super::direction;
 use super::frame::Frame;
 use super::generic;
 use super::identifier::Identifier;
+use super::misreading;
 use super::noise;
 use super::normalise::bare;
 use super::quantity;
@@ -116,7 +117,7 @@ impl Reader<'_> {
             self.word(Word::new(code.to_owned()), at, at + 1);
             return 1;
         }
-        if let Some(word) = generic::misread_code(code).filter(|_| role.is_none()) {
+        if let Some(word) = misreading::misread_code(code).filter(|_| role.is_none()) {
             self.word(Word::new(word.to_owned()), at, at + 1);
             return 1;
         }
@@ -196,9 +197,9 @@ impl Reader<'_> {
     fn run(&mut self, run: &str, at: usize) {
         if dictionary::negates(run) {
             self.negation = Some(at);
-        } else if dictionary::class_of(run) != Class::Specific || run.chars().nth(2).is_none() {
+        } else if misreading::class_of(run) != Class::Specific || run.chars().nth(2).is_none() {
             self.word(Word::new(run.to_owned()), at, at + 1);
-        } else if let Some(words) = generic::split(run) {
+        } else if let Some(words) = dictionary::split(run) {
             for word in words.into_iter().take(MAX_TOKENS) {
                 if dictionary::negates(word) {
                     self.negation = Some(at);

@@ -1,9 +1,9 @@
 //! The sentence that tells a person what a similarity level rests on.
 
 use super::agreement::{Agreement, Extra};
+use super::evidence::Evidence;
 use super::identifier::{Identifier, Relation};
 use super::role::Role;
-use super::similarity::Evidence;
 use super::text::Text;
 use super::words::{self, Word};
 

@@ -1,39 +1,13 @@
 //! SimilarityLevel, §IV-A.2: do two texts describe the same object?
 
-use std::sync::Arc;
-
 use super::agreement::{Agreement, Extra, agreement};
 use super::direction::Bearing;
+use super::evidence::{Evidence, Source};
 use super::identifier::{Identifier, Relation};
 use super::reason;
 use super::role::{self, Role};
 use super::text::Text;
 use super::words::{self, Word};
-
-/// What decided a similarity level.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub enum Source {
-    /// The texts are the same but for case, width, spaces and the like.
-    Identical,
-    /// Identifiers agree or conflict.
-    Identifiers,
-    /// Words, directions, negations.
-    Lexical,
-    /// A model, `model:<name>`; only where the built-in judge leaves the question open.
-    Model(Arc<str>),
-}
-
-impl Source {
-    /// Returns the name in the API document.
-    pub fn as_str(&self) -> &str {
-        match self {
-            Source::Identical => "identical",
-            Source::Identifiers => "identifiers",
-            Source::Lexical => "lexical",
-            Source::Model(name) => name,
-        }
-    }
-}
 
 /// A similarity level with what decided it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -58,45 +32,6 @@ pub fn similarity_level(a: &Text, b: &Text) -> (u8, Source) {
     let (a, b) = in_order(a, b);
     let (level, evidence) = judge(a, b);
     (level, evidence.source())
-}
-
-/// What a level rests on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Evidence<'t> {
-    /// This text says nothing.
-    Uninformative(&'t Text),
-    /// Equal normalised forms.
-    Identical,
-    /// What the identifiers say.
-    Identifiers(Agreement<'t>),
-    /// Only one text has an identifier of its own.
-    OneIdentifier(&'t Identifier),
-    /// They share a floor, wing or building, and nothing that says which object of it.
-    Container(&'t Identifier),
-    /// One text denies a word that the other states.
-    Denied(&'t Word),
-    /// They deny different things.
-    DifferentNegations,
-    /// They point different ways.
-    Directions,
-    /// They name different colours.
-    Colours,
-    /// They state different looks of this thing: a glass vase, a blue vase.
-    Looks(&'t str),
-    /// They state different quantities.
-    Quantities,
-    /// The likeness of the words.
-    Words,
-}
-
-impl Evidence<'_> {
-    fn source(&self) -> Source {
-        match self {
-            Evidence::Identical => Source::Identical,
-            Evidence::Identifiers(_) | Evidence::Container(_) => Source::Identifiers,
-            _ => Source::Lexical,
-        }
-    }
 }
 
 fn in_order<'t>(a: &'t Text, b: &'t Text) -> (&'t Text, &'t Text) {

@@ -2,9 +2,9 @@
 
 use std::cmp::Ordering;
 
-use super::blocking_keys;
 use super::dictionary::{self, Class};
-use super::generic;
+use super::misreading::misread;
+use super::stable_hash;
 
 /// Likeness, in percent, from which two texts without identifiers reach levels 4 and 3.
 const LEVEL_4_PERCENT: u32 = 70;
@@ -23,13 +23,13 @@ pub struct Word {
 impl Word {
     /// Returns the word of this stem, or the generic word it is a misreading of.
     pub fn new(stem: String) -> Word {
-        let meant = generic::misread(&stem).map_or(stem, str::to_owned);
+        let meant = misread(&stem).map_or(stem, str::to_owned);
         Word::of_class(dictionary::listed(&meant).unwrap_or(Class::Specific), meant)
     }
 
     /// Returns a word whose class the dictionary cannot tell.
     pub fn of_class(class: Class, text: String) -> Word {
-        Word { class, hash: blocking_keys::hash(b'w', &text), text }
+        Word { class, hash: stable_hash::hash(b'w', &text), text }
     }
 
     /// Returns what sets this text apart must weigh more than what all texts have.
