@@ -8,7 +8,8 @@ use crate::domain::verdict::LocalAnchorReport;
 use crate::engine::maps::live::LiveMap;
 use crate::engine::{Service, ServiceError};
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
-use crate::recognition::loops::anchor_map::{Centre, local_anchor_map};
+use crate::recognition::loops::anchor_map::local_anchor_map;
+use crate::recognition::loops::centre::Centre;
 use crate::store::KeyframeRow;
 
 impl Service {

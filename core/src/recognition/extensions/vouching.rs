@@ -8,7 +8,8 @@
 
 use super::distinctiveness::PlaceCounts;
 use crate::domain::verdict::{CandidateDecision, Reason, Verify};
-use crate::recognition::loops::anchor_map::{Centre, LocalAnchorMap, local_anchor_map};
+use crate::recognition::loops::anchor_map::{LocalAnchorMap, local_anchor_map};
+use crate::recognition::loops::centre::Centre;
 use crate::recognition::loops::query::Query;
 use crate::recognition::map::index::MapIndex;
 

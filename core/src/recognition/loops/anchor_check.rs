@@ -2,7 +2,8 @@
 
 use std::cell::OnceCell;
 
-use super::anchor_map::{Centre, LocalAnchorMap, local_anchor_map};
+use super::anchor_map::{LocalAnchorMap, local_anchor_map};
+use super::centre::Centre;
 use super::comparison::{Comparison, compare};
 use super::equation_2;
 use super::evidence;
@@ -17,7 +18,7 @@ use crate::recognition::extensions::alignment::Compared;
 use crate::recognition::extensions::company::Companies;
 use crate::recognition::extensions::difference::find_differing;
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
-use crate::recognition::extensions::passage::{is_tracked_only, returning_identifier};
+use crate::recognition::extensions::returning::{is_tracked_only, returning_identifier};
 use crate::recognition::extensions::vouching::{Voucher, may_vouch, widened};
 use crate::recognition::extensions::witness::{lacks_witness, loop_joins};
 use crate::recognition::extensions::worst_case::{WorstCase, awaited, model_is_missed, worst_case};

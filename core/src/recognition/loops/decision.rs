@@ -9,7 +9,7 @@ use super::screening::{CandidateStage, PreVerified, Screening};
 use crate::domain::verdict::{
     Candidate, CandidateDecision, Decision, GeometryStatus, Reason, ReasonCode, Verdict, Verify,
 };
-use crate::recognition::extensions::passage::Returning;
+use crate::recognition::extensions::returning::Returning;
 use crate::recognition::extensions::rivals::{Concluded, Seen};
 use crate::recognition::verification::{Failure, Status, Verification};
 

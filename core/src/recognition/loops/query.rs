@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::anchor_map::{Centre, inline_centre};
+use super::centre::{Centre, inline_centre};
 use super::geometry_snapshot::GeometrySnapshot;
 use crate::domain::bow::BowVector;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};

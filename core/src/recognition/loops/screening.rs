@@ -11,7 +11,7 @@ use crate::domain::verdict::{
     CLOSED_MAX, Candidate, CandidateDecision, ClosedLoop, Reason, ReasonCode, Verify,
 };
 use crate::recognition::extensions::alignment::Compared;
-use crate::recognition::extensions::passage::Returning;
+use crate::recognition::extensions::returning::Returning;
 use crate::recognition::extensions::tracked_path::TrackedPath;
 use crate::recognition::extensions::vouching::{Vouched, Voucher};
 use crate::recognition::map::index::MapIndex;
