@@ -2,15 +2,16 @@
 
 use std::collections::BTreeSet;
 
-use super::dictionary;
-use super::frame;
-use super::identifier::Identifier;
-use super::reading::{self, Mention, What};
-use super::role::{self, Role};
-use super::text::Text;
-use super::token::Token;
-use super::words::Word;
-use super::{normalise, token};
+use crate::semantics::identifiers::identifier::Identifier;
+use crate::semantics::lexicon::dictionary;
+use crate::semantics::lexicon::role::{self, Role};
+use crate::semantics::lexicon::words::Word;
+use crate::semantics::parsing::frame;
+use crate::semantics::parsing::normalise;
+use crate::semantics::parsing::reading::{self, Mention, What};
+use crate::semantics::parsing::token;
+use crate::semantics::parsing::token::Token;
+use crate::semantics::text::Text;
 
 /// A merged text grows no further than this, as merging goes on for the life of a map.
 const MAX_MERGED_BYTES: usize = 4096;

@@ -2,10 +2,10 @@
 //!
 //! "A bridge at a glass vase" and "a bridge at a blue vase" have most words in common, and are two pictures.
 
-use super::dictionary::Class;
-use super::misreading;
-use super::reading::{Mention, What};
-use super::token::Token;
+use crate::semantics::lexicon::dictionary::Class;
+use crate::semantics::lexicon::misreading;
+use crate::semantics::parsing::reading::{Mention, What};
+use crate::semantics::parsing::token::Token;
 
 /// The things of a text with a look of each, sorted, without duplicates.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
@@ -64,7 +64,7 @@ fn look(stem: &str) -> &str {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Text;
+    use crate::semantics::Text;
 
     #[test]
     fn looks_clash_where_both_texts_state_one_of_the_same_thing() {

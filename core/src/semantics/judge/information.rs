@@ -1,13 +1,13 @@
 //! InformationLevel, §IV-A.2: how much a text tells about one object.
 
-use super::dictionary::{self, Class};
-use super::frame;
-use super::identifier::Identifier;
-use super::misreading;
-use super::noise::is_one_symbol;
-use super::normalise::bare;
-use super::role::Role;
-use super::words::Word;
+use crate::semantics::identifiers::identifier::Identifier;
+use crate::semantics::lexicon::dictionary::{self, Class};
+use crate::semantics::lexicon::misreading;
+use crate::semantics::lexicon::role::Role;
+use crate::semantics::lexicon::words::Word;
+use crate::semantics::parsing::frame;
+use crate::semantics::parsing::noise::is_one_symbol;
+use crate::semantics::parsing::normalise::bare;
 
 /// From this many specific words on, a text without identifier or name is worth an anchor.
 pub const ENOUGH_SPECIFIC_WORDS: usize = 3;
@@ -21,7 +21,7 @@ pub struct Information {
     pub level: u8,
     /// Whether it only numbers parts of a building that hold many objects: "Level 5".
     pub is_container_alone: bool,
-    pub(super) name: Option<String>,
+    pub(in crate::semantics) name: Option<String>,
 }
 
 /// Finds the level of a text: `clean` has its capitals, the rest is parsed from the normalised form.

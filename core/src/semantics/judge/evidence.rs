@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::agreement::Agreement;
-use super::identifier::Identifier;
-use super::text::Text;
-use super::words::Word;
+use crate::semantics::identifiers::agreement::Agreement;
+use crate::semantics::identifiers::identifier::Identifier;
+use crate::semantics::lexicon::words::Word;
+use crate::semantics::text::Text;
 
 /// What decided a similarity level.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

@@ -1,8 +1,8 @@
 //! Agreement of two sets of identifiers, and the conflict that excludes one object.
 
-use super::identifier::{Identifier, Relation};
-use super::role::Role;
-use super::text::{MAX_IDENTIFIERS, Text};
+use crate::semantics::identifiers::identifier::{Identifier, Relation};
+use crate::semantics::lexicon::role::Role;
+use crate::semantics::text::{MAX_IDENTIFIERS, Text};
 
 /// Two identifiers that cannot be of one object: 901 is not 910.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

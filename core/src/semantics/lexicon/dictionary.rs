@@ -3,7 +3,8 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::LazyLock;
 
-use super::{generic, role};
+use crate::semantics::lexicon::generic;
+use crate::semantics::lexicon::role;
 
 /// The worth of a word, most telling first. The order is also the global token order of the blocking keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -133,7 +134,7 @@ const DESCRIPTIVE: &str = "big large small little tall short long wide narrow th
     another main abstract";
 
 /// Materials and numbers, of which a thing has one as it has one colour.
-pub(super) const LOOKS: &str = "wooden wood metal metallic steel brass bronze glass plastic paper stone brick concrete marble leather fabric \
+pub(in crate::semantics) const LOOKS: &str = "wooden wood metal metallic steel brass bronze glass plastic paper stone brick concrete marble leather fabric \
     ceramic golden two three four five six seven eight nine ten";
 
 static CLASSES: LazyLock<HashMap<String, Class>> = LazyLock::new(|| {

@@ -8,8 +8,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use regex::{Regex, RegexBuilder};
 use thiserror::Error;
 
-use super::identifier::Identifier;
-use super::role::Role;
+use crate::semantics::identifiers::identifier::Identifier;
+use crate::semantics::lexicon::role::Role;
 
 /// Number of values from which a shape is learned, each read alike in two keyframes or more.
 pub const LEARNED_FROM_VALUES: usize = 10;
@@ -90,7 +90,7 @@ impl PartialEq for Numbering {
 
 /// A text's identifiers under a numbering.
 #[derive(Debug, Default)]
-pub(super) struct Sorted {
+pub(in crate::semantics) struct Sorted {
     /// The building's own, containers, and bare numbers that only tell objects apart.
     pub identifiers: Vec<Identifier>,
     /// The others, which name nothing here.
@@ -140,7 +140,7 @@ impl Numbering {
     }
 
     /// Sorts the identifiers of a text in normal form into the building's own and others.
-    pub(super) fn sort(&self, normalised: &str, identifiers: Vec<Identifier>) -> Sorted {
+    pub(in crate::semantics) fn sort(&self, normalised: &str, identifiers: Vec<Identifier>) -> Sorted {
         if self.patterns.iter().any(|pattern| pattern.is_match(normalised)) {
             let has_own = identifiers.iter().any(|identifier| !identifier.role.is_container());
             let whole = || vec![Identifier::new(Role::Neutral, normalised)];

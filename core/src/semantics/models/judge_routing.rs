@@ -3,12 +3,12 @@
 //! A model is asked only about texts that tell objects apart by words. Where a text has an identifier, the identifier
 //! decides: no model is asked, and none could raise the pair.
 
-use super::agreement::{Agreement, agreement};
-use super::direction::Bearing;
-use super::evidence::Source;
-use super::similarity::{Judgement, similarity};
-use super::text::Text;
-use super::words;
+use crate::semantics::identifiers::agreement::{Agreement, agreement};
+use crate::semantics::judge::evidence::Source;
+use crate::semantics::judge::similarity::{Judgement, similarity};
+use crate::semantics::lexicon::words;
+use crate::semantics::parsing::direction::Bearing;
+use crate::semantics::text::Text;
 
 /// Levels of InformationLevel that a model may have a better opinion of: some specific words, no identifier.
 const OPEN_INFORMATION_LEVELS: std::ops::RangeInclusive<u8> = 3..=4;
@@ -84,7 +84,7 @@ pub fn accepts_merge(a: &str, b: &str, merged: &str) -> bool {
 /// Whether each group of digits of a text is in one of its sources.
 pub fn has_no_new_digits(text: &str, sources: &[&str]) -> bool {
     let groups = |text: &str| -> Vec<String> {
-        let clean = super::normalise::clean(text);
+        let clean = crate::semantics::parsing::normalise::clean(text);
         clean.split(|c: char| !c.is_numeric()).filter(|group| !group.is_empty()).map(str::to_owned).collect()
     };
     let known: Vec<String> = sources.iter().flat_map(|source| groups(source)).collect();

@@ -5,7 +5,7 @@
 //! be complete and need not be: what it misses travels as delimited data, is answered by one of five numbers, and is
 //! bound by the identifiers.
 
-use super::normalise::{bare, clean};
+use crate::semantics::parsing::normalise::{bare, clean};
 
 /// Phrases that speak to a reader who takes orders, lower case and without diacritics; a space is any separator.
 const PHRASES: &[&str] = &[

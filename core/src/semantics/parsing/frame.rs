@@ -7,10 +7,10 @@
 use std::collections::HashSet;
 use std::sync::LazyLock;
 
-use super::dictionary::{self, Class};
-use super::misreading;
-use super::normalise::bare;
-use super::role;
+use crate::semantics::lexicon::dictionary::{self, Class};
+use crate::semantics::lexicon::misreading;
+use crate::semantics::lexicon::role;
+use crate::semantics::parsing::normalise::bare;
 
 /// Media of pictures: a frame unless it stands before a noun or number of its own ("photo booth", "painting 12").
 const MEDIA: &str = "picture painting photo photograph poster print image drawing artwork portrait canvas sketch illustration \

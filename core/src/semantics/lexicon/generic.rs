@@ -39,8 +39,8 @@ pub fn entries() -> impl Iterator<Item = (Reading, &'static str)> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::normalise::{bare, clean, fold};
     use super::*;
+    use crate::semantics::parsing::normalise::{bare, clean, fold};
 
     #[test]
     fn every_entry_is_in_its_normal_form() {

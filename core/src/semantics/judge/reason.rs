@@ -1,11 +1,11 @@
 //! The sentence that tells a person what a similarity level rests on.
 
-use super::agreement::{Agreement, Extra};
-use super::evidence::Evidence;
-use super::identifier::{Identifier, Relation};
-use super::role::Role;
-use super::text::Text;
-use super::words::{self, Word};
+use crate::semantics::identifiers::agreement::{Agreement, Extra};
+use crate::semantics::identifiers::identifier::{Identifier, Relation};
+use crate::semantics::judge::evidence::Evidence;
+use crate::semantics::lexicon::role::Role;
+use crate::semantics::lexicon::words::{self, Word};
+use crate::semantics::text::Text;
 
 /// Words named before the rest is only counted.
 const MAX_NAMED_WORDS: usize = 4;

@@ -1,18 +1,18 @@
 //! Reading a text: which of its tokens are identifiers, quantities, negations and words.
 
-use super::context::{self, Around};
-use super::dictionary::{self, Class};
-use super::direction;
-use super::frame::Frame;
-use super::generic;
-use super::identifier::Identifier;
-use super::misreading;
-use super::noise;
-use super::normalise::bare;
-use super::quantity;
-use super::role::{self, Role};
-use super::token::{Kind, MAX_TOKENS, Token};
-use super::words::Word;
+use crate::semantics::identifiers::identifier::Identifier;
+use crate::semantics::lexicon::dictionary::{self, Class};
+use crate::semantics::lexicon::generic;
+use crate::semantics::lexicon::misreading;
+use crate::semantics::lexicon::role::{self, Role};
+use crate::semantics::lexicon::words::Word;
+use crate::semantics::parsing::context::{self, Around};
+use crate::semantics::parsing::direction;
+use crate::semantics::parsing::frame::Frame;
+use crate::semantics::parsing::noise;
+use crate::semantics::parsing::normalise::bare;
+use crate::semantics::parsing::quantity;
+use crate::semantics::parsing::token::{Kind, MAX_TOKENS, Token};
 
 /// Longer codes are serial numbers gone wrong or noise, and are compared as words.
 const MAX_CODE_LEN: usize = 24;

@@ -2,11 +2,11 @@
 //!
 //! Thousands of signs that differ in a name have few profiles: the names count by their weight alone.
 
-use super::dictionary::Class;
-use super::direction::{Bearing, Directions};
-use super::looks::Looks;
-use super::text::Text;
-use super::words::{self, Word};
+use crate::semantics::lexicon::dictionary::Class;
+use crate::semantics::lexicon::words::{self, Word};
+use crate::semantics::parsing::direction::{Bearing, Directions};
+use crate::semantics::parsing::looks::Looks;
+use crate::semantics::text::Text;
 
 /// The frequent words of a text without identifiers, and the weight of its rare ones.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

@@ -7,9 +7,9 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::LazyLock;
 
-use super::dictionary::{self, Class};
-use super::generic::Reading::{self, Drawn};
-use super::generic::{LETTERS_MAX, OTHERS, entries};
+use crate::semantics::lexicon::dictionary::{self, Class};
+use crate::semantics::lexicon::generic::Reading::{self, Drawn};
+use crate::semantics::lexicon::generic::{LETTERS_MAX, OTHERS, entries};
 
 /// A word of this length may have one letter too many at an end: a pictogram or an arrow.
 const EXTENDED_LETTERS_MIN: usize = 5;

@@ -1,8 +1,8 @@
 //! Blocking keys: hashes that texts of level 4 and more share, so that only texts sharing one need comparing.
 
-use super::identifier::Identifier;
-use super::stable_hash::hash;
-use super::words::{self, Word};
+use crate::semantics::identifiers::identifier::Identifier;
+use crate::semantics::lexicon::stable_hash::hash;
+use crate::semantics::lexicon::words::{self, Word};
 
 /// Keys of a text: of its own identifiers if it has any, else of its most telling words, else of the floor or building.
 pub fn of_text(identifiers: &[Identifier], own: &[Identifier], words: &[Word]) -> Vec<u64> {

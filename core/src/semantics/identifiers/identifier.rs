@@ -1,7 +1,7 @@
 //! An identifier: a number or code that names one thing, and how two of them relate.
 
-use super::role::Role;
-use super::stable_hash::hash;
+use crate::semantics::lexicon::role::Role;
+use crate::semantics::lexicon::stable_hash::hash;
 
 /// A number or code read in a text, with what it numbers.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -12,7 +12,7 @@ pub struct Identifier {
     pub value: String,
     written: String,
     /// Equal for values that OCR may take for one another.
-    pub(super) look_alike: u64,
+    pub(in crate::semantics) look_alike: u64,
     span: Option<Span>,
 }
 
@@ -45,7 +45,7 @@ pub enum Relation {
 
 impl Identifier {
     /// `code` as written, letters and digits with separators.
-    pub(super) fn new(role: Role, code: &str) -> Identifier {
+    pub(in crate::semantics) fn new(role: Role, code: &str) -> Identifier {
         let written = code.to_uppercase();
         let value = canonical(&written);
         let look_alike = hash(b'i', &canonical(&look_alike_form(&value)));

@@ -2,9 +2,9 @@
 
 use std::cmp::Ordering;
 
-use super::dictionary::{self, Class};
-use super::misreading::misread;
-use super::stable_hash;
+use crate::semantics::lexicon::dictionary::{self, Class};
+use crate::semantics::lexicon::misreading::misread;
+use crate::semantics::lexicon::stable_hash;
 
 /// Likeness, in percent, from which two texts without identifiers reach levels 4 and 3.
 const LEVEL_4_PERCENT: u32 = 70;
@@ -33,7 +33,7 @@ impl Word {
     }
 
     /// Returns what sets this text apart must weigh more than what all texts have.
-    pub(super) fn weight(&self) -> u32 {
+    pub(in crate::semantics) fn weight(&self) -> u32 {
         if self.class == Class::Specific { 2 } else { 1 }
     }
 }

@@ -1,7 +1,7 @@
 //! The sentence that explains an information level.
 
-use super::information::specific;
-use super::text::Text;
+use crate::semantics::judge::information::specific;
+use crate::semantics::text::Text;
 
 /// InformationLevel of a text, 1 to 5, and the reason in one sentence.
 pub fn information(text: &Text) -> (u8, String) {

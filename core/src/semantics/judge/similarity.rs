@@ -1,13 +1,13 @@
 //! SimilarityLevel, §IV-A.2: do two texts describe the same object?
 
-use super::agreement::{Agreement, Extra, agreement};
-use super::direction::Bearing;
-use super::evidence::{Evidence, Source};
-use super::identifier::{Identifier, Relation};
-use super::reason;
-use super::role::{self, Role};
-use super::text::Text;
-use super::words::{self, Word};
+use crate::semantics::identifiers::agreement::{Agreement, Extra, agreement};
+use crate::semantics::identifiers::identifier::{Identifier, Relation};
+use crate::semantics::judge::evidence::{Evidence, Source};
+use crate::semantics::judge::reason;
+use crate::semantics::lexicon::role::{self, Role};
+use crate::semantics::lexicon::words::{self, Word};
+use crate::semantics::parsing::direction::Bearing;
+use crate::semantics::text::Text;
 
 /// A similarity level with what decided it.
 #[derive(Clone, Debug, PartialEq, Eq)]

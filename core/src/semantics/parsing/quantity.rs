@@ -1,6 +1,6 @@
 //! Quantities: numbers that measure, count, date, price or dial, and so name nothing.
 
-use super::token::{Kind, Token};
+use crate::semantics::parsing::token::{Kind, Token};
 
 /// Returns how many tokens from `at` form a quantity, 0 if none. `bare`: the tokens in lower case, without diacritics.
 /// `numbered`: a role word such as "room" stands right before.

@@ -1,12 +1,12 @@
 //! What the tokens around a number say of it: its role, its range, its spelling.
 
-use super::dictionary::{self, Class};
-use super::direction;
-use super::frame;
-use super::identifier;
-use super::misreading;
-use super::role::{self, Role};
-use super::token::{Kind, Token};
+use crate::semantics::identifiers::identifier;
+use crate::semantics::lexicon::dictionary::{self, Class};
+use crate::semantics::lexicon::misreading;
+use crate::semantics::lexicon::role::{self, Role};
+use crate::semantics::parsing::direction;
+use crate::semantics::parsing::frame;
+use crate::semantics::parsing::token::{Kind, Token};
 
 /// Words after which "up" is no direction: "a close-up of a sign".
 const NOT_UPWARD: [&str; 6] = ["close", "lit", "set", "made", "hung", "put"];

@@ -1,6 +1,6 @@
 //! Directions a text points in, by word or arrow.
 
-use super::words::Word;
+use crate::semantics::lexicon::words::Word;
 
 /// A set of directions, one bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
