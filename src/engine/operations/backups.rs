@@ -121,7 +121,7 @@ impl Service {
         let mut items = spawn_blocking(move || backups.list()).await.map_err(ServiceError::panicked)??;
         if let Some(cursor) = cursor {
             let at = items.iter().position(|report| report.id.as_str() == cursor);
-            let at = at.ok_or_else(|| super::maps::bad_cursor(cursor))?;
+            let at = at.ok_or_else(|| ServiceError::bad_cursor(cursor))?;
             items.drain(..=at);
         }
         let more = items.len() > limit;
