@@ -19,6 +19,7 @@ mod error;
 pub mod keys;
 pub mod limits;
 mod maps;
+mod named_vocabulary;
 mod opening;
 mod operations;
 mod options;

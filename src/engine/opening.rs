@@ -5,7 +5,6 @@ use std::sync::Arc;
 use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 
-use super::bow;
 use super::descriptions::worker::Worker;
 use super::error::ServiceError;
 use super::keys::keyring::{Keyring, POLL_INTERVAL};
@@ -13,6 +12,7 @@ use super::limits::bounds::{READS_PER_CORE, WAITING_MAX, WRITES_AT_ONCE, cores};
 use super::limits::concurrency_limit::ConcurrencyLimit;
 use super::maps::features::FeatureCache;
 use super::maps::registry::Registry;
+use super::named_vocabulary::NamedVocabulary;
 use super::operations::export::Exports;
 use super::options::{ModelChoice, ServiceOptions};
 use super::service::{Parts, Service};
@@ -23,7 +23,7 @@ impl Service {
     /// Opens the database, and starts background tasks. Maps are loaded on first use.
     pub async fn open(options: ServiceOptions) -> Result<Self, ServiceError> {
         let vocabulary = match options.vocabulary {
-            Some(path) => Some(Arc::new(bow::load(path).await?)),
+            Some(path) => Some(Arc::new(NamedVocabulary::load(path).await?)),
             None => None,
         };
         let store = Store::open(&options.database).await?;

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 
-use super::bow::NamedVocabulary;
 use super::descriptions::rejudging::Rejudging;
 use super::descriptions::worker::Worker;
 use super::error::ServiceError;
@@ -17,6 +16,7 @@ use super::maps::eviction::Used;
 use super::maps::features::FeatureCache;
 use super::maps::live::LiveMap;
 use super::maps::registry::Registry;
+use super::named_vocabulary::NamedVocabulary;
 use super::operations::backups::Backups;
 use super::operations::export::Exports;
 use super::operations::triggers::Triggers;
