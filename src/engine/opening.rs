@@ -5,7 +5,8 @@ use std::sync::Arc;
 use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 
-use super::descriptions::worker::Worker;
+use super::descriptions::judgement_runner::JudgementRunner;
+use super::descriptions::round::Round;
 use super::error::ServiceError;
 use super::keys::keyring::{Keyring, POLL_INTERVAL};
 use super::limits::bounds::{READS_PER_CORE, WAITING_MAX, WRITES_AT_ONCE, cores};
@@ -31,7 +32,7 @@ impl Service {
         let registry = Arc::new(Registry::new(options.map_memory));
         let service = Self(Arc::new(Parts {
             models: models.clone(),
-            worker: Worker::new(),
+            worker: Arc::default(),
             rejudging: Arc::default(),
             triggers: Arc::default(),
             verdicts: Arc::default(),
@@ -53,8 +54,8 @@ impl Service {
         service.poll_key_changes();
         service.start_triggers();
         if let Some(models) = models {
-            service.worker.start(service.clone(), models.clone());
-            service.rejudging.start(service.clone(), models);
+            service.worker.start(Round::new(service.clone(), models.clone()).run());
+            service.rejudging.start(JudgementRunner::new(service.clone(), models).run());
         }
         Ok(service)
     }
