@@ -11,10 +11,10 @@ use super::error::ServiceError;
 use super::keys::keyring::{Keyring, POLL_INTERVAL};
 use super::limits::bounds::{READS_PER_CORE, WAITING_MAX, WRITES_AT_ONCE, cores};
 use super::limits::concurrency_limit::ConcurrencyLimit;
+use super::limits::export_limit::ExportLimit;
 use super::maps::features::FeatureCache;
 use super::maps::registry::Registry;
 use super::named_vocabulary::NamedVocabulary;
-use super::operations::export::Exports;
 use super::options::{ModelChoice, ServiceOptions};
 use super::service::{Parts, Service};
 use crate::llm::Models;
@@ -39,7 +39,7 @@ impl Service {
             write_answer: options.write_answer,
             keys: Keyring::open(store.clone(), options.keys_required).await?,
             quotas: options.quotas,
-            exports: Exports::default(),
+            exports: ExportLimit::default(),
             closing: CancellationToken::new(),
             store,
             registry,

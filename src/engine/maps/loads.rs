@@ -11,7 +11,7 @@ use crate::engine::error::ServiceError;
 use crate::engine::limits::bounds::cores;
 use crate::store::StoreError;
 
-/// Who asked for a map: a client, or work in the background, after which it may leave first.
+/// The use that a map is asked for. Work in the background is none that keeps it in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::engine) enum Used {
     ByClient,
