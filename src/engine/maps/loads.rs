@@ -11,7 +11,7 @@ use crate::engine::error::ServiceError;
 use crate::engine::limits::bounds::cores;
 use crate::store::StoreError;
 
-/// The use that a map is asked for. Work in the background is none that keeps it in memory.
+/// The user of a map: a client, or work in the background, after which the map may leave first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::engine) enum Used {
     ByClient,
