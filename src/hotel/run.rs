@@ -66,7 +66,7 @@ fn first_stays(journeys: &[Sequence], order: &[KeyframeIndex]) -> HashMap<(usize
 
 /// One query with its answer.
 #[derive(Clone, Debug)]
-pub struct Asked {
+pub struct AnsweredQuery {
     /// Which keyframe.
     pub keyframe: KeyframeIndex,
     /// The keyframe with which the robot takes it for a loop.
@@ -111,7 +111,7 @@ pub struct RunResult {
     /// Which arm.
     pub arm: Method,
     /// Every query, in order.
-    pub asked: Vec<Asked>,
+    pub asked: Vec<AnsweredQuery>,
     /// Each robot's own estimate of its keyframes' poses, in its own frame.
     pub poses: Vec<Vec<Pose>>,
     /// RMSE of the positions after alignment, in metres, over all robots; by scale too where the robot is monocular.
@@ -135,7 +135,7 @@ pub async fn drive(
     map: &str,
     arm: Method,
     course: &Course,
-    mut told: impl FnMut(&Asked),
+    mut told: impl FnMut(&AnsweredQuery),
 ) -> Result<RunResult, DriveError> {
     client.put_map(map, &message::map(arm, "the simulated hotel")).await?;
     let without_depth: Vec<Sequence> = if arm.is_monocular() {
@@ -165,7 +165,8 @@ pub async fn drive(
             (outcome == Outcome::Missed).then(|| lost_by(&answer, answerable, |id| find(&robots, id)));
         let apart_m = accepted.map(|other| apart_m(step, &course.journeys[other.0].steps[other.1]));
         let words = words_alone(&answer, answerable, |keyframe| find(&robots, keyframe));
-        let this = Asked { keyframe: *keyframe, accepted, apart_m, ranked, words, scored, lost_by, answer };
+        let this =
+            AnsweredQuery { keyframe: *keyframe, accepted, apart_m, ranked, words, scored, lost_by, answer };
         told(&this);
         asked.push(this);
     }

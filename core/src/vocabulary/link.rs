@@ -30,7 +30,7 @@ impl Link {
         self.0
     }
 
-    /// From storage; [`Tree`] or a check of the file vouches for it.
+    /// From storage; [`super::tree::Tree`] or a check of the file vouches for it.
     pub fn from_bits(bits: u64) -> Self {
         Self(bits)
     }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use futures_util::future::join_all;
 
-use super::description_job::Asked;
+use super::description_job::ModelAnswer;
 use crate::domain::ids::{JudgementId, MapId};
 use crate::domain::judged::Answer;
 use crate::domain::judgement::{JobState, Judgement, JudgementProgress, PastQuestion, Tally};
@@ -146,10 +146,10 @@ impl JudgementRunner {
     ) -> (PastQuestion, Outcome) {
         let Some(lack) = lack else { return (question, Outcome::Gone) };
         let outcome = match self.service.ask(live, &self.models, lack).await {
-            Ok(Some(Asked { answer, degraded: false })) => Outcome::Answered(Box::new(answer)),
+            Ok(Some(ModelAnswer { answer, degraded: false })) => Outcome::Answered(Box::new(answer)),
             Ok(None) => Outcome::Gone,
             // Somebody stood in for the model: the verdict that stands is better.
-            Ok(Some(Asked { degraded: true, .. })) | Err(_) => Outcome::Unanswered,
+            Ok(Some(ModelAnswer { degraded: true, .. })) | Err(_) => Outcome::Unanswered,
         };
         (question, outcome)
     }

@@ -46,12 +46,12 @@ pub fn loop_warning(index: &MapIndex, closed: &Loop) -> Option<LoopWarning> {
             let detail = format!("the anchors around the two contradict each other: {}", reason.detail);
             warning(LoopWarningCode::AnchorsContradict, detail)
         }
-        Ok(Passed { standing: CandidateStage::AskGeometry, .. }) if closed.query.is_none() => {
+        Ok(Passed { stage: CandidateStage::AskGeometry, .. }) if closed.query.is_none() => {
             let detail =
                 "there are no anchors to compare, and the loop names no query whose geometry verified it";
             warning(LoopWarningCode::NotSupported, detail.to_owned())
         }
-        Ok(Passed { standing: CandidateStage::NeedsWitness, .. }) if closed.query.is_none() => {
+        Ok(Passed { stage: CandidateStage::NeedsWitness, .. }) if closed.query.is_none() => {
             let detail =
                 "only texts without an identifier agree, and the loop names no query that found a witness";
             warning(LoopWarningCode::NotSupported, detail.to_owned())
