@@ -14,7 +14,8 @@ use revisit::domain::change::Change;
 use revisit::domain::judged::{Finding, ModelVerdict};
 use revisit::domain::roles::Roles;
 use revisit::recognition::anchors::apply_model_answer::learn_verdict;
-use revisit::recognition::anchors::description_tasks::{DescriptionTask, lacking};
+use revisit::recognition::anchors::description_tasks::DescriptionTask;
+use revisit::recognition::anchors::find_description_tasks::find_description_tasks;
 use revisit::recognition::anchors::ingest::ingest;
 use revisit::recognition::anchors::pairs::{Embedded, Embeddings, Settled};
 use revisit::recognition::map::index::MapIndex;
@@ -84,7 +85,7 @@ impl Set {
         let roles = Roles { vision: false, text: true };
         let (mut settled, mut asked) = (Settled::new(), BTreeSet::new());
         loop {
-            let open = lacking(&index, roles, embeddings, &mut settled, 256, |lack| {
+            let open = find_description_tasks(&index, roles, embeddings, &mut settled, 256, |lack| {
                 !matches!(lack, DescriptionTask::Similarity { .. } | DescriptionTask::Embedding { .. })
             });
             if open.found.is_empty() && open.is_all {

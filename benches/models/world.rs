@@ -18,7 +18,8 @@ use revisit::llm::Models;
 use revisit::llm::adapters::Scripted;
 use revisit::llm::port::{Model, Question};
 use revisit::recognition::anchors::apply_model_answer::learn_verdict;
-use revisit::recognition::anchors::description_tasks::{DescriptionTask, lacking};
+use revisit::recognition::anchors::description_tasks::DescriptionTask;
+use revisit::recognition::anchors::find_description_tasks::find_description_tasks;
 use revisit::recognition::anchors::ingest::ingest;
 use revisit::recognition::anchors::pairs::Settled;
 use revisit::recognition::map::index::MapIndex;
@@ -176,7 +177,7 @@ pub async fn play() -> Outcome {
     let roles = Roles { vision: false, text: true };
     let mut settled = Settled::new();
     loop {
-        let open = lacking(&index, roles, None, &mut settled, 256, |_| false).found;
+        let open = find_description_tasks(&index, roles, None, &mut settled, 256, |_| false).found;
         if open.is_empty() {
             break;
         }

@@ -6,7 +6,7 @@ use serde_json::json;
 use super::failure::Failure;
 use super::output::write_out;
 use crate::domain::counted::counted;
-use crate::integrity::check::{Checked, check};
+use crate::integrity::check::{IntegrityReport, check};
 use crate::integrity::map_check::MapCheck;
 use crate::store::files::paths::DatabaseFiles;
 
@@ -44,7 +44,7 @@ pub async fn run(args: CheckArgs) -> Result<(), Failure> {
     }
 }
 
-fn as_text(checked: &Checked, faults: &[String]) -> String {
+fn as_text(checked: &IntegrityReport, faults: &[String]) -> String {
     let mut lines: Vec<String> = checked.maps.iter().map(map_line).collect();
     if let Some(holds) = checked.holds {
         let maps = counted(holds.maps, "map");
@@ -80,7 +80,7 @@ fn map_line(map: &MapCheck) -> String {
     )
 }
 
-fn as_json(checked: &Checked, faults: &[String]) -> serde_json::Value {
+fn as_json(checked: &IntegrityReport, faults: &[String]) -> serde_json::Value {
     let maps: Vec<_> = checked.maps.iter().map(map_json).collect();
     json!({
         "sound": faults.is_empty(),

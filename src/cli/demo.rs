@@ -13,7 +13,7 @@ use crate::domain::verdict::Decision;
 use crate::geometry::absolute_orientation::Scale;
 use crate::hotel::building::texture::Patterns;
 use crate::hotel::method::Method;
-use crate::hotel::run::{self, Asked, RunResult, absolute_pose_error_m, drive};
+use crate::hotel::run::{self, AnsweredQuery, RunResult, absolute_pose_error_m, drive};
 use crate::hotel::scenario::Scenario;
 use crate::hotel::scoring::explain::{Narrator, keyframe_id};
 use crate::hotel::scoring::paper::SEQUENCES;
@@ -119,7 +119,7 @@ impl Progress {
     }
 
     /// Counts one answer; `is_told` is whether a line was printed for it.
-    fn count(&mut self, asked: &Asked, is_told: bool) {
+    fn count(&mut self, asked: &AnsweredQuery, is_told: bool) {
         self.asked += 1;
         self.loops += usize::from(asked.answer.verdict.0 == Decision::Loop);
         let was_silent = !is_told && self.last_line.elapsed() >= SILENCE_MAX;
@@ -147,7 +147,7 @@ impl<'a> Teller<'a> {
         Self { narrator, progress: Progress::new(keyframes), rejections: 0, loops: 0 }
     }
 
-    fn hear(&mut self, asked: &Asked) {
+    fn hear(&mut self, asked: &AnsweredQuery) {
         let contradicts = asked.answer.leading().and_then(|candidate| candidate.anchors.as_ref());
         let contradicts = contradicts.is_some_and(|anchors| !anchors.contradictions.is_empty());
         let is_told = match asked.answer.verdict.0 {

@@ -1,33 +1,12 @@
-//! Words out of features: the server's vocabulary, and the rule that a map's words belong to one.
-
-use std::path::PathBuf;
-use std::sync::Arc;
+//! Words out of features: computed for keyframes without words, and the rule that a map's words belong to one vocabulary.
 
 use tokio::task::spawn_blocking;
 
 use super::{Service, ServiceError};
 use crate::config::logging::in_span;
-use crate::domain::invalid::FieldError;
 use crate::domain::keyframe::NewKeyframe;
 use crate::recognition::anchors::ingest::other_vocabulary;
 use crate::recognition::map::index::MapIndex;
-use crate::vocabulary::Vocabulary;
-
-/// A vocabulary with its name, taken once.
-#[derive(Debug)]
-pub(super) struct NamedVocabulary {
-    pub name: Box<str>,
-    pub vocabulary: Vocabulary,
-}
-
-/// Loads a vocabulary; a million words take a moment, off the async threads.
-pub(super) async fn load(path: PathBuf) -> Result<NamedVocabulary, ServiceError> {
-    let loaded = spawn_blocking(move || {
-        let vocabulary = Vocabulary::load(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-        Ok(NamedVocabulary { name: vocabulary.fingerprint().to_string().into(), vocabulary })
-    });
-    loaded.await.map_err(ServiceError::panicked)?.map_err(ServiceError::Internal)
-}
 
 impl Service {
     /// Computes the bag of words of a keyframe that came with features and without words, if the server has a
@@ -37,7 +16,7 @@ impl Service {
         if keyframe.vocabulary.is_some() || keyframe.features.is_none() {
             return Ok(keyframe);
         }
-        spawn_blocking(in_span(move || compute(&vocabulary, keyframe)))
+        spawn_blocking(in_span(move || vocabulary.compute_bow(keyframe)))
             .await
             .map_err(ServiceError::panicked)?
     }
@@ -46,17 +25,6 @@ impl Service {
     pub fn vocabulary(&self) -> Option<(&str, usize)> {
         self.vocabulary.as_ref().map(|named| (&*named.name, named.vocabulary.word_count()))
     }
-}
-
-fn compute(named: &Arc<NamedVocabulary>, mut keyframe: NewKeyframe) -> Result<NewKeyframe, ServiceError> {
-    let Some(features) = &keyframe.features else { return Ok(keyframe) };
-    let invalid =
-        |detail: String| ServiceError::Invalid(vec![FieldError::new("/features/descriptor_bytes", detail)]);
-    let transformed =
-        named.vocabulary.transform_features(features).map_err(|error| invalid(error.to_string()))?;
-    keyframe.bow = transformed.words.to_bow().map_err(|error| invalid(error.to_string()))?;
-    keyframe.vocabulary = Some(named.name.clone());
-    Ok(keyframe)
 }
 
 /// Refuses a keyframe whose words belong to another vocabulary than the map's.

@@ -96,6 +96,11 @@ impl ServiceError {
     pub(super) fn no_anchor(id: impl std::fmt::Display) -> Self {
         Self::NotFound(format!("there is no anchor {id} in this map"))
     }
+
+    /// Returns the error of a cursor that this server did not give.
+    pub(super) fn bad_cursor(cursor: &str) -> Self {
+        Self::Invalid(vec![FieldError::new("?cursor", "is not a cursor that this server gave").got(cursor)])
+    }
 }
 
 impl From<StoreError> for ServiceError {

@@ -8,17 +8,20 @@
 //! | [`descriptions`] | background work of models |
 //! | [`limits`] | concurrency limits, load shedding, quotas |
 //! | [`keys`] | API keys and their permissions |
+//! | [`backups`] | the folder of backups |
 //!
 //! For every write: the map's lock, a pure decision of [`crate::recognition`], its changes applied to
 //! the index and queued for the store, and the answer when they are on disk. Reads look at the
 //! index, and at the store for what is only there.
 
+mod backups;
 mod bow;
 mod descriptions;
 mod error;
 pub mod keys;
 pub mod limits;
 mod maps;
+mod named_vocabulary;
 mod opening;
 mod operations;
 mod options;
@@ -26,17 +29,18 @@ mod options;
 mod rebuild_equals_live;
 mod service;
 mod stored;
+mod verdict_counts;
 
+pub use backups::folder::BackupMade;
 pub use error::ServiceError;
 pub use maps::feeds::Listener;
 pub use maps::pinned::PinnedMap;
-pub use operations::backups::BackupMade;
 pub use operations::export::MapExport;
 pub use operations::keyframes::PendingKeyframe;
 pub use operations::loops::ConfirmedLoop;
 pub use operations::queries::{QueryAnswer, Timings};
 pub use operations::stats::Stats;
-pub use operations::verdict_record::VerdictCounts;
 pub use options::{ModelChoice, ServiceOptions, WriteAnswer};
 pub use service::Service;
 pub use stored::Stored;
+pub use verdict_counts::VerdictCounts;

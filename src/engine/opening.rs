@@ -5,15 +5,16 @@ use std::sync::Arc;
 use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 
-use super::bow;
-use super::descriptions::worker::Worker;
+use super::descriptions::judgement_runner::JudgementRunner;
+use super::descriptions::round::Round;
 use super::error::ServiceError;
 use super::keys::keyring::{Keyring, POLL_INTERVAL};
 use super::limits::bounds::{READS_PER_CORE, WAITING_MAX, WRITES_AT_ONCE, cores};
 use super::limits::concurrency_limit::ConcurrencyLimit;
+use super::limits::export_limit::ExportLimit;
 use super::maps::features::FeatureCache;
 use super::maps::registry::Registry;
-use super::operations::export::Exports;
+use super::named_vocabulary::NamedVocabulary;
 use super::options::{ModelChoice, ServiceOptions};
 use super::service::{Parts, Service};
 use crate::llm::Models;
@@ -23,7 +24,7 @@ impl Service {
     /// Opens the database, and starts background tasks. Maps are loaded on first use.
     pub async fn open(options: ServiceOptions) -> Result<Self, ServiceError> {
         let vocabulary = match options.vocabulary {
-            Some(path) => Some(Arc::new(bow::load(path).await?)),
+            Some(path) => Some(Arc::new(NamedVocabulary::load(path).await?)),
             None => None,
         };
         let store = Store::open(&options.database).await?;
@@ -31,14 +32,14 @@ impl Service {
         let registry = Arc::new(Registry::new(options.map_memory));
         let service = Self(Arc::new(Parts {
             models: models.clone(),
-            worker: Worker::new(),
+            worker: Arc::default(),
             rejudging: Arc::default(),
             triggers: Arc::default(),
             verdicts: Arc::default(),
             write_answer: options.write_answer,
             keys: Keyring::open(store.clone(), options.keys_required).await?,
             quotas: options.quotas,
-            exports: Exports::default(),
+            exports: ExportLimit::default(),
             closing: CancellationToken::new(),
             store,
             registry,
@@ -53,8 +54,8 @@ impl Service {
         service.poll_key_changes();
         service.start_triggers();
         if let Some(models) = models {
-            service.worker.start(service.clone(), models.clone());
-            service.rejudging.start(service.clone(), models);
+            service.worker.start(Round::new(service.clone(), models.clone()).run());
+            service.rejudging.start(JudgementRunner::new(service.clone(), models).run());
         }
         Ok(service)
     }

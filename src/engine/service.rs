@@ -6,22 +6,22 @@ use std::sync::Arc;
 use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 
-use super::bow::NamedVocabulary;
+use super::backups::folder::BackupFolder;
 use super::descriptions::rejudging::Rejudging;
 use super::descriptions::worker::Worker;
 use super::error::ServiceError;
 use super::keys::keyring::Keyring;
 use super::limits::concurrency_limit::ConcurrencyLimit;
+use super::limits::export_limit::ExportLimit;
 use super::limits::load_shedding::LoadShedding;
-use super::maps::eviction::Used;
+use super::limits::trigger_queue::TriggerQueue;
 use super::maps::features::FeatureCache;
 use super::maps::live::LiveMap;
+use super::maps::loads::Used;
 use super::maps::registry::Registry;
-use super::operations::backups::Backups;
-use super::operations::export::Exports;
-use super::operations::triggers::Triggers;
-use super::operations::verdict_record::VerdictCounters;
+use super::named_vocabulary::NamedVocabulary;
 use super::options::WriteAnswer;
+use super::verdict_counts::VerdictCounters;
 use crate::config::quotas::Quotas;
 use crate::domain::ids::MapId;
 use crate::llm::Models;
@@ -46,15 +46,15 @@ pub struct Parts {
     pub(super) models: Option<Arc<Models>>,
     pub(super) worker: Arc<Worker>,
     pub(super) rejudging: Arc<Rejudging>,
-    pub(super) triggers: Arc<Triggers>,
+    pub(super) triggers: Arc<TriggerQueue>,
     pub(super) verdicts: Arc<VerdictCounters>,
     pub(super) write_answer: WriteAnswer,
     pub(super) keys: Keyring,
     pub(super) quotas: Quotas,
-    pub(super) exports: Exports,
+    pub(super) exports: ExportLimit,
     /// Ends background tasks.
     pub(super) closing: CancellationToken,
-    pub(super) backups: Option<Arc<Backups>>,
+    pub(super) backups: Option<Arc<BackupFolder>>,
 }
 
 impl Deref for Service {

@@ -66,7 +66,7 @@ fn first_stays(journeys: &[Sequence], order: &[KeyframeIndex]) -> HashMap<(usize
 
 /// One query with its answer.
 #[derive(Clone, Debug)]
-pub struct Asked {
+pub struct AnsweredQuery {
     /// The keyframe.
     pub keyframe: KeyframeIndex,
     /// The keyframe with which the robot accepts a loop.
@@ -111,7 +111,7 @@ pub struct RunResult {
     /// The arm.
     pub arm: Method,
     /// Every query, in order.
-    pub asked: Vec<Asked>,
+    pub asked: Vec<AnsweredQuery>,
     /// Each robot's own pose estimates of its keyframes, in its own frame.
     pub poses: Vec<Vec<Pose>>,
     /// RMSE of the positions after alignment, in metres, over all robots; aligned by scale, too, if the robot is
@@ -136,7 +136,7 @@ pub async fn drive(
     map: &str,
     arm: Method,
     course: &Course,
-    mut told: impl FnMut(&Asked),
+    mut told: impl FnMut(&AnsweredQuery),
 ) -> Result<RunResult, DriveError> {
     client.put_map(map, &message::map(arm, "the simulated hotel")).await?;
     let without_depth: Vec<Sequence> = if arm.is_monocular() {
@@ -166,7 +166,8 @@ pub async fn drive(
             (outcome == Outcome::Missed).then(|| lost_by(&answer, answerable, |id| find(&robots, id)));
         let apart_m = accepted.map(|other| apart_m(step, &course.journeys[other.0].steps[other.1]));
         let words = words_alone(&answer, answerable, |keyframe| find(&robots, keyframe));
-        let this = Asked { keyframe: *keyframe, accepted, apart_m, ranked, words, scored, lost_by, answer };
+        let this =
+            AnsweredQuery { keyframe: *keyframe, accepted, apart_m, ranked, words, scored, lost_by, answer };
         told(&this);
         asked.push(this);
     }

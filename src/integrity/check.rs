@@ -10,7 +10,7 @@ use crate::store::{Holdings, Inspected, Inspection, StoreError, newest_schema};
 
 /// Findings in a database.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Checked {
+pub struct IntegrityReport {
     /// Its contents, if they can be counted.
     pub holds: Option<Holdings>,
     /// Faults of the database as a whole.
@@ -25,7 +25,7 @@ pub struct Checked {
     pub(super) newer: Option<i64>,
 }
 
-impl Checked {
+impl IntegrityReport {
     /// Returns every fault, those of a map under its name.
     pub fn all_faults(&self) -> impl Iterator<Item = String> + '_ {
         let of_maps = self.maps.iter().flat_map(|map| {
@@ -40,19 +40,23 @@ impl Checked {
 ///
 /// `check`, `backup` and `restore` share it: a file that it finds faults in is not restored, and no backup of that content
 /// is called verified.
-pub async fn check(files: &DatabaseFiles) -> Result<Checked, StoreError> {
+pub async fn check(files: &DatabaseFiles) -> Result<IntegrityReport, StoreError> {
     match check_any_schema(files).await? {
-        Checked { newer: Some(found), .. } => Err(StoreError::Newer { found, known: newest_schema() }),
+        IntegrityReport { newer: Some(found), .. } => {
+            Err(StoreError::Newer { found, known: newest_schema() })
+        }
         checked => Ok(checked),
     }
 }
 
 /// Checks a database of any version; maps of a newer one are not looked into.
-pub(super) async fn check_any_schema(files: &DatabaseFiles) -> Result<Checked, StoreError> {
+pub(super) async fn check_any_schema(files: &DatabaseFiles) -> Result<IntegrityReport, StoreError> {
     let inspection = Inspection::of(files)?;
     let mut db = match inspection.open().await {
         Ok(db) => db,
-        Err(error) => return Ok(Checked { faults: vec![error.to_string()], ..Checked::default() }),
+        Err(error) => {
+            return Ok(IntegrityReport { faults: vec![error.to_string()], ..IntegrityReport::default() });
+        }
     };
     let mut checked = check_all(&mut db).await;
     if checked.holds.is_some() {
@@ -64,8 +68,8 @@ pub(super) async fn check_any_schema(files: &DatabaseFiles) -> Result<Checked, S
     Ok(checked)
 }
 
-async fn check_all(db: &mut Inspected) -> Checked {
-    let mut checked = Checked::default();
+async fn check_all(db: &mut Inspected) -> IntegrityReport {
+    let mut checked = IntegrityReport::default();
     match db.structural_faults().await {
         Ok(faults) => checked.faults.extend(faults),
         // Not even that: what follows would say the same again.

@@ -7,8 +7,8 @@ mod changed_signs;
 mod constant;
 mod geometry;
 
-use super::anchors::{description_tasks, near_in_meaning, pairs};
-use super::extensions::{alignment, company, distinctiveness, passage, tracked_path, twins};
+use super::anchors::{find_description_tasks, near_in_meaning, pairs};
+use super::extensions::{alignment, company, distinctiveness, sure_text, tracked_path, twins};
 use super::loops::candidates;
 use super::verification::{resection, similarity};
 pub use constant::Constant;
@@ -86,7 +86,7 @@ const ANCHORS: &[Constant] = &[
     ),
     constant(
         "judging.better_crop",
-        description_tasks::BETTER_CROP,
+        find_description_tasks::BETTER_CROP,
         "1",
         "ours: how many times as large a crop must be to replace the one described before",
     ),
@@ -112,7 +112,7 @@ const ANCHORS: &[Constant] = &[
     ),
     constant(
         "passage.sure_passages",
-        passage::SURE_PASSAGES as f64,
+        sure_text::SURE_PASSAGES as f64,
         "1",
         "ours: passages in which a text must be read alike to be sure",
     ),

@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | §III, an anchor seen before triggers loop detection | [`anchors::ingest`] | [`anchors::ingest::ingest`] |
 //! | §IV-B, what an anchor is | [`map::index`] | [`map::index::Anchor`], [`map::index::MergedAnchor`] |
-//! | §IV-A.3, what a model is asked, and what its answer changes | [`anchors::description_tasks`], [`anchors::apply_model_answer`], [`anchors::rejudging`] | [`anchors::description_tasks::lacking`], [`anchors::apply_model_answer::learn_reading`] |
+//! | §IV-A.3, what a model is asked, and what its answer changes | [`anchors::find_description_tasks`], [`anchors::apply_model_answer`], [`anchors::rejudging`] | [`anchors::find_description_tasks::find_description_tasks`], [`anchors::apply_model_answer::learn_reading`] |
 //! | §IV-B, which texts a model is asked to compare | [`anchors::pairs`], [`anchors::near_in_meaning`] | [`anchors::pairs::Embeddings`] |
 //! | §IV-C.1, object tracking | [`anchors::association`] | [`anchors::association::associate`] |
 //! | §IV-C.2, semantic anchor matching | [`anchors::matching`], [`map::index`] | [`anchors::matching::covisible_merge`], [`map::index::TextIndex`] |
@@ -27,7 +27,7 @@
 //! | ours: whether two sightings may be one place (M6) | [`extensions::sighting`] | [`extensions::sighting::Sighting::may_be_at`] |
 //! | ours: what speaks against a loop that a client closes | [`extensions::loop_warning`] | [`extensions::loop_warning::loop_warning`] |
 //! | ours: anchors under the transformation | [`extensions::alignment`] | [`extensions::alignment::Compared::under`] |
-//! | ours: the sightings of one drive past an object | [`extensions::passage`] | [`extensions::passage::is_tracked_only`] |
+//! | ours: the sightings of one drive past an object | [`extensions::passage`], [`extensions::returning`], [`extensions::sure_text`] | [`extensions::returning::is_tracked_only`] |
 //! | ours: texts beside which different signs hang | [`extensions::company`] | [`extensions::company::Companies::weigh`] |
 //! | ours: which readings disagree with those around them | [`extensions::dispute`] | [`extensions::dispute::disputed`] |
 //! | ours: what a text without an identifier needs besides | [`extensions::witness`] | [`extensions::witness::lacks_witness`] |

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use proptest::prelude::*;
 
-use super::dictionary::Class;
 use super::{Source, Text, conflict, information, merge, similarity, similarity_level};
+use crate::semantics::lexicon::dictionary::Class;
 
 /// Texts as robots report them: mixed from the words and codes that the rules look for.
 fn sign() -> impl Strategy<Value = String> {

@@ -5,79 +5,63 @@
 //!
 //! | concept | file | function |
 //! |---|---|---|
-//! | canonical spelling | `normalise.rs` | `clean`, `fold`, `bare` |
-//! | tokens | `token.rs` | `tokenise` |
-//! | which tokens are identifiers, which are words | `reading.rs` | `read` |
-//! | the role and spelling of a number, by the tokens around it | `around.rs` | `Around` |
-//! | worth of a word | `dictionary.rs` | `class_of` |
-//! | words on the signs of every building, also misread | `generic.rs` | `misread` |
-//! | words that only frame a description | `frame.rs` | `Frame` |
-//! | colour, material and number of a thing | `looks.rs` | `Looks` |
-//! | room, floor, gate, ... | `role.rs` | [`Role`], `role_of` |
-//! | identifier, look-alikes, ranges | `identifier.rs` | [`Identifier`] |
-//! | which numbers are the building's own | `numbering.rs` | [`Numbering`] |
-//! | what a reader makes of a wall | `noise.rs` | `is_noise_number`, `is_one_symbol` |
-//! | measures, dates, prices, counts | `quantity.rs` | `tokens_at` |
-//! | left, right, arrows | `direction.rs` | `Directions` |
-//! | sets of words and their likeness | `words.rs` | `overlap`, `prefix` |
+//! | canonical spelling | `parsing/normalise.rs` | `clean`, `fold`, `bare` |
+//! | tokens | `parsing/token.rs` | `tokenise` |
+//! | which tokens are identifiers, which are words | `parsing/reading.rs` | `read` |
+//! | the role and spelling of a number, by the tokens around it | `parsing/context.rs` | `Around` |
+//! | the words with a known worth | `lexicon/dictionary.rs` | `listed` |
+//! | words on the signs of every building | `lexicon/generic.rs` | `phrase` |
+//! | a word or such a word misread, and its worth | `lexicon/misreading.rs` | `misread`, `class_of` |
+//! | words that only frame a description | `parsing/frame.rs` | `Frame` |
+//! | colour, material and number of a thing | `parsing/looks.rs` | `Looks` |
+//! | room, floor, gate, ... | `lexicon/role.rs` | [`Role`], `role_of` |
+//! | identifier, look-alikes, ranges | `identifiers/identifier.rs` | [`Identifier`] |
+//! | which numbers are the building's own | `identifiers/numbering.rs` | [`Numbering`] |
+//! | what a reader makes of a wall | `parsing/noise.rs` | `is_noise_number`, `is_one_symbol` |
+//! | measures, dates, prices, counts | `parsing/quantity.rs` | `tokens_at` |
+//! | left, right, arrows | `parsing/direction.rs` | `Directions` |
+//! | sets of words and their likeness | `lexicon/words.rs` | `overlap`, `prefix` |
 //! | a parsed description | `text.rs` | [`Text::parse`] |
-//! | what decides about texts without a rare word in common | `profile.rs` | [`Profile`] |
-//! | InformationLevel | `information.rs` | [`information()`] |
-//! | do two sets of identifiers agree? | `agreement.rs` | [`conflict`] |
-//! | SimilarityLevel: the rules | `similarity.rs` | [`similarity()`], [`similarity_level`] |
-//! | the sentence that explains a level | `reason.rs` | `sentence` |
-//! | MergeText | `merge.rs` | [`merge()`] |
-//! | what a model may be asked, and what binds it | `route.rs` | [`route_similarity`], [`bound_similarity`] |
-//! | a text as a model's vector | `embedding.rs` | [`Embedding`] |
-//! | text that addresses a model | `hostile.rs` | [`addresses_a_model`] |
-//! | which texts to compare at all | `keys.rs` | [`Text::keys`] |
+//! | what decides about texts without a rare word in common | `judge/profile.rs` | [`Profile`] |
+//! | InformationLevel, and why | `judge/information.rs`, `judge/information_reason.rs` | [`information()`] |
+//! | do two sets of identifiers agree? | `identifiers/agreement.rs` | [`conflict`] |
+//! | SimilarityLevel: the rules | `judge/similarity.rs` | [`similarity()`], [`similarity_level`] |
+//! | what a level rests on | `judge/evidence.rs` | `Evidence` |
+//! | the sentence that explains a level | `judge/reason.rs` | `sentence` |
+//! | MergeText | `judge/merge.rs` | [`merge()`] |
+//! | what a model may be asked, and what binds it | `models/judge_routing.rs` | [`route_similarity`], [`bound_similarity`] |
+//! | a text as a model's vector | `models/embedding.rs` | [`Embedding`] |
+//! | text that addresses a model | `models/prompt_injection.rs` | [`addresses_a_model`] |
+//! | which texts to compare at all | `judge/blocking_keys.rs` | [`Text::keys`] |
 
-mod agreement;
-mod blocking_keys;
-mod context;
-mod dictionary;
-mod direction;
-mod embedding;
-mod frame;
-mod generic;
-mod identifier;
-mod information;
-mod judge_routing;
-mod looks;
-mod merge;
-mod noise;
-mod normalise;
-mod numbering;
-mod profile;
-mod prompt_injection;
-mod quantity;
-mod reading;
-mod reason;
-mod role;
-mod similarity;
+mod identifiers;
+mod judge;
+mod lexicon;
+mod models;
+mod parsing;
 mod text;
-mod token;
-mod words;
 
 #[cfg(test)]
 mod golden;
 #[cfg(test)]
 mod laws;
 
-pub use agreement::{Conflict, conflict};
-pub use embedding::Embedding;
-pub use identifier::Identifier;
-pub use information::{ENOUGH_SPECIFIC_WORDS, information};
-pub use judge_routing::{
+pub use identifiers::agreement::{Conflict, conflict};
+pub use identifiers::identifier::Identifier;
+pub use identifiers::numbering::{LEARNED_FROM_VALUES, Numbering, PatternError, Shape};
+pub use judge::evidence::Source;
+pub use judge::information::ENOUGH_SPECIFIC_WORDS;
+pub use judge::information_reason::information;
+pub use judge::merge::merge;
+pub use judge::profile::Profile;
+pub use judge::similarity::{Judgement, similarity, similarity_level};
+pub use lexicon::role::Role;
+pub use models::embedding::Embedding;
+pub use models::judge_routing::{
     Route, accepts_merge, bound_similarity, has_no_new_digits, information_is_open, likeness_percent,
     route_similarity, similarity_is_open,
 };
-pub use merge::merge;
-pub use noise::{NUMBER_DIGITS_MAX, ZERO_PERCENT};
-pub use normalise::clean;
-pub use numbering::{LEARNED_FROM_VALUES, Numbering, PatternError, Shape};
-pub use profile::Profile;
-pub use prompt_injection::addresses_a_model;
-pub use role::Role;
-pub use similarity::{Judgement, Source, similarity, similarity_level};
+pub use models::prompt_injection::addresses_a_model;
+pub use parsing::noise::{NUMBER_DIGITS_MAX, ZERO_PERCENT};
+pub use parsing::normalise::clean;
 pub use text::{Identity, Text};

@@ -3,15 +3,17 @@
 use std::collections::BTreeSet;
 use std::hash::{Hash, Hasher};
 
-use super::dictionary::Class;
-use super::direction::Directions;
-use super::identifier::Identifier;
-use super::information::{self, ENOUGH_SPECIFIC_WORDS, Information};
-use super::looks::Looks;
-use super::numbering::{Numbering, Sorted};
-use super::reading::{self, Mention, What};
-use super::words::Word;
-use super::{blocking_keys, normalise, role, token};
+use crate::semantics::identifiers::identifier::Identifier;
+use crate::semantics::identifiers::numbering::{Numbering, Sorted};
+use crate::semantics::judge::blocking_keys;
+use crate::semantics::judge::information::{self, ENOUGH_SPECIFIC_WORDS, Information};
+use crate::semantics::lexicon::dictionary::Class;
+use crate::semantics::lexicon::role;
+use crate::semantics::lexicon::words::Word;
+use crate::semantics::parsing::direction::Directions;
+use crate::semantics::parsing::looks::Looks;
+use crate::semantics::parsing::reading::{self, Mention, What};
+use crate::semantics::parsing::{normalise, token};
 
 /// Identifiers kept of one text, so that comparing two hostile texts stays cheap.
 pub const MAX_IDENTIFIERS: usize = 32;

@@ -6,9 +6,9 @@
 
 use std::hint::black_box;
 
-use super::Vocabulary;
+use super::flat_tree::Vocabulary;
+use super::link::Link;
 use super::nearest::{nearest_of, nearest_of_any};
-use super::tree::Link;
 
 /// Descriptors whose children are touched at once: enough to keep the memory busy, few enough that the
 /// children of all (20 KB with ten each) are still in the nearest cache when their turn comes.

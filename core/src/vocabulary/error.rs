@@ -2,7 +2,9 @@
 
 use std::io;
 
-use super::{BinaryFault, TextFault, TreeFault};
+use super::binary::BinaryFault;
+use super::text::TextFault;
+use super::tree_fault::TreeFault;
 
 /// Why a vocabulary cannot be read.
 #[derive(Debug, thiserror::Error)]

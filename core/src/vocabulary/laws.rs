@@ -1,6 +1,7 @@
 //! Laws of a vocabulary, on trees drawn at random: both forms agree, the descent is the obvious one, readers never panic.
 
 use std::fmt::Write as _;
+use std::io;
 
 use proptest::prelude::*;
 

@@ -2,8 +2,6 @@
 
 use std::io::{self, BufRead, BufReader, Cursor, Read};
 
-use super::binary;
-
 const GZIP_MAGIC: &[u8] = &[0x1f, 0x8b];
 const ZSTD_MAGIC: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
 
@@ -39,11 +37,10 @@ fn inflated(_: impl BufRead + Send + 'static, _: bool) -> io::Result<Box<dyn Buf
     ))
 }
 
-/// Returns the bytes of a vocabulary, decompressed, and whether they are the binary form.
-pub(super) fn open(bytes: impl Read + Send + 'static) -> io::Result<(impl BufRead, bool)> {
-    let (head, bytes) = peek(decompressed(bytes)?, binary::MAGIC.len())?;
-    let is_binary = head == binary::MAGIC;
-    Ok((bytes, is_binary))
+/// Returns the bytes of a vocabulary, decompressed, and whether they begin with `magic`.
+pub(super) fn open(bytes: impl Read + Send + 'static, magic: &[u8]) -> io::Result<(impl BufRead, bool)> {
+    let (head, bytes) = peek(decompressed(bytes)?, magic.len())?;
+    Ok((bytes, head == magic))
 }
 
 /// What has been read of a reader, and the reader.

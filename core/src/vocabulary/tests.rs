@@ -131,7 +131,7 @@ fn compressed_files_are_told_by_their_first_bytes() {
         gzip.write_all(&form).unwrap();
         let zstd = zstd::encode_all(form.as_slice(), 1).unwrap();
         for bytes in [form, gzip.finish().unwrap(), zstd] {
-            assert_eq!(Vocabulary::read(io::Cursor::new(bytes)).unwrap(), plain);
+            assert_eq!(Vocabulary::read(std::io::Cursor::new(bytes)).unwrap(), plain);
         }
     }
 }

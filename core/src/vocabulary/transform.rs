@@ -1,9 +1,12 @@
 //! The transform: the descriptors of an image become its bag of words, and groups for matching.
 
+use super::flat_tree::Vocabulary;
 use super::groups::FeatureGroups;
 use super::words::WordVector;
-use super::{LEVELS_UP, Vocabulary};
 use crate::domain::keyframe::Features;
+
+/// How many levels above the words features are grouped for matching: ORB-SLAM's choice.
+pub const LEVELS_UP: u32 = 4;
 
 /// What the vocabulary makes of an image.
 #[derive(Clone, Debug, Default, PartialEq)]

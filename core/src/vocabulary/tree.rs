@@ -1,102 +1,10 @@
 //! The tree: nodes in the order of a file, put into breadth-first arrays.
 
 use super::fingerprint::Fingerprint;
-use super::{Shape, Vocabulary};
-
-/// Children or word of a node, in one read: the descent meets them far apart in memory.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Link(u64);
-
-impl Link {
-    /// Returns a node with `count` children, side by side from `first`.
-    pub fn children(first: u32, count: u32) -> Self {
-        Self(u64::from(count) << 32 | u64::from(first))
-    }
-
-    /// Returns a leaf.
-    pub fn word(word: u32) -> Self {
-        Self(u64::from(word))
-    }
-
-    /// Returns the number of children; 0 for a leaf.
-    pub fn count(self) -> u32 {
-        (self.0 >> 32) as u32
-    }
-
-    /// Returns the first child; for a leaf its word.
-    pub fn target(self) -> u32 {
-        self.0 as u32
-    }
-
-    /// As stored.
-    pub fn bits(self) -> u64 {
-        self.0
-    }
-
-    /// From storage; [`Tree`] or a check of the file vouches for it.
-    pub fn from_bits(bits: u64) -> Self {
-        Self(bits)
-    }
-}
-
-/// Why nodes do not make a vocabulary. Nodes are counted from 1, the root is 0.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum TreeFault {
-    /// k or L is nothing a vocabulary has.
-    #[error(
-        "k = {branching} and L = {levels}; k must lie in 1..={}, L in 1..={}",
-        Tree::BRANCHING_MAX,
-        Tree::LEVELS_MAX
-    )]
-    Shape {
-        /// k.
-        branching: u64,
-        /// L.
-        levels: u64,
-    },
-    /// A node hangs on itself or on one that comes later.
-    #[error("node {node} hangs on node {parent}, which does not come before it")]
-    LateParent {
-        /// The node.
-        node: u32,
-        /// Its parent.
-        parent: u64,
-    },
-    /// A word has a child.
-    #[error("node {node} hangs on node {parent}, which is a word")]
-    ParentIsWord {
-        /// The node.
-        node: u32,
-        /// Its parent.
-        parent: u32,
-    },
-    /// An inner node without children.
-    #[error("node {node} is marked as inner, but has no children")]
-    Barren {
-        /// The node.
-        node: u32,
-    },
-    /// The tree is deeper than any vocabulary.
-    #[error("node {node} lies deeper than {} levels", Tree::LEVELS_MAX)]
-    TooDeep {
-        /// The node.
-        node: u32,
-    },
-    /// A weight that is no inverse document frequency.
-    #[error("the weight of node {node} is {weight}; it must be finite and not negative")]
-    Weight {
-        /// The node.
-        node: u32,
-        /// Its weight.
-        weight: f64,
-    },
-    /// More nodes than a vocabulary may have.
-    #[error("more than {} nodes", Tree::NODES_MAX)]
-    TooManyNodes,
-    /// Nothing but the root.
-    #[error("it has no words")]
-    Empty,
-}
+use super::flat_tree::Vocabulary;
+use super::link::Link;
+use super::shape::{BRANCHING_MAX, LEVELS_MAX, NODES_MAX, Shape};
+use super::tree_fault::TreeFault;
 
 /// A tree that grows node by node, parents before their children.
 pub(super) struct Tree {
@@ -111,13 +19,6 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// The largest k.
-    pub const BRANCHING_MAX: u64 = 65_536;
-    /// The largest L, and the deepest tree.
-    pub const LEVELS_MAX: u64 = 64;
-    /// The most nodes.
-    pub const NODES_MAX: usize = 1 << 26;
-
     /// Returns a root without children.
     pub fn new(shape: Shape) -> Self {
         let root = vec![0; shape.descriptor_bytes / 8];
@@ -134,7 +35,7 @@ impl Tree {
 
     /// Refuses a k or an L that no vocabulary has.
     pub fn check_shape(branching: u64, levels: u64) -> Result<(u32, u32), TreeFault> {
-        if (1..=Self::BRANCHING_MAX).contains(&branching) && (1..=Self::LEVELS_MAX).contains(&levels) {
+        if (1..=BRANCHING_MAX).contains(&branching) && (1..=LEVELS_MAX).contains(&levels) {
             Ok((branching as u32, levels as u32))
         } else {
             Err(TreeFault::Shape { branching, levels })
@@ -153,7 +54,7 @@ impl Tree {
 
     /// Adds a node whose descriptor has been pushed; returns its number.
     pub fn push(&mut self, parent: u64, is_word: bool, weight: f64) -> Result<u32, TreeFault> {
-        if self.node_count() >= Self::NODES_MAX {
+        if self.node_count() >= NODES_MAX {
             return Err(TreeFault::TooManyNodes);
         }
         let node = self.node_count() as u32;
@@ -166,7 +67,7 @@ impl Tree {
             return Err(TreeFault::ParentIsWord { node, parent });
         }
         let depth = self.depths[parent as usize] + 1;
-        if u64::from(depth) > Self::LEVELS_MAX {
+        if u64::from(depth) > LEVELS_MAX {
             return Err(TreeFault::TooDeep { node });
         }
         check_weight(node, weight)?;
@@ -212,7 +113,7 @@ impl Tree {
         let fingerprint = Fingerprint::default();
         let mut vocabulary =
             Vocabulary { shape: self.shape, links, node_ids, weights, descriptors, fingerprint };
-        vocabulary.fingerprint = Fingerprint::of(&vocabulary);
+        vocabulary.fingerprint = vocabulary.content_fingerprint();
         Ok(vocabulary)
     }
 

@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 use super::files::Driven12;
 use crate::cli::replay::score::{Accuracy, Best, Marked, bow_only};
 use crate::hotel::method::Method;
-use crate::hotel::run::{Asked, WordsAlone};
+use crate::hotel::run::{AnsweredQuery, WordsAlone};
 use crate::hotel::scoring::paper::ORB_SLAM3_PRECISION;
 
 /// Returns a line for each data set and each threshold rule.
@@ -43,7 +43,7 @@ pub(super) fn words_alone(drives: &[Driven12]) -> String {
 }
 
 /// Returns a query as it is scored; none if its best is neither correct nor wrong.
-fn marked(asked: &Asked) -> Option<Marked> {
+fn marked(asked: &AnsweredQuery) -> Option<Marked> {
     let best = match asked.words {
         WordsAlone::Unscored => return None,
         WordsAlone::Nothing => None,

@@ -20,7 +20,7 @@ use crate::recognition::map::index::MapIndex;
 const DECODER: &str = "revisit";
 
 /// What came of a question.
-pub(in crate::engine) struct Asked {
+pub(in crate::engine) struct ModelAnswer {
     pub answer: Answer,
     /// Whether somebody stood in for a model that did not answer.
     pub degraded: bool,
@@ -34,7 +34,9 @@ impl Service {
         models: &Models,
         lack: DescriptionTask,
     ) -> Result<(), Fault> {
-        let Some(Asked { answer, degraded }) = self.ask(live, models, lack).await? else { return Ok(()) };
+        let Some(ModelAnswer { answer, degraded }) = self.ask(live, models, lack).await? else {
+            return Ok(());
+        };
         match answer {
             // A reader's word is better than none until the model is back.
             Answer::Reading(read) => {
@@ -62,7 +64,7 @@ impl Service {
         live: &Arc<LiveMap>,
         models: &Models,
         lack: DescriptionTask,
-    ) -> Result<Option<Asked>, Fault> {
+    ) -> Result<Option<ModelAnswer>, Fault> {
         let payer = self.payer(live.owner);
         let judge = models.judge.paid_by(payer.clone());
         let fingerprint: Arc<str> = models.fingerprints().texts.unwrap_or_default().into();
@@ -99,7 +101,7 @@ impl Service {
                 (ModelVerdict { class, a, b, finding, source, reason, fingerprint }, merged.degraded)
             }
         };
-        Ok(Some(Asked { answer: Answer::Verdict(verdict), degraded }))
+        Ok(Some(ModelAnswer { answer: Answer::Verdict(verdict), degraded }))
     }
 
     async fn ask_about_crop(
@@ -109,7 +111,7 @@ impl Service {
         (anchor, keyframe, detection): (AnchorSeq, KeyframeSeq, u16),
         class: &str,
         hint: Option<&str>,
-    ) -> Result<Option<Asked>, Fault> {
+    ) -> Result<Option<ModelAnswer>, Fault> {
         let crop = self.store.crop(live.key, keyframe, detection).await;
         // Culled meanwhile: nothing is lacking any more.
         let Some(crop) = crop.map_err(|error| Fault::Store(error.to_string()))? else { return Ok(None) };
@@ -124,7 +126,7 @@ impl Service {
         let fingerprint = describer.fingerprint().unwrap_or_default().into();
         let transcript = told.transcript;
         let read = CropRead { anchor, keyframe, detection, reading, transcript, fingerprint };
-        Ok(Some(Asked { answer: Answer::Reading(read), degraded }))
+        Ok(Some(ModelAnswer { answer: Answer::Reading(read), degraded }))
     }
 
     /// Checks a verdict against the map as it is now and applies it; what it triggers is asked about.

@@ -2,8 +2,9 @@
 
 pub(super) mod backlog;
 pub(super) mod description_job;
+pub(super) mod judgement_runner;
 pub(super) mod rejudging;
-mod round;
+pub(super) mod round;
 pub(super) mod running_jobs;
 pub(super) mod unexamined;
 pub(super) mod worker;

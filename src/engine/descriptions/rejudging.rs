@@ -1,51 +1,31 @@
-//! The runner of jobs that ask models again: batch after batch, in the background.
-//!
-//! Everything it needs is on disk, so that a restart goes on where it was: which jobs run, and the question each has
-//! come to. A batch's answers and the job's position are one transaction, and an answer that was paid for is in the
-//! cache before it is used.
+//! The handle to the runner of jobs that ask models again. [`super::judgement_runner`] is the runner.
 
-use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use futures_util::future::join_all;
 use tokio::sync::Notify;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 
-use super::description_job::Asked;
-use crate::domain::ids::{JudgementId, MapId};
-use crate::domain::judged::Answer;
-use crate::domain::judgement::{JobState, Judgement, JudgementProgress, PastQuestion, Tally};
-use crate::engine::maps::live::{Decision, LiveMap};
-use crate::engine::{Service, ServiceError};
-use crate::llm::Models;
-use crate::recognition::anchors::apply_model_answer::Learned;
-use crate::recognition::anchors::description_tasks::DescriptionTask;
-use crate::recognition::anchors::rejudging::{asked_today, rejudge};
-use crate::store::MapKey;
-
 /// Questions under way when the server stops may finish within this time.
 const DRAIN: Duration = Duration::from_secs(8);
 
-/// Times that a question is asked before the job passes it over, while the model answers others.
-const TRIES_MAX: u32 = 8;
-
-/// The handle to the runner.
+/// The handle to the runner; by default, to one that does not run yet.
 #[derive(Debug, Default)]
 pub(in crate::engine) struct Rejudging {
     /// Held while a job is started, so that one job of a map runs at a time.
     pub starting: tokio::sync::Mutex<()>,
-    wake: Notify,
-    stop: CancellationToken,
+    /// Notified when there may be a job.
+    pub(super) wake: Notify,
+    /// Cancelled at shutdown.
+    pub(super) stop: CancellationToken,
     running: Mutex<Option<JoinHandle<()>>>,
 }
 
 impl Rejudging {
-    /// Starts running jobs, until [`Self::stop`].
-    pub fn start(&self, service: Service, models: Arc<Models>) {
-        let runner = Runner { service, models, tries: HashMap::new() };
-        *self.lock() = Some(tokio::spawn(runner.run()));
+    /// Starts the runner, which ends after [`Self::stop`].
+    pub fn start(&self, runner: impl Future<Output = ()> + Send + 'static) {
+        *self.lock() = Some(tokio::spawn(runner));
     }
 
     /// Looks for jobs now.
@@ -64,165 +44,8 @@ impl Rejudging {
         }
     }
 
-    fn lock(&self) -> std::sync::MutexGuard<'_, Option<JoinHandle<()>>> {
+    fn lock(&self) -> MutexGuard<'_, Option<JoinHandle<()>>> {
         // Holds one value that is replaced as a whole.
         self.running.lock().unwrap_or_else(PoisonError::into_inner)
     }
-}
-
-/// What a job has come to after a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Step {
-    /// There may be more at once.
-    Went,
-    /// It waits for something that nobody announces.
-    Waits,
-}
-
-struct Runner {
-    service: Service,
-    models: Arc<Models>,
-    /// Times that the next question of a map's job was asked in vain.
-    tries: HashMap<MapKey, u32>,
-}
-
-impl Runner {
-    async fn run(mut self) {
-        let rejudging = self.service.rejudging.clone();
-        while !rejudging.stop.is_cancelled() {
-            let jobs = match self.service.store.running_judgements().await {
-                Ok(jobs) => jobs,
-                Err(error) => {
-                    tracing::error!(%error, "the jobs that ask models again cannot be listed");
-                    Vec::new()
-                }
-            };
-            self.tries.retain(|map, _| jobs.iter().any(|(_, key, _)| key == map));
-            let (mut went, any) = (false, !jobs.is_empty());
-            for (map, key, id) in jobs {
-                if rejudging.stop.is_cancelled() {
-                    return;
-                }
-                match self.step(&map, key, &id).await {
-                    Ok(step) => went |= step == Step::Went,
-                    Err(error) => tracing::warn!(%map, judgement = %id, %error, "a judgement waits"),
-                }
-            }
-            if went {
-                continue;
-            }
-            tokio::select! {
-                () = rejudging.stop.cancelled() => {}
-                () = rejudging.wake.notified() => {}
-                // The model may be back, a new day may bring a new budget: nobody announces either.
-                () = tokio::time::sleep(self.models.pause), if any => {}
-            }
-        }
-    }
-
-    /// Asks the next questions of a job, and keeps the answers.
-    async fn step(&mut self, map: &MapId, key: MapKey, id: &JudgementId) -> Result<Step, ServiceError> {
-        let live = self.service.live_in_background(map).await?;
-        if live.key != key || self.service.pressure.is_high() {
-            return Ok(Step::Waits);
-        }
-        let Some(job) = self.service.store.judgement(key, id).await? else { return Ok(Step::Waits) };
-        if job.state != JobState::Running {
-            return Ok(Step::Went);
-        }
-        let questions = self.questions(&live, &job).await?;
-        let mut progress = JudgementProgress {
-            id: job.id,
-            tally: Tally::default(),
-            position: None,
-            is_over: questions.is_empty(),
-        };
-        let mut answers = Vec::new();
-        let asked = questions.into_iter().map(|(question, lack)| self.ask(&live, question, lack));
-        for (question, outcome) in join_all(asked).await {
-            match outcome {
-                Outcome::Answered(answer) => answers.push(*answer),
-                Outcome::Gone => progress.tally.gone += 1,
-                // The order of the questions is the job's position: what follows is asked again, out of the cache.
-                Outcome::Unanswered if !self.passes_over(&live) => break,
-                Outcome::Unanswered => progress.tally.failed += 1,
-            }
-            progress.position = Some(question);
-        }
-        if progress.position.is_none() && !progress.is_over {
-            return Ok(Step::Waits);
-        }
-        self.keep(&live, answers, progress).await?;
-        Ok(Step::Went)
-    }
-
-    /// Returns the next questions, each as it is asked today.
-    async fn questions(
-        &self,
-        live: &Arc<LiveMap>,
-        job: &Judgement,
-    ) -> Result<Vec<(PastQuestion, Option<DescriptionTask>)>, ServiceError> {
-        let service = &self.service;
-        // One question tells whether a model is back.
-        let hands = if service.must_wait(live) { 1 } else { self.models.jobs_at_once };
-        let of = service.fingerprints(job.asks);
-        let left = service.store.questions_left(live.key, &of, job.position.as_ref(), hands).await?;
-        if left.is_empty() {
-            return Ok(Vec::new());
-        }
-        let asked_today_all = move |index: &_| -> Vec<_> {
-            left.into_iter().map(|question| (question.clone(), asked_today(index, &question))).collect()
-        };
-        let (_, questions) = service.look(live, move |state| Ok(asked_today_all(&state.index))).await?;
-        Ok(questions)
-    }
-
-    async fn ask(
-        &self,
-        live: &Arc<LiveMap>,
-        question: PastQuestion,
-        lack: Option<DescriptionTask>,
-    ) -> (PastQuestion, Outcome) {
-        let Some(lack) = lack else { return (question, Outcome::Gone) };
-        let outcome = match self.service.ask(live, &self.models, lack).await {
-            Ok(Some(Asked { answer, degraded: false })) => Outcome::Answered(Box::new(answer)),
-            Ok(None) => Outcome::Gone,
-            // Somebody stood in for the model: the verdict that stands is better.
-            Ok(Some(Asked { degraded: true, .. })) | Err(_) => Outcome::Unanswered,
-        };
-        (question, outcome)
-    }
-
-    /// Whether the job goes on without an answer to its next question: not while no model answers at all.
-    fn passes_over(&mut self, live: &LiveMap) -> bool {
-        if self.service.must_wait(live) {
-            return false;
-        }
-        let tries = self.tries.entry(live.key).or_default();
-        *tries += 1;
-        *tries >= TRIES_MAX
-    }
-
-    async fn keep(
-        &mut self,
-        live: &Arc<LiveMap>,
-        answers: Vec<Answer>,
-        progress: JudgementProgress,
-    ) -> Result<(), ServiceError> {
-        let decide = move |index: &mut _| {
-            let Learned { decided, triggers } = rejudge(index, answers, progress);
-            Ok(Decision::Changed(triggers, decided, None))
-        };
-        let (triggers, _) = self.service.change(live, decide).await?;
-        self.tries.remove(&live.key);
-        self.service.trigger(&live.id, triggers);
-        Ok(())
-    }
-}
-
-enum Outcome {
-    Answered(Box<Answer>),
-    /// The map no longer holds what was asked about.
-    Gone,
-    Unanswered,
 }

@@ -8,17 +8,15 @@ mod tests;
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use tokio::sync::Notify;
 use tokio::time::Instant;
-use tokio_util::sync::CancellationToken;
 
 use super::backlog::{Backlog, PAUSE_MAX};
 use super::running_jobs::{Done, Jobs};
 use super::unexamined::UnexaminedMaps;
-use super::written_maps::WrittenMaps;
+use super::worker::Signals;
 use crate::domain::ids::MapId;
 use crate::engine::maps::live::{Decision, LiveMap};
 use crate::engine::maps::pinned::PinnedMap;
@@ -36,21 +34,8 @@ const DRAIN: Duration = Duration::from_secs(8);
 /// Rest before new jobs are taken where requests are shed.
 const REST: Duration = Duration::from_millis(250);
 
-/// State that the loop shares with the handle to the worker.
-#[derive(Debug)]
-pub(super) struct Signals {
-    /// Notified when there may be work.
-    pub wake: Arc<Notify>,
-    /// The maps that were written to.
-    pub written: Arc<WrittenMaps>,
-    /// Cancelled at shutdown.
-    pub stop: CancellationToken,
-    /// The number of jobs found and not done.
-    pub open_jobs: Arc<AtomicU64>,
-}
-
 /// The worker's loop and its state.
-pub(super) struct Round {
+pub(in crate::engine) struct Round {
     service: Service,
     models: Arc<Models>,
     signals: Signals,
@@ -68,11 +53,11 @@ pub(super) struct Round {
 
 impl Round {
     /// Creates a loop that has seen no map yet.
-    pub fn new(service: Service, models: Arc<Models>, signals: Signals) -> Self {
+    pub fn new(service: Service, models: Arc<Models>) -> Self {
         Self {
+            signals: service.worker.signals(),
             service,
             models,
-            signals,
             boards: HashMap::new(),
             jobs: Jobs::default(),
             resume_at: None,

@@ -22,7 +22,6 @@ use crate::domain::key::{Action, Key, KeyProperties, KeySeq, MadeKey, SecretHash
 use crate::domain::keyframe::Stamp;
 use crate::domain::report::Page;
 use crate::engine::ServiceError;
-use crate::engine::operations::maps::bad_cursor;
 use crate::store::{Job, KeyTable, NewKeyRow, Store, StoreError};
 
 /// What another process did is seen after this time at the latest.
@@ -184,7 +183,7 @@ impl Keyring {
     /// One part of the list, from a cursor on.
     pub fn page(&self, cursor: Option<&str>, limit: usize) -> Result<Page<Key>, ServiceError> {
         let from = match cursor {
-            Some(cursor) => KeySeq::from_public(cursor).ok_or_else(|| bad_cursor(cursor))?,
+            Some(cursor) => KeySeq::from_public(cursor).ok_or_else(|| ServiceError::bad_cursor(cursor))?,
             None => KeySeq(0),
         };
         let mut rest = self.list().into_iter().filter(|key| key.seq >= from);

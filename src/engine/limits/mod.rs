@@ -2,5 +2,7 @@
 
 pub(super) mod bounds;
 pub(super) mod concurrency_limit;
+pub(super) mod export_limit;
 pub mod load_shedding;
 pub(super) mod quota;
+pub(super) mod trigger_queue;

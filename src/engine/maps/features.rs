@@ -12,7 +12,7 @@ use crate::config::logging::in_span;
 use crate::domain::ids::KeyframeSeq;
 use crate::domain::keyframe::Features;
 use crate::engine::ServiceError;
-use crate::engine::bow::NamedVocabulary;
+use crate::engine::named_vocabulary::NamedVocabulary;
 use crate::recognition::loops::features::FeatureSet;
 use crate::recognition::loops::features::MatchableFeatures;
 use crate::recognition::verification::descriptor_matching::NO_NODE;

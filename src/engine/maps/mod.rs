@@ -1,10 +1,12 @@
 //! Maps in memory: how they are loaded, written, shared and evicted.
 
-pub(super) mod eviction;
+mod eviction;
 pub(super) mod features;
 pub(super) mod feeds;
 pub(super) mod live;
 mod live_state;
+mod loading;
+pub(super) mod loads;
 pub(super) mod map_memory;
 pub(super) mod pinned;
 pub(super) mod registry;

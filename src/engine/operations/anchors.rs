@@ -1,6 +1,5 @@
 //! Anchors: search, read, describe by hand, delete.
 
-use super::maps::bad_cursor;
 use super::views;
 use crate::domain::ids::{AnchorSeq, MapId};
 use crate::domain::keyframe::Crop;
@@ -24,7 +23,7 @@ impl Service {
     ) -> Result<(u64, Page<AnchorReport>), ServiceError> {
         let live = self.live(map).await?;
         let from = match cursor {
-            Some(cursor) => AnchorSeq::from_public(cursor).ok_or_else(|| bad_cursor(cursor))?,
+            Some(cursor) => AnchorSeq::from_public(cursor).ok_or_else(|| ServiceError::bad_cursor(cursor))?,
             None => AnchorSeq(0),
         };
         self.read(&live, move |state| {

@@ -1,92 +1,22 @@
-//! Backups: verified copies of the database in a folder that the operator has named.
-//!
-//! A backup is two files: `ID.db`, and beside it `ID.json`, which tells what is in it. Whoever asks names an id and never a
-//! path. A retry under the same id finds the backup that is there, as every write by id does.
+//! Backups: taken and listed.
 
-use std::fs;
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use serde::{Deserialize, Serialize};
-use tokio::runtime::Handle;
-use tokio::sync::Semaphore;
 use tokio::task::spawn_blocking;
 use tracing::Instrument as _;
 
-use crate::config::logging::in_span;
 use crate::domain::ids::BackupId;
-use crate::domain::keyframe::Stamp;
 use crate::domain::report::{BackupReport, Page};
+use crate::engine::backups::folder::{BackupFolder, BackupMade};
 use crate::engine::service::Parts;
 use crate::engine::{Service, ServiceError};
-use crate::integrity::backup::{Copied, Copy, PARTIAL, sync_folder};
-use crate::store::StoreError;
-use crate::store::files::paths::DatabaseFiles;
-
-/// When to ask again while another backup is being taken, in seconds.
-const BUSY_RETRY_S: u32 = 5;
-
-/// An unfinished copy that nobody has written to for so long belongs to a process that is gone.
-const ABANDONED: Duration = Duration::from_hours(1);
-
-/// The name of the newest copy that has faults; no id leads to it.
-const LATEST_DAMAGED: &str = "latest.damaged";
-
-/// The most faults of a copy that are told and logged; `revisit check` lists them all.
-const FAULTS_TOLD: usize = 5;
-
-/// The folder of backups.
-#[derive(Debug)]
-pub(in crate::engine) struct Backups {
-    folder: PathBuf,
-    kept: usize,
-    one_at_a_time: Arc<Semaphore>,
-    /// When the newest was taken, in seconds since 1970; 0 without any.
-    newest_s: AtomicU64,
-}
-
-/// What stands in `ID.json`.
-#[derive(Serialize, Deserialize)]
-struct Note {
-    id: String,
-    created_sec: i64,
-    created_nanosec: u32,
-    bytes: u64,
-    sha256: String,
-    schema: i64,
-    maps: u64,
-    keyframes: u64,
-    anchors: u64,
-}
-
-/// A backup that was asked for.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct BackupMade {
-    /// False if it had been made before.
-    pub created: bool,
-    /// The backup.
-    pub report: BackupReport,
-    /// Older ones that made room for it.
-    pub removed: Vec<BackupId>,
-}
 
 impl Service {
     /// Returns the same service, which keeps up to `kept` backups in a folder.
     pub fn with_backups(self, folder: PathBuf, kept: usize) -> Result<Self, ServiceError> {
-        let failed = |error: std::io::Error| ServiceError::Internal(format!("{}: {error}", folder.display()));
-        fs::create_dir_all(&folder).map_err(failed)?;
-        let backups = Backups {
-            kept: kept.max(1),
-            one_at_a_time: Arc::new(Semaphore::new(1)),
-            newest_s: AtomicU64::new(0),
-            folder: folder.canonicalize().map_err(failed)?,
-        };
-        backups.sweep();
-        backups.remember_newest(&backups.list()?);
-        Ok(Self(Arc::new(Parts { backups: Some(Arc::new(backups)), ..Parts::clone(&self) })))
+        let backups = Some(Arc::new(BackupFolder::open(&folder, kept)?));
+        Ok(Self(Arc::new(Parts { backups, ..Parts::clone(&self) })))
     }
 
     /// Takes a backup, or finds the one of this name. It is finished even if the client goes away.
@@ -96,10 +26,7 @@ impl Service {
                 `revisit backup FILE` takes one beside it";
             return Err(ServiceError::Conflict { code: "no_backup_folder", detail: detail.to_owned() });
         };
-        let permit = backups.one_at_a_time.clone().try_acquire_owned().map_err(|_| {
-            let detail = "another backup is being taken".to_owned();
-            ServiceError::Unavailable { detail, retry_after_s: BUSY_RETRY_S }
-        })?;
+        let permit = backups.enter()?;
         let files = self.store.files().clone();
         let made = async move {
             let made = backups.make(&files, id).await;
@@ -121,204 +48,12 @@ impl Service {
         let mut items = spawn_blocking(move || backups.list()).await.map_err(ServiceError::panicked)??;
         if let Some(cursor) = cursor {
             let at = items.iter().position(|report| report.id.as_str() == cursor);
-            let at = at.ok_or_else(|| super::maps::bad_cursor(cursor))?;
+            let at = at.ok_or_else(|| ServiceError::bad_cursor(cursor))?;
             items.drain(..=at);
         }
         let more = items.len() > limit;
         items.truncate(limit);
         let next_cursor = items.last().filter(|_| more).map(|report| report.id.to_string());
         Ok(Page { items, next_cursor })
-    }
-}
-
-impl Backups {
-    /// When the newest was taken, in seconds since 1970; 0 without any.
-    pub fn newest_s(&self) -> u64 {
-        self.newest_s.load(Ordering::Relaxed)
-    }
-
-    async fn make(
-        self: Arc<Self>,
-        files: &DatabaseFiles,
-        id: Option<BackupId>,
-    ) -> Result<BackupMade, ServiceError> {
-        let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-        let created = Stamp { sec: since.as_secs() as i64, nanosec: since.subsec_nanos() };
-        let id = match id {
-            Some(id) => id,
-            None => self.free_id(created)?,
-        };
-        if let Some(report) = self.find(&id) {
-            return Ok(BackupMade { created: false, report, removed: Vec::new() });
-        }
-        if self.database(&id).exists() {
-            let detail =
-                format!("a file {id}.db that is no backup of this server lies in the folder of backups");
-            return Err(ServiceError::Conflict { code: "backup_exists", detail });
-        }
-        let copy = self.copied(files).await?;
-        if !copy.faults().is_empty() {
-            let keep = move || self.keep_damaged(&id, copy);
-            return spawn_blocking(in_span(keep)).await.map_err(ServiceError::panicked)?;
-        }
-        let place = move || {
-            let report = report(id, created, copy.copied());
-            self.write_note(&report)?;
-            copy.place(&self.database(&report.id), false)?;
-            let all = self.list()?;
-            self.remember_newest(&all);
-            let removed = self.remove_all_but_the_newest(all)?;
-            tracing::info!(backup = %report.id, bytes = report.bytes, "a backup was taken");
-            Ok(BackupMade { created: true, report, removed })
-        };
-        spawn_blocking(in_span(place)).await.map_err(ServiceError::panicked)?
-    }
-
-    /// Copies and checks off the async threads: the check builds the index of every map.
-    async fn copied(&self, files: &DatabaseFiles) -> Result<Copy, ServiceError> {
-        let (files, folder, runtime) = (files.clone(), self.folder.clone(), Handle::current());
-        let copy = move || runtime.block_on(Copy::of(&files, &folder));
-        Ok(spawn_blocking(in_span(copy)).await.map_err(ServiceError::panicked)??)
-    }
-
-    /// Keeps a copy that has faults, in place of an earlier one of the kind, where nobody takes it for a backup.
-    fn keep_damaged(&self, id: &BackupId, copy: Copy) -> Result<BackupMade, ServiceError> {
-        let faults = copy.faults().to_vec();
-        copy.place(&self.folder.join(LATEST_DAMAGED), true)?;
-        for fault in faults.iter().take(FAULTS_TOLD) {
-            tracing::error!(backup = %id, fault, "a backup is not verified");
-        }
-        let (count, listed) = (faults.len(), faults[..faults.len().min(FAULTS_TOLD)].join("; "));
-        Err(ServiceError::NotVerified(format!(
-            "the database has faults ({count}), and so has the copy, which is no backup and is kept as {LATEST_DAMAGED} in \
-             the folder of backups; earlier backups stay: {listed}"
-        )))
-    }
-
-    fn database(&self, id: &BackupId) -> PathBuf {
-        self.folder.join(format!("{id}.db"))
-    }
-
-    fn note(&self, id: &BackupId) -> PathBuf {
-        self.folder.join(format!("{id}.json"))
-    }
-
-    fn free_id(&self, created: Stamp) -> Result<BackupId, ServiceError> {
-        let names = (0_u32..).map(|again| match again {
-            0 => format!("b-{}", created.sec),
-            again => format!("b-{}-{again}", created.sec),
-        });
-        let free = |id: &BackupId| !self.database(id).exists();
-        let mut ids = names.filter_map(|name| name.parse::<BackupId>().ok());
-        ids.find(free).ok_or_else(|| ServiceError::Internal("no name for a backup is free".to_owned()))
-    }
-
-    /// Before the copy has its name: a note without a backup is passed over, a backup without a note would be.
-    fn write_note(&self, report: &BackupReport) -> Result<(), ServiceError> {
-        let failed =
-            |error: &std::io::Error| ServiceError::from(StoreError::file(&self.note(&report.id), error));
-        let bytes = serde_json::to_vec(&Note::of(report)).unwrap_or_default();
-        let mut file = tempfile::Builder::new()
-            .suffix(PARTIAL)
-            .tempfile_in(&self.folder)
-            .map_err(|error| failed(&error))?;
-        file.write_all(&bytes).and_then(|()| file.as_file().sync_all()).map_err(|error| failed(&error))?;
-        file.persist(self.note(&report.id)).map_err(|refused| failed(&refused.error))?;
-        Ok(())
-    }
-
-    /// Returns a backup whose two files are there.
-    fn find(&self, id: &BackupId) -> Option<BackupReport> {
-        let note: Note = serde_json::from_slice(&fs::read(self.note(id)).ok()?).ok()?;
-        let is_there = fs::metadata(self.database(id)).is_ok_and(|file| file.len() == note.bytes);
-        (is_there && note.id == id.as_str()).then(|| note.report(id.clone()))
-    }
-
-    /// Returns the newest first.
-    fn list(&self) -> Result<Vec<BackupReport>, ServiceError> {
-        let entries = fs::read_dir(&self.folder).map_err(|error| StoreError::file(&self.folder, &error))?;
-        let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
-        let ids = names.filter_map(|name| name.strip_suffix(".json")?.parse::<BackupId>().ok());
-        let mut reports: Vec<BackupReport> = ids.filter_map(|id| self.find(&id)).collect();
-        reports.sort_by(|a, b| (b.created, &b.id).cmp(&(a.created, &a.id)));
-        Ok(reports)
-    }
-
-    fn remember_newest(&self, newest_first: &[BackupReport]) {
-        let newest = newest_first.first().map_or(0, |report| report.created.sec as u64);
-        self.newest_s.store(newest, Ordering::Relaxed);
-    }
-
-    fn remove_all_but_the_newest(
-        &self,
-        newest_first: Vec<BackupReport>,
-    ) -> Result<Vec<BackupId>, ServiceError> {
-        let mut removed = Vec::new();
-        for report in newest_first.into_iter().skip(self.kept) {
-            for file in [self.database(&report.id), self.note(&report.id)] {
-                fs::remove_file(&file).map_err(|error| StoreError::file(&file, &error))?;
-            }
-            removed.push(report.id);
-        }
-        sync_folder(&self.folder)?;
-        Ok(removed)
-    }
-
-    /// Copies that a crash has left unfinished take room.
-    fn sweep(&self) {
-        let is_abandoned = |path: &Path| {
-            let touched = fs::metadata(path).and_then(|file| file.modified()).ok();
-            touched.and_then(|at| at.elapsed().ok()).is_some_and(|since| since > ABANDONED)
-        };
-        for entry in fs::read_dir(&self.folder).into_iter().flatten().flatten() {
-            let path = entry.path();
-            if entry.file_name().to_string_lossy().ends_with(PARTIAL) && is_abandoned(&path) {
-                tracing::info!(path = %path.display(), "removing a backup that was not finished");
-                let _ = fs::remove_file(path);
-            }
-        }
-    }
-}
-
-fn report(id: BackupId, created: Stamp, copied: &Copied) -> BackupReport {
-    let holds = copied.holds;
-    BackupReport {
-        id,
-        created,
-        bytes: copied.bytes,
-        sha256: copied.sha256.clone(),
-        schema: holds.schema,
-        maps: holds.maps,
-        keyframes: holds.keyframes,
-        anchors: holds.anchors,
-    }
-}
-
-impl Note {
-    fn of(report: &BackupReport) -> Self {
-        Self {
-            id: report.id.to_string(),
-            created_sec: report.created.sec,
-            created_nanosec: report.created.nanosec,
-            bytes: report.bytes,
-            sha256: report.sha256.clone(),
-            schema: report.schema,
-            maps: report.maps,
-            keyframes: report.keyframes,
-            anchors: report.anchors,
-        }
-    }
-
-    fn report(self, id: BackupId) -> BackupReport {
-        BackupReport {
-            id,
-            created: Stamp { sec: self.created_sec, nanosec: self.created_nanosec },
-            bytes: self.bytes,
-            sha256: self.sha256,
-            schema: self.schema,
-            maps: self.maps,
-            keyframes: self.keyframes,
-            anchors: self.anchors,
-        }
     }
 }

@@ -1,14 +1,14 @@
 //! Keyframes: listed, read, and what surrounds one.
 
 use super::keyframe_views::{find, record, summary};
-use super::maps::bad_cursor;
 use crate::domain::ids::{KeyframeId, KeyframeSeq, MapId};
 use crate::domain::report::{KeyframeRecord, KeyframeSummary, Page};
 use crate::domain::verdict::LocalAnchorReport;
 use crate::engine::maps::live::LiveMap;
 use crate::engine::{Service, ServiceError};
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
-use crate::recognition::loops::anchor_map::{Centre, local_anchor_map};
+use crate::recognition::loops::anchor_map::local_anchor_map;
+use crate::recognition::loops::centre::Centre;
 use crate::store::KeyframeRow;
 
 impl Service {
@@ -20,7 +20,8 @@ impl Service {
         limit: usize,
     ) -> Result<(u64, Page<KeyframeSummary>), ServiceError> {
         let live = self.live(map).await?;
-        let from: u32 = cursor.map_or(Ok(0), |cursor| cursor.parse().map_err(|_| bad_cursor(cursor)))?;
+        let from: u32 =
+            cursor.map_or(Ok(0), |cursor| cursor.parse().map_err(|_| ServiceError::bad_cursor(cursor)))?;
         let from = KeyframeSeq(from);
         self.read(&live, move |state| {
             let index = &state.index;

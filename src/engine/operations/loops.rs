@@ -47,7 +47,7 @@ impl Service {
     ) -> Result<(u64, Page<LoopReport>), ServiceError> {
         let live = self.live(map).await?;
         let after: Option<LoopId> =
-            cursor.map(|cursor| cursor.parse().map_err(|_| super::maps::bad_cursor(cursor))).transpose()?;
+            cursor.map(|cursor| cursor.parse().map_err(|_| ServiceError::bad_cursor(cursor))).transpose()?;
         self.read(&live, move |state| {
             let rest = state.index.loops().keys().filter(|id| after.as_ref().is_none_or(|after| *id > after));
             let mut items: Vec<LoopReport> =

@@ -29,7 +29,8 @@ impl Service {
         limit: usize,
         visible: impl Fn(&MapId) -> bool,
     ) -> Result<Page<MapReport>, ServiceError> {
-        let mut after = cursor.map(|cursor| cursor.parse().map_err(|_| bad_cursor(cursor))).transpose()?;
+        let mut after =
+            cursor.map(|cursor| cursor.parse().map_err(|_| ServiceError::bad_cursor(cursor))).transpose()?;
         let mut ids: Vec<MapId> = Vec::new();
         while ids.len() <= limit {
             let found = self.store.map_ids(after.as_ref(), limit + 1).await?;
@@ -169,11 +170,4 @@ fn patched(before: &MapProperties, patch: MapPatch) -> Result<MapProperties, Ser
         }
     }
     if errors.is_empty() { Ok(properties) } else { Err(ServiceError::Invalid(errors)) }
-}
-
-/// Returns a cursor that this server did not give.
-pub(in crate::engine) fn bad_cursor(cursor: &str) -> ServiceError {
-    ServiceError::Invalid(vec![
-        FieldError::new("?cursor", "is not a cursor that this server gave").got(cursor),
-    ])
 }

@@ -1,7 +1,7 @@
 //! Operations: one file for each kind of resource that clients read and write.
 
 pub(super) mod anchors;
-pub(super) mod backups;
+mod backups;
 pub(super) mod changed_signs;
 pub(super) mod events;
 pub(super) mod export;
@@ -10,14 +10,14 @@ mod keyframe_reads;
 pub(super) mod keyframe_views;
 pub(super) mod keyframes;
 pub(super) mod loops;
-pub(super) mod maps;
+mod maps;
 pub(super) mod model_verdicts;
 pub(super) mod poses;
 pub(super) mod queries;
 pub(super) mod stats;
 pub(super) mod text_functions;
 pub(super) mod trajectories;
-pub(super) mod triggers;
+mod triggers;
 pub(super) mod twins;
-pub(super) mod verdict_record;
+mod verdict_record;
 pub(super) mod views;

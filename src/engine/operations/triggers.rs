@@ -2,46 +2,8 @@
 
 use std::sync::Arc;
 
-use tokio::sync::{Mutex, Semaphore, mpsc};
-
 use crate::domain::ids::{KeyframeId, MapId};
 use crate::engine::Service;
-
-/// Maximum triggered loop checks in flight. Further triggers are dropped; clients can still query.
-const CHECKS_MAX: usize = 64;
-
-/// Maximum triggers of model answers that wait to be taken. Further ones are dropped.
-const QUEUE_MAX: usize = 256;
-
-/// A keyframe to be checked.
-type Trigger = (MapId, KeyframeId);
-
-/// The triggered loop checks, and the queue of those that model answers cause.
-#[derive(Debug)]
-pub(in crate::engine) struct Triggers {
-    slots: Arc<Semaphore>,
-    queue: mpsc::Sender<Trigger>,
-    queued: Mutex<mpsc::Receiver<Trigger>>,
-}
-
-impl Default for Triggers {
-    fn default() -> Self {
-        let (queue, queued) = mpsc::channel(QUEUE_MAX);
-        Self { slots: Arc::new(Semaphore::new(CHECKS_MAX)), queue, queued: Mutex::new(queued) }
-    }
-}
-
-impl Triggers {
-    /// Returns how many triggers wait to be taken.
-    pub fn waiting(&self) -> u64 {
-        (QUEUE_MAX - self.queue.capacity().min(QUEUE_MAX)) as u64
-    }
-
-    /// Returns how many checks are in flight.
-    pub fn under_way(&self) -> u64 {
-        (CHECKS_MAX - self.slots.available_permits().min(CHECKS_MAX)) as u64
-    }
-}
 
 impl Service {
     /// Starts the checks of queued triggers in the background, until the service closes.
@@ -49,7 +11,7 @@ impl Service {
         // Not the service itself, which would then never be dropped without being closed.
         let (parts, triggers) = (Arc::downgrade(&self.0), self.triggers.clone());
         tokio::spawn(self.closing.clone().run_until_cancelled_owned(async move {
-            let mut queued = triggers.queued.lock().await;
+            let mut queued = triggers.queued().await;
             while let Some((map, keyframe)) = queued.recv().await {
                 let Some(parts) = parts.upgrade() else { return };
                 Self(parts).trigger_loop_check(&map, &keyframe);
@@ -60,8 +22,7 @@ impl Service {
     /// Queues the checks of keyframes that, as a model answer shows, see an anchor seen before.
     pub(in crate::engine) fn trigger(&self, map: &MapId, keyframes: Vec<KeyframeId>) {
         for keyframe in keyframes {
-            // Dropped when the queue is full: clients can still query.
-            let _ = self.triggers.queue.try_send((map.clone(), keyframe));
+            self.triggers.offer((map.clone(), keyframe));
         }
     }
 
@@ -70,7 +31,7 @@ impl Service {
         if self.pressure.is_high() {
             return;
         }
-        let Ok(slot) = self.triggers.slots.clone().try_acquire_owned() else { return };
+        let Some(slot) = self.triggers.slot() else { return };
         let (service, map, keyframe) = (self.clone(), map.clone(), keyframe.clone());
         tokio::spawn(async move {
             let _slot = slot;

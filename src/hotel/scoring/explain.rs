@@ -4,7 +4,7 @@ use super::score::Outcome;
 use crate::api::verdict::CandidateView;
 use crate::domain::verdict::Decision;
 use crate::hotel::route::Place;
-use crate::hotel::run::Asked;
+use crate::hotel::run::AnsweredQuery;
 use crate::hotel::scenario::Scenario;
 
 /// Describes the answers at keyframes of one course.
@@ -26,7 +26,7 @@ impl Narrator<'_> {
     }
 
     /// Returns the answer with the figures that decided.
-    pub fn answer(&self, asked: &Asked) -> String {
+    pub fn answer(&self, asked: &AnsweredQuery) -> String {
         let keyframe = format!("{} in {}", keyframe_id(asked.keyframe), self.place(asked.keyframe));
         let Some(candidate) = asked.answer.leading() else {
             return format!("{keyframe}: nothing like it in the map");
@@ -40,7 +40,7 @@ impl Narrator<'_> {
     }
 
     /// Returns the answer with the truth.
-    pub fn judged(&self, asked: &Asked) -> String {
+    pub fn judged(&self, asked: &AnsweredQuery) -> String {
         let truth = match asked.scored.outcome {
             Outcome::Right => "right",
             Outcome::RightlyNone => "right, there was none",

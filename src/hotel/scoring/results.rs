@@ -9,7 +9,7 @@ use super::paper::PrintedSequence;
 use super::score::{Counts, Outcome, by_query, by_visit, confidence_interval};
 use crate::hotel::building::renumbering::{Round, Signs};
 use crate::hotel::method::Method;
-use crate::hotel::run::{Asked, RunResult};
+use crate::hotel::run::{AnsweredQuery, RunResult};
 use crate::hotel::sensing::monocular::ScaleError;
 use crate::hotel::sensing::noise::NoiseKind;
 
@@ -155,7 +155,7 @@ impl Confusion {
         let figures = |outcome: Outcome, of: fn(&CandidateView) -> f64| -> Vec<f64> {
             let answers = driven.asked.iter().filter(|asked| asked.scored.outcome == outcome);
             // A loop confirmed by later keyframes need not be among the last one's candidates.
-            let accepted = |asked: &Asked| Some(super::explain::keyframe_id(asked.accepted?));
+            let accepted = |asked: &AnsweredQuery| Some(super::explain::keyframe_id(asked.accepted?));
             answers.filter_map(|asked| asked.answer.candidate(&accepted(asked)?).map(of)).collect()
         };
         let inliers: fn(&CandidateView) -> f64 = |candidate| candidate.inliers().unwrap_or(0) as f64;

@@ -34,7 +34,7 @@ struct Holders {
 struct Leaving {
     bytes: usize,
     taken: Instant,
-    seat: Arc<ConnectionSlot>,
+    slot: Arc<ConnectionSlot>,
 }
 
 /// One response's share of the memory, until this is dropped.
@@ -51,7 +51,7 @@ impl AnswerMemory {
     }
 
     /// Reserves memory for a response, and returns the number of stalled connections closed for it.
-    pub fn take(self: &Arc<Self>, bytes: usize, seat: &Arc<ConnectionSlot>) -> (Option<Share>, usize) {
+    pub fn take(self: &Arc<Self>, bytes: usize, slot: &Arc<ConnectionSlot>) -> (Option<Share>, usize) {
         let mut held = self.lock();
         let mut evictions = 0;
         // A response larger than the whole memory is sent while it is the only one.
@@ -63,11 +63,11 @@ impl AnswerMemory {
             let Some(stalled) = stalled else { return (None, evictions) };
             let evicted = stalled.remove();
             held.bytes -= evicted.bytes;
-            evicted.seat.request_close();
+            evicted.slot.request_close();
             evictions += 1;
         }
         held.bytes += bytes;
-        let number = held.add(Leaving { bytes, taken: Instant::now(), seat: seat.clone() });
+        let number = held.add(Leaving { bytes, taken: Instant::now(), slot: slot.clone() });
         (Some(Share { memory: self.clone(), number }), evictions)
     }
 
@@ -122,9 +122,9 @@ mod tests {
         let slots = ConnectionSlots::new(8);
         let memory = AnswerMemory::new(1);
         let half = 512 << 10;
-        let take = |bytes, seat: &Arc<ConnectionSlot>| memory.take(bytes, seat).0;
-        let seat = async || slots.acquire(None).await.unwrap();
-        let (a, b, c) = (seat().await, seat().await, seat().await);
+        let take = |bytes, slot: &Arc<ConnectionSlot>| memory.take(bytes, slot).0;
+        let slot = async || slots.acquire(None).await.unwrap();
+        let (a, b, c) = (slot().await, slot().await, slot().await);
         let mut first = take(half, &a).unwrap();
         let second = take(half, &b).unwrap();
         assert!(take(half, &c).is_none(), "both were begun a moment ago");

@@ -24,12 +24,12 @@ const PIECE_BYTES: usize = 64 << 10;
 
 /// Middleware that counts large responses, and rejects those for which there is no memory.
 pub async fn bound_answers(State(app): State<App>, request: Request, next: Next) -> Response {
-    let seat = request.extensions().get::<Arc<ConnectionSlot>>().cloned();
+    let slot = request.extensions().get::<Arc<ConnectionSlot>>().cloned();
     let response = next.run(request).await;
     // An event stream has no length, and holds one event at a time.
     let length = response.body().size_hint().exact().filter(|length| *length > UNCOUNTED_BYTES);
-    let (Some(seat), Some(length)) = (seat, length) else { return response };
-    let (share, evictions) = app.answers.take(length as usize, &seat);
+    let (Some(slot), Some(length)) = (slot, length) else { return response };
+    let (share, evictions) = app.answers.take(length as usize, &slot);
     (0..evictions).for_each(|_| app.metrics.shed_metrics.connection("evicted"));
     let Some(share) = share else {
         app.metrics.shed_metrics.shed("answer");

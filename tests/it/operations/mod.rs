@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use revisit::integrity::check::{Checked, check};
+use revisit::integrity::check::{IntegrityReport, check};
 use revisit::store::files::paths::DatabaseFiles;
 use serde_json::{Value, json};
 
@@ -62,7 +62,7 @@ fn url(database: &Path) -> String {
     format!("sqlite://{}", database.display())
 }
 
-pub(super) async fn checked(database: &Path) -> Checked {
+pub(super) async fn checked(database: &Path) -> IntegrityReport {
     check(&DatabaseFiles::of_path(database)).await.unwrap()
 }
 

@@ -4,6 +4,7 @@ pub mod apply_model_answer;
 pub mod association;
 pub mod describing;
 pub mod description_tasks;
+pub mod find_description_tasks;
 pub mod ingest;
 pub mod loop_closure;
 pub(super) mod match_sets;

@@ -4,8 +4,9 @@ use super::constant::{Constant, constant};
 use crate::geometry::pinhole::MIN_DEPTH;
 use crate::recognition::loops::geometry_snapshot;
 use crate::recognition::verification::limits::Limits;
-use crate::recognition::verification::two_views::consensus::{ImageModel as _, SCORE_CHI_SQUARE};
+use crate::recognition::verification::two_views::consensus::SCORE_CHI_SQUARE;
 use crate::recognition::verification::two_views::essential::{Essential, MIN_PARALLAX_RAD};
+use crate::recognition::verification::two_views::image_model::ImageModel as _;
 use crate::recognition::verification::two_views::{MIN_RATIO, decomposition, homography, rotation};
 use crate::recognition::verification::{orientation, planar_ambiguity, significance};
 

@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::contradiction::{Contradiction, contradict};
 use super::difference::{Differing, Placement, Ruling};
-use super::passage::settle;
+use super::sure_text::settle;
 use crate::domain::difference::DifferenceEvidence;
 use crate::domain::settings::Settings;
 use crate::geometry::{Point3, Sim3};

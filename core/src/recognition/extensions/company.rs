@@ -12,9 +12,8 @@ use nalgebra::Vector3;
 
 use super::distinctiveness::PlaceCounts;
 use crate::domain::ids::AnchorSeq;
-use crate::recognition::loops::anchor_map::{
-    Centre, LocalAnchor, LocalAnchorMap, LocalName, local_anchor_map,
-};
+use crate::recognition::loops::anchor_map::{LocalAnchor, LocalAnchorMap, LocalName, local_anchor_map};
+use crate::recognition::loops::centre::Centre;
 use crate::recognition::loops::comparison::Comparison;
 use crate::recognition::loops::equation_1::similar;
 use crate::recognition::map::index::MapIndex;

@@ -5,7 +5,7 @@
 use std::collections::BTreeSet;
 
 use super::contradiction::Contradiction;
-use super::passage::{SURE_PASSAGES, settle};
+use super::sure_text::{SURE_PASSAGES, settle};
 use crate::domain::difference::{DifferenceEvidence, DifferenceReason};
 use crate::domain::settings::Settings;
 use crate::recognition::loops::anchor_map::{LocalAnchor, LocalAnchorMap, LocalName};

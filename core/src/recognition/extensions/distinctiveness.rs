@@ -13,7 +13,7 @@ use super::sighting::Sighting;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::geometry::Point3;
 use crate::recognition::anchors::match_sets::{MatchSets, SetId};
-use crate::recognition::loops::anchor_map::Centre;
+use crate::recognition::loops::centre::Centre;
 use crate::recognition::map::index::{MapIndex, TextId};
 use crate::semantics::{self, Text};
 

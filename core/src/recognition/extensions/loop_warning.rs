@@ -9,7 +9,8 @@ use crate::domain::change::Loop;
 use crate::domain::loop_warning::{LoopWarning, LoopWarningCode};
 use crate::domain::verdict::ReasonCode;
 use crate::recognition::loops::anchor_check::judge_anchors;
-use crate::recognition::loops::anchor_map::{Centre, local_anchor_map};
+use crate::recognition::loops::anchor_map::local_anchor_map;
+use crate::recognition::loops::centre::Centre;
 use crate::recognition::loops::comparison::compare;
 use crate::recognition::loops::screening::{CandidateStage, Passed};
 use crate::recognition::map::index::MapIndex;
@@ -45,12 +46,12 @@ pub fn loop_warning(index: &MapIndex, closed: &Loop) -> Option<LoopWarning> {
             let detail = format!("the anchors around the two contradict each other: {}", reason.detail);
             warning(LoopWarningCode::AnchorsContradict, detail)
         }
-        Ok(Passed { standing: CandidateStage::AskGeometry, .. }) if closed.query.is_none() => {
+        Ok(Passed { stage: CandidateStage::AskGeometry, .. }) if closed.query.is_none() => {
             let detail =
                 "there are no anchors to compare, and the loop names no query whose geometry verified it";
             warning(LoopWarningCode::NotSupported, detail.to_owned())
         }
-        Ok(Passed { standing: CandidateStage::NeedsWitness, .. }) if closed.query.is_none() => {
+        Ok(Passed { stage: CandidateStage::NeedsWitness, .. }) if closed.query.is_none() => {
             let detail =
                 "only texts without an identifier agree, and the loop names no query that found a witness";
             warning(LoopWarningCode::NotSupported, detail.to_owned())

@@ -11,7 +11,8 @@ use crate::domain::ids::{KeyframeSeq, SessionSeq};
 use crate::domain::settings::Settings;
 use crate::domain::verdict::{Candidate, CandidateDecision};
 use crate::geometry::Point3;
-use crate::recognition::loops::anchor_map::{Centre, LocalAnchor, LocalAnchorMap, local_anchor_map};
+use crate::recognition::loops::anchor_map::{LocalAnchor, LocalAnchorMap, local_anchor_map};
+use crate::recognition::loops::centre::Centre;
 use crate::recognition::loops::comparison::compare;
 use crate::recognition::loops::evidence;
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
@@ -19,9 +20,9 @@ use crate::recognition::loops::screening::{CandidateStage, PreVerified};
 use crate::recognition::map::index::{Certainty, MapIndex};
 
 /// Whether nothing but geometry can make it a loop: no anchor that bears an identifier matches.
-fn needs_geometry_alone(screened: &PreVerified) -> bool {
+fn needs_geometry_alone(pre_verified: &PreVerified) -> bool {
     matches!(
-        screened.standing,
+        pre_verified.stage,
         CandidateStage::AskGeometry
             | CandidateStage::NeedsWitness
             | CandidateStage::TrackedOnly { has_witness: false }
@@ -47,8 +48,8 @@ pub fn find_rivals(index: &MapIndex, candidates: &mut [PreVerified], places: &mu
         }
     }
     for rival in candidates.iter_mut().filter(|candidate| candidate.rivalry.is_rival) {
-        if rival.sight.is_none() {
-            rival.sight = GeometrySnapshot::stored(index, rival.keyframe);
+        if rival.snapshot.is_none() {
+            rival.snapshot = GeometrySnapshot::stored(index, rival.keyframe);
         }
     }
 }
@@ -135,10 +136,10 @@ impl Seen {
 }
 
 /// Leaves undecided what geometry alone cannot tell from a rival, and the rival, if it would have been a loop the same way.
-pub fn settle_rivals(screened: &[PreVerified], concluded: &mut [Concluded], settings: &Settings) {
-    let at = |keyframe| screened.iter().position(|other| other.keyframe == keyframe);
+pub fn settle_rivals(pre_verified: &[PreVerified], concluded: &mut [Concluded], settings: &Settings) {
+    let at = |keyframe| pre_verified.iter().position(|other| other.keyframe == keyframe);
     let mut ambiguous: Vec<(usize, u32, u32)> = Vec::new();
-    for (own, candidate) in screened.iter().enumerate() {
+    for (own, candidate) in pre_verified.iter().enumerate() {
         let is_loop = concluded[own].candidate.decision == CandidateDecision::Loop;
         let Some(view) = concluded[own].view.filter(|_| is_loop) else { continue };
         let rivals = candidate.rivalry.rivals.iter().filter_map(|rival| at(*rival));
@@ -149,7 +150,7 @@ pub fn settle_rivals(screened: &[PreVerified], concluded: &mut [Concluded], sett
         };
         if f64::from(view.inliers) < settings.rival_min_ratio * f64::from(of_rival.inliers) {
             ambiguous.push((own, view.inliers, of_rival.inliers));
-            if needs_geometry_alone(&screened[rival]) {
+            if needs_geometry_alone(&pre_verified[rival]) {
                 ambiguous.push((rival, of_rival.inliers, view.inliers));
             }
         }

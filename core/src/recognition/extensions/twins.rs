@@ -13,11 +13,12 @@ use crate::domain::change::{Change, Twins};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::domain::settings::WithoutAnchors;
 use crate::domain::verdict::{CandidateDecision, ReasonCode, Verify};
-use crate::recognition::loops::anchor_map::{Centre, LocalAnchor, LocalName, local_anchor_map};
+use crate::recognition::loops::anchor_map::{LocalAnchor, LocalName, local_anchor_map};
 use crate::recognition::loops::candidates::{Channel, find_candidates};
+use crate::recognition::loops::centre::Centre;
 use crate::recognition::loops::evidence;
 use crate::recognition::loops::features::FeatureSet;
-use crate::recognition::loops::geometry_check::{Asked, check_geometry};
+use crate::recognition::loops::geometry_check::{PlacedQuery, check_geometry};
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
 use crate::recognition::loops::query::Query;
 use crate::recognition::loops::screening::{CandidateStage, PreVerified, Screening};
@@ -49,7 +50,7 @@ pub fn are_looked_for(index: &MapIndex) -> bool {
 /// Finds what the view from a keyframe of the map may be a twin of; `None` if there is nothing to look at.
 pub fn suspects(index: &MapIndex, query: &Query<'_>) -> Option<Suspects> {
     let keyframe = query.keyframe.filter(|_| are_looked_for(index))?;
-    if query.sight.is_none() || !query.seen.iter().any(|root| names_itself(index, *root)) {
+    if query.snapshot.is_none() || !query.seen.iter().any(|root| names_itself(index, *root)) {
         return None;
     }
     let mut places = PlaceCounts::default();
@@ -66,15 +67,16 @@ pub fn suspects(index: &MapIndex, query: &Query<'_>) -> Option<Suspects> {
             Some((candidate, score, object(own)?, object(other)?))
         });
         let Some((candidate, score, own, other)) = contradicted else { continue };
-        let Some(sight) = GeometrySnapshot::stored(index, candidate) else { continue };
+        let Some(snapshot) = GeometrySnapshot::stored(index, candidate) else { continue };
         let Some(unchecked) = evidence::unchecked(index, candidate, score, proposals.reference_score) else {
             continue;
         };
         let reason = evidence::reason(ReasonCode::Contradiction, 0.0, 0.0);
-        let mut screened = PreVerified::stopped(candidate, unchecked, CandidateDecision::Rejected, reason);
+        let mut pre_verified =
+            PreVerified::stopped(candidate, unchecked, CandidateDecision::Rejected, reason);
         // By the numbers that would have let geometry alone close the loop.
-        (screened.standing, screened.sight) = (CandidateStage::AskGeometry, Some(sight));
-        candidates.push(screened);
+        (pre_verified.stage, pre_verified.snapshot) = (CandidateStage::AskGeometry, Some(snapshot));
+        candidates.push(pre_verified);
         signs.push((own, other));
     }
     if candidates.is_empty() {
@@ -107,24 +109,24 @@ impl Suspects {
 
     /// Returns the keyframes whose features geometry needs for one of them, ascending; the written one is among them.
     pub fn wanted_features(&self, at: usize) -> BTreeSet<KeyframeSeq> {
-        let sight = self.screening.candidates[at].sight.iter();
-        let window = sight.flat_map(|sight| sight.window.iter().copied());
+        let snapshot = self.screening.candidates[at].snapshot.iter();
+        let window = snapshot.flat_map(|snapshot| snapshot.window.iter().copied());
         window.chain([self.keyframe, self.screening.candidates[at].keyframe]).collect()
     }
 
     /// Runs geometry on one of them. Returns the pair if it would have closed a loop by itself.
     pub fn verify(&self, at: usize, features: &FeatureSet) -> Option<Twins> {
         let of_query = features.stored.get(&self.keyframe).map(AsRef::as_ref);
-        let asked = self.screening.sight.as_ref().zip(of_query).map(Asked::new);
-        let screened = &self.screening.candidates[at];
+        let asked = self.screening.snapshot.as_ref().zip(of_query).map(PlacedQuery::new);
+        let pre_verified = &self.screening.candidates[at];
         let found =
-            check_geometry(&self.screening, screened, asked.as_ref(), features, SEED).ok()?.verification;
+            check_geometry(&self.screening, pre_verified, asked.as_ref(), features, SEED).ok()?.verification;
         let alone = self.screening.settings.geometry_alone_min_inliers;
         let is_loop = found.status == Status::Verified && (found.model.is_metric() || found.inliers >= alone);
         let (anchor, candidate_anchor) = self.signs[at];
         is_loop.then_some(Twins {
             keyframe: self.keyframe,
-            candidate: screened.keyframe,
+            candidate: pre_verified.keyframe,
             anchor,
             candidate_anchor,
         })

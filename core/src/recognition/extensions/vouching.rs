@@ -8,7 +8,8 @@
 
 use super::distinctiveness::PlaceCounts;
 use crate::domain::verdict::{CandidateDecision, Reason, Verify};
-use crate::recognition::loops::anchor_map::{Centre, LocalAnchorMap, local_anchor_map};
+use crate::recognition::loops::anchor_map::{LocalAnchorMap, local_anchor_map};
+use crate::recognition::loops::centre::Centre;
 use crate::recognition::loops::query::Query;
 use crate::recognition::map::index::MapIndex;
 
@@ -33,7 +34,7 @@ pub enum Voucher {
 
 /// Whether neighbours may vouch for the candidates of a query: geometry can run, and the map's settings have it so.
 pub fn may_vouch(index: &MapIndex, query: &Query<'_>, verify: Verify) -> bool {
-    index.properties().settings.neighbours_vouch && verify != Verify::Anchors && query.sight.is_some()
+    index.properties().settings.neighbours_vouch && verify != Verify::Anchors && query.snapshot.is_some()
 }
 
 /// Returns the local anchor map of a keyframe's neighbours, as the keyframe itself would see it.

@@ -46,20 +46,20 @@ pub fn odometry_agrees(path: &TrackedPath, compared: &Compared, settings: &Setti
 pub(in crate::recognition) fn bear_out(
     index: &MapIndex,
     query: &Query<'_>,
-    mut screened: PreVerified,
+    mut pre_verified: PreVerified,
 ) -> PreVerified {
-    if screened.standing == CandidateStage::Stopped {
-        return screened;
+    if pre_verified.stage == CandidateStage::Stopped {
+        return pre_verified;
     }
     let settings = &index.properties().settings;
     let tracked = query.keyframe.filter(|_| settings.odometry_max_drift_share > 0.0);
-    screened.path = tracked.and_then(|query| TrackedPath::between(index, query, screened.keyframe));
+    pre_verified.path = tracked.and_then(|query| TrackedPath::between(index, query, pre_verified.keyframe));
     let is_borne_out = || {
-        screened.path.is_some_and(|path| odometry_agrees(&path, &screened.compared, settings))
-            || loop_joins(index, &query.centre.covisible, screened.keyframe)
+        pre_verified.path.is_some_and(|path| odometry_agrees(&path, &pre_verified.compared, settings))
+            || loop_joins(index, &query.centre.covisible, pre_verified.keyframe)
     };
-    if screened.standing == CandidateStage::NeedsWitness && is_borne_out() {
-        screened.standing = CandidateStage::AnchorsAgree;
+    if pre_verified.stage == CandidateStage::NeedsWitness && is_borne_out() {
+        pre_verified.stage = CandidateStage::AnchorsAgree;
     }
-    screened
+    pre_verified
 }

@@ -2,7 +2,8 @@
 
 use std::cell::OnceCell;
 
-use super::anchor_map::{Centre, LocalAnchorMap, local_anchor_map};
+use super::anchor_map::{LocalAnchorMap, local_anchor_map};
+use super::centre::Centre;
 use super::comparison::{Comparison, compare};
 use super::equation_2;
 use super::evidence;
@@ -17,7 +18,7 @@ use crate::recognition::extensions::alignment::Compared;
 use crate::recognition::extensions::company::Companies;
 use crate::recognition::extensions::difference::find_differing;
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
-use crate::recognition::extensions::passage::{is_tracked_only, returning_identifier};
+use crate::recognition::extensions::returning::{is_tracked_only, returning_identifier};
 use crate::recognition::extensions::vouching::{Voucher, may_vouch, widened};
 use crate::recognition::extensions::witness::{lacks_witness, loop_joins};
 use crate::recognition::extensions::worst_case::{WorstCase, awaited, model_is_missed, worst_case};
@@ -68,35 +69,36 @@ impl<'a> AnchorCheck<'a> {
     ) -> Option<PreVerified> {
         let centre = Centre::stored(self.index, keyframe)?;
         let around = local_anchor_map(self.index, &centre, &mut counts.places);
-        let screened = self.compare(keyframe, candidate.clone(), [&self.around, &around], counts);
-        Some(match screened.left_open() {
+        let pre_verified = self.compare(keyframe, candidate.clone(), [&self.around, &around], counts);
+        Some(match pre_verified.left_open() {
             Some(otherwise) if self.may_vouch => {
-                let vouched = self.ask_neighbours(&screened, candidate, &centre, counts);
-                vouched.map_or(screened, |(by, vouched)| vouched.vouched(by, otherwise))
+                let vouched = self.ask_neighbours(&pre_verified, candidate, &centre, counts);
+                vouched.map_or(pre_verified, |(by, vouched)| vouched.vouched(by, otherwise))
             }
-            _ => screened,
+            _ => pre_verified,
         })
     }
 
     /// Returns who vouches for a candidate that its own anchors leave open, and the candidate as they have it.
     fn ask_neighbours(
         &self,
-        screened: &PreVerified,
+        pre_verified: &PreVerified,
         candidate: Candidate,
         centre: &Centre,
         counts: &mut Counts,
     ) -> Option<(Voucher, PreVerified)> {
-        let keyframe = screened.keyframe;
+        let keyframe = pre_verified.keyframe;
         if loop_joins(self.index, &self.query.centre.covisible, keyframe) {
-            let (is_here, sight) = (self.is_here(keyframe), GeometrySnapshot::stored(self.index, keyframe));
-            return Some((Voucher::ConfirmedLoop, PreVerified { is_here, sight, ..screened.clone() }));
+            let (is_here, snapshot) =
+                (self.is_here(keyframe), GeometrySnapshot::stored(self.index, keyframe));
+            return Some((Voucher::ConfirmedLoop, PreVerified { is_here, snapshot, ..pre_verified.clone() }));
         }
         let around_query = self
             .around_neighbours
             .get_or_init(|| widened(self.index, &self.query.centre, &mut counts.places));
         let around_candidate = widened(self.index, centre, &mut counts.places);
         let wide = self.compare(keyframe, candidate, [around_query, &around_candidate], counts);
-        let agrees = wide.standing == CandidateStage::AnchorsAgree && wide.contradicted.is_none();
+        let agrees = wide.stage == CandidateStage::AnchorsAgree && wide.contradicted.is_none();
         agrees.then_some((Voucher::Anchors, wide))
     }
 
@@ -140,27 +142,26 @@ impl<'a> AnchorCheck<'a> {
         let nearest = query.keyframe.or(query.centre.covisible.last().copied());
         let is_tracked_only =
             || nearest.is_some_and(|query| is_tracked_only(index, comparison, query, keyframe));
-        let passed =
-            judge_anchors(comparison, settings, worst, missing).map(|passed| match passed.standing {
-                CandidateStage::AnchorsAgree | CandidateStage::NeedsWitness
-                    if settings.tracked_loops_need_geometry && is_tracked_only() =>
-                {
-                    let has_witness = passed.standing == CandidateStage::AnchorsAgree;
-                    Passed { standing: CandidateStage::TrackedOnly { has_witness }, ..passed }
-                }
-                _ => passed,
-            });
-        let mut screened = match passed {
+        let passed = judge_anchors(comparison, settings, worst, missing).map(|passed| match passed.stage {
+            CandidateStage::AnchorsAgree | CandidateStage::NeedsWitness
+                if settings.tracked_loops_need_geometry && is_tracked_only() =>
+            {
+                let has_witness = passed.stage == CandidateStage::AnchorsAgree;
+                Passed { stage: CandidateStage::TrackedOnly { has_witness }, ..passed }
+            }
+            _ => passed,
+        });
+        let mut pre_verified = match passed {
             Err((decision, mut reason)) if reason.code == ReasonCode::ScoreBelowThreshold => {
                 let why = explain_low_score(maps, comparison, index.texts(), settings);
                 reason.detail = format!("{}: {why}", reason.detail);
                 PreVerified::stopped(keyframe, candidate, decision, reason)
             }
             Err((decision, reason)) => PreVerified::stopped(keyframe, candidate, decision, reason),
-            Ok(Passed { standing, contradicted }) => PreVerified {
+            Ok(Passed { stage, contradicted }) => PreVerified {
                 keyframe,
                 candidate,
-                standing,
+                stage,
                 contradicted,
                 vouched: None,
                 rivalry: Rivalry::default(),
@@ -169,7 +170,7 @@ impl<'a> AnchorCheck<'a> {
                 identifier: returning_identifier(index, comparison, query, nearest, keyframe),
                 compared: Compared::of(index, comparison, differing),
                 path: None,
-                sight: if self.verify == Verify::Anchors {
+                snapshot: if self.verify == Verify::Anchors {
                     None
                 } else {
                     GeometrySnapshot::stored(index, keyframe)
@@ -177,8 +178,8 @@ impl<'a> AnchorCheck<'a> {
                 is_degraded: false,
             },
         };
-        screened.is_degraded = is_degraded;
-        screened
+        pre_verified.is_degraded = is_degraded;
+        pre_verified
     }
 
     /// Whether the query's session has the two keyframes at one place.
@@ -218,9 +219,9 @@ pub fn judge_anchors(
         match (open, &contradicted) {
             (None, _) => {
                 let needs_witness = settings.single_text_needs_witness && lacks_witness(comparison);
-                let standing =
+                let stage =
                     if needs_witness { CandidateStage::NeedsWitness } else { CandidateStage::AnchorsAgree };
-                return Ok(Passed { standing, contradicted });
+                return Ok(Passed { stage, contradicted });
             }
             (Some(open), None) => return Err((Undecided, open)),
             // Geometry will not be asked, so what contradicts need not be sure.
@@ -244,6 +245,6 @@ pub fn judge_anchors(
     match settings.without_anchors {
         WithoutAnchors::Undecided => Err((Undecided, evidence::no_anchors(comparison))),
         WithoutAnchors::Reject => Err((Rejected, evidence::no_anchors(comparison))),
-        WithoutAnchors::Geometry => Ok(Passed { standing: CandidateStage::AskGeometry, contradicted: None }),
+        WithoutAnchors::Geometry => Ok(Passed { stage: CandidateStage::AskGeometry, contradicted: None }),
     }
 }

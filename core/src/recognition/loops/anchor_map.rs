@@ -4,15 +4,14 @@
 //! observe it, meets K_k^cov. K_m^cov contains m itself (M1): without that, a
 //! keyframe without covisible neighbours would have an empty map though it sees a door plate.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use super::centre::{Centre, InlineAnchor};
 use crate::domain::anchor::AnchorState;
-use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
-use crate::domain::keyframe::NewKeyframe;
+use crate::domain::ids::{AnchorSeq, SessionSeq};
 use crate::domain::verdict::AnchorName;
-use crate::geometry::{Bearing, Point3, Pose};
-use crate::recognition::anchors::association::{Association, associate};
+use crate::geometry::{Bearing, Point3};
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::map::index::{Certainty, MapIndex, TextId};
 use crate::semantics::Text;
@@ -51,7 +50,7 @@ pub struct LocalAnchor {
     pub text: Option<Arc<Text>>,
     /// The same as a text of the map, if it is one.
     pub text_id: Option<TextId>,
-    /// The certainty of its text, but for passages ([`crate::recognition::extensions::passage::is_sure`]).
+    /// The certainty of its text, but for passages ([`crate::recognition::extensions::sure_text::is_sure`]).
     pub certainty: Certainty,
     /// Its centre, in the frame of the central keyframe's session.
     pub centre_in_session: Point3,
@@ -99,59 +98,6 @@ impl LocalAnchorMap {
     /// Returns how many anchors nothing has described yet.
     pub fn pending(&self) -> usize {
         self.anchors.iter().filter(|anchor| anchor.state == AnchorState::Pending).count()
-    }
-}
-
-/// What a local anchor map is built around: a keyframe of the map, or one that is not stored.
-#[derive(Clone, Debug)]
-pub struct Centre {
-    /// The session whose frame the poses are in; unknown to the map if it is an inline keyframe's new one.
-    pub session: Option<SessionSeq>,
-    /// `map_from_camera` of the keyframe.
-    pub map_from_camera: Pose,
-    /// K_k^cov: the covisible keyframes, and the keyframe itself if it is stored.
-    pub covisible: BTreeSet<KeyframeSeq>,
-    /// What the keyframe sees that the map has no anchor for.
-    pub inline: Vec<InlineAnchor>,
-}
-
-/// A detection of an inline keyframe that belongs to no anchor of the map.
-#[derive(Clone, Debug)]
-pub struct InlineAnchor {
-    /// Its place in the list of detections.
-    pub detection: usize,
-    /// Its class.
-    pub class: Box<str>,
-    /// What was read, parsed.
-    pub text: Option<Arc<Text>>,
-    /// Whether a model or a person described it.
-    pub described: bool,
-    /// Whether the reader was not confident, and nothing else of the map was read alike.
-    pub doubtful: bool,
-    /// Where it stands, in the session's frame.
-    pub centre_in_session: Point3,
-    /// Whether nothing measured how far that is.
-    pub range_assumed: bool,
-}
-
-impl InlineAnchor {
-    /// InformationLevel of what was read, 1 where that is doubtful; none if nothing was.
-    pub fn information_level(&self) -> Option<u8> {
-        let text = self.text.as_ref()?;
-        Some(if self.doubtful { 1 } else { text.information_level() })
-    }
-}
-
-impl Centre {
-    /// Around a keyframe of the map.
-    pub fn stored(index: &MapIndex, keyframe: KeyframeSeq) -> Option<Self> {
-        let stored = index.keyframe(keyframe)?;
-        Some(Self {
-            session: Some(stored.session),
-            map_from_camera: stored.map_from_camera,
-            covisible: index.covisibility().with_itself(keyframe).collect(),
-            inline: Vec::new(),
-        })
     }
 }
 
@@ -248,48 +194,4 @@ fn weight(index: &MapIndex, bearing: &Bearing, range_assumed: bool, places: usiz
 /// p of M6, counted only if the map's settings ask for it.
 fn places_at(index: &MapIndex, count: impl FnOnce() -> usize) -> usize {
     if index.properties().settings.distinctive_weights { count() } else { 1 }
-}
-
-/// Associates an inline keyframe's detections as ingest would, and changes nothing: those that
-/// track an object add nothing to the map's knowledge of it, the others stand for themselves.
-/// Returns the centre and the objects that the keyframe sees.
-pub fn inline_centre(
-    index: &MapIndex,
-    keyframe: &NewKeyframe,
-    covisible: BTreeSet<KeyframeSeq>,
-) -> (Centre, BTreeSet<AnchorSeq>) {
-    let session = index.session(&keyframe.session);
-    let sent: BTreeMap<_, _> = keyframe.map_points.iter().copied().collect();
-    let position = |id: PointId| sent.get(&id).copied().or_else(|| index.points().position(session?, id));
-    let associations = associate(index, session, covisible.iter().copied(), &keyframe.detections, position);
-    let min_confidence = index.properties().settings.reading_min_confidence;
-    let (mut inline, mut seen) = (Vec::new(), BTreeSet::new());
-    for (number, (detection, association)) in keyframe.detections.iter().zip(associations).enumerate() {
-        match association {
-            Association::Ignored(_) => {}
-            Association::Tracked(root) => drop(seen.insert(root)),
-            Association::New => {
-                let placed = detection.map_points.iter().filter_map(|id| position(*id));
-                let centre = crate::geometry::Aabb::around(placed).map(|aabb| aabb.centre());
-                let Some(centre_in_session) = centre.or(detection.position_in_session) else { continue };
-                let range_assumed = centre.is_none() && detection.range_assumed;
-                let class = detection.class.as_str();
-                let numbering = index.readings().numbering(class);
-                let text = detection.reading().map(|reading| Text::under(reading, numbering));
-                let described = detection.description.is_some();
-                let unsure = !described && detection.confidence < min_confidence;
-                let is_alone = |text: &Text| !text.is_described() && !index.readings().is_known(class, text);
-                inline.push(InlineAnchor {
-                    detection: number,
-                    class: class.into(),
-                    doubtful: unsure && text.as_ref().is_some_and(is_alone),
-                    text: text.map(Arc::new),
-                    described,
-                    centre_in_session,
-                    range_assumed,
-                });
-            }
-        }
-    }
-    (Centre { session, map_from_camera: keyframe.map_from_camera, covisible, inline }, seen)
 }

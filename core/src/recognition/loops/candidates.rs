@@ -87,7 +87,7 @@ pub fn find_candidates(index: &MapIndex, query: &Query<'_>, places: &mut PlaceCo
                 });
             }
         }
-        if index.properties().settings.near_miss_neighbours && query.sight.is_some() {
+        if index.properties().settings.near_miss_neighbours && query.snapshot.is_some() {
             for candidate in &mut candidates {
                 candidate.neighbours = best_neighbours(index, query, candidate.keyframe, &scores);
             }

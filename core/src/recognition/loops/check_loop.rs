@@ -10,7 +10,7 @@ use super::candidates::{Channel, find_candidates};
 use super::decision::{answer, verify_candidate};
 use super::evidence;
 use super::features::FeatureSet;
-use super::geometry_check::Asked;
+use super::geometry_check::PlacedQuery;
 use super::query::Query;
 use super::screening::{PreVerified, Screening};
 use crate::domain::verdict::{CandidateDecision, ReasonCode, Verdict, Verify};
@@ -49,9 +49,9 @@ pub fn screen(map: &MapIndex, map_version: u64, query: &Query<'_>, verify: Verif
     let mut check = |keyframe, score| {
         let candidate = evidence::unchecked(map, keyframe, score, proposals.reference_score)?;
         // check 3, §V-A: the local anchor map around the candidate; §V-B: Eq. (1) and Eq. (2) between the two
-        let screened = anchors.check(keyframe, candidate, &mut counts)?;
+        let pre_verified = anchors.check(keyframe, candidate, &mut counts)?;
         // M15: what odometry and confirmed loops say
-        Some(bear_out(map, query, screened))
+        Some(bear_out(map, query, pre_verified))
     };
     let candidates = proposals.candidates.iter().filter_map(|proposal| {
         let (keyframe, score) = (proposal.keyframe, proposal.score);
@@ -61,17 +61,18 @@ pub fn screen(map: &MapIndex, map_version: u64, query: &Query<'_>, verify: Verif
             let reason = evidence::reason(ReasonCode::BowBelowReference, score.value(), min_score);
             return Some(PreVerified::stopped(keyframe, candidate, CandidateDecision::Rejected, reason));
         }
-        let mut screened = check(keyframe, score)?;
+        let mut pre_verified = check(keyframe, score)?;
         // ours: keyframes around a near miss, which geometry may ask in its place
-        if screened.may_be_near_miss() {
+        if pre_verified.may_be_near_miss() {
             let of_place = proposal.neighbours.iter().filter(|(other, _)| !proposals.has(*other));
-            screened.add_neighbours(of_place.filter_map(|(other, score)| check(*other, *score)).collect());
+            pre_verified
+                .add_neighbours(of_place.filter_map(|(other, score)| check(*other, *score)).collect());
         }
-        Some(screened)
+        Some(pre_verified)
     });
     let mut candidates: Vec<PreVerified> = candidates.collect();
     // M19: other places that look the same
-    if verify != Verify::Anchors && query.sight.is_some() {
+    if verify != Verify::Anchors && query.snapshot.is_some() {
         find_rivals(map, &mut candidates, &mut counts.places);
     }
     Screening::of_candidates(map, map_version, query, verify, candidates)
@@ -83,9 +84,9 @@ pub fn verify_and_decide(screening: Screening, features: &FeatureSet, seed: u64)
         Some(seq) => features.stored.get(&seq),
         None => features.inline.as_ref(),
     };
-    let asked = screening.sight.as_ref().zip(of_query.map(AsRef::as_ref)).map(Asked::new);
+    let asked = screening.snapshot.as_ref().zip(of_query.map(AsRef::as_ref)).map(PlacedQuery::new);
     // the last step: geometric verification; and ours, the anchors under its transformation
-    let verify = |screened| verify_candidate(&screening, screened, asked.as_ref(), features, seed);
+    let verify = |pre_verified| verify_candidate(&screening, pre_verified, asked.as_ref(), features, seed);
     let mut verified: Vec<_> = screening.candidates.iter().map(verify).collect();
     // M19: geometry proves a view, not a place
     settle_rivals(&screening.candidates, &mut verified, &screening.settings);

@@ -15,8 +15,8 @@ use crate::domain::ids::{KeyframeSeq, SessionSeq};
 use crate::domain::settings::Settings;
 use crate::recognition::extensions::contradiction::{Contradiction, contradict, unmatched};
 use crate::recognition::extensions::dispute::disputed;
-use crate::recognition::extensions::passage::is_sure;
 use crate::recognition::extensions::sighting::Sighting;
+use crate::recognition::extensions::sure_text::is_sure;
 use crate::recognition::map::index::{MapIndex, TextIndex};
 use crate::semantics::Source;
 

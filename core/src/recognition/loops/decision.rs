@@ -4,37 +4,37 @@
 use super::equation_2;
 use super::evidence;
 use super::features::FeatureSet;
-use super::geometry_check::{Asked, Checked, check_geometry};
+use super::geometry_check::{GeometryOutcome, PlacedQuery, check_geometry};
 use super::screening::{CandidateStage, PreVerified, Screening};
 use crate::domain::verdict::{
     Candidate, CandidateDecision, Decision, GeometryStatus, Reason, ReasonCode, Verdict, Verify,
 };
-use crate::recognition::extensions::passage::Returning;
+use crate::recognition::extensions::returning::Returning;
 use crate::recognition::extensions::rivals::{Concluded, Seen};
 use crate::recognition::verification::{Failure, Status, Verification};
 
 /// Runs geometry on one candidate, and decides by what it found.
 pub(super) fn verify_candidate(
     screening: &Screening,
-    screened: &PreVerified,
-    asked: Option<&Asked<'_>>,
+    pre_verified: &PreVerified,
+    asked: Option<&PlacedQuery<'_>>,
     features: &FeatureSet,
     seed: u64,
 ) -> Concluded {
-    let mut candidate = screened.candidate.clone();
-    let is_stopped = screened.standing == CandidateStage::Stopped;
-    if is_stopped && !screened.rivalry.is_rival {
+    let mut candidate = pre_verified.candidate.clone();
+    let is_stopped = pre_verified.stage == CandidateStage::Stopped;
+    if is_stopped && !pre_verified.rivalry.is_rival {
         return Concluded { candidate, view: None };
     }
-    let checked = check_geometry(screening, screened, asked, features, seed);
-    let is_near_miss = checked.as_ref().is_ok_and(Checked::is_near_miss);
-    let view = checked.as_ref().ok().map(|checked| seen(screened, &checked.verification));
+    let checked = check_geometry(screening, pre_verified, asked, features, seed);
+    let is_near_miss = checked.as_ref().is_ok_and(GeometryOutcome::is_near_miss);
+    let view = checked.as_ref().ok().map(|checked| seen(pre_verified, &checked.verification));
     if !is_stopped {
-        decide(screening, screened, checked, &mut candidate);
+        decide(screening, pre_verified, checked, &mut candidate);
     }
     if is_near_miss && candidate.decision != CandidateDecision::Loop {
         let asked = |neighbour| verify_candidate(screening, neighbour, asked, features, seed);
-        if let Some(mut found) = screened.neighbours.iter().map(asked).find(is_verified_loop) {
+        if let Some(mut found) = pre_verified.neighbours.iter().map(asked).find(is_verified_loop) {
             found.candidate.geometry.reason = Some(evidence::stands_in(&candidate));
             return found;
         }
@@ -52,28 +52,29 @@ fn is_verified_loop(neighbour: &Concluded) -> bool {
 }
 
 /// Returns what geometry found, to be held against rivals.
-fn seen(screened: &PreVerified, verification: &Verification) -> Seen {
+fn seen(pre_verified: &PreVerified, verification: &Verification) -> Seen {
     let metric = verification.candidate_from_query.filter(|_| verification.model.is_metric());
-    let query_in_session = metric.zip(screened.sight.as_ref()).and_then(|(found, sight)| sight.place(&found));
+    let query_in_session =
+        metric.zip(pre_verified.snapshot.as_ref()).and_then(|(found, snapshot)| snapshot.place(&found));
     Seen { inliers: verification.inliers, query_in_session }
 }
 
 /// Decides on a candidate that passed the anchors by what geometry found, or by what is missing for it.
 fn decide(
     screening: &Screening,
-    screened: &PreVerified,
-    checked: Result<Checked, &'static str>,
+    pre_verified: &PreVerified,
+    checked: Result<GeometryOutcome, &'static str>,
     candidate: &mut Candidate,
 ) {
     let (missing, skipped) = match checked {
         Ok(checked) if checked.verification.status != Status::Skipped => {
             candidate.geometry = evidence::geometry(&checked.verification);
-            judge_geometry(screening, screened, &checked, candidate);
+            judge_geometry(screening, pre_verified, &checked, candidate);
             if candidate.decision == CandidateDecision::Loop && !checked.verification.model.is_metric() {
-                judge_view(screened, candidate);
+                judge_view(pre_verified, candidate);
             }
-            judge_vouched(screened, &checked.verification, candidate);
-            judge_twins(screening, screened, &checked.verification, candidate);
+            judge_vouched(pre_verified, &checked.verification, candidate);
+            judge_twins(screening, pre_verified, &checked.verification, candidate);
             return;
         }
         Ok(checked) => {
@@ -87,20 +88,20 @@ fn decide(
         }
     };
     // A check that cannot run rejects nothing: where it need not, the anchors decide.
-    if let Some(reason) = &screened.contradicted {
+    if let Some(reason) = &pre_verified.contradicted {
         reject(candidate, reason.clone());
         return;
     }
-    match screened.standing {
-        CandidateStage::Vouched => leave_unvouched(screened, candidate),
-        _ if screening.verify == Verify::Geometry || screened.standing == CandidateStage::AskGeometry => {
+    match pre_verified.stage {
+        CandidateStage::Vouched => leave_unvouched(pre_verified, candidate),
+        _ if screening.verify == Verify::Geometry || pre_verified.stage == CandidateStage::AskGeometry => {
             leave_undecided(candidate, evidence::geometry_missing(&missing));
         }
         CandidateStage::TrackedOnly { .. } => leave_undecided(candidate, evidence::tracked_only()),
         CandidateStage::NeedsWitness => leave_undecided(candidate, evidence::no_witness()),
         CandidateStage::Stopped | CandidateStage::AnchorsAgree | CandidateStage::AskGeometry => {
             // Two views of one sign have something in common; one from behind the wall has not.
-            if let Some((matches, limit)) = skipped.and_then(|checked| unseen(screened, &checked)) {
+            if let Some((matches, limit)) = skipped.and_then(|checked| unseen(pre_verified, &checked)) {
                 leave_undecided(candidate, evidence::too_few_matches(matches, limit));
             }
         }
@@ -108,8 +109,8 @@ fn decide(
 }
 
 /// Returns the matches and their limit where so few match that the two need not see one place, whatever their anchors say.
-fn unseen(screened: &PreVerified, checked: &Checked) -> Option<(u32, u32)> {
-    let is_open = checked.are_triangulated || screened.identifier != Returning::InView;
+fn unseen(pre_verified: &PreVerified, checked: &GeometryOutcome) -> Option<(u32, u32)> {
+    let is_open = checked.are_triangulated || pre_verified.identifier != Returning::InView;
     match checked.verification.failure {
         Some(Failure::TooFewMatches { matches, limit }) if is_open => Some((matches, limit)),
         _ => None,
@@ -117,10 +118,10 @@ fn unseen(screened: &PreVerified, checked: &Checked) -> Option<(u32, u32)> {
 }
 
 /// A view without map points may be that of another floor: it makes nothing sure, and witnesses nothing.
-fn judge_view(screened: &PreVerified, candidate: &mut Candidate) {
-    if let Some(reason) = &screened.contradicted {
+fn judge_view(pre_verified: &PreVerified, candidate: &mut Candidate) {
+    if let Some(reason) = &pre_verified.contradicted {
         reject(candidate, reason.clone());
-    } else if lacks_witness(screened.standing) {
+    } else if lacks_witness(pre_verified.stage) {
         leave_undecided(candidate, evidence::no_witness());
     }
 }
@@ -128,11 +129,11 @@ fn judge_view(screened: &PreVerified, candidate: &mut Candidate) {
 /// Geometry alone closes no loop in a map that has shown one view in two places (M16).
 fn judge_twins(
     screening: &Screening,
-    screened: &PreVerified,
+    pre_verified: &PreVerified,
     verification: &Verification,
     candidate: &mut Candidate,
 ) {
-    let is_alone = screened.standing == CandidateStage::AskGeometry;
+    let is_alone = pre_verified.stage == CandidateStage::AskGeometry;
     if screening.twins > 0 && is_alone && candidate.decision == CandidateDecision::Loop {
         leave_undecided(candidate, evidence::twins_known(verification.inliers));
     }
@@ -149,20 +150,20 @@ fn leave_undecided(candidate: &mut Candidate, reason: Reason) {
 }
 
 /// Says that neighbours vouch for what geometry on map points verifies, and takes back what it does not.
-fn judge_vouched(screened: &PreVerified, verification: &Verification, candidate: &mut Candidate) {
-    let Some(vouched) = &screened.vouched else { return };
+fn judge_vouched(pre_verified: &PreVerified, verification: &Verification, candidate: &mut Candidate) {
+    let Some(vouched) = &pre_verified.vouched else { return };
     if verification.status == Status::Verified && verification.model.is_metric() {
         if candidate.decision == CandidateDecision::Loop {
             candidate.reason = Some(evidence::neighbours_vouch(vouched.by, verification.inliers));
         }
     } else {
-        leave_unvouched(screened, candidate);
+        leave_unvouched(pre_verified, candidate);
     }
 }
 
 /// Decides as if nobody vouched.
-fn leave_unvouched(screened: &PreVerified, candidate: &mut Candidate) {
-    if let Some(vouched) = &screened.vouched {
+fn leave_unvouched(pre_verified: &PreVerified, candidate: &mut Candidate) {
+    if let Some(vouched) = &pre_verified.vouched {
         let (decision, reason) = vouched.otherwise.clone();
         candidate.decision = decision;
         candidate.reason = Some(reason);
@@ -170,22 +171,22 @@ fn leave_unvouched(screened: &PreVerified, candidate: &mut Candidate) {
 }
 
 /// Whether nothing but texts that need a witness agrees.
-fn lacks_witness(standing: CandidateStage) -> bool {
-    matches!(standing, CandidateStage::NeedsWitness | CandidateStage::TrackedOnly { has_witness: false })
+fn lacks_witness(stage: CandidateStage) -> bool {
+    matches!(stage, CandidateStage::NeedsWitness | CandidateStage::TrackedOnly { has_witness: false })
 }
 
 /// What geometry found decides, and then the anchors under its transformation.
 fn judge_geometry(
     screening: &Screening,
-    screened: &PreVerified,
-    checked: &Checked,
+    pre_verified: &PreVerified,
+    checked: &GeometryOutcome,
     candidate: &mut Candidate,
 ) {
     let (settings, verification) = (&screening.settings, &checked.verification);
     let is_metric = verification.model.is_metric();
     if verification.status == Status::Failed {
         let reason = evidence::too_few_inliers(verification, settings);
-        if is_metric || screened.identifier == Returning::No {
+        if is_metric || pre_verified.identifier == Returning::No {
             reject(candidate, reason);
         } else if screening.verify == Verify::Geometry {
             leave_undecided(candidate, reason);
@@ -193,32 +194,32 @@ fn judge_geometry(
         return;
     }
     let alone = settings.geometry_alone_min_inliers;
-    if screened.standing == CandidateStage::AskGeometry && !is_metric {
+    if pre_verified.stage == CandidateStage::AskGeometry && !is_metric {
         if verification.inliers < alone {
             leave_undecided(candidate, evidence::too_few_alone(verification, alone));
             return;
         }
         // The next frame of one drive shows the same view.
-        if screened.is_here {
+        if pre_verified.is_here {
             leave_undecided(candidate, evidence::tracked_only());
             return;
         }
     }
     // A translation of unknown length puts nothing anywhere.
     let metric_transform = verification.candidate_from_query.filter(|_| is_metric);
-    if let Some((path, transform)) = screened.path.zip(metric_transform)
+    if let Some((path, transform)) = pre_verified.path.zip(metric_transform)
         && let Some(discrepancy) = path.discrepancy(&transform, &screening.settings)
     {
         reject(candidate, evidence::disagrees_with_odometry(discrepancy, path.length_m));
         return;
     }
-    let Some(transform) = metric_transform.filter(|_| screened.compared.has_anchors()) else { return };
-    let aligned = screened.compared.under(&checked.between_poses(&transform), settings);
+    let Some(transform) = metric_transform.filter(|_| pre_verified.compared.has_anchors()) else { return };
+    let aligned = pre_verified.compared.under(&checked.between_poses(&transform), settings);
     if let Some(anchors) = &mut candidate.anchors {
         evidence::align(anchors, &aligned);
     }
     let contradicting: f64 = aligned.contradictions.iter().fold(0.0, |sum, pair| sum + pair.weight());
-    let agreed = screened.standing != CandidateStage::AskGeometry;
+    let agreed = pre_verified.stage != CandidateStage::AskGeometry;
     let reason = if contradicting > aligned.agreement {
         evidence::contradicted(&aligned.contradictions, contradicting, aligned.agreement)
     } else if agreed && !equation_2::passes(aligned.similarity, settings) {

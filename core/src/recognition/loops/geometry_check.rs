@@ -24,12 +24,12 @@ pub struct Terms<'a> {
 }
 
 /// The keyframe that is asked about. Its points are placed once, when the first candidate needs them.
-pub struct Asked<'a> {
+pub struct PlacedQuery<'a> {
     seeing: Seeing<'a>,
     placed: OnceCell<Placed>,
 }
 
-impl<'a> Asked<'a> {
+impl<'a> PlacedQuery<'a> {
     /// Takes what is asked about.
     pub fn new(seeing: Seeing<'a>) -> Self {
         Self { seeing, placed: OnceCell::new() }
@@ -71,7 +71,7 @@ impl Placed {
 
 /// The outcome of geometry between the query and one candidate.
 #[derive(Clone, Debug)]
-pub struct Checked {
+pub struct GeometryOutcome {
     /// The outcome.
     pub verification: Verification,
     /// Both keyframes have enough map points with positions for a similarity to be found.
@@ -81,7 +81,7 @@ pub struct Checked {
     camera_from_posed: [Sim3; 2],
 }
 
-impl Checked {
+impl GeometryOutcome {
     /// Returns a transformation between the two cameras as one between the frames in which anchors stand, which are those of
     /// the poses.
     pub fn between_poses(&self, candidate_from_query: &Sim3) -> Sim3 {
@@ -101,40 +101,41 @@ impl Checked {
 /// Runs geometry on one candidate, or tells what is missing for it.
 pub fn check_geometry(
     screening: &Screening,
-    screened: &PreVerified,
-    asked: Option<&Asked<'_>>,
+    pre_verified: &PreVerified,
+    asked: Option<&PlacedQuery<'_>>,
     features: &FeatureSet,
     seed: u64,
-) -> Result<Checked, &'static str> {
+) -> Result<GeometryOutcome, &'static str> {
     if screening.verify == Verify::Anchors {
         return Err("the query asks for anchors alone");
     }
-    let found = screened.sight.as_ref().zip(features.stored.get(&screened.keyframe).map(AsRef::as_ref));
+    let found =
+        pre_verified.snapshot.as_ref().zip(features.stored.get(&pre_verified.keyframe).map(AsRef::as_ref));
     let asked = asked.ok_or("the query has no features or no camera")?;
     let candidate = found.ok_or("the candidate has no features or no camera")?;
     let terms = Terms { settings: &screening.settings, metric: screening.metric };
-    verify_pair(&terms, screened.standing, asked, candidate, features, seed)
+    verify_pair(&terms, pre_verified.stage, asked, candidate, features, seed)
 }
 
 /// Runs geometry on two keyframes, whatever their anchors say, by the numbers of geometry alone.
 pub fn verify_views(
     terms: &Terms<'_>,
-    query: &Asked<'_>,
+    query: &PlacedQuery<'_>,
     candidate: Seeing<'_>,
     features: &FeatureSet,
     seed: u64,
-) -> Result<Checked, &'static str> {
+) -> Result<GeometryOutcome, &'static str> {
     verify_pair(terms, CandidateStage::AskGeometry, query, candidate, features, seed)
 }
 
 fn verify_pair(
     terms: &Terms<'_>,
-    standing: CandidateStage,
-    asked: &Asked<'_>,
+    stage: CandidateStage,
+    asked: &PlacedQuery<'_>,
     candidate: Seeing<'_>,
     features: &FeatureSet,
     seed: u64,
-) -> Result<Checked, &'static str> {
+) -> Result<GeometryOutcome, &'static str> {
     let query = asked.seeing;
     let min_matches = terms.settings.geometry_min_matches as usize;
     if [query, candidate].iter().any(|(_, features)| features.keypoints.len() < min_matches) {
@@ -145,18 +146,18 @@ fn verify_pair(
     let of_query = asked.placed(terms);
     let of_candidate = Placed::of(candidate, &mut landmarks, terms);
     let are_triangulated = [of_query, &of_candidate].iter().all(|placed| placed.are_at_least(min_matches));
-    let limits = limits(terms, standing, are_triangulated);
+    let limits = limits(terms, stage, are_triangulated);
     let (query, candidate) = (view(query, &of_query.points), view(candidate, &of_candidate.points));
     let verification = verify_by_any_model(&query, &candidate, &landmarks, &limits, seed);
     let camera_from_posed = [of_query.camera_from_posed, of_candidate.camera_from_posed];
-    Ok(Checked { verification, are_triangulated, camera_from_posed })
+    Ok(GeometryOutcome { verification, are_triangulated, camera_from_posed })
 }
 
 /// Significance says that two views are of one thing, and no more: where nothing else speaks for the place, and where map
 /// points let a similarity be found, the letter's numbers count (M19).
-fn limits(terms: &Terms<'_>, standing: CandidateStage, are_triangulated: bool) -> Limits {
+fn limits(terms: &Terms<'_>, stage: CandidateStage, are_triangulated: bool) -> Limits {
     let settings = terms.settings;
-    let by_count = are_triangulated || standing == CandidateStage::AskGeometry;
+    let by_count = are_triangulated || stage == CandidateStage::AskGeometry;
     Limits {
         min_matches: settings.geometry_min_matches,
         min_inliers: settings.geometry_min_inliers,
@@ -168,9 +169,9 @@ fn limits(terms: &Terms<'_>, standing: CandidateStage, are_triangulated: bool) -
     }
 }
 
-fn view<'a>((sight, features): Seeing<'a>, points_in_camera: &'a [Option<Point3>]) -> View<'a> {
+fn view<'a>((snapshot, features): Seeing<'a>, points_in_camera: &'a [Option<Point3>]) -> View<'a> {
     View {
-        camera: sight.camera,
+        camera: snapshot.camera,
         keypoints: &features.keypoints,
         descriptors: &features.descriptors,
         nodes: features.nodes.as_deref(),

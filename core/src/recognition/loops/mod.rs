@@ -4,6 +4,7 @@ pub mod anchor_check;
 pub mod anchor_map;
 pub mod assignment;
 pub mod candidates;
+pub mod centre;
 pub mod check_loop;
 pub mod comparison;
 pub mod decision;

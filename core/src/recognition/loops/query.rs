@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::anchor_map::{Centre, inline_centre};
+use super::centre::{Centre, inline_centre};
 use super::geometry_snapshot::GeometrySnapshot;
 use crate::domain::bow::BowVector;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
@@ -24,7 +24,7 @@ pub struct Query<'a> {
     /// The objects it sees, ascending.
     pub seen: BTreeSet<AnchorSeq>,
     /// What geometry needs to know of it, if its client told the camera.
-    pub sight: Option<GeometrySnapshot>,
+    pub snapshot: Option<GeometrySnapshot>,
     /// The roles that models fill where the question is answered.
     pub roles: Roles,
 }
@@ -34,8 +34,8 @@ impl<'a> Query<'a> {
     pub fn stored(index: &MapIndex, keyframe: KeyframeSeq, bow: &'a BowVector) -> Option<Self> {
         let centre = Centre::stored(index, keyframe)?;
         let stamp = index.keyframe(keyframe)?.stamp;
-        let (seen, sight) = (index.objects_seen_by(keyframe), GeometrySnapshot::stored(index, keyframe));
-        Some(Self { keyframe: Some(keyframe), bow, stamp, centre, seen, sight, roles: Roles::default() })
+        let (seen, snapshot) = (index.objects_seen_by(keyframe), GeometrySnapshot::stored(index, keyframe));
+        Some(Self { keyframe: Some(keyframe), bow, stamp, centre, seen, snapshot, roles: Roles::default() })
     }
 
     /// About a keyframe that is not stored, as if it had just arrived.
@@ -48,7 +48,7 @@ impl<'a> Query<'a> {
             stamp: keyframe.stamp,
             centre,
             seen,
-            sight: GeometrySnapshot::inline(index, keyframe),
+            snapshot: GeometrySnapshot::inline(index, keyframe),
             roles: Roles::default(),
         }
     }

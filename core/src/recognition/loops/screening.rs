@@ -11,12 +11,12 @@ use crate::domain::verdict::{
     CLOSED_MAX, Candidate, CandidateDecision, ClosedLoop, Reason, ReasonCode, Verify,
 };
 use crate::recognition::extensions::alignment::Compared;
-use crate::recognition::extensions::passage::Returning;
+use crate::recognition::extensions::returning::Returning;
 use crate::recognition::extensions::tracked_path::TrackedPath;
 use crate::recognition::extensions::vouching::{Vouched, Voucher};
 use crate::recognition::map::index::MapIndex;
 
-/// The standing of a candidate after check 3.
+/// The stage of a candidate after check 3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CandidateStage {
     /// A check stopped it.
@@ -40,8 +40,8 @@ pub enum CandidateStage {
 /// A candidate that check 3 lets pass.
 #[derive(Clone, Debug)]
 pub struct Passed {
-    /// Its standing.
-    pub standing: CandidateStage,
+    /// Its stage.
+    pub stage: CandidateStage,
     /// Identifiers that are not sure contradict the place: it is rejected where geometry cannot run (M7).
     pub contradicted: Option<Reason>,
 }
@@ -62,8 +62,8 @@ pub struct PreVerified {
     pub keyframe: KeyframeSeq,
     /// The evidence so far.
     pub candidate: Candidate,
-    /// Its standing.
-    pub standing: CandidateStage,
+    /// Its stage.
+    pub stage: CandidateStage,
     /// Why it is rejected where geometry cannot run.
     pub contradicted: Option<Reason>,
     /// The voucher for it, where its own anchors leave it open.
@@ -81,7 +81,7 @@ pub struct PreVerified {
     /// The unbroken odometry chain to the query, if there is one.
     pub path: Option<TrackedPath>,
     /// Its geometry: camera, pose and map points.
-    pub sight: Option<GeometrySnapshot>,
+    pub snapshot: Option<GeometrySnapshot>,
     /// Whether the built-in judge stood in for a model that is away.
     pub is_degraded: bool,
 }
@@ -98,7 +98,7 @@ impl PreVerified {
         Self {
             keyframe,
             candidate,
-            standing: CandidateStage::Stopped,
+            stage: CandidateStage::Stopped,
             contradicted: None,
             vouched: None,
             rivalry: Rivalry::default(),
@@ -107,7 +107,7 @@ impl PreVerified {
             identifier: Returning::No,
             compared: Compared::default(),
             path: None,
-            sight: None,
+            snapshot: None,
             is_degraded: false,
         }
     }
@@ -117,14 +117,14 @@ impl PreVerified {
     /// Returns the decision and the reason of a candidate that its anchors neither bear out nor speak against: there are
     /// none, or all that agrees hangs in several places.
     pub(in crate::recognition) fn left_open(&self) -> Option<(CandidateDecision, Reason)> {
-        let reason = self.candidate.reason.clone().filter(|_| self.standing == CandidateStage::Stopped)?;
+        let reason = self.candidate.reason.clone().filter(|_| self.stage == CandidateStage::Stopped)?;
         let is_open = matches!(reason.code, ReasonCode::NoAnchors | ReasonCode::NotDistinctive);
         is_open.then_some((self.candidate.decision, reason))
     }
 
     /// Whether geometry will look at it, so that the keyframes around it may be asked.
     pub(in crate::recognition) fn may_be_near_miss(&self) -> bool {
-        self.standing != CandidateStage::Stopped && self.sight.is_some()
+        self.stage != CandidateStage::Stopped && self.snapshot.is_some()
     }
 
     /// Adds the neighbours that passed the anchors. Their guided search does with the window that is read for this one.
@@ -132,9 +132,9 @@ impl PreVerified {
         neighbours.retain(Self::may_be_near_miss);
         let mut read: BTreeSet<KeyframeSeq> = neighbours.iter().map(|neighbour| neighbour.keyframe).collect();
         read.insert(self.keyframe);
-        read.extend(self.sight.iter().flat_map(|sight| sight.window.iter().copied()));
-        for sight in neighbours.iter_mut().filter_map(|neighbour| neighbour.sight.as_mut()) {
-            sight.window.retain(|keyframe| read.contains(keyframe));
+        read.extend(self.snapshot.iter().flat_map(|snapshot| snapshot.window.iter().copied()));
+        for snapshot in neighbours.iter_mut().filter_map(|neighbour| neighbour.snapshot.as_mut()) {
+            snapshot.window.retain(|keyframe| read.contains(keyframe));
         }
         self.neighbours = neighbours;
     }
@@ -147,7 +147,7 @@ impl PreVerified {
     ) -> Self {
         self.candidate.decision = CandidateDecision::Loop;
         self.candidate.reason = None;
-        Self { standing: CandidateStage::Vouched, vouched: Some(Vouched { by, otherwise }), ..self }
+        Self { stage: CandidateStage::Vouched, vouched: Some(Vouched { by, otherwise }), ..self }
     }
 }
 
@@ -178,7 +178,7 @@ pub struct Screening {
     /// The query's number, if it is stored.
     pub query: Option<KeyframeSeq>,
     /// The query's geometry: camera, pose and map points.
-    pub sight: Option<GeometrySnapshot>,
+    pub snapshot: Option<GeometrySnapshot>,
     /// The candidates.
     pub candidates: Vec<PreVerified>,
 }
@@ -205,16 +205,16 @@ impl Screening {
             degraded: candidates.iter().any(|candidate| candidate.is_degraded),
             twins: if settings.twin_guard { index.twins().count() } else { 0 },
             query: query.keyframe,
-            sight: query.sight.clone(),
+            snapshot: query.snapshot.clone(),
             candidates,
         }
     }
 
     /// Returns the candidates that geometry is to look at.
     pub fn waiting(&self) -> impl Iterator<Item = &PreVerified> {
-        let runs = self.sight.is_some() && self.verify != Verify::Anchors;
+        let runs = self.snapshot.is_some() && self.verify != Verify::Anchors;
         let is_looked_at = |c: &PreVerified| {
-            (c.standing != CandidateStage::Stopped || c.rivalry.is_rival) && c.sight.is_some()
+            (c.stage != CandidateStage::Stopped || c.rivalry.is_rival) && c.snapshot.is_some()
         };
         self.candidates.iter().filter(move |c| runs && is_looked_at(c))
     }
@@ -222,10 +222,11 @@ impl Screening {
     /// Returns the keyframes whose features geometry will read, ascending; none if it has nothing to do.
     pub fn wanted_features(&self) -> BTreeSet<KeyframeSeq> {
         let mut wanted = BTreeSet::new();
-        for screened in self.waiting().flat_map(|screened| [screened].into_iter().chain(&screened.neighbours))
+        for pre_verified in
+            self.waiting().flat_map(|pre_verified| [pre_verified].into_iter().chain(&pre_verified.neighbours))
         {
-            wanted.insert(screened.keyframe);
-            wanted.extend(screened.sight.iter().flat_map(|sight| sight.window.iter().copied()));
+            wanted.insert(pre_verified.keyframe);
+            wanted.extend(pre_verified.snapshot.iter().flat_map(|snapshot| snapshot.window.iter().copied()));
         }
         if !wanted.is_empty() {
             wanted.extend(self.query);

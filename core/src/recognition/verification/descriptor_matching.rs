@@ -1,5 +1,6 @@
 //! Matching the binary descriptors of two keyframes: by the vocabulary's nodes where both have them, else all with all.
 
+use super::descriptor_match::Match;
 use super::limits::MatchingLimits;
 use super::orientation::keep_consistent_rotations;
 use crate::domain::keyframe::Keypoint;
@@ -19,17 +20,6 @@ pub struct Side<'a> {
     pub nodes: Option<&'a [u32]>,
     /// The features that take part, ascending.
     pub features: &'a [u32],
-}
-
-/// Two features that match.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Match {
-    /// The feature of the query.
-    pub query: u32,
-    /// The feature of the candidate.
-    pub candidate: u32,
-    /// The number of bits they differ in.
-    pub distance: u32,
 }
 
 /// Returns the matches, ascending by the query's feature. Ties in distance go to the first feature, and fail the ratio

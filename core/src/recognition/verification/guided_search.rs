@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use super::correspondence::{Correspondence, Hypothesis, Reprojection};
 use super::keypoint_grid::KeypointGrid;
 use super::limits::Limits;
-use super::{Landmark, View};
+use super::view::{Landmark, View};
 use crate::geometry::hamming::distance;
 use crate::geometry::pinhole::Pinhole;
 

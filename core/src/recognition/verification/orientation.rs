@@ -1,6 +1,6 @@
 //! Matches that turn the image alike: when a camera rolls, all its keypoints turn by the same angle.
 
-use super::descriptor_matching::Match;
+use super::descriptor_match::Match;
 use crate::domain::keyframe::Keypoint;
 
 /// Bins of 12 degrees (ORB-SLAM's `HISTO_LENGTH`).

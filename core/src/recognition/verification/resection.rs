@@ -4,11 +4,11 @@
 //! that saw it first, odometry drifts between the two. Points that are off together are off in the other image, too: few
 //! pairs agree with the right transformation, and a wrong one may win. The keyframe's own image knows better.
 
-use super::View;
 use super::correspondence::{Cameras, Correspondence, Hypothesis, Reprojection};
 use super::guided_search::sighting;
 use super::limits::Limits;
 use super::refinement::refine;
+use super::view::View;
 use crate::geometry::Sim3;
 
 /// Points that fix the six unknowns of a pose many times over.

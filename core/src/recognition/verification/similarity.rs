@@ -2,7 +2,8 @@
 
 use super::correspondence::{Cameras, Correspondence, Hypothesis, Reprojection};
 use super::covariance::covariance;
-use super::descriptor_matching::{Match, match_descriptors};
+use super::descriptor_match::Match;
+use super::descriptor_matching::match_descriptors;
 use super::guided_search::{GuidedSearch, sighting};
 use super::limits::Limits;
 use super::outcome::{Failure, Model, Verification};
@@ -10,7 +11,7 @@ use super::planar_ambiguity::better_tilted;
 use super::ransac::sample_consensus;
 use super::refinement::refine;
 use super::significance::{self, Evidence, ImageMatch};
-use super::{Landmark, View, side};
+use super::view::{Landmark, View, side};
 use crate::domain::settings::GeometryAcceptance;
 use crate::geometry::Sim3;
 

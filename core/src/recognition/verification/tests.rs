@@ -9,7 +9,8 @@ use rand::seq::SliceRandom;
 
 use super::*;
 use crate::domain::settings::GeometryAcceptance;
-use crate::geometry::Sim3;
+use crate::geometry::hamming::PackedDescriptors;
+use crate::geometry::{Point3, Sim3};
 use scene::{Keyframe, Scene, from_yaw, rng};
 
 const LIMITS: Limits = Limits::DEFAULT;

@@ -1,11 +1,15 @@
 //! The header of the binary form.
 
 use super::checksum::Checksum;
-use super::{BinaryFault, MAGIC, VERSION};
-use crate::vocabulary::Shape;
+use super::fault::BinaryFault;
+use crate::vocabulary::content::{VERSION, numbers};
 use crate::vocabulary::fingerprint::Fingerprint;
+use crate::vocabulary::shape::{NODES_MAX, Shape};
 use crate::vocabulary::transform::pack;
 use crate::vocabulary::tree::Tree;
+
+/// How the form says what it is. The second byte is no text, so no text form starts like this.
+pub(in crate::vocabulary) const MAGIC: [u8; 8] = *b"\x96RVOC\r\n\x1a";
 
 /// What stands before the content.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,20 +24,9 @@ pub(super) struct Header {
 impl Header {
     pub const BYTES: usize = 8 + 8 * 4 + 32 + 8 + 8;
 
-    /// Returns the numbers, as the fingerprint covers them too.
-    pub fn numbers(shape: Shape, nodes: usize, words: usize) -> [u8; 32] {
-        let bytes = shape.descriptor_bytes as u32;
-        let numbers = [VERSION, shape.branching, shape.levels, 0, 0, bytes, nodes as u32, words as u32];
-        let mut all = [0; 32];
-        for (slot, number) in all.as_chunks_mut::<4>().0.iter_mut().zip(numbers) {
-            *slot = number.to_le_bytes();
-        }
-        all
-    }
-
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
-        bytes.extend(Self::numbers(self.shape, self.nodes, self.words));
+        bytes.extend(numbers(self.shape, self.nodes, self.words));
         bytes.extend(self.fingerprint.as_bytes());
         bytes.extend(self.content_checksum.to_le_bytes());
         bytes.extend(sum(&bytes).to_le_bytes());
@@ -65,7 +58,7 @@ impl Header {
             "the length of a descriptor",
             descriptor_bytes,
         )?;
-        bound((2..=Tree::NODES_MAX).contains(&nodes), "the number of nodes", nodes)?;
+        bound((2..=NODES_MAX).contains(&nodes), "the number of nodes", nodes)?;
         bound((1..nodes).contains(&words), "the number of words", words)?;
         let mut fingerprint = [0; 32];
         fingerprint.copy_from_slice(&bytes[40..72]);

@@ -3,10 +3,13 @@
 use std::io::{self, Read};
 
 use super::checksum::Checksum;
+use super::fault::BinaryFault;
 use super::header::Header;
-use super::{BLOCK_WORDS, BinaryFault};
-use crate::vocabulary::tree::{self, Link};
-use crate::vocabulary::{Vocabulary, VocabularyError};
+use crate::vocabulary::content::BLOCK_WORDS;
+use crate::vocabulary::error::VocabularyError;
+use crate::vocabulary::flat_tree::Vocabulary;
+use crate::vocabulary::link::Link;
+use crate::vocabulary::tree;
 
 /// Reads a vocabulary. Whatever the bytes are, what comes out has its children and words in place.
 pub(in crate::vocabulary) fn read(bytes: &mut impl Read) -> Result<Vocabulary, VocabularyError> {

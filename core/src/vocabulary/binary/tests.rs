@@ -2,7 +2,9 @@
 
 use super::checksum::Checksum;
 use super::header::Header;
-use super::*;
+use super::read::read;
+use super::write::write;
+use crate::vocabulary::content::BLOCK_WORDS;
 use crate::vocabulary::transform::pack;
 
 /// Makes the checksums right again, as far as the bytes go.

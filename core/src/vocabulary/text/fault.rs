@@ -1,6 +1,7 @@
 //! What can be wrong with a line of the text form.
 
-use crate::vocabulary::TreeFault;
+use crate::vocabulary::shape::DESCRIPTOR_BYTES_MAX;
+use crate::vocabulary::tree_fault::TreeFault;
 
 /// What is wrong with a line.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -24,7 +25,7 @@ pub enum TextFault {
     #[error("expected `parent isLeaf d0 ... dN  weight`; {0}")]
     Node(&'static str),
     /// A descriptor of a length that no descriptor has.
-    #[error("a descriptor of {0} bytes; it must be a multiple of 8, at most {max}", max = super::line::DESCRIPTOR_BYTES_MAX)]
+    #[error("a descriptor of {0} bytes; it must be a multiple of 8, at most {max}", max = DESCRIPTOR_BYTES_MAX)]
     DescriptorBytes(usize),
     /// A descriptor of another length than those before.
     #[error("a descriptor of {got} bytes, where the lines before have {expected}")]

@@ -1,9 +1,7 @@
 //! One line of the text form, parsed by hand: a large vocabulary has a million of them, and forty million numbers.
 
-use super::TextFault;
-
-/// The longest descriptor, as the service accepts them.
-pub(super) const DESCRIPTOR_BYTES_MAX: usize = 512;
+use super::fault::TextFault;
+use crate::vocabulary::shape::DESCRIPTOR_BYTES_MAX;
 
 /// A node without its descriptor.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,10 +2,13 @@
 
 use std::io::{BufRead, Read as _};
 
-use super::TextFault;
+use super::fault::TextFault;
 use super::line::{self, NodeLine};
+use crate::vocabulary::error::VocabularyError;
+use crate::vocabulary::flat_tree::Vocabulary;
+use crate::vocabulary::shape::Shape;
 use crate::vocabulary::tree::Tree;
-use crate::vocabulary::{Shape, Vocabulary, VocabularyError};
+use crate::vocabulary::tree_fault::TreeFault;
 
 /// Ample for the longest descriptor, whatever blanks are between its numbers.
 const LINE_BYTES_MAX: usize = 16 * 1024;
@@ -39,7 +42,7 @@ pub(in crate::vocabulary) fn read(text: &mut impl BufRead) -> Result<Vocabulary,
         };
         added.map_err(|fault| lines.wrong(fault))?;
     }
-    let tree = tree.ok_or(crate::vocabulary::TreeFault::Empty)?;
+    let tree = tree.ok_or(TreeFault::Empty)?;
     Ok(tree.finish()?)
 }
 

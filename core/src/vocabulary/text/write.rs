@@ -2,7 +2,7 @@
 
 use std::io::{self, BufWriter, Write};
 
-use crate::vocabulary::Vocabulary;
+use crate::vocabulary::flat_tree::Vocabulary;
 
 /// Writes a vocabulary, its nodes in the order of the file it came from.
 pub(in crate::vocabulary) fn write(vocabulary: &Vocabulary, out: impl Write) -> io::Result<()> {

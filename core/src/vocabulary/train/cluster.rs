@@ -1,8 +1,8 @@
 //! One split: members are parted into clusters around majority descriptors.
 
-use super::TrainingSet;
 use super::majority::Majority;
 use super::random::Random;
+use super::set::TrainingSet;
 use crate::geometry::hamming::distance;
 use crate::vocabulary::nearest::nearest;
 

@@ -1,6 +1,6 @@
 //! A training set: the descriptors of images, packed.
 
-use super::TrainError;
+use super::error::TrainError;
 use crate::vocabulary::transform::pack;
 
 /// Descriptors of one length, image by image.

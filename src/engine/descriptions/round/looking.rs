@@ -10,7 +10,8 @@ use crate::engine::ServiceError;
 use crate::engine::descriptions::backlog::Backlog;
 use crate::engine::maps::live::LiveMap;
 use crate::llm::embeddings::Embeddings as ModelEmbeddings;
-use crate::recognition::anchors::description_tasks::{DescriptionTask, DescriptionTasks, lacking};
+use crate::recognition::anchors::description_tasks::{DescriptionTask, DescriptionTasks};
+use crate::recognition::anchors::find_description_tasks::find_description_tasks;
 use crate::recognition::anchors::pairs::Embeddings;
 use crate::store::MapKey;
 
@@ -97,7 +98,8 @@ impl Round {
         let looked = self.service.look(live, move |state| {
             let passed_over = |lack: &DescriptionTask| left_alone.contains(lack);
             let embeddings = at_hand.as_ref().map(|embeddings| embeddings as &dyn Embeddings);
-            let found = lacking(&state.index, roles, embeddings, &mut settled, BATCH, passed_over);
+            let found =
+                find_description_tasks(&state.index, roles, embeddings, &mut settled, BATCH, passed_over);
             Ok((state.version, found, settled, state.index.model_away()))
         });
         let looked = looked.await;

@@ -48,7 +48,7 @@ async fn paused_worker(folder: &tempfile::TempDir) -> (Service, Round) {
     let models = Models::with([None, Some(Arc::new(Silent))], None, &args, &service.store).await.unwrap();
     let models = Arc::new(models);
     let service = Service(Arc::new(Parts { models: Some(models.clone()), ..Parts::clone(&service) }));
-    let round = service.worker.round(service.clone(), models);
+    let round = Round::new(service.clone(), models);
     (service, round)
 }
 

@@ -2,7 +2,7 @@
 
 use std::cmp::Reverse;
 
-use super::seen::is_alike;
+use super::readings::is_alike;
 use crate::domain::anchor::AnchorState;
 use crate::domain::change::Keyframe;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};

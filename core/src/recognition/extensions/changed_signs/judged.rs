@@ -4,7 +4,8 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use super::passages::Passage;
-use super::seen::{InItsPlace, in_its_place, read_alike, read_otherwise, reads_another};
+use super::readings::read_otherwise;
+use super::seen::{InItsPlace, in_its_place, read_alike, reads_another};
 use super::split::{match_anew, split};
 use crate::domain::anchor::AnchorState;
 use crate::domain::change::{Change, MissedSign};

@@ -8,7 +8,8 @@
 //! | which signs a camera should see | [`expected`] |
 //! | the passages that have ended | [`passages`] |
 //! | whether the robot was where its poses have it | [`place`] |
-//! | what the passage read there | [`seen`] |
+//! | what a keyframe read of a sign | `readings` |
+//! | what the passage saw there | [`seen`] |
 //! | three passages retire a sign, one returns it | [`judged`] |
 //! | a new sign that has fed the old one's anchor | `split` |
 //!
@@ -18,6 +19,7 @@ pub mod expected;
 pub mod judged;
 pub mod passages;
 pub mod place;
+mod readings;
 pub mod seen;
 mod split;
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::expected::{Expecting, Sign, centre_of, is_in_image};
-use super::seen::reads_alike;
+use super::readings::reads_alike;
 use crate::domain::anchor::AnchorState;
 use crate::domain::change::Keyframe;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
@@ -47,7 +47,7 @@ pub fn passages_ended_by(index: &MapIndex, arrived: KeyframeSeq) -> Vec<Passage>
         let keyframe = passed[at].keyframe;
         let Some(camera) = &keyframe.camera else { continue };
         let place = keyframe.map_from_camera.centre();
-        for root in index.signs_near(keyframe.session, &place) {
+        for root in index.sign_grid().near(keyframe.session, &place) {
             let centre = index.objects().get(root).and_then(|object| centre_of(object, keyframe.session));
             let is_in_view = |centre: &Point3| is_in_image(centre, camera, &keyframe.map_from_camera);
             if !centre.as_ref().is_some_and(is_in_view)

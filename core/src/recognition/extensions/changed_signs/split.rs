@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use super::passages::Passage;
-use super::seen::read_otherwise;
+use super::readings::read_otherwise;
 use crate::domain::change::{Change, MovedObservation};
 use crate::domain::ids::AnchorSeq;
 use crate::recognition::anchors::ingest::{merge_all, tell_description, tell_revisits};

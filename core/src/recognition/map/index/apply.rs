@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 
 use super::anchor::Anchor;
+use super::map_index::MapIndex;
 use super::objects::Judging;
+use super::objects::MergedAnchor;
 use super::texts::TextIndex;
-use super::{MapIndex, MergedAnchor};
 use crate::domain::anchor::{AnchorState, Observation};
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Change, Keyframe, Loop, Merge, MergeCause, MovedObservation};

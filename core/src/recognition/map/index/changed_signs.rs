@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-use super::{MapIndex, MergedAnchor};
 use crate::domain::change::{Change, MissedSign};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 
@@ -20,6 +19,22 @@ impl ChangedSigns {
     /// Whether an anchor is retired.
     pub fn is_retired(&self, anchor: AnchorSeq) -> bool {
         self.retired.contains_key(&anchor)
+    }
+
+    /// Returns the passages that missed one of some anchors since it was last seen.
+    pub(super) fn misses_of(&self, anchors: &[AnchorSeq]) -> impl Iterator<Item = MissedSign> {
+        anchors.iter().flat_map(|anchor| {
+            self.missed.range(all_of(*anchor)).map(|((anchor, keyframe), other)| MissedSign {
+                anchor: *anchor,
+                keyframe: *keyframe,
+                other: *other,
+            })
+        })
+    }
+
+    /// Returns the anchor that hangs in the place of the newest retired one of some anchors.
+    pub(super) fn replacement_of(&self, anchors: &[AnchorSeq]) -> Option<AnchorSeq> {
+        anchors.iter().rev().find_map(|anchor| *self.retired.get(anchor)?)
     }
 
     /// Applies a change that is about signs that change. Returns the anchor of which the state may be another one.
@@ -52,32 +67,6 @@ impl ChangedSigns {
     pub(super) fn remove_anchor(&mut self, anchor: AnchorSeq) {
         self.withdraw_misses(anchor);
         self.retired.remove(&anchor);
-    }
-}
-
-impl MapIndex {
-    /// Returns the facts about signs that change.
-    pub fn changed_signs(&self) -> &ChangedSigns {
-        &self.changed_signs
-    }
-
-    /// Returns the passages that missed an object since it was last seen.
-    pub fn misses_of(&self, object: &MergedAnchor) -> impl Iterator<Item = MissedSign> {
-        let missed = &self.changed_signs.missed;
-        object.members.iter().flat_map(|anchor| {
-            missed.range(all_of(*anchor)).map(|((anchor, keyframe), other)| MissedSign {
-                anchor: *anchor,
-                keyframe: *keyframe,
-                other: *other,
-            })
-        })
-    }
-
-    /// Returns what hangs in the place of a retired object, by its oldest anchor, if anything that is still in the map does.
-    pub fn replacement_of(&self, object: &MergedAnchor) -> Option<AnchorSeq> {
-        let replaced =
-            object.members.iter().rev().find_map(|member| *self.changed_signs.retired.get(member)?);
-        self.objects.root(replaced?)
     }
 }
 

@@ -9,7 +9,7 @@ mod tests;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::MapIndex;
+use super::map_index::MapIndex;
 use crate::domain::ids::KeyframeSeq;
 use crate::recognition::map::covisibility::{Edge, Neighbour};
 
@@ -19,11 +19,14 @@ pub struct Covisibility<'a> {
     index: &'a MapIndex,
 }
 
-impl<'a> Covisibility<'a> {
-    pub(super) fn of(index: &'a MapIndex) -> Self {
-        Self { index }
+impl MapIndex {
+    /// Returns the covisibility graph.
+    pub fn covisibility(&self) -> Covisibility<'_> {
+        Covisibility { index: self }
     }
+}
 
+impl<'a> Covisibility<'a> {
     /// Returns the keyframes covisible with one, ascending, without itself.
     pub fn neighbours(self, keyframe: KeyframeSeq) -> impl Iterator<Item = KeyframeSeq> + use<'a> {
         self.joined(keyframe).map(|(other, ..)| other)

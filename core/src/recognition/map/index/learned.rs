@@ -1,6 +1,7 @@
 //! Knowledge of a map about its building: its numbering, and the views that it has twice (M20, M16).
 
-use super::{Certainty, MapIndex, MergedAnchor};
+use super::map_index::MapIndex;
+use super::objects::{Certainty, MergedAnchor};
 use crate::domain::anchor::AnchorState;
 use crate::domain::change::Twins;
 use crate::domain::ids::AnchorSeq;

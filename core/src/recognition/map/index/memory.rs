@@ -4,9 +4,8 @@
 //! constant is the growth of a process per thing counted, with the allocator's own share. `proofs/evict` holds the sum
 //! against the resident memory of a server and fails beyond a factor of two.
 
-use super::MapIndex;
-use crate::domain::anchor::Observation;
-use crate::domain::change::Keyframe;
+use super::map_index::MapIndex;
+use super::tally::Tally;
 
 /// An index that holds nothing, with the locks and queues of a map in memory.
 const MAP: u64 = 6 * 1024;
@@ -31,39 +30,6 @@ const TEXT: u64 = 2_500;
 
 /// A verdict of a model about texts.
 const VERDICT: u64 = 400;
-
-/// Counts that no structure of the index keeps by itself.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Tally {
-    /// Of the lists of points that keyframes observe.
-    observed_bytes: u64,
-    observations: u64,
-    anchor_points: u64,
-}
-
-impl Tally {
-    /// Counts a keyframe that arrived.
-    pub fn add_keyframe(&mut self, keyframe: &Keyframe) {
-        self.observed_bytes += keyframe.observes.heap_bytes() as u64;
-    }
-
-    /// Forgets a keyframe that is gone.
-    pub fn remove_keyframe(&mut self, keyframe: &Keyframe) {
-        self.observed_bytes -= keyframe.observes.heap_bytes() as u64;
-    }
-
-    /// Counts an observation of an anchor.
-    pub fn add_observation(&mut self, observation: &Observation) {
-        self.observations += 1;
-        self.anchor_points += observation.map_points.len() as u64;
-    }
-
-    /// Forgets an observation that is gone.
-    pub fn remove_observation(&mut self, observation: &Observation) {
-        self.observations -= 1;
-        self.anchor_points -= observation.map_points.len() as u64;
-    }
-}
 
 impl MapIndex {
     /// Returns about how much memory the index takes, in bytes. Its cost does not grow with the map.

@@ -10,7 +10,6 @@
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-use super::MapIndex;
 use crate::domain::change::Keyframe;
 use crate::domain::ids::{KeyframeSeq, SessionSeq};
 use crate::recognition::map::dense_map::DenseMap;
@@ -21,13 +20,10 @@ const BLOCK_MAX: usize = if cfg!(test) { 4 } else { 512 };
 /// Micrometres of a metre.
 pub const UM_PER_M: f64 = 1e6;
 
-/// The longest step that is counted, in metres: a million keyframes of it fit a `u64` of micrometres.
-const STEP_MAX_M: f64 = 1e6;
-
 /// The ways of all sessions.
 #[derive(Clone, Debug, Default)]
 pub struct Odometer {
-    sessions: BTreeMap<SessionSeq, Vec<Block>>,
+    pub(super) sessions: BTreeMap<SessionSeq, Vec<Block>>,
 }
 
 /// The place of a keyframe on its session's way.
@@ -50,8 +46,8 @@ impl Milestone {
 
 /// Keyframes that follow each other.
 #[derive(Clone, Debug, Default)]
-struct Block {
-    steps: Vec<Step>,
+pub(super) struct Block {
+    pub(super) steps: Vec<Step>,
     /// The sums over its steps.
     breaks: usize,
     way_um: u64,
@@ -59,24 +55,25 @@ struct Block {
 
 /// A keyframe, and the step that leads to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Step {
-    keyframe: KeyframeSeq,
+pub(super) struct Step {
+    pub(super) keyframe: KeyframeSeq,
     /// The length of the step from the keyframe before, in micrometres; none where the way is broken, or begins.
-    way_um: Option<u64>,
+    pub(super) way_um: Option<u64>,
 }
 
 /// Measures the step between two keyframes, in micrometres; none where tracking may have been lost.
-type Measure<'a> = &'a dyn Fn(KeyframeSeq, KeyframeSeq) -> Option<u64>;
+pub(super) type Measure<'a> = &'a dyn Fn(KeyframeSeq, KeyframeSeq) -> Option<u64>;
 
 /// A place in the blocks of a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Place {
-    block: usize,
-    at: usize,
+pub(super) struct Place {
+    pub(super) block: usize,
+    pub(super) at: usize,
 }
 
 impl Odometer {
-    fn milestone(&self, keyframe: &Keyframe, keyframes: &DenseMap<Keyframe>) -> Option<Milestone> {
+    /// Returns where a keyframe stands on its session's way.
+    pub(super) fn milestone(&self, keyframe: &Keyframe, keyframes: &DenseMap<Keyframe>) -> Option<Milestone> {
         let blocks = self.sessions.get(&keyframe.session)?;
         let place = find(blocks, keyframe, keyframes).ok()?;
         let (before, rest) = blocks.split_at(place.block);
@@ -88,7 +85,8 @@ impl Odometer {
         Some(Milestone { session: keyframe.session, breaks, way_um })
     }
 
-    fn add(&mut self, keyframe: &Keyframe, keyframes: &DenseMap<Keyframe>, measure: Measure<'_>) {
+    /// Adds a keyframe to its session's way.
+    pub(super) fn add(&mut self, keyframe: &Keyframe, keyframes: &DenseMap<Keyframe>, measure: Measure<'_>) {
         let blocks = self.sessions.entry(keyframe.session).or_default();
         if blocks.is_empty() {
             blocks.push(Block::default());
@@ -99,8 +97,13 @@ impl Odometer {
         split(blocks, place.block);
     }
 
-    /// The keyframe after the removed one follows the one before it.
-    fn remove(&mut self, keyframe: &Keyframe, keyframes: &DenseMap<Keyframe>, measure: Measure<'_>) {
+    /// Removes a keyframe from its session's way; the one after it follows the one before it.
+    pub(super) fn remove(
+        &mut self,
+        keyframe: &Keyframe,
+        keyframes: &DenseMap<Keyframe>,
+        measure: Measure<'_>,
+    ) {
         let Some(blocks) = self.sessions.get_mut(&keyframe.session) else { return };
         let Ok(mut place) = find(blocks, keyframe, keyframes) else { return };
         blocks[place.block].remove(place.at);
@@ -116,7 +119,13 @@ impl Odometer {
         }
     }
 
-    fn moved(&mut self, keyframe: &Keyframe, keyframes: &DenseMap<Keyframe>, measure: Measure<'_>) {
+    /// Measures the steps from and to a keyframe again.
+    pub(super) fn moved(
+        &mut self,
+        keyframe: &Keyframe,
+        keyframes: &DenseMap<Keyframe>,
+        measure: Measure<'_>,
+    ) {
         let Some(blocks) = self.sessions.get_mut(&keyframe.session) else { return };
         if let Ok(place) = find(blocks, keyframe, keyframes) {
             measure_around(blocks, place, measure);
@@ -128,94 +137,6 @@ impl Odometer {
             let steps = blocks.iter().flat_map(|block| &block.steps);
             steps.map(move |step| (*session, step))
         })
-    }
-}
-
-impl MapIndex {
-    /// Returns where a keyframe stands on its session's way.
-    pub fn milestone(&self, keyframe: KeyframeSeq) -> Option<Milestone> {
-        self.odometer.milestone(self.keyframe(keyframe)?, &self.keyframes)
-    }
-
-    /// Returns the keyframes back from one on its session's way, that one first.
-    pub fn way_back(&self, from: KeyframeSeq) -> impl Iterator<Item = KeyframeSeq> {
-        let place = self.keyframe(from).and_then(|keyframe| {
-            let blocks = self.odometer.sessions.get(&keyframe.session)?;
-            Some((blocks, find(blocks, keyframe, &self.keyframes).ok()?))
-        });
-        let steps = place.into_iter().flat_map(|(blocks, place)| {
-            let (before, rest) = blocks.split_at(place.block);
-            let own = rest.iter().take(1).flat_map(move |block| &block.steps[..=place.at]).rev();
-            own.chain(before.iter().rev().flat_map(|block| block.steps.iter().rev()))
-        });
-        steps.map(|step| step.keyframe)
-    }
-
-    /// Returns the keyframes before and after one on its session's way, each with the length of the step between, in
-    /// micrometres; none where the way is broken.
-    pub fn steps_of(&self, keyframe: KeyframeSeq) -> impl Iterator<Item = (KeyframeSeq, u64)> {
-        let steps = self.keyframe(keyframe).and_then(|keyframe| {
-            let blocks = self.odometer.sessions.get(&keyframe.session)?;
-            let place = find(blocks, keyframe, &self.keyframes).ok()?;
-            let own = blocks[place.block].steps.get(place.at)?;
-            let to_own = before(blocks, place).zip(own.way_um);
-            let next = step_after(blocks, place).and_then(|step| Some((step.keyframe, step.way_um?)));
-            Some([to_own, next])
-        });
-        steps.into_iter().flatten().flatten()
-    }
-
-    /// Whether no keyframe comes after this one on its session's way.
-    pub fn is_last_on_way(&self, keyframe: KeyframeSeq) -> bool {
-        let stored = self.keyframe(keyframe);
-        let blocks = stored.and_then(|keyframe| self.odometer.sessions.get(&keyframe.session));
-        let last = blocks.and_then(|blocks| blocks.last()?.steps.last());
-        last.is_some_and(|step| step.keyframe == keyframe)
-    }
-
-    /// Adds a keyframe to its session's way; its neighbours by shared points are known already.
-    pub(super) fn track(&mut self, keyframe: KeyframeSeq) {
-        self.odometer_with(keyframe, Odometer::add);
-    }
-
-    /// Takes a keyframe from its session's way, before it leaves the map.
-    pub(super) fn untrack(&mut self, keyframe: KeyframeSeq) {
-        self.odometer_with(keyframe, Odometer::remove);
-    }
-
-    /// Measures the steps from and to a keyframe again, after its pose changed.
-    pub(super) fn retrack(&mut self, keyframe: KeyframeSeq) {
-        self.odometer_with(keyframe, Odometer::moved);
-    }
-
-    /// Measures every step again, after it changed which keyframes share enough points.
-    pub(super) fn retrack_all(&mut self) {
-        self.odometer = Odometer::default();
-        let keyframes: Vec<KeyframeSeq> = self.keyframes.values().map(|keyframe| keyframe.seq).collect();
-        for keyframe in keyframes {
-            self.track(keyframe);
-        }
-    }
-
-    fn odometer_with(
-        &mut self,
-        keyframe: KeyframeSeq,
-        change: impl FnOnce(&mut Odometer, &Keyframe, &DenseMap<Keyframe>, Measure<'_>),
-    ) {
-        let mut odometer = std::mem::take(&mut self.odometer);
-        if let Some(keyframe) = self.keyframe(keyframe) {
-            change(&mut odometer, keyframe, &self.keyframes, &|from, to| self.step_um(from, to));
-        }
-        self.odometer = odometer;
-    }
-
-    fn step_um(&self, from: KeyframeSeq, to: KeyframeSeq) -> Option<u64> {
-        if !self.covisibility().joins_by_points(from, to) {
-            return None;
-        }
-        let centre = |seq| Some(self.keyframe(seq)?.map_from_camera.centre());
-        let length_m = (centre(to)? - centre(from)?).norm().min(STEP_MAX_M);
-        Some((length_m * UM_PER_M).round() as u64)
     }
 }
 
@@ -268,7 +189,11 @@ impl Block {
 }
 
 /// Finds a keyframe, or where it belongs. There is at least one block, and no block is empty but a session's first.
-fn find(blocks: &[Block], keyframe: &Keyframe, keyframes: &DenseMap<Keyframe>) -> Result<Place, Place> {
+pub(super) fn find(
+    blocks: &[Block],
+    keyframe: &Keyframe,
+    keyframes: &DenseMap<Keyframe>,
+) -> Result<Place, Place> {
     let by_stamp = |step: &Step| match keyframes.get(step.keyframe.index()) {
         Some(other) => (other.stamp, &other.id).cmp(&(keyframe.stamp, &keyframe.id)),
         None => Ordering::Less,
@@ -280,7 +205,8 @@ fn find(blocks: &[Block], keyframe: &Keyframe, keyframes: &DenseMap<Keyframe>) -
     blocks[block].steps.binary_search_by(by_stamp).map(place).map_err(place)
 }
 
-fn before(blocks: &[Block], place: Place) -> Option<KeyframeSeq> {
+/// Returns the keyframe before a place.
+pub(super) fn before(blocks: &[Block], place: Place) -> Option<KeyframeSeq> {
     let step = match place.at.checked_sub(1) {
         Some(at) => blocks[place.block].steps.get(at),
         None => blocks[..place.block].last()?.steps.last(),
@@ -288,7 +214,8 @@ fn before(blocks: &[Block], place: Place) -> Option<KeyframeSeq> {
     step.map(|step| step.keyframe)
 }
 
-fn step_after(blocks: &[Block], place: Place) -> Option<&Step> {
+/// Returns the step after a place.
+pub(super) fn step_after(blocks: &[Block], place: Place) -> Option<&Step> {
     let own = blocks[place.block].steps.get(place.at + 1);
     own.or_else(|| blocks.get(place.block + 1)?.steps.first())
 }

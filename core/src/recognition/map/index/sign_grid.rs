@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{MapIndex, MergedAnchor};
+use super::objects::MergedAnchor;
 use crate::domain::ids::{AnchorSeq, SessionSeq};
 use crate::geometry::Point3;
 
@@ -19,6 +19,17 @@ pub struct SignGrid {
 }
 
 impl SignGrid {
+    /// Returns the objects of a session within [`CELL_M`] of a place, and some beyond, ascending.
+    pub fn near(&self, session: SessionSeq, place: &Point3) -> BTreeSet<AnchorSeq> {
+        let [x, y, z] = coordinates(place);
+        let around = |at: i64| [at.saturating_sub(1), at, at.saturating_add(1)];
+        let cells = around(x)
+            .into_iter()
+            .flat_map(move |x| around(y).map(|y| [x, y, z]))
+            .flat_map(move |[x, y, _]| around(z).map(|z| (session, [x, y, z])));
+        cells.filter_map(|cell| self.by_cell.get(&cell)).flatten().copied().collect()
+    }
+
     /// Puts an object where its boxes are.
     pub(super) fn put(&mut self, root: AnchorSeq, object: &MergedAnchor) {
         let centres = object.shapes.iter().filter_map(|(session, shape)| Some((*session, shape.aabb?)));
@@ -46,19 +57,6 @@ impl SignGrid {
                 }
             }
         }
-    }
-}
-
-impl MapIndex {
-    /// Returns the objects of a session within [`CELL_M`] of a place, and some beyond, ascending.
-    pub fn signs_near(&self, session: SessionSeq, place: &Point3) -> BTreeSet<AnchorSeq> {
-        let [x, y, z] = coordinates(place);
-        let around = |at: i64| [at.saturating_sub(1), at, at.saturating_add(1)];
-        let cells = around(x)
-            .into_iter()
-            .flat_map(move |x| around(y).map(|y| [x, y, z]))
-            .flat_map(move |[x, y, _]| around(z).map(|z| (session, [x, y, z])));
-        cells.filter_map(|cell| self.sign_grid.by_cell.get(&cell)).flatten().copied().collect()
     }
 }
 

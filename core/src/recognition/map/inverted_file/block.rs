@@ -1,25 +1,12 @@
 //! A block: the segments of consecutive keyframe ids, few enough that their accumulators stay in a fast cache.
 
+use super::block_number::{BLOCK_KEYFRAMES, local_in_block};
+use super::packed_score::Term;
 use super::row::Row;
-use super::scores::Term;
 use super::segment::Segment;
-
-/// Keyframe ids a block spans. Measured at 100,000 keyframes: half as many make a query a quarter slower, since
-/// its lists are shorter; twice as many make it hardly faster and the pause when a block is sealed twice as long.
-pub(super) const BLOCK_KEYFRAMES: usize = 8192;
 
 /// A block is rewritten when more than one in this many of its keyframes has been removed.
 const REMOVED_SHARE: usize = 8;
-
-/// Returns the block a keyframe belongs to.
-pub(super) fn of(keyframe: u32) -> usize {
-    keyframe as usize / BLOCK_KEYFRAMES
-}
-
-/// Returns a keyframe's number within its block.
-pub(super) fn local(keyframe: u32) -> u16 {
-    (keyframe as usize % BLOCK_KEYFRAMES) as u16
-}
 
 /// The segments of one block, oldest first.
 #[derive(Clone, Default)]
@@ -63,7 +50,7 @@ impl Block {
 
     /// Removes a keyframe, if it is here.
     pub(super) fn remove(&mut self, keyframe: u32) -> bool {
-        let found = self.segments.iter_mut().any(|segment| segment.remove(local(keyframe)));
+        let found = self.segments.iter_mut().any(|segment| segment.remove(local_in_block(keyframe)));
         let removed: usize = self.segments.iter().map(Segment::removed_count).sum();
         let members: usize = self.segments.iter().map(Segment::member_count).sum();
         if removed * REMOVED_SHARE > members {
@@ -74,7 +61,7 @@ impl Block {
 
     /// Whether a keyframe is here.
     pub(super) fn contains(&self, keyframe: u32) -> bool {
-        self.segments.iter().any(|segment| segment.contains(local(keyframe)))
+        self.segments.iter().any(|segment| segment.contains(local_in_block(keyframe)))
     }
 
     /// `(keyframe, slot, weight)` of every posting, given the block's own number.

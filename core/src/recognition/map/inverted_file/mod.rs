@@ -14,6 +14,8 @@
 //!   lost all of its keyframes costs neither time nor accumulators.
 
 mod block;
+mod block_number;
+mod packed_score;
 mod row;
 mod scores;
 mod segment;
@@ -22,6 +24,7 @@ use std::collections::HashMap;
 use std::fmt;
 
 use self::block::Block;
+use self::block_number::block_of;
 use self::row::Row;
 pub use self::scores::{Scores, Scratch};
 use crate::domain::bow::BowVector;
@@ -60,7 +63,7 @@ impl InvertedFile {
         let slots = bow.words().iter().map(|&word| self.slot_for(word)).collect();
         self.rows.push(Row { keyframe, slots, weights: bow.weights().into() });
         self.posting_count += bow.len();
-        let block = block::of(keyframe);
+        let block = block_of(keyframe);
         if block >= self.blocks.len() {
             self.blocks.resize_with(block + 1, Block::default);
         }
@@ -73,7 +76,7 @@ impl InvertedFile {
     pub fn remove(&mut self, keyframe: u32, bow: &BowVector) {
         if let Some(at) = self.rows.iter().position(|row| row.keyframe == keyframe) {
             self.rows.remove(at);
-        } else if !self.blocks.get_mut(block::of(keyframe)).is_some_and(|block| block.remove(keyframe)) {
+        } else if !self.blocks.get_mut(block_of(keyframe)).is_some_and(|block| block.remove(keyframe)) {
             return;
         }
         self.posting_count = self.posting_count.saturating_sub(bow.len());
@@ -83,7 +86,7 @@ impl InvertedFile {
     pub fn score_all<'s>(&self, query: &BowVector, scratch: &'s mut Scratch) -> Scores<'s> {
         let known = query.iter().filter_map(|(word, weight)| Some((*self.slots.get(&word)?, weight)));
         // Rows are of the last block or two.
-        let first_of_rows = self.rows.iter().map(|row| block::of(row.keyframe)).min().unwrap_or(usize::MAX);
+        let first_of_rows = self.rows.iter().map(|row| block_of(row.keyframe)).min().unwrap_or(usize::MAX);
         let blocks = self.blocks.iter().enumerate();
         let held = blocks.map(|(number, block)| number >= first_of_rows || !block.is_empty());
         let (terms, mut accumulators) = scratch.begin(known, held);
@@ -116,7 +119,7 @@ impl InvertedFile {
 
     fn contains(&self, keyframe: u32) -> bool {
         self.rows.iter().any(|row| row.keyframe == keyframe)
-            || self.blocks.get(block::of(keyframe)).is_some_and(|block| block.contains(keyframe))
+            || self.blocks.get(block_of(keyframe)).is_some_and(|block| block.contains(keyframe))
     }
 
     fn slot_for(&mut self, word: u32) -> u32 {
@@ -127,9 +130,9 @@ impl InvertedFile {
     /// Turns the rows into segments of their blocks, and leaves every block but the last in one piece.
     fn flush(&mut self) {
         let slot_count = self.slots.len();
-        self.rows.sort_by_key(|row| block::of(row.keyframe));
-        for rows in self.rows.chunk_by(|a, b| block::of(a.keyframe) == block::of(b.keyframe)) {
-            self.blocks[block::of(rows[0].keyframe)].add(rows, slot_count);
+        self.rows.sort_by_key(|row| block_of(row.keyframe));
+        for rows in self.rows.chunk_by(|a, b| block_of(a.keyframe) == block_of(b.keyframe)) {
+            self.blocks[block_of(rows[0].keyframe)].add(rows, slot_count);
         }
         self.rows.clear();
         if let Some((_, earlier)) = self.blocks.split_last_mut() {
@@ -140,7 +143,7 @@ impl InvertedFile {
     /// `(keyframe, slot, weight)` of every posting in one block, in no particular order.
     fn postings_of_block(&self, block: usize) -> impl Iterator<Item = (u32, u32, u32)> + '_ {
         let in_segments = self.blocks.get(block).into_iter().flat_map(move |held| held.postings(block));
-        let rows = self.rows.iter().filter(move |row| block::of(row.keyframe) == block);
+        let rows = self.rows.iter().filter(move |row| block_of(row.keyframe) == block);
         in_segments.chain(rows.flat_map(Row::postings))
     }
 

@@ -1,6 +1,6 @@
 //! A row: the words of one keyframe that is in no segment yet.
 
-use super::scores;
+use super::packed_score::pack;
 
 /// A keyframe that is in no segment yet.
 #[derive(Clone)]
@@ -20,7 +20,7 @@ impl Row {
         for (&slot, &weight) in self.slots.iter().zip(&self.weights) {
             let in_query = weight_by_slot[slot as usize];
             // No branch: which words are common cannot be predicted.
-            sum += scores::pack(weight.min(in_query), u32::from(in_query != 0));
+            sum += pack(weight.min(in_query), u32::from(in_query != 0));
         }
         sum
     }

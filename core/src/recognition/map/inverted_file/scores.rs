@@ -1,6 +1,7 @@
 //! The scores of one query against every keyframe, and the memory they are added up in.
 
-use super::block::{self, BLOCK_KEYFRAMES};
+use super::block_number::{BLOCK_KEYFRAMES, block_of, local_in_block};
+use super::packed_score::{Term, unpack};
 use super::row::Row;
 use crate::domain::bow::Score;
 
@@ -18,15 +19,6 @@ pub struct Scratch {
 
 /// The place of a block without keyframes. A map whose keyframes come and go leaves more and more of them behind.
 const NO_KEYFRAMES: usize = usize::MAX;
-
-/// A word of the query that the map knows.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Term {
-    /// The word's slot.
-    pub(super) slot: u32,
-    /// Its weight in the query.
-    pub(super) weight: u32,
-}
 
 impl Scratch {
     /// Memory that will grow to the size of the maps it is used with.
@@ -93,7 +85,7 @@ impl<'s> Accumulators<'s> {
             self.weight_by_slot[term.slot as usize] = term.weight;
         }
         for row in rows {
-            let place = self.places[block::of(row.keyframe)] + usize::from(block::local(row.keyframe));
+            let place = self.places[block_of(row.keyframe)] + usize::from(local_in_block(row.keyframe));
             self.packed[place] = row.score(self.weight_by_slot);
         }
         for term in terms {
@@ -117,9 +109,9 @@ pub struct Scores<'s> {
 impl<'s> Scores<'s> {
     /// Returns the score of one keyframe; zero for one that is not in the file.
     pub fn get(&self, keyframe: u32) -> Score {
-        let place = self.places.get(block::of(keyframe)).filter(|place| **place != NO_KEYFRAMES);
+        let place = self.places.get(block_of(keyframe)).filter(|place| **place != NO_KEYFRAMES);
         place.map_or(Score::default(), |place| {
-            unpack(self.packed[place + usize::from(block::local(keyframe))])
+            unpack(self.packed[place + usize::from(local_in_block(keyframe))])
         })
     }
 
@@ -135,14 +127,4 @@ impl<'s> Scores<'s> {
                 .map(move |(at, &packed)| (first + at as u32, unpack(packed)))
         })
     }
-}
-
-/// Returns a score as an accumulator holds it: the sums of both halves are taken by one addition. Neither overflows:
-/// the units of a whole vector sum to 2^31, and it has at most 65,535 words.
-pub(super) fn pack(units: u32, common_words: u32) -> u64 {
-    u64::from(units) << 32 | u64::from(common_words)
-}
-
-fn unpack(packed: u64) -> Score {
-    Score::new((packed >> 32) as u32, packed as u32)
 }

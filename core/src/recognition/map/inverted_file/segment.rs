@@ -2,9 +2,9 @@
 
 use std::hint::black_box;
 
-use super::block::{self, BLOCK_KEYFRAMES};
+use super::block_number::{BLOCK_KEYFRAMES, local_in_block};
+use super::packed_score::{Term, pack};
 use super::row::Row;
-use super::scores::{self, Term};
 
 /// Words whose postings are fetched together, some tens of kilobytes of them.
 const FETCH_WORDS: usize = 16;
@@ -39,10 +39,10 @@ impl Segment {
         let mut postings = vec![Posting::default(); count];
         for (keyframe, slot, weight) in rows.iter().flat_map(Row::postings) {
             let at = &mut next[slot as usize];
-            postings[*at as usize] = Posting::new(block::local(keyframe), weight);
+            postings[*at as usize] = Posting::new(local_in_block(keyframe), weight);
             *at += 1;
         }
-        let mut members: Vec<u16> = rows.iter().map(|row| block::local(row.keyframe)).collect();
+        let mut members: Vec<u16> = rows.iter().map(|row| local_in_block(row.keyframe)).collect();
         members.sort_unstable();
         Self {
             offsets: offsets.into(),
@@ -93,7 +93,7 @@ impl Segment {
                 for posting in *list {
                     // The remainder changes nothing; it tells the compiler that no bounds check is needed.
                     let accumulator = &mut accumulators[usize::from(posting.local) % BLOCK_KEYFRAMES];
-                    *accumulator += scores::pack(posting.weight().min(term.weight), 1);
+                    *accumulator += pack(posting.weight().min(term.weight), 1);
                 }
             }
         }

@@ -10,7 +10,7 @@ use super::*;
 use crate::domain::bow::Score;
 
 /// The accumulators of a block.
-const BLOCK_BYTES: usize = 8 * block::BLOCK_KEYFRAMES;
+const BLOCK_BYTES: usize = 8 * block_number::BLOCK_KEYFRAMES;
 
 type Vectors = BTreeMap<u32, BowVector>;
 

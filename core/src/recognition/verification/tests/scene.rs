@@ -5,8 +5,11 @@ use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::super::{Camera, Keypoint, PackedDescriptors, Point3, View};
+use super::super::View;
+use crate::domain::keyframe::{Camera, Keypoint};
+use crate::geometry::Point3;
 use crate::geometry::Sim3;
+use crate::geometry::hamming::PackedDescriptors;
 
 const CAMERA: Camera = Camera { fx: 500.0, fy: 500.0, cx: 320.0, cy: 240.0, width: 640, height: 480 };
 const BYTES: usize = 32;

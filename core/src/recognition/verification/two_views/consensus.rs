@@ -4,8 +4,7 @@
 //! image of a match adds what its squared error lacks of a limit, nothing beyond the model's own limit. A new best one is
 //! refined on its inliers, and the best of that kept (O. Chum et al., "Locally optimized RANSAC", 2003).
 
-use super::super::outcome::Model;
-use super::Settled;
+use super::image_model::ImageModel;
 use super::pairs::{RayPair, TwoViews};
 use crate::geometry::sampling::SplitMix64;
 
@@ -19,41 +18,6 @@ const MAX_CHANCE_OF_MISS: f64 = 0.01;
 /// How many times farther off than the limit the inliers may be in each round of refining a new best hypothesis: it comes
 /// from few noisy points. The factors are of squared errors.
 const LOCAL_TOLERANCES: [f64; 5] = [9.0, 4.0, 1.0, 1.0, 1.0];
-
-/// The place in the other image at which a match agrees with a model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Agreement {
-    /// About a point.
-    AtPoint,
-    /// Along a line.
-    AlongLine,
-}
-
-/// A relation between two images.
-pub trait ImageModel: Copy {
-    /// Its name.
-    const MODEL: Model;
-    /// The number of matches that define it.
-    const SAMPLE: usize;
-    /// The most samples drawn.
-    const MAX_SAMPLES: u32;
-    /// The squared error, in units of the keypoint's variance, below which a match agrees in one image.
-    const MAX_CHI_SQUARE: f64;
-    /// The meaning of agreement.
-    const AGREEMENT: Agreement;
-
-    /// Fits the pairs at these places, [`Self::SAMPLE`] of them; none if they are degenerate.
-    fn of_sample(views: &TwoViews, places: &[usize]) -> Option<Self>;
-
-    /// Refines the model on its inliers.
-    fn refined(&self, views: &TwoViews, inliers: &[usize]) -> Option<Self>;
-
-    /// Returns the squared errors in the query's and in the candidate's image, in units of the keypoint's variance.
-    fn chi_squares(&self, views: &TwoViews, pair: &RayPair) -> [f64; 2];
-
-    /// Returns the transformation that the model leaves, and whether it says anything.
-    fn settle(&self, views: &TwoViews, inliers: &[usize]) -> Settled;
-}
 
 /// The result of the sampling.
 #[derive(Clone, Debug)]
@@ -127,6 +91,11 @@ fn score<M: ImageModel>(views: &TwoViews, model: &M) -> f64 {
     let of_error = |error: f64| if error < M::MAX_CHI_SQUARE { SCORE_CHI_SQUARE - error } else { 0.0 };
     let of_pair = |pair: &RayPair| model.chi_squares(views, pair).into_iter().map(of_error).sum::<f64>();
     views.pairs.iter().map(of_pair).sum()
+}
+
+/// Returns the score of a model that explains every pair without error.
+pub fn highest_score(views: &TwoViews) -> f64 {
+    2.0 * SCORE_CHI_SQUARE * views.pairs.len() as f64
 }
 
 /// Returns how many samples are needed for one without an outlier.

@@ -7,9 +7,8 @@
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, UnitQuaternion, Vector3};
 
 use super::super::outcome::{Failure, Model};
-use super::Settled;
-use super::consensus::{Agreement, ImageModel};
 use super::eight_points::essential_of;
+use super::image_model::{Agreement, ImageModel, Settled};
 use super::pairs::{RayPair, TwoViews};
 use super::rotation::Rotation;
 use crate::geometry::Sim3;

@@ -7,10 +7,10 @@
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::super::outcome::Model;
-use super::Settled;
-use super::consensus::{Agreement, ImageModel, SCORE_CHI_SQUARE};
+use super::consensus::SCORE_CHI_SQUARE;
 use super::decomposition::motion_of;
 use super::eight_points::normalisation;
+use super::image_model::{Agreement, ImageModel, Settled};
 use super::pairs::{RayPair, TwoViews};
 
 /// The height of a triangle of three of the four points over its longest side, as a share of that side, must exceed this.

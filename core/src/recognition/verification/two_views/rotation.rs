@@ -6,9 +6,9 @@
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::super::outcome::Model;
-use super::Settled;
-use super::consensus::{Agreement, ImageModel, SCORE_CHI_SQUARE};
+use super::consensus::SCORE_CHI_SQUARE;
 use super::homography::transfer_chi_squares;
+use super::image_model::{Agreement, ImageModel, Settled};
 use super::pairs::{RayPair, TwoViews};
 use crate::geometry::Sim3;
 use crate::geometry::absolute_orientation::best_rotation;

@@ -2,12 +2,17 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::super::outcome::Status;
+use super::super::{Failure, Limits, Model, Status, Verification, View};
+use super::homography::Homography;
+use super::image_model::ImageModel;
+use super::pairs::TwoViews;
+use super::rotation::Rotation;
 use super::*;
 use crate::domain::keyframe::{Camera, Keypoint};
+use crate::domain::settings::GeometryAcceptance;
 use crate::geometry::hamming::PackedDescriptors;
 use crate::geometry::sampling::SplitMix64;
-use crate::geometry::{Point3, Pose};
+use crate::geometry::{Point3, Pose, Sim3};
 
 const CAMERA: Camera = Camera { fx: 525.0, fy: 525.0, cx: 320.0, cy: 240.0, width: 640, height: 480 };
 

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::matches::Verdict;
-use super::{TextId, TextIndex};
+use super::text_id::TextId;
+use super::text_index::TextIndex;
 
 impl TextIndex {
     /// Returns the matches of a text, by what they read.

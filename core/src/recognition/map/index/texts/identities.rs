@@ -3,10 +3,8 @@
 //! "room 901, oak" and "room 901, glass" match the same texts. Where thousands of texts share an identifier, the judge
 //! therefore compares identities, not texts.
 
-use std::cell::RefCell;
 use std::collections::HashMap;
 
-use super::{COMPLETE_FROM_LEVEL, TextId, TextIndex};
 use crate::semantics::{Identity, Text};
 
 /// The number of an identity; never given twice.
@@ -40,33 +38,5 @@ impl Identities {
                 self.known.remove(&identity);
             }
         }
-    }
-}
-
-/// One text that is held against many others of its class: each identity of theirs is judged once.
-pub(super) struct Judging<'a> {
-    index: &'a TextIndex,
-    text: &'a Text,
-    /// Whether the text has an identity, and matches are sought at a level at which identities decide.
-    has_identity: bool,
-    known: RefCell<HashMap<IdentityId, bool>>,
-}
-
-impl<'a> Judging<'a> {
-    pub(super) fn of(index: &'a TextIndex, text: &'a Text) -> Self {
-        let has_identity = index.min_level >= COMPLETE_FROM_LEVEL && text.identity().is_some();
-        Self { index, text, has_identity, known: RefCell::default() }
-    }
-
-    /// Returns whether another text, which reads differently, matches.
-    pub(super) fn matches(&self, other: TextId) -> bool {
-        self.by_identity(other).unwrap_or_else(|| self.index.judge(self.text, other).is_some())
-    }
-
-    /// Returns the same where identities decide, about which no model is asked; none elsewhere.
-    pub(super) fn by_identity(&self, other: TextId) -> Option<bool> {
-        let identity = self.index.node(other).identity.filter(|_| self.has_identity)?;
-        let mut known = self.known.borrow_mut();
-        Some(*known.entry(identity).or_insert_with(|| self.index.judge(self.text, other).is_some()))
     }
 }

@@ -5,7 +5,13 @@ use std::collections::{BTreeSet, HashMap};
 use proptest::prelude::*;
 use proptest::sample::subsequence;
 
+use std::sync::Arc;
+
+use super::text_index::*;
 use super::*;
+use crate::domain::ids::AnchorSeq;
+use crate::recognition::map::index::Verdicts;
+use crate::semantics::Text;
 
 /// Parts of texts; those of equal identifiers sort before or after others by their first word.
 const IDENTIFIERS: [&str; 16] = [

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::TextId;
+use super::text_id::TextId;
 use crate::semantics::Source;
 
 /// A SimilarityLevel, and who judged.

@@ -1,11 +1,18 @@
 //! How much is listed changes no answer, and neither does the order of arrival.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::time::Instant;
 
 use proptest::prelude::*;
 
+use std::sync::Arc;
+
+use super::text_index::*;
 use super::*;
+use crate::domain::ids::AnchorSeq;
+use crate::domain::judged::{Finding, ModelVerdict};
+use crate::recognition::map::index::Verdicts;
+use crate::semantics::{self, Source, Text};
 
 const CLASSES: [&str; 2] = ["sign", "plate"];
 

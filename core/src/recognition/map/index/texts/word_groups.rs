@@ -6,7 +6,8 @@
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
-use super::{COMPLETE_FROM_LEVEL, TextId, TextIndex};
+use super::text_id::TextId;
+use super::text_index::{COMPLETE_FROM_LEVEL, TextIndex};
 use crate::semantics::Profile;
 
 /// A word in at most this many texts is rare. In this crate's own tests two, so that its laws hold across the bound.

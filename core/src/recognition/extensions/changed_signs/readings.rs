@@ -1,0 +1,80 @@
+//! The readings of one keyframe, held against what a sign is called.
+
+use crate::domain::anchor::Observation;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
+use crate::geometry::Point3;
+use crate::recognition::map::index::{Anchor, MapIndex, MergedAnchor};
+use crate::semantics::{self, Text};
+
+/// A detection that feeds an anchor.
+pub(super) struct Sighting<'a> {
+    /// The anchor.
+    pub seq: AnchorSeq,
+    /// The same with its facts.
+    pub anchor: &'a Anchor,
+    /// The detection.
+    pub seen: &'a Observation,
+}
+
+/// Whether a keyframe reads a sign as it is called, in a detection of the sign itself or of one as near to it as drift allows:
+/// the same number may hang at the next door by now.
+pub(super) fn reads_alike(
+    index: &MapIndex,
+    object: &MergedAnchor,
+    session: SessionSeq,
+    keyframe: KeyframeSeq,
+) -> bool {
+    let settings = &index.properties().settings;
+    let near_m = settings.association_position_radius_m + settings.odometry_slack_m;
+    let centre = object.aabb(session).map(|aabb| aabb.centre());
+    sightings(index, object, keyframe).any(|sighting| {
+        let is_itself = object.members.contains(&sighting.seq);
+        let is_near = || centre.is_some_and(|centre| sighting.is_within(session, &centre, near_m));
+        is_alike(object, sighting.seen) && (is_itself || is_near())
+    })
+}
+
+/// Returns the detections of a keyframe that feed anchors of an object's class.
+pub(super) fn sightings<'a>(
+    index: &'a MapIndex,
+    object: &'a MergedAnchor,
+    keyframe: KeyframeSeq,
+) -> impl Iterator<Item = Sighting<'a>> {
+    let class = index.class_of(object);
+    let anchors = index.anchors_seen_by(keyframe).filter_map(|seq| Some((seq, index.anchor(seq)?)));
+    anchors.filter(move |(_, anchor)| *anchor.class == *class).flat_map(move |(seq, anchor)| {
+        let seen = anchor.observations.range((keyframe, 0)..=(keyframe, u16::MAX));
+        seen.map(move |(_, seen)| Sighting { seq, anchor, seen })
+    })
+}
+
+impl Sighting<'_> {
+    /// Whether its anchor stands near a place of a session's frame.
+    pub(super) fn is_within(&self, session: SessionSeq, place: &Point3, near_m: f64) -> bool {
+        let stands = self.anchor.shapes.get(&session).and_then(|shape| Some(shape.aabb?.centre()));
+        stands.is_some_and(|stands| (stands - place).norm() <= near_m)
+    }
+}
+
+/// Whether a detection was read as the object is called.
+pub(super) fn is_alike(object: &MergedAnchor, seen: &Observation) -> bool {
+    let Some(description) = &object.description else { return false };
+    let is_alike = |reading: &str| {
+        *reading == *description.raw || Text::parse(reading).gist() == description.text.gist()
+    };
+    readings(seen).any(is_alike)
+}
+
+/// Returns what was read in a detection, if it excludes what the object is called.
+pub(super) fn read_otherwise(index: &MapIndex, object: &MergedAnchor, seen: &Observation) -> Option<Text> {
+    let description = object.description.as_ref()?;
+    let numbering = index.readings().numbering(index.class_of(object));
+    let mut texts = readings(seen).map(|reading| Text::under(reading, numbering));
+    texts.find(|text| semantics::conflict(&description.text, text).is_some())
+}
+
+/// Returns the text that the client read, and the one that a model read.
+fn readings(seen: &Observation) -> impl Iterator<Item = &str> {
+    let by_model = seen.crop_reading.as_ref().map(|read| &*read.text);
+    seen.reading.as_deref().into_iter().chain(by_model)
+}

@@ -1,0 +1,66 @@
+//! The return of an identifier (M10): whether what agrees was merely tracked through one passage.
+
+use std::collections::BTreeSet;
+
+use super::passage::share_passage;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq};
+use crate::recognition::loops::anchor_map::{LocalAnchor, LocalName};
+use crate::recognition::loops::comparison::{Comparison, Matched};
+use crate::recognition::loops::query::Query;
+use crate::recognition::map::index::MapIndex;
+
+/// The way in which two keyframes know an identifier that matches and was not merely tracked through this same passage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Returning {
+    /// None matches.
+    No,
+    /// It is around them: a covisible keyframe sees it.
+    Around,
+    /// Both see it themselves.
+    InView,
+}
+
+/// Whether all that agrees are objects of which the two keyframes are in one passage.
+pub fn is_tracked_only(
+    index: &MapIndex,
+    comparison: &Comparison<'_>,
+    query: KeyframeSeq,
+    candidate: KeyframeSeq,
+) -> bool {
+    comparison.matches.iter().all(|pair| is_tracked(index, pair, query, candidate))
+}
+
+/// Whether a matched pair is one object of which the two keyframes are in one passage.
+pub fn is_tracked(index: &MapIndex, pair: &Matched<'_>, query: KeyframeSeq, candidate: KeyframeSeq) -> bool {
+    match (&pair.query.name, &pair.candidate.name) {
+        (LocalName::MergedAnchor(a), LocalName::MergedAnchor(b)) => {
+            a == b && share_passage(index, *a, query, candidate)
+        }
+        _ => false,
+    }
+}
+
+/// Returns how an identifier that matches is known, unless it was merely tracked from the candidate to the query (M41).
+pub fn returning_identifier(
+    index: &MapIndex,
+    comparison: &Comparison<'_>,
+    query: &Query<'_>,
+    nearest: Option<KeyframeSeq>,
+    candidate: KeyframeSeq,
+) -> Returning {
+    let names =
+        |anchor: &LocalAnchor| anchor.text.as_ref().is_some_and(|text| !text.identifiers().is_empty());
+    let tracked = |pair: &Matched<'_>| nearest.is_some_and(|query| is_tracked(index, pair, query, candidate));
+    let returns = |pair: &&Matched<'_>| {
+        names(pair.query) && names(pair.candidate) && !pair.is_disputed && !tracked(pair)
+    };
+    let seen_by_candidate = index.objects_seen_by(candidate);
+    let sees = |anchor: &LocalAnchor, seen: &BTreeSet<AnchorSeq>| match anchor.name {
+        LocalName::MergedAnchor(root) => seen.contains(&root),
+        LocalName::Inline(_) => true,
+    };
+    let in_view =
+        |pair: &Matched<'_>| sees(pair.query, &query.seen) && sees(pair.candidate, &seen_by_candidate);
+    let known = |pair| if in_view(pair) { Returning::InView } else { Returning::Around };
+    comparison.matches.iter().filter(returns).map(known).max().unwrap_or(Returning::No)
+}

@@ -1,0 +1,37 @@
+//! Counts that the estimate of memory rests on.
+
+use crate::domain::anchor::Observation;
+use crate::domain::change::Keyframe;
+
+/// Counts that no structure of the index keeps by itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Tally {
+    /// Of the lists of points that keyframes observe.
+    pub observed_bytes: u64,
+    pub observations: u64,
+    pub anchor_points: u64,
+}
+
+impl Tally {
+    /// Counts a keyframe that arrived.
+    pub fn add_keyframe(&mut self, keyframe: &Keyframe) {
+        self.observed_bytes += keyframe.observes.heap_bytes() as u64;
+    }
+
+    /// Forgets a keyframe that is gone.
+    pub fn remove_keyframe(&mut self, keyframe: &Keyframe) {
+        self.observed_bytes -= keyframe.observes.heap_bytes() as u64;
+    }
+
+    /// Counts an observation of an anchor.
+    pub fn add_observation(&mut self, observation: &Observation) {
+        self.observations += 1;
+        self.anchor_points += observation.map_points.len() as u64;
+    }
+
+    /// Forgets an observation that is gone.
+    pub fn remove_observation(&mut self, observation: &Observation) {
+        self.observations -= 1;
+        self.anchor_points -= observation.map_points.len() as u64;
+    }
+}

@@ -1,0 +1,10 @@
+//! The levels of two texts and of one, and what they rest on (§IV-A.2).
+
+pub mod blocking_keys;
+pub mod evidence;
+pub mod information;
+pub mod information_reason;
+pub mod merge;
+pub mod profile;
+pub mod reason;
+pub mod similarity;

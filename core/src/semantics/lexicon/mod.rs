@@ -1,0 +1,8 @@
+//! Words: their worth, in the languages that buildings use.
+
+pub mod dictionary;
+pub mod generic;
+pub mod misreading;
+pub mod role;
+pub mod stable_hash;
+pub mod words;

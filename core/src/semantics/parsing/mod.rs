@@ -1,0 +1,11 @@
+//! Reading a text: its canonical form, its tokens, and what each of them is.
+
+pub mod context;
+pub mod direction;
+pub mod frame;
+pub mod looks;
+pub mod noise;
+pub mod normalise;
+pub mod quantity;
+pub mod reading;
+pub mod token;

@@ -1,0 +1,119 @@
+//! Quantities: numbers that measure, count, date, price or dial, and so name nothing.
+
+use crate::semantics::parsing::token::{Kind, Token};
+
+/// Returns how many tokens from `at` form a quantity, 0 if none. `bare`: the tokens in lower case, without diacritics.
+/// `numbered`: a role word such as "room" stands right before.
+pub fn tokens_at(tokens: &[Token<'_>], bare: &[String], at: usize, numbered: bool) -> usize {
+    let unbroken = |i: usize| i == 0 || tokens.get(at + i).is_some_and(|t| !t.after_break);
+    let word = |i: usize| bare.get(at + i).filter(|_| (0..=i).all(unbroken)).map_or("", String::as_str);
+    let before = at.checked_sub(1).map_or("", |i| bare[i].as_str());
+    let (first, next) = (word(0), word(1));
+    if is_currency(first) && is_number(next) {
+        return 2;
+    }
+    if (first == "+" && is_number(next)) || (DIALLED.contains(&before) && tokens[at].kind == Kind::Code) {
+        return 1 + tokens[at + 1..].iter().take_while(|t| t.kind == Kind::Code && !t.after_break).count();
+    }
+    if tokens[at].kind != Kind::Code {
+        return 0;
+    }
+    if is_number(first) && ["x", "*"].contains(&next) && is_number(word(2)) {
+        return 3 + usize::from(is_unit(word(3)));
+    }
+    if is_number(first) && (is_unit(next) || is_currency(next)) {
+        return 2 + usize::from(next == "\u{b0}" && ["c", "f"].contains(&word(2)));
+    }
+    let alone = is_time_or_date(first)
+        || is_dimensions(first)
+        || (!numbered && (has_unit(first) || is_year(first, before) || is_count(first, next)));
+    usize::from(alone)
+}
+
+const DIALLED: [&str; 7] = ["tel", "phone", "telephone", "telefon", "call", "fax", "mobile"];
+
+const UNITS: &str = "% \u{b0} m cm mm km g kg mg l ml v kv w kw mw hz khz mhz ghz px ft feet foot inch inche inches meter meters metre \
+    metres centimeter centimeters centimetre centimetres kilometer kilometers kilogram kilograms litre litres liter liters volt volts \
+    watt watts percent degree degrees second seconds minute minutes hour hours day days week weeks month months year years \
+    sec min h am pm uhr lb lbs oz mph db gb mb tb mah m2 m3 meters² mio million times euro euros eur usd dollar dollars chf yen";
+
+/// Units that people glue to the number. "12a" and "3g" are rooms, so most single letters are missing.
+const GLUED_UNITS: &str =
+    "m cm mm km kg ml v kv w kw hz khz px ft gb mb tb mah am pm min sec db lbs oz mph m2 m3 st nd rd th";
+
+const COUNTED: [&str; 7] = ["people", "men", "women", "children", "person", "different", "other"];
+
+fn is_unit(word: &str) -> bool {
+    UNITS.split_whitespace().any(|unit| unit == word)
+}
+
+fn is_currency(word: &str) -> bool {
+    ["$", "\u{20ac}", "\u{a3}", "\u{a5}", "eur", "usd", "chf"].contains(&word)
+}
+
+fn is_number(word: &str) -> bool {
+    word.starts_with(|c: char| c.is_ascii_digit())
+        && word.bytes().all(|b| b.is_ascii_digit() || b".,-".contains(&b))
+}
+
+/// 10:30, 24/7, 2024-05-12, 12.05.2024, 12/05/24.
+fn is_time_or_date(code: &str) -> bool {
+    if code.contains(':') || code == "24/7" {
+        return true;
+    }
+    ['-', '.', '/'].iter().any(|separator| {
+        let mut widths = code
+            .split(*separator)
+            .map(|part| if part.bytes().all(|b| b.is_ascii_digit()) { part.len() } else { 9 });
+        match (widths.next(), widths.next(), widths.next(), widths.next()) {
+            (Some(4), Some(1..=2), Some(1..=2), None) | (Some(1..=2), Some(1..=2), Some(4), None) => true,
+            (Some(1..=2), Some(1..=2), Some(2), None) => *separator == '/',
+            _ => false,
+        }
+    })
+}
+
+/// 2x3, 1920x1080.
+fn is_dimensions(code: &str) -> bool {
+    code.split_once('x').is_some_and(|(a, b)| is_number(a) && is_number(b))
+}
+
+/// 2m, 230v, 10am, 1st.
+fn has_unit(code: &str) -> bool {
+    let unit = code.trim_start_matches(|c: char| c.is_ascii_digit() || ".,".contains(c));
+    let digits = code.len() - unit.len();
+    let fits = unit.len() > 1 || digits <= if unit == "m" { 2 } else { 3 };
+    digits > 0 && fits && GLUED_UNITS.split_whitespace().any(|glued| glued == unit)
+}
+
+/// Returns a year only where a word says so: 2014 alone may be a room.
+fn is_year(code: &str, before: &str) -> bool {
+    let dated = [
+        "in",
+        "since",
+        "est",
+        "established",
+        "anno",
+        "circa",
+        "year",
+        "built",
+        "founded",
+        "\u{a9}",
+        "seit",
+        "depuis",
+        "copyright",
+    ];
+    code.len() == 4
+        && (code.starts_with("20") || code.starts_with('1'))
+        && is_number(code)
+        && dated.contains(&before)
+}
+
+/// "3 boats", "2 people": a small number before a plural.
+fn is_count(code: &str, next: &str) -> bool {
+    let plural = next.len() > 3
+        && next.ends_with('s')
+        && !next.ends_with("ss")
+        && next.bytes().all(|b| b.is_ascii_alphabetic());
+    code.len() <= 2 && is_number(code) && (plural || COUNTED.contains(&next))
+}

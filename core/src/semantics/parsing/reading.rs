@@ -1,0 +1,272 @@
+//! Reading a text: which of its tokens are identifiers, quantities, negations and words.
+
+use crate::semantics::identifiers::identifier::Identifier;
+use crate::semantics::lexicon::dictionary::{self, Class};
+use crate::semantics::lexicon::generic;
+use crate::semantics::lexicon::misreading;
+use crate::semantics::lexicon::role::{self, Role};
+use crate::semantics::lexicon::words::Word;
+use crate::semantics::parsing::context::{self, Around};
+use crate::semantics::parsing::direction;
+use crate::semantics::parsing::frame::Frame;
+use crate::semantics::parsing::noise;
+use crate::semantics::parsing::normalise::bare;
+use crate::semantics::parsing::quantity;
+use crate::semantics::parsing::token::{Kind, MAX_TOKENS, Token};
+
+/// Longer codes are serial numbers gone wrong or noise, and are compared as words.
+const MAX_CODE_LEN: usize = 24;
+
+/// Codes that name a kind of thing, not one thing.
+const NOT_IDENTIFIERS: [&str; 10] =
+    ["2d", "3d", "4k", "mp3", "mp4", "h2o", "co2", "covid19", "covid-19", "wifi6"];
+
+/// What one or more tokens in a row say.
+#[derive(Clone, Debug)]
+pub struct Mention {
+    /// What they say.
+    pub what: What,
+    /// First of the tokens.
+    pub first: usize,
+    /// One past the last of the tokens.
+    pub end: usize,
+}
+
+/// What tokens can say.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum What {
+    /// They name one thing.
+    Identifier(Identifier),
+    /// A word that counts.
+    Word {
+        /// The word.
+        word: Word,
+        /// A "no" or "not" bears on it.
+        negated: bool,
+    },
+}
+
+/// Reads the tokens of a normalised text.
+pub fn read(tokens: &[Token<'_>]) -> Vec<Mention> {
+    let bare: Vec<String> = tokens.iter().map(|token| bare(token.text)).collect();
+    let words: Vec<&str> = bare.iter().map(String::as_str).collect();
+    let mut reader = Reader {
+        tokens,
+        frame: Frame::of(&words, |at| tokens[at].after_break),
+        bare: &bare,
+        around: Around { tokens, bare: &bare },
+        mentions: Vec::new(),
+        negation: None,
+    };
+    let mut at = 0;
+    while at < tokens.len() && reader.mentions.len() < MAX_TOKENS {
+        at += reader.step(at);
+    }
+    reader.negate_last();
+    reader.mentions
+}
+
+struct Reader<'t> {
+    tokens: &'t [Token<'t>],
+    bare: &'t [String],
+    frame: Frame,
+    around: Around<'t>,
+    mentions: Vec<Mention>,
+    /// Token of a "no" that still waits for its word.
+    negation: Option<usize>,
+}
+
+impl Reader<'_> {
+    /// Reads on from token `at`; returns how many tokens that took.
+    fn step(&mut self, at: usize) -> usize {
+        if self.tokens[at].after_break {
+            self.negate_last();
+        }
+        let (name, role) = match self.around.role_before(at) {
+            name @ Some((Role::Named(_), _)) => (name, None),
+            role => (None, role),
+        };
+        let quantity = quantity::tokens_at(self.tokens, self.bare, at, role.is_some());
+        if quantity > 0 && !self.around.is_ordinal_floor(at) {
+            let text = self.bare[at..at + quantity].concat();
+            self.word(Word::of_class(Class::Quantity, text), at, at + quantity);
+            return quantity;
+        }
+        match self.tokens[at].kind {
+            Kind::Code => self.code(at, role, name),
+            Kind::Word => self.letters(at, role),
+            Kind::Ideographs => self.ideographs(at),
+            Kind::Symbol => {
+                let text = &self.bare[at];
+                if !["-", "#", "+", "\u{b0}", "%", "$"].contains(&text.as_str()) {
+                    let word = direction::of_symbol(text).map_or_else(
+                        || Word::of_class(Class::Generic, text.clone()),
+                        |name| Word::new(name.to_owned()),
+                    );
+                    self.word(word, at, at + 1);
+                }
+                1
+            }
+        }
+    }
+
+    /// A word that is no role word gives a `name` only where nothing else tells a role: "Copernicus 3".
+    fn code(&mut self, at: usize, role: Option<(Role, usize)>, name: Option<(Role, usize)>) -> usize {
+        let code = self.bare[at].as_str();
+        if code.len() > MAX_CODE_LEN || NOT_IDENTIFIERS.contains(&code) {
+            self.word(Word::new(code.to_owned()), at, at + 1);
+            return 1;
+        }
+        if let Some(word) = misreading::misread_code(code).filter(|_| role.is_none()) {
+            self.word(Word::new(word.to_owned()), at, at + 1);
+            return 1;
+        }
+        let first = role.as_ref().map_or(at, |(_, first)| *first);
+        if let Some((range, len)) = self.around.spelt_range(at) {
+            let role = role.map_or(Role::Neutral, |(role, _)| role);
+            self.identifier(role, &range, first, at + len);
+            return len;
+        } else if let Some((role, _)) = role {
+            self.identifiers(&role, code, first, at + 1);
+        } else if let Some((role, number, suffix)) = self.around.suffixed(at) {
+            self.identifier(role, &number, at, at + 2);
+            if suffix < self.tokens[at + 1].text.len() {
+                self.run(&self.tokens[at + 1].text[suffix..], at + 1);
+            }
+            return 2;
+        } else if let Some((role, number, len)) = self.around.role_after(at) {
+            self.identifier(role, &number, at, at + len);
+            return len;
+        } else if let Some((role, number)) = context::glued_role(code) {
+            self.identifiers(&role, &number, at, at + 1);
+        } else {
+            let role = name.or_else(|| Some((self.role_of_list(at)?, at)));
+            let (role, first) = role.unwrap_or((Role::Neutral, at));
+            self.identifiers(&role, code, first, at + 1);
+        }
+        1
+    }
+
+    fn letters(&mut self, at: usize, role: Option<(Role, usize)>) -> usize {
+        let bare = self.bare;
+        let word = bare[at].as_str();
+        let phrase = generic::phrase(&bare[at..]);
+        if phrase > 0 && !self.tokens[at + 1..at + phrase].iter().any(|token| token.after_break) {
+            for (i, word) in bare[at..at + phrase].iter().enumerate() {
+                self.word(Word::of_class(Class::Generic, dictionary::stem(word)), at + i, at + i + 1);
+            }
+            return phrase;
+        }
+        if let Some((role, first)) = &role
+            && let Some(number) = self.around.letter_and_number(at)
+        {
+            self.identifier(role.clone(), &number, *first, at + 2);
+            return 2;
+        }
+        if let Some((role, first)) = role
+            && let Some(number) = self.around.spelt_number(at)
+        {
+            self.identifier(role, &number, first, at + 1);
+        } else if self.around.is_ordinal_floor(at) {
+            let number = context::number_word(word).unwrap_or_default().to_owned();
+            self.identifier(Role::Floor, &number, at, at + 2);
+            return 2;
+        } else if dictionary::negates(word) {
+            self.negation = Some(at);
+        } else if self.around.is_location(at) {
+            // Where the thing hangs, not where it points; and left of it is not right of it.
+            let place = Word::of_class(Class::Descriptive, format!("at {}", dictionary::stem(word)));
+            self.word(place, at, at + 1);
+        } else if self.frame.is_empty_at(at) {
+            self.word(Word::of_class(Class::Generic, dictionary::stem(word)), at, at + 1);
+        } else if (word.len() > 1 || !word.is_ascii())
+            && !self.frame.leaves_out(at)
+            && !self.around.is_particle(at)
+        {
+            self.word(Word::new(dictionary::stem(word)), at, at + 1);
+        }
+        1
+    }
+
+    fn ideographs(&mut self, at: usize) -> usize {
+        self.run(self.tokens[at].text, at);
+        1
+    }
+
+    /// No spaces part these words, so a run unknown to the dictionary counts as its pairs of characters.
+    fn run(&mut self, run: &str, at: usize) {
+        if dictionary::negates(run) {
+            self.negation = Some(at);
+        } else if misreading::class_of(run) != Class::Specific || run.chars().nth(2).is_none() {
+            self.word(Word::new(run.to_owned()), at, at + 1);
+        } else if let Some(words) = dictionary::split(run) {
+            for word in words.into_iter().take(MAX_TOKENS) {
+                if dictionary::negates(word) {
+                    self.negation = Some(at);
+                } else {
+                    self.word(Word::new(word.to_owned()), at, at + 1);
+                }
+            }
+        } else {
+            let starts: Vec<usize> = run.char_indices().map(|(start, _)| start).chain([run.len()]).collect();
+            for pair in starts.windows(3).take(MAX_TOKENS) {
+                self.word(Word::new(run[pair[0]..pair[2]].to_owned()), at, at + 1);
+            }
+        }
+    }
+
+    /// "rooms 901, 902 and 903": a number goes on with the role of the one before.
+    fn role_of_list(&self, at: usize) -> Option<Role> {
+        let before = self.mentions.last()?;
+        let What::Identifier(identifier) = &before.what else { return None };
+        let between = &self.bare[before.end..at];
+        let and =
+            between.len() == 1 && ["and", "und", "et", "y", "or", "to", "-"].contains(&between[0].as_str());
+        let plural = || {
+            (before.first..before.end).any(|i| role::role_of(&self.bare[i]).is_some_and(|(_, plural)| plural))
+        };
+        let carried = || before.first + 1 == before.end && identifier.role != Role::Neutral;
+        (and || (between.is_empty() && (plural() || carried()))).then(|| identifier.role.clone())
+    }
+
+    /// One code may hold several: 901/902.
+    fn identifiers(&mut self, role: &Role, codes: &str, first: usize, end: usize) {
+        for code in codes.split(['/', ',']) {
+            self.identifier(role.clone(), code, first, end);
+        }
+    }
+
+    fn identifier(&mut self, role: Role, code: &str, first: usize, end: usize) {
+        // "No 5" numbers, it does not deny.
+        if self.negation.is_some_and(|no| no + 1 == first || (no >= first && no < end)) {
+            self.negation = None;
+        }
+        if role == Role::Neutral && noise::is_noise_number(code) {
+            return;
+        }
+        let what = What::Identifier(Identifier::new(role, code));
+        self.mentions.push(Mention { what, first, end });
+    }
+
+    fn word(&mut self, mut word: Word, first: usize, end: usize) {
+        if word.class == Class::Function {
+            // "Cannot *read*" is what tells an unreadable sign, elsewhere "reads" tells nothing.
+            if self.negation.is_none() || !dictionary::is_unsure_when_negated(&word.text) {
+                return;
+            }
+            word = Word::of_class(Class::Generic, word.text);
+        }
+        let negated = self.negation.take();
+        let first = negated.unwrap_or(first);
+        self.mentions.push(Mention { what: What::Word { word, negated: negated.is_some() }, first, end });
+    }
+
+    /// "Smoking prohibited": a negation that ends its phrase bears on the word before.
+    fn negate_last(&mut self) {
+        let Some(no) = self.negation.take().filter(|no| !self.tokens[*no].after_break) else { return };
+        if let Some(Mention { what: What::Word { negated, .. }, end, .. }) = self.mentions.last_mut() {
+            *negated = true;
+            *end = no + 1;
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! Loading: maps come to memory when they are first asked for, and again after a write to them failed.
+//!
+//! Few maps load at once, each after room was made for it: the budget is exceeded by the maps at work and those few. A map
+//! that is larger than the budget loads while no other does.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use tokio::runtime::Handle;
+use tokio::task::spawn_blocking;
+
+use super::live::LiveMap;
+use super::loads::Used;
+use super::registry::Registry;
+use crate::config::logging::in_part;
+use crate::domain::ids::MapId;
+use crate::engine::error::ServiceError;
+use crate::integrity::rebuild::rebuild;
+use crate::store::{Order, Store};
+
+/// How often a request loads a map whose writes keep failing, or that comes and goes.
+const LOADS_MAX: usize = 5;
+
+impl Registry {
+    /// Returns the map, loaded if need be, and anew if a write to it failed. Concurrent first requests share one load.
+    pub async fn get(
+        self: &Arc<Self>,
+        store: &Store,
+        id: &MapId,
+        used: Used,
+    ) -> Result<Arc<LiveMap>, ServiceError> {
+        for _ in 0..LOADS_MAX {
+            let cell = self.cell(id);
+            match cell.get_or_try_init(|| self.load(store, id)).await {
+                Ok(live) if live.is_over() => self.forget(id, &cell),
+                Ok(live) if self.holds(id, &cell) => {
+                    self.loads.mark_used(live, used);
+                    return Ok(live.clone());
+                }
+                Ok(_) => {}
+                Err(error) => {
+                    self.forget(id, &cell);
+                    return Err(error);
+                }
+            }
+        }
+        Err(ServiceError::Unavailable {
+            detail: "this map is loaded again and again, because writes to it fail or it comes and goes"
+                .to_owned(),
+            retry_after_s: 1,
+        })
+    }
+
+    /// Loads a map, off the async threads: its index is built there. It goes to its end when its client has gone.
+    async fn load(self: &Arc<Self>, store: &Store, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
+        let mut about = store.map_memory(id).await?;
+        if about.is_none() {
+            // It may be on its way to the disk. One that is not takes no turn from those that are.
+            store.committer().settled().await;
+            about = store.map_memory(id).await?;
+        }
+        let about = about.ok_or_else(|| ServiceError::no_map(id))?;
+        // Alone if nothing else fits beside it.
+        let turn = self.loads.turn(about > self.memory.budget()).await?;
+        let (registry, store, id, handle) = (self.clone(), store.clone(), id.clone(), Handle::current());
+        let loading = move || {
+            let _turn = turn;
+            registry.make_room(about);
+            let started = Instant::now();
+            let loaded = handle.block_on(async {
+                // What a map that is forgotten had queued is settled first: a write under way would be missed.
+                store.committer().settled().await;
+                rebuild(&store, &id, Order::Forwards).await
+            })?;
+            let loaded = loaded.ok_or_else(|| ServiceError::no_map(&id))?;
+            let feed = registry.feeds.of(loaded.facts.key, loaded.facts.next_event - 1);
+            let live = LiveMap::new(id, loaded, feed, &registry.memory);
+            registry.loaded(&live, started);
+            registry.make_room(0);
+            Ok(live)
+        };
+        spawn_blocking(in_part("load", loading)).await.map_err(ServiceError::panicked)?
+    }
+
+    /// Counts a load, and warns of a map that is larger than the budget.
+    fn loaded(&self, live: &LiveMap, started: Instant) {
+        let (bytes, budget) = (live.memory.bytes(), self.memory.budget());
+        self.loads.count_load(started.elapsed(), bytes > budget);
+        if bytes > budget {
+            tracing::warn!(map = %live.id, bytes, budget, "a map is larger than the memory for maps (--map-memory)");
+        }
+    }
+}

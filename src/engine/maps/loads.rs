@@ -1,0 +1,106 @@
+//! Loads: the turns of maps to come to memory, and counts of loads and evictions.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
+
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+
+use super::live::LiveMap;
+use crate::engine::error::ServiceError;
+use crate::engine::limits::bounds::cores;
+use crate::store::StoreError;
+
+/// The user of a map: a client, or work in the background, after which the map may leave first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::engine) enum Used {
+    ByClient,
+    InBackground,
+}
+
+/// The loads and evictions under way, and how many there were.
+#[derive(Debug)]
+pub(in crate::engine) struct Loads {
+    turns: Arc<Semaphore>,
+    at_once: u32,
+    /// Counts uses, to tell which came first.
+    uses: AtomicU64,
+    is_evicting: AtomicBool,
+    loaded: AtomicU64,
+    microseconds: AtomicU64,
+    evicted: AtomicU64,
+    oversized: AtomicU64,
+}
+
+/// Loads and evictions since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(in crate::engine) struct LoadFigures {
+    pub loads: u64,
+    pub load_microseconds: u64,
+    pub evictions: u64,
+    /// Loads of maps that are larger than the budget.
+    pub oversized: u64,
+}
+
+impl Default for Loads {
+    fn default() -> Self {
+        let at_once = cores().max(2);
+        Self {
+            turns: Arc::new(Semaphore::new(at_once)),
+            at_once: at_once as u32,
+            uses: AtomicU64::new(0),
+            is_evicting: AtomicBool::new(false),
+            loaded: AtomicU64::new(0),
+            microseconds: AtomicU64::new(0),
+            evicted: AtomicU64::new(0),
+            oversized: AtomicU64::new(0),
+        }
+    }
+}
+
+impl Loads {
+    /// Waits for the turn of a map to be loaded; `alone` while no other map is.
+    pub async fn turn(&self, alone: bool) -> Result<OwnedSemaphorePermit, ServiceError> {
+        let turns = if alone { self.at_once } else { 1 };
+        Ok(self.turns.clone().acquire_many_owned(turns).await.map_err(|_| StoreError::Closed)?)
+    }
+
+    /// Marks a map as the one used last. Work in the background does not count as use.
+    pub fn mark_used(&self, live: &LiveMap, used: Used) {
+        if used == Used::ByClient {
+            live.last_use.store(self.uses.fetch_add(1, Ordering::Relaxed) + 1, Ordering::Relaxed);
+        }
+    }
+
+    /// Counts a load, and whether its map is larger than the budget.
+    pub fn count_load(&self, took: Duration, is_oversized: bool) {
+        self.loaded.fetch_add(1, Ordering::Relaxed);
+        self.microseconds.fetch_add(took.as_micros() as u64, Ordering::Relaxed);
+        self.oversized.fetch_add(u64::from(is_oversized), Ordering::Relaxed);
+    }
+
+    /// Counts maps that were evicted.
+    pub fn count_evictions(&self, maps: usize) {
+        self.evicted.fetch_add(maps as u64, Ordering::Relaxed);
+    }
+
+    /// Begins evicting in the background; false if somebody else does.
+    pub fn begin_evicting(&self) -> bool {
+        !self.is_evicting.swap(true, Ordering::AcqRel)
+    }
+
+    /// Ends what [`Self::begin_evicting`] began.
+    pub fn end_evicting(&self) {
+        self.is_evicting.store(false, Ordering::Release);
+    }
+
+    /// Returns the loads and evictions since the start.
+    pub fn figures(&self) -> LoadFigures {
+        LoadFigures {
+            loads: self.loaded.load(Ordering::Relaxed),
+            load_microseconds: self.microseconds.load(Ordering::Relaxed),
+            evictions: self.evicted.load(Ordering::Relaxed),
+            oversized: self.oversized.load(Ordering::Relaxed),
+        }
+    }
+}
