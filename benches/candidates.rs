@@ -32,6 +32,7 @@ struct Report {
     query: Percentiles,
     insert: Percentiles,
     inserts_total: Duration,
+    load: Duration,
     postings_per_query: f64,
     bytes_per_keyframe: f64,
     words_per_keyframe: f64,
@@ -58,6 +59,7 @@ fn measure(keyframes: u32) -> Report {
             queries.push((keyframe, bow));
         }
     });
+    let load = load(&map);
     // The order they were drawn in: each query hops to another end of the map.
     queries.shuffle(&mut rng(&[4]));
 
@@ -92,6 +94,7 @@ fn measure(keyframes: u32) -> Report {
         keyframes,
         query: Percentiles::of(times),
         inserts_total: inserts.iter().sum(),
+        load,
         insert: Percentiles::of(inserts),
         postings_per_query: postings as f64 / queries.len() as f64,
         bytes_per_keyframe: file.heap_bytes() as f64 / f64::from(keyframes),
@@ -99,6 +102,21 @@ fn measure(keyframes: u32) -> Report {
         found_first: found_first as f64 / queries.len() as f64,
         found_at_all: found_at_all as f64 / queries.len() as f64,
     }
+}
+
+/// Times the building of the whole file at once, as a server does when it reads a map from disk.
+fn load(map: &DrawnMap) -> Duration {
+    let mut file = InvertedFile::new();
+    file.begin_loading();
+    let mut total = Duration::ZERO;
+    map.for_each_keyframe(|keyframe, bow| {
+        let start = Instant::now();
+        file.insert(keyframe, &bow);
+        total += start.elapsed();
+    });
+    let start = Instant::now();
+    file.finish_loading();
+    total + start.elapsed()
 }
 
 fn print_table(reports: &[Report]) {
@@ -125,6 +143,7 @@ fn print_table(reports: &[Report]) {
     row("insert, mean", &|report| microseconds(report.inserts_total / report.keyframes));
     row("insert, 99th percentile", &|report| microseconds(report.insert.p99));
     row("insert, longest", &|report| milliseconds(report.insert.longest));
+    row("loading of the whole map", &|report| milliseconds(report.load));
     row("true place named first", &|report| format!("{:.1} %", report.found_first * 100.0));
     row("true place among the 20", &|report| format!("{:.1} %", report.found_at_all * 100.0));
 }

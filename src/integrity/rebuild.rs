@@ -21,7 +21,9 @@ pub async fn rebuild(
     order: Order,
 ) -> Result<Option<RebuiltMap>, StoreError> {
     let mut index = MapIndex::default();
+    index.begin_loading();
     let facts = source.load(id, order, |changes| index.apply(changes)).await?;
+    index.finish_loading();
     Ok(facts.map(|facts| {
         index.reserve(facts.next_keyframe.0, facts.next_anchor.0);
         RebuiltMap { facts, index }

@@ -37,7 +37,8 @@ pub struct MapIndex {
     pub(super) model_away: bool,
 
     pub(super) session_by_id: HashMap<SessionId, SessionSeq>,
-    pub(super) keyframe_by_id: HashMap<KeyframeId, KeyframeSeq>,
+    /// Ordered, for a hash map of a million names would hold up one insert in a million for as long as a thousand others take.
+    pub(super) keyframe_by_id: BTreeMap<KeyframeId, KeyframeSeq>,
     /// Of all sessions, keyframes and loops, on disk.
     pub(super) bytes: u64,
     pub(super) points: Points,
@@ -59,6 +60,16 @@ pub struct MapIndex {
 }
 
 impl MapIndex {
+    /// Begins to load a map: many keyframes follow, in order, before the first query. The index that comes of it is the same.
+    pub fn begin_loading(&mut self) {
+        self.inverted_file.begin_loading();
+    }
+
+    /// Ends the loading of a map.
+    pub fn finish_loading(&mut self) {
+        self.inverted_file.finish_loading();
+    }
+
     /// Returns the map's description, classes and settings.
     pub fn properties(&self) -> &MapProperties {
         &self.properties

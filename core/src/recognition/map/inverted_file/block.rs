@@ -1,6 +1,7 @@
 //! A block: the segments of consecutive keyframe ids, few enough that their accumulators stay in a fast cache.
 
 use super::block_number::{BLOCK_KEYFRAMES, local_in_block};
+use super::merge::Merge;
 use super::packed_score::Term;
 use super::row::Row;
 use super::segment::Segment;
@@ -12,26 +13,41 @@ const REMOVED_SHARE: usize = 8;
 #[derive(Clone, Default)]
 pub(super) struct Block {
     segments: Vec<Segment>,
+    /// The merge that is under way.
+    merge: Option<Merge>,
+    is_sealed: bool,
 }
 
 impl Block {
-    /// Adds rows as a new segment, merged with the latest ones as long as those are not clearly larger:
-    /// each posting is then copied a logarithmic number of times, and the block has as few segments.
+    /// Adds rows as a new segment, to be merged with the latest ones as long as those are not clearly larger: each posting is
+    /// then copied a logarithmic number of times, and the block has few segments. A block that is `sealed` is to be one.
     pub(super) fn add(&mut self, rows: &[Row], slot_count: usize) {
-        let segment = Segment::from_rows(rows, slot_count);
-        let mut merged = segment.member_count();
-        let mut first = self.segments.len();
-        self.segments.push(segment);
-        while first > 0 && self.segments[first - 1].member_count() < 2 * merged {
-            first -= 1;
-            merged += self.segments[first].member_count();
-        }
-        self.merge_from(first);
+        self.segments.push(Segment::from_rows(rows, slot_count));
+        self.begin_merge();
     }
 
-    /// Leaves the block in one segment.
+    /// Says that no rows are expected any more, so that the block is left in one segment.
     pub(super) fn seal(&mut self) {
-        self.merge_from(0);
+        if !self.is_sealed {
+            self.is_sealed = true;
+            self.begin_merge();
+        }
+    }
+
+    /// Goes on with the block's merges for at most `budget` postings. Returns what is left of it; none if more is to be done.
+    pub(super) fn advance(&mut self, budget: usize) -> Option<usize> {
+        let mut left = budget;
+        while let Some(merge) = &mut self.merge {
+            left = merge.advance(&self.segments, left)?;
+            self.finish_merge();
+            self.begin_merge();
+        }
+        Some(left)
+    }
+
+    /// Whether segments are being merged.
+    pub(super) fn is_merging(&self) -> bool {
+        self.merge.is_some()
     }
 
     /// Sets the accumulators to the scores of the block's keyframes, whatever they were before.
@@ -51,11 +67,7 @@ impl Block {
     /// Removes a keyframe, if it is here.
     pub(super) fn remove(&mut self, keyframe: u32) -> bool {
         let found = self.segments.iter_mut().any(|segment| segment.remove(local_in_block(keyframe)));
-        let removed: usize = self.segments.iter().map(Segment::removed_count).sum();
-        let members: usize = self.segments.iter().map(Segment::member_count).sum();
-        if removed * REMOVED_SHARE > members {
-            self.rewrite(0);
-        }
+        self.begin_merge();
         found
     }
 
@@ -74,20 +86,41 @@ impl Block {
     /// Bytes on the heap.
     pub(super) fn heap_bytes(&self) -> usize {
         let segments: usize = self.segments.iter().map(Segment::heap_bytes).sum();
-        segments + self.segments.capacity() * size_of::<Segment>()
+        let merge = self.merge.as_ref().map_or(0, Merge::heap_bytes);
+        segments + self.segments.capacity() * size_of::<Segment>() + merge
     }
 
-    fn merge_from(&mut self, first: usize) {
-        if self.segments.len() > first + 1 {
-            self.rewrite(first);
+    /// Begins the merge that the block needs now, unless one is under way.
+    fn begin_merge(&mut self) {
+        if self.merge.is_none()
+            && let Some(first) = self.first_to_merge()
+        {
+            self.merge = Some(Merge::begin(first, &self.segments[first..]));
         }
     }
 
-    fn rewrite(&mut self, first: usize) {
-        let merged = Segment::merge(&self.segments[first..]);
-        self.segments.truncate(first);
-        if merged.member_count() > 0 {
-            self.segments.push(merged);
+    /// Returns the place of the first segment that is to be merged with all after it.
+    fn first_to_merge(&self) -> Option<usize> {
+        let removed: usize = self.segments.iter().map(Segment::removed_count).sum();
+        let members: usize = self.segments.iter().map(Segment::member_count).sum();
+        if removed * REMOVED_SHARE > members {
+            return Some(0);
         }
+        let last = self.segments.len().checked_sub(1)?;
+        let mut first = last;
+        let mut merged = self.segments[last].member_count();
+        while first > 0 && (self.is_sealed || self.segments[first - 1].member_count() < 2 * merged) {
+            first -= 1;
+            merged += self.segments[first].member_count();
+        }
+        (first < last).then_some(first)
+    }
+
+    fn finish_merge(&mut self) {
+        let Some(merge) = self.merge.take() else { return };
+        let places = merge.places();
+        let merged = merge.finish(&self.segments);
+        let is_empty = merged.removed_count() == merged.member_count();
+        self.segments.splice(places, (!is_empty).then_some(merged));
     }
 }

@@ -7,24 +7,27 @@
 //!   keyframe and 32 of exact weight, and the accumulators of a block (64 KB) stay in cache as its postings stream by.
 //! - Within a block, postings lie word after word in *segments* that are written once, at exact capacity.
 //!   An insert never touches them: new keyframes wait as *rows*, 64 at a time become a small segment, and
-//!   segments of like size are merged, as in a log-structured merge tree. The longest pause is the last merge of one
-//!   block, some ten milliseconds however large the map is; one base for the whole map would make that pause grow
-//!   with the map, and one vector per word would be half empty or reallocated at nearly every insert.
+//!   segments of like size are merged, as in a log-structured merge tree. A merge goes on in steps, a bounded number of postings
+//!   an insert, and its segments answer queries until it is done. So no insert waits for a block, however large the map is.
+//! - A map that is loaded writes each block once, from all of its rows.
 //! - A removed keyframe is only marked, its score erased after its segment was read; the next merge drops it. A block that
 //!   lost all of its keyframes costs neither time nor accumulators.
 
 mod block;
 mod block_number;
+mod merge;
 mod packed_score;
 mod row;
 mod scores;
 mod segment;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::fmt;
 
+use foldhash::fast::RandomState;
+
 use self::block::Block;
-use self::block_number::block_of;
+use self::block_number::{BLOCK_KEYFRAMES, block_of};
 use self::row::Row;
 pub use self::scores::{Scores, Scratch};
 use crate::domain::bow::BowVector;
@@ -33,6 +36,10 @@ use crate::domain::bow::BowVector;
 /// and each merge pays for every word of the map: 64 keeps both small.
 const ROWS_MAX: usize = 64;
 
+/// Postings that one insert copies to larger segments at most: some 0.1 ms. A posting is copied ten times or so in all, and a
+/// keyframe brings a thousand of them at most, so merges keep pace.
+const MERGE_POSTINGS: usize = if cfg!(test) { 256 } else { 32 * 1024 };
+
 /// The words of one map's keyframes, ready to be scored against a query.
 ///
 /// Keyframes are dense ids given by the caller, meant to grow with each insert. Two files are equal when they
@@ -40,11 +47,17 @@ const ROWS_MAX: usize = 64;
 #[derive(Clone, Default)]
 pub struct InvertedFile {
     /// Word -> slot, the dense number of a word in the order of its first appearance.
-    slots: HashMap<u32, u32>,
+    slots: HashMap<u32, u32, RandomState>,
     /// Indexed by `keyframe / BLOCK_KEYFRAMES`.
     blocks: Vec<Block>,
     /// The latest keyframes, not in any segment yet.
     rows: Vec<Row>,
+    /// The blocks with a merge under way.
+    merging: VecDeque<usize>,
+    /// The blocks before this one are sealed.
+    sealed_count: usize,
+    /// Whether keyframes are being loaded: rows then wait for their whole block.
+    is_loading: bool,
     posting_count: usize,
 }
 
@@ -67,17 +80,41 @@ impl InvertedFile {
         if block >= self.blocks.len() {
             self.blocks.resize_with(block + 1, Block::default);
         }
-        if self.rows.len() == ROWS_MAX {
+        if self.is_loading {
+            // Keyframes are loaded in order, so that a block is written once, in one piece.
+            let is_next_block = self.rows.first().is_some_and(|row| block_of(row.keyframe) != block);
+            if is_next_block || self.rows.len() == BLOCK_KEYFRAMES {
+                self.flush();
+            }
+        } else if self.rows.len() == ROWS_MAX {
             self.flush();
         }
+        self.advance_merges(MERGE_POSTINGS);
+    }
+
+    /// Says that many keyframes follow, in order, before the first query.
+    pub fn begin_loading(&mut self) {
+        self.is_loading = true;
+    }
+
+    /// Says that all keyframes are loaded.
+    pub fn finish_loading(&mut self) {
+        self.is_loading = false;
+        self.flush();
+        self.advance_merges(usize::MAX);
     }
 
     /// Removes a keyframe, given the vector it was inserted with. A keyframe that is not in the file stays out of it.
     pub fn remove(&mut self, keyframe: u32, bow: &BowVector) {
         if let Some(at) = self.rows.iter().position(|row| row.keyframe == keyframe) {
             self.rows.remove(at);
-        } else if !self.blocks.get_mut(block_of(keyframe)).is_some_and(|block| block.remove(keyframe)) {
-            return;
+        } else {
+            let number = block_of(keyframe);
+            if !self.blocks.get_mut(number).is_some_and(|block| block.remove(keyframe)) {
+                return;
+            }
+            self.note_merge(number);
+            self.advance_merges(MERGE_POSTINGS);
         }
         self.posting_count = self.posting_count.saturating_sub(bow.len());
     }
@@ -127,16 +164,38 @@ impl InvertedFile {
         *self.slots.entry(word).or_insert(next)
     }
 
-    /// Turns the rows into segments of their blocks, and leaves every block but the last in one piece.
+    /// Turns the rows into segments of their blocks, and seals every block but the last.
     fn flush(&mut self) {
         let slot_count = self.slots.len();
         self.rows.sort_by_key(|row| block_of(row.keyframe));
-        for rows in self.rows.chunk_by(|a, b| block_of(a.keyframe) == block_of(b.keyframe)) {
-            self.blocks[block_of(rows[0].keyframe)].add(rows, slot_count);
+        let rows = std::mem::take(&mut self.rows);
+        for rows in rows.chunk_by(|a, b| block_of(a.keyframe) == block_of(b.keyframe)) {
+            let number = block_of(rows[0].keyframe);
+            self.blocks[number].add(rows, slot_count);
+            self.note_merge(number);
         }
-        self.rows.clear();
-        if let Some((_, earlier)) = self.blocks.split_last_mut() {
-            earlier.iter_mut().for_each(Block::seal);
+        let last = self.blocks.len().saturating_sub(1);
+        while self.sealed_count < last {
+            self.blocks[self.sealed_count].seal();
+            self.note_merge(self.sealed_count);
+            self.sealed_count += 1;
+        }
+    }
+
+    /// Remembers a block that has begun to merge.
+    fn note_merge(&mut self, block: usize) {
+        if self.blocks[block].is_merging() && !self.merging.contains(&block) {
+            self.merging.push_back(block);
+        }
+    }
+
+    /// Goes on with merges, block after block, for at most so many postings.
+    fn advance_merges(&mut self, budget: usize) {
+        let mut left = budget;
+        while let Some(&block) = self.merging.front() {
+            let Some(rest) = self.blocks[block].advance(left) else { return };
+            left = rest;
+            self.merging.pop_front();
         }
     }
 
@@ -188,7 +247,7 @@ impl fmt::Debug for InvertedFile {
             .field("postings", &self.posting_count)
             .field("blocks", &self.blocks.len())
             .field("rows", &self.rows.len())
-            .finish()
+            .finish_non_exhaustive()
     }
 }
 

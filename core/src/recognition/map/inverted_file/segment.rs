@@ -42,43 +42,8 @@ impl Segment {
             postings[*at as usize] = Posting::new(local_in_block(keyframe), weight);
             *at += 1;
         }
-        let mut members: Vec<u16> = rows.iter().map(|row| local_in_block(row.keyframe)).collect();
-        members.sort_unstable();
-        Self {
-            offsets: offsets.into(),
-            postings: postings.into(),
-            members: members.into(),
-            removed: Vec::new(),
-        }
-    }
-
-    /// Writes several segments of one block as one, without the keyframes removed from them.
-    pub(super) fn merge(parts: &[Self]) -> Self {
-        let slot_count = parts.iter().map(Self::slot_count).max().unwrap_or(0);
-        let count = parts.iter().map(|part| part.postings.len()).sum();
-        let mut offsets = Vec::with_capacity(slot_count + 1);
-        let mut postings = Vec::with_capacity(count);
-        let kept: Vec<_> = parts.iter().map(|part| (part, part.kept())).collect();
-        offsets.push(0);
-        for slot in 0..slot_count {
-            for (part, kept) in &kept {
-                let of_part = part.slot(slot as u32);
-                if let Some(kept) = kept {
-                    postings.extend(of_part.iter().filter(|posting| kept[usize::from(posting.local)]));
-                } else {
-                    postings.extend_from_slice(of_part);
-                }
-            }
-            offsets.push(postings.len() as u32);
-        }
-        let mut members: Vec<u16> = parts.iter().flat_map(Self::live_members).collect();
-        members.sort_unstable();
-        Self {
-            offsets: offsets.into(),
-            postings: postings.into(),
-            members: members.into(),
-            removed: Vec::new(),
-        }
+        let members = rows.iter().map(|row| local_in_block(row.keyframe)).collect();
+        Self::of_parts(offsets, postings, members)
     }
 
     /// Adds this segment's share to the accumulators of its block.
@@ -145,11 +110,34 @@ impl Segment {
             + self.removed.capacity() * size_of::<u16>()
     }
 
-    fn slot_count(&self) -> usize {
+    /// Returns the number of postings, those of removed keyframes included.
+    pub(super) fn posting_count(&self) -> usize {
+        self.postings.len()
+    }
+
+    /// Returns the keyframes that were removed since the segment was written, in the order of removal.
+    pub(super) fn removed(&self) -> &[u16] {
+        &self.removed
+    }
+
+    /// Puts a segment together from its parts.
+    pub(super) fn of_parts(offsets: Vec<u32>, postings: Vec<Posting>, mut members: Vec<u16>) -> Self {
+        members.sort_unstable();
+        Self {
+            offsets: offsets.into(),
+            postings: postings.into(),
+            members: members.into(),
+            removed: Vec::new(),
+        }
+    }
+
+    /// Returns the number of slots for which the segment has an offset.
+    pub(super) fn slot_count(&self) -> usize {
         self.offsets.len() - 1
     }
 
-    fn slot(&self, slot: u32) -> &[Posting] {
+    /// Returns the postings of one slot.
+    pub(super) fn slot(&self, slot: u32) -> &[Posting] {
         let slot = slot as usize;
         let Some(&[from, to]) = self.offsets.get(slot..slot + 2) else {
             return &[];
@@ -157,7 +145,8 @@ impl Segment {
         &self.postings[from as usize..to as usize]
     }
 
-    fn live_members(&self) -> impl Iterator<Item = u16> + '_ {
+    /// Returns the keyframes that still count.
+    pub(super) fn live_members(&self) -> impl Iterator<Item = u16> + '_ {
         let kept = self.kept();
         self.members
             .iter()
@@ -166,7 +155,7 @@ impl Segment {
     }
 
     /// Returns which keyframes still count; none if all do.
-    fn kept(&self) -> Option<Vec<bool>> {
+    pub(super) fn kept(&self) -> Option<Vec<bool>> {
         if self.removed.is_empty() {
             return None;
         }
@@ -180,9 +169,9 @@ impl Segment {
 
 /// A keyframe and its weight for one word, in six bytes: 32 bits next to 16 would be padded to eight.
 #[derive(Clone, Copy, Default)]
-struct Posting {
+pub(super) struct Posting {
     /// The keyframe, within the block.
-    local: u16,
+    pub(super) local: u16,
     /// The weight, low half first.
     weight: [u16; 2],
 }

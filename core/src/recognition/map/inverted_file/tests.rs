@@ -165,3 +165,57 @@ fn a_patrol_of_years_costs_what_its_last_keyframes_do() {
     assert!(file.blocks.iter().filter(|block| !block.is_empty()).count() <= 2);
     assert!(scratch.heap_bytes() <= 3 * BLOCK_BYTES, "{}", scratch.heap_bytes());
 }
+
+#[test]
+fn a_loaded_file_equals_a_live_one_in_any_order() {
+    let (live, vectors) = random_history(11, 20_000, 1, 0.01);
+    let mut forwards = InvertedFile::new();
+    forwards.begin_loading();
+    for (&keyframe, bow) in &vectors {
+        forwards.insert(keyframe, bow);
+    }
+    forwards.finish_loading();
+    let mut backwards = InvertedFile::new();
+    backwards.begin_loading();
+    for (&keyframe, bow) in vectors.iter().rev() {
+        backwards.insert(keyframe, bow);
+    }
+    // What is on top of the rows may take some away while the map is loaded.
+    let (&first, bow) = vectors.first_key_value().unwrap();
+    backwards.remove(first, bow);
+    backwards.insert(first, bow);
+    backwards.finish_loading();
+    assert!(live == forwards && live == backwards);
+    let query = random_bow(&mut ChaCha8Rng::seed_from_u64(12));
+    for file in [&live, &forwards, &backwards] {
+        assert_scores(file, &vectors, &query, &mut Scratch::new());
+    }
+}
+
+#[test]
+fn a_merge_under_way_answers_and_forgets_what_is_removed() {
+    let (mut file, mut vectors) = random_history(13, 9_000, 1, 0.0);
+    let mut rng = ChaCha8Rng::seed_from_u64(14);
+    let mut next = 20_000;
+    let mut merges_seen = 0;
+    for step in 0..3_000 {
+        next += 1;
+        let bow = random_bow(&mut rng);
+        file.insert(next, &bow);
+        vectors.insert(next, bow);
+        if file.merging.is_empty() {
+            continue;
+        }
+        merges_seen += 1;
+        let kept: Vec<u32> = vectors.keys().copied().collect();
+        let keyframe = kept[rng.random_range(0..kept.len())];
+        let bow = vectors.remove(&keyframe).unwrap();
+        file.remove(keyframe, &bow);
+        if step % 50 == 0 {
+            assert_scores(&file, &vectors, &random_bow(&mut rng), &mut Scratch::new());
+        }
+    }
+    assert!(merges_seen > 10, "{merges_seen}");
+    file.advance_merges(usize::MAX);
+    assert_scores(&file, &vectors, &random_bow(&mut rng), &mut Scratch::new());
+}
