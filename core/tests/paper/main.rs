@@ -1,0 +1,7 @@
+//! The paper, asked of the core: a test for each section and for the choices of `docs/method.md`, against numbers computed by hand.
+
+mod candidates;
+mod equation;
+mod matching;
+mod scene;
+mod verdicts;
