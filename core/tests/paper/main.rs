@@ -2,10 +2,15 @@
 
 mod candidates;
 mod closing;
+mod construction;
 mod contradiction;
+mod differences;
 mod distinctive;
 mod equation;
+mod local_map;
 mod matching;
 mod scene;
+mod strictness;
 mod tracking;
 mod verdicts;
+mod votes;

@@ -149,7 +149,7 @@ fn a_merged_anchor_has_the_keyframes_the_points_and_the_readings_of_both_and_a_n
     let stored = scene.put("kf-2", again);
     let anchor = scene.anchors().remove(0);
     assert_eq!(anchor.keyframes, ["kf-1", "kf-2"]);
-    assert_eq!(anchor.object.shapes.values().map(|shape| shape.map_points.len()).sum::<usize>(), 8);
+    assert_eq!(anchor.map_points(), 8);
     close_to_all("min", anchor.aabb().min(), [0.0, 0.0, 2.0]);
     close_to_all("max", anchor.aabb().max(), [2.0, 2.0, 2.0]);
     close_to_all("center", anchor.centre(), [1.0, 1.0, 2.0]);

@@ -60,6 +60,16 @@ impl Sign {
         self.object.state
     }
 
+    /// Returns the InformationLevel of its description, 1 if it has none.
+    pub fn information_level(&self) -> u8 {
+        self.object.description.as_ref().map_or(1, |description| description.information_level)
+    }
+
+    /// Returns how many distinct map points it has.
+    pub fn map_points(&self) -> usize {
+        self.object.shapes.values().map(|shape| shape.map_points.len()).sum()
+    }
+
     /// Returns its box in the frame of the oldest session that saw it.
     pub fn aabb(&self) -> Aabb {
         self.frames.first().unwrap_or_else(|| panic!("it is nowhere: {self:#?}")).1
