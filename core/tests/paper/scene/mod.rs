@@ -161,6 +161,11 @@ impl Scene {
         correct(&mut self.map, session, &Correction { poses, map_points });
     }
 
+    /// Whether the map has this keyframe.
+    pub fn has(&self, keyframe: &str) -> bool {
+        self.map.keyframe_seq(&keyframe_id(keyframe)).is_some()
+    }
+
     /// Culls a keyframe.
     pub fn cull(&mut self, keyframe: &str) {
         let seq = self.seq(keyframe);
