@@ -1,7 +1,7 @@
 //! §IV-C.2, the end: a confirmed loop merges what matched, and its revocation parts it again (M12).
 
 use revisit_core::domain::event::{Event, EventKind};
-use revisit_core::domain::ids::AnchorSeq;
+use revisit_core::domain::ids::{AnchorSeq, LoopId};
 use revisit_core::domain::loop_warning::LoopWarningCode;
 use revisit_core::domain::report::MergeReport;
 use revisit_core::{Decision, ReasonCode, Settings, Verdict};
@@ -65,7 +65,7 @@ fn closed(verdict: &Verdict) -> Vec<(&str, &str)> {
 fn a_confirmed_loop_merges_the_pairs_that_matched_and_no_others() {
     let (mut scene, old, new) = two_passages();
     let (_, decided) = scene.close("l-1", "kf-9", "kf-1");
-    let loops: Vec<&str> = scene.map().loops().keys().map(|id| id.as_str()).collect();
+    let loops: Vec<&str> = scene.map().loops().keys().map(LoopId::as_str).collect();
     assert_eq!(loops, ["l-1"]);
     assert_eq!(scene.merged_by("l-1"), [pair(old[0], new[0]), pair(old[1], new[1])]);
 

@@ -13,9 +13,10 @@ fn poster(text: &str) -> Thing {
 /// What is a loop, or is none for want of a witness.
 #[track_caller]
 fn is_loop(what: &str, found: &Candidate, expected: bool) {
-    let expected = match expected {
-        true => (CandidateDecision::Loop, None),
-        false => (CandidateDecision::Undecided, Some(ReasonCode::NoWitness)),
+    let expected = if expected {
+        (CandidateDecision::Loop, None)
+    } else {
+        (CandidateDecision::Undecided, Some(ReasonCode::NoWitness))
     };
     assert_eq!((found.decision, code(found)), expected, "{what}: {found:#?}");
 }
