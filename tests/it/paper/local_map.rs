@@ -1,111 +1,22 @@
-//! §V-A, the local anchor map M_k: which anchors, where, and how heavy (M1, M2).
+//! §V-A, the local anchor map M_k, as it is read; `core/tests/paper/local_map.rs` asks the core.
 
-use serde_json::{Value, json};
-
-use super::scene::{NAMES, Scene, close_to, close_to_all, door, keyframe, list, texts, thing, unread};
-
-/// Half a right angle's sine, for quarter turns.
-const HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
-
-async fn around(scene: &Scene, keyframe: &str) -> Vec<String> {
-    texts(&json!(scene.local_map(keyframe).await), "description")
-}
+use super::scene::{Scene, close_to, close_to_all, door, keyframe, list, texts, thing, unread};
 
 #[tokio::test]
-async fn a_keyframe_without_neighbours_has_what_it_sees_itself() {
-    let scene = Scene::new().await;
-    scene.put("kf-1", keyframe().sees([door("901", [0.0, 0.0, 2.0])])).await;
-    scene.put("kf-2", keyframe().sees([door("902", [0.0, 0.0, 2.0])])).await;
-    assert_eq!(around(&scene, "kf-1").await, ["901"]);
-    assert_eq!(around(&scene, "kf-2").await, ["902"]);
-}
-
-#[tokio::test]
-async fn anchors_of_keyframes_two_hops_away_are_in_and_three_hops_away_are_out() {
-    // K_A^cov of the door of kf-n is {n-1, n, n+1}, and K_0^cov is {0, 1}: they meet for n = 0, 1, 2.
-    let scene = Scene::new().await;
-    let chain = ["kf-0", "kf-1", "kf-2", "kf-3", "kf-4"];
-    for (n, id) in chain.into_iter().enumerate() {
-        let before = if n == 0 { vec![] } else { vec![chain[n - 1]] };
-        let x = n as f64 * 10.0;
-        scene
-            .put(id, keyframe().covisible(&before).at([x, 0.0, 0.0]).sees([door(NAMES[n], [x, 0.0, 2.0])]))
-            .await;
-    }
-    let check = async |id: &str, expected: &[&str]| assert_eq!(around(&scene, id).await, expected, "{id}");
-    check("kf-0", &NAMES[..3]).await;
-    check("kf-1", &NAMES[..4]).await;
-    check("kf-2", &NAMES[..5]).await;
-    check("kf-4", &NAMES[2..5]).await;
-}
-
-#[tokio::test]
-async fn a_bearing_is_a_unit_vector_in_the_camera_frame_and_the_distance_is_euclidean() {
-    let check =
-        async |what: &str, rotation: [f64; 4], offset: [f64; 3], bearing: [f64; 3], distance_m: f64| {
-            let scene = Scene::new().await;
-            let place = [1.0, 2.0, 3.0];
-            let anchor = [0, 1, 2].map(|axis| place[axis] + offset[axis]);
-            scene.put("kf-1", keyframe().turned(place, rotation).sees([door("901", anchor)])).await;
-            let found = scene.local_map("kf-1").await.remove(0);
-            close_to_all(what, &found["bearing"], bearing);
-            close_to(what, &found["distance_m"], distance_m);
-            close_to(what, &found["weight"], 1.0 / distance_m);
-        };
-    let straight = [0.0, 0.0, 0.0, 1.0];
-    check("ahead", straight, [0.0, 0.0, 2.0], [0.0, 0.0, 1.0], 2.0).await;
-    check("right, 3-4-5", straight, [3.0, 0.0, 4.0], [0.6, 0.0, 0.8], 5.0).await;
-    check("behind", straight, [0.0, 0.0, -4.0], [0.0, 0.0, -1.0], 4.0).await;
-    check("2-3-6 is 7 away", straight, [2.0, 3.0, 6.0], [2.0 / 7.0, 3.0 / 7.0, 6.0 / 7.0], 7.0).await;
-    // A quarter turn about y (down): the camera looks along x of the map, and z of the map is on its left.
-    let right = [0.0, HALF, 0.0, HALF];
-    check("turned right, x is ahead", right, [2.0, 0.0, 0.0], [0.0, 0.0, 1.0], 2.0).await;
-    check("turned right, z is left", right, [0.0, 0.0, 2.0], [-1.0, 0.0, 0.0], 2.0).await;
-    check("turned right, down stays down", right, [0.0, 3.0, 0.0], [0.0, 1.0, 0.0], 3.0).await;
-    check("turned right, 3-4-5", right, [3.0, 0.0, 4.0], [-0.8, 0.0, 0.6], 5.0).await;
-    // A quarter turn about z (the camera rolls): x of the map is up in the image, that is -y.
-    let rolled = [0.0, 0.0, HALF, HALF];
-    check("rolled", rolled, [2.0, 0.0, 0.0], [0.0, -1.0, 0.0], 2.0).await;
-    // -q is the same turn as q.
-    check("turned right, otherwise written", [0.0, -HALF, 0.0, -HALF], [2.0, 0.0, 0.0], [0.0, 0.0, 1.0], 2.0)
-        .await;
-}
-
-#[tokio::test]
-async fn where_an_anchor_stands_is_the_centre_of_its_box() {
-    let scene = Scene::new().await;
-    // Three of the four points are left; the box's centre is in the middle all the same.
-    let points = [(1, [-1.0, 0.0, 2.0]), (2, [-0.9, 0.0, 2.0]), (3, [-0.8, 0.0, 2.0]), (4, [1.0, 0.0, 2.0])];
-    scene.put("kf-1", keyframe().points(&points).sees([thing("door_number", "901").on(1..=4)])).await;
-    let found = scene.local_map("kf-1").await.remove(0);
-    close_to_all("bearing", &found["bearing"], [0.0, 0.0, 1.0]);
-    close_to("distance", &found["distance_m"], 2.0);
-}
-
-#[tokio::test]
-async fn the_weight_is_one_over_the_distance_bounded_by_the_least_distance() {
-    // (distance, weight with the default bound 0.1, weight with the bound 1)
-    for (distance_m, weight, bounded) in
-        [(4.0, 0.25, 0.25), (0.5, 2.0, 1.0), (0.1, 10.0, 1.0), (0.05, 10.0, 1.0), (0.0, 10.0, 1.0)]
-    {
-        let scene = Scene::new().await;
-        scene.put("kf-1", keyframe().sees([door("901", [0.0, 0.0, distance_m])])).await;
-        close_to("weight", &scene.local_map("kf-1").await[0]["weight"], weight);
-        scene.set(json!({"anchor_map_min_distance_m": 1.0})).await;
-        close_to("bounded", &scene.local_map("kf-1").await[0]["weight"], bounded);
-    }
-}
-
-#[tokio::test]
-async fn the_map_shows_every_anchor_around_with_its_class_and_state() {
+async fn the_local_anchor_map_is_read_with_bearings_distances_weights_and_states() {
     let scene = Scene::new().await;
     let sights =
-        [door("901", [0.0, 0.0, 2.0]), thing("sign", "exit").at([3.0, 0.0, 2.0]), unread([-3.0, 0.0, 2.0])];
+        [door("901", [3.0, 0.0, 4.0]), thing("sign", "exit").at([3.0, 0.0, 2.0]), unread([-3.0, 0.0, 2.0])];
     let stored = scene.put("kf-1", keyframe().sees(sights)).await;
-    let found: Value = scene.get("/keyframes/kf-1/local-anchor-map").await;
+    let found = scene.get("/keyframes/kf-1/local-anchor-map").await;
     assert_eq!(found["keyframe"], "kf-1");
-    assert_eq!(texts(&found["anchors"], "anchor"), texts(&stored["detections"], "anchor"));
-    assert_eq!(texts(&found["anchors"], "class"), ["door_number", "sign", "door_number"]);
-    assert_eq!(texts(&found["anchors"], "state"), ["valid", "uninformative", "pending"]);
-    assert_eq!(list(&found["anchors"]).len(), 3);
+    let anchors = &found["anchors"];
+    assert_eq!(texts(anchors, "anchor"), texts(&stored["detections"], "anchor"));
+    assert_eq!(texts(anchors, "class"), ["door_number", "sign", "door_number"]);
+    assert_eq!(texts(anchors, "state"), ["valid", "uninformative", "pending"]);
+    assert_eq!(texts(anchors, "description"), ["901", "exit", ""]);
+    assert_eq!(list(anchors).len(), 3);
+    close_to_all("bearing", &anchors[0]["bearing"], [0.6, 0.0, 0.8]);
+    close_to("distance", &anchors[0]["distance_m"], 5.0);
+    close_to("weight", &anchors[0]["weight"], 0.2);
 }

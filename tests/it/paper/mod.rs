@@ -1,28 +1,8 @@
-//! The paper over HTTP: a test for each section and for the choices of `docs/method.md`, against numbers computed by hand.
+//! The paper over HTTP: for each section one scenario that shows that its result reaches the answers, and what is HTTP's own.
 //!
-//! | what | file |
-//! |---|---|
-//! | §III, an anchor seen before triggers; M10 | `overview.rs` |
-//! | §IV-B, what an anchor is and when it is valid | `construction.rs` |
-//! | §IV-C.1, object tracking; M2 (boxes), M3 | `tracking.rs` |
-//! | §IV-C.2, anchor matching; M5 | `matching.rs` |
-//! | §IV-C.2, several readings; M4 | `votes.rs` |
-//! | §IV-C.2, a confirmed loop and its revocation; M12 | `closing.rs` |
-//! | §V, checks 1 and 2; M9, M34 | `candidates.rs` |
-//! | §V-A, local anchor maps; M1, M2 | `local_map.rs` |
-//! | §V-B, Eq. (1) and (2) | `equation.rs` |
-//! | the gates of §V-B are strict | `strictness.rs` |
-//! | M6, M27 distinctive weights | `distinctive.rs` |
-//! | M7 contradictions | `contradiction.rs` |
-//! | M7 differing identifiers that are no contradictions | `differences.rs` |
-//! | M11, M28, M39 verdicts: what is missing, and which checks run | `verdicts.rs` |
-//! | M14 the built-in judge's levels | `levels.rs` |
-//! | M22, M25 texts that need a witness | `witness.rs` |
-//! | M10 one passage, M21 unsure readings | `passage.rs` |
-//! | M32 sessions: two robots, or two days | `sessions.rs` |
-//! | M33 poses, and culling | `correction.rs` |
-//! | M50 an inline keyframe | `inline.rs` |
-//! | M52 the same question, the same bytes | `repeat.rs` |
+//! The claims themselves, against numbers computed by hand, are asked of the core: `core/tests/paper/`, by the same names
+//! of files; its `main.rs` has the table of sections. `repeat.rs` (M52: the same question, the same bytes) is here only,
+//! and `letter.rs` (M51) there only.
 //!
 //! What the reader needs: keyframes have the word 1 unless they say otherwise, so that they are candidates of each other;
 //! they stand at the origin and look along z unless they say otherwise, so that a position is what the camera sees.
@@ -36,7 +16,6 @@ mod differences;
 mod distinctive;
 mod equation;
 mod inline;
-mod letter;
 mod levels;
 mod local_map;
 mod matching;

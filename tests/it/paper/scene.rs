@@ -21,13 +21,8 @@ pub(super) struct Scene {
     map: &'static str,
 }
 
-/// The settings with which the service is the paper's method to the letter, and some more.
-pub(super) fn to_the_letter(more: &Value) -> Value {
-    merged(json!({"method": "paper"}), more)
-}
-
 /// An object with the members of another put in.
-pub(super) fn merged(mut base: Value, more: &Value) -> Value {
+fn merged(mut base: Value, more: &Value) -> Value {
     let none = Map::new();
     for (name, value) in more.as_object().unwrap_or(&none) {
         base[name] = value.clone();
@@ -84,8 +79,8 @@ impl Scene {
         self.server.patch(self.map, &json!({"settings": settings})).await.expect(200);
     }
 
-    /// Describes an anchor by hand.
-    pub(super) async fn describe(&self, anchor: &str, description: &str) -> Value {
+    /// Describes an anchor by hand, or takes that back.
+    pub(super) async fn describe(&self, anchor: &str, description: Option<&str>) -> Value {
         let path = self.path(&format!("/anchors/{anchor}"));
         let request = self.server.request(Method::PATCH, &path).header("if-match", "*");
         support::Answer::of(request.json(&json!({"description": description}))).await.expect(200)
@@ -121,14 +116,6 @@ impl Scene {
     /// M_k of a keyframe.
     pub(super) async fn local_map(&self, keyframe: &str) -> Vec<Value> {
         list(&self.get(&format!("/keyframes/{keyframe}/local-anchor-map")).await["anchors"])
-    }
-
-    /// The keyframes covisible with one, sorted.
-    pub(super) async fn covisible(&self, keyframe: &str) -> Vec<String> {
-        let mut ids =
-            texts(&self.get(&format!("/keyframes/{keyframe}/covisible")).await["items"], "keyframe");
-        ids.sort();
-        ids
     }
 
     /// The map's events from the first to the last of this kind that was told `times` times.
@@ -222,11 +209,6 @@ impl Keyframe {
         self.set("pose", support::pose(place))
     }
 
-    /// It stands there, turned by a quaternion `[x,y,z,w]`.
-    pub(super) fn turned(self, place: [f64; 3], rotation: [f64; 4]) -> Self {
-        self.set("pose", turned(place, rotation))
-    }
-
     pub(super) fn covisible(self, keyframes: &[&str]) -> Self {
         let declared: Vec<Value> = keyframes.iter().map(|id| json!({"keyframe": id, "shared": 40})).collect();
         self.set("covisible", json!(declared))
@@ -247,9 +229,9 @@ impl Keyframe {
         self.set("map_points", json!({"ids": ids, "positions": positions}))
     }
 
-    pub(super) fn sees(self, sights: impl IntoIterator<Item = Detection>) -> Self {
-        let sights: Vec<Value> = sights.into_iter().map(|sight| sight.0).collect();
-        self.set("detections", json!(sights))
+    pub(super) fn sees(self, detections: impl IntoIterator<Item = Detection>) -> Self {
+        let detections: Vec<Value> = detections.into_iter().map(|seen| seen.0).collect();
+        self.set("detections", json!(detections))
     }
 }
 
@@ -292,11 +274,6 @@ impl Detection {
 
     pub(super) fn confidence(mut self, confidence: f64) -> Self {
         self.0["confidence"] = json!(confidence);
-        self
-    }
-
-    pub(super) fn described(mut self, description: &str) -> Self {
-        self.0["description"] = json!(description);
         self
     }
 }

@@ -1,13 +1,13 @@
-//! The paper's method to the letter, written a second time: §V-A, Eq. (1) and Eq. (2), with nothing shared with the server.
+//! The paper's method to the letter, written a second time: §V-A, Eq. (1) and Eq. (2), with nothing shared with the core.
 
 use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_3;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use serde_json::json;
+use revisit_core::{CandidateDecision, Settings};
 
-use super::scene::{Scene, candidate_of, door, keyframe, to_the_letter};
+use super::scene::{Scene, anchors, candidate_of, door, keyframe, to_the_letter};
 
 const KEYFRAMES: usize = 9;
 const NUMBERS: [&str; 4] = ["901", "902", "903", "904"];
@@ -80,40 +80,39 @@ fn similarity(shots: &[Shot], a: usize, b: usize) -> f64 {
     if all > 0.0 { matching / all } else { 0.0 }
 }
 
-#[tokio::test]
-async fn the_papers_method_is_what_a_second_implementation_of_the_letter_says() {
+#[test]
+fn the_papers_method_is_what_a_second_implementation_of_the_letter_says() {
     let (mut compared, mut loops) = (0, 0);
     for seed in 0..12 {
         let shots = drive(seed);
-        let scene = Scene::with(to_the_letter(&json!({"candidates_max": 100}))).await;
+        let mut scene = Scene::with(Settings { candidates_max: 100, ..to_the_letter() });
         for (number, shot) in shots.iter().enumerate() {
             let earlier: Vec<String> =
                 shot.covisible.iter().filter(|n| **n < number).map(|n| format!("kf-{n}")).collect();
             let earlier: Vec<&str> = earlier.iter().map(String::as_str).collect();
             let sights = shot.doors.iter().map(|(text, at)| door(text, *at));
-            let sent = keyframe().at(shot.at).covisible(&earlier).sees(sights);
-            scene.put(&format!("kf-{number}"), sent).await;
+            scene.put(&format!("kf-{number}"), keyframe().at(shot.at).covisible(&earlier).sees(sights));
         }
         for query in 0..KEYFRAMES {
-            let answer = scene.ask(&format!("kf-{query}")).await;
+            let verdict = scene.ask(&format!("kf-{query}"));
             for candidate in 0..KEYFRAMES {
-                let Some(found) = candidate_of(&answer, &format!("kf-{candidate}")) else { continue };
+                let Some(found) = candidate_of(&verdict, &format!("kf-{candidate}")) else { continue };
                 assert!(!covisible(&shots, query).contains(&candidate), "check 1: {query}, {candidate}");
                 let expected = similarity(&shots, query, candidate);
-                let told = found["anchors"]["similarity"].as_f64().expect("a number");
+                let told = anchors(&found).similarity;
                 assert!(
                     (told - expected).abs() < 1e-8,
                     "seed {seed}, {query}, {candidate}: {told}, {expected}"
                 );
                 let sides = [query, candidate].map(|k| local_map(&shots, k).len());
-                let verdict = match () {
-                    () if expected > 0.3 => "loop",
-                    () if sides.contains(&0) => "undecided",
-                    () => "rejected",
+                let decision = match () {
+                    () if expected > 0.3 => CandidateDecision::Loop,
+                    () if sides.contains(&0) => CandidateDecision::Undecided,
+                    () => CandidateDecision::Rejected,
                 };
-                assert_eq!(found["verdict"], verdict, "seed {seed}, {query}, {candidate}: {found:#}");
+                assert_eq!(found.decision, decision, "seed {seed}, {query}, {candidate}: {found:#?}");
                 compared += 1;
-                loops += usize::from(verdict == "loop");
+                loops += usize::from(decision == CandidateDecision::Loop);
             }
         }
     }
