@@ -3,7 +3,6 @@
 //! | what | file |
 //! |---|---|
 //! | §III, an anchor seen before triggers; M10 | `overview.rs` |
-//! | §IV-A.2 and M14 the built-in judge's levels | `levels.rs` |
 //! | §IV-B, what an anchor is and when it is valid | `construction.rs` |
 //! | §IV-C.1, object tracking; M2 (boxes), M3 | `tracking.rs` |
 //! | §IV-C.2, anchor matching; M5 | `matching.rs` |
@@ -39,7 +38,6 @@ mod distinctive;
 mod equation;
 mod inline;
 mod letter;
-mod levels;
 mod local_map;
 mod matching;
 mod numbering;
