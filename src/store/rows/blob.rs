@@ -6,8 +6,11 @@ use crate::store::StoreError;
 pub(in crate::store) trait Packed: Sized {
     const BYTES: usize;
     fn put(&self, to: &mut Vec<u8>);
-    /// `from` has exactly [`Packed::BYTES`] bytes.
-    fn take(from: &[u8]) -> Option<Self>;
+    /// Reads a number.
+    ///
+    /// # Panics
+    /// If `from` has not exactly [`Packed::BYTES`] bytes.
+    fn take(from: &[u8]) -> Self;
 }
 
 macro_rules! packed {
@@ -19,8 +22,10 @@ macro_rules! packed {
                 to.extend_from_slice(&self.to_le_bytes());
             }
 
-            fn take(from: &[u8]) -> Option<Self> {
-                Some(Self::from_le_bytes(from.try_into().ok()?))
+            fn take(from: &[u8]) -> Self {
+                let mut bytes = [0; Self::BYTES];
+                bytes.copy_from_slice(from);
+                Self::from_le_bytes(bytes)
             }
         })*
     };
@@ -36,9 +41,9 @@ impl<A: Packed, B: Packed> Packed for (A, B) {
         self.1.put(to);
     }
 
-    fn take(from: &[u8]) -> Option<Self> {
-        let (a, b) = from.split_at_checked(A::BYTES)?;
-        Some((A::take(a)?, B::take(b)?))
+    fn take(from: &[u8]) -> Self {
+        let (a, b) = from.split_at(A::BYTES);
+        (A::take(a), B::take(b))
     }
 }
 
@@ -51,9 +56,8 @@ impl<T: Packed, const N: usize> Packed for [T; N] {
         }
     }
 
-    fn take(from: &[u8]) -> Option<Self> {
-        let items: Option<Vec<T>> = from.chunks_exact(T::BYTES).map(T::take).collect();
-        items?.try_into().ok()
+    fn take(from: &[u8]) -> Self {
+        std::array::from_fn(|item| T::take(&from[item * T::BYTES..(item + 1) * T::BYTES]))
     }
 }
 
@@ -68,9 +72,7 @@ pub(in crate::store) fn unpack<T: Packed>(bytes: &[u8]) -> Result<Vec<T>, StoreE
     if !chunks.remainder().is_empty() {
         return Err(StoreError::corrupt("a packed list ends within a number"));
     }
-    chunks
-        .map(|chunk| T::take(chunk).ok_or_else(|| StoreError::corrupt("a packed number is short")))
-        .collect()
+    Ok(chunks.map(T::take).collect())
 }
 
 pub(in crate::store) fn unpack_array<T: Packed, const N: usize>(bytes: &[u8]) -> Result<[T; N], StoreError> {
