@@ -2,21 +2,22 @@
 
 use std::collections::VecDeque;
 use std::pin::pin;
-use std::task::Poll;
 
 use axum::extract::{Extension, Request, State};
 use axum::http::StatusCode;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
-use futures_util::poll;
+use futures_util::FutureExt;
+use futures_util::future::BoxFuture;
 use serde_json::Value;
 
 use super::lines::{Line, Lines};
 use crate::api::bulk::{self, BulkItem, BulkLine};
 use crate::api::examples;
 use crate::api::limits;
+use crate::domain::report::KeyframeReport;
 use crate::engine::keys::access::Access;
-use crate::engine::{PendingKeyframe, PinnedMap};
+use crate::engine::{PendingKeyframe, PinnedMap, ServiceError, Stored};
 use crate::http::App;
 use crate::http::envelope::RequestId;
 use crate::http::error_responses::OfWrite;
@@ -78,7 +79,7 @@ const REFUSALS_BYTES: usize = 2 << 20;
 struct UnderWay {
     line: usize,
     id: Option<String>,
-    keyframe: PendingKeyframe,
+    committed: BoxFuture<'static, Result<Stored<KeyframeReport>, ServiceError>>,
 }
 
 /// The lines answered so far. They are kept until the end, which decides whether any failed.
@@ -154,7 +155,10 @@ impl Answer {
             }
             let text = Text::line(text, lines.becomes_at_most());
             match begin(&self.app, &self.map, text).await {
-                Ok((id, keyframe)) => self.under_way.push_back(UnderWay { line: number, id, keyframe }),
+                Ok((id, keyframe)) => {
+                    let committed = keyframe.committed().boxed();
+                    self.under_way.push_back(UnderWay { line: number, id, committed });
+                }
                 Err((id, problem)) => self.refused(number, id, problem).await,
             }
             if self.under_way.len() > UNDER_WAY_MAX {
@@ -163,15 +167,18 @@ impl Answer {
         }
     }
 
-    /// Returns the next line. While waiting for it, earlier lines are answered: a request must not hold its write
-    /// permit while it waits for its client.
+    /// Returns the next line. While waiting for it, earlier lines are answered as they reach the disk: a request must not hold
+    /// its write permit while it waits for its client. A line that arrives first is decided at once, so that it shares the
+    /// next sync with all others that came during this one.
     async fn next_line(&mut self, lines: &mut Lines) -> Result<Option<Line>, Problem> {
         let mut next = pin!(lines.next());
-        if let Poll::Ready(line) = poll!(next.as_mut()) {
-            return line;
+        loop {
+            tokio::select! {
+                biased;
+                line = &mut next => return line,
+                () = self.oldest_committed(), if !self.under_way.is_empty() => {}
+            }
         }
-        self.all_committed().await;
-        next.await
     }
 
     /// Waits until the key's rate allows another line: a bulk upload is throttled where single requests are rejected.
@@ -190,10 +197,12 @@ impl Answer {
         lines.discard().await;
     }
 
-    /// Answers the oldest pending line, once it is on disk.
+    /// Answers the oldest pending line, once it is on disk. It may be cancelled: the line then stays pending.
     async fn oldest_committed(&mut self) {
-        let Some(UnderWay { line, id, keyframe }) = self.under_way.pop_front() else { return };
-        match keyframe.committed().await {
+        let Some(oldest) = self.under_way.front_mut() else { return };
+        let result = oldest.committed.as_mut().await;
+        let Some(UnderWay { line, id, .. }) = self.under_way.pop_front() else { return };
+        match result {
             Ok(stored) => {
                 let status = if stored.created { StatusCode::CREATED } else { StatusCode::OK };
                 let answer = BulkLine::stored(line, status.as_u16(), !stored.created, stored.value.into());
