@@ -41,15 +41,32 @@ pub struct QueryAnswer {
     pub timings: Timings,
 }
 
-/// Milliseconds that the steps of a query took.
+/// Milliseconds that a query waited, and that its steps took: what is slow under load is told from what is busy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Timings {
-    /// Checks 1 to 3, with the reading of the bag of words.
+    /// Waiting for other requests: for a permit, a thread, the map's lock, or a write that was read before it was on disk.
+    pub queue_ms: f64,
+    /// Checks 1 to 3.
     pub screen_ms: f64,
-    /// Reading features from disk or cache.
+    /// Reading the bag of words and the features, from disk or cache.
     pub features_ms: f64,
     /// Geometric verification and the conclusion.
     pub geometry_ms: f64,
+}
+
+impl Timings {
+    /// Notes a step that began at `started` and worked for `work_ms` of the time since; the rest was spent waiting.
+    fn note(&mut self, started: Instant, work_ms: f64, step: fn(&mut Self) -> &mut f64) {
+        *step(self) += work_ms;
+        self.queue_ms += (milliseconds_since(started) - work_ms).max(0.0);
+    }
+}
+
+/// Returns a result with the milliseconds that it took.
+fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+    let started = Instant::now();
+    let result = work();
+    (result, milliseconds_since(started))
 }
 
 impl Service {
@@ -91,13 +108,19 @@ impl Service {
         let mut timings = Timings::default();
         let started = Instant::now();
         let bow = self.bow_of(live, &query.subject).await?;
+        timings.features_ms = milliseconds_since(started);
+
+        let started = Instant::now();
         let asked = query.clone();
         let configured = self.configured();
         let roles = configured.roles;
-        let (version, screening) = self
-            .read(live, move |state| screen_subject(&state.index, state.version, &asked, &bow, roles))
-            .await?;
-        timings.screen_ms = milliseconds_since(started.into_std());
+        let screened = self.read(live, move |state| {
+            let (screening, took_ms) =
+                timed(|| screen_subject(&state.index, state.version, &asked, &bow, roles));
+            Ok((screening?, took_ms))
+        });
+        let (version, (screening, took_ms)) = screened.await?;
+        timings.note(started, took_ms, |timings| &mut timings.screen_ms);
 
         let started = Instant::now();
         let wanted = screening.wanted_features();
@@ -107,20 +130,19 @@ impl Service {
         {
             features.inline = self.features.prepare(own).await?;
         }
-        timings.features_ms = milliseconds_since(started.into_std());
+        timings.features_ms += milliseconds_since(started);
 
         let started = Instant::now();
-        let verdict = if screening.waiting().next().is_none() {
-            verify_and_decide(screening, &features, query.seed)
+        let (verdict, took_ms) = if screening.waiting().next().is_none() {
+            timed(|| verify_and_decide(screening, &features, query.seed))
         } else {
             // Verification keeps a core busy; it waits its turn, off the async threads and without the map's lock.
             let _permit = self.reads.enter().await?;
             let seed = query.seed;
-            spawn_blocking(in_part("verify", move || verify_and_decide(screening, &features, seed)))
-                .await
-                .map_err(ServiceError::panicked)?
+            let verify = move || timed(|| verify_and_decide(screening, &features, seed));
+            spawn_blocking(in_part("verify", verify)).await.map_err(ServiceError::panicked)?
         };
-        timings.geometry_ms = milliseconds_since(started.into_std());
+        timings.note(started, took_ms, |timings| &mut timings.geometry_ms);
         let keyframe = match &query.subject {
             Subject::Stored(id) => Some(id.clone()),
             Subject::Inline(..) => None,
@@ -141,7 +163,7 @@ impl Service {
 }
 
 /// Returns the milliseconds since a moment, for `server-timing`.
-fn milliseconds_since(start: std::time::Instant) -> f64 {
+fn milliseconds_since(start: Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1e3
 }
 

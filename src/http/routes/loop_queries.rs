@@ -55,8 +55,10 @@ pub async fn get_loop_query(
     Ok(json_bytes(service.kept_query(&map, &query).await?))
 }
 
-/// Formats the duration of each step, in milliseconds.
+/// Formats the waiting time and the duration of each step, in milliseconds.
 fn server_timing(timings: Timings) -> String {
-    let Timings { screen_ms, features_ms, geometry_ms } = timings;
-    format!("screen;dur={screen_ms:.3}, features;dur={features_ms:.3}, geometry;dur={geometry_ms:.3}")
+    let Timings { queue_ms, screen_ms, features_ms, geometry_ms } = timings;
+    format!(
+        "queue;dur={queue_ms:.3}, screen;dur={screen_ms:.3}, features;dur={features_ms:.3}, geometry;dur={geometry_ms:.3}"
+    )
 }

@@ -139,7 +139,7 @@ async fn a_thousand_times_the_same_question_from_eight_clients_gets_the_same_byt
         .await
         .unwrap();
     let timing = first.headers()["server-timing"].to_str().unwrap().to_owned();
-    assert!(["screen", "features", "geometry"].iter().all(|step| timing.contains(step)), "{timing}");
+    assert!(["queue", "screen", "features", "geometry"].iter().all(|step| timing.contains(step)), "{timing}");
     let first = first.bytes().await.unwrap();
     let clients = (0..8).map(|_| {
         let (request, first) =
