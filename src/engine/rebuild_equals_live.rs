@@ -3,6 +3,7 @@
 mod exported;
 mod one_verdict;
 mod requests;
+mod sending;
 
 use super::{Service, ServiceError, ServiceOptions};
 use crate::domain::ids::{AnchorSeq, MapId};
@@ -11,7 +12,8 @@ use crate::integrity::rebuild::rebuild;
 use crate::recognition::map::index::MapIndex;
 use crate::store::Order;
 use proptest::prelude::*;
-use requests::{Request, any_request, send};
+use requests::{Request, any_request};
+use sending::send;
 use sqlx::sqlite::SqliteConnectOptions;
 use sqlx::{AssertSqlSafe, ConnectOptions as _, Executor as _};
 

@@ -2,7 +2,8 @@
 
 use proptest::prelude::*;
 
-use super::requests::{Request, any_request, send};
+use super::requests::{Request, any_request};
+use super::sending::send;
 use super::{open, pretty};
 use crate::domain::ids::{AnchorSeq, MapId};
 use crate::domain::map::MapProperties;

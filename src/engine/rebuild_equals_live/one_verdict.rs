@@ -1,7 +1,8 @@
 //! One id stands for one verdict, whichever models are configured: all that a verdict depends on is in its id.
 
 use super::Service;
-use super::requests::{Request, any_request, keyframe_id, send};
+use super::requests::{Request, any_request, keyframe_id};
+use super::sending::send;
 use super::service_with_map;
 use crate::config::models::ModelArgs;
 use crate::domain::request::{LoopQuery, Subject};

@@ -1,0 +1,208 @@
+//! Requests of the law, sent to the engine.
+
+use super::requests::{CLASSES, Request, SETTINGS, TEXTS, bare, detection, keyframe_id, plate, point};
+use crate::domain::bow::BowVector;
+use crate::domain::change::{Change, MissedSign, MovedObservation};
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId};
+use crate::domain::judged::{Answer, CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
+use crate::domain::judgement::{JudgementProgress, Tally};
+use crate::domain::keyframe::{CLIENTS_VOCABULARY, NewKeyframe};
+use crate::domain::request::{MapPatch, NewLoop, PoseCorrection};
+use crate::engine::maps::live::Decision;
+use crate::engine::{Service, ServiceError};
+use crate::geometry::{Point3, Pose};
+use crate::recognition::anchors::apply_model_answer::{learn_away, learn_reading, learn_verdict};
+use crate::recognition::anchors::rejudging::rejudge;
+use crate::recognition::map::index::MapIndex;
+use crate::recognition::map::recorder::Recorder;
+use crate::semantics::Text;
+
+/// Sends a request as a client, or as the background work that makes it.
+#[expect(clippy::too_many_lines, reason = "one arm for each kind of request")]
+pub(super) async fn send(service: &Service, map: &MapId, request: Request) -> Result<(), ServiceError> {
+    match request {
+        Request::Put { name, session, words, mut points, covisible, detections } => {
+            points.sort_unstable();
+            points.dedup();
+            let mut words: Vec<(u32, f64)> =
+                words.into_iter().map(|word| (word, f64::from(word + 1))).collect();
+            words.sort_by_key(|(word, _)| *word);
+            words.dedup_by_key(|(word, _)| *word);
+            let keyframe = NewKeyframe {
+                session: format!("robot-{session}").parse().unwrap(),
+                bow: BowVector::normalised(words).unwrap(),
+                vocabulary: Some(CLIENTS_VOCABULARY.into()),
+                map_points: points.iter().filter(|id| **id % 3 != 0).map(|id| (*id, point(*id))).collect(),
+                observes: points,
+                covisible: covisible
+                    .filter(|other| *other != name)
+                    .map(|other| (keyframe_id(other), 7))
+                    .into_iter()
+                    .collect(),
+                detections: detections.iter().map(detection).collect(),
+                ..bare(name)
+            };
+            service.put_keyframe(map, keyframe, [name; 32]).await.map(drop)
+        }
+        Request::Plates(name) => {
+            let keyframe = NewKeyframe { detections: (0..10).map(plate).collect(), ..bare(name) };
+            service.put_keyframe(map, keyframe, [name; 32]).await.map(drop)
+        }
+        Request::Cull(name) => service.delete_keyframe(map, &keyframe_id(name)).await.map(drop),
+        Request::Correct { session, keyframe, shift, points } => {
+            let pose = Pose::new([f64::from(shift), 0.0, 0.5], [0.0, 0.0, 0.6, 0.8]).unwrap();
+            let correction = PoseCorrection {
+                session: format!("robot-{session}").parse().unwrap(),
+                keyframes: vec![(keyframe_id(keyframe), pose)],
+                map_points: points
+                    .into_iter()
+                    .map(|(id, x)| (id, Point3::new(f64::from(x), 0.0, 1.0)))
+                    .collect(),
+            };
+            service.correct_poses(map, correction).await.map(drop)
+        }
+        Request::Confirm { name, keyframe, candidate } => {
+            let new = NewLoop {
+                id: format!("loop-{name}").parse().unwrap(),
+                keyframe: keyframe_id(keyframe),
+                candidate: keyframe_id(candidate),
+                query: None,
+            };
+            service.confirm_loop(map, new).await.map(drop)
+        }
+        Request::Revoke(name) => {
+            service.revoke_loop(map, &format!("loop-{name}").parse().unwrap()).await.map(drop)
+        }
+        Request::Describe(anchor, text) => {
+            let text = text.map(|text| TEXTS[usize::from(text)].to_owned());
+            service.describe_anchor(map, AnchorSeq(anchor), None, text).await.map(drop)
+        }
+        Request::DeleteAnchor(anchor) => service.delete_anchor(map, AnchorSeq(anchor), None).await.map(drop),
+        Request::ReadCrop { anchor, observation, text, described, degraded } => {
+            let live = service.live(map).await?;
+            let learn = move |index: &mut MapIndex| {
+                let anchor = AnchorSeq(anchor);
+                let (keyframe, detection) =
+                    *index.anchor(anchor)?.observations.keys().nth(observation.into())?;
+                let reading = CropReading {
+                    text: TEXTS[usize::from(text)].into(),
+                    source: "model:law".into(),
+                    described,
+                    degraded,
+                };
+                let transcript = vec![TranscriptStep {
+                    speaker: "model:law".into(),
+                    question: "Which?".to_owned(),
+                    answer: TEXTS[usize::from(text)].to_owned(),
+                }];
+                let fingerprint = "law".into();
+                learn_reading(
+                    index,
+                    CropRead { anchor, keyframe, detection, reading, transcript, fingerprint },
+                )
+            };
+            service.learn(&live, learn).await.expect("a change");
+            Ok(())
+        }
+        Request::Judge { class, a, b, finding } => {
+            let live = service.live(map).await?;
+            let verdict = verdict(class, a, b, finding);
+            service.learn(&live, move |index| learn_verdict(index, verdict)).await.expect("a change");
+            Ok(())
+        }
+        Request::JudgeAgain { anchor, observation, texts: (read, a, b), finding } => {
+            let live = service.live(map).await?;
+            let learn = move |index: &mut MapIndex| {
+                let anchor = AnchorSeq(anchor);
+                let at = index
+                    .anchor(anchor)
+                    .and_then(|anchor| anchor.observations.keys().nth(observation.into()).copied());
+                let reading = at.map(|(keyframe, detection)| {
+                    let (text, source) = (TEXTS[usize::from(read)].into(), "model:again".into());
+                    let reading = CropReading { text, source, described: true, degraded: false };
+                    let (transcript, fingerprint) = (Vec::new(), "again".into());
+                    Answer::Reading(CropRead {
+                        anchor,
+                        keyframe,
+                        detection,
+                        reading,
+                        transcript,
+                        fingerprint,
+                    })
+                });
+                let verdict = Answer::Verdict(verdict(0, a, b, finding));
+                let (tally, position) = (Tally::default(), None);
+                let id = "again".parse().unwrap();
+                let progress = JudgementProgress { id, tally, position, is_over: false };
+                Some(rejudge(index, reading.into_iter().chain([verdict]).collect(), progress))
+            };
+            service.learn(&live, learn).await.expect("a change");
+            Ok(())
+        }
+        Request::Away(away) => {
+            let live = service.live(map).await?;
+            let decide = move |index: &mut MapIndex| {
+                Ok(match learn_away(index, away) {
+                    Some(decided) => Decision::Changed((), decided, None),
+                    None => Decision::Unchanged(()),
+                })
+            };
+            service.change(&live, decide).await.map(drop)
+        }
+        Request::ChangeSign { kind, anchor, keyframe, other } => {
+            let live = service.live(map).await?;
+            let (anchor, keyframe, other) = (AnchorSeq(anchor), KeyframeSeq(keyframe), other.map(AnchorSeq));
+            let decide = move |index: &mut MapIndex| {
+                let mut record = Recorder::new(index);
+                let changes = changes_of_sign(record.index(), kind, anchor, keyframe, other);
+                record.apply(changes);
+                Ok(Decision::Changed((), record.finish(), None))
+            };
+            service.change(&live, decide).await.map(drop)
+        }
+        Request::Patch(setting) => {
+            let (name, value) = SETTINGS[usize::from(setting)].clone();
+            let patch = MapPatch { settings: vec![(name.to_owned(), value)], ..MapPatch::default() };
+            service.patch_map(map, patch).await.map(drop)
+        }
+    }
+}
+
+pub(super) fn changes_of_sign(
+    index: &MapIndex,
+    kind: u8,
+    anchor: AnchorSeq,
+    keyframe: KeyframeSeq,
+    other: Option<AnchorSeq>,
+) -> Vec<Change> {
+    let Some(known) = index.anchor(anchor) else { return Vec::new() };
+    match kind {
+        0 => vec![Change::SignMissed(MissedSign { anchor, keyframe, other })],
+        1 => vec![Change::MissesWithdrawn(anchor)],
+        2 => vec![Change::SignRetired(anchor, other)],
+        3 => vec![Change::SignReturned(anchor)],
+        _ => {
+            let to = index.next_anchor();
+            let moved = known.observations.keys().skip(1).map(|(keyframe, detection)| {
+                let (keyframe, detection) = (*keyframe, *detection);
+                Change::ObservationMoved(MovedObservation { keyframe, detection, from: anchor, to })
+            });
+            let moved: Vec<Change> = moved.collect();
+            let added = (!moved.is_empty()).then(|| Change::AnchorAdded(to, known.class.clone()));
+            added.into_iter().chain(moved).collect()
+        }
+    }
+}
+
+pub(super) fn verdict(class: u8, a: u8, b: u8, finding: u8) -> ModelVerdict {
+    let [a, b] = [a, b].map(|text| Text::parse(TEXTS[usize::from(text)]).normalised().to_owned());
+    let (a, b) = (a.clone().min(b.clone()), a.max(b));
+    let (finding, b) = match finding {
+        0..5 => (Finding::Similarity(finding + 1), b),
+        5..10 => (Finding::Information(finding - 4), String::new()),
+        _ => (Finding::Merge(format!("{a} and {b}").into()), b),
+    };
+    let class = CLASSES[usize::from(class)].into();
+    let (source, reason, fingerprint) = ("model:law".into(), format!("{a} or {b}").into(), "law".into());
+    ModelVerdict { class, a: a.into(), b: b.into(), finding, source, reason, fingerprint }
+}
