@@ -9,7 +9,7 @@ pub(super) const NODES_MAX: usize = 1 << 26;
 /// The longest descriptor, as the service accepts them.
 pub(super) const DESCRIPTOR_BYTES_MAX: usize = 512;
 
-/// What a vocabulary declares of itself.
+/// Shape that a vocabulary declares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shape {
     /// k: how many children a node was meant to have.

@@ -5,7 +5,7 @@ use super::groups::FeatureGroups;
 use super::words::WordVector;
 use crate::domain::keyframe::Features;
 
-/// How many levels above the words features are grouped for matching: ORB-SLAM's choice.
+/// Levels above the words at which features are grouped for matching: ORB-SLAM's choice.
 pub const LEVELS_UP: u32 = 4;
 
 /// What the vocabulary makes of an image.

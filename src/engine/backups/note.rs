@@ -1,4 +1,4 @@
-//! What stands beside a backup: a file that tells what is in it.
+//! The note beside a backup: a file that describes its content.
 
 use serde::{Deserialize, Serialize};
 

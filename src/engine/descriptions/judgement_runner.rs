@@ -24,7 +24,7 @@ use crate::store::MapKey;
 /// Times that a question is asked before the job passes it over, while the model answers others.
 const TRIES_MAX: u32 = 8;
 
-/// What a job has come to after a step.
+/// State of a job after a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Step {
     /// There may be more at once.

@@ -18,7 +18,7 @@ use crate::engine::error::ServiceError;
 use crate::integrity::rebuild::rebuild;
 use crate::store::{Order, Store};
 
-/// How often a request loads a map whose writes keep failing, or that comes and goes.
+/// Maximum loads for one request of a map whose writes keep failing, or that comes and goes.
 const LOADS_MAX: usize = 5;
 
 impl Registry {

@@ -10,7 +10,7 @@ use crate::recognition::anchors::association::{Association, associate};
 use crate::recognition::map::index::MapIndex;
 use crate::semantics::Text;
 
-/// What a local anchor map is built around: a keyframe of the map, or one that is not stored.
+/// Centre of a local anchor map: a keyframe of the map, or one that is not stored.
 #[derive(Clone, Debug)]
 pub struct Centre {
     /// The session whose frame the poses are in; unknown to the map if it is an inline keyframe's new one.
@@ -19,7 +19,7 @@ pub struct Centre {
     pub map_from_camera: Pose,
     /// K_k^cov: the covisible keyframes, and the keyframe itself if it is stored.
     pub covisible: BTreeSet<KeyframeSeq>,
-    /// What the keyframe sees that the map has no anchor for.
+    /// Detections of the keyframe that no anchor of the map covers.
     pub inline: Vec<InlineAnchor>,
 }
 
@@ -30,13 +30,13 @@ pub struct InlineAnchor {
     pub detection: usize,
     /// Its class.
     pub class: Box<str>,
-    /// What was read, parsed.
+    /// The parsed reading.
     pub text: Option<Arc<Text>>,
     /// Whether a model or a person described it.
     pub described: bool,
     /// Whether the reader was not confident, and nothing else of the map was read alike.
     pub doubtful: bool,
-    /// Where it stands, in the session's frame.
+    /// Its place, in the session's frame.
     pub centre_in_session: Point3,
     /// Whether nothing measured how far that is.
     pub range_assumed: bool,

@@ -11,7 +11,7 @@ use crate::geometry::pinhole::Pinhole;
 pub struct View<'a> {
     /// Its camera.
     pub camera: Camera,
-    /// Where its features are.
+    /// Positions of its features, in pixels.
     pub keypoints: &'a [Keypoint],
     /// Their descriptors.
     pub descriptors: &'a PackedDescriptors,
@@ -41,7 +41,7 @@ impl View<'_> {
 pub struct Landmark<'a> {
     /// A name of the caller's choice. A landmark seen several times may come with each of its descriptors, under one id.
     pub id: u64,
-    /// Where it is in the candidate's camera frame, in metres.
+    /// Its position in the candidate's camera frame, in metres.
     pub point_in_camera: Point3,
     /// Its descriptor.
     pub descriptor: &'a [u64],

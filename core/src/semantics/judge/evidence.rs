@@ -1,4 +1,4 @@
-//! What a similarity level rests on.
+//! Evidence for a similarity level.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use crate::semantics::identifiers::identifier::Identifier;
 use crate::semantics::lexicon::words::Word;
 use crate::semantics::text::Text;
 
-/// What decided a similarity level.
+/// Decider of a similarity level.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Source {
     /// The texts are the same but for case, width, spaces and the like.
@@ -32,14 +32,14 @@ impl Source {
     }
 }
 
-/// What a level rests on.
+/// Evidence for a level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Evidence<'t> {
     /// This text says nothing.
     Uninformative(&'t Text),
     /// Equal normalised forms.
     Identical,
-    /// What the identifiers say.
+    /// Agreement or conflict of the identifiers.
     Identifiers(Agreement<'t>),
     /// Only one text has an identifier of its own.
     OneIdentifier(&'t Identifier),

@@ -1,4 +1,4 @@
-//! What a model may be asked about texts, and what binds it.
+//! Questions about texts for a model, and the limits on its answers.
 
 pub mod embedding;
 pub mod judge_routing;

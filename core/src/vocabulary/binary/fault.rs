@@ -3,7 +3,7 @@
 use crate::vocabulary::content::VERSION;
 use crate::vocabulary::tree_fault::TreeFault;
 
-/// What is wrong with a binary vocabulary.
+/// Reasons why a binary vocabulary is not usable.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BinaryFault {
     /// Another kind of file.
@@ -31,7 +31,7 @@ pub enum BinaryFault {
     Bounds {
         /// Which number.
         what: &'static str,
-        /// What it is.
+        /// Its value.
         got: u64,
     },
     /// A node whose children or word are out of order.

@@ -8,7 +8,7 @@ use crate::vocabulary::shape::{NODES_MAX, Shape};
 use crate::vocabulary::transform::pack;
 use crate::vocabulary::tree::Tree;
 
-/// How the form says what it is. The second byte is no text, so no text form starts like this.
+/// First bytes of the binary form. The second is not text, so no text form begins with them.
 pub(in crate::vocabulary) const MAGIC: [u8; 8] = *b"\x96RVOC\r\n\x1a";
 
 /// What stands before the content.

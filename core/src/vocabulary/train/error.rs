@@ -22,7 +22,7 @@ pub enum TrainError {
     /// A length that no descriptor has, or bytes that are not whole descriptors.
     #[error("{bytes} bytes are not whole descriptors of {each} bytes, a multiple of 8 up to 512")]
     Length {
-        /// How many bytes were given.
+        /// Number of bytes given.
         bytes: usize,
         /// Bytes of a descriptor.
         each: usize,

@@ -12,7 +12,7 @@ use crate::vocabulary::shape::Shape;
 use crate::vocabulary::tree::Tree;
 use crate::vocabulary::tree_fault::TreeFault;
 
-/// How to train.
+/// Settings of a training.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TrainSettings {
     /// k: into how many clusters a node is split.
@@ -32,12 +32,12 @@ impl Default for TrainSettings {
     }
 }
 
-/// How far the training is.
+/// Progress of a training.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
     /// Descriptors that have come down a level, summed over the levels.
     pub done: u64,
-    /// What it will be at the end.
+    /// Its value at the end.
     pub total: u64,
 }
 

@@ -20,13 +20,13 @@ pub(super) struct Block {
 
 impl Block {
     /// Adds rows as a new segment, to be merged with the latest ones as long as those are not clearly larger: each posting is
-    /// then copied a logarithmic number of times, and the block has few segments. A block that is `sealed` is to be one.
+    /// then copied a logarithmic number of times, and the block has few segments.
     pub(super) fn add(&mut self, rows: &[Row], slot_count: usize) {
         self.segments.push(Segment::from_rows(rows, slot_count));
         self.begin_merge();
     }
 
-    /// Says that no rows are expected any more, so that the block is left in one segment.
+    /// Seals the block: no more rows are expected, so it becomes one segment.
     pub(super) fn seal(&mut self) {
         if !self.is_sealed {
             self.is_sealed = true;
@@ -34,7 +34,7 @@ impl Block {
         }
     }
 
-    /// Goes on with the block's merges for at most `budget` postings. Returns what is left of it; none if more is to be done.
+    /// Continues the block's merges for at most `budget` postings. Returns the rest of the budget; none if a merge remains.
     pub(super) fn advance(&mut self, budget: usize) -> Option<usize> {
         let mut left = budget;
         while let Some(merge) = &mut self.merge {

@@ -40,7 +40,7 @@ impl Merge {
         self.first..self.first + self.kept.len()
     }
 
-    /// Writes about as many postings as `budget` allows, a slot in full. Returns what is left of it; none if more is to be done.
+    /// Writes about as many postings as `budget` allows, each slot in full. Returns the rest of the budget; none if slots remain.
     pub(super) fn advance(&mut self, segments: &[Segment], budget: usize) -> Option<usize> {
         let mut left = budget;
         while self.offsets.len() <= self.slot_count {

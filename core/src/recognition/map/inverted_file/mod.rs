@@ -7,7 +7,7 @@
 //!   keyframe and 32 of exact weight, and the accumulators of a block (64 KB) stay in cache as its postings stream by.
 //! - Within a block, postings lie word after word in *segments* that are written once, at exact capacity.
 //!   An insert never touches them: new keyframes wait as *rows*, 64 at a time become a small segment, and
-//!   segments of like size are merged, as in a log-structured merge tree. A merge goes on in steps, a bounded number of postings
+//!   segments of like size are merged, as in a log-structured merge tree. A merge runs in steps, a bounded number of postings
 //!   an insert, and its segments answer queries until it is done. So no insert waits for a block, however large the map is.
 //! - A map that is loaded writes each block once, from all of its rows.
 //! - A removed keyframe is only marked, its score erased after its segment was read; the next merge drops it. A block that
@@ -92,12 +92,12 @@ impl InvertedFile {
         self.advance_merges(MERGE_POSTINGS);
     }
 
-    /// Says that many keyframes follow, in order, before the first query.
+    /// Begins loading: keyframes follow in order, before the first query.
     pub fn begin_loading(&mut self) {
         self.is_loading = true;
     }
 
-    /// Says that all keyframes are loaded.
+    /// Ends loading: all keyframes are here.
     pub fn finish_loading(&mut self) {
         self.is_loading = false;
         self.flush();
@@ -182,14 +182,14 @@ impl InvertedFile {
         }
     }
 
-    /// Remembers a block that has begun to merge.
+    /// Queues a block that has begun to merge.
     fn note_merge(&mut self, block: usize) {
         if self.blocks[block].is_merging() && !self.merging.contains(&block) {
             self.merging.push_back(block);
         }
     }
 
-    /// Goes on with merges, block after block, for at most so many postings.
+    /// Continues merges, block after block, for at most `budget` postings.
     fn advance_merges(&mut self, budget: usize) {
         let mut left = budget;
         while let Some(&block) = self.merging.front() {

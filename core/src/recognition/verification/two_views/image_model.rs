@@ -1,4 +1,4 @@
-//! What is asked of a relation between two images.
+//! The interface of a relation between two images.
 
 use super::super::outcome::{Failure, Model};
 use super::pairs::{RayPair, TwoViews};
