@@ -186,7 +186,7 @@ async fn rows_of(pool: &SqlitePool) -> Vec<String> {
     let select = "select 'pose ' || keyframe || ' ' || hex(pose) from keyframes
         union all select 'position ' || keyframe || ' ' || hex(position) from detections
         union all select 'anchor ' || anchor || ' ' || version from anchors
-        union all select 'point ' || session || ' ' || point || ' ' || x || ' ' || y || ' ' || z from map_points
+        union all select 'points ' || session || ' ' || block || ' ' || hex(points) from point_blocks
         union all select 'left ' || version from deferred_changes
         union all select 'left ' || version || ' ' || part from deferred_parts
         order by 1";

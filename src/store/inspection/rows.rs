@@ -80,7 +80,9 @@ async fn keyframes(
     fit: Fit,
     faults: &mut Vec<String>,
 ) -> Result<(), StoreError> {
-    let select = "select id, sent_points, digest, keyframe_features.* from keyframes
+    let select =
+        "select id, sent_points, digest, keyframes.packing, descriptor_bytes, descriptors, keypoints,
+        keyframe_features.map_points from keyframes
         left join keyframe_features using (map_key, keyframe) where map_key = $1";
     let mut rows = sqlx::query(select).bind(key).fetch(db);
     while let Some(row) = rows.try_next().await? {

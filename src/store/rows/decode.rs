@@ -4,6 +4,7 @@ use sqlx::Row;
 use sqlx::sqlite::SqliteRow;
 
 use super::blob::{unpack, unpack_array};
+use super::packing::Packing;
 use crate::domain::anchor::Observation;
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Keyframe, Loop};
@@ -45,6 +46,7 @@ const OF_FACTS: u8 = 2;
 /// Reads a keyframe and its bag of words.
 pub(in crate::store) fn keyframe(row: &SqliteRow) -> Result<(Keyframe, BowVector), StoreError> {
     let declared: Vec<(u32, u32)> = unpack(row.try_get("declared")?)?;
+    let packing = Packing::of(row)?;
     let keyframe = Keyframe {
         seq: KeyframeSeq(row.try_get("keyframe")?),
         id: id(row.try_get("id")?)?,
@@ -52,7 +54,7 @@ pub(in crate::store) fn keyframe(row: &SqliteRow) -> Result<(Keyframe, BowVector
         stamp: Stamp { sec: row.try_get("stamp_sec")?, nanosec: row.try_get("stamp_nanosec")? },
         map_from_camera: pose(row.try_get("pose")?)?,
         camera: row.try_get::<Option<&[u8]>, _>("camera")?.map(camera).transpose()?,
-        observes: unpack(row.try_get("observes")?)?.into(),
+        observes: packing.wide(row.try_get("observes")?)?.into(),
         declared: declared.into_iter().map(|(other, shared)| (KeyframeSeq(other), shared)).collect(),
         bytes: row.try_get::<i64, _>("bytes")? as u64,
     };
@@ -61,7 +63,9 @@ pub(in crate::store) fn keyframe(row: &SqliteRow) -> Result<(Keyframe, BowVector
 
 /// Reads a bag of words.
 pub(in crate::store) fn bow(row: &SqliteRow) -> Result<BowVector, StoreError> {
-    let (words, weights) = (unpack(row.try_get("bow_words")?)?, unpack(row.try_get("bow_weights")?)?);
+    let packing = Packing::of(row)?;
+    let (words, weights) =
+        (packing.narrow(row.try_get("bow_words")?)?, packing.narrow(row.try_get("bow_weights")?)?);
     BowVector::from_parts(words, weights).map_err(|error| StoreError::corrupt(error.to_string()))
 }
 

@@ -105,7 +105,7 @@ async fn every_damage_is_found() {
             "the pose of keyframe day-1:2 is none",
         ),
         ("update keyframes set pose = substr(pose, 1, 50) where keyframe = 2", "a packed list"),
-        ("update keyframes set bow_weights = zeroblob(12) where keyframe = 0", "tower"),
+        ("update keyframes set bow_weights = zeroblob(12) where keyframe = 0", "no column of integers"),
         ("update keyframes set digest = x'00' where keyframe = 0", "the digest of keyframe day-1:0"),
         ("update keyframes set id = 'a b' where keyframe = 0", "tower"),
         (
@@ -113,6 +113,7 @@ async fn every_damage_is_found() {
             "the features of keyframe day-1:0",
         ),
         ("update keyframe_features set keypoints = x'0011'", "the features of keyframe"),
+        ("update point_blocks set points = substr(points, 2)", "block 0 of map points"),
         (
             "update detections set outcome = 'whatever' where anchor is null or detection = 1",
             "outcome whatever",
@@ -125,7 +126,7 @@ async fn every_damage_is_found() {
         ("update loop_queries set body = substr(body, 1, 20)", "is damaged"),
         ("update events set kind = 'nothing' where seq = 1", "event nothing"),
         ("update map_settings set value = 'many'", "setting covisibility_min_shared_points"),
-        ("drop table map_points", "no such table"),
+        ("drop table point_blocks", "no such table"),
         ("drop table _sqlx_migrations", "not a database of revisit"),
     ];
     for (sql, expected) in damages {

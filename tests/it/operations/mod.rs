@@ -5,6 +5,7 @@ mod bytes;
 mod checks;
 mod damaged;
 mod fixtures;
+mod former_digests;
 mod logs;
 mod metrics;
 mod migrations;
