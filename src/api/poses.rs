@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::decoding::read::{self, Decode, Node};
-use super::keyframe::{PointsShape, points};
+use super::keyframe::{PointsShape, SentPoints, points};
 use super::limits;
 use super::space::Transform;
 use crate::domain::ids::{KeyframeId, SessionId};
@@ -29,6 +29,7 @@ pub struct PosesBody {
     pub keyframes: Option<PoseList>,
     /// Its map points at their corrected positions.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<SentPoints>)]
     pub map_points: Option<PointsShape>,
 }
 

@@ -531,14 +531,16 @@ class BulkItem(msgspec.Struct, kw_only=True, omit_defaults=True):
     """One robot's run: its own frame and its own numbering of map points."""
     camera: Camera | None = None
     """The undistorted pinhole camera."""
-    bow: BagOfWords | None = None
+    bow: SentBagOfWords | None = None
     """The bag of words; left out or empty for a blank wall."""
-    features: Features | None = None
+    features: SentFeatures | None = None
     """Binary features."""
-    map_points: MapPoints | None = None
+    map_points: SentMapPoints | None = None
     """Map points new or moved; the order does not matter, and answers list them by number."""
     observes: list[int] | None = None
     """Map points observed, besides those of `features.map_points`; the order does not matter."""
+    observes_i64: str | None = None
+    """The same, packed: base64 of little-endian 64-bit signed numbers."""
     covisible: list[CovisibleKeyframe] | None = None
     """Covisible keyframes known to the client, also across sessions; each must exist."""
     detections: list[Detection] | None = None
@@ -958,14 +960,16 @@ class Keyframe(msgspec.Struct, kw_only=True, omit_defaults=True):
     """One robot's run: its own frame and its own numbering of map points."""
     camera: Camera | None = None
     """The undistorted pinhole camera."""
-    bow: BagOfWords | None = None
+    bow: SentBagOfWords | None = None
     """The bag of words; left out or empty for a blank wall."""
-    features: Features | None = None
+    features: SentFeatures | None = None
     """Binary features."""
-    map_points: MapPoints | None = None
+    map_points: SentMapPoints | None = None
     """Map points new or moved; the order does not matter, and answers list them by number."""
     observes: list[int] | None = None
     """Map points observed, besides those of `features.map_points`; the order does not matter."""
+    observes_i64: str | None = None
+    """The same, packed: base64 of little-endian 64-bit signed numbers."""
     covisible: list[CovisibleKeyframe] | None = None
     """Covisible keyframes known to the client, also across sessions; each must exist."""
     detections: list[Detection] | None = None
@@ -1428,7 +1432,7 @@ class PosesBody(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The session."""
     keyframes: PoseList | None = None
     """Its keyframes with their corrected poses."""
-    map_points: MapPoints | None = None
+    map_points: SentMapPoints | None = None
     """Its map points at their corrected positions."""
 
 
@@ -1511,6 +1515,57 @@ class ReplacedVerdict(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The keyframe of a crop."""
     detection: int | None = None
     """The detection of a crop."""
+
+
+class SentBagOfWords(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A bag of words: two columns in parallel, in any order, each as a list or packed."""
+
+    words: list[int] | None = None
+    """The words, none twice. This or `words_u32` is required."""
+    words_u32: str | None = None
+    """The words, packed: base64 of little-endian 32-bit unsigned numbers."""
+    weights: list[float] | None = None
+    """Their weights, without unit; normalised to sum to one on arrival. This or `weights_f64` is required."""
+    weights_f64: str | None = None
+    """Their weights, packed: base64 of little-endian 64-bit floats."""
+    vocabulary: str | None = None
+    """Whose words these are, such as a vocabulary's fingerprint. Words of two vocabularies do not go into
+    one map.
+    """
+
+
+class SentFeatures(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Binary features: columns in parallel, each as a list or packed."""
+
+    descriptor_bytes: int
+    """Bytes of one descriptor: 32 for ORB, 64 for BRISK."""
+    descriptors: str
+    """The descriptors one after the other, in base64."""
+    keypoints: list[list[float]] | None = None
+    """One for each descriptor: `[u,v]`, `[u,v,octave]` or `[u,v,octave,angle_deg]`, in pixels, pyramid
+    level and degrees. This or `keypoints_f32` is required.
+    """
+    keypoints_f32: str | None = None
+    """The keypoints, packed: base64 of little-endian 32-bit floats, u, v, octave and angle of each; an
+    angle that is not a number is none.
+    """
+    map_points: list[int] | None = None
+    """The map point that each feature observes, -1 for none; left out if none does."""
+    map_points_i64: str | None = None
+    """The map points, packed: base64 of little-endian 64-bit signed numbers."""
+
+
+class SentMapPoints(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Positions of map points: two columns in parallel, each as a list or packed."""
+
+    ids: list[int] | None = None
+    """The points' numbers in their session, none twice. This or `ids_i64` is required."""
+    ids_i64: str | None = None
+    """The points' numbers, packed: base64 of little-endian 64-bit signed numbers."""
+    positions: list[list[float]] | None = None
+    """`[x,y,z]` of each in the session's frame, in metres. This or `positions_f64` is required."""
+    positions_f64: str | None = None
+    """The positions, packed: base64 of little-endian 64-bit floats, x, y and z of each."""
 
 
 class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):

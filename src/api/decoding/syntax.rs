@@ -54,7 +54,11 @@ pub fn parse(bytes: &[u8]) -> Result<Document<'_>, Unreadable> {
 
 /// Returns an upper bound on the values and names of a text: but for the first, each follows one of these bytes.
 pub fn tokens_at_most(bytes: &[u8]) -> usize {
-    1 + bytes.iter().filter(|byte| matches!(byte, b',' | b':' | b'[' | b'{')).count()
+    /// Bytes that one `u8` can count: sums of bytes are what compilers know to add many at a time.
+    const COUNTED_AT_ONCE: usize = u8::MAX as usize;
+    let starts = |byte: &u8| u8::from(matches!(byte, b',' | b':' | b'[' | b'{'));
+    let counts = bytes.chunks(COUNTED_AT_ONCE).map(|chunk| usize::from(chunk.iter().map(starts).sum::<u8>()));
+    1 + counts.sum::<usize>()
 }
 
 fn fault(bytes: &[u8], error: &serde_json::Error) -> FieldError {
@@ -233,8 +237,6 @@ fn repeated<'d>(document: &'d Document<'_>, names: &[usize]) -> Option<&'d str> 
 
 #[cfg(test)]
 mod tests {
-    use serde_json::Value;
-
     use super::*;
     use crate::api::decoding::digest;
 

@@ -3,6 +3,7 @@
 //! | file | concept |
 //! |---|---|
 //! | `shape` | the shape sent |
+//! | `sent_shape` | the schemas of what may be sent packed |
 //! | `decode` | the shape read into the model, with every fault in it |
 //! | `features`, `detection`, `points` | its large members, read |
 //! | `digest` | the facts that make two bodies the same |
@@ -16,6 +17,7 @@ mod digest;
 mod features;
 mod original;
 mod points;
+mod sent_shape;
 mod shape;
 
 pub use answer::{
@@ -23,6 +25,7 @@ pub use answer::{
 };
 pub use decode::{Faulty, SentKeyframe, named, of_line, unnamed};
 pub use points::{points, unique};
+pub use sent_shape::SentPoints;
 pub use shape::{
     BowShape, CameraShape, CovisibleShape, DetectionShape, FeaturesShape, KeyframeBody, PointsShape,
 };

@@ -71,6 +71,7 @@ pub fn keyframe(
         }),
         map_points: Some(points(&placed)),
         observes: None,
+        observes_i64: None,
         covisible: None,
         detections: Some(detections),
     }
