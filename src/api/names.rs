@@ -18,6 +18,7 @@ use crate::domain::key::Action;
 use crate::domain::loop_warning::LoopWarningCode;
 use crate::domain::named::Named;
 use crate::domain::reason::ReasonCode;
+use crate::domain::request::Detail;
 use crate::domain::verdict::{CandidateDecision, Decision, GeometryStatus, Verify};
 
 /// A value of the model, written as its name.
@@ -54,6 +55,7 @@ names! {
     AnchorStateName = AnchorState as "AnchorState";
     AsksName = Asks as "JudgementAsks";
     CandidateVerdictName = CandidateDecision as "CandidateVerdict";
+    DetailName = Detail as "Detail";
     DifferenceReasonName = DifferenceReason as "DifferenceReason";
     EventName = EventKind as "EventKind";
     GeometryStatusName = GeometryStatus as "GeometryStatus";

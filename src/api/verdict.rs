@@ -8,8 +8,10 @@ use super::geometry::GeometryView;
 use super::names::{CandidateVerdictName, ReasonCodeName, VerdictName};
 use super::space::rounded;
 use crate::domain::ids::KeyframeId;
+use crate::domain::request::Detail;
 use crate::domain::verdict::{
-    AnchorEvidence, BowEvidence, Candidate, ClosedLoop, ContradictionEvidence, MatchEvidence, Reason, Verdict,
+    AnchorEvidence, BowEvidence, Candidate, CandidateDecision, ClosedLoop, ContradictionEvidence,
+    MatchEvidence, Reason, Verdict,
 };
 
 /// The answer to "is this keyframe a loop?". The same map version, keyframe, settings and seed give the same bytes.
@@ -43,7 +45,8 @@ pub struct LoopAnswer {
     /// Why, where no candidate says it: there is none, or the loop is confirmed and no other is left.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<ReasonView>,
-    /// The candidates: loops first, then undecided, then rejected, each best first.
+    /// The candidates: loops first, then undecided, then rejected, each best first. With `?detail=brief` the rejected ones are
+    /// left out.
     pub candidates: Vec<CandidateView>,
 }
 
@@ -101,8 +104,9 @@ pub struct AnchorFigures {
     pub in_candidate: usize,
     /// Anchors of both maps that nothing has described yet.
     pub pending: usize,
-    /// The pairs that match.
-    pub matches: Vec<MatchView>,
+    /// The pairs that match; left out with `?detail=brief`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub matches: Option<Vec<MatchView>>,
     /// The pairs that contradict.
     pub contradictions: Vec<ContradictionView>,
     /// Of the nearest signs, the pairs whose identifiers differ without stopping the candidate, each with why; heaviest first.
@@ -163,7 +167,11 @@ pub struct ReasonView {
 
 impl LoopAnswer {
     /// Returns the answer of a query.
-    pub fn of(id: &str, keyframe: Option<&KeyframeId>, verdict: &Verdict) -> Self {
+    pub fn of(id: &str, keyframe: Option<&KeyframeId>, verdict: &Verdict, detail: Detail) -> Self {
+        let is_listed = |candidate: &&Candidate| {
+            detail == Detail::Full || candidate.decision != CandidateDecision::Rejected
+        };
+        let candidates = verdict.candidates.iter().filter(is_listed);
         Self {
             id: id.to_owned(),
             keyframe: keyframe.map(ToString::to_string),
@@ -176,17 +184,17 @@ impl LoopAnswer {
             excluded_covisible: verdict.excluded_covisible,
             closed: verdict.closed.iter().map(ClosedView::from).collect(),
             reason: verdict.reason.as_ref().map(ReasonView::from),
-            candidates: verdict.candidates.iter().map(CandidateView::from).collect(),
+            candidates: candidates.map(|candidate| CandidateView::of(candidate, detail)).collect(),
         }
     }
 
-    /// Writes the answer of a query as clients receive it, and as it is recorded.
+    /// Writes the whole answer of a query, as clients receive it by default, and as it is recorded.
     pub fn bytes(
         id: &str,
         keyframe: Option<&KeyframeId>,
         verdict: &Verdict,
     ) -> Result<Vec<u8>, serde_json::Error> {
-        serde_json::to_vec(&Self::of(id, keyframe, verdict))
+        serde_json::to_vec(&Self::of(id, keyframe, verdict, Detail::Full))
     }
 }
 
@@ -196,13 +204,13 @@ impl From<&ClosedLoop> for ClosedView {
     }
 }
 
-impl From<&Candidate> for CandidateView {
-    fn from(candidate: &Candidate) -> Self {
+impl CandidateView {
+    fn of(candidate: &Candidate, detail: Detail) -> Self {
         Self {
             keyframe: candidate.keyframe.to_string(),
             verdict: candidate.decision.into(),
             bow: candidate.bow.into(),
-            anchors: candidate.anchors.as_ref().map(AnchorFigures::from),
+            anchors: candidate.anchors.as_ref().map(|anchors| AnchorFigures::of(anchors, detail)),
             geometry: (&candidate.geometry).into(),
             reason: candidate.reason.as_ref().map(ReasonView::from),
         }
@@ -219,15 +227,16 @@ impl From<BowEvidence> for BowFigures {
     }
 }
 
-impl From<&AnchorEvidence> for AnchorFigures {
-    fn from(anchors: &AnchorEvidence) -> Self {
+impl AnchorFigures {
+    fn of(anchors: &AnchorEvidence, detail: Detail) -> Self {
+        let matches = || anchors.matches.iter().map(MatchView::from).collect();
         Self {
             similarity: rounded(anchors.similarity),
             threshold: anchors.threshold,
             in_query: anchors.in_query,
             in_candidate: anchors.in_candidate,
             pending: anchors.pending,
-            matches: anchors.matches.iter().map(MatchView::from).collect(),
+            matches: (detail == Detail::Full).then(matches),
             contradictions: anchors.contradictions.iter().map(ContradictionView::from).collect(),
             differences: anchors.differences.iter().map(DifferenceView::from).collect(),
         }

@@ -10,6 +10,7 @@ use crate::api::list::LoopList;
 use crate::api::loop_query::LoopQueryBody;
 use crate::api::loops::{LoopBody, LoopClosed, LoopRevoked};
 use crate::api::verdict::LoopAnswer;
+use crate::domain::request::Detail;
 
 impl Client {
     /// Asks "is this keyframe a loop?".
@@ -19,6 +20,16 @@ impl Client {
         body: &impl Body<LoopQueryBody>,
     ) -> Result<LoopAnswer, ClientError> {
         Ok(self.write(Method::POST, &["v1", "maps", map, "loop-queries"], &[], body).await?.answer)
+    }
+
+    /// Asks the same for the verdict alone: the answer lists no rejected candidate, and no matches of the others.
+    pub async fn brief_loop_query(
+        &self,
+        map: &str,
+        body: &impl Body<LoopQueryBody>,
+    ) -> Result<LoopAnswer, ClientError> {
+        let query = [("detail", Detail::Brief.as_str())];
+        Ok(self.write(Method::POST, &["v1", "maps", map, "loop-queries"], &query, body).await?.answer)
     }
 
     /// Reads an earlier answer.

@@ -62,6 +62,7 @@ async fn every_operation_asks_what_the_api_document_says() {
         examples::keyframe_answer(),
         examples::keyframe_answer(),
         examples::loop_answer(),
+        examples::loop_answer(),
         examples::loop_closed(),
         examples::loop_revoked(),
         examples::poses_answer(),
@@ -75,6 +76,7 @@ async fn every_operation_asks_what_the_api_document_says() {
     client.put_keyframe("m", "k:1", &body, false).await.expect("an answer");
     client.put_keyframe("m", "k/1", &body, true).await.expect("an answer");
     client.loop_query("m", &body).await.expect("an answer");
+    client.brief_loop_query("m", &body).await.expect("an answer");
     client.post_loop("m", &body).await.expect("an answer");
     client.delete_loop("m", "l").await.expect("an answer");
     client.post_poses("m", &body).await.expect("an answer");
@@ -89,6 +91,7 @@ async fn every_operation_asks_what_the_api_document_says() {
             asked("PUT /v1/maps/m/keyframes/k:1", &sent),
             asked("PUT /v1/maps/m/keyframes/k%2F1?query=loop", &sent),
             asked("POST /v1/maps/m/loop-queries", &sent),
+            asked("POST /v1/maps/m/loop-queries?detail=brief", &sent),
             asked("POST /v1/maps/m/loops", &sent),
             asked("DELETE /v1/maps/m/loops/l", &Value::Null),
             asked("POST /v1/maps/m/poses", &sent),

@@ -390,14 +390,14 @@ class AnchorFigures(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Valid anchors in the candidate's local map."""
     pending: int
     """Anchors of both maps that nothing has described yet."""
-    matches: list[Match]
-    """The pairs that match."""
     contradictions: list[Contradiction]
     """The pairs that contradict."""
     differences: list[Difference]
     """Of the nearest signs, the pairs whose identifiers differ without stopping the candidate, each with
     why; heaviest first.
     """
+    matches: list[Match] | None = None
+    """The pairs that match; left out with `?detail=brief`."""
 
 
 class AnchorFrame(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -1119,7 +1119,9 @@ class LoopAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     closed: list[ConfirmedLoop]
     """The loops of this keyframe that are confirmed already, by id, at most 100."""
     candidates: list[Candidate]
-    """The candidates: loops first, then undecided, then rejected, each best first."""
+    """The candidates: loops first, then undecided, then rejected, each best first. With `?detail=brief`
+    the rejected ones are left out.
+    """
     keyframe: str | None = None
     """The keyframe that was asked about; left out for an inline one."""
     has_twins: bool | None = None

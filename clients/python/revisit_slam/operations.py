@@ -149,12 +149,12 @@ class Operations:
         """
         return self._call(Call("GET", f"/v1/maps/{segment(map)}/keyframes/{segment(keyframe)}", answer=models.KeyframeView))
 
-    def put_keyframe(self, map: str, keyframe: str, body: models.Keyframe | Mapping[str, Any], *, query: str | None = None) -> models.KeyframeAnswer:
+    def put_keyframe(self, map: str, keyframe: str, body: models.Keyframe | Mapping[str, Any], *, query: str | None = None, detail: str | None = None) -> models.KeyframeAnswer:
         """Store a keyframe. Its detections are associated with anchors. With `?query=loop` the response
         includes the answer of a loop query. Sending the same body again changes nothing and returns
         200; a different body under the same id is a conflict.
         """
-        return self._call(Call("PUT", f"/v1/maps/{segment(map)}/keyframes/{segment(keyframe)}", query={"query": query}, body=packed(body), answer=models.KeyframeAnswer))
+        return self._call(Call("PUT", f"/v1/maps/{segment(map)}/keyframes/{segment(keyframe)}", query={"query": query, "detail": detail}, body=packed(body), answer=models.KeyframeAnswer))
 
     def delete_keyframe(self, map: str, keyframe: str) -> models.MapVersion:
         """Cull a keyframe. Deletes its observations, too, and any anchor without other observations."""
@@ -172,14 +172,16 @@ class Operations:
         """
         return self._call(Call("GET", f"/v1/maps/{segment(map)}/keyframes/{segment(keyframe)}/local-anchor-map", answer=models.LocalAnchorMap))
 
-    def query_loop(self, map: str, body: models.LoopQueryBody | Mapping[str, Any]) -> models.LoopAnswer:
+    def query_loop(self, map: str, body: models.LoopQueryBody | Mapping[str, Any], *, detail: str | None = None) -> models.LoopAnswer:
         """Query whether a keyframe is a loop. The keyframe is a stored one, or one in the body. The query
         changes nothing and calls no model. The same map version, keyframe, settings and seed give the
-        same bytes. A verdict does not close a loop. Once the client has closed the loop in its own map,
-        it confirms that with `POST /v1/maps/{map}/loops`. From then on the two keyframes are covisible.
-        The same query then returns the loop in `closed` and the reason `already_closed`.
+        same bytes. A client that needs only the verdict asks for less with `?detail=brief`; the
+        recorded verdict is whole all the same. A verdict does not close a loop. Once the client has
+        closed the loop in its own map, it confirms that with `POST /v1/maps/{map}/loops`. From then on
+        the two keyframes are covisible. The same query then returns the loop in `closed` and the reason
+        `already_closed`.
         """
-        return self._call(Call("POST", f"/v1/maps/{segment(map)}/loop-queries", body=body, answer=models.LoopAnswer))
+        return self._call(Call("POST", f"/v1/maps/{segment(map)}/loop-queries", query={"detail": detail}, body=body, answer=models.LoopAnswer))
 
     def get_loop_query(self, map: str, query: str) -> models.LoopAnswer:
         """Read a verdict again. Returns the exact bytes of the answer. The number of records per map is
@@ -391,12 +393,12 @@ class AsyncOperations:
         """
         return await self._call(Call("GET", f"/v1/maps/{segment(map)}/keyframes/{segment(keyframe)}", answer=models.KeyframeView))
 
-    async def put_keyframe(self, map: str, keyframe: str, body: models.Keyframe | Mapping[str, Any], *, query: str | None = None) -> models.KeyframeAnswer:
+    async def put_keyframe(self, map: str, keyframe: str, body: models.Keyframe | Mapping[str, Any], *, query: str | None = None, detail: str | None = None) -> models.KeyframeAnswer:
         """Store a keyframe. Its detections are associated with anchors. With `?query=loop` the response
         includes the answer of a loop query. Sending the same body again changes nothing and returns
         200; a different body under the same id is a conflict.
         """
-        return await self._call(Call("PUT", f"/v1/maps/{segment(map)}/keyframes/{segment(keyframe)}", query={"query": query}, body=packed(body), answer=models.KeyframeAnswer))
+        return await self._call(Call("PUT", f"/v1/maps/{segment(map)}/keyframes/{segment(keyframe)}", query={"query": query, "detail": detail}, body=packed(body), answer=models.KeyframeAnswer))
 
     async def delete_keyframe(self, map: str, keyframe: str) -> models.MapVersion:
         """Cull a keyframe. Deletes its observations, too, and any anchor without other observations."""
@@ -414,14 +416,16 @@ class AsyncOperations:
         """
         return await self._call(Call("GET", f"/v1/maps/{segment(map)}/keyframes/{segment(keyframe)}/local-anchor-map", answer=models.LocalAnchorMap))
 
-    async def query_loop(self, map: str, body: models.LoopQueryBody | Mapping[str, Any]) -> models.LoopAnswer:
+    async def query_loop(self, map: str, body: models.LoopQueryBody | Mapping[str, Any], *, detail: str | None = None) -> models.LoopAnswer:
         """Query whether a keyframe is a loop. The keyframe is a stored one, or one in the body. The query
         changes nothing and calls no model. The same map version, keyframe, settings and seed give the
-        same bytes. A verdict does not close a loop. Once the client has closed the loop in its own map,
-        it confirms that with `POST /v1/maps/{map}/loops`. From then on the two keyframes are covisible.
-        The same query then returns the loop in `closed` and the reason `already_closed`.
+        same bytes. A client that needs only the verdict asks for less with `?detail=brief`; the
+        recorded verdict is whole all the same. A verdict does not close a loop. Once the client has
+        closed the loop in its own map, it confirms that with `POST /v1/maps/{map}/loops`. From then on
+        the two keyframes are covisible. The same query then returns the loop in `closed` and the reason
+        `already_closed`.
         """
-        return await self._call(Call("POST", f"/v1/maps/{segment(map)}/loop-queries", body=body, answer=models.LoopAnswer))
+        return await self._call(Call("POST", f"/v1/maps/{segment(map)}/loop-queries", query={"detail": detail}, body=body, answer=models.LoopAnswer))
 
     async def get_loop_query(self, map: str, query: str) -> models.LoopAnswer:
         """Read a verdict again. Returns the exact bytes of the answer. The number of records per map is

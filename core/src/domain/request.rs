@@ -5,6 +5,7 @@ use super::ids::{BackupId, JudgementId, KeyframeId, LoopId, PointId, SessionId};
 use super::judged::{CropReading, ModelVerdict};
 use super::judgement::Asks;
 use super::keyframe::NewKeyframe;
+use super::named::named;
 use super::named_detection::NamedDetection;
 use super::settings::SettingValue;
 use super::verdict::Verify;
@@ -82,6 +83,16 @@ pub enum Subject {
     Stored(KeyframeId),
     /// One that came with the query and is not stored.
     Inline(Box<NewKeyframe>, Digest),
+}
+
+named! {
+    /// How much of a verdict the answer contains. The record of the verdict is always whole.
+    Detail default Full {
+        /// The default: every candidate with all of its figures.
+        Full = "full",
+        /// Without the rejected candidates, and without the `matches` of the others.
+        Brief = "brief",
+    }
 }
 
 /// A loop query.

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use proptest::prelude::*;
 
-use super::{Source, Text, conflict, information, merge, similarity, similarity_level};
+use super::{Source, Text, conflict, information, is_conflict, merge, similarity, similarity_level};
 use crate::semantics::lexicon::dictionary::Class;
 
 /// Texts as robots report them: mixed from the words and codes that the rules look for.
@@ -201,8 +201,16 @@ proptest! {
         let (a, b) = (Text::parse(&a), Text::parse(&b));
         let excluded = similarity_level(&a, &b) == (1, Source::Identifiers);
         prop_assert_eq!(conflict(&a, &b).is_some(), excluded);
+        prop_assert_eq!(is_conflict(&a, &b), excluded);
         let (there, back) = (conflict(&a, &b), conflict(&b, &a));
         prop_assert_eq!(there.map(|c| (c.a, c.b)), back.map(|c| (c.b, c.a)));
+    }
+
+    #[test]
+    fn what_reads_as_a_text_has_its_normal_form((a, b) in pair()) {
+        let text = Text::parse(&a);
+        prop_assert!(text.reads_as(&a));
+        prop_assert_eq!(text.reads_as(&b), text == Text::parse(&b));
     }
 
     #[test]

@@ -46,7 +46,7 @@ mod golden;
 #[cfg(test)]
 mod laws;
 
-pub use identifiers::agreement::{Conflict, conflict};
+pub use identifiers::agreement::{Conflict, conflict, is_conflict};
 pub use identifiers::identifier::Identifier;
 pub use identifiers::numbering::{LEARNED_FROM_VALUES, Numbering, PatternError, Shape};
 pub use judge::evidence::Source;

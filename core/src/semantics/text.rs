@@ -104,6 +104,11 @@ impl Text {
         }
     }
 
+    /// Whether a description reads like this one: [`Self::parse`] would give it the same canonical form.
+    pub fn reads_as(&self, raw: &str) -> bool {
+        normalise::fold(&normalise::clean(raw)) == self.normalised
+    }
+
     /// Returns the canonical form; equal forms are identical descriptions.
     pub fn normalised(&self) -> &str {
         &self.normalised

@@ -81,6 +81,15 @@ pub(in crate::engine) enum Decision<T> {
     Unchanged(T),
 }
 
+/// When a decision goes to the disk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::engine) enum Urgency {
+    /// With the next commit.
+    Prompt,
+    /// More may follow: it waits for them a moment, and shares a sync with them.
+    Held,
+}
+
 /// A decision on its way to the disk.
 pub(in crate::engine) struct Pending<T> {
     pub value: T,
@@ -130,6 +139,13 @@ impl LiveMap {
         Ok(state)
     }
 
+    /// Looks at the map as it stands, with its version, unless somebody writes to it. For a look that takes no time.
+    pub fn glance<T>(&self, look: impl FnOnce(&State) -> T) -> Option<(u64, T)> {
+        let state = self.state.try_read().ok()?;
+        self.exists().ok()?;
+        Some((state.version, look(&state)))
+    }
+
     fn exists(&self) -> Result<(), ServiceError> {
         if self.gone.load(Ordering::Acquire) { Err(ServiceError::no_map(&self.id)) } else { Ok(()) }
     }
@@ -146,6 +162,7 @@ impl LiveMap {
         store: &Store,
         permit: OwnedSemaphorePermit,
         core: OwnedSemaphorePermit,
+        urgency: Urgency,
         decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError>,
     ) -> Result<Pending<T>, ServiceError> {
         let (mut state, _core) = if let Ok(state) = self.state.try_write() {
@@ -186,7 +203,7 @@ impl LiveMap {
             events,
         };
         let job = Job::Change(Box::new(batch));
-        let committed = self.submit(store, job, version, state.next_event - 1, Some(permit));
+        let committed = self.submit(store, job, urgency, version, state.next_event - 1, Some(permit));
         Ok(Pending { value, version, committed: Some(committed) })
     }
 
@@ -209,13 +226,14 @@ impl LiveMap {
         self: &Arc<Self>,
         store: &Store,
         job: Job,
+        urgency: Urgency,
         version: u64,
         event: u64,
         permit: Option<OwnedSemaphorePermit>,
     ) -> oneshot::Receiver<Result<(), StoreError>> {
         let (committed, heard) = oneshot::channel();
         let live = self.clone();
-        store.committer().submit(job, &self.line, move |result| {
+        let done = move |result: Result<(), StoreError>| {
             if result.is_ok() {
                 live.on_disk.send_modify(|on_disk| *on_disk = version.max(*on_disk));
                 live.feed.reached(event);
@@ -225,12 +243,19 @@ impl LiveMap {
             }
             drop(permit);
             let _ = committed.send(result);
-        });
+        };
+        match urgency {
+            Urgency::Prompt => store.committer().submit(job, &self.line, done),
+            Urgency::Held => store.committer().submit_held(job, &self.line, done),
+        }
         heard
     }
 
     /// Waits until a version is on disk.
-    pub async fn on_disk(&self, version: u64) -> Result<(), ServiceError> {
+    pub async fn on_disk(&self, store: &Store, version: u64) -> Result<(), ServiceError> {
+        if *self.on_disk.borrow() < version {
+            store.committer().commit_held();
+        }
         let mut on_disk = self.on_disk.subscribe();
         let reached = on_disk.wait_for(|on_disk| *on_disk >= version || self.is_poisoned()).await;
         match reached {
@@ -260,6 +285,7 @@ impl LiveMap {
         drop(self.submit(
             store,
             Job::AppendEvents(self.key, next_event, events),
+            Urgency::Prompt,
             version,
             next_event - 1,
             None,
@@ -282,7 +308,8 @@ impl LiveMap {
         let kept = self.next_kept.fetch_add(1, Ordering::Relaxed);
         let job = Job::KeepQuery { map: self.key, id: id.to_owned(), kept, body };
         let (live, id) = (self.clone(), id.to_owned());
-        store.committer().submit(job, &self.line, move |_| drop(live.lock_kept().remove(&id)));
+        // Nobody waits for it: it shares the sync of what comes next.
+        store.committer().submit_held(job, &self.line, move |_| drop(live.lock_kept().remove(&id)));
     }
 
     /// Returns the answer of a loop query that is still on its way to the disk.
@@ -305,19 +332,26 @@ impl LiveMap {
         self.gone.store(true, Ordering::Release);
         free(std::mem::take(&mut state.index));
         self.memory.set(state.index.memory_bytes());
-        Ok(self.submit(store, Job::DeleteMap(self.key), state.version, state.next_event, None))
+        Ok(self.submit(
+            store,
+            Job::DeleteMap(self.key),
+            Urgency::Prompt,
+            state.version,
+            state.next_event,
+            None,
+        ))
     }
 }
 
 impl<T> Pending<T> {
     /// Waits until the decision is on disk.
-    pub async fn committed(self, live: &LiveMap) -> Result<(T, u64), ServiceError> {
+    pub async fn committed(self, store: &Store, live: &LiveMap) -> Result<(T, u64), ServiceError> {
         match self.committed {
             Some(committed) => match committed.await {
                 Ok(result) => result?,
                 Err(_) => return Err(StoreError::Closed.into()),
             },
-            None => live.on_disk(self.version).await?,
+            None => live.on_disk(store, self.version).await?,
         }
         Ok((self.value, self.version))
     }

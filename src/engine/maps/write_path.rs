@@ -5,11 +5,12 @@ use std::sync::Arc;
 use tokio::task::spawn_blocking;
 use tracing::Instrument as _;
 
-use super::live::{Decision, LiveMap, Pending, State};
+use super::live::{Decision, LiveMap, Pending, State, Urgency};
 use crate::config::logging::in_part;
 use crate::config::traces;
 use crate::engine::{Service, ServiceError};
 use crate::recognition::map::index::MapIndex;
+use crate::store::Store;
 
 /// How often a read looks again because a write that it had seen failed.
 const READ_AGAIN_MAX: usize = 3;
@@ -43,16 +44,21 @@ impl Service {
         let _lane = live.lane.lock().await;
         let core = self.deciding.clone().acquire_owned().await.map_err(|_| ServiceError::closed())?;
         let (deciding, store) = (live.clone(), self.store.clone());
-        let pending =
-            spawn_blocking(in_part("decide", move || deciding.decide(&store, permit, core, decide)))
-                .await
-                .map_err(ServiceError::panicked)??;
+        // A client of many writes has more, and waits for none of them alone.
+        let urgency = if manner == Manner::Patient { Urgency::Held } else { Urgency::Prompt };
+        let decide = move || deciding.decide(&store, permit, core, urgency, decide);
+        let pending = spawn_blocking(in_part("decide", decide)).await.map_err(ServiceError::panicked)??;
         self.registry.keep_to_budget();
         // Whatever was written, an anchor may lack something now.
         if self.models.is_some() {
             self.worker.note_write(live);
         }
-        Ok(Begun { live: live.clone(), pending })
+        Ok(Begun { store: self.store.clone(), live: live.clone(), pending })
+    }
+
+    /// Has what waits for more of its request committed now: somebody waits for it.
+    pub fn commit_held(&self) {
+        self.store.committer().commit_held();
     }
 
     /// Refuses a write that the disk would not take, before the index is ahead of the disk.
@@ -103,6 +109,20 @@ impl Service {
         }
     }
 
+    /// [`Self::read`] for a look that takes no time: on the spot, unless somebody writes to the map.
+    pub(in crate::engine) async fn glance<T: Send + 'static>(
+        &self,
+        live: &Arc<LiveMap>,
+        look: impl Fn(&State) -> Result<T, ServiceError> + Send + Sync + 'static,
+    ) -> Result<(u64, T), ServiceError> {
+        if let Some((version, Ok(value))) = live.glance(&look)
+            && live.on_disk(&self.store, version).await.is_ok()
+        {
+            return Ok((version, value));
+        }
+        self.read(live, look).await
+    }
+
     /// [`Self::read`] for those who look again by themselves.
     pub(in crate::engine) async fn look<T: Send + 'static>(
         &self,
@@ -120,13 +140,14 @@ impl Service {
         .map_err(ServiceError::panicked)??;
         // Waiting for the disk takes no core.
         drop((permit, of_map));
-        live.on_disk(version).await?;
+        live.on_disk(&self.store, version).await?;
         Ok((version, value))
     }
 }
 
 /// A write that is decided and on its way to the disk.
 pub(in crate::engine) struct Begun<T> {
+    store: Store,
     live: Arc<LiveMap>,
     pending: Pending<T>,
 }
@@ -134,6 +155,6 @@ pub(in crate::engine) struct Begun<T> {
 impl<T> Begun<T> {
     /// Waits until it is on disk.
     pub async fn committed(self) -> Result<(T, u64), ServiceError> {
-        self.pending.committed(&self.live).instrument(traces::part("commit")).await
+        self.pending.committed(&self.store, &self.live).instrument(traces::part("commit")).await
     }
 }

@@ -76,7 +76,7 @@ impl Service {
         look: &Look,
     ) -> Result<Option<Point3>, ServiceError> {
         // Whatever was decided before has features to be read; the writer needs no lock of the map.
-        live.on_disk(live.newest_version()).await?;
+        live.on_disk(&self.store, live.newest_version()).await?;
         let features = self.features.read(&self.store, live.key, look.wanted_features()).await?;
         Ok(look.verify(index, passage, &features))
     }

@@ -157,7 +157,7 @@ impl Service {
     async fn bow_of(&self, live: &Arc<LiveMap>, subject: &Subject) -> Result<BowVector, ServiceError> {
         let Subject::Stored(id) = subject else { return Ok(BowVector::default()) };
         let name = id.clone();
-        let (_, seq) = self.read(live, move |state| find(&state.index, &name)).await?;
+        let (_, seq) = self.glance(live, move |state| find(&state.index, &name)).await?;
         self.store.bow(live.key, seq).await?.ok_or_else(|| ServiceError::no_keyframe(id))
     }
 }

@@ -74,7 +74,7 @@ impl Service {
         own: Option<Arc<MatchableFeatures>>,
     ) -> Result<Option<Twins>, ServiceError> {
         // Whatever was decided before has features to be read; the writer needs no lock of the map.
-        live.on_disk(live.newest_version()).await?;
+        live.on_disk(&self.store, live.newest_version()).await?;
         for at in suspects.places() {
             let mut features =
                 self.features.read(&self.store, live.key, suspects.wanted_features(at)).await?;

@@ -1,7 +1,5 @@
 //! What a reader is shown of an anchor.
 
-use std::collections::BTreeSet;
-
 use crate::domain::anchor::AnchorState;
 use crate::domain::ids::AnchorSeq;
 use crate::domain::report::{AnchorMatchReport, AnchorReport};
@@ -68,7 +66,7 @@ fn matches(index: &MapIndex, root: AnchorSeq, object: &MergedAnchor) -> (Vec<Anc
     let texts = index.texts();
     let Some(text) = texts.of(root) else { return (Vec::new(), 0) };
     let total = matching::matches(index, root).count();
-    let near = if total == 0 { BTreeSet::default() } else { matching::neighbourhood(index, root) };
+    let near = if total == 0 { Vec::new() } else { matching::neighbourhood(index, root) };
     let shown = matching::matches(index, root).take(MATCHES_SHOWN).filter_map(|other| {
         let (level, source) = texts.level(text, texts.of(other)?)?;
         let (ours, theirs) =
@@ -77,7 +75,7 @@ fn matches(index: &MapIndex, root: AnchorSeq, object: &MergedAnchor) -> (Vec<Anc
             anchor: other,
             level,
             source: source.as_str().to_owned(),
-            revisit: !near.contains(&other),
+            revisit: near.binary_search(&other).is_err(),
             reason: match &source {
                 // The built-in judge's reason would be of another level, by another judge.
                 Source::Model(model) => {

@@ -61,7 +61,8 @@ pub fn keyframe_id((robot, number): (usize, usize)) -> String {
 }
 
 fn agreement(candidate: &CandidateView) -> String {
-    let matches = candidate.anchors.as_ref().map_or(0, |anchors| anchors.matches.len());
+    let anchors = candidate.anchors.as_ref();
+    let matches = anchors.and_then(|anchors| anchors.matches.as_ref()).map_or(0, Vec::len);
     let anchors = match (matches, candidate.similarity()) {
         (0, _) | (_, None) => String::new(),
         (1, Some(similarity)) => format!(", the same sign at the same place (S = {similarity:.2})"),

@@ -10,7 +10,7 @@ use crate::api::decoding::read::{self, Decode, Node, Object};
 use crate::api::limits;
 use crate::domain::anchor::AnchorState;
 use crate::domain::invalid::FieldError;
-use crate::domain::request::AnchorFilter;
+use crate::domain::request::{AnchorFilter, Detail};
 use crate::http::problem::{Kind, Problem};
 
 /// A request's parameters, decoded into the model.
@@ -94,6 +94,18 @@ pub struct KeyframeParams {
     /// `loop`: return the answer of a loop query in the same round trip.
     #[param(value_type = Option<String>, pattern = "^loop$")]
     pub query: Option<AskLoop>,
+    /// How much of that answer is returned.
+    #[param(value_type = Option<crate::api::names::DetailName>, inline)]
+    pub detail: Detail,
+}
+
+/// How much of a verdict is returned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct LoopQueryParams {
+    /// How much of the answer is returned.
+    #[param(value_type = Option<crate::api::names::DetailName>, inline)]
+    pub detail: Detail,
 }
 
 /// The only query that a PUT supports.
@@ -155,9 +167,22 @@ impl Decode for Since {
 
 impl Decode for KeyframeParams {
     fn decode(node: &Node<'_>) -> Option<Self> {
-        let query = node.object(&["query"])?;
+        let query = node.object(&["query", "detail"])?;
         let ask = query
             .optional("query", |node| node.choice(&["loop"], |text| (text == "loop").then_some(AskLoop)));
-        Some(Self { query: ask? })
+        let detail = detail(&query);
+        Some(Self { query: ask?, detail: detail? })
     }
+}
+
+impl Decode for LoopQueryParams {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let query = node.object(&["detail"])?;
+        Some(Self { detail: detail(&query)? })
+    }
+}
+
+fn detail(query: &Object<'_>) -> Option<Detail> {
+    let detail = query.optional("detail", |node| node.choice(Detail::NAMES, Detail::from_name));
+    Some(detail?.unwrap_or_default())
 }

@@ -65,7 +65,7 @@ pub async fn put_keyframes(
     Ok(answer.into_response())
 }
 
-/// Maximum lines of one request that wait for the disk: enough to share its syncs, and few compared with other
+/// Maximum lines of one request that wait for the disk: twice as many as share a sync, and few compared with other
 /// requests.
 const UNDER_WAY_MAX: usize = 128;
 
@@ -215,6 +215,8 @@ impl Answer {
 
     /// Answers all pending lines, in order.
     async fn all_committed(&mut self) {
+        // No line follows that they could wait for.
+        self.app.service.commit_held();
         while !self.under_way.is_empty() {
             self.oldest_committed().await;
         }

@@ -52,7 +52,7 @@ pub async fn put_keyframe(
         return Ok(written(stored.created, KeyframeAnswer::from(stored.value)));
     }
     let (stored, answer) = service.put_keyframe_and_query(&map, keyframe, digest).await?;
-    let view = LoopAnswer::of(&answer.id, answer.keyframe.as_ref(), &answer.verdict);
+    let view = LoopAnswer::of(&answer.id, answer.keyframe.as_ref(), &answer.verdict, also.detail);
     Ok(written(stored.created, KeyframeAnswer { loop_answer: Some(view), ..stored.value.into() }))
 }
 

@@ -1,5 +1,6 @@
 //! Loop queries: "is this keyframe a loop?", and reading a verdict again with every figure.
 
+use axum::Json;
 use axum::extract::State;
 use axum::http::HeaderName;
 use axum::response::{IntoResponse as _, Response};
@@ -7,11 +8,13 @@ use axum::response::{IntoResponse as _, Response};
 use crate::api::examples;
 use crate::api::loop_query::LoopQueryBody;
 use crate::api::verdict::LoopAnswer;
+use crate::domain::request::Detail;
 use crate::engine::{Service, Timings};
 use crate::http::answer::json_bytes;
 use crate::http::error_responses::{OfMapQuestion, ReadErrors};
 use crate::http::extract::body::QueryOfMap;
 use crate::http::extract::path::{MapPathParams, QueryPath, QueryPathParams};
+use crate::http::extract::query::{LoopQueryParams, Query};
 use crate::http::problem::Problem;
 
 /// The W3C header with a server's timings.
@@ -20,13 +23,14 @@ const SERVER_TIMING: HeaderName = HeaderName::from_static("server-timing");
 /// Query whether a keyframe is a loop
 ///
 /// The keyframe is a stored one, or one in the body. The query changes nothing and calls no model. The same map
-/// version, keyframe, settings and seed give the same bytes.
+/// version, keyframe, settings and seed give the same bytes. A client that needs only the verdict asks for less with
+/// `?detail=brief`; the recorded verdict is whole all the same.
 ///
 /// A verdict does not close a loop. Once the client has closed the loop in its own map, it confirms that with `POST
 /// /v1/maps/{map}/loops`. From then on the two keyframes are covisible. The same query then returns the loop in
 /// `closed` and the reason `already_closed`.
 #[utoipa::path(
-    post, path = "/v1/maps/{map}/loop-queries", tag = "loops", params(MapPathParams), security(("key" = ["query"])),
+    post, path = "/v1/maps/{map}/loop-queries", tag = "loops", params(MapPathParams, LoopQueryParams), security(("key" = ["query"])),
     request_body(content = LoopQueryBody, example = examples::loop_query),
     responses(
         (status = 200, description = "The verdict", body = LoopAnswer, example = examples::loop_answer),
@@ -35,10 +39,16 @@ const SERVER_TIMING: HeaderName = HeaderName::from_static("server-timing");
 )]
 pub async fn query_loop(
     State(service): State<Service>,
+    Query(LoopQueryParams { detail }): Query<LoopQueryParams>,
     QueryOfMap { map, query }: QueryOfMap,
 ) -> Result<Response, Problem> {
     let answer = service.loop_query(&map, query).await?;
-    Ok(([(SERVER_TIMING, server_timing(answer.timings))], json_bytes(answer.body)).into_response())
+    let body = match detail {
+        Detail::Full => json_bytes(answer.body),
+        Detail::Brief => Json(LoopAnswer::of(&answer.id, answer.keyframe.as_ref(), &answer.verdict, detail))
+            .into_response(),
+    };
+    Ok(([(SERVER_TIMING, server_timing(answer.timings))], body).into_response())
 }
 
 /// Read a verdict again

@@ -11,6 +11,7 @@ use std::sync::atomic::Ordering;
 use tokio::sync::{mpsc, oneshot};
 
 use super::health::Health;
+use super::held::Held;
 use super::job::Job;
 use super::queue::{Counters, Message, PoisonFlag, Queued};
 use crate::store::StoreError;
@@ -30,7 +31,7 @@ pub struct CommitStats {
 /// The handle to the one writer.
 #[derive(Clone, Debug)]
 pub struct Committer {
-    queue: mpsc::UnboundedSender<Message>,
+    held: Held,
     counters: Arc<Counters>,
     health: Health,
 }
@@ -42,7 +43,7 @@ impl Committer {
         counters: Arc<Counters>,
         health: Health,
     ) -> Self {
-        Self { queue, counters, health }
+        Self { held: Held::before(queue), counters, health }
     }
 
     /// Why a write need not be decided now, if the disk is known to take none.
@@ -53,7 +54,7 @@ impl Committer {
     /// Waits until whatever is queued now is on disk, or never will be.
     pub async fn settled(&self) {
         let (settled, heard) = oneshot::channel();
-        if self.queue.send(Message::Settle(settled)).is_ok() {
+        if self.held.send_message(Message::Settle(settled)) {
             let _ = heard.await;
         }
     }
@@ -65,20 +66,46 @@ impl Committer {
         line: &PoisonFlag,
         done: impl FnOnce(Result<(), StoreError>) + Send + Sync + 'static,
     ) {
-        let mut jobs = deferred::staged(job);
-        let Some(last) = jobs.pop() else { return };
-        for part in jobs {
-            self.queue_up(Queued { job: part, broken: line.clone(), done: Box::new(drop) });
-        }
-        self.queue_up(Queued { job: last, broken: line.clone(), done: Box::new(done) });
+        self.held.send(self.queued(job, line, done));
     }
 
-    fn queue_up(&self, queued: Queued) {
-        self.counters.waiting.fetch_add(1, Ordering::Relaxed);
-        let message = Message::Job(Box::new(queued));
-        if let Err(mpsc::error::SendError(Message::Job(queued))) = self.queue.send(message) {
-            (queued.done)(Err(StoreError::Closed));
+    /// Queues a job like [`Self::submit`], but more may follow soon: it waits for them a moment, and shares a sync with them.
+    pub fn submit_held(
+        &self,
+        job: Job,
+        line: &PoisonFlag,
+        done: impl FnOnce(Result<(), StoreError>) + Send + Sync + 'static,
+    ) {
+        let mut jobs = self.queued(job, line, done);
+        match (jobs.pop(), jobs.is_empty()) {
+            (Some(only), true) => self.held.hold(only),
+            // A large job shares its sync with nobody.
+            (last, _) => {
+                jobs.extend(last);
+                self.held.send(jobs);
+            }
         }
+    }
+
+    /// Has the writer commit what is held: somebody waits for it.
+    pub fn commit_held(&self) {
+        self.held.release();
+    }
+
+    /// Returns the parts of a job, of which the last is answered.
+    fn queued(
+        &self,
+        job: Job,
+        line: &PoisonFlag,
+        done: impl FnOnce(Result<(), StoreError>) + Send + Sync + 'static,
+    ) -> Vec<Queued> {
+        let mut parts = deferred::staged(job);
+        let Some(last) = parts.pop() else { return Vec::new() };
+        let part = |job| Queued { job, broken: line.clone(), done: Box::new(drop) };
+        let mut queued: Vec<Queued> = parts.into_iter().map(part).collect();
+        queued.push(Queued { job: last, broken: line.clone(), done: Box::new(done) });
+        self.counters.waiting.fetch_add(queued.len() as u64, Ordering::Relaxed);
+        queued
     }
 
     /// Commits a job that belongs to no line, and waits until it is on disk.
@@ -105,7 +132,7 @@ impl Committer {
     /// Finishes what is queued and stops.
     pub(in crate::store) async fn close(&self) {
         let (closed, heard) = oneshot::channel();
-        if self.queue.send(Message::Close(closed)).is_ok() {
+        if self.held.send_message(Message::Close(closed)) {
             let _ = heard.await;
         }
     }

@@ -5,6 +5,7 @@ pub(super) mod commit_queue;
 pub(super) mod cost;
 pub(super) mod group_commit;
 pub(super) mod health;
+mod held;
 pub(super) mod job;
 pub(super) mod lanes;
 pub(super) mod queue;

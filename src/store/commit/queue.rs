@@ -1,5 +1,6 @@
 //! The queue between those who submit jobs and the one writer.
 
+use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -24,7 +25,8 @@ pub(in crate::store) type Done = Box<dyn FnOnce(Result<(), StoreError>) + Send +
 
 /// A message to the writer.
 pub(in crate::store) enum Message {
-    Job(Box<Queued>),
+    /// Jobs that come together, so that they share a group.
+    Jobs(Vec<Queued>),
     /// Answered once everything queued before it is settled.
     Settle(oneshot::Sender<()>),
     Close(oneshot::Sender<()>),
@@ -36,6 +38,12 @@ pub(in crate::store) struct Counters {
     pub jobs: AtomicU64,
     pub transactions: AtomicU64,
     pub waiting: AtomicU64,
+}
+
+impl fmt::Debug for Queued {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Queued").field("job", &self.job).finish_non_exhaustive()
+    }
 }
 
 impl Queued {

@@ -1,9 +1,10 @@
-//! Verdicts in the answer: the paper's method by name, what nothing has described, and which checks run (M11, M28, M39);
+//! Verdicts in the answer: the paper's method by name, what nothing has described, which checks run (M11, M28, M39), and
+//! the brief form;
 //! `core/tests/paper/verdicts.rs` asks the core.
 
 use std::time::Duration;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::scene::{Detection, Scene, candidate_of, door, keyframe, unread};
 
@@ -80,4 +81,63 @@ async fn a_request_says_whether_geometry_may_or_must_run() {
     check(Some("auto"), "loop", [Some("loop"), None]).await;
     check(Some("anchors"), "loop", [Some("loop"), None]).await;
     check(Some("geometry"), "undecided", [Some("undecided"), Some("no_features")]).await;
+}
+
+/// Returns an answer without what `?detail=brief` leaves out.
+fn shortened(whole: &Value) -> Value {
+    let mut brief = whole.clone();
+    let candidates = brief["candidates"].as_array_mut().expect("a list");
+    candidates.retain(|candidate| candidate["verdict"] != "rejected");
+    for anchors in candidates.iter_mut().filter_map(|candidate| candidate["anchors"].as_object_mut()) {
+        anchors.remove("matches").expect("a whole answer has them, if only as an empty list");
+    }
+    brief
+}
+
+#[tokio::test]
+async fn a_brief_answer_is_the_whole_one_without_rejected_candidates_and_without_matches() {
+    let scene = Scene::new().await;
+    scene.put("same-room", keyframe().sees(plate())).await;
+    scene.put("other-room", keyframe().sees([door("910", AHEAD)])).await;
+    scene.put("bare", keyframe()).await;
+    let query = keyframe().sees(plate()).0;
+
+    // The brief answer comes first: its record is whole from the start.
+    let written = scene.server.put(&scene.path("/keyframes/query?query=loop&detail=brief"), &query).await;
+    let brief = written.expect(201)["loop"].clone();
+    let kept = async || scene.get(&format!("/loop-queries/{}", brief["id"].as_str().expect("an id"))).await;
+    let whole = kept().await;
+    let verdicts = |answer: &Value| -> Vec<String> {
+        let candidates = answer["candidates"].as_array().expect("a list").iter();
+        candidates.map(|candidate| candidate["verdict"].as_str().expect("a verdict").to_owned()).collect()
+    };
+    assert_eq!(verdicts(&whole), ["loop", "undecided", "rejected"], "{whole:#}");
+    assert_eq!(verdicts(&brief), ["loop", "undecided"], "{brief:#}");
+    assert_eq!(whole["candidates"][0]["anchors"]["matches"].as_array().map(Vec::len), Some(1), "{whole:#}");
+    assert_eq!(brief, shortened(&whole));
+
+    let again = scene.server.put(&scene.path("/keyframes/query?query=loop&detail=brief"), &query).await;
+    assert_eq!(again.expect(200)["loop"], brief, "a retry");
+    let body = json!({"keyframe": "query"});
+    assert_eq!(scene.post("/loop-queries?detail=brief", &body).await, brief);
+    for detail in ["", "?detail=full"] {
+        assert_eq!(scene.post(&format!("/loop-queries{detail}"), &body).await, whole, "{detail}");
+    }
+    assert_eq!(kept().await, whole);
+}
+
+#[tokio::test]
+async fn a_detail_by_another_name_is_refused_with_the_names_there_are() {
+    let scene = Scene::new().await;
+    scene.put("kf-1", keyframe()).await;
+    let asked =
+        scene.server.post(&scene.path("/loop-queries?detail=short"), &json!({"keyframe": "kf-1"})).await;
+    let stored =
+        scene.server.put(&scene.path("/keyframes/kf-2?query=loop&detail=short"), &keyframe().0).await;
+    for answer in [asked, stored] {
+        let error = answer.expect(422)["errors"][0].clone();
+        assert_eq!(error["pointer"], "?detail", "{error:#}");
+        assert_eq!(error["limit"], "full, brief", "{error:#}");
+    }
+    assert_eq!(scene.server.get(&scene.path("/keyframes/kf-2")).await.status, 404);
 }

@@ -81,7 +81,7 @@ def _pair(run: Run, truth: Truth | None, seen: Seen, candidate: Candidate) -> st
     other = run.seen[candidate.keyframe]
     here, there = Side(set(), set()), Side(set(), set())
     if candidate.anchors is not None:
-        for match in candidate.anchors.matches:
+        for match in candidate.anchors.matches or ():
             here.agree.add(match.query_anchor)
             there.agree.add(match.candidate_anchor)
         for contradiction in candidate.anchors.contradictions:

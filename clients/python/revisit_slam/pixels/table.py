@@ -14,7 +14,7 @@ def evidence(run: Run, candidate: Candidate) -> str:
     """Return the texts that a candidate's decision rests on."""
     parts = []
     if candidate.anchors is not None:
-        agreed = {run.text_of(match.query_anchor) for match in candidate.anchors.matches}
+        agreed = {run.text_of(match.query_anchor) for match in candidate.anchors.matches or ()}
         if agreed:
             parts.append("both read " + ", ".join(sorted(agreed)))
         parts += sorted({contradiction.reason for contradiction in candidate.anchors.contradictions})

@@ -116,7 +116,7 @@ fn learn_similarity(index: &mut MapIndex, verdict: ModelVerdict) -> Option<Learn
     for root in of_a {
         let Some(root) = record.index().objects().root(root) else { continue };
         let near = matching::neighbourhood(record.index(), root);
-        for other in of_b.iter().filter(|other| !near.contains(other)) {
+        for other in of_b.iter().filter(|other| near.binary_search(other).is_err()) {
             if told == MAX_MATCHES_TOLD || *other == root {
                 continue;
             }

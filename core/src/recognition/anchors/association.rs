@@ -108,7 +108,7 @@ pub fn associate(
 fn excludes(object: &MergedAnchor, detection: &Detection) -> bool {
     let text = object.description.as_ref().map(|description| &description.text);
     let read = detection.reading().map(Text::parse);
-    text.zip(read).is_some_and(|(text, read)| semantics::conflict(text, &read).is_some())
+    text.zip(read).is_some_and(|(text, read)| semantics::is_conflict(text, &read))
 }
 
 /// Returns how well a detection fits an object, if it fits at all; and whether map points say so.

@@ -17,9 +17,7 @@ use crate::recognition::map::index::{MapIndex, MergedAnchor, Shape};
 pub fn covisible_merge(index: &MapIndex, root: AnchorSeq, around: &BTreeSet<KeyframeSeq>) -> Option<Merge> {
     let object = index.objects().get(root)?;
     let text = index.texts().of(root)?;
-    let nearby: BTreeSet<AnchorSeq> = (index.covisibility().around(around).into_iter())
-        .flat_map(|keyframe| index.objects_seen_by(keyframe))
-        .collect();
+    let nearby = index.objects_seen_by_any(&index.covisibility().around(around));
     let twin = nearby.into_iter().filter(|other| *other != root).find(|other| {
         index.texts().of(*other).is_some_and(|theirs| index.texts().level(text, theirs).is_some())
             && index.objects().get(*other).is_some_and(|other| close(index, object, other))
@@ -51,7 +49,7 @@ fn close(index: &MapIndex, a: &MergedAnchor, b: &MergedAnchor) -> bool {
 /// come back. Oldest first.
 pub fn revisits(index: &MapIndex, root: AnchorSeq) -> impl Iterator<Item = AnchorSeq> + '_ {
     let near = neighbourhood(index, root);
-    matches(index, root).filter(move |other| !near.contains(other))
+    matches(index, root).filter(move |other| near.binary_search(other).is_err())
 }
 
 /// Returns the objects that match `root`, covisible or not; oldest first within each text.
@@ -66,9 +64,8 @@ pub fn matches(index: &MapIndex, root: AnchorSeq) -> impl Iterator<Item = Anchor
         .filter(move |other| *other != root)
 }
 
-/// Returns the objects that keyframes covisible with an object's own keyframes see.
-pub fn neighbourhood(index: &MapIndex, root: AnchorSeq) -> BTreeSet<AnchorSeq> {
-    let Some(object) = index.objects().get(root) else { return BTreeSet::new() };
-    let keyframes = index.covisibility().around(&index.keyframes_of(object));
-    keyframes.into_iter().flat_map(|keyframe| index.objects_seen_by(keyframe)).collect()
+/// Returns the objects that keyframes covisible with an object's own keyframes see, ascending.
+pub fn neighbourhood(index: &MapIndex, root: AnchorSeq) -> Vec<AnchorSeq> {
+    let Some(object) = index.objects().get(root) else { return Vec::new() };
+    index.objects_seen_by_any(&index.covisibility().around(&index.keyframes_of(object)))
 }

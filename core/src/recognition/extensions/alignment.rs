@@ -133,7 +133,7 @@ impl Compared {
         let contradictions = if settings.contradiction_veto {
             let same_place =
                 |a: &LocalAnchor, b: &LocalAnchor| a.is_measured_with(b) && apart_m(a, b) <= SAME_PLACE_M;
-            contradict(&query, &candidate, same_place, |_| true)
+            contradict(&query, &candidate, same_place)
         } else {
             Vec::new()
         };

@@ -159,7 +159,7 @@ fn alike(index: &MapIndex, a: &LocalAnchor, b: &LocalAnchor) -> bool {
 
 fn excludes(a: &LocalAnchor, b: &LocalAnchor) -> bool {
     let texts = a.text.as_deref().zip(b.text.as_deref());
-    a.class == b.class && texts.is_some_and(|(a, b)| semantics::conflict(a, b).is_some())
+    a.class == b.class && texts.is_some_and(|(a, b)| semantics::is_conflict(a, b))
 }
 
 fn in_camera(anchor: &LocalAnchor) -> Vector3<f64> {

@@ -5,11 +5,8 @@
 //! identifiers that are not sure count only where geometry cannot run, and contradictions only if
 //! together they outweigh what agrees.
 
-use crate::domain::settings::Settings;
 use crate::recognition::loops::anchor_map::LocalAnchor;
-use crate::recognition::loops::assignment::assign;
-use crate::recognition::loops::equation_1::similar;
-use crate::recognition::map::index::TextIndex;
+use crate::recognition::loops::assignment::{assign, edges};
 use crate::semantics;
 
 /// A pair of anchors that cannot be the same object, though they stand at the same relative place.
@@ -19,8 +16,6 @@ pub struct Contradiction<'a> {
     pub query: &'a LocalAnchor,
     /// The anchor of the candidate's map.
     pub candidate: &'a LocalAnchor,
-    /// Whether both identifiers are sure.
-    pub is_sure: bool,
 }
 
 impl Contradiction<'_> {
@@ -39,42 +34,22 @@ impl Contradiction<'_> {
     }
 }
 
-/// Returns the anchors that nothing on the other side is called like.
-///
-/// "Unmatched on the other side" is taken by description alone: a plate that also hangs somewhere
-/// in the other map is known there, and seeing its neighbour in its place means another point of
-/// view, not another building.
-pub fn unmatched<'a>(
-    these: &[&'a LocalAnchor],
-    those: &[&'a LocalAnchor],
-    texts: &TextIndex,
-    settings: &Settings,
-) -> Vec<&'a LocalAnchor> {
-    let known =
-        |anchor: &LocalAnchor| those.iter().any(|that| similar(anchor, that, texts, settings).is_some());
-    these.iter().copied().filter(|anchor| !known(anchor)).collect()
-}
-
 /// Returns the contradicting pairs among unmatched anchors, one-to-one, by maximum weight; `same_place` tells which
-/// anchors stand at the same place, `is_sure` what each is surely called.
+/// anchors stand at the same place.
 pub fn contradict<'a>(
     query: &[&'a LocalAnchor],
     candidate: &[&'a LocalAnchor],
     same_place: impl Fn(&LocalAnchor, &LocalAnchor) -> bool,
-    is_sure: impl Fn(&LocalAnchor) -> bool,
 ) -> Vec<Contradiction<'a>> {
-    let pairs = assign(query.len(), candidate.len(), |i, j| {
+    let contradicting = edges(query.len(), candidate.len(), |i, j| {
         let (a, b) = (query[i], candidate[j]);
         (same_place(a, b) && differ(a, b)).then_some(a.weight + b.weight)
     });
-    let contradiction = |(i, j): (usize, usize)| {
-        let (query, candidate) = (query[i], candidate[j]);
-        Contradiction { query, candidate, is_sure: is_sure(query) && is_sure(candidate) }
-    };
-    pairs.into_iter().map(contradiction).collect()
+    let pairs = assign(&contradicting);
+    pairs.into_iter().map(|(i, j)| Contradiction { query: query[i], candidate: candidate[j] }).collect()
 }
 
 fn differ(a: &LocalAnchor, b: &LocalAnchor) -> bool {
     let (Some(of_a), Some(of_b)) = (a.text.as_deref(), b.text.as_deref()) else { return false };
-    a.class == b.class && semantics::conflict(of_a, of_b).is_some()
+    a.class == b.class && semantics::is_conflict(of_a, of_b)
 }

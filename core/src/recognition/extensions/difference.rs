@@ -77,20 +77,17 @@ pub fn find_differing(
     let of_query = unmatched(query, comparison.matches.iter().map(|pair| pair.query.name).collect());
     let of_candidate =
         unmatched(candidate, comparison.matches.iter().map(|pair| pair.candidate.name).collect());
-    let counted = |a: &LocalAnchor, b: &LocalAnchor| {
-        let mut pairs = comparison.contradictions.iter();
-        pairs.any(|pair| pair.query.name == a.name && pair.candidate.name == b.name)
-    };
+    let names = |pair: &Contradiction<'_>| (pair.query.name, pair.candidate.name);
+    let counted: BTreeSet<(LocalName, LocalName)> = comparison.contradictions.iter().map(names).collect();
     let mut found: Vec<Differing> = Vec::new();
     for a in of_query {
         let differing = of_candidate.iter().filter(|b| differs(a, b, texts, settings));
         // Where the pair counts as a contradiction, that is the one to be explained.
-        let rank = |b: &LocalAnchor| (!counted(a, b), deviation(a, b, settings));
-        let nearest = differing.min_by(|b, c| {
-            let ((counted_b, off_b), (counted_c, off_c)) = (rank(b), rank(c));
-            (counted_b.cmp(&counted_c)).then(off_b.total_cmp(&off_c)).then(b.name.cmp(&c.name))
+        let ranked = differing.map(|b| (!counted.contains(&(a.name, b.name)), deviation(a, b, settings), b));
+        let nearest = ranked.min_by(|(counted_b, off_b, b), (counted_c, off_c, c)| {
+            (counted_b.cmp(counted_c)).then(off_b.total_cmp(off_c)).then(b.name.cmp(&c.name))
         });
-        found.extend(nearest.map(|b| Differing::of(a, b, comparison)));
+        found.extend(nearest.map(|(.., b)| Differing::of(a, b, comparison)));
     }
     found.sort_by(|a, b| b.weight().total_cmp(&a.weight()).then_with(|| a.query.name.cmp(&b.query.name)));
     found.truncate(DIFFERENCES_MAX);
@@ -108,7 +105,7 @@ fn unmatched(map: &LocalAnchorMap, matched: BTreeSet<LocalName>) -> Vec<&LocalAn
 fn differs(a: &LocalAnchor, b: &LocalAnchor, texts: &TextIndex, settings: &Settings) -> bool {
     let (Some(of_a), Some(of_b)) = (a.text.as_deref(), b.text.as_deref()) else { return false };
     a.class == b.class
-        && (semantics::conflict(of_a, of_b).is_some()
+        && (semantics::is_conflict(of_a, of_b)
             || (same_relative_place(a, b, settings) && similar(a, b, texts, settings).is_none()))
 }
 

@@ -64,6 +64,10 @@ impl PlaceCounts {
         if let Some(known) = self.by_text.get(&text) {
             return *known;
         }
+        // Most plates hang once, and nothing matches them.
+        if self.guests.is_empty() && index.texts().is_of_one_object(text) {
+            return 1;
+        }
         let set = self.sets.of(index.texts(), text);
         let mut has_text: HashMap<SetId, bool> = HashMap::new();
         let carries = self.guests.iter().map(|guest| {
@@ -111,35 +115,38 @@ impl PlaceCounts {
     fn count(&self, index: &MapIndex, texts: &[TextId], carries: &[bool]) -> usize {
         let carriers: BTreeSet<AnchorSeq> =
             texts.iter().flat_map(|text| index.texts().objects(*text)).collect();
-        let mut sightings: BTreeMap<Option<SessionSeq>, Vec<Sighting<'_>>> = BTreeMap::new();
+        let mut carriers_in: BTreeMap<Option<SessionSeq>, Vec<AnchorSeq>> = BTreeMap::new();
         for root in carriers {
             for session in index.objects().get(root).into_iter().flat_map(|object| object.shapes.keys()) {
-                // Where nothing measured a distance, nothing tells two places apart.
-                let sighting = Sighting::of(index, root, *session);
-                sightings.entry(Some(*session)).or_default().extend(sighting);
+                carriers_in.entry(Some(*session)).or_default().push(root);
             }
         }
-        let guests = self.guests.iter().zip(carries).filter(|(_, carries)| **carries);
-        let guests = guests.filter_map(|(guest, _)| guest.centre_in_session);
-        let guests = guests.map(|centre| Sighting::inline(centre, &self.covisible));
-        sightings.entry(self.session).or_default().extend(guests);
-        sightings.values().map(|sightings| places(index, sightings)).max().unwrap_or(1).max(1)
+        carriers_in.entry(self.session).or_default();
+        let places_in = |(session, roots): (&Option<SessionSeq>, &Vec<AnchorSeq>)| {
+            // Where nothing measured a distance, nothing tells two places apart.
+            let stored = roots.iter().filter_map(|root| Sighting::of(index, *root, (*session)?));
+            let guests = self.guests.iter().zip(carries).filter(|(_, carries)| **carries);
+            let guests = guests.filter(|_| *session == self.session);
+            let guests = guests.filter_map(|(guest, _)| guest.centre_in_session);
+            places(index, stored.chain(guests.map(|centre| Sighting::inline(centre, &self.covisible))))
+        };
+        carriers_in.iter().map(places_in).max().unwrap_or(1).max(1)
     }
 }
 
 /// Counts the places of sightings in one session, taken greedily in their order: each is held against the first sighting of
-/// each place alone.
-fn places(index: &MapIndex, sightings: &[Sighting<'_>]) -> usize {
-    let mut firsts: Vec<&Sighting<'_>> = Vec::new();
+/// each place alone. No more sightings are taken than decide.
+fn places<'a>(index: &MapIndex, sightings: impl Iterator<Item = Sighting<'a>>) -> usize {
+    let mut firsts: Vec<Sighting<'_>> = Vec::new();
     let mut seen_by: BTreeSet<KeyframeSeq> = BTreeSet::new();
     let mut has_guest = false;
     for sighting in sightings {
-        if firsts.iter().any(|first| first.may_be_at(sighting, index)) {
+        if firsts.iter().any(|first| first.may_be_at(&sighting, index)) {
             continue;
         }
         // What one local anchor map holds is one place; all that an inline keyframe sees is in one.
         let is_guest = sighting.is_inline();
-        if (is_guest && has_guest) || !sighting.around(index).is_disjoint(&seen_by) {
+        if (is_guest && has_guest) || sighting.is_around_any(index, &seen_by) {
             continue;
         }
         seen_by.append(&mut sighting.keyframes(index));

@@ -41,7 +41,7 @@ pub fn loop_warning(index: &MapIndex, closed: &Loop) -> Option<LoopWarning> {
         .flatten();
     // A warning does not depend on what the server has configured, only on the map.
     let missing = if index.model_away() { ReasonCode::LlmUnavailable } else { ReasonCode::NotDescribed };
-    match judge_anchors(&comparison, settings, worst, missing) {
+    match judge_anchors(index, &comparison, worst, missing) {
         Ok(Passed { contradicted: Some(reason), .. }) if closed.query.is_none() => {
             let detail = format!("the anchors around the two contradict each other: {}", reason.detail);
             warning(LoopWarningCode::AnchorsContradict, detail)

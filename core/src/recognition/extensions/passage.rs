@@ -42,8 +42,11 @@ fn are_joined(index: &MapIndex, first: KeyframeSeq, last: KeyframeSeq) -> bool {
         place = keyframe.map_from_camera.centre();
         between.insert(keyframe.seq);
     }
-    // Not every keyframe need see what the one before saw.
     let sight = index.covisibility();
+    if sight.joins_by_sight(first, last) {
+        return true;
+    }
+    // Not every keyframe need see what the one before saw.
     let mut open = vec![first];
     between.remove(&first);
     while let Some(seq) = open.pop() {

@@ -65,18 +65,18 @@ impl<'a> Sighting<'a> {
         }
     }
 
-    /// Returns the keyframes around which a local anchor map holds it.
-    pub fn around(&self, index: &MapIndex) -> BTreeSet<KeyframeSeq> {
+    /// Whether the local anchor map around any of these keyframes holds it.
+    pub fn is_around_any(&self, index: &MapIndex, keyframes: &BTreeSet<KeyframeSeq>) -> bool {
         match self.by {
-            By::MergedAnchor(object) => index.covisibility().around(&index.keyframes_of(object)),
-            By::Inline(covisible) => covisible.clone(),
+            By::MergedAnchor(object) => index.covisibility().touches(&index.keyframes_of(object), keyframes),
+            By::Inline(covisible) => !covisible.is_disjoint(keyframes),
         }
     }
 
     /// Whether one local anchor map holds both.
     pub fn shares_map_with(&self, other: &Self, index: &MapIndex) -> bool {
         (self.is_inline() && other.is_inline())
-            || !self.around(index).is_disjoint(&other.keyframes(index))
-            || !other.around(index).is_disjoint(&self.keyframes(index))
+            || self.is_around_any(index, &other.keyframes(index))
+            || other.is_around_any(index, &self.keyframes(index))
     }
 }

@@ -6,7 +6,6 @@ use super::passage::share_passage;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::recognition::loops::anchor_map::{LocalAnchor, LocalName};
 use crate::recognition::map::index::{Certainty, MapIndex, MergedAnchor};
-use crate::semantics::Text;
 
 /// The passages in which a text must be read alike to be sure: they see it from where each drove, and do not err alike.
 pub const SURE_PASSAGES: usize = 2;
@@ -43,7 +42,8 @@ pub fn passages_read_alike(index: &MapIndex, root: AnchorSeq) -> usize {
 /// Returns the keyframes that read an object as it is called, ascending.
 fn read_alike(index: &MapIndex, object: &MergedAnchor) -> BTreeSet<KeyframeSeq> {
     let Some(description) = &object.description else { return BTreeSet::new() };
-    let is_alike = |reading: &str| Text::parse(reading).normalised() == description.text.normalised();
+    // Most are written alike, and need no folding.
+    let is_alike = |reading: &str| *reading == *description.raw || description.text.reads_as(reading);
     let anchors = object.members.iter().filter_map(|member| index.anchor(*member));
     let alike = anchors.flat_map(|anchor| anchor.observations.values()).filter(|observation| {
         let by_model = observation.crop_reading.as_ref().map(|read| &*read.text);

@@ -39,6 +39,6 @@ pub fn may_vouch(index: &MapIndex, query: &Query<'_>, verify: Verify) -> bool {
 
 /// Returns the local anchor map of a keyframe's neighbours, as the keyframe itself would see it.
 pub fn widened(index: &MapIndex, centre: &Centre, places: &mut PlaceCounts) -> LocalAnchorMap {
-    let covisible = index.covisibility().around(&centre.covisible);
+    let covisible = index.covisibility().around(&centre.covisible).into_iter().collect();
     local_anchor_map(index, &Centre { covisible, ..centre.clone() }, places)
 }

@@ -12,7 +12,7 @@ use super::low_score::explain_low_score;
 use super::query::Query;
 use super::screening::{CandidateStage, Passed, PreVerified, Rivalry};
 use crate::domain::ids::KeyframeSeq;
-use crate::domain::settings::{Settings, WithoutAnchors};
+use crate::domain::settings::WithoutAnchors;
 use crate::domain::verdict::{Candidate, CandidateDecision, Reason, ReasonCode, Verify};
 use crate::recognition::extensions::alignment::Compared;
 use crate::recognition::extensions::company::Companies;
@@ -142,7 +142,7 @@ impl<'a> AnchorCheck<'a> {
         let nearest = query.keyframe.or(query.centre.covisible.last().copied());
         let is_tracked_only =
             || nearest.is_some_and(|query| is_tracked_only(index, comparison, query, keyframe));
-        let passed = judge_anchors(comparison, settings, worst, missing).map(|passed| match passed.stage {
+        let passed = judge_anchors(index, comparison, worst, missing).map(|passed| match passed.stage {
             CandidateStage::AnchorsAgree | CandidateStage::NeedsWitness
                 if settings.tracked_loops_need_geometry && is_tracked_only() =>
             {
@@ -195,12 +195,13 @@ impl<'a> AnchorCheck<'a> {
 
 /// Decides by the anchors alone: contradictions first, since they name what S only measures.
 pub fn judge_anchors(
+    index: &MapIndex,
     comparison: &Comparison<'_>,
-    settings: &Settings,
     worst: Option<WorstCase>,
     missing: ReasonCode,
 ) -> Result<Passed, (CandidateDecision, Reason)> {
     use CandidateDecision::{Rejected, Undecided};
+    let settings = &index.properties().settings;
     let passes = |similarity| equation_2::passes(similarity, settings);
     let (agreeing, contradicting) = (comparison.agreement(), comparison.contradicting_weight());
     let could_turn = comparison.pending > 0
@@ -208,8 +209,10 @@ pub fn judge_anchors(
         && comparison.best_case.agreeing_weight >= contradicting;
     let contradicted = (contradicting > agreeing)
         .then(|| evidence::contradicted(&comparison.contradictions, contradicting, agreeing));
-    let is_surely_contradicted = comparison.surely_contradicting_weight() > agreeing;
-    if !is_surely_contradicted && passes(comparison.similarity) {
+    // Asked last: what is sure takes a look at every reading.
+    let is_surely_contradicted =
+        || contradicted.is_some() && comparison.surely_contradicting_weight(index) > agreeing;
+    if passes(comparison.similarity) && !is_surely_contradicted() {
         let turns = |worst: &WorstCase| !passes(worst.similarity) || worst.contradicting_weight > agreeing;
         let open = match (worst.filter(turns), comparison.least_places()) {
             (Some(worst), _) => Some(evidence::awaited(&worst, missing)),

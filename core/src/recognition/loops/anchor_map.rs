@@ -4,7 +4,6 @@
 //! observe it, meets K_k^cov. K_m^cov contains m itself (M1): without that, a
 //! keyframe without covisible neighbours would have an empty map though it sees a door plate.
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::centre::{Centre, InlineAnchor};
@@ -103,9 +102,11 @@ impl LocalAnchorMap {
 
 /// Builds M_k.
 pub fn local_anchor_map(index: &MapIndex, centre: &Centre, places: &mut PlaceCounts) -> LocalAnchorMap {
-    let context = index.covisibility().around(&centre.covisible);
-    let roots: BTreeSet<AnchorSeq> =
-        context.into_iter().flat_map(|keyframe| index.objects_seen_by(keyframe)).collect();
+    let roots = if index.objects().is_empty() {
+        Vec::new()
+    } else {
+        index.objects_seen_by_any(&index.covisibility().around(&centre.covisible))
+    };
     let stored = roots.into_iter().filter_map(|root| stored_anchor(index, centre, root, places));
     let mut anchors: Vec<LocalAnchor> = stored.collect();
     anchors.extend(centre.inline.iter().map(|inline| inline_anchor(index, centre, inline, places)));

@@ -8,12 +8,14 @@
 use std::collections::BTreeSet;
 
 use super::anchor_map::{LocalAnchor, LocalAnchorMap, LocalName};
+use super::assignment::edges;
 use super::equation_1::{same_relative_place, similar, x};
 use super::equation_2::{self, summed_pairs, total};
+use super::similar_pairs::SimilarPairs;
 use crate::domain::anchor::AnchorState;
 use crate::domain::ids::{KeyframeSeq, SessionSeq};
 use crate::domain::settings::Settings;
-use crate::recognition::extensions::contradiction::{Contradiction, contradict, unmatched};
+use crate::recognition::extensions::contradiction::{Contradiction, contradict};
 use crate::recognition::extensions::dispute::disputed;
 use crate::recognition::extensions::sighting::Sighting;
 use crate::recognition::extensions::sure_text::is_sure;
@@ -112,8 +114,10 @@ impl Comparison<'_> {
     }
 
     /// Returns the weight of everything that surely contradicts.
-    pub fn surely_contradicting_weight(&self) -> f64 {
-        total(self.contradictions.iter().filter(|pair| pair.is_sure).map(Contradiction::weight))
+    pub fn surely_contradicting_weight(&self, index: &MapIndex) -> f64 {
+        let is_sure =
+            |pair: &&Contradiction<'_>| is_sure(index, pair.query) && is_sure(index, pair.candidate);
+        total(self.contradictions.iter().filter(is_sure).map(Contradiction::weight))
     }
 }
 
@@ -129,7 +133,8 @@ pub fn compare<'a>(
     let of_candidate: Vec<&LocalAnchor> = candidate.valid().collect();
     let session = query.session.filter(|session| candidate.session == Some(*session));
     let disputed = [disputed(query), disputed(candidate)];
-    let matcher = Matcher { index, session, settings, disputed };
+    let similar_pairs = SimilarPairs::between(&of_query, &of_candidate, texts, settings);
+    let matcher = Matcher { index, session, settings, disputed, similar_pairs };
     let matches = matcher.matching_pairs(&of_query, &of_candidate);
     let elsewhere = matcher.elsewhere(&of_query, &of_candidate);
     let total_weight = total(of_query.iter().chain(&of_candidate).map(|anchor| anchor.weight));
@@ -137,11 +142,11 @@ pub fn compare<'a>(
     let agreeing_weight = total(matches.iter().map(Matched::weight));
     // Eq. (2)
     let similarity = equation_2::similarity(agreeing_weight, total_weight);
-    let unmatched_of_query = unmatched(&of_query, &of_candidate, texts, settings);
-    let unmatched_of_candidate = unmatched(&of_candidate, &of_query, texts, settings);
+    let [unmatched_of_query, unmatched_of_candidate] =
+        matcher.similar_pairs.unmatched(&of_query, &of_candidate);
     let contradictions = if settings.contradiction_veto {
         let same_place = |a: &LocalAnchor, b: &LocalAnchor| same_relative_place(a, b, settings);
-        contradict(&unmatched_of_query, &unmatched_of_candidate, same_place, |a| is_sure(index, a))
+        contradict(&unmatched_of_query, &unmatched_of_candidate, same_place)
     } else {
         Vec::new()
     };
@@ -172,6 +177,7 @@ struct Matcher<'m> {
     settings: &'m Settings,
     /// The disputed anchors, those of the query's map first.
     disputed: [BTreeSet<LocalName>; 2],
+    similar_pairs: SimilarPairs,
 }
 
 impl Matcher<'_> {
@@ -181,17 +187,18 @@ impl Matcher<'_> {
         of_query: &[&'a LocalAnchor],
         of_candidate: &[&'a LocalAnchor],
     ) -> Vec<Matched<'a>> {
-        let x = |i: usize, j: usize| self.matched(of_query[i], of_candidate[j]);
-        let weight = |i, j| x(i, j).map(|pair: Matched<'_>| pair.weight());
-        let pairs = summed_pairs(of_query.len(), of_candidate.len(), self.settings, &weight);
-        pairs.into_iter().filter_map(|(i, j)| x(i, j)).collect()
-    }
-
-    /// Returns the pair where x(i, j) = 1.
-    fn matched<'a>(&self, query: &'a LocalAnchor, candidate: &'a LocalAnchor) -> Option<Matched<'a>> {
-        // Eq. (1)
-        let judged = x(query, candidate, self.index.texts(), self.settings)?;
-        Some(self.pair(query, candidate, judged))
+        let edges = self.similar_pairs.iter().filter_map(|(i, similar)| {
+            let (query, candidate) = (of_query[i], of_candidate[similar.candidate]);
+            // Eq. (1)
+            x(query, candidate, self.settings)
+                .then(|| (i, similar.candidate, query.weight + candidate.weight))
+        });
+        let pairs = summed_pairs(edges.collect(), self.settings);
+        let matched = |(i, j): (usize, usize)| {
+            let judged = self.similar_pairs.get(i, j)?.judged.clone();
+            Some(self.pair(of_query[i], of_candidate[j], judged))
+        };
+        pairs.into_iter().filter_map(matched).collect()
     }
 
     /// Returns the pairs of similar descriptions at different relative places that hang nowhere else.
@@ -203,19 +210,17 @@ impl Matcher<'_> {
         if !self.settings.aligned_anchors {
             return Vec::new();
         }
-        let pairs = of_query.iter().flat_map(|a| of_candidate.iter().map(move |b| (*a, *b)));
+        let pairs = self
+            .similar_pairs
+            .iter()
+            .map(|(i, similar)| (of_query[i], of_candidate[similar.candidate], &similar.judged));
         pairs
-            .filter(|(a, b)| a.is_measured_with(b))
-            .filter(|(a, b)| !same_relative_place(a, b, self.settings))
-            .filter_map(|(a, b)| self.alike(a, b))
+            // Were the two one object, it would hang in one place fewer than counted, and in more than one.
+            .filter(|(a, b, _)| a.places.max(b.places) <= 2)
+            .filter(|(a, b, _)| a.is_measured_with(b) && !same_relative_place(a, b, self.settings))
+            .map(|(a, b, judged)| self.pair(a, b, judged.clone()))
             .filter(|pair| pair.places == 1)
             .collect()
-    }
-
-    /// Returns the pair where the two descriptions are similar, wherever they stand.
-    fn alike<'a>(&self, query: &'a LocalAnchor, candidate: &'a LocalAnchor) -> Option<Matched<'a>> {
-        let judged = similar(query, candidate, self.index.texts(), self.settings)?;
-        Some(self.pair(query, candidate, judged))
     }
 
     fn pair<'a>(
@@ -270,7 +275,7 @@ fn best_case(
         let fits = same_relative_place(a, b, settings);
         (fits && (wildcard || similar(a, b, texts, settings).is_some())).then_some(a.weight + b.weight)
     };
-    let pairs = summed_pairs(of_query.len(), of_candidate.len(), settings, &weight);
+    let pairs = summed_pairs(edges(of_query.len(), of_candidate.len(), weight), settings);
     let agreeing_weight = total(pairs.iter().filter_map(|(i, j)| weight(*i, *j)));
     let valid = total(query.valid().chain(candidate.valid()).map(|anchor| anchor.weight));
     let described = |anchors: &[LocalAnchor], used: BTreeSet<usize>| {

@@ -5,14 +5,9 @@ use crate::domain::settings::Settings;
 use crate::recognition::map::index::TextIndex;
 use crate::semantics::{self, Source};
 
-/// Returns the SimilarityLevel of the two descriptions, and its source, where x(i, j) = 1.
-pub(in crate::recognition) fn x(
-    i: &LocalAnchor,
-    j: &LocalAnchor,
-    texts: &TextIndex,
-    settings: &Settings,
-) -> Option<(u8, Source)> {
-    if same_relative_place(i, j, settings) { similar(i, j, texts, settings) } else { None }
+/// Whether x(i, j) = 1, for two anchors whose descriptions are [`similar`].
+pub(in crate::recognition) fn x(i: &LocalAnchor, j: &LocalAnchor, settings: &Settings) -> bool {
+    same_relative_place(i, j, settings)
 }
 
 /// Whether |theta_i - theta_j| < pi/3 and |d_i - d_j| < 1 m, strictly; the angle alone where a distance was assumed.

@@ -1,6 +1,6 @@
 //! Eq. (2) of §V-B: S, the weight of matching anchors over the weight of all anchors of both local maps.
 
-use super::assignment::assign;
+use super::assignment::{Edge, assign};
 use crate::domain::settings::Settings;
 
 /// Returns S: the summed weight of matching pairs over the weight of all anchors of both maps; 0 without anchors.
@@ -14,17 +14,12 @@ pub(in crate::recognition) fn passes(similarity: f64, settings: &Settings) -> bo
 }
 
 /// Returns the pairs that Eq. (2) sums: one-to-one by maximum weight, or, to the paper's letter, all with x(i, j) = 1.
-pub(in crate::recognition) fn summed_pairs(
-    rows: usize,
-    columns: usize,
-    settings: &Settings,
-    weight: &impl Fn(usize, usize) -> Option<f64>,
-) -> Vec<(usize, usize)> {
+/// `pairs` are those, each with its weight, ascending.
+pub(in crate::recognition) fn summed_pairs(pairs: Vec<Edge>, settings: &Settings) -> Vec<(usize, usize)> {
     if settings.one_to_one {
-        return assign(rows, columns, weight);
+        return assign(&pairs);
     }
-    let all = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
-    all.filter(|(i, j)| weight(*i, *j).is_some()).collect()
+    pairs.into_iter().map(|(i, j, _)| (i, j)).collect()
 }
 
 /// Returns the sum of weights. (`Iterator::sum` of no floats is -0, which a reader would be shown.)

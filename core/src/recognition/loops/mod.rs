@@ -17,3 +17,4 @@ pub mod geometry_snapshot;
 pub mod low_score;
 pub mod query;
 pub mod screening;
+mod similar_pairs;

@@ -28,6 +28,15 @@ pub fn conflict<'a>(a: &'a Text, b: &'a Text) -> Option<Conflict<'a>> {
     Some(Conflict { a, b, differing_characters: strsim::levenshtein(&a.value, &b.value) })
 }
 
+/// Whether identifiers of two texts exclude each other, as [`conflict`] tells with which.
+pub fn is_conflict(a: &Text, b: &Text) -> bool {
+    // Nearly every sign has one identifier: then nothing can settle the difference.
+    if let ([x], [y]) = (&a.identifiers[..], &b.identifiers[..]) {
+        return x.relation(y) == Relation::Different;
+    }
+    matches!(agreement(&a.identifiers, &b.identifiers), Some(Agreement::Conflict(..)))
+}
+
 /// What two sets of identifiers say of each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Agreement<'a> {

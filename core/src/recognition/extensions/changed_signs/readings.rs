@@ -70,7 +70,7 @@ pub(super) fn read_otherwise(index: &MapIndex, object: &MergedAnchor, seen: &Obs
     let description = object.description.as_ref()?;
     let numbering = index.readings().numbering(index.class_of(object));
     let mut texts = readings(seen).map(|reading| Text::under(reading, numbering));
-    texts.find(|text| semantics::conflict(&description.text, text).is_some())
+    texts.find(|text| semantics::is_conflict(&description.text, text))
 }
 
 /// Returns the text that the client read, and the one that a model read.

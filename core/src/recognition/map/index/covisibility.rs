@@ -65,32 +65,57 @@ impl<'a> Covisibility<'a> {
         edge.is_some_and(|edge| edge.declared.is_some()) || self.joins_by_points(a, b)
     }
 
-    /// Returns the union of the K_k^cov of some keyframes.
+    /// Returns the union of the K_k^cov of some keyframes, ascending.
     ///
     /// Where many keyframes see one place, the first of them brings nearly all of its neighbours; the union is complete
     /// once it holds every keyframe that shares any map point with any of them.
-    pub fn around(self, keyframes: &BTreeSet<KeyframeSeq>) -> BTreeSet<KeyframeSeq> {
+    pub fn around(self, keyframes: &BTreeSet<KeyframeSeq>) -> Vec<KeyframeSeq> {
         let lists = &self.index.lists;
-        let (listed, crowded): (Vec<&KeyframeSeq>, Vec<&KeyframeSeq>) =
-            keyframes.iter().partition(|keyframe| lists.listed(**keyframe).is_some());
-        let mut found = keyframes.clone();
-        found.extend(listed.into_iter().flat_map(|keyframe| self.neighbours(*keyframe)));
-        found.extend(
-            crowded.iter().flat_map(|keyframe| lists.edges(**keyframe).iter().map(|(other, _)| *other)),
-        );
+        let (mut found, mut crowded) = (Vec::new(), Vec::new());
+        for keyframe in keyframes {
+            found.push(*keyframe);
+            found.extend(lists.edges(*keyframe).iter().map(|(other, _)| *other));
+            match lists.listed(*keyframe) {
+                Some(list) => found.extend(list.iter().map(|(other, _)| *other)),
+                None => crowded.push(keyframe),
+            }
+        }
+        ascending(&mut found);
+        if crowded.is_empty() {
+            return found;
+        }
         let mut open = self.touched_by(&crowded);
-        open.retain(|other| !found.contains(other));
+        open.retain(|other| found.binary_search(other).is_err());
         for keyframe in crowded {
             if open.is_empty() {
                 break;
             }
-            for (other, _) in self.sharing(*keyframe).iter() {
-                if open.remove(other) {
-                    found.insert(*other);
-                }
-            }
+            found.extend(
+                self.sharing(*keyframe).iter().map(|(other, _)| *other).filter(|other| open.remove(other)),
+            );
         }
+        ascending(&mut found);
         found
+    }
+
+    /// Whether any of some keyframes is one of others, or covisible with one.
+    pub fn touches(self, these: &BTreeSet<KeyframeSeq>, others: &BTreeSet<KeyframeSeq>) -> bool {
+        let Some((first, last)) = others.first().zip(others.last()) else { return false };
+        let lists = &self.index.lists;
+        if these.iter().any(|keyframe| lists.listed(*keyframe).is_none()) {
+            return self.around(these).iter().any(|keyframe| others.contains(keyframe));
+        }
+        // A robot's neighbours are near in number: most lists end before the others begin, or begin after they end.
+        let is_other = |list: &[Neighbour]| {
+            let from = list.partition_point(|(other, _)| other < first);
+            let mut within = list[from..].iter().map(|(other, _)| other).take_while(|other| *other <= last);
+            within.any(|other| others.contains(other))
+        };
+        these.iter().any(|keyframe| {
+            others.contains(keyframe)
+                || lists.listed(*keyframe).is_some_and(is_other)
+                || lists.edges(*keyframe).iter().any(|(other, _)| others.contains(other))
+        })
     }
 
     /// Returns the keyframes that share any map point with any of these.
@@ -166,4 +191,10 @@ impl<'a> Covisibility<'a> {
             Some((next, neighbour.map_or(0, |(_, points)| points), edge.map(|(_, edge)| edge)))
         })
     }
+}
+
+/// Sorts keyframes, and leaves each once.
+fn ascending(keyframes: &mut Vec<KeyframeSeq>) {
+    keyframes.sort_unstable();
+    keyframes.dedup();
 }

@@ -24,7 +24,7 @@ impl MapIndex {
         let are_there = self.keyframe(twins.keyframe).and(self.keyframe(twins.candidate)).is_some();
         let signs = self.sign(twins.anchor).zip(self.sign(twins.candidate_anchor));
         let texts = signs.and_then(|(a, b)| a.description.as_ref().zip(b.description.as_ref()));
-        let differ = texts.is_some_and(|(a, b)| semantics::conflict(&a.text, &b.text).is_some());
+        let differ = texts.is_some_and(|(a, b)| semantics::is_conflict(&a.text, &b.text));
         are_there && differ
     }
 

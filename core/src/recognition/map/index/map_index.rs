@@ -218,6 +218,18 @@ impl MapIndex {
         self.anchors_seen_by(keyframe).filter_map(|anchor| self.objects.root(anchor)).collect()
     }
 
+    /// Returns the objects that any of these keyframes sees, ascending.
+    pub fn objects_seen_by_any(&self, keyframes: &[KeyframeSeq]) -> Vec<AnchorSeq> {
+        let ascending = |mut anchors: Vec<AnchorSeq>| {
+            anchors.sort_unstable();
+            anchors.dedup();
+            anchors
+        };
+        // Neighbours see the same anchors: each is looked up once.
+        let anchors = keyframes.iter().flat_map(|keyframe| self.anchors_seen_by(*keyframe)).collect();
+        ascending(ascending(anchors).into_iter().filter_map(|anchor| self.objects.root(anchor)).collect())
+    }
+
     /// Returns the keyframes that see an object, ascending.
     pub fn keyframes_of(&self, object: &MergedAnchor) -> BTreeSet<KeyframeSeq> {
         object.members.iter().filter_map(|member| self.anchor(*member)).flat_map(Anchor::keyframes).collect()

@@ -176,6 +176,23 @@ impl TextIndex {
         }
     }
 
+    /// Returns the texts among `others` that [`Self::level`] may find to match; those that do are among them. `is_other` tells
+    /// the same of one text.
+    pub fn may_match(
+        &self,
+        id: TextId,
+        others: impl ExactSizeIterator<Item = TextId>,
+        is_other: impl Fn(TextId) -> bool,
+    ) -> Vec<TextId> {
+        match self.node(id).matches.listed() {
+            Some(list) if list.len() < others.len() => {
+                list.keys().copied().chain([id]).filter(|other| is_other(*other)).collect()
+            }
+            Some(list) => others.filter(|other| *other == id || list.contains_key(other)).collect(),
+            None => others.collect(),
+        }
+    }
+
     /// Returns the verdict on a text that is read twice alike: "Level 5" is no match even then.
     pub fn with_itself(&self, text: &Text) -> Option<(u8, Source)> {
         self.counts(semantics::similarity_level(text, text))
@@ -192,6 +209,12 @@ impl TextIndex {
     /// Whether a text has too many matches to be listed.
     pub fn is_crowded(&self, id: TextId) -> bool {
         self.node(id).matches.is_crowded()
+    }
+
+    /// Whether one object carries a text, and no other text matches it.
+    pub fn is_of_one_object(&self, id: TextId) -> bool {
+        let node = self.node(id);
+        node.objects.len() == 1 && node.matches.listed().is_some_and(|list| list.is_empty())
     }
 
     /// Returns the objects that carry a text, oldest first.
