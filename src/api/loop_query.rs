@@ -16,11 +16,7 @@ use crate::domain::verdict::Verify;
 pub struct LoopQueryBody {
     /// The id of a stored keyframe.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(
-        min_length = 1,
-        max_length = 128,
-        pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$"
-    )]
+    #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
     pub keyframe: Option<String>,
     /// A keyframe that is not stored.
     #[serde(skip_serializing_if = "Option::is_none")]

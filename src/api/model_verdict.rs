@@ -35,11 +35,7 @@ pub struct ModelVerdictBody {
     pub text: Option<String>,
     /// The keyframe of the crop that was described.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(
-        min_length = 1,
-        max_length = 128,
-        pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$"
-    )]
+    #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
     pub keyframe: Option<String>,
     /// Which of its detections, counted from 0.
     #[serde(skip_serializing_if = "Option::is_none")]
