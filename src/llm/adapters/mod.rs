@@ -4,6 +4,8 @@ mod built_in;
 mod embeddings;
 mod openai;
 mod scripted;
+#[cfg(test)]
+mod silent;
 mod vqa;
 mod wire;
 
@@ -11,5 +13,7 @@ pub use built_in::BuiltIn;
 pub use embeddings::Embeddings;
 pub use openai::{Dialect, OpenAi};
 pub use scripted::Scripted;
+#[cfg(test)]
+pub use silent::Silent;
 pub use vqa::Vqa;
 pub use wire::{Endpoint, EndpointError};
