@@ -62,28 +62,14 @@ fn map_jobs(map: MapKey) -> Vec<Job> {
         let session = SessionSeq(seq % 2);
         let pose = Pose::new([f64::from(seq), 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).unwrap();
         let new = NewKeyframe {
-            id: format!("kf-{seq}").parse().unwrap(),
             session: format!("robot-{}", session.0).parse().unwrap(),
-            stamp: Stamp { sec: 1, nanosec: 0 },
-            map_from_camera: pose,
-            camera: None,
             bow: BowVector::normalised(vec![(seq, 1.0)]).unwrap(),
-            vocabulary: None,
-            features: None,
-            map_points: Vec::new(),
-            observes: Vec::new(),
-            covisible: Vec::new(),
             detections: vec![Detection {
-                class: "sign".to_owned(),
-                confidence: 0.5,
-                box_px: [0.0, 0.0, 9.0, 9.0],
-                map_points: Vec::new(),
                 position_in_session: Some(Point3::new(f64::from(seq), 1.0, 1.0)),
-                range_assumed: false,
                 text: Some(format!("room {seq}")),
-                description: None,
-                crop: None,
+                ..Detection::of("sign", 0.5, [0.0, 0.0, 9.0, 9.0])
             }],
+            ..NewKeyframe::at(format!("kf-{seq}").parse().unwrap(), Stamp { sec: 1, nanosec: 0 }, pose)
         };
         let keyframe = Keyframe {
             seq: KeyframeSeq(seq),

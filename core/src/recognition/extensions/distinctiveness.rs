@@ -155,7 +155,6 @@ fn places(index: &MapIndex, sightings: &[Sighting<'_>]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::domain::bow::BowVector;
     use crate::domain::keyframe::{Detection, NewKeyframe, Stamp};
     use crate::geometry::Pose;
     use crate::recognition::anchors::ingest::ingest;
@@ -164,30 +163,13 @@ mod tests {
 
     fn sign(number: usize, text: &str) -> NewKeyframe {
         let detection = Detection {
-            class: "sign".to_owned(),
-            confidence: 0.9,
-            box_px: [0.0, 0.0, 10.0, 10.0],
-            map_points: Vec::new(),
             position_in_session: Some(Point3::new(number as f64 * 1.7, 0.0, 0.0)),
-            range_assumed: false,
             text: Some(text.to_owned()),
-            description: None,
-            crop: None,
+            ..Detection::of("sign", 0.9, [0.0, 0.0, 10.0, 10.0])
         };
-        NewKeyframe {
-            id: format!("kf-{number}").parse().unwrap(),
-            session: "run".parse().unwrap(),
-            stamp: Stamp { sec: 0, nanosec: 0 },
-            map_from_camera: Pose::new([0.0; 3], [0.0, 0.0, 0.0, 1.0]).unwrap(),
-            camera: None,
-            bow: BowVector::default(),
-            vocabulary: None,
-            features: None,
-            map_points: Vec::new(),
-            observes: Vec::new(),
-            covisible: Vec::new(),
-            detections: vec![detection],
-        }
+        let id = format!("kf-{number}").parse().unwrap();
+        let keyframe = NewKeyframe::at(id, Stamp { sec: 0, nanosec: 0 }, Pose::identity());
+        NewKeyframe { detections: vec![detection], ..keyframe }
     }
 
     const TEXTS: [&str; 11] = [
