@@ -34,6 +34,13 @@ impl Server {
         Self::with(|_| {}).await
     }
 
+    /// Starts a server with an empty map.
+    pub async fn with_map(map: &str) -> Self {
+        let server = Self::start().await;
+        server.put(&format!("/v1/maps/{map}"), &json!({})).await.expect(201);
+        server
+    }
+
     /// Starts a server with a vocabulary.
     pub async fn with_vocabulary(file: PathBuf) -> Self {
         Self::with(|options| options.vocabulary = Some(file)).await

@@ -132,8 +132,7 @@ async fn a_description_by_hand_shows_twins_too() {
 
 #[tokio::test]
 async fn a_map_shows_the_numbering_that_it_has_learned() {
-    let server = Server::start().await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let server = Server::with_map("m").await;
     for room in 0..10 {
         let shown = server.get("/v1/maps/m").await.expect(200)["numbering"].clone();
         assert_eq!(shown, json!({}), "after {room} rooms");

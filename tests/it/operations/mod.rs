@@ -15,7 +15,7 @@ mod stopping;
 mod traces;
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use revisit::integrity::check::{IntegrityReport, check};
@@ -28,6 +28,27 @@ struct Ran {
     succeeded: bool,
     out: String,
     err: String,
+}
+
+/// A folder with the places of a database and of its backup.
+struct Places {
+    folder: tempfile::TempDir,
+    database: PathBuf,
+    backup: PathBuf,
+}
+
+impl Places {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let [database, backup] = ["revisit.db", "backup.db"].map(|name| folder.path().join(name));
+        Self { folder, database, backup }
+    }
+
+    /// Runs `backup` or `restore` between the two.
+    fn run(&self, command: &str, options: &[&str]) -> Ran {
+        let (database, backup) = (url(&self.database), self.backup.display().to_string());
+        revisit(&[&[command, "--database", &database], options, &[&backup]].concat())
+    }
 }
 
 /// Runs a subcommand to its end.

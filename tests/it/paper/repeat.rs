@@ -34,12 +34,17 @@ fn passages() -> Vec<(String, Keyframe)> {
     (0..9).map(visit).collect()
 }
 
-#[tokio::test]
-async fn the_same_question_at_the_same_version_gets_the_same_bytes() {
+async fn scene_with_passages() -> Scene {
     let scene = Scene::new().await;
     for (id, keyframe) in passages() {
         scene.put(&id, keyframe).await;
     }
+    scene
+}
+
+#[tokio::test]
+async fn the_same_question_at_the_same_version_gets_the_same_bytes() {
+    let scene = scene_with_passages().await;
     let ask = async |body: Value| {
         bytes(scene.server.request(Method::POST, &scene.path("/loop-queries")).json(&body)).await
     };
@@ -60,10 +65,7 @@ async fn the_same_question_at_the_same_version_gets_the_same_bytes() {
 
 #[tokio::test]
 async fn the_name_of_a_query_says_what_was_asked_and_of_which_version() {
-    let scene = Scene::new().await;
-    for (id, keyframe) in passages() {
-        scene.put(&id, keyframe).await;
-    }
+    let scene = scene_with_passages().await;
     let name = async |body: Value| {
         scene.post("/loop-queries", &body).await["id"].as_str().expect("an id").to_owned()
     };
@@ -92,10 +94,7 @@ async fn the_name_of_a_query_says_what_was_asked_and_of_which_version() {
 
 #[tokio::test]
 async fn a_query_does_not_change_the_maps_version() {
-    let scene = Scene::new().await;
-    for (id, keyframe) in passages() {
-        scene.put(&id, keyframe).await;
-    }
+    let scene = scene_with_passages().await;
     let version = async || scene.get("").await["map_version"].clone();
     let before = version().await;
     assert_eq!(scene.ask("kf-8").await["map_version"], before);

@@ -214,8 +214,7 @@ async fn a_malformed_authorization_is_no_key() {
 
 #[tokio::test]
 async fn a_stream_of_events_ends_with_its_key() {
-    let server = Server::start().await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let server = Server::with_map("m").await;
     let open = server.request(Method::GET, "/v1/maps/m/events").send().await.expect("an answer");
     assert_eq!(open.status(), 200);
     let body = json!({"actions": ["read", "admin"]});

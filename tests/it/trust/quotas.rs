@@ -162,8 +162,7 @@ async fn every_loop_counts_also_between_one_pair() {
 
 #[tokio::test]
 async fn what_a_loop_merges_counts_until_it_is_revoked() {
-    let server = Server::start().await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let server = Server::with_map("m").await;
     let mut again = with_plate("901", 0.0);
     again["session"] = json!("again");
     server.put("/v1/maps/m/keyframes/a", &with_plate("901", 0.0)).await.expect(201);
