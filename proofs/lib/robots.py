@@ -11,7 +11,7 @@ import random
 import threading
 import time
 
-from server import Gone
+from server import Gone, fail
 
 POINTS, STEP = 30, 10
 LARGEST_POINT = 2**63 - 1
@@ -265,6 +265,16 @@ class Robot(threading.Thread):
         return states
 
 
+def finish(robots, seconds=None):
+    """Waits until the robots have ended, and fails if one of them met trouble."""
+    for robot in robots:
+        robot.join(seconds)
+        if robot.is_alive():
+            fail(f"{robot.robot} waits for an answer that does not come")
+        if robot.trouble:
+            fail(f"{robot.robot}: {robot.trouble}")
+
+
 def same(sent, kept):
     """The same numbers, however they are written; fields that the server adds are its own."""
     if isinstance(sent, dict):
@@ -277,12 +287,14 @@ def same(sent, kept):
 
 
 class Audit:
-    """Holds histories against a server."""
+    """Holds the robots' histories against a server, as they may be at a moment (None: now)."""
 
-    def __init__(self, server):
+    def __init__(self, server, robots, moment=None, settle=True):
         self.client = server.client()
         self.loops = {}
         self.lost, self.checked, self.found, self.absent, self.wrong = [], 0, 0, 0, []
+        for robot in robots:
+            self.check(robot, moment, settle)
 
     def kept(self, key):
         """What the server says that a key is."""
@@ -322,7 +334,7 @@ class Audit:
                 return ids
             cursor = f"&cursor={page['next_cursor']}"
 
-    def check(self, robot, moment=None, settle=True):
+    def check(self, robot, moment, settle):
         """Every key has a state that it may have at a moment (None: now). `settle`: what is found is there to stay."""
         may, actual = {}, {}
         for write in robot.history:
@@ -365,8 +377,17 @@ class Audit:
         else:
             self.absent += 1
 
-    def no_fault(self):
-        return not self.lost and not self.wrong
+    def faults(self):
+        return self.lost + self.wrong
+
+    def expect_no_fault(self, when):
+        if self.faults():
+            fail(f"{when}: {self.faults()[:3]}")
+
+    def add_to(self, figures):
+        figures["lost"] += len(self.lost)
+        figures["in doubt, found"] += self.found
+        figures["in doubt, absent"] += self.absent
 
 
 def matches(key, state, actual):
