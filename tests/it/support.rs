@@ -201,6 +201,26 @@ impl Answer {
     }
 }
 
+/// Asserts that what is told is a part of the answer, which may have further members; `fits` compares the lengths of
+/// lists.
+pub fn assert_part_of(part: &Value, answer: &Value, fits: fn(&usize, &usize) -> bool, at: &str) {
+    match (part, answer) {
+        (Value::Object(part), Value::Object(answer)) => {
+            for (name, value) in part {
+                let same = answer.get(name).unwrap_or(&Value::Null);
+                assert_part_of(value, same, fits, &format!("{at}/{name}"));
+            }
+        }
+        (Value::Array(part), Value::Array(answer)) => {
+            assert!(fits(&part.len(), &answer.len()), "{at}: {} of {}", part.len(), answer.len());
+            for (number, (part, answer)) in part.iter().zip(answer).enumerate() {
+                assert_part_of(part, answer, fits, &format!("{at}/{number}"));
+            }
+        }
+        _ => assert_eq!(part, answer, "{at}"),
+    }
+}
+
 fn client() -> reqwest::Client {
     revisit::config::tls::install();
     reqwest::Client::builder().no_proxy().build().expect("a client")

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use revisit::domain::counted::counted;
 use serde_json::json;
 
-use super::{Places, checked, keyframe, names, revisit, url};
+use super::{Places, checked, keyframe, names, revisit, sound, url};
 use crate::crash::server::Server;
 
 async fn put(server: &Server, number: u64) {
@@ -41,8 +41,7 @@ async fn a_backup_beside_a_writing_server_has_all_that_was_acknowledged() {
         let to = at.clone();
         let take = move || to.run("backup", &["--force"]).well();
         let told = tokio::task::spawn_blocking(take).await.unwrap();
-        let found = checked(&at.backup).await;
-        assert_eq!(found.all_faults().collect::<Vec<_>>(), Vec::<String>::new(), "round {round}");
+        let found = sound(&at.backup).await;
         let held = found.holds.unwrap();
         assert!(held.keyframes >= before, "round {round}: {} of {before}", held.keyframes);
         assert!(told.contains(&format!("1 map, {}", counted(held.keyframes, "keyframe"))), "{told}");
@@ -108,8 +107,7 @@ async fn what_is_restored_is_served_and_what_was_there_is_kept_whole() {
     let told = at.run("restore", &["--force"]).well();
     assert!(told.contains("1 map, 1 keyframe,"), "{told}");
     let kept = told.lines().find_map(|line| line.strip_prefix("previous database: ")).unwrap();
-    let kept = checked(Path::new(kept)).await;
-    assert_eq!(kept.all_faults().collect::<Vec<_>>(), Vec::<String>::new());
+    let kept = sound(Path::new(kept)).await;
     assert_eq!(kept.holds.unwrap().keyframes, 6, "the log came along");
 
     let mut server = Server::start(&at.database);
@@ -121,7 +119,7 @@ async fn what_is_restored_is_served_and_what_was_there_is_kept_whole() {
         !names(at.folder.path()).contains("revisit.db-wal"),
         "a clean stop brings the log into the database"
     );
-    assert_eq!(checked(&at.database).await.all_faults().collect::<Vec<_>>(), Vec::<String>::new());
+    sound(&at.database).await;
 }
 
 #[tokio::test(flavor = "multi_thread")]

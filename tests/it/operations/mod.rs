@@ -87,6 +87,14 @@ pub(super) async fn checked(database: &Path) -> IntegrityReport {
     check(&DatabaseFiles::of_path(database)).await.unwrap()
 }
 
+/// The report of a check that finds no fault.
+pub(super) async fn sound(database: &Path) -> IntegrityReport {
+    let report = checked(database).await;
+    let faults: Vec<String> = report.all_faults().collect();
+    assert!(faults.is_empty(), "{}: {faults:?}", database.display());
+    report
+}
+
 /// The names in a folder.
 fn names(folder: &Path) -> BTreeSet<String> {
     let entries = std::fs::read_dir(folder).unwrap();
