@@ -102,6 +102,11 @@ class Robot(threading.Thread):
                     now[key] = state if write.acknowledged else "doubt"
         return [key for key, state in now.items() if state is not ABSENT and state != "doubt" and key not in self.frozen]
 
+    def any(self, kind):
+        """One of these keys, if there is any."""
+        mine = self.alive(kind)
+        return self.chance.choice(mine) if mine else None
+
     def run(self):
         try:
             turn = 0
@@ -221,17 +226,15 @@ class Robot(threading.Thread):
         self.send("loop", {("loop", self.shared, name): True}, "POST", f"/v1/maps/{self.shared}/loops", body)
 
     def revoke(self):
-        mine = self.alive("loop")
-        if not mine:
+        key = self.any("loop")
+        if key is None:
             return self.loop()
-        key = self.chance.choice(mine)
         self.send("revoke", {key: ABSENT}, "DELETE", f"/v1/maps/{key[1]}/loops/{key[2]}")
 
     def anchor(self):
-        mine = self.alive("anchor")
-        if not mine:
+        key = self.any("anchor")
+        if key is None:
             return self.put()
-        key = self.chance.choice(mine)
         text = f"by hand {self.chance.randrange(10**9)}"
         self.send("anchor", {key: text}, "PATCH", f"/v1/maps/{key[1]}/anchors/{key[2]}", {"description": text},
                   headers={"if-match": "*"})
@@ -242,10 +245,9 @@ class Robot(threading.Thread):
         self.send("map", {("map", name): text}, "PUT", f"/v1/maps/{name}", {"description": text})
 
     def map_patch(self):
-        mine = self.alive("map")
-        if not mine:
+        key = self.any("map")
+        if key is None:
             return self.map_put()
-        key = self.chance.choice(mine)
         text = f"changed {self.chance.randrange(10**9)}"
         self.send("map", {key: text}, "PATCH", f"/v1/maps/{key[1]}", {"description": text})
 
