@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_is_refused() {
+    fn rejects_flags_that_make_no_sense() {
         for flags in
             [["--model-temperature", "hot"], ["--model-daily-usd", "-1"], ["--model-input-usd", "NaN"]]
         {

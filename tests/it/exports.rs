@@ -306,7 +306,7 @@ async fn the_command_reads_a_database_beside_its_server_and_after_it_and_overwri
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_a_model_said_elsewhere_is_refused_with_its_faults() {
+async fn rejects_a_model_verdict_from_elsewhere_with_its_faults() {
     let server = Server::with_map("m").await;
     server.get("/v1/maps/nowhere/export").await.expect(404);
     let faults = [

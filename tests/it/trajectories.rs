@@ -72,7 +72,7 @@ async fn several_sessions_are_one_graph_but_not_one_trajectory() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_cannot_be_meant_is_refused() {
+async fn rejects_queries_that_cannot_be_meant() {
     let server = Server::with_map("m").await;
     for (query, status, pointer) in [
         ("", 422, "?format"),

@@ -156,7 +156,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn what_is_no_similarity_is_refused() {
+    fn rejects_numbers_that_are_not_a_similarity() {
         let unit = [0.0, 0.0, 0.0, 1.0];
         assert!(Sim3::new(0.0, [0.0; 3], unit).is_none());
         assert!(Sim3::new(-1.0, [0.0; 3], unit).is_none());

@@ -103,7 +103,7 @@ fn an_anchor_merged_across_sessions_proposes_the_other_sessions_keyframes() {
 }
 
 #[test]
-fn what_only_another_sessions_frame_knows_has_no_place_in_a_local_map() {
+fn an_anchor_known_only_in_another_sessions_frame_has_no_place_in_a_local_map() {
     let mut scene = Scene::new();
     scene.put("monday-1", old_day());
     let other = new_day().covisible(&["monday-1"]).sees([door("902", [101.0, 50.0, 2.0])]);

@@ -133,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_sent_buys_time_and_no_pause_is_longer_than_the_longest() {
+    fn sent_bytes_buy_time_and_no_pause_is_longer_than_the_longest() {
         let secs = Duration::from_secs;
         let pace = MinRate { grace: secs(5), stall: secs(30), rate: 1024.0 };
         assert_eq!(pace.patience(secs(0), 0), secs(5));

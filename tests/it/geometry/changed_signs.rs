@@ -237,7 +237,7 @@ async fn a_retired_sign_returns_when_one_passage_reads_it_twice_or_somebody_desc
 }
 
 #[tokio::test]
-async fn what_tracking_took_for_the_old_sign_becomes_a_sign_of_its_own() {
+async fn a_sign_that_tracking_took_for_the_old_one_becomes_a_sign_of_its_own() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::on(folder.path(), None, ModelChoice::None).await;
     server.put("/v1/maps/m", &json!({})).await.expect(201);

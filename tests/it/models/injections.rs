@@ -125,7 +125,7 @@ async fn an_obedient_model_raises_no_pair_of_different_identifiers() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_addresses_the_model_is_flagged_and_what_slips_through_is_data() {
+async fn a_text_that_addresses_the_model_is_flagged_and_one_that_slips_through_is_data() {
     let stub = Stub::start(obedient).await;
     let server = Server::with_models(stub.choice(&[])).await;
     let mut flagged = 0;

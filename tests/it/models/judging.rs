@@ -14,7 +14,7 @@ async fn similarity(server: &Server, a: &str, b: &str) -> Value {
 }
 
 #[tokio::test]
-async fn what_the_built_in_judge_decides_reaches_no_model() {
+async fn pairs_that_the_built_in_judge_decides_reach_no_model() {
     let stub = Stub::start(|_| level(3)).await;
     let server = Server::with_models(stub.choice(&[])).await;
     for (a, b, expected) in [

@@ -54,7 +54,7 @@ async fn a_crop_is_described_and_the_dialogue_can_be_read() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_the_client_read_is_not_read_again() {
+async fn a_crop_that_its_client_read_is_not_read_again() {
     let stub = Stub::start(reads_901).await;
     let server = server_with_map(stub.choice(&[])).await;
     let mut read = crop("door_number", [0.0, 0.0, 2.0], [9, 9, 9]);
@@ -98,7 +98,7 @@ async fn a_verdict_of_the_model_matches_two_anchors_and_triggers_a_loop_check() 
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_a_model_said_stands_after_a_restart_without_a_model() {
+async fn a_models_verdict_stands_after_a_restart_without_a_model() {
     let stub = Stub::start(reads_901).await;
     let directory = tempfile::tempdir().unwrap();
     let server = Server::on(directory.path(), None, stub.choice(&[])).await;

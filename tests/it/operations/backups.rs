@@ -93,7 +93,7 @@ async fn one_server_has_a_database_and_nobody_restores_under_it() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_is_restored_is_served_and_what_was_there_is_kept_whole() {
+async fn a_restored_backup_is_served_and_the_previous_database_is_kept_whole() {
     let at = Places::new();
     let mut server = server_with_a_map(&at.database).await;
     let before = server.api().get("/v1/maps/tower/keyframes/kf-0").await.body;

@@ -161,7 +161,7 @@ async fn every_loop_counts_also_between_one_pair() {
 }
 
 #[tokio::test]
-async fn what_a_loop_merges_counts_until_it_is_revoked() {
+async fn merges_of_a_loop_count_until_it_is_revoked() {
     let server = Server::with_map("m").await;
     let mut again = with_plate("901", 0.0);
     again["session"] = json!("again");

@@ -188,7 +188,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_counted_once_is_what_each_text_counts_alone(
+        fn counting_all_texts_at_once_equals_counting_each_alone(
             signs in prop::collection::vec(0..TEXTS.len(), 0..16),
             asked in prop::collection::vec(0..TEXTS.len(), 0..6),
         ) {
