@@ -25,7 +25,7 @@ pub struct BackupBody {
 pub struct BackupView {
     /// Its id; the file is called `ID.db`.
     pub id: String,
-    /// When it was asked for, since 1970: every write acknowledged before is in it.
+    /// The time of the request, since 1970: every write acknowledged before is in it.
     pub created: Time,
     /// Its size in bytes.
     pub bytes: u64,

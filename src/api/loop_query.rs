@@ -21,10 +21,10 @@ pub struct LoopQueryBody {
     /// A keyframe that is not stored.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inline: Option<KeyframeBody>,
-    /// Which checks must run.
+    /// The checks that must run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub verify: Option<VerifyName>,
-    /// How long to wait for models that are still judging, in milliseconds.
+    /// Maximum wait for models that are still judging, in milliseconds.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(default = 0, minimum = 0, maximum = 60000)]
     pub max_wait_ms: Option<u64>,

@@ -38,17 +38,17 @@ pub struct LoopClosed {
     pub map_version: u64,
     /// The pairs of anchors that became one.
     pub merged: Vec<MergeView>,
-    /// What speaks against it, as the map stood before it. The client decides: it is closed all the same, and can be revoked.
+    /// Evidence against it, as the map stood before it. The client decides: it is closed all the same, and can be revoked.
     /// A retry (200) is answered without them.
     #[schema(max_items = 1)]
     pub warnings: Vec<LoopWarningView>,
 }
 
-/// What speaks against a loop that was confirmed.
+/// Evidence against a loop that was confirmed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[schema(as = LoopWarning)]
 pub struct LoopWarningView {
-    /// Which kind.
+    /// The kind of evidence.
     pub code: LoopWarningCodeName,
     /// One sentence for a person.
     pub detail: String,

@@ -54,9 +54,9 @@ pub struct Id(#[expect(dead_code, reason = "a schema only")] String);
 pub struct PosesAnswer {
     /// The map's version after it.
     pub map_version: u64,
-    /// How many keyframes were corrected.
+    /// Number of corrected keyframes.
     pub keyframes: usize,
-    /// How many map points were corrected.
+    /// Number of corrected map points.
     pub map_points: usize,
 }
 
