@@ -22,11 +22,11 @@ pub struct Dialect {
     pub temperature: Option<f64>,
     /// The seed, if the model accepts one.
     pub seed: Option<i64>,
-    /// How JSON output is requested.
+    /// Form in which JSON output is requested.
     pub response_format: ResponseFormat,
-    /// Where the instructions are placed.
+    /// Place of the instructions.
     pub system_role: SystemRole,
-    /// How an image is encoded.
+    /// Encoding of an image.
     pub image_form: ImageForm,
 }
 
