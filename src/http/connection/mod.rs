@@ -17,5 +17,5 @@ pub mod server;
 pub mod sockets;
 pub mod unread;
 
-/// What a body returns when it is polled.
+/// The result of polling a body.
 type PolledFrame<E> = Poll<Option<Result<Frame<Bytes>, E>>>;
