@@ -304,7 +304,7 @@ proptest! {
             let (_folder, pool) = database().await;
             let mut db = pool.acquire().await.unwrap();
             make_map(&mut db, 1).await;
-            let (kept, before) = (index_of(&mut db, Order::Forwards).await, counts(&mut db).await);
+            let (kept, before) = (index_of(&mut db, Order::Forwards).await, dump(&mut db).await);
             make_map(&mut db, 2).await;
             let changes = changes_of(&Step::Forget { session: 0, points: (0..40).collect() }, 3);
             for job in deferred::staged(Job::Change(Box::new(batch(2, 3, changes)))) {
@@ -323,21 +323,8 @@ proptest! {
             assert!(!fold::fold_entries(&mut db, 1).await.unwrap());
             while deletion::remove_rows(&mut db, rows).await.unwrap() {}
             sqlx::query("delete from maps where map_key = 3").execute(&mut *db).await.unwrap();
-            assert_eq!(counts(&mut db).await, before);
+            assert_eq!(dump(&mut db).await, before);
             assert!(index_of(&mut db, Order::Forwards).await == kept);
         });
     }
-}
-
-/// Returns the number of rows of every table that has rows of maps.
-async fn counts(db: &mut SqliteConnection) -> Vec<(String, i64)> {
-    let select = "select m.name from sqlite_schema m join pragma_table_info(m.name) c
-        where m.type = 'table' and c.name = 'map_key' order by m.name";
-    let tables: Vec<String> = sqlx::query_scalar(select).fetch_all(&mut *db).await.unwrap();
-    let mut counts = Vec::new();
-    for table in tables {
-        let count = sqlx::AssertSqlSafe(format!("select count(*) from {table}"));
-        counts.push((table, sqlx::query_scalar(count).fetch_one(&mut *db).await.unwrap()));
-    }
-    counts
 }
