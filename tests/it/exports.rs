@@ -5,8 +5,6 @@ use std::process::{Command, Output};
 use reqwest::Method;
 use serde_json::{Value, json};
 
-use revisit::engine::ModelChoice;
-
 use crate::support::{Answer, Server, pose};
 
 async fn run(args: &[&str]) -> Output {
@@ -287,7 +285,7 @@ async fn without_history_a_map_is_exported_as_last_corrected_with_every_point() 
 #[tokio::test(flavor = "multi_thread")]
 async fn the_command_reads_a_database_beside_its_server_and_after_it_and_overwrites_nothing() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::on(folder.path(), None, ModelChoice::None).await;
+    let server = Server::on(folder.path()).await;
     let database = format!("sqlite://{}/test.db", folder.path().display());
     server.put("/v1/maps/m", &json!({})).await.expect(201);
     server.put("/v1/maps/m/keyframes/kf-0", &keyframe("robot-1", 1, 0.0, "901")).await.expect(201);

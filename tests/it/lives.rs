@@ -83,7 +83,7 @@ async fn a_deletion_goes_to_its_end_when_its_client_has_gone() {
 #[tokio::test(flavor = "multi_thread")]
 async fn writes_that_wait_for_a_slow_disk_are_counted_and_bounded() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Arc::new(Server::on(folder.path(), None, revisit::engine::ModelChoice::None).await);
+    let server = Arc::new(Server::on(folder.path()).await);
     server.put("/v1/maps/m", &json!({})).await.expect(201);
     server.put_keyframe("/v1/maps/m/keyframes/kf").await.expect(201);
     // As slow as a disk can be: the lock to write is somebody else's.

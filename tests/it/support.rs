@@ -8,7 +8,9 @@ use reqwest::{Method, RequestBuilder, StatusCode};
 use revisit::api::verdict::LoopAnswer;
 use revisit::config::limits::LimitArgs;
 use revisit::config::quotas::Quotas;
-use revisit::engine::{ModelChoice, Service, ServiceOptions};
+#[cfg(feature = "llm")]
+use revisit::engine::ModelChoice;
+use revisit::engine::{Service, ServiceOptions};
 use revisit::http::RunningServer;
 use serde_json::{Value, json};
 
@@ -98,8 +100,14 @@ impl Server {
     }
 
     /// Starts a server on a directory that outlives it.
-    pub async fn on(directory: &Path, vocabulary: Option<PathBuf>, models: ModelChoice) -> Self {
-        Self::on_with(directory, |options| (options.vocabulary, options.models) = (vocabulary, models)).await
+    pub async fn on(directory: &Path) -> Self {
+        Self::on_with(directory, |_| {}).await
+    }
+
+    /// The same, with models.
+    #[cfg(feature = "llm")]
+    pub async fn with_models_on(directory: &Path, models: ModelChoice) -> Self {
+        Self::on_with(directory, |options| options.models = models).await
     }
 
     async fn on_with(directory: &Path, choose: impl FnOnce(&mut ServiceOptions)) -> Self {

@@ -15,7 +15,7 @@ const JUDGEMENTS: &str = "/v1/maps/m/judgements";
 /// A model of another name is another model.
 async fn serve(folder: &Path, stub: &Stub, name: &str, more: &[&str]) -> Server {
     let flags = [&["--model-name", name], more].concat();
-    Server::on(folder, None, stub.choice(&flags)).await
+    Server::with_models_on(folder, stub.choice(&flags)).await
 }
 
 /// Gives pairs this level, and information that is enough.
@@ -145,7 +145,7 @@ async fn a_job_goes_on_after_a_restart_where_it_was() {
     server.stop().await;
 
     // Without any model it waits; with one it goes on.
-    let server = Server::on(folder.path(), None, revisit::engine::ModelChoice::None).await;
+    let server = Server::on(folder.path()).await;
     until(&server, "again", is("waiting")).await;
     server.stop().await;
     stub.script(judges(5));

@@ -101,7 +101,7 @@ async fn a_verdict_of_the_model_matches_two_anchors_and_triggers_a_loop_check() 
 async fn a_models_verdict_stands_after_a_restart_without_a_model() {
     let stub = Stub::start(reads_901).await;
     let directory = tempfile::tempdir().unwrap();
-    let server = Server::on(directory.path(), None, stub.choice(&[])).await;
+    let server = Server::with_models_on(directory.path(), stub.choice(&[])).await;
     server.put("/v1/maps/m", &json!({})).await.expect(201);
     put_paintings(&server, LADY, LISA).await;
     hear(&server, "m", |event| event["event"] == "loop_found").await;
@@ -110,7 +110,7 @@ async fn a_models_verdict_stands_after_a_restart_without_a_model() {
     };
     let before = ask(&server).await;
     server.stop().await;
-    let server = Server::on(directory.path(), None, revisit::engine::ModelChoice::None).await;
+    let server = Server::on(directory.path()).await;
     let after = ask(&server).await;
     // Another configuration has records of its own; the verdict is the same.
     assert_ne!(after["id"], before["id"]);
@@ -299,7 +299,7 @@ async fn a_job_under_way_when_the_server_stops_is_finished() {
         Reply::After(held.clone(), "room 901".to_owned())
     })
     .await;
-    let server = Server::on(directory.path(), None, stub.choice(&[])).await;
+    let server = Server::with_models_on(directory.path(), stub.choice(&[])).await;
     server.put("/v1/maps/m", &json!({})).await.expect(201);
     put(&server, "m", "kf-1", &keyframe(1, 0.0, &[crop("door_number", [0.0, 0.0, 2.0], [9, 9, 9])])).await;
     begun.recv().await.unwrap();
@@ -310,6 +310,6 @@ async fn a_job_under_way_when_the_server_stops_is_finished() {
         gate.notify_one();
     };
     tokio::join!(server.stop(), let_go);
-    let server = Server::on(directory.path(), None, revisit::engine::ModelChoice::None).await;
+    let server = Server::on(directory.path()).await;
     assert_eq!(anchor(&server, "a-0").await["description"], "room 901");
 }

@@ -7,7 +7,6 @@ use std::collections::BTreeMap;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree as _;
 use proptest::test_runner::TestRunner;
-use revisit::engine::ModelChoice;
 use revisit::integrity::backup::Copy;
 use revisit::integrity::restore::{Allowed, restore};
 use revisit::store::files::paths::DatabaseFiles;
@@ -111,7 +110,7 @@ async fn whatever_is_allowed_is_checked_backed_up_and_restored_with_equal_answer
     for _ in 0..DATABASES {
         let bodies = strategy.new_tree(&mut random).unwrap().current();
         let folder = tempfile::tempdir().unwrap();
-        let server = Server::on(folder.path(), None, ModelChoice::None).await;
+        let server = Server::on(folder.path()).await;
         let settings = json!({"settings": {"covisibility_min_shared_points": 3}});
         server.put("/v1/maps/m", &settings).await.expect(201);
         for (number, body) in bodies.iter().enumerate() {
@@ -133,7 +132,7 @@ async fn whatever_is_allowed_is_checked_backed_up_and_restored_with_equal_answer
         let target = DatabaseFiles::of_path(&elsewhere.path().join("test.db"));
         restore(&DatabaseFiles::of_path(&backup), &target, Allowed::default()).await.unwrap();
         for directory in [folder.path(), elsewhere.path()] {
-            let server = Server::on(directory, None, ModelChoice::None).await;
+            let server = Server::on(directory).await;
             let after = answers(&server).await;
             for (path, answer) in &before {
                 assert_eq!(Some(answer), after.get(path), "{path}");

@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use revisit::engine::ModelChoice;
 use revisit::integrity::backup::Copy;
 use revisit::integrity::restore::{Allowed, restore};
 use revisit::store::files::paths::DatabaseFiles;
@@ -17,7 +16,7 @@ const PAGE_BYTES: usize = 16384;
 
 /// A small map with everything in it, on a server that has stopped.
 pub(super) async fn sound_database(folder: &Path) -> PathBuf {
-    let server = Server::on(folder, None, ModelChoice::None).await;
+    let server = Server::on(folder).await;
     server
         .put("/v1/maps/tower", &json!({"settings": {"covisibility_min_shared_points": 12}}))
         .await

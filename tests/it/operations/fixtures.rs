@@ -5,7 +5,6 @@ use std::io::Read as _;
 use std::path::Path;
 
 use flate2::read::GzDecoder;
-use revisit::engine::ModelChoice;
 use serde_json::Value;
 
 use super::{keyframe, sound};
@@ -42,7 +41,7 @@ async fn a_database_of_each_released_version_opens_and_says_what_it_said() {
         let schema = before.holds.unwrap().schema;
         assert!(name.starts_with(&format!("{schema:04}_")), "{name} has schema {schema}");
 
-        let server = Server::on(folder.path(), None, ModelChoice::None).await;
+        let server = Server::on(folder.path()).await;
         let answers = std::fs::read(Path::new(FOLDER).join(format!("{name}.json"))).unwrap();
         let answers: BTreeMap<String, Value> = serde_json::from_slice(&answers).unwrap();
         assert!(answers.len() >= 5);
@@ -63,7 +62,7 @@ async fn a_map_from_before_history_was_kept_is_exported_as_it_was_then_and_plays
     for (name, bytes) in databases() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("test.db"), bytes).unwrap();
-        let server = Server::on(folder.path(), None, ModelChoice::None).await;
+        let server = Server::on(folder.path()).await;
         let keyframes = server.get("/v1/maps/tower").await.expect(200)["keyframes"].clone();
         server.stop().await;
         let database = format!("sqlite://{}/test.db", folder.path().display());

@@ -1,7 +1,6 @@
 //! M52: the same question gets the same bytes, again and after a restart.
 
 use reqwest::Method;
-use revisit::engine::ModelChoice;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
@@ -103,7 +102,7 @@ async fn a_query_does_not_change_the_maps_version() {
 
 /// A server on a folder that outlives it.
 async fn open(folder: &TempDir) -> Server {
-    Server::on(folder.path(), None, ModelChoice::None).await
+    Server::on(folder.path()).await
 }
 
 /// The bytes that a request with a body is answered.

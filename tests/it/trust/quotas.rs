@@ -180,7 +180,7 @@ async fn merges_of_a_loop_count_until_it_is_revoked() {
 #[tokio::test]
 async fn a_restart_counts_the_same_bytes() {
     let directory = tempfile::tempdir().expect("a directory");
-    let start = || Server::on(directory.path(), None, revisit::engine::ModelChoice::None);
+    let start = || Server::on(directory.path());
     let server = start().await;
     server.put("/v1/maps/m", &json!({})).await.expect(201);
     let mut body = with_plate("901", 0.0);
