@@ -4,8 +4,6 @@ mod built_in;
 mod embeddings;
 mod openai;
 mod scripted;
-#[cfg(test)]
-mod silent;
 mod vqa;
 mod wire;
 
@@ -13,7 +11,5 @@ pub use built_in::BuiltIn;
 pub use embeddings::Embeddings;
 pub use openai::{Dialect, OpenAi};
 pub use scripted::Scripted;
-#[cfg(test)]
-pub use silent::Silent;
 pub use vqa::Vqa;
 pub use wire::{Endpoint, EndpointError};

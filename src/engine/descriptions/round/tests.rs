@@ -14,7 +14,7 @@ use crate::engine::service::Parts;
 use crate::engine::{Service, ServiceOptions};
 use crate::geometry::{Point3, Pose};
 use crate::llm::Models;
-use crate::llm::adapters::Silent;
+use crate::llm::silent::Silent;
 
 /// Returns a service that keeps no idle map in memory, a map of it, and a round of its worker that runs when the test
 /// calls it.
