@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::decoding::document::Kind;
 use super::decoding::read::{Decode, Node};
 use super::limits;
 use super::names::AnchorStateName;
@@ -190,7 +191,7 @@ impl Decode for AnchorPatch {
     fn decode(node: &Node<'_>) -> Option<Self> {
         let body = node.object(&["description"])?;
         body.required("description", |node| {
-            if node.value().is_null() {
+            if node.value().kind() == Kind::Null {
                 return Some(Self { description: None });
             }
             node.text(limits::TEXT_CHARS).map(|text| Self { description: Some(text) })

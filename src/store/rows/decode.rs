@@ -9,7 +9,7 @@ use crate::domain::bow::BowVector;
 use crate::domain::change::{Keyframe, Loop};
 use crate::domain::ids::{KeyframeSeq, LoopId, SessionSeq, StoredId};
 use crate::domain::keyframe::{Camera, Stamp};
-use crate::domain::request::Digest;
+use crate::domain::request::{Digest, KeyframeDigest};
 use crate::geometry::{Point3, Pose};
 use crate::store::StoreError;
 
@@ -18,6 +18,29 @@ pub(in crate::store) fn digest(row: &SqliteRow) -> Result<Digest, StoreError> {
     let bytes: &[u8] = row.try_get("digest")?;
     bytes.try_into().map_err(|_| StoreError::corrupt("a digest of another length"))
 }
+
+/// Reads the digest of a keyframe. One that begins with a rule's number is longer than the first ones, which had none.
+pub(in crate::store) fn keyframe_digest(row: &SqliteRow) -> Result<KeyframeDigest, StoreError> {
+    let bytes: &[u8] = row.try_get("digest")?;
+    let corrupt = || StoreError::corrupt("a digest of another length or rule");
+    match bytes.split_first() {
+        Some((&OF_FACTS, digest)) if digest.len() == size_of::<Digest>() => {
+            digest.try_into().map(KeyframeDigest::OfFacts).map_err(|_| corrupt())
+        }
+        _ => bytes.try_into().map(KeyframeDigest::OfText).map_err(|_| corrupt()),
+    }
+}
+
+/// Writes the digest of a keyframe.
+pub(in crate::store) fn keyframe_digest_blob(digest: KeyframeDigest) -> Vec<u8> {
+    match digest {
+        KeyframeDigest::OfText(digest) => digest.to_vec(),
+        KeyframeDigest::OfFacts(digest) => [&[OF_FACTS], &digest[..]].concat(),
+    }
+}
+
+/// The number of the rule that digests facts.
+const OF_FACTS: u8 = 2;
 
 /// Reads a keyframe and its bag of words.
 pub(in crate::store) fn keyframe(row: &SqliteRow) -> Result<(Keyframe, BowVector), StoreError> {

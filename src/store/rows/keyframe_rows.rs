@@ -6,6 +6,7 @@ use sqlx::{Sqlite, SqliteConnection};
 
 use super::blob::pack;
 use super::bulk_insert::write_rows;
+use super::decode::keyframe_digest_blob;
 use super::statement::run;
 use crate::domain::anchor::Outcome;
 use crate::domain::bow::BowVector;
@@ -51,7 +52,9 @@ pub(in crate::store) async fn add_keyframes(
         row.push_bind(pack(rows.keyframe.map_points.iter().map(|(id, _)| *id)));
         row.push_bind(pack(keyframe.declared.iter().map(|(other, shared)| (other.0, *shared))));
         row.push_bind(pack(bow.words().iter().copied())).push_bind(pack(bow.weights().iter().copied()));
-        row.push_bind(rows.digest.to_vec()).push_bind(keyframe.bytes as i64).push_bind(*version as i64);
+        row.push_bind(keyframe_digest_blob(rows.digest))
+            .push_bind(keyframe.bytes as i64)
+            .push_bind(*version as i64);
     })
     .await?;
     let with_features = |arrived: &'_ Arrived<'_>| arrived.rows.keyframe.features.is_some();

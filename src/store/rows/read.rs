@@ -12,7 +12,7 @@ use crate::domain::bow::BowVector;
 use crate::domain::event::{Event, EventKind};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId, PointId};
 use crate::domain::keyframe::{Crop, Detection, Features, Keypoint};
-use crate::domain::request::Digest;
+use crate::domain::request::KeyframeDigest;
 use crate::store::commit::job::MapKey;
 use crate::store::slices::deferred;
 use crate::store::{Store, StoreError};
@@ -28,8 +28,8 @@ pub struct KeyframeRow {
     pub sent_points: Vec<PointId>,
     /// Its detections, in their order.
     pub detections: Vec<DetectionRow>,
-    /// The digest of the body it was sent in.
-    pub digest: Digest,
+    /// What tells a retry of it from another keyframe.
+    pub digest: KeyframeDigest,
 }
 
 /// A detection and what became of it.
@@ -198,7 +198,7 @@ fn keyframe_row(
         features: features_row.map(features).transpose().map_err(|error| error.of_row("the features"))?,
         sent_points: sent_points(row)?,
         detections,
-        digest: decode::digest(row)?,
+        digest: decode::keyframe_digest(row)?,
     })
 }
 
