@@ -309,7 +309,7 @@ class Verdict(OpenEnum):
 
 
 class Verify(OpenEnum):
-    """Which checks a query asks for."""
+    """The checks that a query asks for."""
 
     AUTO = "auto"
     """The default: geometry where both keyframes have the features for it, else the anchors decide."""
