@@ -33,7 +33,7 @@ impl PartialSchema for BulkItem {
     }
 }
 
-/// What became of one line of a bulk request.
+/// The outcome of one line of a bulk request.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct BulkLine {
     /// The keyframe's id; left out where the line has none that can be read.
@@ -43,19 +43,19 @@ pub struct BulkLine {
     pub line: usize,
     /// The HTTP status that a request of its own would have got.
     pub status: u16,
-    /// Was the same keyframe stored before?
+    /// Whether the same keyframe was stored before.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub idempotent_replayed: Option<bool>,
     /// The map's version after it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_version: Option<u64>,
-    /// How many keyframes are covisible with it.
+    /// Number of keyframes covisible with it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub covisible: Option<usize>,
-    /// What became of its detections, in their order.
+    /// The outcomes of its detections, in their order.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub detections: Option<Vec<OutcomeView>>,
-    /// Why it was refused.
+    /// The reason for its refusal.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub problem: Option<ProblemView>,
 }

@@ -23,7 +23,7 @@ pub enum KeyframeDigest {
     OfFacts(Digest),
 }
 
-/// What to change about a map; what is left out stays.
+/// Changes of a map; a field that is left out stays.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MapPatch {
     /// The new description.
@@ -100,9 +100,9 @@ named! {
 pub struct LoopQuery {
     /// The keyframe that is asked about.
     pub subject: Subject,
-    /// Which checks to run.
+    /// The checks to run.
     pub verify: Verify,
-    /// How long to wait for descriptions that are still missing, in milliseconds.
+    /// Maximum wait for descriptions that are still missing, in milliseconds.
     pub max_wait_ms: u64,
     /// The seed of whatever is drawn.
     pub seed: u64,
@@ -113,13 +113,13 @@ pub struct LoopQuery {
 pub struct NewJudgement {
     /// Its id; the server finds one if it is left out.
     pub id: Option<JudgementId>,
-    /// Which verdicts it asks for again.
+    /// The verdicts that it asks for again.
     pub asks: Asks,
     /// Whether it is only counted and not begun.
     pub preview: bool,
 }
 
-/// Which anchors are wanted.
+/// The wanted anchors.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct AnchorFilter {
     /// Of this class.
