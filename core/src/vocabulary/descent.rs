@@ -8,7 +8,8 @@ use std::hint::black_box;
 
 use super::flat_tree::Vocabulary;
 use super::link::Link;
-use super::nearest::{nearest_of, nearest_of_any};
+use super::nearest::{ANY, nearest_of};
+use crate::geometry::instruction_set::{Kernel, dispatch};
 
 /// Descriptors whose children are touched at once: enough to keep the memory busy, few enough that the
 /// children of all (20 KB with ten each) are still in the nearest cache when their turn comes.
@@ -30,19 +31,20 @@ impl Vocabulary {
     /// Sends down descriptors, given as 64-bit words, and notes the node each passes at `group_level`: the root at
     /// level 0, and the word's own node where it lies above that level. (DBoW2 leaves that last case to chance.)
     pub(super) fn descend(&self, descriptors: &[u64], group_level: u32) -> Vec<Landing> {
+        let (vocabulary, level) = (self, group_level);
         match self.descriptor_words() {
-            4 => self.descend_by(descriptors, group_level, nearest_of::<4>),
-            6 => self.descend_by(descriptors, group_level, nearest_of::<6>),
-            8 => self.descend_by(descriptors, group_level, nearest_of::<8>),
-            _ => self.descend_by(descriptors, group_level, nearest_of_any),
+            4 => dispatch(Descent::<4> { vocabulary, descriptors, level }),
+            6 => dispatch(Descent::<6> { vocabulary, descriptors, level }),
+            8 => dispatch(Descent::<8> { vocabulary, descriptors, level }),
+            _ => dispatch(Descent::<ANY> { vocabulary, descriptors, level }),
         }
     }
 
-    fn descend_by(
+    #[inline(always)]
+    fn descend_by<const POPCNT: bool, const N: usize>(
         &self,
         descriptors: &[u64],
         group_level: u32,
-        nearest: impl Fn(&[u64], &[u64]) -> usize,
     ) -> Vec<Landing> {
         let each = self.descriptor_words();
         let queries = descriptors.chunks_exact(each);
@@ -68,7 +70,7 @@ impl Vocabulary {
                         continue;
                     }
                     let query = &descriptors[descriptor as usize * each..][..each];
-                    let node = link.target() + nearest(query, self.children(link)) as u32;
+                    let node = link.target() + nearest_of::<POPCNT, N>(query, self.children(link)) as u32;
                     if level <= group_level {
                         landing.node = node;
                     }
@@ -82,6 +84,7 @@ impl Vocabulary {
     }
 
     /// Returns the children's descriptors, one after the other; none of a leaf.
+    #[inline(always)]
     fn children(&self, link: Link) -> &[u64] {
         let (each, count) = (self.descriptor_words(), link.count() as usize);
         let first = if count == 0 { 0 } else { link.target() as usize };
@@ -89,11 +92,28 @@ impl Vocabulary {
     }
 
     /// Reads a word of each cache line: none of these reads waits for another.
+    #[inline(always)]
     fn touch_children(&self, links: &[Link]) {
         let mut touched = 0;
         for &link in links {
             touched = self.children(link).iter().step_by(LINE_WORDS).fold(touched, |all, word| all ^ word);
         }
         black_box(touched);
+    }
+}
+
+/// Descriptors of `N` words on their way down.
+struct Descent<'a, const N: usize> {
+    vocabulary: &'a Vocabulary,
+    descriptors: &'a [u64],
+    level: u32,
+}
+
+impl<const N: usize> Kernel for Descent<'_, N> {
+    type Output = Vec<Landing>;
+
+    #[inline(always)]
+    fn run<const POPCNT: bool>(self) -> Vec<Landing> {
+        self.vocabulary.descend_by::<POPCNT, N>(self.descriptors, self.level)
     }
 }
