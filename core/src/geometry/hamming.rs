@@ -109,6 +109,7 @@ impl PackedDescriptors {
     }
 
     /// One of them.
+    #[inline(always)]
     pub fn get(&self, index: usize) -> &[u64] {
         &self.words[index * self.words_each..][..self.words_each]
     }

@@ -77,19 +77,26 @@ pub struct Cameras {
 
 /// A similarity as matrix and vector, for loops over many points.
 #[derive(Clone, Copy, Debug)]
-struct Map {
+pub(super) struct Map {
     linear: Matrix3<f64>,
     translation: Vector3<f64>,
 }
 
 impl Map {
-    fn of(sim3: &Sim3) -> Self {
+    pub(super) fn of(sim3: &Sim3) -> Self {
         let (linear, translation) = sim3.linear_and_translation();
         Self { linear, translation }
     }
 
-    fn apply(&self, point: &Vector3<f64>) -> Vector3<f64> {
-        self.linear * point + self.translation
+    /// Returns a mapped point: `linear * point + translation`, written out so that it is inlined into kernels.
+    #[inline(always)]
+    pub(super) fn apply(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        let (m, t) = (&self.linear, &self.translation);
+        Vector3::new(
+            m.m11 * point.x + m.m12 * point.y + m.m13 * point.z + t.x,
+            m.m21 * point.x + m.m22 * point.y + m.m23 * point.z + t.y,
+            m.m31 * point.x + m.m32 * point.y + m.m33 * point.z + t.z,
+        )
     }
 }
 
@@ -137,14 +144,14 @@ impl Hypothesis {
         })
     }
 
-    /// Returns a point of the candidate's frame in the query's.
-    pub fn in_query(&self, point_in_candidate: &Vector3<f64>) -> Vector3<f64> {
-        self.query_from_candidate.apply(point_in_candidate)
+    /// Returns what maps points of the candidate's frame into the query's.
+    pub(super) fn query_from_candidate(&self) -> &Map {
+        &self.query_from_candidate
     }
 
-    /// Returns a point of the query's frame in the candidate's.
-    pub fn in_candidate(&self, point_in_query: &Vector3<f64>) -> Vector3<f64> {
-        self.candidate_from_query.apply(point_in_query)
+    /// Returns what maps points of the query's frame into the candidate's.
+    pub(super) fn candidate_from_query(&self) -> &Map {
+        &self.candidate_from_query
     }
 
     /// Returns the places of the pairs whose error in both images is below the limit.

@@ -1,5 +1,7 @@
 //! The keypoints of an image by square cells, to find those around a pixel.
 
+use std::ops::Range;
+
 use crate::domain::keyframe::{Camera, Keypoint};
 
 /// The side of a cell, in pixels (ORB-SLAM: 10; larger here, since the radius is).
@@ -13,7 +15,7 @@ const CELLS_MAX: f64 = 1024.0;
 pub struct KeypointGrid {
     columns: usize,
     rows: usize,
-    /// Where each cell's keypoints start in `features`.
+    /// Where each cell's keypoints start in the two lists after it.
     starts: Vec<u32>,
     features: Vec<u32>,
     pixels: Vec<[f64; 2]>,
@@ -29,10 +31,9 @@ impl KeypointGrid {
             rows,
             starts: vec![0; columns * rows + 1],
             features: vec![0; keypoints.len()],
-            pixels: keypoints.iter().map(|keypoint| [keypoint.u, keypoint.v]).collect(),
+            pixels: vec![[0.0; 2]; keypoints.len()],
         };
-        let cells: Vec<usize> =
-            grid.pixels.iter().map(|&[u, v]| grid.row(v) * columns + grid.column(u)).collect();
+        let cells: Vec<usize> = keypoints.iter().map(|it| grid.row(it.v) * columns + grid.column(it.u)).collect();
         for &cell in &cells {
             grid.starts[cell + 1] += 1;
         }
@@ -40,37 +41,64 @@ impl KeypointGrid {
             grid.starts[cell + 1] += grid.starts[cell];
         }
         let mut next = grid.starts.clone();
-        for (feature, &cell) in cells.iter().enumerate() {
-            grid.features[next[cell] as usize] = feature as u32;
+        for (feature, (keypoint, &cell)) in keypoints.iter().zip(&cells).enumerate() {
+            let at = next[cell] as usize;
+            grid.features[at] = feature as u32;
+            grid.pixels[at] = [keypoint.u, keypoint.v];
             next[cell] += 1;
         }
         grid
     }
 
     /// Returns the keypoints closer than `radius_px` to a pixel, in no particular order.
-    pub fn around(&self, [u, v]: [f64; 2], radius_px: f64) -> impl Iterator<Item = u32> + '_ {
-        let columns = self.column(u - radius_px)..self.column(u + radius_px) + 1;
-        let rows = self.row(v - radius_px)..self.row(v + radius_px) + 1;
-        rows.flat_map(move |row| {
-            // Cells of one row lie one after the other.
-            let (first, last) = (row * self.columns + columns.start, row * self.columns + columns.end);
-            &self.features[self.starts[first] as usize..self.starts[last] as usize]
-        })
-        .copied()
-        .filter(move |&feature| {
-            let [x, y] = self.pixels[feature as usize];
-            (x - u) * (x - u) + (y - v) * (y - v) < radius_px * radius_px
+    pub fn around(&self, pixel: [f64; 2], radius_px: f64) -> impl Iterator<Item = u32> + '_ {
+        let stretches = self.stretches(pixel, radius_px);
+        stretches.flat_map(|stretch| stretch.clone().zip(&self.pixels[stretch])).filter_map(move |(at, other)| {
+            is_closer(pixel, *other, radius_px).then(|| self.features[at])
         })
     }
 
+    /// Returns the least `(what, feature)` over the keypoints closer than `radius_px` to a pixel, of which `what` says
+    /// something about a feature; the two in one number, `what` above.
+    #[inline(always)]
+    pub(super) fn least_around(&self, pixel: [f64; 2], radius_px: f64, what: impl Fn(u32) -> u32) -> Option<u64> {
+        let mut least = u64::MAX;
+        for stretch in self.stretches(pixel, radius_px) {
+            for (&other, &feature) in self.pixels[stretch.clone()].iter().zip(&self.features[stretch]) {
+                if is_closer(pixel, other, radius_px) {
+                    least = least.min(u64::from(what(feature)) << 32 | u64::from(feature));
+                }
+            }
+        }
+        (least != u64::MAX).then_some(least)
+    }
+
+    /// Returns where the keypoints of all cells within a radius are, row by row: cells of one row lie side by side.
+    #[inline(always)]
+    fn stretches(&self, [u, v]: [f64; 2], radius_px: f64) -> impl Iterator<Item = Range<usize>> + use<'_> {
+        let columns = self.column(u - radius_px)..self.column(u + radius_px) + 1;
+        let rows = self.row(v - radius_px)..self.row(v + radius_px) + 1;
+        rows.map(move |row| {
+            let (first, last) = (row * self.columns + columns.start, row * self.columns + columns.end);
+            self.starts[first] as usize..self.starts[last] as usize
+        })
+    }
+
+    #[inline(always)]
     fn column(&self, u: f64) -> usize {
         // A cast takes what is below 0 and what is no number to 0.
         ((u / CELL_PX) as usize).min(self.columns - 1)
     }
 
+    #[inline(always)]
     fn row(&self, v: f64) -> usize {
         ((v / CELL_PX) as usize).min(self.rows - 1)
     }
+}
+
+#[inline(always)]
+fn is_closer([u, v]: [f64; 2], [x, y]: [f64; 2], radius_px: f64) -> bool {
+    (x - u) * (x - u) + (y - v) * (y - v) < radius_px * radius_px
 }
 
 #[cfg(test)]
