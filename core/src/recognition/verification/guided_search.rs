@@ -3,9 +3,8 @@
 use nalgebra::Vector3;
 
 use super::correspondence::{Correspondence, Hypothesis, Map, Reprojection};
-use super::keypoint_grid::KeypointGrid;
 use super::limits::Limits;
-use super::projection_search::{Found, ProjectionSearch, Wanted};
+use super::projection_search::{Found, IndexedImage, ProjectionSearch, Wanted};
 use super::view::{Landmark, View};
 use crate::geometry::instruction_set::dispatch;
 use crate::geometry::pinhole::Pinhole;
@@ -43,8 +42,8 @@ pub struct GuidedSearch<'a> {
     candidate: &'a View<'a>,
     window: &'a [Landmark<'a>],
     limits: &'a Limits,
-    query_grid: KeypointGrid,
-    candidate_grid: KeypointGrid,
+    query_image: IndexedImage<'a>,
+    candidate_image: IndexedImage<'a>,
     query_points: Vec<Wanted<'a>>,
     candidate_points: Vec<Wanted<'a>>,
     window_points: Vec<Wanted<'a>>,
@@ -70,8 +69,8 @@ impl<'a> GuidedSearch<'a> {
             candidate,
             window,
             limits,
-            query_grid: KeypointGrid::new(query.keypoints, &query.camera),
-            candidate_grid: KeypointGrid::new(candidate.keypoints, &candidate.camera),
+            query_image: IndexedImage::new(query),
+            candidate_image: IndexedImage::new(candidate),
             query_points: located(query),
             candidate_points: located(candidate),
             window_points: (0..).zip(window).map(landmark).collect(),
@@ -127,21 +126,21 @@ impl<'a> GuidedSearch<'a> {
     fn proposals(&self, hypothesis: &Hypothesis) -> Vec<Proposal> {
         let (into_query, into_candidate) = (hypothesis.query_from_candidate(), hypothesis.candidate_from_query());
         let mut proposals = Vec::new();
-        let found = self.look_for(&self.candidate_points, into_query, self.query, &self.query_grid);
+        let found = self.look_for(&self.candidate_points, into_query, &self.query_image);
         proposals.extend(found.iter().map(|found| Proposal {
             distance: found.distance,
             query: found.feature,
             target: Target::Feature(found.place),
             place: 0,
         }));
-        let found = self.look_for(&self.window_points, into_query, self.query, &self.query_grid);
+        let found = self.look_for(&self.window_points, into_query, &self.query_image);
         proposals.extend(found.iter().map(|found| Proposal {
             distance: found.distance,
             query: found.feature,
             target: Target::Landmark(self.ranks[found.place as usize]),
             place: found.place,
         }));
-        let found = self.look_for(&self.query_points, into_candidate, self.candidate, &self.candidate_grid);
+        let found = self.look_for(&self.query_points, into_candidate, &self.candidate_image);
         proposals.extend(found.iter().map(|found| Proposal {
             distance: found.distance,
             query: found.place,
@@ -151,10 +150,10 @@ impl<'a> GuidedSearch<'a> {
         proposals
     }
 
-    fn look_for(&self, wanted: &[Wanted], map: &Map, view: &View, grid: &KeypointGrid) -> Vec<Found> {
-        let max_distance = self.limits.guided.max_distance * f64::from(view.descriptors.bits());
+    fn look_for(&self, wanted: &[Wanted], map: &Map, image: &IndexedImage) -> Vec<Found> {
+        let max_distance = self.limits.guided.max_distance * f64::from(image.descriptor_bits());
         let radius_px = self.limits.guided.radius * self.limits.variance_px2(0).sqrt();
-        dispatch(ProjectionSearch { view, grid, map, wanted, radius_px, max_distance })
+        dispatch(ProjectionSearch { image, map, wanted, radius_px, max_distance })
     }
 
     fn correspondence(&self, proposal: &Proposal) -> Correspondence {

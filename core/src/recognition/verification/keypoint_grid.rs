@@ -10,15 +10,20 @@ const CELL_PX: f64 = 16.0;
 /// Maximum cells each way, whatever image size a client declares.
 const CELLS_MAX: f64 = 1024.0;
 
+/// Keypoints that are looked at together: a row of cells around a pixel has two or three.
+pub(super) const BLOCK: usize = 4;
+
 /// Keypoints by cell. Those outside the image belong to the cells at its border.
 #[derive(Clone, Debug)]
 pub struct KeypointGrid {
     columns: usize,
     rows: usize,
-    /// Where each cell's keypoints start in the two lists after it.
+    /// Where each cell's keypoints start in the lists after it, which run in parallel and end with [`BLOCK`] more that are
+    /// nowhere.
     starts: Vec<u32>,
     features: Vec<u32>,
-    pixels: Vec<[f64; 2]>,
+    u: Vec<f64>,
+    v: Vec<f64>,
 }
 
 impl KeypointGrid {
@@ -30,8 +35,9 @@ impl KeypointGrid {
             columns,
             rows,
             starts: vec![0; columns * rows + 1],
-            features: vec![0; keypoints.len()],
-            pixels: vec![[0.0; 2]; keypoints.len()],
+            features: vec![0; keypoints.len() + BLOCK],
+            u: vec![f64::NAN; keypoints.len() + BLOCK],
+            v: vec![f64::NAN; keypoints.len() + BLOCK],
         };
         let cells: Vec<usize> = keypoints.iter().map(|it| grid.row(it.v) * columns + grid.column(it.u)).collect();
         for &cell in &cells {
@@ -44,7 +50,7 @@ impl KeypointGrid {
         for (feature, (keypoint, &cell)) in keypoints.iter().zip(&cells).enumerate() {
             let at = next[cell] as usize;
             grid.features[at] = feature as u32;
-            grid.pixels[at] = [keypoint.u, keypoint.v];
+            (grid.u[at], grid.v[at]) = (keypoint.u, keypoint.v);
             next[cell] += 1;
         }
         grid
@@ -52,25 +58,41 @@ impl KeypointGrid {
 
     /// Returns the keypoints closer than `radius_px` to a pixel, in no particular order.
     pub fn around(&self, pixel: [f64; 2], radius_px: f64) -> impl Iterator<Item = u32> + '_ {
-        let stretches = self.stretches(pixel, radius_px);
-        stretches.flat_map(|stretch| stretch.clone().zip(&self.pixels[stretch])).filter_map(move |(at, other)| {
-            is_closer(pixel, *other, radius_px).then(|| self.features[at])
+        self.stretches(pixel, radius_px).flatten().filter_map(move |at| {
+            is_closer(pixel, [self.u[at], self.v[at]], radius_px).then(|| self.features[at])
         })
     }
 
-    /// Returns the least `(what, feature)` over the keypoints closer than `radius_px` to a pixel, of which `what` says
-    /// something about a feature; the two in one number, `what` above.
+    /// Returns the features by cell, and after them [`BLOCK`] times feature 0.
+    pub(super) fn features(&self) -> &[u32] {
+        &self.features
+    }
+
+    /// Returns the keypoint closer than `radius_px` to a pixel that is nearest by `distance`, the first feature of equal
+    /// ones: the distance in the upper half, the feature below. `distance` gets places in [`KeypointGrid::features`].
+    ///
+    /// Keypoints are looked at in blocks, some of which are farther away: that costs less than to mispredict which are.
     #[inline(always)]
-    pub(super) fn least_around(&self, pixel: [f64; 2], radius_px: f64, what: impl Fn(u32) -> u32) -> Option<u64> {
-        let mut least = u64::MAX;
+    pub(super) fn nearest_around(
+        &self,
+        pixel: [f64; 2],
+        radius_px: f64,
+        distances: impl Fn(usize) -> [u32; BLOCK],
+    ) -> Option<u64> {
+        let mut nearest = u64::MAX;
         for stretch in self.stretches(pixel, radius_px) {
-            for (&other, &feature) in self.pixels[stretch.clone()].iter().zip(&self.features[stretch]) {
-                if is_closer(pixel, other, radius_px) {
-                    least = least.min(u64::from(what(feature)) << 32 | u64::from(feature));
+            for at in stretch.step_by(BLOCK) {
+                let end = at + BLOCK;
+                let (features, u, v) = (&self.features[at..end], &self.u[at..end], &self.v[at..end]);
+                let distances = distances(at);
+                for one in 0..BLOCK {
+                    let is_near = is_closer(pixel, [u[one], v[one]], radius_px);
+                    let key = u64::from(distances[one]) << 32 | u64::from(features[one]);
+                    nearest = nearest.min(if is_near { key } else { u64::MAX });
                 }
             }
         }
-        (least != u64::MAX).then_some(least)
+        (nearest != u64::MAX).then_some(nearest)
     }
 
     /// Returns where the keypoints of all cells within a radius are, row by row: cells of one row lie side by side.
