@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::geometry::Sim3;
+use crate::geometry::instruction_set::{Kernel, dispatch};
 use crate::geometry::pinhole::Pinhole;
 
 /// A point known in one camera's frame, and where the other camera's image shows it.
@@ -29,17 +30,22 @@ pub struct Depth {
 
 impl Reprojection {
     /// Returns how far off the pixel is in x and y; `None` if the point falls behind the camera.
+    #[inline(always)]
     pub fn residual_px(&self, point_in_camera: &Vector3<f64>, camera: &Pinhole) -> Option<[f64; 2]> {
         let [u, v] = camera.project(point_in_camera)?;
         Some([u - self.pixel[0], v - self.pixel[1]])
     }
 
     /// Returns the squared error in units of the variance; infinite if the point falls behind the camera.
+    #[inline(always)]
     fn chi_square(&self, map: &Map, camera: &Pinhole) -> f64 {
         let point = map.apply(&self.point);
         let Some([u, v]) = self.residual_px(&point, camera) else { return f64::INFINITY };
         let in_image = (u * u + v * v) * self.inverse_variance;
-        let in_depth = self.depth.map_or(0.0, |depth| (point.z - depth.metres) * depth.inverse_sigma);
+        let in_depth = match self.depth {
+            Some(depth) => (point.z - depth.metres) * depth.inverse_sigma,
+            None => 0.0,
+        };
         in_image.max(in_depth * in_depth)
     }
 }
@@ -120,12 +126,16 @@ impl Hypothesis {
 
     /// Returns the worse of the squared errors in the two images, in units of the keypoint's variance; infinite if a
     /// point falls behind a camera.
+    #[inline(always)]
     pub fn chi_square(&self, pair: &Correspondence) -> f64 {
-        let in_query =
-            pair.into_query.map_or(0.0, |it| it.chi_square(&self.query_from_candidate, &self.cameras.query));
-        let in_candidate = pair
-            .into_candidate
-            .map_or(0.0, |it| it.chi_square(&self.candidate_from_query, &self.cameras.candidate));
+        let in_query = match &pair.into_query {
+            Some(it) => it.chi_square(&self.query_from_candidate, &self.cameras.query),
+            None => 0.0,
+        };
+        let in_candidate = match &pair.into_candidate {
+            Some(it) => it.chi_square(&self.candidate_from_query, &self.cameras.candidate),
+            None => 0.0,
+        };
         in_query.max(in_candidate)
     }
 
@@ -156,12 +166,33 @@ impl Hypothesis {
 
     /// Returns the places of the pairs whose error in both images is below the limit.
     pub fn inliers(&self, pairs: &[Correspondence], max_chi_square: f64) -> Vec<u32> {
-        let is_inlier = |(_, pair): &(usize, &Correspondence)| self.chi_square(pair) < max_chi_square;
-        pairs.iter().enumerate().filter(is_inlier).map(|(place, _)| place as u32).collect()
+        dispatch(Inliers { hypothesis: self, pairs, max_chi_square })
     }
 
     /// Returns the pairs whose error in both images is below the limit.
     pub fn explained(&self, pairs: &[Correspondence], max_chi_square: f64) -> Vec<Correspondence> {
-        pairs.iter().filter(|pair| self.chi_square(pair) < max_chi_square).copied().collect()
+        self.inliers(pairs, max_chi_square).iter().map(|&place| pairs[place as usize]).collect()
+    }
+}
+
+/// Pairs to be tested.
+struct Inliers<'a> {
+    hypothesis: &'a Hypothesis,
+    pairs: &'a [Correspondence],
+    max_chi_square: f64,
+}
+
+impl Kernel for Inliers<'_> {
+    type Output = Vec<u32>;
+
+    #[inline(always)]
+    fn run<const POPCNT: bool>(self) -> Vec<u32> {
+        let mut inliers = Vec::with_capacity(self.pairs.len());
+        for (place, pair) in (0..).zip(self.pairs) {
+            if self.hypothesis.chi_square(pair) < self.max_chi_square {
+                inliers.push(place);
+            }
+        }
+        inliers
     }
 }

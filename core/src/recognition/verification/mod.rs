@@ -5,7 +5,7 @@
 //! | points that their own image has elsewhere | [`resection`] |
 //! | match descriptors | [`descriptor_matching`], `group_matching`, [`orientation`] |
 //! | points with positions on both sides: find a similarity most of them agree with | [`similarity`], [`ransac`], [`correspondence`] |
-//! | refine it on the reprojection errors; how well it is known | [`refinement`], [`covariance`] |
+//! | refine it on the reprojection errors; how well it is known | [`refinement`], `normal_equations`, `huber`, [`covariance`] |
 //! | a flat patch may be tilted the other way | [`planar_ambiguity`] |
 //! | project, match again, count | [`guided_search`], `projection_search`, [`keypoint_grid`] |
 //! | too few points with positions: images alone | [`two_views`] |
@@ -26,8 +26,10 @@ pub mod descriptor_match;
 pub mod descriptor_matching;
 mod group_matching;
 pub mod guided_search;
+mod huber;
 pub mod keypoint_grid;
 pub mod limits;
+mod normal_equations;
 pub mod orientation;
 pub mod outcome;
 pub mod planar_ambiguity;
