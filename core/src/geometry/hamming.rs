@@ -47,7 +47,8 @@ fn distance_of<const POPCNT: bool, const N: usize>(a: &[u64], b: &[u64]) -> u32 
 pub(crate) fn count_ones<const POPCNT: bool, const N: usize>(words: [u64; N]) -> u32 {
     const { assert!(N <= 30, "a byte counts at most 255") };
     if POPCNT {
-        return words.iter().map(|word| word.count_ones()).sum();
+        // Summed up in words, too: narrower sums would be packed after each.
+        return words.iter().map(|word| u64::from(word.count_ones())).sum::<u64>() as u32;
     }
     let mut bytes = 0;
     for three in words.chunks(3) {
