@@ -57,7 +57,13 @@ pub(super) fn for_each_block(
     vocabulary: &Vocabulary,
     mut each: impl FnMut(&[u64]) -> io::Result<()>,
 ) -> io::Result<()> {
-    vocabulary.arrays.parts().in_order().into_iter().flat_map(|array| array.chunks(BLOCK_WORDS)).try_for_each(&mut each)
+    vocabulary
+        .arrays
+        .parts()
+        .in_order()
+        .into_iter()
+        .flat_map(|array| array.chunks(BLOCK_WORDS))
+        .try_for_each(&mut each)
 }
 
 struct Hasher(Sha256);

@@ -112,8 +112,7 @@ impl Tree {
             };
             links[at] = link.bits();
         }
-        let mut vocabulary =
-            Vocabulary { shape: self.shape, arrays, fingerprint: Fingerprint::default() };
+        let mut vocabulary = Vocabulary { shape: self.shape, arrays, fingerprint: Fingerprint::default() };
         vocabulary.fingerprint = vocabulary.content_fingerprint();
         Ok(vocabulary)
     }

@@ -135,10 +135,17 @@ fn least(distances: &[u16]) -> u16 {
 
 /// Returns the first place of a number. A stretch is compared as a whole, in wide registers.
 #[inline(always)]
-fn place_of(wanted: u16, distances: &[u16]) -> Option<usize> {
-    let (stretches, _) = distances.as_chunks::<STRETCH>();
-    let is_in = |stretch: &[u16; STRETCH]| stretch.iter().fold(false, |found, &one| found | (one == wanted));
-    let skipped = STRETCH * stretches.iter().take_while(|stretch| !is_in(stretch)).count();
-    let rest = &distances[skipped..];
-    rest.iter().position(|&one| one == wanted).map(|place| skipped + place)
+fn place_of(wanted: u16, numbers: &[u16]) -> Option<usize> {
+    let mut skipped = 0;
+    for stretch in numbers.as_chunks::<STRETCH>().0 {
+        let mut is_here = false;
+        for number in stretch {
+            is_here |= *number == wanted;
+        }
+        if is_here {
+            break;
+        }
+        skipped += STRETCH;
+    }
+    numbers[skipped..].iter().position(|&number| number == wanted).map(|place| skipped + place)
 }

@@ -124,7 +124,8 @@ impl<'a> GuidedSearch<'a> {
 
     /// Returns what projection and descriptors propose: points of either side in the image of the other.
     fn proposals(&self, hypothesis: &Hypothesis) -> Vec<Proposal> {
-        let (into_query, into_candidate) = (hypothesis.query_from_candidate(), hypothesis.candidate_from_query());
+        let (into_query, into_candidate) =
+            (hypothesis.query_from_candidate(), hypothesis.candidate_from_query());
         let mut proposals = Vec::new();
         let found = self.look_for(&self.candidate_points, into_query, &self.query_image);
         proposals.extend(found.iter().map(|found| Proposal {

@@ -39,7 +39,8 @@ impl KeypointGrid {
             u: vec![f64::NAN; keypoints.len() + BLOCK],
             v: vec![f64::NAN; keypoints.len() + BLOCK],
         };
-        let cells: Vec<usize> = keypoints.iter().map(|it| grid.row(it.v) * columns + grid.column(it.u)).collect();
+        let cells: Vec<usize> =
+            keypoints.iter().map(|it| grid.row(it.v) * columns + grid.column(it.u)).collect();
         for &cell in &cells {
             grid.starts[cell + 1] += 1;
         }

@@ -203,7 +203,11 @@ pub(super) struct Scatter<'a> {
 
 impl<'a> Scatter<'a> {
     /// About a transformation `candidate_from_query`; steps are in the candidate's frame.
-    pub(super) fn new(candidate_from_query: &Sim3, pairs: &'a [Correspondence], cameras: &'a Cameras) -> Self {
+    pub(super) fn new(
+        candidate_from_query: &Sim3,
+        pairs: &'a [Correspondence],
+        cameras: &'a Cameras,
+    ) -> Self {
         Self { about: About::new(candidate_from_query), pairs, cameras }
     }
 }

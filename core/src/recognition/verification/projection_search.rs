@@ -101,7 +101,8 @@ impl ProjectionSearch<'_> {
         self.find(|wanted, at| {
             let mut distances = [0; BLOCK];
             for (one, distance) in distances.iter_mut().enumerate() {
-                *distance = distance_by::<POPCNT>(wanted, &self.image.descriptors[(at + one) * each..][..each]);
+                *distance =
+                    distance_by::<POPCNT>(wanted, &self.image.descriptors[(at + one) * each..][..each]);
             }
             distances
         })
@@ -113,9 +114,8 @@ impl ProjectionSearch<'_> {
         let mut all = Vec::new();
         for wanted in self.wanted {
             let Some(pixel) = camera.project(&self.map.apply(&wanted.point)) else { continue };
-            let nearest = self.image.grid.nearest_around(pixel, self.radius_px, |at| {
-                distances(wanted.descriptor, at)
-            });
+            let nearest =
+                self.image.grid.nearest_around(pixel, self.radius_px, |at| distances(wanted.descriptor, at));
             let Some(nearest) = nearest else { continue };
             let (distance, feature) = ((nearest >> 32) as u32, nearest as u32);
             if f64::from(distance) <= self.max_distance {
@@ -123,5 +123,66 @@ impl ProjectionSearch<'_> {
             }
         }
         all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::domain::keyframe::{Camera, Keypoint};
+    use crate::geometry::hamming::{PackedDescriptors, distance};
+    use crate::geometry::instruction_set::dispatch;
+    use crate::geometry::instruction_set::portable::portably;
+    use crate::geometry::{Point3, Sim3};
+
+    const CAMERA: Camera = Camera { fx: 100.0, fy: 100.0, cx: 100.0, cy: 80.0, width: 200, height: 160 };
+
+    /// Keypoints inside and outside the image, and the bytes of a descriptor each.
+    fn features() -> impl Strategy<Value = (usize, Vec<((f64, f64), u8)>)> {
+        let feature = ((-20.0..220.0f64, -20.0..180.0f64), 0..4_u8);
+        (prop_oneof![Just(8_usize), Just(32), Just(40)], prop::collection::vec(feature, 0..150))
+    }
+
+    proptest! {
+        #[test]
+        fn it_finds_what_a_loop_over_all_finds(
+            (each, features) in features(),
+            (u, v) in (-40.0..240.0f64, -40.0..200.0f64),
+            radius_px in 0.0..60.0f64,
+            max_distance in 0..40_u32,
+        ) {
+            let keypoint = |&((u, v), _): &((f64, f64), u8)| Keypoint { u, v, octave: 0, angle_deg: None };
+            let keypoints: Vec<Keypoint> = features.iter().map(keypoint).collect();
+            let bytes: Vec<u8> = features.iter().flat_map(|(_, byte)| vec![*byte; each]).collect();
+            let descriptors = PackedDescriptors::from_bytes(each, &bytes).expect("whole descriptors");
+            let points: Vec<Option<Point3>> = vec![None; keypoints.len()];
+            let view = View {
+                camera: CAMERA,
+                keypoints: &keypoints,
+                descriptors: &descriptors,
+                nodes: None,
+                points_in_camera: &points,
+            };
+            let zero = vec![0; each / 8];
+            let point = Vector3::new((u - 100.0) / 50.0, (v - 80.0) / 50.0, 2.0);
+            let wanted = [Wanted { place: 7, point, descriptor: &zero }];
+            let (image, map) = (IndexedImage::new(&view), Map::of(&Sim3::identity()));
+            let max_distance = f64::from(max_distance);
+            let search =
+                || dispatch(ProjectionSearch { image: &image, map: &map, wanted: &wanted, radius_px, max_distance });
+
+            let pixel = view.pinhole().project(&point).expect("in front");
+            let near = keypoints.iter().enumerate().filter(|(_, at)| {
+                (at.u - pixel[0]).powi(2) + (at.v - pixel[1]).powi(2) < radius_px * radius_px
+            });
+            let nearest = near.map(|(at, _)| (distance(&zero, descriptors.get(at)), at as u32)).min();
+            let nearest = nearest.filter(|(distance, _)| f64::from(*distance) <= max_distance);
+            let expected: Vec<Found> =
+                nearest.map(|(distance, feature)| Found { distance, feature, place: 7 }).into_iter().collect();
+            prop_assert_eq!(search(), expected.clone());
+            prop_assert_eq!(portably(search), expected);
+        }
     }
 }

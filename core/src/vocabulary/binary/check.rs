@@ -89,9 +89,10 @@ impl Check {
     pub(super) fn node_ids(&mut self, block: &[u64]) {
         for pairs in block.chunks(TOGETHER) {
             let halves = |pair: &u64| [u64::from(*pair as u32), pair >> 32];
-            let beyond = pairs.iter().map(halves).fold(0, |all, [first, second]| {
-                all | beyond(first, self.nodes) | beyond(second, self.nodes)
-            });
+            let beyond = pairs
+                .iter()
+                .map(halves)
+                .fold(0, |all, [first, second]| all | beyond(first, self.nodes) | beyond(second, self.nodes));
             if self.bad_nodes[1].is_none() && is_any(beyond) {
                 let mut nodes = (self.seen[2]..self.nodes).zip(pairs.iter().flat_map(halves));
                 self.bad_nodes[1] = nodes.find(|(_, id)| *id >= self.nodes).map(|(node, _)| node);
