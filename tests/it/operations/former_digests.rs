@@ -3,7 +3,6 @@
 use reqwest::Method;
 use revisit::api::decoding::digest;
 use revisit::api::decoding::document::Document;
-use revisit::engine::ModelChoice;
 use serde_json::{Value, json};
 
 use super::checks::run_sql;
@@ -13,7 +12,7 @@ use crate::support::{Answer, Server};
 #[tokio::test(flavor = "multi_thread")]
 async fn a_retry_of_what_an_earlier_version_stored_is_no_conflict_and_another_keyframe_is() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::on(folder.path(), None, ModelChoice::None).await;
+    let server = Server::on(folder.path()).await;
     server.put("/v1/maps/m", &json!({})).await.expect(201);
     let body = keyframe("day-1", 1);
     server.put("/v1/maps/m/keyframes/kf", &body).await.expect(201);
@@ -23,7 +22,7 @@ async fn a_retry_of_what_an_earlier_version_stored_is_no_conflict_and_another_ke
     let database = folder.path().join("test.db");
     run_sql(&database, &format!("update keyframes set digest = x'{hex}'")).await;
 
-    let server = Server::on(folder.path(), None, ModelChoice::None).await;
+    let server = Server::on(folder.path()).await;
     server.put("/v1/maps/m/keyframes/kf", &body).await.expect(200);
     let mut line = body.clone();
     line["id"] = json!("kf");
