@@ -3,9 +3,7 @@
 //! Packed is base64 of little-endian numbers. Both forms are read by the same function, so that the same values make the
 //! same facts and the same faults.
 
-use super::base64;
 use super::document::{Document, Token};
-use super::read::Node;
 
 /// A column and the names of its two forms.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +53,8 @@ impl Number {
 }
 
 impl Column {
-    const fn item_bytes(self) -> usize {
+    /// Returns the packed bytes of an item.
+    pub(super) const fn item_bytes(self) -> usize {
         self.number.bytes()
             * match self.row {
                 Some(numbers) => numbers,
@@ -68,13 +67,11 @@ impl Column {
         text.trim_end_matches('=').len() * 3 / 4 / self.item_bytes()
     }
 
-    /// Reads the packed numbers into the list that they stand for.
-    pub(super) fn unpack(self, node: &Node<'_>) -> Option<Document<'static>> {
-        let bytes = base64::decode(node)?;
+    /// Returns the list that packed numbers stand for; `None` if the last item is not whole.
+    pub(super) fn unpack(self, bytes: &[u8]) -> Option<Document<'static>> {
         let items = bytes.chunks_exact(self.item_bytes());
         if !items.remainder().is_empty() {
-            let limit = format!("{} bytes for each item", self.item_bytes());
-            return node.refuse_as("the last item is not whole", format!("{} bytes", bytes.len()), limit);
+            return None;
         }
         let count = items.len();
         let mut list = Document::with_room(&[], 1 + count * (1 + self.row.unwrap_or(0)));

@@ -220,7 +220,9 @@ impl Document<'_> {
             Value::String(text) => self.unescaped_text(text),
             Value::Array(items) => {
                 let at = self.open();
-                items.iter().for_each(|item| self.push(item));
+                for item in items {
+                    self.push(item);
+                }
                 return self.close(at, items.len(), |items, end| Token::List { items, end });
             }
             Value::Object(members) => {

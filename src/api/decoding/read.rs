@@ -8,6 +8,7 @@ use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
+use super::base64;
 use super::column::Column;
 use super::document::{Document, Json, Kind};
 use super::faults::{Bounds, Faults, kind, push_segment, shown};
@@ -159,6 +160,14 @@ impl<'a> Node<'a> {
         self.value.as_str().or_else(|| self.expected("a string"))
     }
 
+    /// Reads the bytes of a string of base64.
+    pub fn bytes(&self) -> Option<Vec<u8>> {
+        match base64::decode(self.string()?) {
+            Ok(bytes) => Some(bytes),
+            Err(why) => self.refuse(format!("not base64: {why}"), "A-Z a-z 0-9 + / and padding with ="),
+        }
+    }
+
     /// Reads free text of bounded length, in characters.
     pub fn text(&self, max_chars: usize) -> Option<String> {
         let text = self.string()?;
@@ -296,7 +305,11 @@ impl Object<'_> {
                     .limit("one of the two forms")
             });
         }
-        let list = column.unpack(&node)?;
+        let bytes = node.bytes()?;
+        let Some(list) = column.unpack(&bytes) else {
+            let limit = format!("{} bytes for each item", column.item_bytes());
+            return node.refuse_as("the last item is not whole", format!("{} bytes", bytes.len()), limit);
+        };
         read(&node.child(Step::Unpacked, list.root())).map(Some)
     }
 

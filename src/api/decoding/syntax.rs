@@ -7,7 +7,8 @@ use std::cell::Cell;
 use std::collections::HashSet;
 use std::fmt;
 
-use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
+use serde::Deserialize as _;
+use serde::de::{DeserializeSeed, Deserializer, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_path_to_error::{Deserializer as Tracked, Segment, Track};
 
 use super::document::{Document, Token};
@@ -84,8 +85,20 @@ fn not_a_number<'b>(bytes: &'b [u8], error: &serde_json::Error) -> Option<&'b st
     ["nan", "inf", "infinity"].contains(&name.as_str()).then_some(word)
 }
 
+/// Returns why bytes are no JSON, if they are none, without holding what they say.
+pub fn check(bytes: &[u8]) -> Result<(), Unreadable> {
+    let read: Result<IgnoredAny, _> = serde_json::from_slice(bytes);
+    read.map(drop).map_err(|error| Unreadable::Syntax(fault(bytes, &error)))
+}
+
 /// Returns the place where the bytes stop being JSON; found by reading them again, so that good bodies pay nothing for it.
 fn place(bytes: &[u8]) -> String {
+    let mut track = Track::new();
+    let mut json = serde_json::Deserializer::from_slice(bytes);
+    if IgnoredAny::deserialize(Tracked::new(&mut json, &mut track)).is_err() {
+        return pointer_of(track);
+    }
+    // They are JSON: a name stands twice in one object.
     let mut track = Track::new();
     let mut json = serde_json::Deserializer::from_slice(bytes);
     let (mut document, count) = (Document::with_room(bytes, 0), Count::default());
@@ -93,6 +106,10 @@ fn place(bytes: &[u8]) -> String {
     if builder.deserialize(Tracked::new(&mut json, &mut track)).is_ok() {
         return String::new();
     }
+    pointer_of(track)
+}
+
+fn pointer_of(track: Track) -> String {
     let path = track.path();
     let segments: Vec<String> = path
         .iter()
@@ -127,9 +144,8 @@ impl<'t> Builder<'_, 't> {
         Builder { document: self.document, count: self.count }
     }
 
-    fn push<E>(self, token: Token) -> Result<(), E> {
+    fn push(self, token: Token) {
         self.document.values.push(token);
-        Ok(())
     }
 
     fn refuse<T, E: serde::de::Error>(&self, what: TooMany) -> Result<T, E> {
@@ -166,33 +182,40 @@ impl<'t> Visitor<'t> for Builder<'_, 't> {
     }
 
     fn visit_unit<E>(self) -> Result<(), E> {
-        self.push(Token::Null)
+        self.push(Token::Null);
+        Ok(())
     }
 
     fn visit_bool<E>(self, value: bool) -> Result<(), E> {
-        self.push(Token::Bool(value))
+        self.push(Token::Bool(value));
+        Ok(())
     }
 
     fn visit_i64<E>(self, value: i64) -> Result<(), E> {
-        self.push(Token::Whole(value))
+        self.push(Token::Whole(value));
+        Ok(())
     }
 
     fn visit_u64<E>(self, value: u64) -> Result<(), E> {
-        self.push(i64::try_from(value).map_or(Token::Large(value), Token::Whole))
+        self.push(i64::try_from(value).map_or(Token::Large(value), Token::Whole));
+        Ok(())
     }
 
     fn visit_f64<E>(self, value: f64) -> Result<(), E> {
-        self.push(Token::Float(value))
+        self.push(Token::Float(value));
+        Ok(())
     }
 
     fn visit_borrowed_str<E>(self, value: &'t str) -> Result<(), E> {
         let token = self.document.text_in_place(value);
-        self.push(token)
+        self.push(token);
+        Ok(())
     }
 
     fn visit_str<E>(self, value: &str) -> Result<(), E> {
         let token = self.document.unescaped_text(value);
-        self.push(token)
+        self.push(token);
+        Ok(())
     }
 
     fn visit_seq<A: SeqAccess<'t>>(mut self, mut list: A) -> Result<(), A::Error> {

@@ -80,12 +80,16 @@ impl Facts {
     }
 
     fn floats(&mut self, numbers: &[f64]) {
-        numbers.iter().for_each(|number| self.float(*number));
+        for number in numbers {
+            self.float(*number);
+        }
     }
 
     fn list<T>(&mut self, items: &[T], mut write: impl FnMut(&mut Self, &T)) {
         self.length(items.len());
-        items.iter().for_each(|item| write(self, item));
+        for item in items {
+            write(self, item);
+        }
     }
 
     fn option<T>(&mut self, value: Option<T>, write: impl FnOnce(&mut Self, T)) {

@@ -1,6 +1,5 @@
 //! Features read: three parallel lists, one of them packed in base64.
 
-use crate::api::decoding::base64;
 use crate::api::decoding::column::{Column, Number};
 use crate::api::decoding::document::Kind;
 use crate::api::decoding::read::Node;
@@ -27,7 +26,7 @@ pub fn decode(node: &Node<'_>) -> Option<Features> {
         })
     });
     let descriptors = body.required("descriptors", |node| {
-        let bytes = base64::decode(node)?;
+        let bytes = node.bytes()?;
         // Both counts are needed to say how long it should be; where one is wrong, that has been said.
         let (Some(each), Some(keypoints)) = (descriptor_bytes, &keypoints) else { return Some(bytes) };
         if bytes.len() != each * keypoints.len() {

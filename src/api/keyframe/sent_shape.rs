@@ -1,11 +1,13 @@
 //! The schemas of what a client may send packed. Answers, and what this program sends, have the lists.
 
+use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::shape::{KeypointNumbers, PointNumber, PointNumberOrNone, Position, WordNumber, WordWeight};
 
 /// A bag of words: two columns in parallel, in any order, each as a list or packed.
-#[derive(ToSchema)]
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
 #[schema(as = SentBagOfWords)]
 #[expect(dead_code, reason = "a schema only")]
 pub struct SentBow {
@@ -27,7 +29,8 @@ pub struct SentBow {
 }
 
 /// Binary features: columns in parallel, each as a list or packed.
-#[derive(ToSchema)]
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
 #[schema(as = SentFeatures)]
 #[expect(dead_code, reason = "a schema only")]
 pub struct SentFeatures {
@@ -54,7 +57,8 @@ pub struct SentFeatures {
 }
 
 /// Positions of map points: two columns in parallel, each as a list or packed.
-#[derive(ToSchema)]
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
 #[schema(as = SentMapPoints)]
 #[expect(dead_code, reason = "a schema only")]
 pub struct SentPoints {

@@ -161,7 +161,8 @@ impl Text {
     /// Decodes it.
     fn read<T>(&self, read: impl FnOnce(&Document<'_>) -> T) -> Result<T, Problem> {
         if self.becomes_at_most.is_some_and(|most| decoded_bytes(&self.bytes) > most) {
-            return Err(too_dense());
+            // What is no JSON is told so: how much of it there is does not matter.
+            return syntax::check(&self.bytes).map_err(of_syntax).and(Err(too_dense()));
         }
         parsed(&self.bytes).map(|document| read(&document))
     }
@@ -217,10 +218,14 @@ fn count(app: &App, problem: &Problem) {
 }
 
 fn parsed(bytes: &[u8]) -> Result<Document<'_>, Problem> {
-    syntax::parse(bytes).map_err(|error| match error {
+    syntax::parse(bytes).map_err(of_syntax)
+}
+
+fn of_syntax(error: Unreadable) -> Problem {
+    match error {
         Unreadable::Syntax(fault) => Problem::new(Kind::SYNTAX, fault.detail.clone()).with(vec![fault]),
         Unreadable::TooMany(what) => too_many(what),
-    })
+    }
 }
 
 /// Rejects a body of any other type; a body without a type is accepted.

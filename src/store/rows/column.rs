@@ -26,7 +26,7 @@ pub(in crate::store) fn integers(list: &[i64]) -> Vec<u8> {
     let (steps, least) = (steps(list), list.iter().copied().min().unwrap_or(0));
     let offset = |number: &i64| number.wrapping_sub(least) as u64;
     let most = list.iter().map(offset).max().unwrap_or(0);
-    let width = (u64::BITS - most.leading_zeros()).div_ceil(u8::BITS) as usize;
+    let width = ((u64::BITS - most.leading_zeros()).div_ceil(u8::BITS) as usize).max(1);
     let mut offsets = vec![OFFSETS];
     varint::write(list.len() as u64, &mut offsets);
     varint::write(varint::zigzag(least), &mut offsets);
@@ -35,7 +35,9 @@ pub(in crate::store) fn integers(list: &[i64]) -> Vec<u8> {
         return steps;
     }
     offsets.reserve_exact(width * list.len());
-    list.iter().for_each(|number| offsets.extend_from_slice(&offset(number).to_le_bytes()[..width]));
+    for number in list {
+        offsets.extend_from_slice(&offset(number).to_le_bytes()[..width]);
+    }
     offsets
 }
 
@@ -157,7 +159,12 @@ mod tests {
 
     proptest! {
         #[test]
-        fn integers_come_back(list in prop::collection::vec(prop_oneof![any::<i64>(), -5_i64..5, 0_i64..100_000], 0..50)) {
+        fn integers_come_back(
+            list in prop_oneof![
+                prop::collection::vec(prop_oneof![any::<i64>(), -5_i64..5, 0_i64..100_000], 0..50),
+                (any::<i64>(), 0_usize..50).prop_map(|(number, times)| vec![number; times]),
+            ],
+        ) {
             prop_assert_eq!(integers_of(&integers(&list)).expect("a column"), list);
         }
 

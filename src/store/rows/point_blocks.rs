@@ -61,6 +61,9 @@ impl Block {
     }
 }
 
+/// Points to be set, by their places in a block; those without a position are removed.
+type Changes = Vec<(usize, Option<Point3>)>;
+
 /// Returns the points that a row holds, ascending.
 pub(in crate::store) fn points_of(
     block: i64,
@@ -76,7 +79,7 @@ pub(in crate::store) async fn change(
     map: MapKey,
     points: impl IntoIterator<Item = (SessionSeq, PointId, Option<Point3>)>,
 ) -> Result<(), StoreError> {
-    let mut changed: BTreeMap<(SessionSeq, i64), Vec<(usize, Option<Point3>)>> = BTreeMap::new();
+    let mut changed: BTreeMap<(SessionSeq, i64), Changes> = BTreeMap::new();
     for (session, id, at) in points {
         let place = (id & ((1 << BLOCK_BITS) - 1)) as usize;
         changed.entry((session, id >> BLOCK_BITS)).or_default().push((place, at));
@@ -95,14 +98,16 @@ async fn change_blocks(
     db: &mut SqliteConnection,
     map: MapKey,
     session: SessionSeq,
-    changed: &[((SessionSeq, i64), Vec<(usize, Option<Point3>)>)],
+    changed: &[((SessionSeq, i64), Changes)],
 ) -> Result<(), StoreError> {
     let numbers: Vec<i64> = changed.iter().map(|((_, block), _)| *block).collect();
     let mut standing = blocks(db, map, session, &numbers).await?;
     let (mut written, mut emptied) = (Vec::new(), Vec::new());
     for ((_, number), points) in changed {
         let mut block = standing.remove(number).unwrap_or(Block::EMPTY);
-        points.iter().for_each(|(place, at)| block.0[*place] = *at);
+        for (place, at) in points {
+            block.0[*place] = *at;
+        }
         if block.is_empty() {
             emptied.push(*number);
         } else {

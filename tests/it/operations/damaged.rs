@@ -24,7 +24,7 @@ const DAMAGES: &[(&str, &str, &str)] = &[
         "keyframe day-1:2 belongs to no session",
     ),
     (
-        "update keyframes set observes = x'02000000000000000100000000000000' where map_key = 1 and keyframe = 2",
+        "update keyframes set observes = x'010401' where map_key = 1 and keyframe = 2",
         "/anchors",
         "not in order",
     ),

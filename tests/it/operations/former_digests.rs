@@ -18,7 +18,7 @@ async fn a_retry_of_what_an_earlier_version_stored_is_no_conflict_and_another_ke
     server.put("/v1/maps/m/keyframes/kf", &body).await.expect(201);
     server.stop().await;
     let former = digest::of(Document::from(&body).root(), None);
-    let hex: String = former.iter().map(|byte| format!("{byte:02x}")).collect();
+    let hex = former.iter().fold(String::new(), |hex, byte| format!("{hex}{byte:02x}"));
     let database = folder.path().join("test.db");
     run_sql(&database, &format!("update keyframes set digest = x'{hex}'")).await;
 
