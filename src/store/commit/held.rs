@@ -14,8 +14,8 @@ use crate::store::StoreError;
 /// Jobs that go to the writer together once there are as many.
 const HELD_MAX: usize = 64;
 
-/// The longest that a job is held. Whoever waits for one does not wait for this.
-const HELD_TIME: Duration = Duration::from_millis(50);
+/// The longest that a job is held. Whoever waits for one does not wait for this; events of a bulk upload do.
+const HELD_TIME: Duration = Duration::from_millis(150);
 
 /// The way to the writer's queue, past the jobs that are held. Order is kept: a job is sent behind all that came before.
 #[derive(Clone, Debug)]

@@ -16,6 +16,10 @@ const MAX_GROUP: usize = 256;
 /// The cost of a group, in microseconds of a slow core: what a job that comes too late for it waits. One job may cost more.
 const GROUP_COST_US: u64 = 12_000;
 
+/// The same where no other line has jobs: 64 heavy lines of a bulk upload share a sync. A job that comes meanwhile waits longer,
+/// and a disk that syncs slowly is not asked to more often than it can.
+const LONE_COST_US: u64 = 48_000;
+
 /// Jobs that wait, by line.
 #[derive(Default)]
 pub(in crate::store) struct Lanes {
@@ -48,10 +52,11 @@ impl Lanes {
     /// Takes the next group: one job of each lane in turn.
     pub(in crate::store) fn take(&mut self) -> Vec<Queued> {
         let (mut group, mut cost) = (Vec::new(), 0);
+        let cost_max = if self.turns.len() == 1 { LONE_COST_US } else { GROUP_COST_US };
         while let Some(line) = self.turns.pop_front() {
             let Some(lane) = self.jobs.get_mut(&line) else { continue };
             let next = lane.front().map_or(0, |(_, queued)| queued.job.cost_us());
-            if !group.is_empty() && (cost + next > GROUP_COST_US || group.len() == MAX_GROUP) {
+            if !group.is_empty() && (cost + next > cost_max || group.len() == MAX_GROUP) {
                 self.turns.push_front(line);
                 break;
             }
