@@ -149,15 +149,9 @@ fn in_one_place(number: u32, text: Naming) -> NewKeyframe {
 
 fn detection(number: u32, text: Naming, x: f64) -> Detection {
     Detection {
-        class: "sign".to_owned(),
-        confidence: 0.9,
-        box_px: [100.0, 100.0, 160.0, 130.0],
-        map_points: Vec::new(),
         position_in_session: Some(Point3::new(x, 2.0, 0.0)),
-        range_assumed: false,
         text: Some(text(number)),
-        description: None,
-        crop: None,
+        ..Detection::of("sign", 0.9, [100.0, 100.0, 160.0, 130.0])
     }
 }
 

@@ -151,14 +151,9 @@ fn points_of(object: u32) -> std::ops::Range<i64> {
 fn detection(number: u32, side: u32, centre: [f64; 3]) -> Detection {
     let object = object(number, side);
     Detection {
-        class: "door_number".to_owned(),
-        confidence: 0.9,
-        box_px: [100.0, 100.0, 160.0, 130.0],
         map_points: points_of(object).collect(),
         position_in_session: Some(Point3::new(centre[0], centre[1] + f64::from(side) * 2.0, 1.5)),
-        range_assumed: false,
         text: Some(format!("room {object:05}")),
-        description: None,
-        crop: None,
+        ..Detection::of("door_number", 0.9, [100.0, 100.0, 160.0, 130.0])
     }
 }

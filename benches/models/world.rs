@@ -7,7 +7,6 @@ use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex};
 
 use revisit::config::models::ModelArgs;
-use revisit::domain::bow::BowVector;
 use revisit::domain::change::Change;
 use revisit::domain::ids::AnchorSeq;
 use revisit::domain::judged::{Finding, ModelVerdict};
@@ -110,29 +109,15 @@ pub fn keyframe(
     at: [f64; 3],
     covisible: &[String],
 ) -> NewKeyframe {
+    let pose = Pose::new([x, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).expect("a pose");
     NewKeyframe {
-        id: name.parse().expect("an id"),
-        session: "default".parse().expect("an id"),
-        stamp: Stamp { sec: 0, nanosec: 0 },
-        map_from_camera: Pose::new([x, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).expect("a pose"),
-        camera: None,
-        bow: BowVector::default(),
-        vocabulary: None,
-        features: None,
-        map_points: Vec::new(),
-        observes: Vec::new(),
         covisible: covisible.iter().map(|name| (name.parse().expect("an id"), 50)).collect(),
         detections: vec![Detection {
-            class: class.to_owned(),
-            confidence: 0.9,
-            box_px: [0.0, 0.0, 40.0, 40.0],
-            map_points: Vec::new(),
             position_in_session: Some(Point3::new(at[0], at[1], at[2])),
-            range_assumed: false,
-            text: None,
             description: Some(text),
-            crop: None,
+            ..Detection::of(class, 0.9, [0.0, 0.0, 40.0, 40.0])
         }],
+        ..NewKeyframe::at(name.parse().expect("an id"), Stamp { sec: 0, nanosec: 0 }, pose)
     }
 }
 

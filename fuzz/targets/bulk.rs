@@ -8,8 +8,8 @@ use revisit::api::decoding::syntax;
 fuzz_target!(|bytes: &[u8]| {
     for line in bytes.split(|byte| *byte == b'\n') {
         let Ok(line) = syntax::parse(line) else { continue };
-        let id = bulk::line_id(&line);
-        match bulk::decode(line) {
+        let id = bulk::line_id(line.root());
+        match bulk::decode(line.root()) {
             Ok(sent) => assert_eq!(id, Some(sent.keyframe.id.to_string())),
             Err(faulty) => assert!(!faulty.faults.is_empty()),
         }

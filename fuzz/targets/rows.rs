@@ -3,13 +3,12 @@
 
 use libfuzzer_sys::fuzz_target;
 use revisit::store::unpacks;
-use revisit::api::decoding::{base64, read};
+use revisit::api::decoding::base64;
 
 fuzz_target!(|bytes: &[u8]| {
     unpacks(bytes);
     if let Ok(text) = str::from_utf8(bytes) {
-        let _ = read::decode_with(&text.into(), base64::decode);
+        let _ = base64::decode(text);
     }
-    let decoded = read::decode_with(&base64::encode(bytes).into(), base64::decode);
-    assert_eq!(decoded.as_deref(), Ok(bytes));
+    assert_eq!(base64::decode(&base64::encode(bytes)).as_deref(), Ok(bytes));
 });

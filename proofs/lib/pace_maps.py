@@ -1,11 +1,16 @@
-"""The maps whose pace is measured: a robot in a building, with words only, or with signs and map points as well."""
+"""The maps whose pace is measured: a robot in a building, with words only, with signs and map points as well, or with features."""
 
+import base64
 import json
 import random
+import struct
 
 WORDS, KEPT_OF_THE_LAST, IN_BUILDING, IN_VOCABULARY = 700, 400, 60_000, 1_000_003
 # Each keyframe sees the signs and the points ahead of it, one metre farther than the one before.
 SIGNS_SEEN, EXIT_EVERY, POINTS_EACH_METRE, METRES_SEEN, CORRIDOR_M = 20, 10, 10, 15, 100
+
+# What ORB-SLAM3 keeps of a keyframe: 1,000 features of 32 bytes, of which half see a map point, all of them new.
+FEATURES, POINTS_NEW, DESCRIPTOR_BYTES = 1_000, 500, 32
 
 
 def words_of(keyframes, seed):
@@ -55,3 +60,33 @@ def with_signs(keyframes):
         body["detections"] = [sign(number + ahead) for ahead in range(SIGNS_SEEN)]
         body["observes"] = list(range(POINTS_EACH_METRE * number, POINTS_EACH_METRE * (number + METRES_SEEN)))
         yield line(body)
+
+
+def column(numbers, kind):
+    return base64.b64encode(struct.pack(f"<{len(numbers)}{kind}", *numbers)).decode()
+
+
+def with_features(number, packed):
+    """A keyframe as a SLAM system has it, without words; its long columns as lists or packed."""
+    drawn = random.Random(number)
+    points = list(range(number * POINTS_NEW, (number + 1) * POINTS_NEW))
+    seen = [-1] * FEATURES
+    for feature, point in zip(drawn.sample(range(FEATURES), POINTS_NEW), points):
+        seen[feature] = point
+    keypoints = [[drawn.randrange(64_000) / 100, drawn.randrange(48_000) / 100, drawn.randrange(8), drawn.randrange(3_600) / 10]
+                 for _ in range(FEATURES)]
+    positions = [[drawn.randrange(-100_000, 100_000) / 10_000 for _ in range(3)] for _ in points]
+    features = {"descriptor_bytes": DESCRIPTOR_BYTES,
+                "descriptors": base64.b64encode(drawn.randbytes(DESCRIPTOR_BYTES * FEATURES)).decode()}
+    flat = lambda rows: [value for row in rows for value in row]  # noqa: E731
+    if packed:
+        features |= {"keypoints_f32": column(flat(keypoints), "f"), "map_points_i64": column(seen, "q")}
+        placed = {"ids_i64": column(points, "q"), "positions_f64": column(flat(positions), "d")}
+    else:
+        features |= {"keypoints": keypoints, "map_points": seen}
+        placed = {"ids": points, "positions": positions}
+    body = {"session": "robot-1", "stamp": {"sec": number, "nanosec": 5},
+            "pose": {"translation": {"x": number * 0.1, "y": 0, "z": 2.2}, "rotation": {"x": 0, "y": 0, "z": 0, "w": 1}},
+            "camera": {"fx": 525, "fy": 525, "cx": 320, "cy": 240, "width": 640, "height": 480},
+            "features": features, "map_points": placed}
+    return json.dumps(body, separators=(",", ":")).encode()

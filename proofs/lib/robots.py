@@ -11,7 +11,7 @@ import random
 import threading
 import time
 
-from server import Gone
+from server import Gone, fail
 
 POINTS, STEP = 30, 10
 LARGEST_POINT = 2**63 - 1
@@ -101,6 +101,11 @@ class Robot(threading.Thread):
                 if key[0] == kind:
                     now[key] = state if write.acknowledged else "doubt"
         return [key for key, state in now.items() if state is not ABSENT and state != "doubt" and key not in self.frozen]
+
+    def any(self, kind):
+        """One of these keys, if there is any."""
+        mine = self.alive(kind)
+        return self.chance.choice(mine) if mine else None
 
     def run(self):
         try:
@@ -221,17 +226,15 @@ class Robot(threading.Thread):
         self.send("loop", {("loop", self.shared, name): True}, "POST", f"/v1/maps/{self.shared}/loops", body)
 
     def revoke(self):
-        mine = self.alive("loop")
-        if not mine:
+        key = self.any("loop")
+        if key is None:
             return self.loop()
-        key = self.chance.choice(mine)
         self.send("revoke", {key: ABSENT}, "DELETE", f"/v1/maps/{key[1]}/loops/{key[2]}")
 
     def anchor(self):
-        mine = self.alive("anchor")
-        if not mine:
+        key = self.any("anchor")
+        if key is None:
             return self.put()
-        key = self.chance.choice(mine)
         text = f"by hand {self.chance.randrange(10**9)}"
         self.send("anchor", {key: text}, "PATCH", f"/v1/maps/{key[1]}/anchors/{key[2]}", {"description": text},
                   headers={"if-match": "*"})
@@ -242,10 +245,9 @@ class Robot(threading.Thread):
         self.send("map", {("map", name): text}, "PUT", f"/v1/maps/{name}", {"description": text})
 
     def map_patch(self):
-        mine = self.alive("map")
-        if not mine:
+        key = self.any("map")
+        if key is None:
             return self.map_put()
-        key = self.chance.choice(mine)
         text = f"changed {self.chance.randrange(10**9)}"
         self.send("map", {key: text}, "PATCH", f"/v1/maps/{key[1]}", {"description": text})
 
@@ -265,6 +267,16 @@ class Robot(threading.Thread):
         return states
 
 
+def finish(robots, seconds=None):
+    """Waits until the robots have ended, and fails if one of them met trouble."""
+    for robot in robots:
+        robot.join(seconds)
+        if robot.is_alive():
+            fail(f"{robot.robot} waits for an answer that does not come")
+        if robot.trouble:
+            fail(f"{robot.robot}: {robot.trouble}")
+
+
 def same(sent, kept):
     """The same numbers, however they are written; fields that the server adds are its own."""
     if isinstance(sent, dict):
@@ -277,12 +289,14 @@ def same(sent, kept):
 
 
 class Audit:
-    """Holds histories against a server."""
+    """Holds the robots' histories against a server, as they may be at a moment (None: now)."""
 
-    def __init__(self, server):
+    def __init__(self, server, robots, moment=None, settle=True):
         self.client = server.client()
         self.loops = {}
         self.lost, self.checked, self.found, self.absent, self.wrong = [], 0, 0, 0, []
+        for robot in robots:
+            self.check(robot, moment, settle)
 
     def kept(self, key):
         """What the server says that a key is."""
@@ -322,7 +336,7 @@ class Audit:
                 return ids
             cursor = f"&cursor={page['next_cursor']}"
 
-    def check(self, robot, moment=None, settle=True):
+    def check(self, robot, moment, settle):
         """Every key has a state that it may have at a moment (None: now). `settle`: what is found is there to stay."""
         may, actual = {}, {}
         for write in robot.history:
@@ -365,8 +379,17 @@ class Audit:
         else:
             self.absent += 1
 
-    def no_fault(self):
-        return not self.lost and not self.wrong
+    def faults(self):
+        return self.lost + self.wrong
+
+    def expect_no_fault(self, when):
+        if self.faults():
+            fail(f"{when}: {self.faults()[:3]}")
+
+    def add_to(self, figures):
+        figures["lost"] += len(self.lost)
+        figures["in doubt, found"] += self.found
+        figures["in doubt, absent"] += self.absent
 
 
 def matches(key, state, actual):

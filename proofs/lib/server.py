@@ -53,6 +53,13 @@ class Answer:
         return f"{self.status} {self.body[:400]!r}"
 
 
+def expect(answer, *statuses):
+    """The answer, if it has one of these statuses; of none, any that says it was done."""
+    if answer.status not in (statuses or (200, 201, 204)):
+        raise AssertionError(f"{answer} instead of {statuses or 'success'}")
+    return answer
+
+
 class Client:
     """One connection of one thread."""
 
@@ -187,6 +194,12 @@ def integrity(database):
         for suffix in ("", "-wal", "-shm"):
             Path(f"{copy}{suffix}").unlink(missing_ok=True)
     return [fault for fault in faults if fault != "ok"] + [f"dangling: {row}" for row in dangling]
+
+
+def expect_integrity(database, when):
+    faults = integrity(database)
+    if faults:
+        fail(f"integrity_check {when}: {faults[:3]}")
 
 
 def fail(text):

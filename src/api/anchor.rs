@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::decoding::document::Kind;
 use super::decoding::read::{Decode, Node};
 use super::limits;
 use super::names::AnchorStateName;
@@ -23,12 +24,12 @@ pub struct AnchorView {
     pub map_version: Option<u64>,
     /// Its class.
     pub class: String,
-    /// How far its description is.
+    /// The state of its description.
     pub state: AnchorStateName,
     /// Its description, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub description: Option<String>,
-    /// Who described it: `readings` (the vote over all readings) or `operator`.
+    /// The source of its description: `readings` (the vote over all readings) or `operator`.
     pub description_source: String,
     /// The identifiers found in the description, such as a room's number.
     pub identifiers: Vec<String>,
@@ -38,7 +39,7 @@ pub struct AnchorView {
     /// One sentence for a person that says why it has that level; left out without a description.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub information_reason: Option<String>,
-    /// How the building writes its numbers on signs of this class, given or learned: patterns, or shapes such as `#.99`, in
+    /// The formats of the building's numbers on signs of this class, given or learned: patterns, or shapes such as `#.99`, in
     /// which `#` is a run of digits of any length and `9` one digit; left out while it is not known.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub numbering: Vec<String>,
@@ -57,11 +58,11 @@ pub struct AnchorView {
     pub center: Option<[f64; 3]>,
     /// Its box in the frame of each session that saw it, oldest session first.
     pub frames: Vec<AnchorFrameView>,
-    /// How many distinct map points it has.
+    /// Number of its distinct map points.
     pub map_points: usize,
     /// The anchors that match it, oldest first; at most 100 of `matches_total`.
     pub matches: Vec<AnchorMatchView>,
-    /// How many anchors match it in all.
+    /// Number of anchors that match it in all.
     pub matches_total: usize,
     /// Of a retired one, the anchor that hangs in its place, if any does.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -85,7 +86,7 @@ pub struct ReadingView {
     pub text: String,
     /// The sum of its detections' confidences.
     pub weight: f64,
-    /// How many detections read it.
+    /// Number of detections that read it.
     pub count: usize,
 }
 
@@ -121,9 +122,9 @@ pub struct AnchorMatchView {
     /// SimilarityLevel of the two descriptions, 1 (different objects) to 5 (the same).
     #[schema(minimum = 1, maximum = 5)]
     pub level: u8,
-    /// Who judged: `identical`, `identifiers`, `lexical`, `operator` or `model:<name>`.
+    /// The judge: `identical`, `identifiers`, `lexical`, `operator` or `model:<name>`.
     pub source: String,
-    /// Were the two seen apart, so that the robot has come back?
+    /// Whether the two were seen apart, so that the robot has come back.
     pub kind: MatchKind,
     /// One sentence for a person.
     pub reason: String,
@@ -147,7 +148,7 @@ pub struct AnchorPatchBody {
     pub description: Option<String>,
 }
 
-/// What an operator wants to change about an anchor.
+/// Changes of an anchor by an operator.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AnchorPatch {
     /// The new description; `None` lets the readings describe it again.
@@ -173,7 +174,7 @@ pub struct LocalAnchorView {
     pub anchor: String,
     /// Its class.
     pub class: String,
-    /// How far its description is; only valid ones count in S.
+    /// The state of its description; only valid ones count in S.
     pub state: AnchorStateName,
     /// Its description, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -190,7 +191,7 @@ impl Decode for AnchorPatch {
     fn decode(node: &Node<'_>) -> Option<Self> {
         let body = node.object(&["description"])?;
         body.required("description", |node| {
-            if node.value().is_null() {
+            if node.value().kind() == Kind::Null {
                 return Some(Self { description: None });
             }
             node.text(limits::TEXT_CHARS).map(|text| Self { description: Some(text) })

@@ -15,11 +15,7 @@ use crate::domain::request::NewBackup;
 pub struct BackupBody {
     /// Its id; the server finds one if it is left out.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(
-        min_length = 1,
-        max_length = 128,
-        pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$"
-    )]
+    #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
     pub id: Option<String>,
 }
 
@@ -29,7 +25,7 @@ pub struct BackupBody {
 pub struct BackupView {
     /// Its id; the file is called `ID.db`.
     pub id: String,
-    /// When it was asked for, since 1970: every write acknowledged before is in it.
+    /// The time of the request, since 1970: every write acknowledged before is in it.
     pub created: Time,
     /// Its size in bytes.
     pub bytes: u64,

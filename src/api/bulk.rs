@@ -3,16 +3,14 @@
 use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 use utoipa::openapi::{RefOr, Schema};
 use utoipa::{PartialSchema, ToSchema};
 
-use super::decoding::read;
-use super::keyframe::{Faulty, KeyframeAnswer, KeyframeBody, OutcomeView, SentKeyframe, named};
+use super::decoding::document::Json;
+use super::keyframe::{Faulty, KeyframeAnswer, KeyframeBody, OutcomeView, SentKeyframe, of_line};
 use super::poses::Id;
 use super::problem::ProblemView;
 use crate::domain::ids::KeyframeId;
-use crate::domain::invalid::FieldError;
 
 /// One line of a bulk request, for the API document: a keyframe with its id.
 pub struct BulkItem;
@@ -35,7 +33,7 @@ impl PartialSchema for BulkItem {
     }
 }
 
-/// What became of one line of a bulk request.
+/// The outcome of one line of a bulk request.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct BulkLine {
     /// The keyframe's id; left out where the line has none that can be read.
@@ -45,19 +43,19 @@ pub struct BulkLine {
     pub line: usize,
     /// The HTTP status that a request of its own would have got.
     pub status: u16,
-    /// Was the same keyframe stored before?
+    /// Whether the same keyframe was stored before.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub idempotent_replayed: Option<bool>,
     /// The map's version after it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_version: Option<u64>,
-    /// How many keyframes are covisible with it.
+    /// Number of keyframes covisible with it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub covisible: Option<usize>,
-    /// What became of its detections, in their order.
+    /// The outcomes of its detections, in their order.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub detections: Option<Vec<OutcomeView>>,
-    /// Why it was refused.
+    /// The reason for its refusal.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub problem: Option<ProblemView>,
 }
@@ -84,33 +82,12 @@ impl BulkLine {
 }
 
 /// Returns the id that a line gives itself, if it can be read, for naming it in the answer.
-pub fn line_id(line: &Value) -> Option<String> {
+pub fn line_id(line: Json<'_>) -> Option<String> {
     let id: KeyframeId = line.get("id")?.as_str()?.parse().ok()?;
     Some(id.to_string())
 }
 
-/// Returns a line: an id and the members of a keyframe. Without its id it is the very body of a PUT, with the same
-/// digest.
-pub fn decode(mut line: Value) -> Result<SentKeyframe, Faulty> {
-    let id = line.as_object_mut().and_then(|members| members.remove("id"));
-    let id = match id {
-        None => Err(vec![FieldError::new("/id", "the field is required")]),
-        Some(id) => {
-            read::decode_with(&json!({ "id": id }), |node| node.object(&["id"])?.required("id", read::id))
-        }
-    };
-    let read = match id {
-        Ok(id) => named(&line, &id),
-        // The rest is read all the same: whoever fixes the line shall know everything.
-        Err(mut errors) => {
-            errors.extend(named(&line, &nobody()).err().unwrap_or_default());
-            Err(errors)
-        }
-    };
-    read.map_err(|faults| Faulty::of(faults, &line))
-}
-
-/// Stands in for an id that cannot be read.
-fn nobody() -> KeyframeId {
-    "nobody".parse().unwrap_or_else(|_| unreachable!("an id"))
+/// Returns a line: an id and the members of a keyframe.
+pub fn decode(line: Json<'_>) -> Result<SentKeyframe, Faulty> {
+    of_line(line).map_err(|faults| Faulty::of(faults, Some(line)))
 }

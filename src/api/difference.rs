@@ -19,12 +19,12 @@ pub struct DifferenceView {
     pub query_identifier: String,
     /// The identifier on the candidate's anchor.
     pub candidate_identifier: String,
-    /// Why it did not count as a contradiction, or not enough.
+    /// The reason why it did not count as a contradiction, or not enough.
     pub reason: DifferenceReasonName,
-    /// What was measured: characters for `not_sure`, metres or radians for `another_place`, weights in 1/m for `outweighed`.
+    /// The measured value: characters for `not_sure`, metres or radians for `another_place`, weights in 1/m for `outweighed`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub measured: Option<f64>,
-    /// What it was compared with, in the same unit.
+    /// The value that it was compared with, in the same unit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limit: Option<f64>,
     /// One sentence for a person.

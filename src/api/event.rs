@@ -13,7 +13,7 @@ use crate::domain::ids::AnchorSeq;
 pub struct EventView {
     /// Its number in its map, growing by one.
     pub seq: u64,
-    /// What happened.
+    /// The kind of event.
     pub event: EventName,
     /// The map's version in which it happened.
     pub map_version: u64,

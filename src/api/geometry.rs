@@ -8,13 +8,13 @@ use super::space::{Quaternion, Vector3, rounded};
 use crate::domain::verdict::{GeometryEvidence, GeometryFigures};
 use crate::geometry::Sim3;
 
-/// What geometric verification found.
+/// The result of geometric verification.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[schema(as = Geometry)]
 pub struct GeometryView {
-    /// How far it came.
+    /// Its outcome.
     pub status: GeometryStatusName,
-    /// Why it was skipped or failed, for a person.
+    /// The reason why it was skipped or failed, for a person.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
     /// The model that was looked for. Where too few points are triangulated the images alone are compared, by the simplest model that

@@ -20,7 +20,7 @@ pub struct JudgementBody {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(min_length = 1, max_length = 128, pattern = "^[A-Za-z0-9._:-]{1,128}$")]
     pub id: Option<String>,
-    /// Which verdicts to ask for again.
+    /// The verdicts to ask for again.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub asks: Option<AsksName>,
     /// Only counts the questions and what they may cost, and starts nothing.
@@ -52,9 +52,9 @@ pub struct JudgementView {
     pub id: Option<String>,
     /// The map's version.
     pub map_version: u64,
-    /// How it stands.
+    /// Its state.
     pub state: StateName,
-    /// Which verdicts it asks for again.
+    /// The verdicts that it asks for again.
     pub asks: AsksName,
     /// Questions that other models or prompts answered than those configured now, as counted when the job began.
     pub questions: u64,
@@ -82,7 +82,7 @@ pub struct JudgementView {
 pub struct ReplacedView {
     /// The version of the map that replaced it: earlier answers rest on the verdict before.
     pub map_version: u64,
-    /// What was asked: `similarity`, `information`, `merge` or `describe`.
+    /// The question: `similarity`, `information`, `merge` or `describe`.
     pub operation: String,
     /// The class of the objects.
     pub class: String,
@@ -96,11 +96,11 @@ pub struct ReplacedView {
     pub detection: Option<u16>,
     /// The level or the text that was replaced.
     pub before: String,
-    /// Who gave it.
+    /// Its source.
     pub source_before: String,
     /// The level or the text that stands now.
     pub after: String,
-    /// Who gave it.
+    /// Its source.
     pub source_after: String,
 }
 

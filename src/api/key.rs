@@ -11,7 +11,7 @@ use super::space::Time;
 use crate::domain::key::{Action, Actions, Key, KeyProperties, MadeKey, MapPattern};
 use crate::domain::keyframe::Stamp;
 
-/// What the answer to a server's first key says.
+/// The notice in the answer to a server's first key.
 const FIRST_KEY_NOTICE: &str = "This is the server's first key: from now on every request needs a key, sent as \
     `authorization: Bearer <secret>`, and the viewer asks for one. Keep the secret; it is not shown again.";
 
@@ -23,7 +23,7 @@ pub struct KeyBody {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(min_length = 1, max_length = 128)]
     pub name: Option<String>,
-    /// What it may do, at least one.
+    /// Its permissions, at least one.
     #[schema(min_items = 1, max_items = 4, inline)]
     pub actions: Vec<ActionName>,
     /// The maps that exist for it: ids in which `*` stands for any characters. Left out: every map.
@@ -41,7 +41,7 @@ pub struct KeyBody {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0, maximum = 1_000_000_000)]
     pub model_daily_calls: Option<u32>,
-    /// What these calls may cost, in US dollars. Left out: any sum.
+    /// Maximum cost of these calls, in US dollars. Left out: any sum.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0, maximum = 1_000_000)]
     pub model_daily_usd: Option<f64>,
@@ -59,17 +59,17 @@ pub struct KeyView {
     pub id: String,
     /// Whose it is.
     pub name: String,
-    /// What it may do.
+    /// Its permissions.
     #[schema(inline)]
     pub actions: Vec<ActionName>,
     /// The maps that exist for it.
     pub maps: Vec<String>,
-    /// When it was made.
+    /// The time when it was made.
     pub created: Time,
     /// From when on it is no longer good; left out if it does not expire.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub expires: Option<Time>,
-    /// When it was revoked; left out while it is good.
+    /// The time when it was revoked; left out while it is good.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub revoked: Option<Time>,
     /// Requests a second.
@@ -78,13 +78,13 @@ pub struct KeyView {
     /// Calls of models a day.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub model_daily_calls: Option<u32>,
-    /// What these calls may cost, in US dollars.
+    /// Maximum cost of these calls, in US dollars.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub model_daily_usd: Option<f64>,
-    /// What to send as `authorization: Bearer <secret>`. Told once, when the key is made, and kept nowhere.
+    /// The secret, to be sent as `authorization: Bearer <secret>`. Shown once, when the key is made, and kept nowhere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub secret: Option<String>,
-    /// What changes from now on, if this is the server's first key.
+    /// The consequences, if this is the server's first key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub notice: Option<String>,
 }

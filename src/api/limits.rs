@@ -20,7 +20,7 @@ pub const BULK_ITEMS: usize = 100_000;
 pub const BODY_VALUES: usize = 2_000_000;
 /// The most items of any list; what a list of a kind may hold is less, and told with its name.
 pub const LIST_ITEMS: usize = 200_000;
-/// What a compressed body may become in memory, however small it came: as text, and as the values in it.
+/// Size that a compressed body may have in memory, however small it came: as text, and as the values in it.
 pub const INFLATED_FREE_BYTES: usize = 2 << 20;
 /// And so many bytes more for each byte that came. Robots' keyframes are a tenth of their size when compressed; a bomb is
 /// a thousandth.
@@ -98,7 +98,7 @@ pub const PATTERN_CHARS: usize = 256;
 pub const ANCHOR_CLASSES: usize = 256;
 /// Keyframes, and map points, of one correction of poses.
 pub const CORRECTIONS: usize = 100_000;
-/// How long a loop query may wait for models, in milliseconds.
+/// Time that a loop query may wait for models, in milliseconds.
 pub const MAX_WAIT_MS: RangeInclusive<i64> = 0..=60_000;
 /// The seed of a query; 63 bits, because JSON readers in Java and C++ have signed numbers.
 pub const SEED: RangeInclusive<i64> = 0..=i64::MAX;
@@ -110,7 +110,7 @@ pub const KEY_PATTERNS: usize = 100;
 pub const KEY_RATE_PER_S: RangeInclusive<i64> = 1..=1_000_000;
 /// Calls of models a day of one key.
 pub const KEY_DAILY_CALLS: RangeInclusive<i64> = 0..=1_000_000_000;
-/// What they may cost, in US dollars.
+/// Maximum cost of these calls, in US dollars.
 pub const KEY_DAILY_USD: RangeInclusive<f64> = 0.0..=1e6;
 /// Items of one part of a list.
 pub const PAGE: RangeInclusive<i64> = 1..=1000;

@@ -16,19 +16,15 @@ use crate::domain::verdict::Verify;
 pub struct LoopQueryBody {
     /// The id of a stored keyframe.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(
-        min_length = 1,
-        max_length = 128,
-        pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$"
-    )]
+    #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
     pub keyframe: Option<String>,
     /// A keyframe that is not stored.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inline: Option<KeyframeBody>,
-    /// Which checks must run.
+    /// The checks that must run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub verify: Option<VerifyName>,
-    /// How long to wait for models that are still judging, in milliseconds.
+    /// Maximum wait for models that are still judging, in milliseconds.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(default = 0, minimum = 0, maximum = 60000)]
     pub max_wait_ms: Option<u64>,

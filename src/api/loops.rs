@@ -15,25 +15,13 @@ use crate::domain::request::NewLoop;
 #[serde(deny_unknown_fields)]
 pub struct LoopBody {
     /// Its id.
-    #[schema(
-        min_length = 1,
-        max_length = 128,
-        pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$"
-    )]
+    #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
     pub id: String,
     /// The keyframe that came back.
-    #[schema(
-        min_length = 1,
-        max_length = 128,
-        pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$"
-    )]
+    #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
     pub keyframe: String,
     /// The keyframe it came back to.
-    #[schema(
-        min_length = 1,
-        max_length = 128,
-        pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$"
-    )]
+    #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
     pub candidate: String,
     /// The id of the loop query that found it.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -50,17 +38,17 @@ pub struct LoopClosed {
     pub map_version: u64,
     /// The pairs of anchors that became one.
     pub merged: Vec<MergeView>,
-    /// What speaks against it, as the map stood before it. The client decides: it is closed all the same, and can be revoked.
+    /// Evidence against it, as the map stood before it. The client decides: it is closed all the same, and can be revoked.
     /// A retry (200) is answered without them.
     #[schema(max_items = 1)]
     pub warnings: Vec<LoopWarningView>,
 }
 
-/// What speaks against a loop that was confirmed.
+/// Evidence against a loop that was confirmed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[schema(as = LoopWarning)]
 pub struct LoopWarningView {
-    /// Which kind.
+    /// The kind of evidence.
     pub code: LoopWarningCodeName,
     /// One sentence for a person.
     pub detail: String,

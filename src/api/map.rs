@@ -35,7 +35,7 @@ pub struct MapBody {
     pub settings: Option<MapSettings>,
 }
 
-/// What is to change about a map; what is left out stays as it is.
+/// Changes of a map; a field that is left out stays as it is.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MapPatchBody {
@@ -78,15 +78,15 @@ pub struct MapView {
     /// The vocabulary its words belong to: a fingerprint, a name that a client gave, or `client`; left out while it has none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vocabulary: Option<String>,
-    /// How many keyframes it holds.
+    /// Number of its keyframes.
     pub keyframes: usize,
-    /// How many anchors it holds, merged ones counted once.
+    /// Number of its anchors, merged ones counted once.
     pub anchors: usize,
-    /// How many sessions have written to it.
+    /// Number of sessions that have written to it.
     pub sessions: usize,
-    /// How many confirmed loops it holds.
+    /// Number of its confirmed loops.
     pub loops: usize,
-    /// What its facts take on disk, in bytes: keyframes with their words, features, detections, texts and crops, map points
+    /// Size of its facts on disk, in bytes: keyframes with their words, features, detections, texts and crops, map points
     /// with a position (once each, however often sent), sessions, and loops with what they merge.
     pub bytes: u64,
     /// By class, how the building writes its numbers, as learned from ten values or more: `#` stands for the first run of

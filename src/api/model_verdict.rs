@@ -10,12 +10,12 @@ use crate::domain::recorded::NamedDetection;
 use crate::domain::request::NewVerdict;
 use crate::semantics::Text;
 
-/// What a model said: a level or a merged text of texts of one class, or a description of a detection's crop.
+/// A verdict of a model: a level or a merged text of texts of one class, or a description of a detection's crop.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[schema(as = ModelVerdict)]
 pub struct ModelVerdictBody {
-    /// What it was asked.
+    /// The question.
     pub operation: ModelOperationName,
     /// The class of the objects that carry the texts; of all but `describe`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -35,13 +35,9 @@ pub struct ModelVerdictBody {
     pub text: Option<String>,
     /// The keyframe of the crop that was described.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(
-        min_length = 1,
-        max_length = 128,
-        pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$"
-    )]
+    #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
     pub keyframe: Option<String>,
-    /// Which of its detections, counted from 0.
+    /// The number of the detection in it, from 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0, maximum = 499)]
     pub detection: Option<u16>,
@@ -53,7 +49,7 @@ pub struct ModelVerdictBody {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(default = false)]
     pub degraded: Option<bool>,
-    /// Who said it, such as `model:gpt-4o-mini`.
+    /// Its source, such as `model:gpt-4o-mini`.
     #[schema(min_length = 1, max_length = 128)]
     pub source: String,
     /// Why, in one sentence for a person.
@@ -74,7 +70,7 @@ pub enum ModelOperationName {
     Describe,
 }
 
-/// What became of it.
+/// The effect of a verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct ModelVerdictAnswer {
     /// The map's version after it.

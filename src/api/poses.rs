@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::decoding::read::{self, Decode, Node};
-use super::keyframe::{PointsShape, points};
+use super::keyframe::{PointsShape, SentPoints, points};
 use super::limits;
 use super::space::Transform;
 use crate::domain::ids::{KeyframeId, SessionId};
@@ -21,7 +21,7 @@ pub struct PosesBody {
         default = "default",
         min_length = 1,
         max_length = 128,
-        pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$"
+        pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$"
     )]
     pub session: Option<String>,
     /// Its keyframes with their corrected poses.
@@ -29,6 +29,7 @@ pub struct PosesBody {
     pub keyframes: Option<PoseList>,
     /// Its map points at their corrected positions.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<SentPoints>)]
     pub map_points: Option<PointsShape>,
 }
 
@@ -46,7 +47,7 @@ pub struct PoseList {
 
 /// An id, made by the client.
 #[derive(ToSchema)]
-#[schema(min_length = 1, max_length = 128, pattern = "^(\\.{0,2}[A-Za-z0-9_:-]|\\.{3})[A-Za-z0-9._:-]*$")]
+#[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
 pub struct Id(#[expect(dead_code, reason = "a schema only")] String);
 
 /// Poses and points are corrected.
@@ -54,9 +55,9 @@ pub struct Id(#[expect(dead_code, reason = "a schema only")] String);
 pub struct PosesAnswer {
     /// The map's version after it.
     pub map_version: u64,
-    /// How many keyframes were corrected.
+    /// Number of corrected keyframes.
     pub keyframes: usize,
-    /// How many map points were corrected.
+    /// Number of corrected map points.
     pub map_points: usize,
 }
 

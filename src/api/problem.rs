@@ -5,11 +5,11 @@ use utoipa::ToSchema;
 
 use crate::domain::invalid::FieldError;
 
-/// Why a request was refused, or failed.
+/// The reason why a request was refused, or failed.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[schema(as = Problem)]
 pub struct ProblemView {
-    /// Where the kind of problem is explained.
+    /// Address of an explanation of the kind of problem.
     #[serde(rename = "type")]
     pub kind: String,
     /// The kind of problem in a few words.
@@ -17,7 +17,7 @@ pub struct ProblemView {
     /// The HTTP status.
     #[schema(minimum = 400, maximum = 599)]
     pub status: u16,
-    /// What happened this time.
+    /// Description of this occurrence.
     pub detail: String,
     /// The kind of problem, for programs.
     pub code: String,
@@ -34,12 +34,12 @@ pub struct FaultView {
     /// JSON pointer into the body (`/detections/0/box`), a query parameter (`?limit`), a part of the path (`{map}`)
     /// or a header (`if-match:`).
     pub pointer: String,
-    /// What is wrong.
+    /// Description of the fault.
     pub detail: String,
-    /// What was sent, shortened.
+    /// The value that was sent, shortened.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub got: Option<String>,
-    /// What would have been allowed.
+    /// The values that are allowed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit: Option<String>,
 }

@@ -41,7 +41,7 @@ pub struct LevelAnswer {
     /// 1 to 5. Similarity: 1 different objects, 5 the same. Information: 1 says nothing, 5 an identifier in context.
     #[schema(minimum = 1, maximum = 5)]
     pub level: u8,
-    /// Who judged: `identical`, `identifiers`, `lexical`, `operator` or `model:<name>`.
+    /// The judge: `identical`, `identifiers`, `lexical`, `operator` or `model:<name>`.
     pub source: String,
     /// One sentence for a person.
     pub reason: String,
@@ -56,7 +56,7 @@ pub struct LevelAnswer {
 pub struct MergeAnswer {
     /// The description.
     pub text: String,
-    /// Who merged: `lexical` or `model:<name>`.
+    /// The source of the merged text: `lexical` or `model:<name>`.
     pub source: String,
     /// Whether the answer came from a cache of model answers.
     pub cached: bool,

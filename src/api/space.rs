@@ -77,7 +77,7 @@ impl Decode for Pose {
             let parts = ["x", "y", "z", "w"];
             let [x, y, z, w] = parts.map(|part| quaternion.required(part, |n| n.number(limits::QUATERNION)));
             // The norm of a quaternion with a part that is too large tells what is wrong with it: it was not normalised.
-            if let [Some(x), Some(y), Some(z), Some(w)] = parts.map(|part| node.value()[part].as_f64())
+            if let [Some(x), Some(y), Some(z), Some(w)] = parts.map(|part| node.value().get(part)?.as_f64())
                 && Self::new([0.0; 3], [x, y, z, w]).is_none()
             {
                 let norm = rounded((x * x + y * y + z * z + w * w).sqrt());

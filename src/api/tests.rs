@@ -7,6 +7,8 @@ use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
 use super::anchor::{AnchorPatch, AnchorPatchBody, AnchorView, LocalAnchorMap};
+use super::decoding::base64;
+use super::decoding::document::Document;
 use super::decoding::read::{self, Decode};
 use super::keyframe::{KeyframeAnswer, KeyframeBody, KeyframeView};
 use super::list::{AnchorList, CovisibleList, KeyframeList, LoopList, MapList};
@@ -15,6 +17,7 @@ use super::loops::{LoopBody, LoopClosed, LoopRevoked};
 use super::map::{MapBody, MapPatchBody, MapView};
 use super::poses::{PosesAnswer, PosesBody};
 use super::{bulk, event, examples, keyframe, problem, semantics, usage, verdict};
+use crate::domain::invalid::FieldError;
 use crate::domain::map::MapProperties;
 use crate::domain::request::{LoopQuery, MapPatch, NewLoop, PoseCorrection};
 
@@ -26,7 +29,7 @@ fn is_shape<T: Serialize + DeserializeOwned>(example: &Value) {
 
 fn is_body<Shape: Serialize + DeserializeOwned, Model: Decode + Debug>(example: &Value) {
     is_shape::<Shape>(example);
-    read::decode::<Model>(example).unwrap_or_else(|errors| panic!("{errors:#?}: {example}"));
+    read::decode::<Model>(&Document::from(example)).unwrap_or_else(|errors| panic!("{errors:#?}: {example}"));
 }
 
 #[test]
@@ -41,11 +44,12 @@ fn the_example_of_each_body_is_of_its_shape_and_is_read() {
     is_body::<semantics::OneText, semantics::OneText>(&examples::one_text());
     is_shape::<KeyframeBody>(&examples::keyframe_body());
     let id = "kf-120".parse().expect("an id");
-    let sent = keyframe::named(&examples::keyframe_body(), &id).expect("a keyframe").keyframe;
+    let body = Document::from(&examples::keyframe_body());
+    let sent = keyframe::named(body.root(), &id).expect("a keyframe").keyframe;
     assert_eq!(sent.observes, [12, 13]);
     assert_eq!(sent.features.expect("features").map_points, [Some(12), None]);
     for line in examples::bulk_lines() {
-        bulk::decode(line).expect("a keyframe");
+        bulk::decode(Document::from(&line).root()).expect("a keyframe");
     }
 }
 
@@ -76,7 +80,7 @@ fn the_example_of_each_answer_is_of_its_shape() {
 
 fn faults(body: &Value) -> Vec<String> {
     let id = "kf-120".parse().expect("an id");
-    let errors = keyframe::named(body, &id).err().unwrap_or_default();
+    let errors = keyframe::named(Document::from(body).root(), &id).err().unwrap_or_default();
     errors.into_iter().map(|error| error.pointer).collect()
 }
 
@@ -133,9 +137,131 @@ fn all_faults_of_a_body_are_told_at_once() {
 fn faults_beyond_a_hundred_are_counted() {
     let mut body = examples::keyframe_body();
     body["observes"] = json!(vec!["x"; 1000]);
-    let errors = keyframe::named(&body, &"kf".parse().expect("an id")).expect_err("faults");
+    let body = Document::from(&body);
+    let errors = keyframe::named(body.root(), &"kf".parse().expect("an id")).expect_err("faults");
     assert_eq!(errors.len(), 101);
     assert_eq!(errors[100].detail, "900 more faults are not listed");
+}
+
+/// Packs each column of the example keyframe.
+fn packed_keyframe() -> Value {
+    let pack = |bytes: Vec<Vec<u8>>| json!(base64::encode(&bytes.concat()));
+    let of_f64 = |numbers: &[f64]| pack(numbers.iter().map(|x| x.to_le_bytes().to_vec()).collect());
+    let of_f32 = |numbers: &[f32]| pack(numbers.iter().map(|x| x.to_le_bytes().to_vec()).collect());
+    let of_i64 = |numbers: &[i64]| pack(numbers.iter().map(|x| x.to_le_bytes().to_vec()).collect());
+    let mut body = examples::keyframe_body();
+    let lists = body.clone();
+    let floats =
+        |at: &Value| at.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect::<Vec<f64>>();
+    let wholes =
+        |at: &Value| at.as_array().unwrap().iter().map(|x| x.as_i64().unwrap()).collect::<Vec<i64>>();
+    let rows = |at: &Value| at.as_array().unwrap().iter().map(floats).collect::<Vec<_>>();
+    let words: Vec<Vec<u8>> =
+        wholes(&lists["bow"]["words"]).iter().map(|word| (*word as u32).to_le_bytes().to_vec()).collect();
+    let keypoints = rows(&lists["features"]["keypoints"]).into_iter().flat_map(|row| {
+        [row[0], row[1], row.get(2).copied().unwrap_or(0.0), row.get(3).copied().unwrap_or(f64::NAN)]
+    });
+    let mut replace = |object: &str, list: &str, packed: &str, value: Value| {
+        let of = if object.is_empty() { &mut body } else { &mut body[object] };
+        of.as_object_mut().unwrap().remove(list).unwrap_or_else(|| panic!("{object} has no {list}"));
+        of[packed] = value;
+    };
+    replace("bow", "words", "words_u32", pack(words));
+    replace("bow", "weights", "weights_f64", of_f64(&floats(&lists["bow"]["weights"])));
+    let keypoints: Vec<f32> = keypoints.map(|x| x as f32).collect();
+    replace("features", "keypoints", "keypoints_f32", of_f32(&keypoints));
+    let of_features = wholes(&lists["features"]["map_points"]);
+    replace("features", "map_points", "map_points_i64", of_i64(&of_features));
+    replace("map_points", "ids", "ids_i64", of_i64(&wholes(&lists["map_points"]["ids"])));
+    let positions = rows(&lists["map_points"]["positions"]).concat();
+    replace("map_points", "positions", "positions_f64", of_f64(&positions));
+    replace("", "observes", "observes_i64", of_i64(&wholes(&lists["observes"])));
+    body
+}
+
+#[test]
+fn packed_columns_make_the_same_facts_and_the_same_digest_as_lists() {
+    let id = "kf-120".parse().expect("an id");
+    let read = |body: &Value| keyframe::named(Document::from(body).root(), &id).expect("a keyframe");
+    assert_eq!(read(&packed_keyframe()), read(&examples::keyframe_body()));
+}
+
+#[test]
+fn the_digest_is_of_the_facts_whatever_their_order_and_changes_with_each_of_them() {
+    let id = "kf-120".parse().expect("an id");
+    let digest = |body: &Value| keyframe::named(Document::from(body).root(), &id).expect("a keyframe").digest;
+    let body = examples::keyframe_body();
+    let mut reordered = body.clone();
+    for list in ["/observes", "/map_points/ids", "/map_points/positions", "/bow/words", "/bow/weights"] {
+        reordered.pointer_mut(list).and_then(Value::as_array_mut).expect("a list").reverse();
+    }
+    assert_eq!(digest(&reordered), digest(&body));
+    let changes = [
+        ("/session", json!("another")),
+        ("/stamp/nanosec", json!(7)),
+        ("/pose/translation/x", json!(0.123)),
+        ("/camera/width", json!(641)),
+        ("/bow/weights/0", json!(0.9)),
+        ("/features/keypoints/0/0", json!(1.5)),
+        ("/features/map_points/0", json!(13)),
+        ("/map_points/positions/0/0", json!(7.5)),
+        ("/observes/0", json!(99)),
+        ("/covisible/0/shared", json!(1)),
+        ("/detections/0/text", json!("another")),
+    ];
+    for (place, value) in changes {
+        let mut changed = body.clone();
+        *changed.pointer_mut(place).unwrap_or_else(|| panic!("{place}")) = value;
+        assert_ne!(digest(&changed), digest(&body), "{place}");
+    }
+}
+
+#[test]
+fn the_form_of_the_digest_never_changes() {
+    use std::fmt::Write as _;
+    let body = Document::from(&examples::keyframe_body());
+    let digest = keyframe::named(body.root(), &"kf-120".parse().expect("an id")).expect("a keyframe").digest;
+    let hex = digest.iter().fold(String::new(), |mut hex, byte| {
+        let _ = write!(hex, "{byte:02x}");
+        hex
+    });
+    assert_eq!(hex, "99d604febc5e3b57c9e8e72dbe6a8b343f62a2ff352c514ec432b33a8bd583d1");
+}
+
+#[test]
+fn a_fault_within_a_packed_column_names_the_field_and_the_item() {
+    let check = |place: &str, numbers: &[u8], pointer: &str, detail: &str| {
+        let mut body = packed_keyframe();
+        *body.pointer_mut(place).unwrap_or_else(|| panic!("{place}")) = json!(base64::encode(numbers));
+        let id = "kf-120".parse().expect("an id");
+        let errors = keyframe::named(Document::from(&body).root(), &id).expect_err("faults");
+        let is_told = |error: &FieldError| error.pointer == pointer && error.detail.contains(detail);
+        assert!(errors.iter().any(is_told), "{place}: {errors:?}");
+    };
+    check("/bow/words_u32", &[3, 0, 0], "/bow/words_u32", "the last item is not whole");
+    check("/bow/words_u32", &[3, 0, 0, 0, 3, 0, 0, 0], "/bow/words_u32", "item 1: listed twice");
+    check("/bow/words_u32", &[3, 0, 0, 0], "/bow/weights_f64", "must be as long as words_u32");
+    let nan = [f64::NAN.to_le_bytes(), 1_f64.to_le_bytes()].concat();
+    check("/bow/weights_f64", &nan, "/bow/weights_f64", "item 0: the number is out of range");
+    let wide = [1_f32, f32::INFINITY, 0.0, f32::NAN, 1.0, 2.0, 0.5, 0.0].map(f32::to_le_bytes).concat();
+    check(
+        "/features/keypoints_f32",
+        &wide,
+        "/features/keypoints_f32",
+        "item 0/1: the number is out of range",
+    );
+    check("/features/keypoints_f32", &wide, "/features/keypoints_f32", "item 1/2: expected a whole number");
+    check("/observes_i64", &(-1_i64).to_le_bytes(), "/observes_i64", "item 0: the number is out of range");
+    let mut both = packed_keyframe();
+    both["observes"] = json!([]);
+    check_faults(&both, &["/observes_i64"]);
+    both["observes_i64"] = json!(5);
+    check_faults(&both, &["/observes_i64"]);
+}
+
+#[track_caller]
+fn check_faults(body: &Value, expected: &[&str]) {
+    assert_eq!(faults(body), expected);
 }
 
 #[test]
@@ -143,8 +269,10 @@ fn a_bulk_line_is_the_body_of_a_put_with_its_id() {
     let id = "kf-120".parse().expect("an id");
     let mut line = examples::keyframe_body();
     line["id"] = json!("kf-120");
-    assert_eq!(bulk::decode(line), Ok(keyframe::named(&examples::keyframe_body(), &id).unwrap()));
-    let errors = bulk::decode(json!({"id": "a/b", "pose": 1})).expect_err("faults");
+    let body = Document::from(&examples::keyframe_body());
+    assert_eq!(bulk::decode(Document::from(&line).root()), Ok(keyframe::named(body.root(), &id).unwrap()));
+    let wrong = Document::from(&json!({"id": "a/b", "pose": 1}));
+    let errors = bulk::decode(wrong.root()).expect_err("faults");
     let pointers: Vec<_> = errors.faults.iter().map(|error| error.pointer.as_str()).collect();
     assert_eq!(pointers, ["/id", "/stamp", "/pose"]);
 }

@@ -23,11 +23,11 @@ pub struct TranscriptList {
 pub struct TranscriptView {
     /// The keyframe that brought the crop.
     pub keyframe: String,
-    /// Which of its detections.
+    /// The number of the detection in it.
     pub detection: u16,
     /// The description; empty if nothing could be made of the crop.
     pub text: String,
-    /// Who described it: `model:<name>`, or a reader of characters such as `tesseract`.
+    /// The source of the description: `model:<name>`, or a reader of characters such as `tesseract`.
     pub source: String,
     /// Whether a reader stood in because a model was away. It is described again then.
     pub degraded: bool,
@@ -39,11 +39,11 @@ pub struct TranscriptView {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[schema(as = TranscriptStep)]
 pub struct StepView {
-    /// Who answered.
+    /// The source of the answer.
     pub speaker: String,
-    /// What was asked.
+    /// The question.
     pub question: String,
-    /// What was answered.
+    /// The answer.
     pub answer: String,
 }
 

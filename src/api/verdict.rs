@@ -37,7 +37,7 @@ pub struct LoopAnswer {
     /// out where it has not.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub has_twins: bool,
-    /// How many keyframes are no candidates because they are covisible with the query.
+    /// Number of keyframes that are not candidates because they are covisible with the query.
     pub excluded_covisible: usize,
     /// The loops of this keyframe that are confirmed already, by id, at most 100.
     #[schema(max_items = 100)]
@@ -66,7 +66,7 @@ pub struct ClosedView {
 pub struct CandidateView {
     /// The candidate.
     pub keyframe: String,
-    /// What became of it.
+    /// The outcome of its checks.
     pub verdict: CandidateVerdictName,
     /// Bag of words.
     pub bow: BowFigures,
@@ -85,7 +85,7 @@ pub struct CandidateView {
 pub struct BowFigures {
     /// DBoW2's L1 score, 0 to 1.
     pub score: f64,
-    /// How many words the two keyframes share.
+    /// Number of words that the two keyframes share.
     pub common_words: u32,
     /// The lowest score of the query against its covisible keyframes, 0 without any.
     pub reference_score: f64,
@@ -96,7 +96,7 @@ pub struct BowFigures {
 pub struct AnchorFigures {
     /// S of Eq. (2).
     pub similarity: f64,
-    /// What S must exceed.
+    /// The threshold that S must exceed.
     pub threshold: f64,
     /// Valid anchors in the query's local map.
     pub in_query: usize,
@@ -125,7 +125,7 @@ pub struct MatchView {
     /// SimilarityLevel of the two descriptions, 1 to 5.
     #[schema(minimum = 1, maximum = 5)]
     pub level: u8,
-    /// Who judged.
+    /// The judge.
     pub source: String,
     /// Angle between the two bearings, in radians.
     pub angle_difference_rad: f64,
@@ -153,12 +153,12 @@ pub struct ContradictionView {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[schema(as = Reason)]
 pub struct ReasonView {
-    /// Which check, as a word for programs.
+    /// The check, as a word for programs.
     pub code: ReasonCodeName,
-    /// What was measured, in the check's own unit.
+    /// The measured value, in the check's own unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measured: Option<f64>,
-    /// What it was held against.
+    /// The value that it was compared with.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit: Option<f64>,
     /// One sentence for a person.

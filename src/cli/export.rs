@@ -76,7 +76,7 @@ fn temporary(beside: &Path) -> io::Result<NamedTempFile> {
     tempfile::Builder::new().permissions(mode).tempfile_in(folder_of(beside))
 }
 
-/// Why a recording was not written.
+/// The reason why a recording was not written.
 #[derive(Debug, thiserror::Error)]
 enum Unwritten {
     #[error("cannot write: {0}")]

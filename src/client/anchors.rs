@@ -24,7 +24,7 @@ pub struct AnchorSearch {
     pub state: Option<AnchorStateName>,
     /// Also anchors that were merged into others.
     pub merged: bool,
-    /// Which part of the list.
+    /// The part of the list.
     pub page: Page,
 }
 

@@ -10,15 +10,15 @@ use serde_json::Value;
 /// A body that is not problem+json is quoted up to this many characters.
 const QUOTED_CHARACTERS: usize = 200;
 
-/// Why an operation gave no answer.
+/// The reason why an operation gave no answer.
 #[derive(Debug, thiserror::Error)]
 pub enum ClientError {
-    /// What was given as the server's address is none.
+    /// The server's address cannot be read as one.
     #[error("{given:?} is not the address of a server: {why}")]
     Address {
         /// As given.
         given: String,
-        /// What is wrong with it.
+        /// Description of the fault.
         why: String,
     },
     /// An id that no URL can carry.
@@ -27,9 +27,9 @@ pub enum ClientError {
     /// The server was not reached, or did not answer.
     #[error("{url}: {}", root_cause(.source))]
     Transport {
-        /// What was asked.
+        /// The address that was asked.
         url: String,
-        /// What happened.
+        /// The failure.
         source: reqwest::Error,
     },
     /// Received bytes could not be written.
@@ -43,15 +43,15 @@ pub enum ClientError {
     NoAnchor {
         /// The keyframe.
         keyframe: String,
-        /// Which of its detections, counted from 0.
+        /// The number of the detection in it, from 0.
         detection: usize,
     },
     /// The server answered something else than the API document promises.
     #[error("the answer of {url} is not understood: {source}")]
     Decode {
-        /// What was asked.
+        /// The address that was asked.
         url: String,
-        /// Where in the answer, and what was expected there.
+        /// The place in the answer, and the value expected there.
         source: serde_path_to_error::Error<serde_json::Error>,
     },
 }
@@ -92,7 +92,7 @@ pub struct Problem {
     /// HTTP status.
     #[serde(skip)]
     pub status: u16,
-    /// What was asked.
+    /// The address that was asked.
     #[serde(skip)]
     pub url: String,
     /// The kind of problem in a few words.
@@ -101,7 +101,7 @@ pub struct Problem {
     pub detail: Option<String>,
     /// A word for programs.
     pub code: Option<String>,
-    /// What to look for in the server's log.
+    /// The request's id in the server's log.
     pub request_id: Option<String>,
     /// Every fault of the body at once.
     pub errors: Vec<FieldProblem>,
@@ -113,11 +113,11 @@ pub struct Problem {
 pub struct FieldProblem {
     /// JSON pointer to the place.
     pub pointer: String,
-    /// What is wrong there.
+    /// Description of the fault.
     pub detail: String,
-    /// What was sent.
+    /// The value that was sent.
     pub got: Option<Value>,
-    /// What would have been allowed.
+    /// The values that are allowed.
     pub limit: Option<Value>,
 }
 

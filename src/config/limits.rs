@@ -112,7 +112,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_would_serve_nobody_is_refused() {
+    fn rejects_limits_that_would_serve_no_request() {
         assert!(LimitArgs::of::<&str>(&[]).is_ok());
         for flags in [
             ["--max-connections", "0"],

@@ -69,13 +69,13 @@ pub struct ModelArgs {
     /// Seed, for models that accept one
     #[arg(long, env = "REVISIT_MODEL_SEED", value_name = "N")]
     pub model_seed: Option<i64>,
-    /// How JSON output is requested
+    /// Form in which JSON output is requested
     #[arg(long, env = "REVISIT_MODEL_RESPONSE_FORMAT", value_enum, default_value_t = ResponseFormat::JsonSchema)]
     pub model_response_format: ResponseFormat,
-    /// Where the instructions are placed
+    /// Place of the instructions
     #[arg(long, env = "REVISIT_MODEL_SYSTEM_ROLE", value_enum, default_value_t = SystemRole::System)]
     pub model_system_role: SystemRole,
-    /// How an image is encoded
+    /// Encoding of an image
     #[arg(long, env = "REVISIT_MODEL_IMAGE_FORM", value_enum, default_value_t = ImageForm::DataUri)]
     pub model_image_form: ImageForm,
 
@@ -168,7 +168,7 @@ pub enum TokenParameter {
     None,
 }
 
-/// How JSON output is requested.
+/// Form in which JSON output is requested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ResponseFormat {
     /// By a schema that the server enforces
@@ -182,7 +182,7 @@ pub enum ResponseFormat {
     None,
 }
 
-/// Where the instructions are placed.
+/// Place of the instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum SystemRole {
     /// In a message of the role `system`
@@ -193,7 +193,7 @@ pub enum SystemRole {
     Inline,
 }
 
-/// How an image is encoded.
+/// Encoding of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ImageForm {
     /// `{"type":"image_url","image_url":{"url":"data:..."}}`, as OpenAI does
@@ -202,7 +202,7 @@ pub enum ImageForm {
     /// `{"type":"image_url","image_url":"data:..."}`, as some servers require
     #[value(name = "plain_uri")]
     PlainUri,
-    /// Not at all: the model accepts only text
+    /// None: the model accepts only text
     #[value(name = "none")]
     None,
 }
@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_is_refused() {
+    fn rejects_flags_that_make_no_sense() {
         for flags in
             [["--model-temperature", "hot"], ["--model-daily-usd", "-1"], ["--model-input-usd", "NaN"]]
         {

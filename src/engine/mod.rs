@@ -27,6 +27,7 @@ mod operations;
 mod options;
 #[cfg(test)]
 mod rebuild_equals_live;
+mod sent_digest;
 mod service;
 mod stored;
 mod verdict_counts;
@@ -41,6 +42,7 @@ pub use operations::loops::ConfirmedLoop;
 pub use operations::queries::{QueryAnswer, Timings};
 pub use operations::stats::Stats;
 pub use options::{ModelChoice, ServiceOptions, WriteAnswer};
+pub use sent_digest::SentDigest;
 pub use service::Service;
 pub use stored::Stored;
 pub use verdict_counts::VerdictCounts;

@@ -7,15 +7,13 @@ mod sending;
 
 use super::{Service, ServiceError, ServiceOptions};
 use crate::domain::ids::{AnchorSeq, MapId};
-use crate::domain::map::{MapFigures, MapProperties};
+use crate::domain::map::MapProperties;
 use crate::integrity::rebuild::rebuild;
 use crate::recognition::map::index::MapIndex;
 use crate::store::Order;
 use proptest::prelude::*;
 use requests::{Request, any_request};
 use sending::send;
-use sqlx::sqlite::SqliteConnectOptions;
-use sqlx::{AssertSqlSafe, ConnectOptions as _, Executor as _};
 
 /// Opens a service on a database of its own, with the map that requests are made to.
 async fn service_with_map(folder: &tempfile::TempDir) -> (Service, MapId) {
@@ -59,40 +57,8 @@ async fn holds_after(requests: Vec<Request>) {
     let listed = service.get_map(&map).await.unwrap();
     assert_eq!((listed.version, &listed.properties), (loaded.facts.version, loaded.index.properties()));
     assert_eq!(listed.vocabulary.as_deref(), loaded.index.vocabulary());
-    let figures = loaded.facts.figures;
     drop(live);
-    let database = folder.path().join("law.db");
-    until_folded(&database).await;
     service.close().await;
-    assert_eq!(counted_by_the_migration(&database).await, figures);
-}
-
-/// Waits until no change is deferred, for the migration counts rows.
-async fn until_folded(database: &std::path::Path) {
-    let options = SqliteConnectOptions::new().filename(database).read_only(true);
-    let mut db = options.connect().await.unwrap();
-    let deferred = "select exists (select 1 from deferred_changes)";
-    while sqlx::query_scalar::<_, bool>(deferred).fetch_one(&mut db).await.unwrap() {
-        tokio::task::yield_now().await;
-    }
-}
-
-/// Returns the figures of the only map as the migration that made them counts them for the maps it finds.
-async fn counted_by_the_migration(database: &std::path::Path) -> MapFigures {
-    let migration = include_str!("../../migrations/sqlite/0007_figures.sql");
-    let (_, counting) =
-        migration.split_once("\nupdate maps set\n").expect("what it does to the maps it finds");
-    let options = SqliteConnectOptions::new().filename(database);
-    let mut db = options.connect().await.unwrap();
-    db.execute("update maps set keyframes = 99, anchors = 99, sessions = 99, loops = 99, bytes = 99")
-        .await
-        .unwrap();
-    db.execute(AssertSqlSafe(format!("update maps set\n{counting}"))).await.unwrap();
-    let select = "select keyframes, anchors, sessions, loops, bytes from maps";
-    let row: (i64, i64, i64, i64, i64) = sqlx::query_as(select).fetch_one(&mut db).await.unwrap();
-    let [keyframes, anchors, sessions, loops, bytes] =
-        [row.0, row.1, row.2, row.3, row.4].map(|figure| figure as u64);
-    MapFigures { keyframes, anchors, sessions, loops, bytes }
 }
 
 /// A difference of two whole indexes is unreadable; this names the part that differs.

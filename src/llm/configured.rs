@@ -99,15 +99,6 @@ fn adapter(chosen: Chosen<'_>, args: &ModelArgs) -> Result<Option<Arc<dyn Model>
         return Ok(Some(Arc::new(Vqa::new(endpoint, chosen.name.unwrap_or("vqa")))));
     }
     let endpoint = Endpoint::new(url, "chat/completions", chosen.key, connect_timeout)?;
-    let dialect = Dialect {
-        token_parameter: args.model_token_parameter,
-        max_tokens: args.model_max_tokens,
-        temperature: args.model_temperature.0,
-        seed: args.model_seed,
-        response_format: args.model_response_format,
-        system_role: args.model_system_role,
-        image_form: args.model_image_form,
-    };
     let name = chosen.name.ok_or(SetupError::NoName(chosen.what))?;
-    Ok(Some(Arc::new(OpenAi::new(endpoint, name, dialect))))
+    Ok(Some(Arc::new(OpenAi::new(endpoint, name, Dialect::from(args)))))
 }

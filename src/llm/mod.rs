@@ -40,6 +40,8 @@ pub mod picture;
 pub mod port;
 pub mod prompts;
 pub mod setup;
+#[cfg(test)]
+pub mod silent;
 pub mod tesseract;
 
 #[cfg(feature = "llm")]

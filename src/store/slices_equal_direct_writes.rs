@@ -21,6 +21,7 @@ use crate::domain::former::FormerValues;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::domain::keyframe::{Detection, NewKeyframe, Stamp};
 use crate::domain::map::{Learned, MapFigures, MapProperties};
+use crate::domain::request::KeyframeDigest;
 use crate::geometry::{Point3, Pose};
 use crate::recognition::map::index::MapIndex;
 
@@ -62,28 +63,14 @@ fn map_jobs(map: MapKey) -> Vec<Job> {
         let session = SessionSeq(seq % 2);
         let pose = Pose::new([f64::from(seq), 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).unwrap();
         let new = NewKeyframe {
-            id: format!("kf-{seq}").parse().unwrap(),
             session: format!("robot-{}", session.0).parse().unwrap(),
-            stamp: Stamp { sec: 1, nanosec: 0 },
-            map_from_camera: pose,
-            camera: None,
             bow: BowVector::normalised(vec![(seq, 1.0)]).unwrap(),
-            vocabulary: None,
-            features: None,
-            map_points: Vec::new(),
-            observes: Vec::new(),
-            covisible: Vec::new(),
             detections: vec![Detection {
-                class: "sign".to_owned(),
-                confidence: 0.5,
-                box_px: [0.0, 0.0, 9.0, 9.0],
-                map_points: Vec::new(),
                 position_in_session: Some(Point3::new(f64::from(seq), 1.0, 1.0)),
-                range_assumed: false,
                 text: Some(format!("room {seq}")),
-                description: None,
-                crop: None,
+                ..Detection::of("sign", 0.5, [0.0, 0.0, 9.0, 9.0])
             }],
+            ..NewKeyframe::at(format!("kf-{seq}").parse().unwrap(), Stamp { sec: 1, nanosec: 0 }, pose)
         };
         let keyframe = Keyframe {
             seq: KeyframeSeq(seq),
@@ -104,7 +91,8 @@ fn map_jobs(map: MapKey) -> Vec<Job> {
         changes.push(Change::AnchorAdded(AnchorSeq(seq), "sign".into()));
         changes.push(Change::OutcomeSet(KeyframeSeq(seq), 0, Outcome::Created(AnchorSeq(seq))));
         changes.push(Change::PointSet(session, i64::from(seq), Point3::new(0.5, 0.5, f64::from(seq))));
-        let rows = NewKeyframeRows { keyframe: Arc::new(new), digest: [seq as u8; 32] };
+        let rows =
+            NewKeyframeRows { keyframe: Arc::new(new), digest: KeyframeDigest::OfFacts([seq as u8; 32]) };
         let made = Batch { new_keyframe: Some(rows), ..batch(map, 2, changes) };
         jobs.push(Job::Change(Box::new(made)));
     }
@@ -184,7 +172,7 @@ async fn rows_of(pool: &SqlitePool) -> Vec<String> {
     let select = "select 'pose ' || keyframe || ' ' || hex(pose) from keyframes
         union all select 'position ' || keyframe || ' ' || hex(position) from detections
         union all select 'anchor ' || anchor || ' ' || version from anchors
-        union all select 'point ' || session || ' ' || point || ' ' || x || ' ' || y || ' ' || z from map_points
+        union all select 'points ' || session || ' ' || block || ' ' || hex(points) from point_blocks
         union all select 'left ' || version from deferred_changes
         union all select 'left ' || version || ' ' || part from deferred_parts
         order by 1";
@@ -318,7 +306,7 @@ proptest! {
             let (_folder, pool) = database().await;
             let mut db = pool.acquire().await.unwrap();
             make_map(&mut db, 1).await;
-            let (kept, before) = (index_of(&mut db, Order::Forwards).await, counts(&mut db).await);
+            let (kept, before) = (index_of(&mut db, Order::Forwards).await, dump(&mut db).await);
             make_map(&mut db, 2).await;
             let changes = changes_of(&Step::Forget { session: 0, points: (0..40).collect() }, 3);
             for job in deferred::staged(Job::Change(Box::new(batch(2, 3, changes)))) {
@@ -337,21 +325,8 @@ proptest! {
             assert!(!fold::fold_entries(&mut db, 1).await.unwrap());
             while deletion::remove_rows(&mut db, rows).await.unwrap() {}
             sqlx::query("delete from maps where map_key = 3").execute(&mut *db).await.unwrap();
-            assert_eq!(counts(&mut db).await, before);
+            assert_eq!(dump(&mut db).await, before);
             assert!(index_of(&mut db, Order::Forwards).await == kept);
         });
     }
-}
-
-/// Returns the number of rows of every table that has rows of maps.
-async fn counts(db: &mut SqliteConnection) -> Vec<(String, i64)> {
-    let select = "select m.name from sqlite_schema m join pragma_table_info(m.name) c
-        where m.type = 'table' and c.name = 'map_key' order by m.name";
-    let tables: Vec<String> = sqlx::query_scalar(select).fetch_all(&mut *db).await.unwrap();
-    let mut counts = Vec::new();
-    for table in tables {
-        let count = sqlx::AssertSqlSafe(format!("select count(*) from {table}"));
-        counts.push((table, sqlx::query_scalar(count).fetch_one(&mut *db).await.unwrap()));
-    }
-    counts
 }

@@ -176,7 +176,7 @@ async fn a_meaningless_body_names_every_field_and_changes_nothing() {
 }
 
 #[tokio::test]
-async fn what_is_no_json_is_told_with_its_place_and_changes_nothing() {
+async fn a_body_that_is_not_json_is_refused_with_its_place_and_changes_nothing() {
     let server = server().await;
     let before = server.get(MAP).await.expect(200);
     let path = format!("{MAP}/keyframes/kf-2");
@@ -294,7 +294,7 @@ async fn a_map_and_a_query_are_checked_like_a_keyframe() {
 }
 
 #[tokio::test]
-async fn what_is_no_http_is_a_problem_too() {
+async fn bytes_that_are_not_http_are_answered_with_a_problem() {
     let server = Server::start().await;
     let many = "x: a\r\n".repeat(200);
     let long = "a".repeat(70_000);

@@ -1,6 +1,7 @@
 //! Bounds: what the API document promises of a body, the server's reader holds it to, field by field.
 
 use revisit::api::anchor::AnchorPatch;
+use revisit::api::decoding::document::Document;
 use revisit::api::decoding::read;
 use revisit::api::semantics::{OneText, TextPair};
 use revisit::api::settings::MapSettings;
@@ -133,14 +134,14 @@ fn check(schema: &str, body: &Value, read: Read<'_>) {
 }
 
 fn faults<T: read::Decode>(body: &Value) -> Vec<FieldError> {
-    read::decode::<T>(body).err().unwrap_or_default()
+    read::decode::<T>(&Document::from(body)).err().unwrap_or_default()
 }
 
 #[test]
 fn a_keyframe_is_held_to_the_document() {
     let id = "kf-120".parse().expect("an id");
     check("Keyframe", &examples::keyframe_body(), &|body| {
-        keyframe::named(body, &id).err().unwrap_or_default()
+        keyframe::named(Document::from(body).root(), &id).err().unwrap_or_default()
     });
 }
 

@@ -3,7 +3,6 @@
 
 use crate::raw::{Connection, statuses};
 use crate::support::Server;
-use serde_json::json;
 
 /// Requests that are refused before their body is read, each with its status.
 const REFUSED: [(&str, &str, u16); 8] = [
@@ -32,15 +31,9 @@ fn head_of(answers: &str) -> &str {
     answers.split_once("\r\n\r\n").map_or(answers, |(head, _)| head)
 }
 
-async fn server() -> Server {
-    let server = Server::start().await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
-    server
-}
-
 #[tokio::test(flavor = "multi_thread")]
 async fn after_a_refusal_the_next_request_is_answered_or_the_connection_was_said_to_close() {
-    let server = server().await;
+    let server = Server::with_map("m").await;
     for (what, head, status) in REFUSED {
         for (size, length) in [("no", 0), ("a small", 300), ("a large", 300_000), ("a huge", 5_000_000)] {
             for (form, sent) in
@@ -76,7 +69,7 @@ async fn after_a_refusal_the_next_request_is_answered_or_the_connection_was_said
 #[tokio::test]
 async fn a_client_that_asks_before_it_sends_is_refused_without_its_body_and_told_that_the_connection_closes()
 {
-    let server = server().await;
+    let server = Server::with_map("m").await;
     for (what, head, status) in REFUSED {
         let mut connection = Connection::open(server.addr()).await;
         connection.send(format!("{head}expect: 100-continue\r\ncontent-length: 300\r\n\r\n")).await;
@@ -88,7 +81,7 @@ async fn a_client_that_asks_before_it_sends_is_refused_without_its_body_and_told
 
 #[tokio::test]
 async fn every_answer_keeps_browsers_from_guessing_what_it_is() {
-    let server = server().await;
+    let server = Server::with_map("m").await;
     for path in [
         "/",
         "/docs",

@@ -1,7 +1,6 @@
 //! Events: a client that resumes misses nothing, or is told that it would.
 
 use reqwest::Method;
-use revisit::engine::ModelChoice;
 use serde_json::{Value, json};
 
 use crate::raw::Connection;
@@ -50,7 +49,7 @@ async fn expect_gone(server: &Server, seq: u64) {
 #[tokio::test]
 async fn a_number_of_a_map_that_was_deleted_and_made_again_is_gone() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::on(folder.path(), None, ModelChoice::None).await;
+    let server = Server::on(folder.path()).await;
     make(&server, 3).await;
     assert_eq!(numbers(&server, 3).await, [1, 2, 3]);
     for known in 0..=3 {
@@ -67,7 +66,7 @@ async fn a_number_of_a_map_that_was_deleted_and_made_again_is_gone() {
         server.delete(MAP).await.expect(204);
         // Whatever was in memory is forgotten.
         server.stop().await;
-        server = Server::on(folder.path(), None, ModelChoice::None).await;
+        server = Server::on(folder.path()).await;
         make(&server, keyframes).await;
         for stale in 1..=newest {
             expect_gone(&server, stale).await;

@@ -5,8 +5,6 @@ use std::process::{Command, Output};
 use reqwest::Method;
 use serde_json::{Value, json};
 
-use revisit::engine::ModelChoice;
-
 use crate::support::{Answer, Server, pose};
 
 async fn run(args: &[&str]) -> Output {
@@ -47,6 +45,15 @@ fn keyframe(session: &str, seconds: u32, x: f64, plate: &str) -> Value {
 fn base64_zeros(bytes: usize) -> String {
     assert_eq!(bytes % 3, 0);
     "A".repeat(bytes / 3 * 4)
+}
+
+/// Exports a map of one server into a file, and plays it to another server.
+async fn copy(map: &str, from: &Server, to: &Server, file: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join(file);
+    let file = file.to_str().unwrap();
+    expect_success(&run(&["export", map, file, "--server", &from.url("")]).await);
+    expect_success(&run(&["replay", file, "--server", &to.url("")]).await);
 }
 
 async fn exported(server: &Server, map: &str) -> Vec<Value> {
@@ -174,11 +181,7 @@ async fn a_map_is_exported_as_it_was_sent_and_played_again_it_answers_alike() {
         json!({"op": "description", "keyframe": "kf-2", "detection": 1, "body": {"description": "a fire hose"}})
     );
 
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("m.ndjson.zst");
-    let file = file.to_str().unwrap();
-    expect_success(&run(&["export", "m", file, "--server", &first.url("")]).await);
-    expect_success(&run(&["replay", file, "--server", &second.url("")]).await);
+    copy("m", &first, &second, "m.ndjson.zst").await;
     assert_eq!(exported(&second, "m").await, lines);
     let (copied, original) = (verdicts(&second, "m").await, verdicts(&first, "m").await);
     assert_eq!(original.len(), 7);
@@ -192,11 +195,7 @@ async fn a_real_tower_that_is_exported_and_played_again_answers_to_the_byte() {
     let recording = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/recordings/tower.ndjson.zst");
     expect_success(&run(&["replay", recording, "--server", &first.url("")]).await);
     let map = first.get("/v1/maps").await.expect(200)["items"][0]["id"].as_str().unwrap().to_owned();
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("tower.ndjson.gz");
-    let file = file.to_str().unwrap();
-    expect_success(&run(&["export", &map, file, "--server", &first.url("")]).await);
-    expect_success(&run(&["replay", file, "--server", &second.url("")]).await);
+    copy(&map, &first, &second, "tower.ndjson.gz").await;
     assert!(exported(&second, &map).await == exported(&first, &map).await);
     let (copied, original) = (verdicts(&second, &map).await, verdicts(&first, &map).await);
     assert!(original.len() > 100);
@@ -205,8 +204,7 @@ async fn a_real_tower_that_is_exported_and_played_again_answers_to_the_byte() {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_large_correction_is_exported_before_and_after_it_reached_its_rows() {
-    let server = Server::start().await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let server = Server::with_map("m").await;
     let ids: Vec<i64> = (0..30_000).collect();
     let at = |z: f64| -> Vec<[f64; 3]> { ids.iter().map(|id| [*id as f64 * 0.01, 0.0, z]).collect() };
     let body = json!({"stamp": {"sec": 1, "nanosec": 0}, "pose": pose([0.0; 3]), "map_points": {"ids": ids, "positions": at(1.0)}, "observes": ids});
@@ -255,11 +253,7 @@ async fn settings_that_were_changed_to_and_fro_end_as_they_were() {
     for company in [false, true] {
         first.patch("/v1/maps/m", &json!({"settings": {"company": company}})).await.expect(200);
     }
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("m.ndjson");
-    let file = file.to_str().unwrap();
-    expect_success(&run(&["export", "m", file, "--server", &first.url("")]).await);
-    expect_success(&run(&["replay", file, "--server", &second.url("")]).await);
+    copy("m", &first, &second, "m.ndjson").await;
     assert_eq!(second.get("/v1/maps/m").await.expect(200)["settings"]["company"], true);
     assert_eq!(exported(&second, "m").await, exported(&first, "m").await);
 }
@@ -283,11 +277,7 @@ async fn without_history_a_map_is_exported_as_last_corrected_with_every_point() 
     assert_eq!(ops, ["map", "keyframe", "keyframe"]);
     assert_eq!(lines[2]["body"]["map_points"], points);
     assert_eq!(lines[2]["body"]["pose"]["translation"]["x"], 1.5);
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("m.ndjson");
-    let file = file.to_str().unwrap();
-    expect_success(&run(&["export", "m", file, "--server", &first.url("")]).await);
-    expect_success(&run(&["replay", file, "--server", &second.url("")]).await);
+    copy("m", &first, &second, "m.ndjson").await;
     assert_eq!(exported(&second, "m").await, lines);
     assert_eq!(verdicts(&second, "m").await, verdicts(&first, "m").await);
 }
@@ -295,7 +285,7 @@ async fn without_history_a_map_is_exported_as_last_corrected_with_every_point() 
 #[tokio::test(flavor = "multi_thread")]
 async fn the_command_reads_a_database_beside_its_server_and_after_it_and_overwrites_nothing() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::on(folder.path(), None, ModelChoice::None).await;
+    let server = Server::on(folder.path()).await;
     let database = format!("sqlite://{}/test.db", folder.path().display());
     server.put("/v1/maps/m", &json!({})).await.expect(201);
     server.put("/v1/maps/m/keyframes/kf-0", &keyframe("robot-1", 1, 0.0, "901")).await.expect(201);
@@ -314,9 +304,8 @@ async fn the_command_reads_a_database_beside_its_server_and_after_it_and_overwri
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_a_model_said_elsewhere_is_refused_with_its_faults() {
-    let server = Server::start().await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+async fn rejects_a_model_verdict_from_elsewhere_with_its_faults() {
+    let server = Server::with_map("m").await;
     server.get("/v1/maps/nowhere/export").await.expect(404);
     let faults = [
         (json!({"operation": "guess", "source": "model:x"}), "/operation"),

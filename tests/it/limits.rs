@@ -69,7 +69,7 @@ async fn a_body_that_trickles_is_given_up_and_told_so() {
 }
 
 #[tokio::test]
-async fn when_all_seats_are_taken_who_has_waited_longest_gives_way() {
+async fn evicts_the_longest_idle_connection_when_all_slots_are_taken() {
     let (server, _) = Server::within(&["--max-connections", "2"]).await;
     let mut first = Connection::open(server.addr()).await;
     first.send(HEALTH).await;
@@ -86,7 +86,7 @@ async fn when_all_seats_are_taken_who_has_waited_longest_gives_way() {
 }
 
 #[tokio::test]
-async fn when_all_seats_are_at_work_a_newcomer_is_told_to_come_back() {
+async fn a_newcomer_is_told_to_come_back_when_all_slots_are_busy() {
     let (server, _) = Server::within(&["--max-connections", "1"]).await;
     let mut stream = Connection::open(server.addr()).await;
     let body = "{}";

@@ -14,7 +14,7 @@ use sqlx::{ConnectOptions as _, Executor as _};
 use crate::support::{Server, keyframe};
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_is_written_while_its_map_is_made_stays() {
+async fn writes_sent_while_their_map_is_made_stay() {
     let server = Arc::new(Server::start().await);
     for number in 0..60 {
         let map = format!("/v1/maps/m{number}");
@@ -81,9 +81,9 @@ async fn a_deletion_goes_to_its_end_when_its_client_has_gone() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_waits_for_a_slow_disk_is_counted_and_bounded() {
+async fn writes_that_wait_for_a_slow_disk_are_counted_and_bounded() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Arc::new(Server::on(folder.path(), None, revisit::engine::ModelChoice::None).await);
+    let server = Arc::new(Server::on(folder.path()).await);
     server.put("/v1/maps/m", &json!({})).await.expect(201);
     server.put_keyframe("/v1/maps/m/keyframes/kf").await.expect(201);
     // As slow as a disk can be: the lock to write is somebody else's.

@@ -111,7 +111,7 @@ fn every_setting_of_ours_belongs_to_an_entry_and_the_table_of_contents_lists_all
 }
 
 #[test]
-fn what_is_cited_is_in_the_repository() {
+fn every_citation_is_in_the_repository() {
     let defined: BTreeSet<String> = choices().into_iter().map(|choice| choice.number).collect();
     // Elsewhere, as in drawings, an M with digits is no citation.
     let may_cite = ["rs", "md", "py", "sql", "toml", "yaml"];

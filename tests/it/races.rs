@@ -1,14 +1,12 @@
 //! Races: requests about one thing at the same time, each answered as if it had come alone, in some order.
 
 use futures_util::future::join_all;
-use serde_json::json;
 
 use crate::support::Server;
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 4)]
 async fn a_put_that_races_a_delete_stores_the_keyframe_or_finds_it() {
-    let server = Server::start().await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let server = Server::with_map("m").await;
     let path = "/v1/maps/m/keyframes/kf-1";
     for _ in 0..100 {
         let puts = async { join_all((0..8).map(|_| server.put_keyframe(path))).await };

@@ -8,7 +8,9 @@ use reqwest::{Method, RequestBuilder, StatusCode};
 use revisit::api::verdict::LoopAnswer;
 use revisit::config::limits::LimitArgs;
 use revisit::config::quotas::Quotas;
-use revisit::engine::{ModelChoice, Service, ServiceOptions};
+#[cfg(feature = "llm")]
+use revisit::engine::ModelChoice;
+use revisit::engine::{Service, ServiceOptions};
 use revisit::http::RunningServer;
 use serde_json::{Value, json};
 
@@ -32,6 +34,13 @@ impl Server {
     /// Starts a server on an empty database.
     pub async fn start() -> Self {
         Self::with(|_| {}).await
+    }
+
+    /// Starts a server with an empty map.
+    pub async fn with_map(map: &str) -> Self {
+        let server = Self::start().await;
+        server.put(&format!("/v1/maps/{map}"), &json!({})).await.expect(201);
+        server
     }
 
     /// Starts a server with a vocabulary.
@@ -91,8 +100,14 @@ impl Server {
     }
 
     /// Starts a server on a directory that outlives it.
-    pub async fn on(directory: &Path, vocabulary: Option<PathBuf>, models: ModelChoice) -> Self {
-        Self::on_with(directory, |options| (options.vocabulary, options.models) = (vocabulary, models)).await
+    pub async fn on(directory: &Path) -> Self {
+        Self::on_with(directory, |_| {}).await
+    }
+
+    /// The same, with models.
+    #[cfg(feature = "llm")]
+    pub async fn with_models_on(directory: &Path, models: ModelChoice) -> Self {
+        Self::on_with(directory, |options| options.models = models).await
     }
 
     async fn on_with(directory: &Path, choose: impl FnOnce(&mut ServiceOptions)) -> Self {
@@ -191,6 +206,26 @@ impl Answer {
     pub fn pointers(&self) -> Vec<&str> {
         let errors = self.body["errors"].as_array().map(Vec::as_slice).unwrap_or_default();
         errors.iter().filter_map(|error| error["pointer"].as_str()).collect()
+    }
+}
+
+/// Asserts that what is told is a part of the answer, which may have further members; `fits` compares the lengths of
+/// lists.
+pub fn assert_part_of(part: &Value, answer: &Value, fits: fn(&usize, &usize) -> bool, at: &str) {
+    match (part, answer) {
+        (Value::Object(part), Value::Object(answer)) => {
+            for (name, value) in part {
+                let same = answer.get(name).unwrap_or(&Value::Null);
+                assert_part_of(value, same, fits, &format!("{at}/{name}"));
+            }
+        }
+        (Value::Array(part), Value::Array(answer)) => {
+            assert!(fits(&part.len(), &answer.len()), "{at}: {} of {}", part.len(), answer.len());
+            for (number, (part, answer)) in part.iter().zip(answer).enumerate() {
+                assert_part_of(part, answer, fits, &format!("{at}/{number}"));
+            }
+        }
+        _ => assert_eq!(part, answer, "{at}"),
     }
 }
 

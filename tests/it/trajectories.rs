@@ -17,8 +17,7 @@ async fn text(server: &Server, query: &str) -> String {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_trajectory_is_in_order_of_time_as_last_corrected_and_without_what_was_culled() {
-    let server = Server::start().await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let server = Server::with_map("m").await;
     assert_eq!(text(&server, "?format=kitti").await, "");
     // Sent late, seen early.
     for (id, seconds, x) in [("k-3", 3, 3.0), ("k-1", 1, 1.0), ("k-2", 2, 2.0), ("culled", 4, 4.0)] {
@@ -39,8 +38,7 @@ async fn a_trajectory_is_in_order_of_time_as_last_corrected_and_without_what_was
 
 #[tokio::test(flavor = "multi_thread")]
 async fn several_sessions_are_one_graph_but_not_one_trajectory() {
-    let server = Server::start().await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let server = Server::with_map("m").await;
     for (id, session, seconds) in [("a", "s-1", 1), ("b", "s-1", 2), ("c", "s-2", 9)] {
         put(&server, id, session, seconds, f64::from(id.as_bytes()[0])).await;
     }
@@ -74,9 +72,8 @@ async fn several_sessions_are_one_graph_but_not_one_trajectory() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_cannot_be_meant_is_refused() {
-    let server = Server::start().await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+async fn rejects_queries_that_cannot_be_meant() {
+    let server = Server::with_map("m").await;
     for (query, status, pointer) in [
         ("", 422, "?format"),
         ("?format=gpx", 422, "?format"),

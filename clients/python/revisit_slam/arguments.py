@@ -6,6 +6,7 @@ import argparse
 import os
 import re
 from pathlib import Path
+from typing import Any
 
 from .errors import RevisitError
 
@@ -18,48 +19,51 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     top = argparse.ArgumentParser(prog="revisit-play", description="Find the photographs that show the same place.")
     commands = top.add_subparsers(dest="command", required=True)
-    common = _common()
-    images = commands.add_parser(
+    common, focal, camera, trajectory, every = _common(), _focal(), _camera(), _trajectory(), _every()
+
+    def plays(name: str, source: str, *options: argparse.ArgumentParser, **words: str) -> argparse.ArgumentParser:
+        command = commands.add_parser(name, parents=[common, *options], **words)
+        command.add_argument("source", type=Path, metavar=source)
+        return command
+
+    plays(
         "images",
-        parents=[common, _focal(), _camera(), _trajectory()],
+        "FOLDER",
+        focal,
+        camera,
+        trajectory,
         help="play a folder of photographs",
         description="Read the signs in a folder of photographs, send each as a keyframe, and ask for each whether its "
         "place was seen before. A video is the file's name before its number; names are sorted. Poses are rotations "
         "between overlapping photographs, without any distance; with --trajectory files are named by their time. "
         "Without --server a server is started for the run ($REVISIT_BINARY, beside this Python, or `revisit` on PATH).",
     )
-    images.add_argument("source", type=Path, metavar="FOLDER")
-    video = commands.add_parser(
-        "video", parents=[common, _focal(), _camera(), _trajectory(), _every()], help="play a film",
+    plays(
+        "video", "FILE", focal, camera, trajectory, every, help="play a film",
         description="Take pictures from a film, and play them as `images` does.",
     )  # fmt: skip
-    video.add_argument("source", type=Path, metavar="FILE")
-    euroc = commands.add_parser(
-        "euroc", parents=[common, _trajectory(), _every()], help="play a sequence in EuRoC's format",
+    plays(
+        "euroc", "DIR", trajectory, every, help="play a sequence in EuRoC's format",
         description="Play the left camera (mav0/cam0) of a sequence in the ASL format of EuRoC, undistorted. Poses are the "
         "ground truth's, where it is there. Distances of signs are assumed.",
     )  # fmt: skip
-    euroc.add_argument("source", type=Path, metavar="DIR")
-    tum = commands.add_parser(
-        "tum", parents=[common, _camera(), _trajectory(), _every()], help="play a sequence in TUM's RGB-D format",
+    plays(
+        "tum", "DIR", camera, trajectory, every, help="play a sequence in TUM's RGB-D format",
         description="Play rgb.txt; poses are those of groundtruth.txt, and signs are as far as depth.txt's images tell. "
         "Without --calibration the camera is the benchmark's default (525,525,319.5,239.5).",
     )  # fmt: skip
-    tum.add_argument("source", type=Path, metavar="DIR")
-    colmap = commands.add_parser(
-        "colmap", parents=[common], help="play a COLMAP model",
+    colmap = plays(
+        "colmap", "MODEL", help="play a COLMAP model",
         description="Play the images of a sparse model (.bin or .txt) with its poses, cameras and points. Signs are as far as "
         "the points around them. Without --metres-per-unit the map is not metric.",
     )  # fmt: skip
-    colmap.add_argument("source", type=Path, metavar="MODEL")
     colmap.add_argument("--images", type=Path, metavar="DIR", help="the images' folder [a folder `images` near the model]")
     colmap.add_argument("--metres-per-unit", type=float, metavar="M", help="length of the model's unit")
-    bag = commands.add_parser(
-        "bag", parents=[common, _camera(), _trajectory(), _every()], help="play a ROS recording (MCAP, SQLite, ROS 1)",
+    bag = plays(
+        "bag", "FILE", camera, trajectory, every, help="play a ROS recording (MCAP, SQLite, ROS 1)",
         description="Play the pictures of a recording, undistorted by its CameraInfo; poses are its odometry's, with the "
         "camera's place from /tf_static. Needs no ROS. Distances of signs are assumed.",
     )  # fmt: skip
-    bag.add_argument("source", type=Path, metavar="FILE")
     for name, what in (("image", "pictures"), ("camera-info", "the camera"), ("odometry", "odometry")):
         bag.add_argument(f"--{name}-topic", metavar="TOPIC", help=f"the topic of {what} [the only one]")
     sample = commands.add_parser("sample", help="draw a small building to try it on", description="Draw a small building "
@@ -90,34 +94,29 @@ def _common() -> argparse.ArgumentParser:
     return common
 
 
+def _option(name: str, **more: Any) -> argparse.ArgumentParser:
+    option = argparse.ArgumentParser(add_help=False)
+    option.add_argument(name, **more)
+    return option
+
+
 def _focal() -> argparse.ArgumentParser:
-    focal = argparse.ArgumentParser(add_help=False)
-    focal.add_argument("--focal-px", type=float, metavar="PX", help="focal length in pixels [0.75 of the longer side]")
-    return focal
+    return _option("--focal-px", type=float, metavar="PX", help="focal length in pixels [0.75 of the longer side]")
 
 
 def _camera() -> argparse.ArgumentParser:
-    camera = argparse.ArgumentParser(add_help=False)
-    camera.add_argument(
-        "--calibration", metavar="FX,FY,CX,CY[,K1,K2,P1,P2[,K3]]", help="the camera, as OpenCV writes it; pictures are undistorted"
-    )
-    return camera
+    terms = "FX,FY,CX,CY[,K1,K2,P1,P2[,K3]]"
+    return _option("--calibration", metavar=terms, help="the camera, as OpenCV writes it; pictures are undistorted")
 
 
 def _trajectory() -> argparse.ArgumentParser:
-    trajectory = argparse.ArgumentParser(add_help=False)
-    trajectory.add_argument(
-        "--trajectory", type=Path, metavar="FILE", help="poses of the camera: lines of `seconds x y z qx qy qz qw`"
-    )
-    return trajectory
+    lines = "poses of the camera: lines of `seconds x y z qx qy qz qw`"
+    return _option("--trajectory", type=Path, metavar="FILE", help=lines)
 
 
 def _every() -> argparse.ArgumentParser:
-    every = argparse.ArgumentParser(add_help=False)
-    every.add_argument(
-        "--every-s", type=float, metavar="S", default=EVERY_S, help=f"take a picture every so many seconds, 0: all [{EVERY_S}]"
-    )
-    return every
+    told = f"take a picture every so many seconds, 0: all [{EVERY_S}]"
+    return _option("--every-s", type=float, metavar="S", default=EVERY_S, help=told)
 
 
 def check(chosen: argparse.Namespace) -> None:

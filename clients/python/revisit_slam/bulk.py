@@ -9,6 +9,7 @@ import msgspec
 
 from .call import Call, UnexpectedAnswer, segment
 from .models import BulkItem, BulkLine
+from .packing import packed
 
 # The server takes 32 MiB a body; a smaller one is on disk sooner and cheaper to repeat.
 MAX_BATCH_BYTES = 8 << 20
@@ -21,7 +22,7 @@ def batches(items: Iterable[Item]) -> Iterator[bytes]:
     """Return bodies of NDJSON, each bounded in bytes and items."""
     encoder, lines, size = msgspec.json.Encoder(), [], 0
     for item in items:
-        line = encoder.encode(item)
+        line = encoder.encode(packed(item))
         if lines and (len(lines) >= MAX_BATCH_ITEMS or size + len(line) > MAX_BATCH_BYTES):
             yield b"\n".join(lines) + b"\n"
             lines, size = [], 0

@@ -43,7 +43,7 @@ class DetectionRange(OpenEnum):
 
 
 class DifferenceReason(OpenEnum):
-    """Why a differing identifier did not count as a contradiction, or not enough."""
+    """The reason why a differing identifier did not count as a contradiction, or not enough."""
 
     NOT_SURE = "not_sure"
     """Geometry found the place, and an identifier may be misread: it was not read alike twice, and only
@@ -104,7 +104,7 @@ class GeometryStatus(OpenEnum):
 
 
 class IgnoredReason(OpenEnum):
-    """Why a detection feeds no anchor."""
+    """The reason why a detection feeds no anchor."""
 
     CLASS_NOT_ANCHORED = "class_not_anchored"
     """The map's `anchor_classes` do not name its class."""
@@ -115,7 +115,7 @@ class IgnoredReason(OpenEnum):
 
 
 class JudgementAsks(OpenEnum):
-    """Which verdicts a job asks for again."""
+    """The verdicts that a job asks for again."""
 
     ALL = "all"
     """The default: all of them."""
@@ -151,7 +151,7 @@ class KeyBodyActions(OpenEnum):
 
 
 class LoopWarningCode(OpenEnum):
-    """Why a loop that a client confirms may be wrong."""
+    """The reason why a loop that a client confirms may be wrong."""
 
     ANCHORS_CONTRADICT = "anchors_contradict"
     """Sure identifiers around the two keyframes contradict each other, and outweigh the signs that agree."""
@@ -309,7 +309,7 @@ class Verdict(OpenEnum):
 
 
 class Verify(OpenEnum):
-    """Which checks a query asks for."""
+    """The checks that a query asks for."""
 
     AUTO = "auto"
     """The default: geometry where both keyframes have the features for it, else the anchors decide."""
@@ -327,9 +327,9 @@ class Anchor(msgspec.Struct, kw_only=True, omit_defaults=True):
     class_: str = msgspec.field(name="class")
     """Its class."""
     state: AnchorState
-    """How far its description is."""
+    """The state of its description."""
     description_source: str
-    """Who described it: `readings` (the vote over all readings) or `operator`."""
+    """The source of its description: `readings` (the vote over all readings) or `operator`."""
     identifiers: list[str]
     """The identifiers found in the description, such as a room's number."""
     information_level: int
@@ -341,11 +341,11 @@ class Anchor(msgspec.Struct, kw_only=True, omit_defaults=True):
     frames: list[AnchorFrame]
     """Its box in the frame of each session that saw it, oldest session first."""
     map_points: int
-    """How many distinct map points it has."""
+    """Number of its distinct map points."""
     matches: list[AnchorMatch]
     """The anchors that match it, oldest first; at most 100 of `matches_total`."""
     matches_total: int
-    """How many anchors match it in all."""
+    """Number of anchors that match it in all."""
     merged_from: list[str]
     """The anchors that go by its name."""
     has_crop: bool
@@ -359,7 +359,7 @@ class Anchor(msgspec.Struct, kw_only=True, omit_defaults=True):
     information_reason: str | None = None
     """One sentence for a person that says why it has that level; left out without a description."""
     numbering: list[str] | None = None
-    """How the building writes its numbers on signs of this class, given or learned: patterns, or shapes
+    """The formats of the building's numbers on signs of this class, given or learned: patterns, or shapes
     such as `#.99`, in which `#` is a run of digits of any length and `9` one digit; left out while it
     is not known.
     """
@@ -383,7 +383,7 @@ class AnchorFigures(msgspec.Struct, kw_only=True, omit_defaults=True):
     similarity: float
     """S of Eq. (2)."""
     threshold: float
-    """What S must exceed."""
+    """The threshold that S must exceed."""
     in_query: int
     """Valid anchors in the query's local map."""
     in_candidate: int
@@ -430,9 +430,9 @@ class AnchorMatch(msgspec.Struct, kw_only=True, omit_defaults=True):
     level: int
     """SimilarityLevel of the two descriptions, 1 (different objects) to 5 (the same)."""
     source: str
-    """Who judged: `identical`, `identifiers`, `lexical`, `operator` or `model:<name>`."""
+    """The judge: `identical`, `identifiers`, `lexical`, `operator` or `model:<name>`."""
     kind: MatchKind
-    """Were the two seen apart, so that the robot has come back?"""
+    """Whether the two were seen apart, so that the robot has come back."""
     reason: str
     """One sentence for a person."""
 
@@ -450,7 +450,7 @@ class Backup(msgspec.Struct, kw_only=True, omit_defaults=True):
     id: str
     """Its id; the file is called `ID.db`."""
     created: Time
-    """When it was asked for, since 1970: every write acknowledged before is in it."""
+    """The time of the request, since 1970: every write acknowledged before is in it."""
     bytes: int
     """Its size in bytes."""
     sha256: str
@@ -502,7 +502,7 @@ class BowFigures(msgspec.Struct, kw_only=True, omit_defaults=True):
     score: float
     """DBoW2's L1 score, 0 to 1."""
     common_words: int
-    """How many words the two keyframes share."""
+    """Number of words that the two keyframes share."""
     reference_score: float
     """The lowest score of the query against its covisible keyframes, 0 without any."""
 
@@ -531,14 +531,16 @@ class BulkItem(msgspec.Struct, kw_only=True, omit_defaults=True):
     """One robot's run: its own frame and its own numbering of map points."""
     camera: Camera | None = None
     """The undistorted pinhole camera."""
-    bow: BagOfWords | None = None
+    bow: SentBagOfWords | None = None
     """The bag of words; left out or empty for a blank wall."""
-    features: Features | None = None
+    features: SentFeatures | None = None
     """Binary features."""
-    map_points: MapPoints | None = None
+    map_points: SentMapPoints | None = None
     """Map points new or moved; the order does not matter, and answers list them by number."""
     observes: list[int] | None = None
     """Map points observed, besides those of `features.map_points`; the order does not matter."""
+    observes_i64: str | None = None
+    """The same, packed: base64 of little-endian 64-bit signed numbers."""
     covisible: list[CovisibleKeyframe] | None = None
     """Covisible keyframes known to the client, also across sessions; each must exist."""
     detections: list[Detection] | None = None
@@ -546,7 +548,7 @@ class BulkItem(msgspec.Struct, kw_only=True, omit_defaults=True):
 
 
 class BulkLine(msgspec.Struct, kw_only=True, omit_defaults=True):
-    """What became of one line of a bulk request."""
+    """The outcome of one line of a bulk request."""
 
     line: int
     """The line's number in the request, from 1, blank lines counted."""
@@ -555,15 +557,15 @@ class BulkLine(msgspec.Struct, kw_only=True, omit_defaults=True):
     id: str | None = None
     """The keyframe's id; left out where the line has none that can be read."""
     idempotent_replayed: bool | None = None
-    """Was the same keyframe stored before?"""
+    """Whether the same keyframe was stored before."""
     map_version: int | None = None
     """The map's version after it."""
     covisible: int | None = None
-    """How many keyframes are covisible with it."""
+    """Number of keyframes covisible with it."""
     detections: list[DetectionOutcome] | None = None
-    """What became of its detections, in their order."""
+    """The outcomes of its detections, in their order."""
     problem: Problem | None = None
-    """Why it was refused."""
+    """The reason for its refusal."""
 
 
 class Camera(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -589,7 +591,7 @@ class Candidate(msgspec.Struct, kw_only=True, omit_defaults=True):
     keyframe: str
     """The candidate."""
     verdict: CandidateVerdict
-    """What became of it."""
+    """The outcome of its checks."""
     bow: BowFigures
     """Bag of words."""
     geometry: Geometry
@@ -730,15 +732,15 @@ class Difference(msgspec.Struct, kw_only=True, omit_defaults=True):
     candidate_identifier: str
     """The identifier on the candidate's anchor."""
     reason: DifferenceReason
-    """Why it did not count as a contradiction, or not enough."""
+    """The reason why it did not count as a contradiction, or not enough."""
     detail: str
     """One sentence for a person."""
     measured: float | None = None
-    """What was measured: characters for `not_sure`, metres or radians for `another_place`, weights in 1/m
+    """The measured value: characters for `not_sure`, metres or radians for `another_place`, weights in 1/m
     for `outweighed`.
     """
     limit: float | None = None
-    """What it was compared with, in the same unit."""
+    """The value that it was compared with, in the same unit."""
 
 
 class Event(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -749,7 +751,7 @@ class Event(msgspec.Struct, kw_only=True, omit_defaults=True):
     seq: int
     """Its number in its map, growing by one."""
     event: EventKind
-    """What happened."""
+    """The kind of event."""
     map_version: int
     """The map's version in which it happened."""
     anchor: str | None = None
@@ -776,11 +778,11 @@ class Fault(msgspec.Struct, kw_only=True, omit_defaults=True):
     (`{map}`) or a header (`if-match:`).
     """
     detail: str
-    """What is wrong."""
+    """Description of the fault."""
     got: str | None = None
-    """What was sent, shortened."""
+    """The value that was sent, shortened."""
     limit: str | None = None
-    """What would have been allowed."""
+    """The values that are allowed."""
 
 
 class Features(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -799,12 +801,12 @@ class Features(msgspec.Struct, kw_only=True, omit_defaults=True):
 
 
 class Geometry(msgspec.Struct, kw_only=True, omit_defaults=True):
-    """What geometric verification found."""
+    """The result of geometric verification."""
 
     status: GeometryStatus
-    """How far it came."""
+    """Its outcome."""
     reason: str | None = None
-    """Why it was skipped or failed, for a person."""
+    """The reason why it was skipped or failed, for a person."""
     model: GeometryModel | None = None
     """The model that was looked for. Where too few points are triangulated the images alone are compared,
     by the simplest model that explains nearly as much as the others.
@@ -836,7 +838,7 @@ class Geometry(msgspec.Struct, kw_only=True, omit_defaults=True):
 
 
 class Health(msgspec.Struct, kw_only=True, omit_defaults=True):
-    """How the server is."""
+    """The state of the server."""
 
     status: str
     """`alive` or `ready`; a server that is not ready answers a problem."""
@@ -848,9 +850,9 @@ class Judgement(msgspec.Struct, kw_only=True, omit_defaults=True):
     map_version: int
     """The map's version."""
     state: JudgementState
-    """How it stands."""
+    """Its state."""
     asks: JudgementAsks
-    """Which verdicts it asks for again."""
+    """The verdicts that it asks for again."""
     questions: int
     """Questions that other models or prompts answered than those configured now, as counted when the job
     began.
@@ -881,7 +883,7 @@ class JudgementBody(msgspec.Struct, kw_only=True, omit_defaults=True):
     id: str | None = None
     """Its id; the server finds one if it is left out."""
     asks: JudgementAsks | None = None
-    """Which verdicts to ask for again."""
+    """The verdicts to ask for again."""
     preview: bool | None = None
     """Only counts the questions and what they may cost, and starts nothing."""
 
@@ -890,7 +892,7 @@ class KeyBody(msgspec.Struct, kw_only=True, omit_defaults=True):
     """A key to be made."""
 
     actions: list[KeyBodyActions]
-    """What it may do, at least one."""
+    """Its permissions, at least one."""
     name: str | None = None
     """Whose it is, for people."""
     maps: list[str] | None = None
@@ -904,7 +906,7 @@ class KeyBody(msgspec.Struct, kw_only=True, omit_defaults=True):
     model_daily_calls: int | None = None
     """Calls of models a day (UTC) for the maps it makes and the texts it asks about. Left out: any number."""
     model_daily_usd: float | None = None
-    """What these calls may cost, in US dollars. Left out: any sum."""
+    """Maximum cost of these calls, in US dollars. Left out: any sum."""
 
 
 class KeyList(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -924,25 +926,27 @@ class KeyView(msgspec.Struct, kw_only=True, omit_defaults=True):
     name: str
     """Whose it is."""
     actions: list[KeyBodyActions]
-    """What it may do."""
+    """Its permissions."""
     maps: list[str]
     """The maps that exist for it."""
     created: Time
-    """When it was made."""
+    """The time when it was made."""
     expires: Time | None = None
     """From when on it is no longer good; left out if it does not expire."""
     revoked: Time | None = None
-    """When it was revoked; left out while it is good."""
+    """The time when it was revoked; left out while it is good."""
     rate_per_s: int | None = None
     """Requests a second."""
     model_daily_calls: int | None = None
     """Calls of models a day."""
     model_daily_usd: float | None = None
-    """What these calls may cost, in US dollars."""
+    """Maximum cost of these calls, in US dollars."""
     secret: str | None = None
-    """What to send as `authorization: Bearer <secret>`. Told once, when the key is made, and kept nowhere."""
+    """The secret, to be sent as `authorization: Bearer <secret>`. Shown once, when the key is made, and
+    kept nowhere.
+    """
     notice: str | None = None
-    """What changes from now on, if this is the server's first key."""
+    """The consequences, if this is the server's first key."""
 
 
 class Keyframe(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -958,14 +962,16 @@ class Keyframe(msgspec.Struct, kw_only=True, omit_defaults=True):
     """One robot's run: its own frame and its own numbering of map points."""
     camera: Camera | None = None
     """The undistorted pinhole camera."""
-    bow: BagOfWords | None = None
+    bow: SentBagOfWords | None = None
     """The bag of words; left out or empty for a blank wall."""
-    features: Features | None = None
+    features: SentFeatures | None = None
     """Binary features."""
-    map_points: MapPoints | None = None
+    map_points: SentMapPoints | None = None
     """Map points new or moved; the order does not matter, and answers list them by number."""
     observes: list[int] | None = None
     """Map points observed, besides those of `features.map_points`; the order does not matter."""
+    observes_i64: str | None = None
+    """The same, packed: base64 of little-endian 64-bit signed numbers."""
     covisible: list[CovisibleKeyframe] | None = None
     """Covisible keyframes known to the client, also across sessions; each must exist."""
     detections: list[Detection] | None = None
@@ -1054,7 +1060,7 @@ class LevelAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     context.
     """
     source: str
-    """Who judged: `identical`, `identifiers`, `lexical`, `operator` or `model:<name>`."""
+    """The judge: `identical`, `identifiers`, `lexical`, `operator` or `model:<name>`."""
     reason: str
     """One sentence for a person."""
     cached: bool
@@ -1071,7 +1077,7 @@ class LocalAnchor(msgspec.Struct, kw_only=True, omit_defaults=True):
     class_: str = msgspec.field(name="class")
     """Its class."""
     state: AnchorState
-    """How far its description is; only valid ones count in S."""
+    """The state of its description; only valid ones count in S."""
     bearing: list[float]
     """Unit vector towards its centre in the camera's frame, `[x,y,z]`: right, down, forward."""
     distance_m: float
@@ -1111,7 +1117,7 @@ class LoopAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     degraded: bool
     """Whether a stand-in judged because a model was away."""
     excluded_covisible: int
-    """How many keyframes are no candidates because they are covisible with the query."""
+    """Number of keyframes that are not candidates because they are covisible with the query."""
     closed: list[ConfirmedLoop]
     """The loops of this keyframe that are confirmed already, by id, at most 100."""
     candidates: list[Candidate]
@@ -1151,8 +1157,8 @@ class LoopClosed(msgspec.Struct, kw_only=True, omit_defaults=True):
     merged: list[Merge]
     """The pairs of anchors that became one."""
     warnings: list[LoopWarning]
-    """What speaks against it, as the map stood before it. The client decides: it is closed all the same,
-    and can be revoked. A retry (200) is answered without them.
+    """Evidence against it, as the map stood before it. The client decides: it is closed all the same, and
+    can be revoked. A retry (200) is answered without them.
     """
 
 
@@ -1177,9 +1183,9 @@ class LoopQueryBody(msgspec.Struct, kw_only=True, omit_defaults=True):
     inline: Keyframe | None = None
     """A keyframe that is not stored."""
     verify: Verify | None = None
-    """Which checks must run."""
+    """The checks that must run."""
     max_wait_ms: int | None = None
-    """How long to wait for models that are still judging, in milliseconds."""
+    """Maximum wait for models that are still judging, in milliseconds."""
     seed: int | None = None
     """The seed of what is drawn at random."""
 
@@ -1211,10 +1217,10 @@ class LoopView(msgspec.Struct, kw_only=True, omit_defaults=True):
 
 
 class LoopWarning(msgspec.Struct, kw_only=True, omit_defaults=True):
-    """What speaks against a loop that was confirmed."""
+    """Evidence against a loop that was confirmed."""
 
     code: LoopWarningCode
-    """Which kind."""
+    """The kind of evidence."""
     detail: str
     """One sentence for a person."""
 
@@ -1244,7 +1250,7 @@ class MapList(msgspec.Struct, kw_only=True, omit_defaults=True):
 
 
 class MapPatchBody(msgspec.Struct, kw_only=True, omit_defaults=True):
-    """What is to change about a map; what is left out stays as it is."""
+    """Changes of a map; a field that is left out stays as it is."""
 
     description: str | None = None
     """Free text for people."""
@@ -1288,15 +1294,15 @@ class MapView(msgspec.Struct, kw_only=True, omit_defaults=True):
     settings: Settings
     """Every setting in force."""
     keyframes: int
-    """How many keyframes it holds."""
+    """Number of its keyframes."""
     anchors: int
-    """How many anchors it holds, merged ones counted once."""
+    """Number of its anchors, merged ones counted once."""
     sessions: int
-    """How many sessions have written to it."""
+    """Number of sessions that have written to it."""
     loops: int
-    """How many confirmed loops it holds."""
+    """Number of its confirmed loops."""
     bytes: int
-    """What its facts take on disk, in bytes: keyframes with their words, features, detections, texts and
+    """Size of its facts on disk, in bytes: keyframes with their words, features, detections, texts and
     crops, map points with a position (once each, however often sent), sessions, and loops with what
     they merge.
     """
@@ -1325,7 +1331,7 @@ class Match(msgspec.Struct, kw_only=True, omit_defaults=True):
     level: int
     """SimilarityLevel of the two descriptions, 1 to 5."""
     source: str
-    """Who judged."""
+    """The judge."""
     angle_difference_rad: float
     """Angle between the two bearings, in radians."""
     distance_difference_m: float
@@ -1349,7 +1355,7 @@ class MergeAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     text: str
     """The description."""
     source: str
-    """Who merged: `lexical` or `model:<name>`."""
+    """The source of the merged text: `lexical` or `model:<name>`."""
     cached: bool
     """Whether the answer came from a cache of model answers."""
     degraded: bool
@@ -1357,14 +1363,14 @@ class MergeAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
 
 
 class ModelVerdict(msgspec.Struct, kw_only=True, omit_defaults=True):
-    """What a model said: a level or a merged text of texts of one class, or a description of a detection's
-    crop.
+    """A verdict of a model: a level or a merged text of texts of one class, or a description of a
+    detection's crop.
     """
 
     operation: ModelOperation
-    """What it was asked."""
+    """The question."""
     source: str
-    """Who said it, such as `model:gpt-4o-mini`."""
+    """Its source, such as `model:gpt-4o-mini`."""
     class_: str | None = msgspec.field(default=None, name="class")
     """The class of the objects that carry the texts; of all but `describe`."""
     texts: list[str] | None = None
@@ -1376,7 +1382,7 @@ class ModelVerdict(msgspec.Struct, kw_only=True, omit_defaults=True):
     keyframe: str | None = None
     """The keyframe of the crop that was described."""
     detection: int | None = None
-    """Which of its detections, counted from 0."""
+    """The number of the detection in it, from 0."""
     described: bool | None = None
     """Whether a model described the crop, rather than a reader of characters."""
     degraded: bool | None = None
@@ -1386,7 +1392,7 @@ class ModelVerdict(msgspec.Struct, kw_only=True, omit_defaults=True):
 
 
 class ModelVerdictAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
-    """What became of it."""
+    """The effect of a verdict."""
 
     map_version: int
     """The map's version after it."""
@@ -1418,9 +1424,9 @@ class PosesAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     map_version: int
     """The map's version after it."""
     keyframes: int
-    """How many keyframes were corrected."""
+    """Number of corrected keyframes."""
     map_points: int
-    """How many map points were corrected."""
+    """Number of corrected map points."""
 
 
 class PosesBody(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -1430,21 +1436,21 @@ class PosesBody(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The session."""
     keyframes: PoseList | None = None
     """Its keyframes with their corrected poses."""
-    map_points: MapPoints | None = None
+    map_points: SentMapPoints | None = None
     """Its map points at their corrected positions."""
 
 
 class Problem(msgspec.Struct, kw_only=True, omit_defaults=True):
-    """Why a request was refused, or failed."""
+    """The reason why a request was refused, or failed."""
 
     type: str
-    """Where the kind of problem is explained."""
+    """Address of an explanation of the kind of problem."""
     title: str
     """The kind of problem in a few words."""
     status: int
     """The HTTP status."""
     detail: str
-    """What happened this time."""
+    """Description of this occurrence."""
     code: str
     """The kind of problem, for programs."""
     request_id: str
@@ -1474,20 +1480,20 @@ class Reading(msgspec.Struct, kw_only=True, omit_defaults=True):
     weight: float
     """The sum of its detections' confidences."""
     count: int
-    """How many detections read it."""
+    """Number of detections that read it."""
 
 
 class Reason(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The check that decided, with what it measured and what it asked for."""
 
     code: ReasonCode
-    """Which check, as a word for programs."""
+    """The check, as a word for programs."""
     detail: str
     """One sentence for a person."""
     measured: float | None = None
-    """What was measured, in the check's own unit."""
+    """The measured value, in the check's own unit."""
     limit: float | None = None
-    """What it was held against."""
+    """The value that it was compared with."""
 
 
 class ReplacedVerdict(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -1496,7 +1502,7 @@ class ReplacedVerdict(msgspec.Struct, kw_only=True, omit_defaults=True):
     map_version: int
     """The version of the map that replaced it: earlier answers rest on the verdict before."""
     operation: str
-    """What was asked: `similarity`, `information`, `merge` or `describe`."""
+    """The question: `similarity`, `information`, `merge` or `describe`."""
     class_: str = msgspec.field(name="class")
     """The class of the objects."""
     texts: list[str]
@@ -1504,15 +1510,66 @@ class ReplacedVerdict(msgspec.Struct, kw_only=True, omit_defaults=True):
     before: str
     """The level or the text that was replaced."""
     source_before: str
-    """Who gave it."""
+    """Its source."""
     after: str
     """The level or the text that stands now."""
     source_after: str
-    """Who gave it."""
+    """Its source."""
     keyframe: str | None = None
     """The keyframe of a crop."""
     detection: int | None = None
     """The detection of a crop."""
+
+
+class SentBagOfWords(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A bag of words: two columns in parallel, in any order, each as a list or packed."""
+
+    words: list[int] | None = None
+    """The words, none twice. This or `words_u32` is required."""
+    words_u32: str | None = None
+    """The words, packed: base64 of little-endian 32-bit unsigned numbers."""
+    weights: list[float] | None = None
+    """Their weights, without unit; normalised to sum to one on arrival. This or `weights_f64` is required."""
+    weights_f64: str | None = None
+    """Their weights, packed: base64 of little-endian 64-bit floats."""
+    vocabulary: str | None = None
+    """Whose words these are, such as a vocabulary's fingerprint. Words of two vocabularies do not go into
+    one map.
+    """
+
+
+class SentFeatures(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Binary features: columns in parallel, each as a list or packed."""
+
+    descriptor_bytes: int
+    """Bytes of one descriptor: 32 for ORB, 64 for BRISK."""
+    descriptors: str
+    """The descriptors one after the other, in base64."""
+    keypoints: list[list[float]] | None = None
+    """One for each descriptor: `[u,v]`, `[u,v,octave]` or `[u,v,octave,angle_deg]`, in pixels, pyramid
+    level and degrees. This or `keypoints_f32` is required.
+    """
+    keypoints_f32: str | None = None
+    """The keypoints, packed: base64 of little-endian 32-bit floats, u, v, octave and angle of each; an
+    angle that is not a number is none.
+    """
+    map_points: list[int] | None = None
+    """The map point that each feature observes, -1 for none; left out if none does."""
+    map_points_i64: str | None = None
+    """The map points, packed: base64 of little-endian 64-bit signed numbers."""
+
+
+class SentMapPoints(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Positions of map points: two columns in parallel, each as a list or packed."""
+
+    ids: list[int] | None = None
+    """The points' numbers in their session, none twice. This or `ids_i64` is required."""
+    ids_i64: str | None = None
+    """The points' numbers, packed: base64 of little-endian 64-bit signed numbers."""
+    positions: list[list[float]] | None = None
+    """`[x,y,z]` of each in the session's frame, in metres. This or `positions_f64` is required."""
+    positions_f64: str | None = None
+    """The positions, packed: base64 of little-endian 64-bit floats, x, y and z of each."""
 
 
 class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -1709,11 +1766,11 @@ class Transcript(msgspec.Struct, kw_only=True, omit_defaults=True):
     keyframe: str
     """The keyframe that brought the crop."""
     detection: int
-    """Which of its detections."""
+    """The number of the detection in it."""
     text: str
     """The description; empty if nothing could be made of the crop."""
     source: str
-    """Who described it: `model:<name>`, or a reader of characters such as `tesseract`."""
+    """The source of the description: `model:<name>`, or a reader of characters such as `tesseract`."""
     degraded: bool
     """Whether a reader stood in because a model was away. It is described again then."""
     steps: list[TranscriptStep]
@@ -1735,11 +1792,11 @@ class TranscriptStep(msgspec.Struct, kw_only=True, omit_defaults=True):
     """One question and its answer."""
 
     speaker: str
-    """Who answered."""
+    """The source of the answer."""
     question: str
-    """What was asked."""
+    """The question."""
     answer: str
-    """What was answered."""
+    """The answer."""
 
 
 class Transform(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -1824,7 +1881,7 @@ class Vector3(msgspec.Struct, kw_only=True, omit_defaults=True):
 
 
 class Version(msgspec.Struct, kw_only=True, omit_defaults=True):
-    """What runs."""
+    """The running program."""
 
     name: str
     """The program."""

@@ -7,6 +7,7 @@ from typing import Any
 
 from . import models
 from .call import Call, segment
+from .packing import packed
 
 
 class Operations:
@@ -153,7 +154,7 @@ class Operations:
         includes the answer of a loop query. Sending the same body again changes nothing and returns
         200; a different body under the same id is a conflict.
         """
-        return self._call(Call("PUT", f"/v1/maps/{segment(map)}/keyframes/{segment(keyframe)}", query={"query": query, "detail": detail}, body=body, answer=models.KeyframeAnswer))
+        return self._call(Call("PUT", f"/v1/maps/{segment(map)}/keyframes/{segment(keyframe)}", query={"query": query, "detail": detail}, body=packed(body), answer=models.KeyframeAnswer))
 
     def delete_keyframe(self, map: str, keyframe: str) -> models.MapVersion:
         """Cull a keyframe. Deletes its observations, too, and any anchor without other observations."""
@@ -397,7 +398,7 @@ class AsyncOperations:
         includes the answer of a loop query. Sending the same body again changes nothing and returns
         200; a different body under the same id is a conflict.
         """
-        return await self._call(Call("PUT", f"/v1/maps/{segment(map)}/keyframes/{segment(keyframe)}", query={"query": query, "detail": detail}, body=body, answer=models.KeyframeAnswer))
+        return await self._call(Call("PUT", f"/v1/maps/{segment(map)}/keyframes/{segment(keyframe)}", query={"query": query, "detail": detail}, body=packed(body), answer=models.KeyframeAnswer))
 
     async def delete_keyframe(self, map: str, keyframe: str) -> models.MapVersion:
         """Cull a keyframe. Deletes its observations, too, and any anchor without other observations."""

@@ -18,6 +18,7 @@ import msgspec
 from . import bulk
 from .client import Client
 from .models import BulkLine, Keyframe
+from .packing import packed
 from .problems import ProblemError, RevisitError
 from .spill import Spill
 
@@ -89,8 +90,7 @@ class KeyframeSender:
 
     def put(self, id: str, keyframe: Keyframe | Mapping[str, Any]) -> bool:
         """Take a keyframe; False where it had to be dropped. The keyframe may be changed afterwards."""
-        body = msgspec.to_builtins(keyframe) if isinstance(keyframe, msgspec.Struct) else dict(keyframe)
-        line = msgspec.json.encode({"id": id, **body})
+        line = msgspec.json.encode({"id": id, **packed(keyframe)})
         with self._changed:
             if self._closing:
                 raise RevisitError("the sender is closed")

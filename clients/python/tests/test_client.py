@@ -4,8 +4,6 @@ import asyncio
 import inspect
 import subprocess
 import sys
-import threading
-from http.server import BaseHTTPRequestHandler, HTTPServer
 from pathlib import Path
 
 import msgspec
@@ -13,6 +11,7 @@ import pytest
 
 from revisit_slam import AsyncClient, Client, ProblemError, Retries, Server, ServerUnreachable, models
 from samples import keyframe
+from stand_in import stand_in
 
 TOOLS = Path(__file__).resolve().parents[1] / "tools"
 DOCUMENT = Path(__file__).resolve().parents[3] / "openapi" / "openapi.yaml"
@@ -161,37 +160,14 @@ def test_sync_and_async_have_the_same_signatures() -> None:
         assert list(ours.parameters) == list(theirs.parameters), name
 
 
-class Busy(BaseHTTPRequestHandler):
-    """Answers 503 twice, then a version with words of a newer server."""
-
-    asked = 0
-
-    def do_GET(self) -> None:
-        Busy.asked += 1
-        if Busy.asked <= 2:
-            self.send_response(503)
-            self.send_header("retry-after", "0.05")
-            self.send_header("content-length", "0")
-            self.end_headers()
-            return
-        body = b'{"verdict":"maybe","id":"q-1","map_version":1,"best":null,"loops":[],"degraded":false,'
-        body += b'"excluded_covisible":0,"closed":[],"candidates":[],"weather":"fine"}'
-        self.send_response(200)
-        self.send_header("content-length", str(len(body)))
-        self.end_headers()
-        self.wfile.write(body)
-
-    def log_message(self, *_: object) -> None:
-        pass
-
-
 def test_a_busy_server_is_asked_again_and_unknown_values_are_read() -> None:
-    busy = HTTPServer(("127.0.0.1", 0), Busy)
-    threading.Thread(target=busy.serve_forever, daemon=True).start()
-    with Client(f"http://127.0.0.1:{busy.server_port}", key="secret") as client:
+    busy = (503, {"retry-after": "0.05"}, b"")
+    newer = b'{"verdict":"maybe","id":"q-1","map_version":1,"best":null,"loops":[],"degraded":false,'
+    newer += b'"excluded_covisible":0,"closed":[],"candidates":[],"weather":"fine"}'
+    answers = iter([busy, busy, (200, {}, newer)])
+    with stand_in(lambda: next(answers)) as url, Client(url, key="secret") as client:
         answer = client.get_loop_query("m", "q-1")
-    busy.shutdown()
-    assert Busy.asked == 3
+    assert not list(answers)
     assert answer.verdict == "maybe" and not answer.verdict.known
     assert models.Verdict.LOOP.known
 

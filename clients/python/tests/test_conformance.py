@@ -1,8 +1,6 @@
 """The pairs of clients/conformance."""
 
 import json
-import threading
-from http.server import BaseHTTPRequestHandler, HTTPServer
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +8,7 @@ import msgspec
 import pytest
 
 from revisit_slam import Client, ProblemError, Server
+from stand_in import stand_in
 
 FOLDER = Path(__file__).resolve().parents[2] / "conformance"
 pytestmark = pytest.mark.skipif(not FOLDER.exists(), reason="outside the checkout")
@@ -57,21 +56,7 @@ def test_every_pair_holds_against_the_running_server() -> None:
 def test_answers_of_a_newer_server_are_read(file: Path) -> None:
     pair = json.loads(file.read_text())
     body = json.dumps(pair["response"]["body"]).encode()
-
-    class Newer(BaseHTTPRequestHandler):
-        def do_GET(self) -> None:
-            self.send_response(pair["response"]["status"])
-            self.send_header("content-length", str(len(body)))
-            self.end_headers()
-            self.wfile.write(body)
-
-        def log_message(self, *_: object) -> None:
-            pass
-
-    newer = HTTPServer(("127.0.0.1", 0), Newer)
-    threading.Thread(target=newer.serve_forever, daemon=True).start()
-    with Client(f"http://127.0.0.1:{newer.server_port}") as client:
+    with stand_in(lambda: (pair["response"]["status"], {}, body)) as url, Client(url) as client:
         answer = ask(client, pair)
-    newer.shutdown()
     assert answer["verdict"] == pair["response"]["body"]["verdict"]
     assert answer["candidates"][0]["geometry"]["status"] == "dreamt"

@@ -55,7 +55,7 @@ def test_an_outage_loses_nothing_and_spills_in_order(tmp_path: Path) -> None:
     assert not (tmp_path / "spill.ndjson").exists()
 
 
-def test_what_could_not_be_sent_is_sent_by_the_next(tmp_path: Path, client: Client, map_id: str) -> None:
+def test_unsent_keyframes_are_sent_by_the_next_sender(tmp_path: Path, client: Client, map_id: str) -> None:
     spill = tmp_path / "spill.ndjson"
     nowhere = KeyframeSender(Client("http://127.0.0.1:9"), map_id, spill=spill, queue_keyframes=5)
     for number in range(9):

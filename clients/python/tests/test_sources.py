@@ -164,7 +164,7 @@ def test_depth_without_a_pose_measures_nothing(one_visit: list[Timed], cache: Pa
     assert not any("map_points" in body for body in bodies.values())
 
 
-def test_what_is_listed_twice_is_played_once(one_visit: list[Timed], cache: Path, tmp_path: Path) -> None:
+def test_pictures_listed_twice_are_played_once(one_visit: list[Timed], cache: Path, tmp_path: Path) -> None:
     folder = fixtures.tum(tmp_path / "sequence", one_visit)
     (folder / "rgb.txt").write_text((folder / "rgb.txt").read_text() * 2)
     arguments = ("--calibration", "600,600,400,300", "--cache", cache, "--every-s", "0", "--every-frame", "--no-query")

@@ -131,7 +131,7 @@ def operations(document: dict[str, Any], models: Models) -> str:
             waiting.append(method_source(path, method, operation, models, "async "))
     imports = (
         "from collections.abc import Mapping\nfrom typing import Any\n\nfrom . import models\n"
-        "from .call import Call, segment\n\n\n"
+        "from .call import Call, segment\nfrom .packing import packed\n\n\n"
     )
     base = "class {name}:\n    {note}\n\n    def _call(self, call: Call) -> Any:\n        raise NotImplementedError\n\n"
     return (
@@ -169,7 +169,8 @@ def method_source(path: str, verb: str, operation: dict[str, Any], models: Model
     if "requestBody" in operation:
         schema = operation["requestBody"]["content"]["application/json"]["schema"]["$ref"].rsplit("/", 1)[-1]
         positional.append(f"body: models.{schema} | Mapping[str, Any]")
-        arguments.append("body=body")
+        # A keyframe with long columns is a third smaller and read in a fraction of the time when they are packed.
+        arguments.append("body=packed(body)" if schema == "Keyframe" else "body=body")
     answer, hint = answer_of(operation)
     if answer:
         arguments.append(f"answer={answer}")

@@ -10,7 +10,7 @@ use crate::geometry::Point3;
 pub struct Observation {
     /// The keyframe that saw the anchor.
     pub keyframe: KeyframeSeq,
-    /// Which of the keyframe's detections it was.
+    /// The number of the keyframe's detection.
     pub detection: u16,
     /// The detector's confidence, in `[0, 1]`: the weight of the reading's vote.
     pub confidence: f64,
@@ -42,7 +42,7 @@ pub enum Outcome {
 }
 
 named! {
-    /// Why a detection feeds no anchor.
+    /// The reason why a detection feeds no anchor.
     IgnoredReason {
         /// The map's `anchor_classes` do not name its class.
         ClassNotAnchored = "class_not_anchored",

@@ -1,6 +1,6 @@
 //! The name of an anchor in a verdict.
 
-/// Which of the two local anchor maps' anchors an entry names.
+/// The local anchor map whose anchors an entry names.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum AnchorName {
     /// An anchor of the map, by its public id.

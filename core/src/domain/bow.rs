@@ -138,7 +138,7 @@ impl Score {
     }
 }
 
-/// Why entries or parts are not a bag-of-words vector.
+/// The reason why entries or parts are not a bag-of-words vector.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BowError {
     /// A word is listed twice.
@@ -158,15 +158,15 @@ pub enum BowError {
     /// More words than [`BowVector::MAX_WORDS`].
     #[error("{words} words; at most {} are allowed", BowVector::MAX_WORDS)]
     TooManyWords {
-        /// How many words there are.
+        /// Number of words.
         words: usize,
     },
     /// Stored parts of different lengths.
     #[error("{words} words but {weights} weights")]
     LengthMismatch {
-        /// How many words there are.
+        /// Number of words.
         words: usize,
-        /// How many weights there are.
+        /// Number of weights.
         weights: usize,
     },
     /// Stored words that do not ascend.

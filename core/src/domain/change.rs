@@ -21,7 +21,7 @@ pub struct Keyframe {
     pub id: KeyframeId,
     /// Its session.
     pub session: SessionSeq,
-    /// When it was taken.
+    /// The time when it was taken.
     pub stamp: Stamp,
     /// `map_from_camera` in the session's frame, as last corrected.
     pub map_from_camera: Pose,
@@ -31,11 +31,11 @@ pub struct Keyframe {
     pub observes: PointList,
     /// Covisible keyframes declared by the client, each with its number of shared points.
     pub declared: Box<[(KeyframeSeq, u32)]>,
-    /// What it takes on disk, in bytes ([`super::keyframe::NewKeyframe::bytes`]).
+    /// Its size on disk, in bytes ([`super::keyframe::NewKeyframe::bytes`]).
     pub bytes: u64,
 }
 
-/// Why two anchors are one.
+/// The reason why two anchors are one.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum MergeCause {
     /// They match, their keyframes are covisible, and they stand close (§IV-C.2).
@@ -91,7 +91,7 @@ pub struct Twins {
 pub struct MovedObservation {
     /// The keyframe.
     pub keyframe: KeyframeSeq,
-    /// Which of its detections.
+    /// The number of the detection in it.
     pub detection: u16,
     /// The anchor that it fed.
     pub from: AnchorSeq,
@@ -159,7 +159,7 @@ pub enum Change {
     Observed(AnchorSeq, Box<Observation>),
     /// A detection feeds another anchor from now on.
     ObservationMoved(MovedObservation),
-    /// What became of a detection.
+    /// The outcome of a detection.
     OutcomeSet(KeyframeSeq, u16, Outcome),
     /// A detection's position moved with its keyframe's corrected pose.
     PositionSet(AnchorSeq, KeyframeSeq, u16, Point3),

@@ -14,7 +14,7 @@ pub struct DifferenceEvidence {
     pub query_identifier: String,
     /// The identifier read on the candidate's anchor.
     pub candidate_identifier: String,
-    /// Why the difference did not count.
+    /// The reason why the difference did not count.
     pub reason: DifferenceReason,
     /// The measured value, in the reason's own unit.
     pub measured: Option<f64>,
@@ -37,7 +37,7 @@ const fn row(title: &'static str) -> DifferenceWords {
 }
 
 named! {
-    /// Why a differing identifier did not count as a contradiction, or not enough.
+    /// The reason why a differing identifier did not count as a contradiction, or not enough.
     DifferenceReason: DifferenceWords {
         /// Geometry found the place, and an identifier may be misread: it was not read alike twice, and only one character
         /// differs.

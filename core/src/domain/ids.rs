@@ -12,7 +12,7 @@ use thiserror::Error;
 /// The longest id a client may choose, in bytes.
 pub const MAX_ID_BYTES: usize = 128;
 
-/// Why a text is not an id.
+/// The reason why a text is not an id.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum IdError {
     /// The id has no character at all.

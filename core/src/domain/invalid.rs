@@ -5,11 +5,11 @@
 pub struct FieldError {
     /// JSON pointer into the body, such as `/detections/0/box`.
     pub pointer: String,
-    /// What is wrong, for a person.
+    /// Description of the fault, for a person.
     pub detail: String,
-    /// What was sent, shortened.
+    /// The value that was sent, shortened.
     pub got: Option<String>,
-    /// What would have been allowed.
+    /// The values that are allowed.
     pub limit: Option<String>,
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::ids::{AnchorSeq, KeyframeSeq};
 
-/// What a model, or a reader of characters, made of one detection's crop.
+/// The reading of one detection's crop by a model, or by a reader of characters.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CropReading {
     /// The description; empty if nothing could be made of the crop.
@@ -20,11 +20,11 @@ pub struct CropReading {
 /// One question and its answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TranscriptStep {
-    /// Who answered: `model:<name>`, or the reader's name.
+    /// The source of the answer: `model:<name>`, or the reader's name.
     pub speaker: Arc<str>,
-    /// What was asked.
+    /// The question.
     pub question: String,
-    /// What was answered.
+    /// The answer.
     pub answer: String,
 }
 
@@ -37,7 +37,7 @@ pub struct CropRead {
     pub keyframe: KeyframeSeq,
     /// The detection.
     pub detection: u16,
-    /// What was made of the crop.
+    /// The reading of the crop.
     pub reading: CropReading,
     /// How; the index does not keep it.
     pub transcript: Vec<TranscriptStep>,
@@ -50,15 +50,15 @@ pub struct CropRead {
 pub struct Transcript {
     /// The keyframe's name.
     pub keyframe: String,
-    /// Which of its detections.
+    /// The number of the detection in it.
     pub detection: u16,
-    /// What came of it.
+    /// Its outcome.
     pub reading: CropReading,
     /// The steps, in their order.
     pub steps: Vec<TranscriptStep>,
 }
 
-/// What a model found.
+/// A finding of a model.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Finding {
     /// SimilarityLevel of two texts, 1 to 5.
@@ -69,7 +69,7 @@ pub enum Finding {
     Merge(Box<str>),
 }
 
-/// What came of a question to a model.
+/// The outcome of a question to a model.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Answer {
     /// A crop was read.
@@ -87,7 +87,7 @@ pub struct ModelVerdict {
     pub a: Box<str>,
     /// The larger of the two; empty for one text.
     pub b: Box<str>,
-    /// What was found.
+    /// The finding.
     pub finding: Finding,
     /// `model:<name>`, or who stood in for good (a merge that the model could not do).
     pub source: Arc<str>,

@@ -4,7 +4,7 @@ use super::ids::{JudgementId, KeyframeSeq};
 use super::named::named;
 
 named! {
-    /// Which verdicts a job asks for again.
+    /// The verdicts that a job asks for again.
     Asks default All {
         /// The default: all of them.
         All = "all",
@@ -42,16 +42,16 @@ named! {
 /// A question that was answered before, by another model or by other prompts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PastQuestion {
-    /// What is to be read on a detection's crop?
+    /// The reading of a detection's crop.
     Crop {
         /// The keyframe.
         keyframe: KeyframeSeq,
         /// The detection.
         detection: u16,
     },
-    /// What is to be said of texts of one class, in normal form?
+    /// A verdict about texts of one class, in normal form.
     Texts {
-        /// What was asked.
+        /// The question.
         function: TextFunction,
         /// The class.
         class: Box<str>,
@@ -62,7 +62,7 @@ pub enum PastQuestion {
     },
 }
 
-/// How many questions of a kind a job would ask.
+/// Number of questions of a kind that a job would ask.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Workload {
     /// Crops by class.
@@ -100,7 +100,7 @@ named! {
     }
 }
 
-/// What has become of a job's questions.
+/// The outcomes of a job's questions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     /// Answered otherwise than before.
@@ -125,9 +125,9 @@ impl Tally {
 pub struct Judgement {
     /// Its id.
     pub id: JudgementId,
-    /// Which verdicts it asks for again.
+    /// The verdicts that it asks for again.
     pub asks: Asks,
-    /// How it stands.
+    /// Its state.
     pub state: JobState,
     /// The map's version when it began.
     pub since_version: u64,
@@ -135,7 +135,7 @@ pub struct Judgement {
     pub questions: u64,
     /// The most that it may take, as foreseen when it began.
     pub estimate: Estimate,
-    /// What has become of its questions.
+    /// The outcomes of its questions.
     pub tally: Tally,
     /// The question that was settled last.
     pub position: Option<PastQuestion>,
@@ -146,7 +146,7 @@ pub struct Judgement {
 pub struct JudgementProgress {
     /// The job.
     pub id: JudgementId,
-    /// What became of the questions that were settled now.
+    /// The outcomes of the questions that were settled now.
     pub tally: Tally,
     /// The last of them; none if there were none left.
     pub position: Option<PastQuestion>,
@@ -159,7 +159,7 @@ pub struct JudgementProgress {
 pub struct Replaced {
     /// The version of the map that replaced it.
     pub map_version: u64,
-    /// What was asked: `describe`, `information`, `merge` or `similarity`.
+    /// The question: `describe`, `information`, `merge` or `similarity`.
     pub operation: String,
     /// The class of the object.
     pub class: String,
@@ -167,8 +167,8 @@ pub struct Replaced {
     pub texts: Vec<String>,
     /// The crop's keyframe and detection; none of texts.
     pub crop: Option<(String, u16)>,
-    /// What was said before, and by whom.
+    /// The answer before, and its source.
     pub before: (String, String),
-    /// What is said now, and by whom.
+    /// The answer now, and its source.
     pub after: (String, String),
 }

@@ -63,7 +63,7 @@ impl fmt::Display for Actions {
     }
 }
 
-/// Why a text is not a pattern of map ids.
+/// The reason why a text is not a pattern of map ids.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[error("a pattern is a map's id in which * stands for any characters: [A-Za-z0-9._:*-]{{1,128}}")]
 pub struct PatternError;
@@ -121,12 +121,12 @@ impl fmt::Display for MapPattern {
     }
 }
 
-/// What a key is made with, and keeps for its life.
+/// The properties that a key is made with, and keeps for its life.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KeyProperties {
     /// For people: whose it is.
     pub name: String,
-    /// What it may do.
+    /// Its permissions.
     pub actions: Actions,
     /// The maps that exist for it.
     pub maps: Vec<MapPattern>,
@@ -136,7 +136,7 @@ pub struct KeyProperties {
     pub rate_per_s: Option<u32>,
     /// Model calls a day (UTC) at its expense.
     pub model_daily_calls: Option<u32>,
-    /// What they may cost, in millionths of a US dollar.
+    /// Maximum cost of these calls, in millionths of a US dollar.
     pub model_daily_microusd: Option<u64>,
 }
 
@@ -169,11 +169,11 @@ impl KeySeq {
 pub struct Key {
     /// Its number.
     pub seq: KeySeq,
-    /// What it was made with.
+    /// The properties it was made with.
     pub properties: KeyProperties,
-    /// When it was made, in seconds since 1970.
+    /// The time when it was made, in seconds since 1970.
     pub created_sec: i64,
-    /// When it was revoked, in seconds since 1970.
+    /// The time when it was revoked, in seconds since 1970.
     pub revoked_sec: Option<i64>,
 }
 
@@ -188,13 +188,13 @@ impl Key {
 pub struct MadeKey {
     /// The key.
     pub key: Key,
-    /// What its holder sends.
+    /// The secret that its holder sends.
     pub secret: String,
     /// Whether the database had no key before: from now on every request needs one.
     pub is_first: bool,
 }
 
-/// What is kept of a secret.
+/// The stored form of a secret.
 pub type SecretHash = [u8; 32];
 
 /// Returns the hash under which a secret is found. Secrets have 256 random bits, so one pass of SHA-256 is enough.

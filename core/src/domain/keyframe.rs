@@ -53,7 +53,7 @@ pub struct Features {
     pub descriptor_bytes: usize,
     /// The descriptors, one after the other.
     pub descriptors: Vec<u8>,
-    /// Where each descriptor was taken.
+    /// The place of each descriptor.
     pub keypoints: Vec<Keypoint>,
     /// The map point each feature observes, if any.
     pub map_points: Vec<Option<PointId>>,
@@ -91,13 +91,13 @@ pub struct Detection {
     pub box_px: [f64; 4],
     /// The map points the box covers, ascending (P_i of §IV-C.1).
     pub map_points: Vec<PointId>,
-    /// Where the object stands, in the session's frame, in metres: serves where it has no map points.
+    /// The object's position in the session's frame, in metres: serves where it has no map points.
     pub position_in_session: Option<Point3>,
     /// Whether nothing measured the distance of that position: only its bearing holds then.
     pub range_assumed: bool,
-    /// What a reader made of it.
+    /// The text that a reader found.
     pub text: Option<String>,
-    /// What a model or a person made of it; wins over `text`.
+    /// The description by a model or a person; wins over `text`.
     pub description: Option<String>,
     /// The image inside the box.
     pub crop: Option<Crop>,
@@ -133,7 +133,7 @@ pub struct NewKeyframe {
     pub id: KeyframeId,
     /// The run it belongs to.
     pub session: SessionId,
-    /// When it was taken.
+    /// The time when it was taken.
     pub stamp: Stamp,
     /// `map_from_camera`, in the session's frame, in metres.
     pub map_from_camera: Pose,

@@ -2,17 +2,17 @@
 
 use super::named::named;
 
-/// Why a confirmed loop may be wrong.
+/// The reason why a confirmed loop may be wrong.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LoopWarning {
-    /// Which kind.
+    /// The kind of evidence.
     pub code: LoopWarningCode,
     /// One sentence for a person.
     pub detail: String,
 }
 
 named! {
-    /// Why a loop that a client confirms may be wrong.
+    /// The reason why a loop that a client confirms may be wrong.
     LoopWarningCode {
         /// Sure identifiers around the two keyframes contradict each other, and outweigh the signs that agree.
         AnchorsContradict = "anchors_contradict",

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::ids::{AnchorSeq, KeyframeId};
 use super::settings::Settings;
 
-/// What a client says of a map.
+/// The properties of a map, as its client gives them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MapProperties {
     /// Free text for people.
@@ -19,7 +19,7 @@ pub struct MapProperties {
     pub settings: Settings,
 }
 
-/// How much a map holds.
+/// The size of a map's contents.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MapFigures {
     /// Keyframes.
@@ -30,7 +30,7 @@ pub struct MapFigures {
     pub sessions: u64,
     /// Confirmed loops.
     pub loops: u64,
-    /// What its facts take on disk, in bytes.
+    /// Size of its facts on disk, in bytes.
     pub bytes: u64,
 }
 

@@ -7,6 +7,6 @@ use super::ids::KeyframeId;
 pub struct NamedDetection {
     /// The keyframe.
     pub keyframe: KeyframeId,
-    /// Which of its detections, counted from 0.
+    /// The number of the detection in it, from 0.
     pub number: u16,
 }

@@ -11,7 +11,7 @@ use super::named::{Named, named};
 /// The check that decided, with what it measured and what it asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reason {
-    /// Which check.
+    /// The check.
     pub code: ReasonCode,
     /// The measured value, in the check's own unit.
     pub measured: Option<f64>,

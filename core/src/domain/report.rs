@@ -18,30 +18,30 @@ pub struct MapReport {
     pub vocabulary: Option<String>,
     /// Grows by one with each write.
     pub version: u64,
-    /// How many keyframes it holds.
+    /// Number of its keyframes.
     pub keyframes: usize,
-    /// How many anchors it holds, merged ones counted once.
+    /// Number of its anchors, merged ones counted once.
     pub anchors: usize,
-    /// How many sessions have written to it.
+    /// Number of sessions that have written to it.
     pub sessions: usize,
-    /// How many confirmed loops it holds.
+    /// Number of its confirmed loops.
     pub loops: usize,
-    /// What its keyframes take on disk, in bytes.
+    /// Size of its keyframes on disk, in bytes.
     pub bytes: u64,
     /// Its knowledge of its building; empty in a map that was last written to by a version that did not say so.
     pub learned: Learned,
 }
 
-/// What ingest made of one keyframe.
+/// The outcome of ingesting one keyframe.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KeyframeReport {
     /// The keyframe.
     pub keyframe: KeyframeId,
     /// The map's version after it.
     pub map_version: u64,
-    /// How many keyframes are covisible with it.
+    /// Number of keyframes covisible with it.
     pub covisible: usize,
-    /// What became of its detections, in their order, each with its anchor's state.
+    /// The outcomes of its detections, in their order, each with its anchor's state.
     pub detections: Vec<(Outcome, Option<AnchorState>)>,
     /// Whether it has just shown an anchor that matches one seen before. That triggers loop detection (§III).
     pub revisits: bool,
@@ -54,7 +54,7 @@ pub struct ReadingReport {
     pub text: String,
     /// The sum of the detections' confidences.
     pub weight: f64,
-    /// How many detections read it.
+    /// Number of detections that read it.
     pub count: usize,
 }
 
@@ -65,7 +65,7 @@ pub struct AnchorMatchReport {
     pub anchor: AnchorSeq,
     /// SimilarityLevel, 1 to 5.
     pub level: u8,
-    /// Who judged: `identical`, `identifiers`, `lexical`, `operator`, `model:<name>`.
+    /// The judge: `identical`, `identifiers`, `lexical`, `operator`, `model:<name>`.
     pub source: String,
     /// Whether some of the two anchors' keyframes are covisible. If not, the robot has come back.
     pub revisit: bool,
@@ -80,11 +80,11 @@ pub struct AnchorReport {
     pub anchor: AnchorSeq,
     /// Its class.
     pub class: String,
-    /// How far its description is.
+    /// The state of its description.
     pub state: AnchorState,
     /// Its description.
     pub description: Option<String>,
-    /// Who described it: `readings` or `operator`.
+    /// The source of its description: `readings` or `operator`.
     pub description_source: &'static str,
     /// The identifiers found in the description.
     pub identifiers: Vec<String>,
@@ -102,11 +102,11 @@ pub struct AnchorReport {
     pub keyframes: Vec<KeyframeId>,
     /// Its box in the frame of each session that saw it, oldest session first.
     pub frames: Vec<(SessionId, Aabb)>,
-    /// How many distinct map points it has.
+    /// Number of its distinct map points.
     pub map_points: usize,
     /// The anchors that match it; bounded, oldest first.
     pub matches: Vec<AnchorMatchReport>,
-    /// How many anchors match it in all.
+    /// Number of anchors that match it in all.
     pub matches_total: usize,
     /// Of a retired one, the anchor that hangs in its place.
     pub replaced_by: Option<AnchorSeq>,
@@ -136,9 +136,9 @@ pub struct JudgementReport {
     pub map_version: u64,
     /// The job; `None` of a preview.
     pub id: Option<JudgementId>,
-    /// Which verdicts it asks for again.
+    /// The verdicts that it asks for again.
     pub asks: Asks,
-    /// How it stands; `None` of a preview.
+    /// Its state; `None` of a preview.
     pub state: Option<JobState>,
     /// Whether it is running and no model can be asked now: none is configured, it is away, or the budget is spent.
     pub waits: bool,
@@ -146,7 +146,7 @@ pub struct JudgementReport {
     pub questions: u64,
     /// The most that it may take.
     pub estimate: Estimate,
-    /// What has become of its questions.
+    /// The outcomes of its questions.
     pub tally: Tally,
     /// The verdicts that it replaced by others, the newest first.
     pub replaced: Vec<Replaced>,
@@ -172,7 +172,7 @@ pub struct LoopReport {
 pub struct BackupReport {
     /// Its name.
     pub id: BackupId,
-    /// When it was asked for: everything acknowledged before is in it.
+    /// The time of the request: everything acknowledged before is in it.
     pub created: Stamp,
     /// Its size.
     pub bytes: u64,
@@ -188,14 +188,14 @@ pub struct BackupReport {
     pub anchors: u64,
 }
 
-/// What models were asked and what it cost.
+/// The questions to models, and their cost.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct UsageReport {
     /// By operation and model.
     pub lines: Vec<UsageLine>,
     /// Calls since midnight, UTC.
     pub calls_today: u64,
-    /// What today cost, in millionths of a US dollar.
+    /// Cost of today, in millionths of a US dollar.
     pub microusd_today: u64,
     /// The most calls of a day.
     pub daily_calls: Option<u64>,
@@ -227,11 +227,11 @@ pub struct UsageLine {
 /// A keyframe as it stands now.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KeyframeRecord {
-    /// What the client sent, with its pose, its points and its detections' positions as last corrected.
+    /// The keyframe as the client sent it, with its pose, its points and its detections' positions as last corrected.
     pub keyframe: NewKeyframe,
-    /// What became of its detections, in their order, each with its anchor's state.
+    /// The outcomes of its detections, in their order, each with its anchor's state.
     pub detections: Vec<(Outcome, Option<AnchorState>)>,
-    /// How many keyframes are covisible with it.
+    /// Number of keyframes covisible with it.
     pub covisible: usize,
 }
 
@@ -242,11 +242,11 @@ pub struct KeyframeSummary {
     pub id: KeyframeId,
     /// Its session.
     pub session: SessionId,
-    /// When it was taken.
+    /// The time when it was taken.
     pub stamp: Stamp,
     /// `map_from_camera`, as last corrected.
     pub map_from_camera: Pose,
-    /// How many keyframes are covisible with it.
+    /// Number of keyframes covisible with it.
     pub covisible: usize,
     /// The anchors it sees.
     pub anchors: Vec<AnchorSeq>,

@@ -11,10 +11,19 @@ use super::settings::SettingValue;
 use super::verdict::Verify;
 use crate::geometry::{Point3, Pose};
 
-/// SHA-256 of a request's body in canonical form: tells a retry from another request under the same id.
+/// Digest of a request: tells a retry from another request under the same id.
 pub type Digest = [u8; 32];
 
-/// What to change about a map; what is left out stays.
+/// Digest of a stored keyframe, with the rule that made it. Rules never change; a new one comes beside the former ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeyframeDigest {
+    /// SHA-256 of the JSON of its body.
+    OfText(Digest),
+    /// BLAKE3 of its facts, whatever the form of its body.
+    OfFacts(Digest),
+}
+
+/// Changes of a map; a field that is left out stays.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MapPatch {
     /// The new description.
@@ -91,9 +100,9 @@ named! {
 pub struct LoopQuery {
     /// The keyframe that is asked about.
     pub subject: Subject,
-    /// Which checks to run.
+    /// The checks to run.
     pub verify: Verify,
-    /// How long to wait for descriptions that are still missing, in milliseconds.
+    /// Maximum wait for descriptions that are still missing, in milliseconds.
     pub max_wait_ms: u64,
     /// The seed of whatever is drawn.
     pub seed: u64,
@@ -104,13 +113,13 @@ pub struct LoopQuery {
 pub struct NewJudgement {
     /// Its id; the server finds one if it is left out.
     pub id: Option<JudgementId>,
-    /// Which verdicts it asks for again.
+    /// The verdicts that it asks for again.
     pub asks: Asks,
     /// Whether it is only counted and not begun.
     pub preview: bool,
 }
 
-/// Which anchors are wanted.
+/// The wanted anchors.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct AnchorFilter {
     /// Of this class.

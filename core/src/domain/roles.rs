@@ -1,6 +1,6 @@
 //! The roles of models that a server has configured.
 
-/// Which roles a model fills where a question is answered: a verdict depends on them, so they are part of its id.
+/// The roles that a model fills where a question is answered: a verdict depends on them, so they are part of its id.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Roles {
     /// Whether crops are read, by a vision model or by a reader of characters.

@@ -109,7 +109,7 @@ impl Setting {
     }
 }
 
-/// Why a setting is refused.
+/// The reason why a setting is refused.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum SettingError {
     /// There is no setting of this name.

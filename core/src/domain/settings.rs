@@ -24,7 +24,7 @@ named! {
 }
 
 named! {
-    /// Which geometric models may verify a candidate.
+    /// The geometric models that may verify a candidate.
     GeometryModels default Auto {
         /// A similarity where points are triangulated, else the model that the two images allow.
         Auto = "auto",

@@ -115,7 +115,7 @@ pub struct AnchorEvidence {
 pub struct GeometryEvidence {
     /// `verified`, `failed` or `skipped`.
     pub status: GeometryStatus,
-    /// Why it was skipped or failed, for a person.
+    /// The reason why it was skipped or failed, for a person.
     pub reason: Option<String>,
     /// The figures, if it ran.
     pub figures: Option<GeometryFigures>,
@@ -209,7 +209,7 @@ pub struct ClosedLoop {
 }
 
 named! {
-    /// Which checks a query asks for.
+    /// The checks that a query asks for.
     Verify default Auto {
         /// The default: geometry where both keyframes have the features for it, else the anchors decide.
         Auto = "auto",

@@ -1,43 +1,54 @@
 //! Hamming distance of binary descriptors, packed into 64-bit words.
 //!
-//! The plain x86-64 target has no instruction that counts bits, and safe Rust cannot call one that the target may
-//! lack. So one descriptor is compared with many at once, held by *columns* (word 0 of all, word 1 of all, ...): bits
-//! are counted in parallel within words, which compilers turn into vector instructions of whatever width the target
-//! has.
+//! Bits are counted by one instruction a word where the processor has it ([`super::instruction_set`]), else in parallel
+//! within words. One descriptor is compared with many at once, held by *columns* (word 0 of all, word 1 of all, ...), which
+//! compilers turn into vector instructions of whatever width there is.
+
+use super::instruction_set::{Kernel, dispatch};
 
 /// The longest descriptor that can be packed, in words: its distances still fit in 16 bits.
 pub const MAX_WORDS: usize = 1023;
 
 /// Returns the number of bits in which two descriptors of one length differ.
+///
+/// Loops over many pairs are better off in a kernel, with [`distance_by`].
 pub fn distance(a: &[u64], b: &[u64]) -> u32 {
-    debug_assert_eq!(a.len(), b.len());
-    match (a.len(), b.len()) {
-        (4, 4) => distance_of::<4>(a, b),
-        (6, 6) => distance_of::<6>(a, b),
-        (8, 8) => distance_of::<8>(a, b),
-        _ => a.iter().zip(b).map(|(a, b)| (a ^ b).count_ones()).sum(),
-    }
-}
-
-fn distance_of<const N: usize>(a: &[u64], b: &[u64]) -> u32 {
-    let mut differing = [0; N];
-    for (word, (a, b)) in differing.iter_mut().zip(a.iter().zip(b)) {
-        *word = a ^ b;
-    }
-    count_ones(differing)
+    distance_by::<{ cfg!(target_feature = "popcnt") }>(a, b)
 }
 
 /// Returns the same for a length known to the compiler.
 pub fn distance_fixed<const N: usize>(a: &[u64; N], b: &[u64; N]) -> u32 {
-    distance_of::<N>(a, b)
+    distance_of::<{ cfg!(target_feature = "popcnt") }, N>(a, b)
 }
 
-/// Counts the bits of up to 30 words, adding bytes before adding across them.
-#[inline]
-fn count_ones<const N: usize>(words: [u64; N]) -> u32 {
+/// [`distance`], inside a kernel.
+#[inline(always)]
+pub(crate) fn distance_by<const POPCNT: bool>(a: &[u64], b: &[u64]) -> u32 {
+    debug_assert_eq!(a.len(), b.len());
+    match (a.len(), b.len()) {
+        (4, 4) => distance_of::<POPCNT, 4>(a, b),
+        (6, 6) => distance_of::<POPCNT, 6>(a, b),
+        (8, 8) => distance_of::<POPCNT, 8>(a, b),
+        _ => a.iter().zip(b).map(|(a, b)| count_ones::<POPCNT, 1>([a ^ b])).sum(),
+    }
+}
+
+#[inline(always)]
+fn distance_of<const POPCNT: bool, const N: usize>(a: &[u64], b: &[u64]) -> u32 {
+    let mut differing = [0; N];
+    for (word, (a, b)) in differing.iter_mut().zip(a.iter().zip(b)) {
+        *word = a ^ b;
+    }
+    count_ones::<POPCNT, N>(differing)
+}
+
+/// Counts the bits of up to 30 words; without an instruction for it, adds bytes before adding across them.
+#[inline(always)]
+pub(crate) fn count_ones<const POPCNT: bool, const N: usize>(words: [u64; N]) -> u32 {
     const { assert!(N <= 30, "a byte counts at most 255") };
-    if cfg!(target_feature = "popcnt") {
-        return words.iter().map(|word| word.count_ones()).sum();
+    if POPCNT {
+        // Summed up in words, too: narrower sums would be packed after each.
+        return words.iter().map(|word| u64::from(word.count_ones())).sum::<u64>() as u32;
     }
     let mut bytes = 0;
     for three in words.chunks(3) {
@@ -51,7 +62,7 @@ fn count_ones<const N: usize>(words: [u64; N]) -> u32 {
 }
 
 /// Returns how many bits are set in each group of four.
-#[inline]
+#[inline(always)]
 fn nibble_counts(word: u64) -> u64 {
     let pairs = word - ((word >> 1) & 0x5555_5555_5555_5555);
     (pairs & 0x3333_3333_3333_3333) + ((pairs >> 2) & 0x3333_3333_3333_3333)
@@ -99,6 +110,7 @@ impl PackedDescriptors {
     }
 
     /// One of them.
+    #[inline(always)]
     pub fn get(&self, index: usize) -> &[u64] {
         &self.words[index * self.words_each..][..self.words_each]
     }
@@ -140,39 +152,65 @@ impl Columns {
     pub fn distances_to(&self, descriptor: &[u64], distances: &mut Vec<u16>) {
         distances.clear();
         distances.resize(self.count, 0);
+        dispatch(Fill { columns: self, descriptor, distances });
+    }
+
+    /// [`Columns::distances_to`], inside a kernel; there are as many `distances` as descriptors.
+    #[inline(always)]
+    pub(crate) fn fill_distances<const POPCNT: bool>(&self, descriptor: &[u64], distances: &mut [u16]) {
         match self.words_each {
-            4 => self.fill::<4>(descriptor, distances),
-            6 => self.fill::<6>(descriptor, distances),
-            8 => self.fill::<8>(descriptor, distances),
-            _ => self.add_word_by_word(descriptor, distances),
+            4 => self.fill::<POPCNT, 4>(descriptor, distances),
+            6 => self.fill::<POPCNT, 6>(descriptor, distances),
+            8 => self.fill::<POPCNT, 8>(descriptor, distances),
+            _ => self.add_word_by_word::<POPCNT>(descriptor, distances),
         }
     }
 
-    fn fill<const N: usize>(&self, descriptor: &[u64], distances: &mut [u16]) {
+    #[inline(always)]
+    fn fill<const POPCNT: bool, const N: usize>(&self, descriptor: &[u64], distances: &mut [u16]) {
         let count = distances.len();
         let one: [u64; N] = std::array::from_fn(|column| descriptor[column]);
         let columns: [&[u64]; N] = std::array::from_fn(|column| &self.words[column * self.count..][..count]);
         for (row, distance) in distances.iter_mut().enumerate() {
-            *distance =
-                count_ones::<N>(std::array::from_fn(|column| one[column] ^ columns[column][row])) as u16;
+            let differing = std::array::from_fn(|column| one[column] ^ columns[column][row]);
+            *distance = count_ones::<POPCNT, N>(differing) as u16;
         }
     }
 
-    fn add_word_by_word(&self, descriptor: &[u64], distances: &mut [u16]) {
+    #[inline(always)]
+    fn add_word_by_word<const POPCNT: bool>(&self, descriptor: &[u64], distances: &mut [u16]) {
         if self.count == 0 {
             return;
         }
+        distances.fill(0);
         for (column, &word) in self.words.chunks_exact(self.count).zip(descriptor) {
             for (distance, other) in distances.iter_mut().zip(column) {
-                *distance += count_ones([word ^ other]) as u16;
+                *distance += count_ones::<POPCNT, 1>([word ^ other]) as u16;
             }
         }
+    }
+}
+
+/// The distances of one descriptor to all.
+struct Fill<'a> {
+    columns: &'a Columns,
+    descriptor: &'a [u64],
+    distances: &'a mut [u16],
+}
+
+impl Kernel for Fill<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const POPCNT: bool>(self) {
+        self.columns.fill_distances::<POPCNT>(self.descriptor, self.distances);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::instruction_set::portable::portably;
     use proptest::prelude::*;
 
     fn plain(a: &[u64], b: &[u64]) -> u32 {
@@ -199,6 +237,9 @@ mod tests {
                 columns.distances_to(one, &mut distances);
                 let expected: Vec<u32> = all.iter().map(|other| plain(one, other)).collect();
                 prop_assert_eq!(distances.iter().map(|&d| u32::from(d)).collect::<Vec<_>>(), expected.clone());
+                let mut portable = Vec::new();
+                portably(|| columns.distances_to(one, &mut portable));
+                prop_assert_eq!(&portable, &distances);
                 prop_assert_eq!(all.iter().map(|other| distance(one, other)).collect::<Vec<_>>(), expected);
             }
         }

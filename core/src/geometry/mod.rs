@@ -9,12 +9,14 @@
 //! | similarity transformation, and its closed form | [`sim3`], [`absolute_orientation`] |
 //! | pinhole projection | [`pinhole`] |
 //! | distances of binary descriptors | [`hamming`] |
+//! | loops compiled for several instruction sets | `instruction_set` |
 //! | seeded random numbers | [`sampling`] |
 
 pub mod aabb;
 pub mod absolute_orientation;
 pub mod bearing;
 pub mod hamming;
+pub(crate) mod instruction_set;
 pub mod pinhole;
 pub mod point;
 pub mod pose;

@@ -20,6 +20,7 @@ pub struct Pinhole {
 
 impl Pinhole {
     /// Returns the pixel of a point in the camera's frame; `None` if it is not in front of the camera.
+    #[inline(always)]
     pub fn project(&self, point_in_camera: &Vector3<f64>) -> Option<[f64; 2]> {
         let p = point_in_camera;
         (p.z > MIN_DEPTH).then(|| {

@@ -103,22 +103,24 @@ impl From<Isometry3<f64>> for Pose {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn any_pose() -> impl Strategy<Value = Pose> {
-        let length = -100.0..100.0f64;
-        (prop::array::uniform3(length), prop::array::uniform4(-1.0..1.0f64)).prop_filter_map(
-            "a quaternion near zero has no direction",
-            |(t, q)| {
-                let norm = q.iter().map(|x| x * x).sum::<f64>().sqrt();
-                (norm > 0.1).then(|| Pose::new(t, q.map(|x| x / norm)).expect("a unit quaternion"))
-            },
-        )
+    /// Returns a unit quaternion `[x, y, z, w]`.
+    pub(in crate::geometry) fn any_rotation_xyzw() -> impl Strategy<Value = [f64; 4]> {
+        prop::array::uniform4(-1.0..1.0f64).prop_filter_map("a quaternion near zero has no direction", |q| {
+            let norm = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+            (norm > 0.1).then(|| q.map(|x| x / norm))
+        })
     }
 
-    fn any_point() -> impl Strategy<Value = Point3> {
+    fn any_pose() -> impl Strategy<Value = Pose> {
+        (prop::array::uniform3(-100.0..100.0f64), any_rotation_xyzw())
+            .prop_map(|(t, q)| Pose::new(t, q).expect("a unit quaternion"))
+    }
+
+    pub(in crate::geometry) fn any_point() -> impl Strategy<Value = Point3> {
         prop::array::uniform3(-50.0..50.0f64).prop_map(Point3::from)
     }
 

@@ -109,23 +109,14 @@ impl From<Pose> for Sim3 {
 
 #[cfg(test)]
 pub(crate) mod tests {
+    use super::super::pose::tests::{any_point, any_rotation_xyzw};
     use super::*;
     use proptest::prelude::*;
 
     /// Returns a similarity with a scale between a tenth and ten.
     pub(crate) fn any_sim3() -> impl Strategy<Value = Sim3> {
-        let length = -20.0..20.0f64;
-        (0.1..10.0f64, prop::array::uniform3(length), prop::array::uniform4(-1.0..1.0f64)).prop_filter_map(
-            "a quaternion near zero has no direction",
-            |(scale, t, q)| {
-                let norm = q.iter().map(|x| x * x).sum::<f64>().sqrt();
-                (norm > 0.1).then(|| Sim3::new(scale, t, q.map(|x| x / norm)).expect("a similarity"))
-            },
-        )
-    }
-
-    fn any_point() -> impl Strategy<Value = Point3> {
-        prop::array::uniform3(-50.0..50.0f64).prop_map(Point3::from)
+        (0.1..10.0f64, prop::array::uniform3(-20.0..20.0f64), any_rotation_xyzw())
+            .prop_map(|(scale, t, q)| Sim3::new(scale, t, q).expect("a similarity"))
     }
 
     proptest! {
@@ -165,7 +156,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn what_is_no_similarity_is_refused() {
+    fn rejects_numbers_that_are_not_a_similarity() {
         let unit = [0.0, 0.0, 0.0, 1.0];
         assert!(Sim3::new(0.0, [0.0; 3], unit).is_none());
         assert!(Sim3::new(-1.0, [0.0; 3], unit).is_none());

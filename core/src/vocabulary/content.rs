@@ -57,29 +57,13 @@ pub(super) fn for_each_block(
     vocabulary: &Vocabulary,
     mut each: impl FnMut(&[u64]) -> io::Result<()>,
 ) -> io::Result<()> {
-    section(vocabulary.links.iter().map(|link| link.bits()), &mut each)?;
-    section(vocabulary.weights.iter().map(|weight| weight.to_bits()), &mut each)?;
-    let pairs = vocabulary.node_ids.chunks(2).map(|pair| {
-        let second = pair.get(1).copied().unwrap_or_default();
-        u64::from(second) << 32 | u64::from(pair[0])
-    });
-    section(pairs, &mut each)?;
-    section(vocabulary.descriptors.iter().copied(), &mut each)
-}
-
-fn section(
-    mut words: impl Iterator<Item = u64>,
-    each: &mut impl FnMut(&[u64]) -> io::Result<()>,
-) -> io::Result<()> {
-    let mut block = Vec::with_capacity(BLOCK_WORDS);
-    loop {
-        block.clear();
-        block.extend(words.by_ref().take(BLOCK_WORDS));
-        if block.is_empty() {
-            return Ok(());
-        }
-        each(&block)?;
-    }
+    vocabulary
+        .arrays
+        .parts()
+        .in_order()
+        .into_iter()
+        .flat_map(|array| array.chunks(BLOCK_WORDS))
+        .try_for_each(&mut each)
 }
 
 struct Hasher(Sha256);

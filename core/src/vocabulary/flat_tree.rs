@@ -2,8 +2,8 @@
 
 use std::fmt;
 
+use super::arrays::Arrays;
 use super::fingerprint::Fingerprint;
-use super::link::Link;
 use super::shape::Shape;
 
 /// A vocabulary, in flat arrays laid out for the descent.
@@ -13,14 +13,7 @@ use super::shape::Shape;
 #[derive(Clone, PartialEq)]
 pub struct Vocabulary {
     pub(super) shape: Shape,
-    /// By node: its children, or its word.
-    pub(super) links: Vec<Link>,
-    /// By node: its number in the file, by which groups are named.
-    pub(super) node_ids: Vec<u32>,
-    /// By word.
-    pub(super) weights: Vec<f64>,
-    /// By node, `descriptor_bytes / 8` words each, little endian; the root's are zero and never looked at.
-    pub(super) descriptors: Vec<u64>,
+    pub(super) arrays: Arrays,
     pub(super) fingerprint: Fingerprint,
 }
 
@@ -37,17 +30,17 @@ impl Vocabulary {
 
     /// Returns the number of words; they are numbered from 0.
     pub fn word_count(&self) -> usize {
-        self.weights.len()
+        self.arrays.word_count()
     }
 
     /// Returns how many nodes there are, the root included.
     pub fn node_count(&self) -> usize {
-        self.links.len()
+        self.arrays.node_count()
     }
 
     /// Returns the inverse document frequency of a word.
     pub fn word_weight(&self, word: u32) -> Option<f64> {
-        self.weights.get(word as usize).copied()
+        self.arrays.parts().weights.get(word as usize).copied().map(f64::from_bits)
     }
 
     /// Returns the name of the content: equal for the text and the binary form of one vocabulary.
@@ -55,12 +48,9 @@ impl Vocabulary {
         self.fingerprint
     }
 
-    /// Returns the heap memory the vocabulary occupies, in bytes, without the allocator's own.
+    /// Returns the memory the vocabulary occupies, in bytes, without the allocator's own.
     pub fn heap_bytes(&self) -> usize {
-        self.links.capacity() * size_of::<Link>()
-            + self.node_ids.capacity() * size_of::<u32>()
-            + self.weights.capacity() * size_of::<f64>()
-            + self.descriptors.capacity() * size_of::<u64>()
+        self.arrays.bytes()
     }
 
     /// Returns how many 64-bit words a descriptor has.

@@ -7,6 +7,7 @@ use proptest::prelude::*;
 
 use super::train::{TrainSettings, TrainingSet, train};
 use super::*;
+use crate::geometry::instruction_set::portable::portably;
 
 /// A tree in the order of its file, whose obvious descent is easy to write down.
 #[derive(Clone, Debug)]
@@ -86,6 +87,8 @@ proptest! {
         prop_assert_eq!(words, ends);
 
         let transformed = vocabulary.transform(tree.each, &image, levels_up).unwrap();
+        let on_the_plain_target = portably(|| vocabulary.transform(tree.each, &image, levels_up).unwrap());
+        prop_assert_eq!(&on_the_plain_target, &transformed);
         let level = tree.levels.saturating_sub(levels_up) as usize;
         let mut groups = std::collections::BTreeMap::<usize, Vec<u32>>::new();
         let mut sums = std::collections::BTreeMap::<usize, f64>::new();

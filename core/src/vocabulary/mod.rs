@@ -6,6 +6,7 @@
 //! |---|---|
 //! | `flat_tree` | the vocabulary: its tree in flat arrays |
 //! | `shape`, `link` | what it declares of itself, and one node's children |
+//! | `arrays`, `memory` | those arrays in one piece, on huge pages |
 //! | `tree` | nodes in the order of a file become those arrays |
 //! | `nearest` | which of a node's children is nearest to a descriptor |
 //! | `descent` | descriptors go down the tree, all of them level by level |
@@ -20,6 +21,7 @@
 //! | `fingerprint` | the name of a vocabulary's content |
 //! | `train` | recorded descriptors become a vocabulary |
 
+mod arrays;
 mod binary;
 mod content;
 mod descent;
@@ -29,6 +31,7 @@ mod flat_tree;
 mod forms;
 mod groups;
 mod link;
+mod memory;
 mod nearest;
 mod shape;
 mod source;

@@ -5,8 +5,9 @@ use std::io::{self, BufRead, BufReader, Cursor, Read};
 const GZIP_MAGIC: &[u8] = &[0x1f, 0x8b];
 const ZSTD_MAGIC: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
 
-/// Large enough that a read costs nothing beside what is done with it.
-const BUFFER_BYTES: usize = 256 * 1024;
+/// Large enough that a read costs nothing beside what is done with it, and smaller than the pieces in which the binary form is
+/// read: those go past the buffer.
+const BUFFER_BYTES: usize = 64 * 1024;
 
 /// Returns the bytes of a file, decompressed.
 pub fn decompressed(bytes: impl Read + Send + 'static) -> io::Result<Box<dyn BufRead + Send>> {

@@ -57,18 +57,19 @@ impl Vocabulary {
         let packed = self.pack(descriptor_bytes, descriptors)?;
         let landings = self.descend(&packed, self.shape().levels.saturating_sub(levels_up));
 
+        let parts = self.arrays.parts();
         let mut words = Vec::with_capacity(landings.len());
         let mut pairs = Vec::with_capacity(landings.len());
         for (feature, landing) in (0_u64..).zip(&landings) {
-            if self.weights[landing.word as usize] > 0.0 {
+            if parts.weight(landing.word) > 0.0 {
                 words.push(landing.word);
-                pairs.push(u64::from(self.node_ids[landing.node as usize]) << 32 | feature);
+                pairs.push(u64::from(parts.node_id(landing.node)) << 32 | feature);
             }
         }
         words.sort_unstable();
         pairs.sort_unstable();
         Ok(Transformed {
-            words: WordVector::of_sorted(&words, |word| self.weights[word as usize]),
+            words: WordVector::of_sorted(&words, |word| parts.weight(word)),
             groups: FeatureGroups::of_sorted(pairs.iter().map(|&pair| ((pair >> 32) as u32, pair as u32))),
         })
     }

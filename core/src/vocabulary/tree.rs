@@ -1,5 +1,6 @@
 //! The tree: nodes in the order of a file, put into breadth-first arrays.
 
+use super::arrays::{Arrays, set_node_id};
 use super::fingerprint::Fingerprint;
 use super::flat_tree::Vocabulary;
 use super::link::Link;
@@ -91,28 +92,27 @@ impl Tree {
             return Err(TreeFault::Barren { node: node as u32 });
         }
         let places = self.breadth_first();
-        let mut links = vec![Link::word(0); places.len()];
-        let mut node_ids = vec![0; places.len()];
-        let mut descriptors = vec![0; self.descriptors.len()];
-        let mut weights = Vec::new();
         let each = self.shape.descriptor_bytes / 8;
+        let word_count = self.is_word.iter().filter(|is_word| **is_word).count();
+        let mut arrays = Arrays::zeroed(places.len(), word_count, each).ok_or(TreeFault::Memory)?;
+        let [links, weights, node_ids, descriptors] = arrays.parts_mut();
+        let mut word = 0;
         for (node, place) in places.iter().enumerate() {
             let at = place.at as usize;
-            node_ids[at] = node as u32;
+            set_node_id(node_ids, place.at, node as u32);
             descriptors[at * each..(at + 1) * each]
                 .copy_from_slice(&self.descriptors[node * each..(node + 1) * each]);
-            links[at] = if self.is_word[node] {
+            let link = if self.is_word[node] {
                 // Words are numbered in the order of the file.
-                weights.push(self.weights[node]);
-                Link::word(weights.len() as u32 - 1)
+                weights[word as usize] = self.weights[node].to_bits();
+                word += 1;
+                Link::word(word - 1)
             } else {
                 Link::children(place.first_child, self.child_counts[node])
             };
+            links[at] = link.bits();
         }
-        weights.shrink_to_fit();
-        let fingerprint = Fingerprint::default();
-        let mut vocabulary =
-            Vocabulary { shape: self.shape, links, node_ids, weights, descriptors, fingerprint };
+        let mut vocabulary = Vocabulary { shape: self.shape, arrays, fingerprint: Fingerprint::default() };
         vocabulary.fingerprint = vocabulary.content_fingerprint();
         Ok(vocabulary)
     }

@@ -55,4 +55,7 @@ pub enum TreeFault {
     /// Nothing but the root.
     #[error("it has no words")]
     Empty,
+    /// The memory for the nodes is not to be had.
+    #[error("there is no memory for the nodes")]
+    Memory,
 }

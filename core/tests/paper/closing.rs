@@ -34,7 +34,7 @@ struct Standing {
     verdicts: [Verdict; 2],
 }
 
-fn what_stands(scene: &Scene) -> Standing {
+fn standing(scene: &Scene) -> Standing {
     let all = scene.map().anchors_from(AnchorSeq(0));
     Standing {
         anchors: all.map(|anchor| scene.anchor(anchor)).collect(),
@@ -159,19 +159,19 @@ fn a_loop_that_the_map_speaks_against_is_closed_with_a_warning() {
 #[test]
 fn a_revoked_loop_leaves_everything_as_it_was() {
     let (mut scene, old, new) = two_passages();
-    let before = what_stands(&scene);
+    let before = standing(&scene);
     assert_eq!(before.verdicts[0].decision, Decision::Loop);
     scene.close("l-1", "kf-9", "kf-1");
-    assert_ne!(what_stands(&scene), before);
+    assert_ne!(standing(&scene), before);
     let (parted, decided) = scene.revoke("l-1");
     assert_eq!(parted, [pair(old[0], new[0]), pair(old[1], new[1])]);
-    assert_eq!(what_stands(&scene), before);
+    assert_eq!(standing(&scene), before);
     assert!(scene.map().loops().is_empty());
     assert_eq!(told(&decided.events, EventKind::LoopRevoked), ["l-1", "kf-9", "kf-1"]);
 }
 
 #[test]
-fn what_is_seen_while_a_loop_stands_stays_with_its_own_passage_when_it_falls() {
+fn anchors_seen_while_a_loop_stands_stay_with_their_own_passage_when_it_falls() {
     let (mut scene, old, new) = two_passages();
     scene.close("l-1", "kf-9", "kf-1");
     for (id, before) in [("kf-2", "kf-1"), ("kf-10", "kf-9")] {

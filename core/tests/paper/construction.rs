@@ -78,7 +78,7 @@ fn an_anchor_has_its_class_keyframes_map_points_box_and_description() {
 }
 
 #[test]
-fn what_is_of_no_class_of_the_map_or_nowhere_makes_no_anchor() {
+fn a_detection_of_another_class_or_without_a_place_makes_no_anchor() {
     let classes = vec!["door_number".to_owned()];
     let mut scene = Scene::of(MapProperties { anchor_classes: classes, ..MapProperties::default() });
     let sights = [

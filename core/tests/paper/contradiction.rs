@@ -102,7 +102,7 @@ fn only_anchors_of_one_class_at_the_same_relative_place_contradict() {
 }
 
 #[test]
-fn what_contradicts_must_outweigh_what_agrees() {
+fn contradictions_must_outweigh_agreements() {
     // 901 against 910 a metre ahead: 1 + 1. Room 905 on the right, at some distance, agrees.
     let check = |what: &str, distance_m: f64, contradicted: bool| {
         let agreeing = [door("905", [distance_m, 0.0, 0.0])];

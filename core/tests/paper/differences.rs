@@ -61,7 +61,7 @@ fn a_differing_identifier_says_why_it_is_no_contradiction() {
 }
 
 #[test]
-fn what_contradicts_or_agrees_is_no_difference() {
+fn contradictions_and_agreements_are_not_differences() {
     let plate = |text: &str| [door(text, AHEAD)];
     let settings = &Settings::default();
     let (found, differences) = between(settings, &plate("104"), &plate("110"));

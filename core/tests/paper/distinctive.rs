@@ -99,7 +99,7 @@ fn a_sign_at_every_door_makes_no_loop_of_two_rooms() {
 }
 
 #[test]
-fn what_agrees_and_hangs_in_several_places_is_undecided() {
+fn an_agreement_that_hangs_in_several_places_is_undecided() {
     let mut scene = Scene::new();
     hang(&mut scene, "here", "door_number", "901", [0.0, 10.0]);
     let sight = [door("901", [0.0, 0.0, 2.0])];
@@ -150,7 +150,7 @@ fn a_second_place_needs_more_than_odometry_may_have_drifted() {
 }
 
 #[test]
-fn what_one_local_anchor_map_holds_is_one_place() {
+fn one_local_anchor_map_is_one_place() {
     // A room with two doors, 3.5 m apart, that bear its number; and the same from two keyframes that see nothing in common.
     let check = |what: &str, covisible: &[&str], places: f64| {
         let mut scene = Scene::new();

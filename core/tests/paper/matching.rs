@@ -167,7 +167,7 @@ fn a_merged_anchor_has_the_keyframes_the_points_and_the_readings_of_both_and_a_n
 }
 
 #[test]
-fn what_is_merged_goes_on_merging() {
+fn merged_anchors_continue_to_merge() {
     let mut scene = Scene::new();
     let plates = [0.0, 0.8, 0.4].map(|x| door("901", [x, 0.0, 2.0]));
     scene.put("kf-1", keyframe().sees(plates));

@@ -20,6 +20,14 @@ fn new_day() -> Keyframe {
     keyframe().session("tuesday").at([100.0, 50.0, 0.0])
 }
 
+/// The same door, seen on both days.
+fn both_days() -> Scene {
+    let mut scene = Scene::new();
+    scene.put("monday-1", old_day());
+    scene.put("tuesday-1", new_day().sees([door("901", NEW_DOOR)]));
+    scene
+}
+
 /// The sessions in whose frames an anchor has a box.
 fn sessions(anchor: &Sign) -> Vec<&str> {
     anchor.frames.iter().map(|(session, _)| session.as_str()).collect()
@@ -49,9 +57,7 @@ fn the_numbers_of_map_points_are_each_sessions_own() {
 
 #[test]
 fn a_loop_between_sessions_is_found_by_relative_places() {
-    let mut scene = Scene::new();
-    scene.put("monday-1", old_day());
-    scene.put("tuesday-1", new_day().sees([door("901", NEW_DOOR)]));
+    let scene = both_days();
     let found = scene.compare("tuesday-1", "monday-1");
     assert_eq!(found.decision, CandidateDecision::Loop, "{found:#?}");
     close_to("S", anchors(&found).similarity, 1.0);
@@ -62,9 +68,7 @@ fn a_loop_between_sessions_is_found_by_relative_places() {
 
 #[test]
 fn an_anchor_merged_across_sessions_keeps_its_place_in_each_frame() {
-    let mut scene = Scene::new();
-    scene.put("monday-1", old_day());
-    scene.put("tuesday-1", new_day().sees([door("901", NEW_DOOR)]));
+    let mut scene = both_days();
     scene.close("l-1", "tuesday-1", "monday-1");
 
     let anchor = scene.anchors().remove(0);
@@ -99,7 +103,7 @@ fn an_anchor_merged_across_sessions_proposes_the_other_sessions_keyframes() {
 }
 
 #[test]
-fn what_only_another_sessions_frame_knows_has_no_place_in_a_local_map() {
+fn an_anchor_known_only_in_another_sessions_frame_has_no_place_in_a_local_map() {
     let mut scene = Scene::new();
     scene.put("monday-1", old_day());
     let other = new_day().covisible(&["monday-1"]).sees([door("902", [101.0, 50.0, 2.0])]);
@@ -124,9 +128,7 @@ fn boxes_of_two_sessions_are_in_two_frames_and_never_close() {
 
 #[test]
 fn a_revoked_loop_between_sessions_takes_each_frame_back() {
-    let mut scene = Scene::new();
-    scene.put("monday-1", old_day());
-    scene.put("tuesday-1", new_day().sees([door("901", NEW_DOOR)]));
+    let mut scene = both_days();
     scene.close("l-1", "tuesday-1", "monday-1");
     scene.revoke("l-1");
     let [monday, tuesday] = scene.anchors().try_into().expect("two anchors");

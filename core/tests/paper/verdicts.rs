@@ -135,7 +135,7 @@ fn one_against_three(one_to_one: bool) -> Scene {
 const BETWEEN: [f64; 3] = [2.0 / 3.0, 1.0 / 3.0, 2.0 / 3.0];
 
 #[test]
-fn what_could_turn_is_measured_by_the_maps_own_reading_of_the_equation() {
+fn the_effect_of_pending_anchors_is_measured_by_the_maps_own_reading_of_the_equation() {
     // One-to-one the unread plate is worth (1 + 1) / (3 + 3 + 1) = 2/7 at best; to the letter it matches all three:
     // 3 (1 + 1) / (3 + 3 + 1) = 6/7.
     use CandidateDecision::{Loop, Rejected, Undecided};
@@ -154,7 +154,7 @@ fn what_could_turn_is_measured_by_the_maps_own_reading_of_the_equation() {
 }
 
 #[test]
-fn what_is_not_described_yet_can_outweigh_a_contradiction() {
+fn anchors_not_described_yet_can_outweigh_a_contradiction() {
     // 901 against 910 a metre ahead contradict by 1 + 1. Beside them, 0.2 m away, hangs 905, which the query has seen and
     // nobody has read: 5 + 5 once it is, and S = 10 / 12.
     let beside = [0.2, 0.0, 0.0];

@@ -4,8 +4,7 @@ use std::cell::{Cell, RefCell};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
-use serde_json::Value;
-
+use super::document::{Json, Kind};
 use crate::api::limits;
 use crate::domain::counted::counted;
 use crate::domain::invalid::FieldError;
@@ -83,23 +82,31 @@ impl<T: Display> Display for Bounds<'_, T> {
 }
 
 /// Returns the kind of a value, for people.
-pub(in crate::api) fn kind(value: &Value) -> &'static str {
-    match value {
-        Value::Null => "null",
-        Value::Bool(_) => "true or false",
-        Value::Number(_) => "a number",
-        Value::String(_) => "a string",
-        Value::Array(_) => "a list",
-        Value::Object(_) => "an object",
+pub(in crate::api) fn kind(value: Json<'_>) -> &'static str {
+    match value.kind() {
+        Kind::Null => "null",
+        Kind::Bool => "true or false",
+        Kind::Number => "a number",
+        Kind::Text => "a string",
+        Kind::List => "a list",
+        Kind::Object => "an object",
     }
 }
 
 /// Returns a value as an error shows it: short, whatever was sent.
-pub(in crate::api) fn shown(value: &Value) -> String {
-    match value {
-        Value::String(text) => format!("{:?}", text.chars().take(80).collect::<String>()),
-        Value::Array(items) => format!("a list of {}", items.len()),
-        Value::Object(members) => format!("an object of {}", counted(members.len(), "field")),
-        scalar => scalar.to_string(),
+pub(in crate::api) fn shown(value: Json<'_>) -> String {
+    match value.kind() {
+        Kind::Null => "null".to_owned(),
+        Kind::Bool => value.as_bool().unwrap_or_default().to_string(),
+        // A packed number may be none, as JSON has it.
+        Kind::Number => match value.as_number() {
+            Some(number) => number.to_string(),
+            None => format!("{:?}", value.as_f64().unwrap_or(f64::NAN)),
+        },
+        Kind::Text => {
+            format!("{:?}", value.as_str().unwrap_or_default().chars().take(80).collect::<String>())
+        }
+        Kind::List => format!("a list of {}", value.len()),
+        Kind::Object => format!("an object of {}", counted(value.len(), "field")),
     }
 }

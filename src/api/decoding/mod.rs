@@ -1,8 +1,9 @@
 //! Decoding: from the bytes of a body to a checked value, with every fault and its place.
 
 pub mod base64;
+pub mod column;
 pub mod digest;
+pub mod document;
 pub(super) mod faults;
-pub mod json_footprint;
 pub mod read;
 pub mod syntax;

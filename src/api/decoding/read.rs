@@ -1,15 +1,16 @@
 //! Reader: walks a JSON value and notes every fault in it, each with its place, instead of stopping at the first.
 //!
 //! serde stops at the first error, and a client that fixes its bodies one error at a time is a client that curses.
-//! So a body becomes a [`Value`] first, and this reader takes the model out of it. Each method returns `None` after
+//! So a body becomes a [`Document`] first, and this reader takes the model out of it. Each method returns `None` after
 //! it noted a fault; callers read all fields before they give up on any.
 
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-use serde_json::{Map, Value};
-
+use super::base64;
+use super::column::Column;
+use super::document::{Document, Json, Kind};
 use super::faults::{Bounds, Faults, kind, push_segment, shown};
 use crate::domain::counted::counted;
 use crate::domain::ids::{ID_FORM, IdError};
@@ -21,14 +22,14 @@ pub trait Decode: Sized {
     fn decode(node: &Node<'_>) -> Option<Self>;
 }
 
-/// Reads a value, or tells every fault in it.
-pub fn decode<T: Decode>(value: &Value) -> Result<T, Vec<FieldError>> {
-    decode_with(value, T::decode)
+/// Reads a document, or tells every fault in it.
+pub fn decode<T: Decode>(document: &Document<'_>) -> Result<T, Vec<FieldError>> {
+    decode_with(document.root(), T::decode)
 }
 
 /// Reads a value by a function of its own, or tells every fault in it.
 pub fn decode_with<T>(
-    value: &Value,
+    value: Json<'_>,
     read: impl FnOnce(&Node<'_>) -> Option<T>,
 ) -> Result<T, Vec<FieldError>> {
     let faults = Faults::default();
@@ -44,11 +45,13 @@ enum Step<'a> {
     Root,
     Name(&'a str),
     Index(usize),
+    /// Into a string that packs a list; the next steps have no pointer.
+    Unpacked,
 }
 
 /// One value in the body and the way that leads to it.
 pub struct Node<'a> {
-    value: &'a Value,
+    value: Json<'a>,
     // The way is a list through the callers' stack frames, spelled out only when there is a fault to tell.
     parent: Option<&'a Node<'a>>,
     step: Step<'a>,
@@ -57,23 +60,26 @@ pub struct Node<'a> {
 
 impl<'a> Node<'a> {
     /// Returns the value itself.
-    pub fn value(&self) -> &'a Value {
+    pub fn value(&self) -> Json<'a> {
         self.value
     }
 
-    fn child<'c>(&'c self, step: Step<'c>, value: &'c Value) -> Node<'c> {
+    fn child<'c>(&'c self, step: Step<'c>, value: Json<'c>) -> Node<'c> {
         Node { value, parent: Some(self), step, faults: self.faults }
     }
 
-    /// Returns the JSON pointer (RFC 6901) of this value.
-    fn pointer(&self) -> String {
-        let mut pointer = self.parent.map(Node::pointer).unwrap_or_default();
+    /// Writes the JSON pointer (RFC 6901) of this value, and its place within a packed list, which a pointer cannot name.
+    fn spell(&self, pointer: &mut String, packed: &mut Option<String>) {
+        if let Some(parent) = self.parent {
+            parent.spell(pointer, packed);
+        }
+        let to = packed.as_mut().unwrap_or(pointer);
         match self.step {
             Step::Root => {}
-            Step::Name(name) => push_segment(&mut pointer, name),
-            Step::Index(index) => push_segment(&mut pointer, &index.to_string()),
+            Step::Name(name) => push_segment(to, name),
+            Step::Index(index) => push_segment(to, &index.to_string()),
+            Step::Unpacked => *packed = Some(String::new()),
         }
-        pointer
     }
 
     /// Notes a fault of this value, with what was sent and what would have been allowed.
@@ -92,7 +98,17 @@ impl<'a> Node<'a> {
     }
 
     fn note<T>(&self, fault: impl FnOnce(String) -> FieldError) -> Option<T> {
-        self.faults.note(|| fault(self.pointer()));
+        self.faults.note(|| {
+            let (mut pointer, mut packed) = (String::new(), None);
+            self.spell(&mut pointer, &mut packed);
+            let fault = fault(pointer);
+            match packed {
+                Some(place) if !place.is_empty() => {
+                    FieldError { detail: format!("item {}: {}", &place[1..], fault.detail), ..fault }
+                }
+                _ => fault,
+            }
+        });
         None
     }
 
@@ -114,15 +130,13 @@ impl<'a> Node<'a> {
 
     /// Returns a whole number within bounds; `5.0` is one too, as JSON knows one kind of number only.
     pub fn whole(&self, range: RangeInclusive<i64>) -> Option<i64> {
-        let Value::Number(number) = self.value else {
+        let Some(number) = self.value.as_f64() else {
             return self.expected("a whole number");
         };
-        let whole = number.as_i64().or_else(|| number.as_f64().and_then(exactly));
+        let whole = self.value.as_i64().or_else(|| exactly(number));
         match whole {
             Some(whole) if range.contains(&whole) => Some(whole),
-            None if number.as_f64().is_some_and(|number| number.fract() != 0.0) => {
-                self.refuse("expected a whole number", Bounds(&range))
-            }
+            None if number.fract() != 0.0 => self.refuse("expected a whole number", Bounds(&range)),
             _ => self.refuse("the number is out of range", Bounds(&range)),
         }
     }
@@ -144,6 +158,14 @@ impl<'a> Node<'a> {
     /// Returns a string as it is.
     pub fn string(&self) -> Option<&'a str> {
         self.value.as_str().or_else(|| self.expected("a string"))
+    }
+
+    /// Reads the bytes of a string of base64.
+    pub fn bytes(&self) -> Option<Vec<u8>> {
+        match base64::decode(self.string()?) {
+            Ok(bytes) => Some(bytes),
+            Err(why) => self.refuse(format!("not base64: {why}"), "A-Z a-z 0-9 + / and padding with ="),
+        }
     }
 
     /// Reads free text of bounded length, in characters.
@@ -176,41 +198,54 @@ impl<'a> Node<'a> {
 
     /// Returns a list, each item read by `read`; all faults of all items are noted.
     pub fn list<T>(&self, max: usize, mut read: impl FnMut(&Node<'_>) -> Option<T>) -> Option<Vec<T>> {
-        let Value::Array(items) = self.value else {
+        let mut list = Vec::with_capacity(self.value.len().min(max));
+        self.each(max, |_, item| {
+            list.push(read(item)?);
+            Some(())
+        })?;
+        Some(list)
+    }
+
+    /// Reads exactly `N` numbers within bounds.
+    pub fn numbers<const N: usize>(&self, range: RangeInclusive<f64>) -> Option<[f64; N]> {
+        if self.value.kind() == Kind::List && self.value.len() != N {
+            return self.refuse("the list has another length", format!("{N} numbers"));
+        }
+        let mut numbers = [0.0; N];
+        self.each(N, |at, item| {
+            numbers[at] = item.number(range.clone())?;
+            Some(())
+        })?;
+        Some(numbers)
+    }
+
+    /// Reads each item of a list by `read`, with its place; all faults of all items are noted.
+    pub fn each(&self, max: usize, mut read: impl FnMut(usize, &Node<'_>) -> Option<()>) -> Option<()> {
+        if self.value.kind() != Kind::List {
             return self.expected("a list");
-        };
-        if items.len() > max {
+        }
+        if self.value.len() > max {
             return self.refuse("the list is too long", counted(max, "item"));
         }
-        let mut all = Some(Vec::with_capacity(items.len()));
-        for (index, item) in items.iter().enumerate() {
-            match (read(&self.child(Step::Index(index), item)), &mut all) {
-                (Some(item), Some(list)) => list.push(item),
-                (Some(_), None) => {}
-                (None, _) => all = None,
+        let mut all = Some(());
+        for (index, item) in self.value.items().enumerate() {
+            if read(index, &self.child(Step::Index(index), item)).is_none() {
+                all = None;
             }
         }
         all
     }
 
-    /// Exactly `N` numbers within bounds.
-    pub fn numbers<const N: usize>(&self, range: RangeInclusive<f64>) -> Option<[f64; N]> {
-        if self.value.as_array().is_some_and(|items| items.len() != N) {
-            return self.refuse("the list has another length", format!("{N} numbers"));
-        }
-        self.list(N, |item| item.number(range.clone()))?.try_into().ok()
-    }
-
     /// Returns an object with these fields and no other; a field more is a fault, for it is most likely a typing error.
     pub fn object<'n>(&'n self, fields: &[&str]) -> Option<Object<'n>> {
-        let Value::Object(members) = self.value else {
+        if self.value.kind() != Kind::Object {
             return self.expected("an object");
-        };
-        for name in members.keys().filter(|name| !fields.contains(&name.as_str())) {
-            let stray = self.child(Step::Name(name), &members[name]);
+        }
+        for (name, value) in self.value.members().filter(|(name, _)| !fields.contains(name)) {
+            let stray = self.child(Step::Name(name), value);
             let _: Option<()> = stray.refuse("there is no such field", fields.join(", "));
         }
-        Some(Object { node: self, members })
+        Some(Object { node: self })
     }
 }
 
@@ -230,23 +265,20 @@ pub fn id<T: FromStr<Err = IdError>>(node: &Node<'_>) -> Option<T> {
 /// An object whose fields are read by name.
 pub struct Object<'n> {
     node: &'n Node<'n>,
-    members: &'n Map<String, Value>,
 }
 
 impl Object<'_> {
     /// Returns a field that must be there.
     pub fn required<T>(&self, name: &str, read: impl FnOnce(&Node<'_>) -> Option<T>) -> Option<T> {
-        if let Some(value) = self.members.get(name) {
+        if let Some(value) = self.node.value.get(name) {
             return read(&self.node.child(Step::Name(name), value));
         }
-        self.node
-            .child(Step::Name(name), &Value::Null)
-            .note(|pointer| FieldError::new(pointer, "the field is required"))
+        self.note(name, |pointer| FieldError::new(pointer, "the field is required"))
     }
 
     /// Returns a field that may be left out; the outer `None` says that it is there and wrong.
     pub fn optional<T>(&self, name: &str, read: impl FnOnce(&Node<'_>) -> Option<T>) -> Option<Option<T>> {
-        match self.members.get(name) {
+        match self.node.value.get(name) {
             None => Some(None),
             Some(value) => read(&self.node.child(Step::Name(name), value)).map(Some),
         }
@@ -254,23 +286,77 @@ impl Object<'_> {
 
     /// Whether the field is there.
     pub fn has(&self, name: &str) -> bool {
-        self.members.contains_key(name)
+        self.node.value.get(name).is_some()
+    }
+
+    /// Reads a column, in whichever form it has, as [`Self::optional`] does.
+    pub fn optional_column<T>(
+        &self,
+        column: Column,
+        read: impl FnOnce(&Node<'_>) -> Option<T>,
+    ) -> Option<Option<T>> {
+        let Some(packed) = self.node.value.get(column.packed) else {
+            return self.optional(column.list, read);
+        };
+        let node = self.node.child(Step::Name(column.packed), packed);
+        if self.has(column.list) {
+            return node.note(|pointer| {
+                FieldError::new(pointer, format!("{} has the same numbers, as a list", column.list))
+                    .limit("one of the two forms")
+            });
+        }
+        let bytes = node.bytes()?;
+        let Some(list) = column.unpack(&bytes) else {
+            let limit = format!("{} bytes for each item", column.item_bytes());
+            return node.refuse_as("the last item is not whole", format!("{} bytes", bytes.len()), limit);
+        };
+        read(&node.child(Step::Unpacked, list.root())).map(Some)
+    }
+
+    /// Reads a column that must be there.
+    pub fn required_column<T>(&self, column: Column, read: impl FnOnce(&Node<'_>) -> Option<T>) -> Option<T> {
+        if self.has(column.packed) {
+            self.optional_column(column, read)?
+        } else {
+            self.required(column.list, read)
+        }
+    }
+
+    /// Two columns that run in parallel must be equally long; the second one is told off.
+    pub fn parallel_columns(&self, first: Column, second: Column) -> Option<()> {
+        let form = |column: Column| {
+            let packed = self.node.value.get(column.packed).and_then(Json::as_str);
+            let packed = packed.map(|text| (column.packed, column.packed_len(text)));
+            packed.or_else(|| Some((column.list, self.list_len(column.list)?)))
+        };
+        self.equal(form(first), form(second))
     }
 
     /// Two lists that run in parallel must be equally long; the second one is told off.
     pub fn parallel(&self, first: &str, second: &str) -> Option<()> {
-        let length = |name: &str| self.members.get(name).and_then(Value::as_array).map(Vec::len);
-        match (length(first), length(second)) {
-            (Some(wanted), Some(got)) if wanted != got => {
-                self.node.child(Step::Name(second), &Value::Null).note(|pointer| {
-                    FieldError::new(pointer, format!("must be as long as {first}"))
-                        .got(counted(got, "item"))
-                        .limit(counted(wanted, "item"))
-                })
-            }
+        let list = |name| Some((name, self.list_len(name)?));
+        self.equal(list(first), list(second))
+    }
+
+    fn list_len(&self, name: &str) -> Option<usize> {
+        self.node.value.get(name).filter(|value| value.kind() == Kind::List).map(Json::len)
+    }
+
+    fn equal(&self, first: Option<(&str, usize)>, second: Option<(&str, usize)>) -> Option<()> {
+        match (first, second) {
+            (Some((first, wanted)), Some((second, got))) if wanted != got => self.note(second, |pointer| {
+                FieldError::new(pointer, format!("must be as long as {first}"))
+                    .got(counted(got, "item"))
+                    .limit(counted(wanted, "item"))
+            }),
             // A list that is missing or is no list has been told off already.
             _ => Some(()),
         }
+    }
+
+    /// Notes a fault at a field, whether it is there or not.
+    fn note<T>(&self, name: &str, fault: impl FnOnce(String) -> FieldError) -> Option<T> {
+        self.node.child(Step::Name(name), self.node.value).note(fault)
     }
 }
 

@@ -1,40 +1,65 @@
-//! Syntax: bytes become a JSON value, or the place where they stop being JSON.
+//! Syntax: bytes become a document, or the place where they stop being JSON.
 //!
-//! Stricter than `serde_json::Value` in two ways: a name that appears twice in an object is refused (which of the two
-//! did the client mean?), and the number of values is bounded, because `0,` takes two bytes here and thirty in memory.
+//! Stricter than JSON readers are as a rule in two ways: a name that appears twice in an object is refused (which of the
+//! two did the client mean?), and values and items are counted, because `0,` takes two bytes here and sixteen in memory.
 
 use std::cell::Cell;
+use std::collections::HashSet;
 use std::fmt;
 
-use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
-use serde_json::{Map, Value};
+use serde::Deserialize as _;
+use serde::de::{DeserializeSeed, Deserializer, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_path_to_error::{Deserializer as Tracked, Segment, Track};
 
+use super::document::{Document, Token};
 use super::faults;
-use crate::api::limits::BODY_VALUES;
+use crate::api::limits::{BODY_VALUES, LIST_ITEMS};
 use crate::domain::invalid::FieldError;
 
-/// Why bytes are not a JSON value that we take.
+/// The reason why bytes are not a JSON text that we take.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Unreadable {
     /// They are no JSON, or nested too deep.
     Syntax(FieldError),
-    /// They hold more than [`BODY_VALUES`] values.
-    TooManyValues,
+    /// They hold too many values or items.
+    TooMany(TooMany),
 }
 
+/// What a text has too many of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TooMany {
+    /// It holds more than [`BODY_VALUES`] values.
+    Values,
+    /// One of its lists has more than [`LIST_ITEMS`] items.
+    Items,
+}
+
+/// Members of an object up to which each name is compared with those before it.
+const FEW_MEMBERS: usize = 16;
+
 /// Parses bytes as one JSON value.
-pub fn parse(bytes: &[u8]) -> Result<Value, Unreadable> {
-    let left = Cell::new(BODY_VALUES);
+pub fn parse(bytes: &[u8]) -> Result<Document<'_>, Unreadable> {
+    let count = Count::default();
+    let mut document = Document::with_room(bytes, tokens_at_most(bytes).min(2 * BODY_VALUES));
     let mut json = serde_json::Deserializer::from_slice(bytes);
-    match (Tree { left: &left }).deserialize(&mut json).and_then(|value| json.end().map(|()| value)) {
-        Ok(value) => Ok(value),
-        Err(_) if left.get() == 0 => Err(Unreadable::TooManyValues),
-        Err(_) if bytes.trim_ascii().is_empty() => {
+    let parsed = Builder { document: &mut document, count: &count }.deserialize(&mut json);
+    match (parsed.and_then(|()| json.end()), count.too_many.get()) {
+        (Ok(()), _) => Ok(document),
+        (Err(_), Some(too_many)) => Err(Unreadable::TooMany(too_many)),
+        (Err(_), None) if bytes.trim_ascii().is_empty() => {
             Err(Unreadable::Syntax(FieldError::new("", "the body is empty; an object without fields is {}")))
         }
-        Err(error) => Err(Unreadable::Syntax(fault(bytes, &error))),
+        (Err(error), None) => Err(Unreadable::Syntax(fault(bytes, &error))),
     }
+}
+
+/// Returns an upper bound on the values and names of a text: but for the first, each follows one of these bytes.
+pub fn tokens_at_most(bytes: &[u8]) -> usize {
+    /// Bytes that one `u8` can count: sums of bytes are what compilers know to add many at a time.
+    const COUNTED_AT_ONCE: usize = u8::MAX as usize;
+    let starts = |byte: &u8| u8::from(matches!(byte, b',' | b':' | b'[' | b'{'));
+    let counts = bytes.chunks(COUNTED_AT_ONCE).map(|chunk| usize::from(chunk.iter().map(starts).sum::<u8>()));
+    1 + counts.sum::<usize>()
 }
 
 fn fault(bytes: &[u8], error: &serde_json::Error) -> FieldError {
@@ -60,14 +85,31 @@ fn not_a_number<'b>(bytes: &'b [u8], error: &serde_json::Error) -> Option<&'b st
     ["nan", "inf", "infinity"].contains(&name.as_str()).then_some(word)
 }
 
-/// Where the bytes stop being JSON; found by reading them again, so that good bodies pay nothing for it.
+/// Returns why bytes are no JSON, if they are none, without holding what they say.
+pub fn check(bytes: &[u8]) -> Result<(), Unreadable> {
+    let read: Result<IgnoredAny, _> = serde_json::from_slice(bytes);
+    read.map(drop).map_err(|error| Unreadable::Syntax(fault(bytes, &error)))
+}
+
+/// Returns the place where the bytes stop being JSON; found by reading them again, so that good bodies pay nothing for it.
 fn place(bytes: &[u8]) -> String {
     let mut track = Track::new();
     let mut json = serde_json::Deserializer::from_slice(bytes);
-    let left = Cell::new(BODY_VALUES);
-    if (Tree { left: &left }).deserialize(Tracked::new(&mut json, &mut track)).is_ok() {
+    if IgnoredAny::deserialize(Tracked::new(&mut json, &mut track)).is_err() {
+        return pointer_of(track);
+    }
+    // They are JSON: a name stands twice in one object.
+    let mut track = Track::new();
+    let mut json = serde_json::Deserializer::from_slice(bytes);
+    let (mut document, count) = (Document::with_room(bytes, 0), Count::default());
+    let builder = Builder { document: &mut document, count: &count };
+    if builder.deserialize(Tracked::new(&mut json, &mut track)).is_ok() {
         return String::new();
     }
+    pointer_of(track)
+}
+
+fn pointer_of(track: Track) -> String {
     let path = track.path();
     let segments: Vec<String> = path
         .iter()
@@ -80,82 +122,146 @@ fn place(bytes: &[u8]) -> String {
     faults::pointer(segments.iter().map(String::as_str))
 }
 
-/// Reads any JSON value; `left` is how many more it may hold.
-#[derive(Clone, Copy)]
-struct Tree<'l> {
-    left: &'l Cell<usize>,
+/// The values of a text so far, and the limit that it exceeds.
+#[derive(Default)]
+struct Count {
+    values: Cell<usize>,
+    too_many: Cell<Option<TooMany>>,
 }
 
-impl<'de> DeserializeSeed<'de> for Tree<'_> {
-    type Value = Value;
+/// Appends one value to a document, with all that is in it.
+struct Builder<'b, 't> {
+    document: &'b mut Document<'t>,
+    count: &'b Count,
+}
 
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Value, D::Error> {
-        let left = self.left.get().checked_sub(1).ok_or_else(|| D::Error::custom("too many values"))?;
-        self.left.set(left);
+/// Appends the name of a member.
+struct Name<'b, 't>(Builder<'b, 't>);
+
+impl<'t> Builder<'_, 't> {
+    /// Returns a builder of a value inside this one.
+    fn inner(&mut self) -> Builder<'_, 't> {
+        Builder { document: self.document, count: self.count }
+    }
+
+    fn push(self, token: Token) {
+        self.document.values.push(token);
+    }
+
+    fn refuse<T, E: serde::de::Error>(&self, what: TooMany) -> Result<T, E> {
+        self.count.too_many.set(Some(what));
+        Err(E::custom("too many"))
+    }
+}
+
+impl<'t> DeserializeSeed<'t> for Builder<'_, 't> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'t>>(self, deserializer: D) -> Result<(), D::Error> {
+        self.count.values.set(self.count.values.get() + 1);
+        if self.count.values.get() > BODY_VALUES {
+            return self.refuse(TooMany::Values);
+        }
         deserializer.deserialize_any(self)
     }
 }
 
-impl<'de> Visitor<'de> for Tree<'_> {
-    type Value = Value;
+impl<'t> DeserializeSeed<'t> for Name<'_, 't> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'t>>(self, deserializer: D) -> Result<(), D::Error> {
+        deserializer.deserialize_str(self.0)
+    }
+}
+
+impl<'t> Visitor<'t> for Builder<'_, 't> {
+    type Value = ();
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a JSON value")
     }
 
-    fn visit_unit<E>(self) -> Result<Value, E> {
-        Ok(Value::Null)
+    fn visit_unit<E>(self) -> Result<(), E> {
+        self.push(Token::Null);
+        Ok(())
     }
 
-    fn visit_bool<E>(self, value: bool) -> Result<Value, E> {
-        Ok(value.into())
+    fn visit_bool<E>(self, value: bool) -> Result<(), E> {
+        self.push(Token::Bool(value));
+        Ok(())
     }
 
-    fn visit_i64<E>(self, value: i64) -> Result<Value, E> {
-        Ok(value.into())
+    fn visit_i64<E>(self, value: i64) -> Result<(), E> {
+        self.push(Token::Whole(value));
+        Ok(())
     }
 
-    fn visit_u64<E>(self, value: u64) -> Result<Value, E> {
-        Ok(value.into())
+    fn visit_u64<E>(self, value: u64) -> Result<(), E> {
+        self.push(i64::try_from(value).map_or(Token::Large(value), Token::Whole));
+        Ok(())
     }
 
-    fn visit_f64<E>(self, value: f64) -> Result<Value, E> {
-        Ok(value.into())
+    fn visit_f64<E>(self, value: f64) -> Result<(), E> {
+        self.push(Token::Float(value));
+        Ok(())
     }
 
-    fn visit_str<E>(self, value: &str) -> Result<Value, E> {
-        Ok(value.into())
+    fn visit_borrowed_str<E>(self, value: &'t str) -> Result<(), E> {
+        let token = self.document.text_in_place(value);
+        self.push(token);
+        Ok(())
     }
 
-    fn visit_string<E>(self, value: String) -> Result<Value, E> {
-        Ok(value.into())
+    fn visit_str<E>(self, value: &str) -> Result<(), E> {
+        let token = self.document.unescaped_text(value);
+        self.push(token);
+        Ok(())
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Value, A::Error> {
-        let mut list = Vec::new();
-        while let Some(item) = items.next_element_seed(self)? {
-            list.push(item);
-        }
-        Ok(Value::Array(list))
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut members: A) -> Result<Value, A::Error> {
-        let mut object = Map::new();
-        while let Some(name) = members.next_key::<String>()? {
-            let value = members.next_value_seed(self)?;
-            if object.contains_key(&name) {
-                let name: String = name.chars().take(80).collect();
-                return Err(A::Error::custom(format_args!("the name {name:?} appears twice in one object")));
+    fn visit_seq<A: SeqAccess<'t>>(mut self, mut list: A) -> Result<(), A::Error> {
+        let (at, mut items) = (self.document.open(), 0);
+        while list.next_element_seed(self.inner())?.is_some() {
+            items += 1;
+            if items > LIST_ITEMS {
+                return self.refuse(TooMany::Items);
             }
-            object.insert(name, value);
         }
-        Ok(Value::Object(object))
+        self.document.close(at, items, |items, end| Token::List { items, end });
+        Ok(())
     }
+
+    fn visit_map<A: MapAccess<'t>>(mut self, mut object: A) -> Result<(), A::Error> {
+        let (at, mut names) = (self.document.open(), Vec::new());
+        while object.next_key_seed(Name(self.inner()))?.is_some() {
+            names.push(self.document.values.len() - 1);
+            object.next_value_seed(self.inner())?;
+        }
+        self.document.close(at, names.len(), |members, end| Token::Object { members, end });
+        match repeated(self.document, &names) {
+            None => Ok(()),
+            Some(name) => {
+                let name: String = name.chars().take(80).collect();
+                Err(A::Error::custom(format_args!("the name {name:?} appears twice in one object")))
+            }
+        }
+    }
+}
+
+/// Returns a name that stands at two of these places.
+fn repeated<'d>(document: &'d Document<'_>, names: &[usize]) -> Option<&'d str> {
+    let name = |at: &usize| document.text_at(*at).unwrap_or_default();
+    if names.len() > FEW_MEMBERS {
+        let mut seen = HashSet::with_capacity(names.len());
+        return names.iter().map(name).find(|name| !seen.insert(*name));
+    }
+    let is_before = |place: usize| names[..place].iter().any(|other| name(other) == name(&names[place]));
+    (0..names.len()).find(|place| is_before(*place)).map(|place| name(&names[place]))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::api::decoding::digest;
 
     #[track_caller]
     fn check(json: &str, pointer: &str, says: &str) {
@@ -171,7 +277,9 @@ mod tests {
     #[test]
     fn a_value_comes_through_as_it_is() {
         let json = r#"{"a":[1,-2,3.5,"x",null,true],"b":{}}"#;
-        assert_eq!(parse(json.as_bytes()), Ok(serde_json::from_str(json).expect("JSON")));
+        let (read, expected) =
+            (parse(json.as_bytes()).expect("JSON"), serde_json::from_str(json).expect("JSON"));
+        assert_eq!(digest::of(read.root(), None), digest::of(Document::from(&expected).root(), None));
     }
 
     #[test]
@@ -194,8 +302,19 @@ mod tests {
     }
 
     #[test]
-    fn more_values_than_fit_are_too_many() {
-        let many = format!("[{}0]", "0,".repeat(BODY_VALUES));
-        assert_eq!(parse(many.as_bytes()), Err(Unreadable::TooManyValues));
+    fn long_lists_and_many_values_are_too_many() {
+        let list = format!("[{}0]", "0,".repeat(LIST_ITEMS));
+        assert_eq!(parse(list.as_bytes()).err(), Some(Unreadable::TooMany(TooMany::Items)));
+        let row = format!("[{}0],", "0,".repeat(999));
+        let many = format!("[{}0]", row.repeat(BODY_VALUES / 1000));
+        assert_eq!(parse(many.as_bytes()).err(), Some(Unreadable::TooMany(TooMany::Values)));
+    }
+
+    #[test]
+    fn as_many_values_as_are_counted_have_room() {
+        for json in [r#"{"a":[1,[],{}],"b,:[{":"x,y"}"#, "[]", "7", r#"{"a":{"b":{"c":null}}}"#] {
+            let values = parse(json.as_bytes()).expect("JSON").values.len();
+            assert!(values <= tokens_at_most(json.as_bytes()), "{json}: {values}");
+        }
     }
 }

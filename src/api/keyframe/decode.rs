@@ -2,21 +2,22 @@
 
 use std::collections::HashSet;
 
-use serde_json::Value;
-
 use super::detection::decode as decode_detection;
+use super::digest;
 use super::features::decode as decode_features;
 use super::points::{ascending, points, unique};
-use crate::api::decoding::digest::{self, Digest};
+use crate::api::decoding::column::{Column, Number};
+use crate::api::decoding::document::{Json, Kind};
 use crate::api::decoding::read::{self, Decode, Node};
 use crate::api::limits;
 use crate::domain::bow::BowVector;
 use crate::domain::ids::{KeyframeId, PointId, SessionId};
 use crate::domain::invalid::FieldError;
 use crate::domain::keyframe::{CLIENTS_VOCABULARY, Camera, Features, NewKeyframe, Stamp};
+use crate::domain::request::Digest;
 use crate::geometry::Pose;
 
-const FIELDS: [&str; 10] = [
+const FIELDS: [&str; 11] = [
     "session",
     "stamp",
     "pose",
@@ -24,20 +25,27 @@ const FIELDS: [&str; 10] = [
     "bow",
     "features",
     "map_points",
-    "observes",
+    OBSERVES.list,
+    OBSERVES.packed,
     "covisible",
     "detections",
 ];
 
+const OBSERVES: Column = Column { list: "observes", packed: "observes_i64", number: Number::I64, row: None };
+const WORDS: Column = Column { list: "words", packed: "words_u32", number: Number::U32, row: None };
+const WEIGHTS: Column = Column { list: "weights", packed: "weights_f64", number: Number::F64, row: None };
+
 /// The name of a keyframe that is asked about and not stored.
 const INLINE: &str = "inline";
+/// The field of a bulk line that names its keyframe.
+const ID: &str = "id";
 
 /// A keyframe as sent, with the digest that tells a retry from another keyframe.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SentKeyframe {
     /// The keyframe, checked.
     pub keyframe: NewKeyframe,
-    /// The digest of its body.
+    /// The digest of its facts, whatever the form of its body.
     pub digest: Digest,
 }
 
@@ -52,11 +60,11 @@ pub struct Faulty {
 
 impl Faulty {
     /// Joins these faults with what the keyframe's body declares.
-    pub fn of(faults: Vec<FieldError>, body: &Value) -> Self {
-        let list =
-            body.get("covisible").and_then(Value::as_array).filter(|list| list.len() <= limits::COVISIBLE);
-        let named = |entry: &Value| entry.get("keyframe")?.as_str()?.parse().ok();
-        let declared = list.into_iter().flatten().map(named).enumerate();
+    pub fn of(faults: Vec<FieldError>, body: Option<Json<'_>>) -> Self {
+        let is_list = |list: &Json<'_>| list.kind() == Kind::List && list.len() <= limits::COVISIBLE;
+        let list = body.and_then(|body| body.get("covisible")).filter(is_list);
+        let named = |entry: Json<'_>| entry.get("keyframe")?.as_str()?.parse().ok();
+        let declared = list.into_iter().flat_map(Json::items).map(named).enumerate();
         Self { faults, declared: declared.filter_map(|(place, id)| Some((place, id?))).collect() }
     }
 
@@ -72,18 +80,40 @@ impl Faulty {
     }
 }
 
-/// Returns a keyframe whose name stands in the path, or in a bulk line.
-pub fn named(body: &Value, id: &KeyframeId) -> Result<SentKeyframe, Vec<FieldError>> {
-    read::decode_with(body, |node| keyframe(node, id, true))
+/// Returns a keyframe whose name stands in the path.
+pub fn named(body: Json<'_>, id: &KeyframeId) -> Result<SentKeyframe, Vec<FieldError>> {
+    read::decode_with(body, |node| keyframe(node, &FIELDS, Named::Outside(id)))
+}
+
+/// Returns a keyframe of a bulk request: the very body of a PUT, and beside it the name.
+pub fn of_line(line: Json<'_>) -> Result<SentKeyframe, Vec<FieldError>> {
+    let fields: Vec<&str> = [ID].into_iter().chain(FIELDS).collect();
+    read::decode_with(line, |node| keyframe(node, &fields, Named::Inside))
 }
 
 /// Returns a keyframe to be asked about and not stored: a member of a larger body, without a name of its own.
 pub fn unnamed(node: &Node<'_>) -> Option<SentKeyframe> {
-    keyframe(node, &INLINE.parse().ok()?, false)
+    keyframe(node, &FIELDS, Named::Nowhere)
 }
 
-fn keyframe(node: &Node<'_>, id: &KeyframeId, stored: bool) -> Option<SentKeyframe> {
-    let body = node.object(&FIELDS)?;
+/// The place of a keyframe's name.
+enum Named<'i> {
+    /// In the path.
+    Outside(&'i KeyframeId),
+    /// In the body.
+    Inside,
+    /// It has none: it is asked about and not stored.
+    Nowhere,
+}
+
+/// Reads a keyframe that has these fields.
+fn keyframe(node: &Node<'_>, fields: &[&str], named: Named<'_>) -> Option<SentKeyframe> {
+    let body = node.object(fields)?;
+    let id = match named {
+        Named::Outside(id) => Some(id.clone()),
+        Named::Inside => body.required(ID, read::id),
+        Named::Nowhere => INLINE.parse().ok(),
+    };
     let session = body.optional("session", read::id::<SessionId>);
     let stamp = body.required("stamp", Stamp::decode);
     let pose = body.required("pose", Pose::decode);
@@ -91,14 +121,14 @@ fn keyframe(node: &Node<'_>, id: &KeyframeId, stored: bool) -> Option<SentKeyfra
     let bow = body.optional("bow", bow);
     let features = body.optional("features", decode_features);
     let map_points = body.optional("map_points", points);
-    let observes =
-        body.optional("observes", |node| node.list(limits::MAP_POINTS, |point| point.whole(limits::POINT)));
-    let covisible = body.optional("covisible", |node| covisible(node, stored.then_some(id)));
+    let observes = body
+        .optional_column(OBSERVES, |node| node.list(limits::MAP_POINTS, |point| point.whole(limits::POINT)));
+    let covisible = body.optional("covisible", |node| covisible(node, id.as_ref()));
     let detections = body.optional("detections", |node| node.list(limits::DETECTIONS, decode_detection));
     let features = features?;
     let (bow, vocabulary) = bow?.map_or_else(Default::default, |(bow, vocabulary)| (bow, Some(vocabulary)));
     let keyframe = NewKeyframe {
-        id: id.clone(),
+        id: id?,
         session: session?.unwrap_or_default(),
         stamp: stamp?,
         map_from_camera: pose?,
@@ -111,7 +141,8 @@ fn keyframe(node: &Node<'_>, id: &KeyframeId, stored: bool) -> Option<SentKeyfra
         covisible: covisible?.unwrap_or_default(),
         detections: detections?.unwrap_or_default(),
     };
-    Some(SentKeyframe { keyframe, digest: digest::of(node.value()) })
+    let digest = digest::of(&keyframe);
+    Some(SentKeyframe { keyframe, digest })
 }
 
 /// Observed is what the client lists, and what its features see; one listed twice is observed once.
@@ -131,12 +162,13 @@ fn camera(node: &Node<'_>) -> Option<Camera> {
 
 /// Returns the bag of words, and whose words they are.
 fn bow(node: &Node<'_>) -> Option<(BowVector, Box<str>)> {
-    let body = node.object(&["words", "weights", "vocabulary"])?;
+    let body = node.object(&[WORDS.list, WORDS.packed, WEIGHTS.list, WEIGHTS.packed, "vocabulary"])?;
     let vocabulary = body.optional("vocabulary", |node| node.text(limits::VOCABULARY_CHARS));
-    let words = body.required("words", |node| unique(node, limits::WORDS, |word| word.count(limits::WORD)));
-    let weights =
-        body.required("weights", |node| node.list(limits::WORDS, |weight| weight.number(limits::WEIGHT)));
-    body.parallel("words", "weights")?;
+    let words =
+        body.required_column(WORDS, |node| unique(node, limits::WORDS, |word| word.count(limits::WORD)));
+    let weights = body
+        .required_column(WEIGHTS, |node| node.list(limits::WORDS, |weight| weight.number(limits::WEIGHT)));
+    body.parallel_columns(WORDS, WEIGHTS)?;
     match BowVector::normalised(words?.into_iter().zip(weights?).collect()) {
         Ok(bow) => Some((bow, vocabulary?.map_or_else(|| CLIENTS_VOCABULARY.into(), Into::into))),
         Err(error) => node.refuse(error.to_string(), "a bag of words"),

@@ -1,7 +1,6 @@
 //! A detection read: its box, its place and what was read of it.
 
 use super::points::ascending;
-use crate::api::decoding::base64;
 use crate::api::decoding::read::{Decode, Node};
 use crate::api::limits;
 use crate::domain::counted::counted;
@@ -57,7 +56,7 @@ fn non_blank(text: Option<String>) -> Option<String> {
 }
 
 fn crop(node: &Node<'_>) -> Option<Crop> {
-    let bytes = base64::decode(node)?;
+    let bytes = node.bytes()?;
     if bytes.len() > limits::CROP_BYTES {
         return node.refuse(
             format!("the crop is {}", counted(bytes.len(), "byte")),

@@ -1,23 +1,32 @@
 //! Features read: three parallel lists, one of them packed in base64.
 
-use crate::api::decoding::base64;
+use crate::api::decoding::column::{Column, Number};
+use crate::api::decoding::document::Kind;
 use crate::api::decoding::read::Node;
 use crate::api::limits;
 use crate::domain::counted::counted;
 use crate::domain::keyframe::{Features, Keypoint};
 
+/// u, v, octave and angle; an angle that is not a number is left out.
+const KEYPOINTS: Column =
+    Column { list: "keypoints", packed: "keypoints_f32", number: Number::F32, row: Some(4) };
+const MAP_POINTS: Column =
+    Column { list: "map_points", packed: "map_points_i64", number: Number::I64, row: None };
+const FIELDS: [&str; 6] =
+    ["descriptor_bytes", "descriptors", KEYPOINTS.list, KEYPOINTS.packed, MAP_POINTS.list, MAP_POINTS.packed];
+
 /// Reads `features`.
 pub fn decode(node: &Node<'_>) -> Option<Features> {
-    let body = node.object(&["descriptor_bytes", "descriptors", "keypoints", "map_points"])?;
+    let body = node.object(&FIELDS)?;
     let descriptor_bytes = body.required("descriptor_bytes", descriptor_bytes);
-    let keypoints = body.required("keypoints", |node| node.list(limits::FEATURES, keypoint));
-    let map_points = body.optional("map_points", |node| {
+    let keypoints = body.required_column(KEYPOINTS, |node| node.list(limits::FEATURES, keypoint));
+    let map_points = body.optional_column(MAP_POINTS, |node| {
         node.list(limits::FEATURES, |point| {
             point.whole(limits::POINT_OR_NONE).map(|id| (id >= 0).then_some(id))
         })
     });
     let descriptors = body.required("descriptors", |node| {
-        let bytes = base64::decode(node)?;
+        let bytes = node.bytes()?;
         // Both counts are needed to say how long it should be; where one is wrong, that has been said.
         let (Some(each), Some(keypoints)) = (descriptor_bytes, &keypoints) else { return Some(bytes) };
         if bytes.len() != each * keypoints.len() {
@@ -27,7 +36,7 @@ pub fn decode(node: &Node<'_>) -> Option<Features> {
         }
         Some(bytes)
     });
-    body.parallel("keypoints", "map_points")?;
+    body.parallel_columns(KEYPOINTS, MAP_POINTS)?;
     let keypoints = keypoints?;
     Some(Features {
         descriptor_bytes: descriptor_bytes?,
@@ -46,23 +55,19 @@ fn descriptor_bytes(node: &Node<'_>) -> Option<usize> {
 }
 
 fn keypoint(node: &Node<'_>) -> Option<Keypoint> {
-    let length = node.value().as_array().map_or(2, Vec::len);
-    if !(2..=4).contains(&length) {
+    let numbers = node.value();
+    if numbers.kind() == Kind::List && !(2..=4).contains(&numbers.len()) {
         return node.refuse("a keypoint is [u,v], [u,v,octave] or [u,v,octave,angle_deg]", "2 to 4 numbers");
     }
-    let mut at = 0;
-    let numbers = node.list(4, |number| {
-        at += 1;
+    let mut keypoint = Keypoint { u: 0.0, v: 0.0, octave: 0, angle_deg: None };
+    node.each(4, |at, number| {
         match at {
-            1 | 2 => number.number(limits::PIXEL),
-            3 => number.whole(limits::OCTAVE).map(|octave| octave as f64),
-            _ => number.number(limits::ANGLE_DEG),
+            0 => keypoint.u = number.number(limits::PIXEL)?,
+            1 => keypoint.v = number.number(limits::PIXEL)?,
+            2 => keypoint.octave = number.whole(limits::OCTAVE)? as u8,
+            _ => keypoint.angle_deg = Some(number.number(limits::ANGLE_DEG)?),
         }
+        Some(())
     })?;
-    Some(Keypoint {
-        u: *numbers.first()?,
-        v: *numbers.get(1)?,
-        octave: numbers.get(2).map_or(0, |octave| *octave as u8),
-        angle_deg: numbers.get(3).copied(),
-    })
+    Some(keypoint)
 }

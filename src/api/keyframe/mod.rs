@@ -3,24 +3,29 @@
 //! | file | concept |
 //! |---|---|
 //! | `shape` | the shape sent |
+//! | `sent_shape` | the schemas of what may be sent packed |
 //! | `decode` | the shape read into the model, with every fault in it |
 //! | `features`, `detection`, `points` | its large members, read |
+//! | `digest` | the facts that make two bodies the same |
 //! | `answer` | the shapes answered |
 //! | `original` | the shape sent, written again |
 
 mod answer;
 mod decode;
 mod detection;
+mod digest;
 mod features;
 mod original;
 mod points;
+mod sent_shape;
 mod shape;
 
 pub use answer::{
     CovisibleView, DetectionView, KeyframeAnswer, KeyframeLine, KeyframeView, OutcomeName, OutcomeView,
 };
-pub use decode::{Faulty, SentKeyframe, named, unnamed};
+pub use decode::{Faulty, SentKeyframe, named, of_line, unnamed};
 pub use points::{points, unique};
+pub use sent_shape::SentPoints;
 pub use shape::{
     BowShape, CameraShape, CovisibleShape, DetectionShape, FeaturesShape, KeyframeBody, PointsShape,
 };

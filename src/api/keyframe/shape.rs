@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::sent_shape::{SentBow, SentFeatures, SentPoints};
 use crate::api::space::{Time, Transform};
 
 /// A keyframe to be stored, or asked about without being stored. Only `stamp` and `pose` are required.
@@ -28,17 +29,24 @@ pub struct KeyframeBody {
     pub camera: Option<CameraShape>,
     /// The bag of words; left out or empty for a blank wall.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<SentBow>)]
     pub bow: Option<BowShape>,
     /// Binary features.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<SentFeatures>)]
     pub features: Option<FeaturesShape>,
     /// Map points new or moved; the order does not matter, and answers list them by number.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<SentPoints>)]
     pub map_points: Option<PointsShape>,
     /// Map points observed, besides those of `features.map_points`; the order does not matter.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 100_000, value_type = Option<Vec<PointNumber>>, inline)]
     pub observes: Option<Vec<i64>>,
+    /// The same, packed: base64 of little-endian 64-bit signed numbers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(max_length = 1_066_668)]
+    pub observes_i64: Option<String>,
     /// Covisible keyframes known to the client, also across sessions; each must exist.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 10000)]

@@ -100,7 +100,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_left_takes_as_long_as_the_same_share_of_the_way_did() {
+    fn the_rest_takes_as_long_as_the_same_share_of_the_way_did() {
         let minute = Duration::from_mins(1);
         assert_eq!(left(minute, 0, 4), "begun");
         assert_eq!(left(minute, 1, 4), "3 minutes left");

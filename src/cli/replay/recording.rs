@@ -32,7 +32,7 @@ pub(super) struct Line {
     pub number: u64,
     /// The map it belongs to.
     pub map: String,
-    /// What to do.
+    /// The operation.
     pub op: Op,
 }
 
@@ -71,7 +71,7 @@ pub(super) enum Op {
     Delete(Deleted),
 }
 
-/// What a `delete` line names: `{"keyframe"}`, `{"keyframe","detection"}` or `{"loop"}`.
+/// The target of a `delete` line: `{"keyframe"}`, `{"keyframe","detection"}` or `{"loop"}`.
 #[derive(Debug, Deserialize, PartialEq)]
 #[serde(try_from = "DeletedAsWritten")]
 pub(super) enum Deleted {

@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn who_waits_for_a_client_does_not_count() {
+    fn a_request_that_waits_for_its_client_does_not_count() {
         let pressure = Arc::new(LoadShedding::default());
         pressure.allow(1);
         let slow = pressure.admit(Kind::Write).unwrap();

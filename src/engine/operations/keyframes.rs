@@ -8,13 +8,13 @@ use crate::domain::ids::{KeyframeId, KeyframeSeq, MapId};
 use crate::domain::invalid::FieldError;
 use crate::domain::keyframe::NewKeyframe;
 use crate::domain::report::KeyframeReport;
-use crate::domain::request::Digest;
+use crate::domain::request::KeyframeDigest;
 use crate::engine::bow::check_vocabulary;
 use crate::engine::limits::quota::check_keyframe;
 use crate::engine::maps::live::{Decision, LiveMap, State};
 use crate::engine::maps::pinned::PinnedMap;
 use crate::engine::maps::write_path::{Begun, Manner};
-use crate::engine::{QueryAnswer, Service, ServiceError, Stored};
+use crate::engine::{QueryAnswer, SentDigest, Service, ServiceError, Stored};
 use crate::recognition::anchors::ingest::{ingest, unknown_covisible};
 use crate::recognition::map::culling::cull_keyframe;
 use crate::recognition::map::index::MapIndex;
@@ -31,7 +31,7 @@ pub struct PendingKeyframe {
     service: Service,
     live: Arc<LiveMap>,
     keyframe: Arc<NewKeyframe>,
-    digest: Digest,
+    digest: SentDigest,
     manner: Manner,
     begun: Begun<Put>,
 }
@@ -60,11 +60,11 @@ impl PendingKeyframe {
                 }
                 (Put::Exists(seq), _) => seq,
             };
-            if let Some(stored) = service.put_again(&live, &keyframe.id, seq, digest).await? {
+            if let Some(stored) = service.put_again(&live, &keyframe.id, seq, &digest).await? {
                 return Ok(stored);
             }
             // Culled since it was found: it is not there any more, so this request stores it.
-            begun = service.begin_put(&live, keyframe.clone(), digest, manner).await?;
+            begun = service.begin_put(&live, keyframe.clone(), digest.stored(), manner).await?;
         }
         let detail = format!("keyframe {} is deleted again and again", keyframe.id);
         Err(ServiceError::Unavailable { detail, retry_after_s: 1 })
@@ -77,7 +77,7 @@ impl Service {
         &self,
         map: &MapId,
         keyframe: NewKeyframe,
-        digest: Digest,
+        digest: SentDigest,
     ) -> Result<Stored<KeyframeReport>, ServiceError> {
         let live = self.live(map).await?;
         self.keyframe_begun(live, keyframe, digest, Manner::Prompt).await?.committed().await
@@ -89,7 +89,7 @@ impl Service {
         &self,
         map: &MapId,
         keyframe: NewKeyframe,
-        digest: Digest,
+        digest: SentDigest,
     ) -> Result<(Stored<KeyframeReport>, QueryAnswer), ServiceError> {
         let id = keyframe.id.clone();
         let live = self.live(map).await?;
@@ -110,7 +110,7 @@ impl Service {
         &self,
         map: &PinnedMap,
         keyframe: NewKeyframe,
-        digest: Digest,
+        digest: SentDigest,
     ) -> Result<PendingKeyframe, ServiceError> {
         let live = self.live_pinned(map).await?;
         self.keyframe_begun(live, keyframe, digest, Manner::Patient).await
@@ -120,11 +120,11 @@ impl Service {
         &self,
         live: Arc<LiveMap>,
         keyframe: NewKeyframe,
-        digest: Digest,
+        digest: SentDigest,
         manner: Manner,
     ) -> Result<PendingKeyframe, ServiceError> {
         let keyframe = Arc::new(self.compute_bow(keyframe).await?);
-        let begun = self.begin_put(&live, keyframe.clone(), digest, manner).await?;
+        let begun = self.begin_put(&live, keyframe.clone(), digest.stored(), manner).await?;
         Ok(PendingKeyframe { service: self.clone(), live, keyframe, digest, manner, begun })
     }
 
@@ -133,7 +133,7 @@ impl Service {
         &self,
         live: &Arc<LiveMap>,
         keyframe: Arc<NewKeyframe>,
-        digest: Digest,
+        digest: KeyframeDigest,
         manner: Manner,
     ) -> Result<Begun<Put>, ServiceError> {
         let (quotas, service, of_map) = (self.quotas, self.clone(), live.clone());
@@ -166,10 +166,10 @@ impl Service {
         live: &Arc<LiveMap>,
         id: &KeyframeId,
         seq: KeyframeSeq,
-        digest: Digest,
+        digest: &SentDigest,
     ) -> Result<Option<Stored<KeyframeReport>>, ServiceError> {
         let Some(row) = self.store.keyframe(live.key, seq).await? else { return Ok(None) };
-        if row.digest != digest {
+        if !digest.is(row.digest) {
             return Err(ServiceError::Conflict {
                 code: "keyframe_exists",
                 detail: format!(

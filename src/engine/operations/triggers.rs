@@ -55,24 +55,17 @@ mod tests {
 
     /// Returns a keyframe before door 901 that shares no word with another one.
     fn before_the_door(name: &str, word: u32) -> NewKeyframe {
-        let pose = Pose::new([0.0; 3], [0.0, 0.0, 0.0, 1.0]).unwrap();
         let plate = Detection {
-            class: "door_number".to_owned(),
-            confidence: 0.9,
-            box_px: [1.0, 2.0, 30.0, 40.0],
-            map_points: Vec::new(),
             position_in_session: Some(Point3::new(0.0, 0.0, 2.0)),
-            range_assumed: false,
             text: Some("901".to_owned()),
-            description: None,
-            crop: None,
+            ..Detection::of("door_number", 0.9, [1.0, 2.0, 30.0, 40.0])
         };
+        let stamp = Stamp { sec: i64::from(word), nanosec: 0 };
         NewKeyframe {
-            session: "robot".parse().unwrap(),
             bow: BowVector::normalised(vec![(word, 1.0)]).unwrap(),
             vocabulary: Some(CLIENTS_VOCABULARY.into()),
             detections: vec![plate],
-            ..NewKeyframe::at(name.parse().unwrap(), Stamp { sec: i64::from(word), nanosec: 0 }, pose)
+            ..NewKeyframe::at(name.parse().unwrap(), stamp, Pose::identity())
         }
     }
 
@@ -95,8 +88,8 @@ mod tests {
         let map: MapId = "hotel".parse().unwrap();
         let properties = MapProperties { metric: true, ..MapProperties::default() };
         service.put_map(map.clone(), properties, None).await.unwrap();
-        service.put_keyframe(&map, before_the_door("kf-1", 1), [1; 32]).await.unwrap();
-        service.put_keyframe(&map, before_the_door("kf-9", 2), [9; 32]).await.unwrap();
+        service.put_keyframe(&map, before_the_door("kf-1", 1), [1; 32].into()).await.unwrap();
+        service.put_keyframe(&map, before_the_door("kf-9", 2), [9; 32].into()).await.unwrap();
         let pinned = service.pin_map(&map).await.unwrap();
         let found = tokio::time::timeout(Duration::from_mins(1), loop_found(&service, &pinned));
         let found = found.await.expect("an announcement");

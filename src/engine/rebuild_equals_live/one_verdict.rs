@@ -10,42 +10,19 @@ use crate::domain::roles::Roles;
 use crate::domain::verdict::{ReasonCode, Verify};
 use crate::engine::service::Parts;
 use crate::llm::Models;
-use crate::llm::port::{Fault, Model, Question, Reply};
-use futures_util::future::BoxFuture;
+use crate::llm::port::Model;
+use crate::llm::silent::Silent;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-/// A model that fills a role and answers nothing.
-#[derive(Debug)]
-struct Mute {
-    sees: bool,
-}
-
-impl Model for Mute {
-    fn name(&self) -> &'static str {
-        "mute"
-    }
-
-    fn identity(&self) -> String {
-        "mute".to_owned()
-    }
-
-    fn can(&self, question: &Question) -> bool {
-        question.needs_eyes() == self.sees
-    }
-
-    fn answer<'a>(&'a self, _: &'a Question) -> BoxFuture<'a, Result<Reply, Fault>> {
-        Box::pin(std::future::ready(Err(Fault::Unable)))
-    }
-}
 
 /// Returns the service as it would answer with models in these roles. No worker runs, so that the map stays as it is.
 async fn with_roles(service: &Service, roles: Roles) -> Service {
     if roles.is_none() {
         return service.clone();
     }
-    let mute = |sees: bool, wanted: bool| wanted.then(|| Arc::new(Mute { sees }) as Arc<dyn Model>);
-    let models = [mute(false, roles.text), mute(true, roles.vision)];
+    let silent = |sees: bool, wanted: bool| wanted.then(|| Arc::new(Silent { sees }) as Arc<dyn Model>);
+    let models = [silent(false, roles.text), silent(true, roles.vision)];
     let models = Models::with(models, None, &ModelArgs::of(&[""; 0]).unwrap(), &service.store).await.unwrap();
     assert_eq!(models.roles(), roles);
     Service(Arc::new(Parts { models: Some(Arc::new(models)), ..Parts::clone(service) }))

@@ -185,18 +185,17 @@ pub(super) fn detection(seen: &Seen) -> Detection {
     let mut map_points = seen.points.clone();
     map_points.sort_unstable();
     map_points.dedup();
+    let confidence = f64::from(seen.confidence);
+    let box_px = [1.0, 2.0, 30.0, 40.0 + confidence];
     Detection {
-        class: CLASSES[usize::from(seen.class)].to_owned(),
-        confidence: f64::from(seen.confidence) / 10.0,
-        box_px: [1.0, 2.0, 30.0, 40.0 + f64::from(seen.confidence)],
         map_points,
         position_in_session: seen
             .position
             .map(|(x, z)| Point3::new(f64::from(x) * 0.4, 0.1, f64::from(z) * 0.7)),
         range_assumed: seen.crop,
         text: seen.text.map(|text| TEXTS[usize::from(text)].to_owned()),
-        description: None,
         crop: seen.crop.then(|| Crop { media_type: "image/png", bytes: png(seen.confidence) }),
+        ..Detection::of(CLASSES[usize::from(seen.class)], confidence / 10.0, box_px)
     }
 }
 
@@ -208,15 +207,9 @@ pub(super) fn png(last: u8) -> Vec<u8> {
 /// Returns a numbered plate, far from all that is there.
 pub(super) fn plate(number: u8) -> Detection {
     Detection {
-        class: CLASSES[1].to_owned(),
-        confidence: 0.9,
-        box_px: [1.0, 2.0, 30.0, 40.0],
-        map_points: Vec::new(),
         position_in_session: Some(Point3::new(100.0 + 10.0 * f64::from(number), 0.0, 0.0)),
-        range_assumed: false,
         text: Some(format!("7.{number:02}")),
-        description: None,
-        crop: None,
+        ..Detection::of(CLASSES[1], 0.9, [1.0, 2.0, 30.0, 40.0])
     }
 }
 

@@ -159,12 +159,17 @@ mod tests {
     use super::super::world::WorldPlan;
     use super::*;
 
-    #[test]
-    fn new_plates_have_numbers_and_digits_that_the_floor_did_not_have() {
+    fn renumbered_floor() -> (World, Vec<Era>) {
         let patterns = Patterns::new();
         let plan = WorldPlan { layout: Layout::SE1, floor: 9, signs: SignPlan::default(), seed: 901 };
         let world = World::new(&plan, &patterns);
         let eras = eras(&world, &[3, 11], &patterns, &mut SeededRng::new(1, "renumbering"));
+        (world, eras)
+    }
+
+    #[test]
+    fn new_plates_have_numbers_and_digits_that_the_floor_did_not_have() {
+        let (world, eras) = renumbered_floor();
         let [few, side] = [0, 1].map(|era| &eras[era].world);
         assert_eq!([eras[0].from_round, eras[1].from_round], [1, 4]);
         let plates = |world: &World| -> Vec<String> {
@@ -191,10 +196,7 @@ mod tests {
 
     #[test]
     fn signs_are_counted_by_what_hangs_there_in_the_end() {
-        let patterns = Patterns::new();
-        let plan = WorldPlan { layout: Layout::SE1, floor: 9, signs: SignPlan::default(), seed: 901 };
-        let world = World::new(&plan, &patterns);
-        let eras = eras(&world, &[3, 11], &patterns, &mut SeededRng::new(1, "renumbering"));
+        let (world, eras) = renumbered_floor();
         let last = &eras[1].world;
         let gone = world.numbers.iter().find(|number| !last.numbers.contains(number)).unwrap().as_str();
         let hangs = last.numbers[0].as_str();

@@ -4,14 +4,14 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
 use crate::api::geometry::Similarity;
-use crate::api::keyframe::{CameraShape, DetectionShape, FeaturesShape, KeyframeBody, PointsShape};
+use crate::api::keyframe::{DetectionShape, FeaturesShape, KeyframeBody, PointsShape};
 use crate::api::map::MapBody;
 use crate::api::poses::{PoseList, PosesBody};
 use crate::api::space::{Time, Transform};
 use crate::geometry::{Point3, Pose, Sim3};
 use crate::hotel::building::texture::{DESCRIPTOR_BITS, bytes};
 use crate::hotel::method::Method;
-use crate::hotel::sensing::camera::{FOCAL_LENGTH_PX, IMAGE_PX};
+use crate::hotel::sensing::camera::CAMERA;
 use crate::hotel::sequence::Step;
 
 /// Interval of the keyframes' stamps, in nanoseconds.
@@ -54,14 +54,7 @@ pub fn keyframe(
         session: Some(session.to_owned()),
         stamp: Time { sec: (stamp_ns / 1_000_000_000) as i64, nanosec: (stamp_ns % 1_000_000_000) as u32 },
         pose: map_from_camera.without_scale().into(),
-        camera: Some(CameraShape {
-            fx: FOCAL_LENGTH_PX,
-            fy: FOCAL_LENGTH_PX,
-            cx: IMAGE_PX[0] / 2.0,
-            cy: IMAGE_PX[1] / 2.0,
-            width: IMAGE_PX[0] as u32,
-            height: IMAGE_PX[1] as u32,
-        }),
+        camera: Some(CAMERA.into()),
         bow: None,
         features: Some(FeaturesShape {
             descriptor_bytes: (DESCRIPTOR_BITS / 8) as u32,
@@ -71,6 +64,7 @@ pub fn keyframe(
         }),
         map_points: Some(points(&placed)),
         observes: None,
+        observes_i64: None,
         covisible: None,
         detections: Some(detections),
     }

@@ -26,25 +26,23 @@ pub fn table_2(results: &[SequenceResult]) -> String {
         }
         for arm in Method::OF_SEQUENCES {
             let counts = pooled(of_dataset.iter().map(|result| result.arms.as_slice()), arm);
-            let [query, visit] = [Accuracy::of(&counts[0]), Accuracy::of(&counts[1])];
             let printed = match arm {
                 Method::Ours | Method::OursMonocular => String::from("      -       -"),
                 Method::Paper => String::from("  100.0   100.0"),
                 Method::BagOfWords => format!("{:>7.1}   100.0  (ORB-SLAM3)", 100.0 * orb_slam3),
             };
-            let _ = writeln!(
-                text,
-                "{dataset}  {:14}  {}  {}  {}  {}  {printed}",
-                arm.title(),
-                interval(&query.precision),
-                interval(&query.recall),
-                interval(&visit.precision),
-                interval(&visit.recall),
-            );
+            let _ = writeln!(text, "{dataset}  {}  {printed}", accuracies(arm, &counts));
         }
     }
     text.push_str("\nin %, in brackets Wilson's interval at 95 %\n");
     text
+}
+
+/// Returns a method's columns of a table: its name, then precision and recall by query and by visit.
+fn accuracies(arm: Method, counts: &[Counts; 2]) -> String {
+    let [query, visit] = counts.each_ref().map(Accuracy::of);
+    let shares = [query.precision, query.recall, visit.precision, visit.recall];
+    format!("{:14}  {}", arm.title(), shares.each_ref().map(interval).join("  "))
 }
 
 /// Returns the caveats of Table II.
@@ -134,21 +132,12 @@ pub fn noise_table(results: &[WorldResult], arms: &[Method]) -> String {
         "                                                      by query                                by visit (the paper's unit)\n\
          noise                                 arm             precision           recall              precision           recall\n",
     );
-    let mut row = |name: &str, arm: Method, [query, visit]: [Counts; 2]| {
-        if query == Counts::default() {
+    let mut row = |name: &str, arm: Method, counts: [Counts; 2]| {
+        if counts[0] == Counts::default() {
             // The arm ran in none of them.
             return;
         }
-        let [query, visit] = [Accuracy::of(&query), Accuracy::of(&visit)];
-        let _ = writeln!(
-            text,
-            "{name:37} {:14}  {}  {}  {}  {}",
-            arm.title(),
-            interval(&query.precision),
-            interval(&query.recall),
-            interval(&visit.precision),
-            interval(&visit.recall),
-        );
+        let _ = writeln!(text, "{name:37} {}", accuracies(arm, &counts));
     };
     for kind in NoiseKind::ALL {
         let of_kind: Vec<&WorldResult> = results.iter().filter(|result| result.noise == kind).collect();

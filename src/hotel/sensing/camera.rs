@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_projected_comes_back() {
+    fn a_projected_point_comes_back() {
         let point = Point3::new(0.4, -0.2, 2.5);
         let pixel = project(&point).expect("in the image");
         assert!((unproject(pixel, point.z) - point).norm() < 1e-12);

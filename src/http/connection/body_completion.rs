@@ -2,11 +2,12 @@
 
 use std::pin::Pin;
 use std::sync::Arc;
-use std::task::{Context, Poll};
+use std::task::Context;
 
 use axum::body::{Body, Bytes, HttpBody};
-use hyper::body::{Frame, SizeHint};
+use hyper::body::SizeHint;
 
+use super::PolledFrame;
 use super::connection_limit::ConnectionSlot;
 
 /// The body of a response; when it is dropped, its connection waits for the next request.
@@ -32,10 +33,7 @@ impl HttpBody for CompletionBody {
     type Data = Bytes;
     type Error = axum::Error;
 
-    fn poll_frame(
-        mut self: Pin<&mut Self>,
-        cx: &mut Context<'_>,
-    ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+    fn poll_frame(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> PolledFrame<axum::Error> {
         Pin::new(&mut self.body).poll_frame(cx)
     }
 

@@ -12,6 +12,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
 use hyper::body::{Frame, SizeHint};
 
+use super::PolledFrame;
 use super::answer_memory::Share;
 use super::connection_limit::ConnectionSlot;
 use crate::http::App;
@@ -50,10 +51,7 @@ impl HttpBody for Pieces {
     type Data = Bytes;
     type Error = axum::Error;
 
-    fn poll_frame(
-        mut self: Pin<&mut Self>,
-        cx: &mut Context<'_>,
-    ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+    fn poll_frame(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> PolledFrame<axum::Error> {
         // The next piece is requested once the previous one has been sent.
         self.share.taken();
         if self.rest.is_empty() {

@@ -192,7 +192,7 @@ mod tests {
     use super::*;
 
     #[tokio::test]
-    async fn who_has_waited_longest_gives_way_and_who_works_never_does() {
+    async fn evicts_the_longest_idle_connection_and_never_a_busy_one() {
         let slots = ConnectionSlots::new(2);
         let (first, second) = (slots.acquire(None).await.unwrap(), slots.acquire(None).await.unwrap());
         first.works();

@@ -13,9 +13,10 @@ use std::time::Duration;
 
 use axum::BoxError;
 use axum::body::{Body, Bytes, HttpBody};
-use hyper::body::{Frame, SizeHint};
+use hyper::body::SizeHint;
 use tokio::time::{Instant, Sleep, sleep_until};
 
+use super::PolledFrame;
 use crate::config::limits::LimitArgs;
 use crate::engine::limits::load_shedding::RequestPermit;
 
@@ -99,10 +100,7 @@ impl HttpBody for MinRateBody {
     type Data = Bytes;
     type Error = BoxError;
 
-    fn poll_frame(
-        mut self: Pin<&mut Self>,
-        cx: &mut Context<'_>,
-    ) -> Poll<Option<Result<Frame<Bytes>, BoxError>>> {
+    fn poll_frame(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> PolledFrame<BoxError> {
         match Pin::new(&mut self.body).poll_frame(cx) {
             Poll::Pending => match self.wait(cx) {
                 Poll::Pending => Poll::Pending,
@@ -135,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_sent_buys_time_and_no_pause_is_longer_than_the_longest() {
+    fn sent_bytes_buy_time_and_no_pause_is_longer_than_the_longest() {
         let secs = Duration::from_secs;
         let pace = MinRate { grace: secs(5), stall: secs(30), rate: 1024.0 };
         assert_eq!(pace.patience(secs(0), 0), secs(5));

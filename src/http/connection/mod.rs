@@ -1,5 +1,10 @@
 //! Connections: accepting, limiting, timing out and rejecting them.
 
+use std::task::Poll;
+
+use axum::body::Bytes;
+use hyper::body::Frame;
+
 pub mod answer_memory;
 pub mod body_completion;
 pub mod bound_answers;
@@ -11,3 +16,6 @@ pub mod reject_connection;
 pub mod server;
 pub mod sockets;
 pub mod unread;
+
+/// The result of polling a body.
+type PolledFrame<E> = Poll<Option<Result<Frame<Bytes>, E>>>;

@@ -13,7 +13,9 @@ use axum::body::{Body, Bytes, HttpBody};
 use axum::http::header::{CONNECTION, EXPECT};
 use axum::http::{HeaderValue, Request, Response, StatusCode};
 use http_body_util::BodyExt as _;
-use hyper::body::{Frame, SizeHint};
+use hyper::body::SizeHint;
+
+use super::PolledFrame;
 
 /// Maximum bytes of a body read after its request was answered; if more follow, the connection is closed.
 const READ_BYTES: u64 = 64 << 10;
@@ -115,10 +117,7 @@ impl HttpBody for Lent {
     type Data = Bytes;
     type Error = axum::Error;
 
-    fn poll_frame(
-        mut self: Pin<&mut Self>,
-        cx: &mut Context<'_>,
-    ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+    fn poll_frame(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> PolledFrame<axum::Error> {
         self.begun = true;
         let polled = Pin::new(&mut self.body).poll_frame(cx);
         match &polled {

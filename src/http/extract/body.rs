@@ -6,29 +6,29 @@ use axum::http::HeaderMap;
 use axum::http::header::{CONTENT_TYPE, EXPECT};
 use bytes::Bytes;
 use http_body_util::BodyExt as _;
-use serde_json::Value;
 
 use super::arriving_body::{Arriving, announced};
 use super::body_errors::{broken, too_dense, too_large, too_many, unreadable};
 use super::decompression::Encoding;
 use super::path::{KeyframePath, MapPath};
-use crate::api::decoding::json_footprint::{TooMany, survey};
+use crate::api::decoding::digest;
+use crate::api::decoding::document::Document;
 use crate::api::decoding::read::{self, Decode};
 use crate::api::decoding::syntax::{self, Unreadable};
 use crate::api::keyframe::{self, Faulty, SentKeyframe};
 use crate::api::limits;
 use crate::config::logging::in_span;
 use crate::domain::ids::MapId;
-use crate::domain::request::LoopQuery;
+use crate::domain::keyframe::NewKeyframe;
+use crate::domain::request::{Digest, LoopQuery};
+use crate::engine::SentDigest;
 use crate::http::App;
-use crate::http::guards::body_memory::{BodyMemory, HeldMemory, becomes_at_most, tree_bytes};
+use crate::http::guards::body_memory::{BodyMemory, HeldMemory, becomes_at_most, decoded_bytes};
 use crate::http::problem::{Kind, Problem};
 
-/// Bodies up to this size are decoded in place, where a thread would cost more. Larger ones would delay other requests
-/// there, above all those that are only to be rejected.
-const SMALL_BODY_BYTES: usize = 8 << 10;
-/// Bodies up to this size are read without first estimating their size in memory.
-const UNSURVEYED_BYTES: usize = 64 << 10;
+/// Bodies up to this size are decoded in place, in less than a millisecond, where a thread would cost more. Larger ones would
+/// delay other requests there, above all those that are only to be rejected, and they count their memory.
+const SMALL_BODY_BYTES: usize = 96 << 10;
 
 /// A JSON body, decoded into the model.
 pub struct Body<T>(pub T);
@@ -42,7 +42,8 @@ where
     async fn from_request(request: Request, state: &S) -> Result<Self, Problem> {
         let app = App::from_ref(state);
         let text = json_text(request, &app).await?;
-        decoded(text, &app, |value| read::decode(&value).map_err(Problem::invalid)).await.map(Self)
+        let (decoded, _) = decoded(text, &app, |document| read::decode(document)).await?;
+        decoded.map(Self).map_err(Problem::invalid)
     }
 }
 
@@ -51,7 +52,9 @@ pub struct KeyframeInPath {
     /// The path.
     pub place: KeyframePath,
     /// The keyframe.
-    pub sent: SentKeyframe,
+    pub keyframe: NewKeyframe,
+    /// What tells a retry from another keyframe.
+    pub digest: SentDigest,
 }
 
 impl<S: Send + Sync> FromRequest<S> for KeyframeInPath
@@ -65,10 +68,15 @@ where
         let app = App::from_ref(state);
         let text = json_text(request, &app).await?;
         let id = place.keyframe.clone();
-        let read = move |value| Ok(keyframe::named(&value, &id).map_err(|faults| Faulty::of(faults, &value)));
+        let read = move |document: &Document<'_>| {
+            let body = document.root();
+            keyframe::named(body, &id).map_err(|faults| Faulty::of(faults, Some(body)))
+        };
         match decoded(text, &app, read).await? {
-            Ok(sent) => Ok(Self { place, sent }),
-            Err(faulty) => Err(all_faults(&app, &place.map, "", faulty).await),
+            (Ok(SentKeyframe { keyframe, digest }), text) => {
+                Ok(Self { place, keyframe, digest: text.digest(digest, None) })
+            }
+            (Err(faulty), _) => Err(all_faults(&app, &place.map, "", faulty).await),
         }
     }
 }
@@ -91,9 +99,10 @@ where
         let MapPath(map) = request.extract_parts().await?;
         let app = App::from_ref(state);
         let text = json_text(request, &app).await?;
-        let read =
-            |value: Value| Ok(read::decode(&value).map_err(|faults| Faulty::of(faults, &value["inline"])));
-        match decoded(text, &app, read).await? {
+        let read = |document: &Document<'_>| {
+            read::decode(document).map_err(|faults| Faulty::of(faults, document.root().get("inline")))
+        };
+        match decoded(text, &app, read).await?.0 {
             Ok(query) => Ok(Self { map, query }),
             Err(faulty) => Err(all_faults(&app, &map, "/inline", faulty).await),
         }
@@ -135,21 +144,36 @@ impl Text {
         self.encoding == Encoding::Identity && self.bytes.len() <= bytes
     }
 
-    /// Inflates and parses it, unless that exceeds the memory.
-    fn value(&mut self, memory: &BodyMemory) -> Result<Value, Problem> {
-        if self.is_at_most(UNSURVEYED_BYTES) && self.becomes_at_most.is_none() {
-            return parsed(&self.bytes);
-        }
+    /// Inflates and decodes it, unless that exceeds the memory.
+    fn decode<T>(
+        &mut self,
+        memory: &BodyMemory,
+        read: impl FnOnce(&Document<'_>) -> T,
+    ) -> Result<T, Problem> {
         if self.encoding != Encoding::Identity {
             self.inflate(memory)?;
         }
-        let survey = survey(&self.bytes).map_err(too_many)?;
-        let becomes = tree_bytes(survey);
-        if self.becomes_at_most.is_some_and(|most| self.bytes.len() + becomes > most) {
-            return Err(too_dense());
+        let mut held = HeldMemory::default();
+        memory.take(&mut held, decoded_bytes(&self.bytes))?;
+        self.read(read)
+    }
+
+    /// Decodes it.
+    fn read<T>(&self, read: impl FnOnce(&Document<'_>) -> T) -> Result<T, Problem> {
+        if self.becomes_at_most.is_some_and(|most| decoded_bytes(&self.bytes) > most) {
+            // What is no JSON is told so: how much of it there is does not matter.
+            return syntax::check(&self.bytes).map_err(of_syntax).and(Err(too_dense()));
         }
-        memory.take(&mut self.held, becomes)?;
-        parsed(&self.bytes)
+        parsed(&self.bytes).map(|document| read(&document))
+    }
+
+    /// Returns the digest of a keyframe of these facts that came as this text, in which one member may stand for its name
+    /// alone. It keeps the text.
+    pub fn digest(self, of_facts: Digest, named_by: Option<&'static str>) -> SentDigest {
+        SentDigest::new(of_facts, move || {
+            let document = syntax::parse(&self.bytes).ok()?;
+            Some(digest::of(document.root(), named_by))
+        })
     }
 
     fn inflate(&mut self, memory: &BodyMemory) -> Result<(), Problem> {
@@ -160,25 +184,26 @@ impl Text {
             length.ok_or_else(|| if most < limits::BODY_BYTES { too_dense() } else { too_large() })?;
         memory.take(&mut self.held, length)?;
         self.bytes = self.encoding.text(&self.bytes, length).map_err(broken)?.into();
+        self.encoding = Encoding::Identity;
         self.becomes_at_most = Some(most);
         Ok(())
     }
 }
 
-/// Parses a text and decodes its value, long ones on a blocking thread.
+/// Parses a text and reads its document, long ones on a blocking thread. Returns the text, too, inflated.
 pub async fn decoded<T: Send + 'static>(
     mut text: Text,
     app: &App,
-    read: impl FnOnce(Value) -> Result<T, Problem> + Send + 'static,
-) -> Result<T, Problem> {
+    read: impl FnOnce(&Document<'_>) -> T + Send + 'static,
+) -> Result<(T, Text), Problem> {
     if text.is_at_most(SMALL_BODY_BYTES) {
-        return parsed(&text.bytes).and_then(read);
+        return Ok((text.read(read)?, text));
     }
     let memory = app.memory.clone();
     let turn = memory.turn().await;
     let decode = move || {
         let _turn = turn;
-        text.value(&memory).and_then(read)
+        text.decode(&memory, read).map(|read| (read, text))
     };
     let decoded = tokio::task::spawn_blocking(in_span(decode)).await;
     let decoded = decoded.unwrap_or_else(|error| Err(Problem::internal(error.to_string())));
@@ -192,11 +217,15 @@ fn count(app: &App, problem: &Problem) {
     }
 }
 
-fn parsed(bytes: &[u8]) -> Result<Value, Problem> {
-    syntax::parse(bytes).map_err(|error| match error {
+fn parsed(bytes: &[u8]) -> Result<Document<'_>, Problem> {
+    syntax::parse(bytes).map_err(of_syntax)
+}
+
+fn of_syntax(error: Unreadable) -> Problem {
+    match error {
         Unreadable::Syntax(fault) => Problem::new(Kind::SYNTAX, fault.detail.clone()).with(vec![fault]),
-        Unreadable::TooManyValues => too_many(TooMany::Values),
-    })
+        Unreadable::TooMany(what) => too_many(what),
+    }
 }
 
 /// Rejects a body of any other type; a body without a type is accepted.

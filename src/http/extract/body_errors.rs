@@ -5,7 +5,7 @@ use std::io;
 
 use http_body_util::LengthLimitError;
 
-use crate::api::decoding::json_footprint::TooMany;
+use crate::api::decoding::syntax::TooMany;
 use crate::api::limits;
 use crate::http::connection::min_rate_body::TooSlow;
 use crate::http::problem::{Kind, Problem};

@@ -5,6 +5,7 @@ use axum::http::request::Parts;
 use serde_json::Value;
 use utoipa::IntoParams;
 
+use crate::api::decoding::document::Document;
 use crate::api::decoding::read::{self, Decode, Node, Object};
 use crate::api::limits;
 use crate::domain::anchor::AnchorState;
@@ -29,7 +30,7 @@ impl<T: Decode, S: Send + Sync> FromRequestParts<S> for Query<T> {
         // Decoded as an object of strings, so that bodies and parameters share one error reporter.
         let object =
             Value::Object(pairs.into_iter().map(|(name, text)| (name, Value::String(text))).collect());
-        read::decode(&object).map(Self).map_err(|mut faults| {
+        read::decode(&Document::from(&object)).map(Self).map_err(|mut faults| {
             for fault in &mut faults {
                 fault.pointer.replace_range(..fault.pointer.len().min(1), "?");
             }

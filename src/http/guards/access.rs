@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn what_the_document_does_not_have_is_refused_and_a_document_that_is_empty_has_nothing() {
+    async fn rejects_routes_that_the_document_lacks_and_every_route_of_an_empty_one() {
         let documented = || json!({"paths": {"/v1/maps": {"get": {"security": [{"key": ["read"]}]}}}});
         let silent = || json!({"paths": {"/v1/maps": {"get": {}, "delete": {"security": []}}}});
         let cases = [

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
-use crate::api::decoding::json_footprint::JsonFootprint;
+use crate::api::decoding::syntax::tokens_at_most;
 use crate::api::limits;
 use crate::http::problem::Problem;
 
@@ -59,11 +59,9 @@ pub fn becomes_at_most(compressed: usize) -> usize {
     limits::INFLATED_FREE_BYTES.saturating_add(compressed.saturating_mul(limits::INFLATED_FOLD))
 }
 
-/// Returns the memory of a decoded body beside its text, in bytes.
-pub fn tree_bytes(survey: JsonFootprint) -> usize {
-    /// A value, and the spare capacity of its list.
-    const VALUE: usize = 96;
-    /// A member's name and its place in the object.
-    const MEMBER: usize = 96;
-    VALUE * survey.values + MEMBER * survey.members + survey.text_bytes
+/// Returns the memory of a body beside its text, in bytes, as a document and decoded.
+pub fn decoded_bytes(text: &[u8]) -> usize {
+    /// A value of the document, and what it is decoded into with the spare capacity of its list.
+    const VALUE: usize = 64;
+    VALUE * tokens_at_most(text) + text.len()
 }

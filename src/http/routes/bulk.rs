@@ -9,11 +9,12 @@ use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
 use futures_util::FutureExt;
 use futures_util::future::BoxFuture;
-use serde_json::Value;
 
 use super::lines::{Line, Lines};
 use crate::api::bulk::{self, BulkItem, BulkLine};
+use crate::api::decoding::document::Document;
 use crate::api::examples;
+use crate::api::keyframe::SentKeyframe;
 use crate::api::limits;
 use crate::domain::report::KeyframeReport;
 use crate::engine::keys::access::Access;
@@ -269,13 +270,13 @@ async fn begin(
     map: &PinnedMap,
     text: Text,
 ) -> Result<(Option<String>, PendingKeyframe), (Option<String>, Problem)> {
-    let read = |line: Value| Ok((bulk::line_id(&line), bulk::decode(line)));
-    let (id, sent) = decoded(text, app, read).await.map_err(|problem| (None, problem))?;
-    let sent = match sent {
+    let read = |line: &Document<'_>| (bulk::line_id(line.root()), bulk::decode(line.root()));
+    let ((id, sent), text) = decoded(text, app, read).await.map_err(|problem| (None, problem))?;
+    let SentKeyframe { keyframe, digest } = match sent {
         Ok(sent) => sent,
         Err(faulty) => return Err((id, all_faults(app, map.id(), "", faulty).await)),
     };
-    match app.service.begin_keyframe(map, sent.keyframe, sent.digest).await {
+    match app.service.begin_keyframe(map, keyframe, text.digest(digest, Some("id"))).await {
         Ok(keyframe) => Ok((id, keyframe)),
         Err(error) => Err((id, error.into())),
     }

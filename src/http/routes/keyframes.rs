@@ -40,7 +40,7 @@ pub async fn put_keyframe(
     State(app): State<App>,
     caller: Caller,
     Query(also): Query<KeyframeParams>,
-    KeyframeInPath { place: KeyframePath { map, .. }, sent }: KeyframeInPath,
+    KeyframeInPath { place: KeyframePath { map, .. }, keyframe, digest }: KeyframeInPath,
 ) -> Result<Response, Problem> {
     let asked = also.query.is_some();
     if asked {
@@ -48,10 +48,10 @@ pub async fn put_keyframe(
     }
     let service = &app.service;
     if !asked {
-        let stored = service.put_keyframe(&map, sent.keyframe, sent.digest).await?;
+        let stored = service.put_keyframe(&map, keyframe, digest).await?;
         return Ok(written(stored.created, KeyframeAnswer::from(stored.value)));
     }
-    let (stored, answer) = service.put_keyframe_and_query(&map, sent.keyframe, sent.digest).await?;
+    let (stored, answer) = service.put_keyframe_and_query(&map, keyframe, digest).await?;
     let view = LoopAnswer::of(&answer.id, answer.keyframe.as_ref(), &answer.verdict, also.detail);
     Ok(written(stored.created, KeyframeAnswer { loop_answer: Some(view), ..stored.value.into() }))
 }

@@ -6,7 +6,7 @@ use futures_util::future::BoxFuture;
 use serde_json::{Map, Value, json};
 
 use super::wire::Endpoint;
-use crate::config::models::{ImageForm, ResponseFormat, SystemRole, TokenParameter};
+use crate::config::models::{ImageForm, ModelArgs, ResponseFormat, SystemRole, TokenParameter};
 use crate::llm::picture::Picture;
 use crate::llm::port::{Fault, Model, Question, Reply};
 use crate::llm::prompts::{Prompt, prompt};
@@ -22,12 +22,26 @@ pub struct Dialect {
     pub temperature: Option<f64>,
     /// The seed, if the model accepts one.
     pub seed: Option<i64>,
-    /// How JSON output is requested.
+    /// Form in which JSON output is requested.
     pub response_format: ResponseFormat,
-    /// Where the instructions are placed.
+    /// Place of the instructions.
     pub system_role: SystemRole,
-    /// How an image is encoded.
+    /// Encoding of an image.
     pub image_form: ImageForm,
+}
+
+impl From<&ModelArgs> for Dialect {
+    fn from(args: &ModelArgs) -> Self {
+        Self {
+            token_parameter: args.model_token_parameter,
+            max_tokens: args.model_max_tokens,
+            temperature: args.model_temperature.0,
+            seed: args.model_seed,
+            response_format: args.model_response_format,
+            system_role: args.model_system_role,
+            image_form: args.model_image_form,
+        }
+    }
 }
 
 /// A model behind chat completions.

@@ -16,6 +16,7 @@ use crate::store::StoreError;
 use crate::store::rows::bulk_insert::{Row, write_rows};
 use crate::store::rows::keyframe_rows::{self, Arrived, Detected};
 use crate::store::rows::map_rows;
+use crate::store::rows::point_blocks;
 use crate::store::rows::statement::run;
 use crate::store::slices::deferred;
 
@@ -139,8 +140,8 @@ impl<'j> Additions<'j> {
         .await?;
         keyframe_rows::add_detections(db, &gathered.detections).await?;
         for of_map in gathered.points.chunk_by(|a, b| a.0 == b.0) {
-            let points: Vec<_> = of_map.iter().map(|(_, session, id, at)| (*session, *id, *at)).collect();
-            keyframe_rows::set_points(db, of_map[0].0, &points).await?;
+            let points = of_map.iter().map(|(_, session, id, at)| (*session, *id, Some(*at)));
+            point_blocks::change(db, of_map[0].0, points).await?;
         }
         let touched: Vec<_> = gathered.touched.into_iter().collect();
         let set = "update anchors set version = column3 from (";

@@ -10,7 +10,7 @@ use crate::domain::judgement::Judgement;
 use crate::domain::key::{Key, KeySeq, SecretHash};
 use crate::domain::keyframe::NewKeyframe;
 use crate::domain::map::{Learned, MapFigures, MapProperties};
-use crate::domain::request::Digest;
+use crate::domain::request::{Digest, KeyframeDigest};
 use crate::store::slices::parts::Part;
 
 /// A map's key in the database.
@@ -50,8 +50,8 @@ pub struct Batch {
 pub struct NewKeyframeRows {
     /// The keyframe as sent.
     pub keyframe: Arc<NewKeyframe>,
-    /// The digest of the body it was sent in.
-    pub digest: Digest,
+    /// What tells a retry of it from another keyframe.
+    pub digest: KeyframeDigest,
 }
 
 /// A key to be stored. Its number is the caller's guess of the next one; if another process took it meanwhile, the job fails.

@@ -7,12 +7,12 @@ use super::job::{Batch, Job, MapKey};
 use crate::domain::change::{Change, Loop, Merge, MergeCause};
 use crate::store::StoreError;
 use crate::store::rows::blob::pack;
-use crate::store::rows::keyframe_rows::{detections, forget_points, pose_blob};
+use crate::store::rows::keyframe_rows::{detections, pose_blob};
 use crate::store::rows::operation_rows::Operation;
 use crate::store::rows::statement::run;
 use crate::store::rows::{
     changed_sign_rows, former_value_rows, judgement_rows, key_rows, map_rows, model_rows, operation_rows,
-    twin_rows,
+    point_blocks, twin_rows,
 };
 use crate::store::slices::{deferred, deletion};
 
@@ -129,7 +129,9 @@ async fn apply(
             let update = "update keyframes set pose = $3 where map_key = $1 and keyframe = $2";
             run(db, sqlx::query(update).bind(map).bind(seq.0).bind(pose_blob(pose))).await
         }
-        Change::PointsForgotten(session, ids) => forget_points(db, map, *session, ids).await,
+        Change::PointsForgotten(session, ids) => {
+            point_blocks::change(db, map, ids.iter().map(|id| (*session, *id, None))).await
+        }
         Change::AnchorRemoved(seq) => {
             let orphan =
                 "update detections set anchor = null, outcome = 'anchor_deleted', deleted_anchor = $2,

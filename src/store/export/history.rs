@@ -18,6 +18,7 @@ use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
 use crate::geometry::{Point3, Pose};
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
+use crate::store::rows::point_blocks;
 use crate::store::rows::{decode, former_value_rows};
 use crate::store::slices::deferred;
 use crate::store::slices::parts::Kind;
@@ -253,14 +254,7 @@ async fn point_rows(
     session: SessionSeq,
     ids: &[PointId],
 ) -> Result<HashMap<PointId, Point3>, StoreError> {
-    if ids.is_empty() {
-        return Ok(HashMap::new());
-    }
-    let select = "select point, x, y, z from map_points
-        where map_key = $1 and session = $2 and point in (select value from json_each($3))";
-    let query = sqlx::query_as(select).bind(map).bind(session.0).bind(list(ids.iter().copied()));
-    let rows: Vec<(PointId, f64, f64, f64)> = query.fetch_all(db).await?;
-    Ok(rows.into_iter().map(|(id, x, y, z)| (id, Point3::new(x, y, z))).collect())
+    Ok(point_blocks::positions(db, map, session, ids).await?.into_iter().collect())
 }
 
 async fn pose_rows(

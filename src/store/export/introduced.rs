@@ -30,7 +30,8 @@ impl Introduced {
         let are_counted = sqlx::query_scalar(select).bind(map).fetch_one(&mut *db).await?;
         let mut sent = HashSet::new();
         if are_counted {
-            let select = "select session, sent_points from keyframes where map_key = $1 order by keyframe";
+            let select =
+                "select session, sent_points, packing from keyframes where map_key = $1 order by keyframe";
             let mut rows = sqlx::query(select).bind(map).fetch(db);
             while let Some(row) = rows.try_next().await? {
                 let session = SessionSeq(row.try_get("session")?);

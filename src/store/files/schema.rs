@@ -10,6 +10,7 @@ use sqlx::migrate::{MigrateError, Migration, MigrationType, Migrator};
 use sqlx::sqlite::SqlitePool;
 
 use crate::store::StoreError;
+use crate::store::rows::point_blocks;
 
 /// A version, its name, and its statements.
 type Step = (i64, &'static str, &'static str);
@@ -26,7 +27,12 @@ const MIGRATIONS: &[Step] = &[
     (10, "changed_signs", include_str!("../../../migrations/sqlite/0010_changed_signs.sql")),
     (11, "history", include_str!("../../../migrations/sqlite/0011_history.sql")),
     (12, "map_keys", include_str!("../../../migrations/sqlite/0012_map_keys.sql")),
+    (POINT_BLOCKS, "compact", include_str!("../../../migrations/sqlite/0013_compact.sql")),
+    (14, "no_point_rows", include_str!("../../../migrations/sqlite/0014_no_point_rows.sql")),
 ];
+
+/// The schema that has map points in rows and in blocks.
+const POINT_BLOCKS: i64 = 13;
 
 /// Returns the newest schema that this program knows.
 pub fn newest() -> i64 {
@@ -51,6 +57,12 @@ pub(in crate::store) async fn version(db: &mut SqliteConnection) -> Result<i64, 
 
 /// Brings the database to this version's schema; each step is one transaction.
 pub(in crate::store) async fn migrate(pool: &SqlitePool) -> Result<(), StoreError> {
+    let found = version(&mut *pool.acquire().await?).await?;
+    if found <= POINT_BLOCKS {
+        let steps = MIGRATIONS.iter().take_while(|(version, ..)| *version <= POINT_BLOCKS).count();
+        migrate_by(pool, &MIGRATIONS[..steps]).await?;
+        point_blocks::move_rows(pool).await?;
+    }
     migrate_by(pool, MIGRATIONS).await
 }
 

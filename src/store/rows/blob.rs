@@ -1,5 +1,6 @@
 //! Packed little-endian lists: how numbers that are never searched lie in a row.
 
+use super::packing::Packing;
 use crate::store::StoreError;
 
 /// A number of fixed width.
@@ -98,4 +99,10 @@ pub fn unpacks(bytes: &[u8]) {
     check::<((u32, i64), [f64; 3])>(bytes);
     check::<([u32; 3], [f64; 3])>(bytes);
     let _ = unpack_array::<f64, 7>(bytes);
+    super::point_blocks::unpacks(bytes);
+    let _ = (
+        super::column::integers_of(bytes),
+        super::column::floats_of(bytes),
+        Packing::Columns.keypoints(bytes),
+    );
 }

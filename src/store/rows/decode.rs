@@ -4,12 +4,13 @@ use sqlx::Row;
 use sqlx::sqlite::SqliteRow;
 
 use super::blob::{unpack, unpack_array};
+use super::packing::Packing;
 use crate::domain::anchor::Observation;
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Keyframe, Loop};
 use crate::domain::ids::{KeyframeSeq, LoopId, SessionSeq, StoredId};
 use crate::domain::keyframe::{Camera, Stamp};
-use crate::domain::request::Digest;
+use crate::domain::request::{Digest, KeyframeDigest};
 use crate::geometry::{Point3, Pose};
 use crate::store::StoreError;
 
@@ -19,9 +20,33 @@ pub(in crate::store) fn digest(row: &SqliteRow) -> Result<Digest, StoreError> {
     bytes.try_into().map_err(|_| StoreError::corrupt("a digest of another length"))
 }
 
+/// Reads the digest of a keyframe. One that begins with a rule's number is longer than the first ones, which had none.
+pub(in crate::store) fn keyframe_digest(row: &SqliteRow) -> Result<KeyframeDigest, StoreError> {
+    let bytes: &[u8] = row.try_get("digest")?;
+    let corrupt = || StoreError::corrupt("a digest of another length or rule");
+    match bytes.split_first() {
+        Some((&OF_FACTS, digest)) if digest.len() == size_of::<Digest>() => {
+            digest.try_into().map(KeyframeDigest::OfFacts).map_err(|_| corrupt())
+        }
+        _ => bytes.try_into().map(KeyframeDigest::OfText).map_err(|_| corrupt()),
+    }
+}
+
+/// Writes the digest of a keyframe.
+pub(in crate::store) fn keyframe_digest_blob(digest: KeyframeDigest) -> Vec<u8> {
+    match digest {
+        KeyframeDigest::OfText(digest) => digest.to_vec(),
+        KeyframeDigest::OfFacts(digest) => [&[OF_FACTS], &digest[..]].concat(),
+    }
+}
+
+/// The number of the rule that digests facts.
+const OF_FACTS: u8 = 2;
+
 /// Reads a keyframe and its bag of words.
 pub(in crate::store) fn keyframe(row: &SqliteRow) -> Result<(Keyframe, BowVector), StoreError> {
     let declared: Vec<(u32, u32)> = unpack(row.try_get("declared")?)?;
+    let packing = Packing::of(row)?;
     let keyframe = Keyframe {
         seq: KeyframeSeq(row.try_get("keyframe")?),
         id: id(row.try_get("id")?)?,
@@ -29,7 +54,7 @@ pub(in crate::store) fn keyframe(row: &SqliteRow) -> Result<(Keyframe, BowVector
         stamp: Stamp { sec: row.try_get("stamp_sec")?, nanosec: row.try_get("stamp_nanosec")? },
         map_from_camera: pose(row.try_get("pose")?)?,
         camera: row.try_get::<Option<&[u8]>, _>("camera")?.map(camera).transpose()?,
-        observes: unpack(row.try_get("observes")?)?.into(),
+        observes: packing.wide(row.try_get("observes")?)?.into(),
         declared: declared.into_iter().map(|(other, shared)| (KeyframeSeq(other), shared)).collect(),
         bytes: row.try_get::<i64, _>("bytes")? as u64,
     };
@@ -38,7 +63,9 @@ pub(in crate::store) fn keyframe(row: &SqliteRow) -> Result<(Keyframe, BowVector
 
 /// Reads a bag of words.
 pub(in crate::store) fn bow(row: &SqliteRow) -> Result<BowVector, StoreError> {
-    let (words, weights) = (unpack(row.try_get("bow_words")?)?, unpack(row.try_get("bow_weights")?)?);
+    let packing = Packing::of(row)?;
+    let (words, weights) =
+        (packing.narrow(row.try_get("bow_words")?)?, packing.narrow(row.try_get("bow_weights")?)?);
     BowVector::from_parts(words, weights).map_err(|error| StoreError::corrupt(error.to_string()))
 }
 

@@ -2,17 +2,20 @@
 
 use std::collections::HashMap;
 
-use sqlx::{Sqlite, SqliteConnection};
+use sqlx::SqliteConnection;
 
 use super::blob::pack;
 use super::bulk_insert::write_rows;
+use super::column::integers;
+use super::decode::keyframe_digest_blob;
+use super::packing::{self, Packing};
 use super::statement::run;
 use crate::domain::anchor::Outcome;
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Change, Keyframe};
-use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
+use crate::domain::ids::KeyframeSeq;
 use crate::domain::keyframe::{Camera, Detection};
-use crate::geometry::{Point3, Pose};
+use crate::geometry::Pose;
 use crate::store::StoreError;
 use crate::store::commit::job::{Batch, MapKey, NewKeyframeRows};
 
@@ -25,12 +28,6 @@ pub(in crate::store) struct Arrived<'j> {
     pub rows: &'j NewKeyframeRows,
 }
 
-/// SQLite takes at most 32,766 parameters; six for each point.
-const POINTS_PER_STATEMENT: usize = 512;
-
-/// One statement for each number of points there may be: kept, they would fill every connection's cache with large statements.
-const NOT_KEPT: bool = false;
-
 pub(in crate::store) fn pose_blob(pose: &Pose) -> Vec<u8> {
     pack(pose.translation_m().into_iter().chain(pose.rotation_xyzw()))
 }
@@ -42,29 +39,33 @@ pub(in crate::store) async fn add_keyframes(
 ) -> Result<(), StoreError> {
     let head =
         "insert into keyframes (map_key, keyframe, id, session, stamp_sec, stamp_nanosec, pose, camera,
-            observes, sent_points, declared, bow_words, bow_weights, digest, bytes, version) ";
+            observes, sent_points, declared, bow_words, bow_weights, digest, bytes, version, packing) ";
     write_rows(db, head, "", arrived, |row, Arrived { map, version, keyframe, bow, rows }| {
         row.push_bind(*map).push_bind(keyframe.seq.0).push_bind(keyframe.id.as_str().to_owned());
         row.push_bind(keyframe.session.0).push_bind(keyframe.stamp.sec).push_bind(keyframe.stamp.nanosec);
         row.push_bind(pose_blob(&keyframe.map_from_camera)).push_bind(keyframe.camera.map(camera_blob));
-        row.push_bind(pack(keyframe.observes.iter()));
-        row.push_bind(pack(rows.keyframe.map_points.iter().map(|(id, _)| *id)));
+        row.push_bind(integers(&keyframe.observes.to_vec()));
+        row.push_bind(integers(&rows.keyframe.map_points.iter().map(|(id, _)| *id).collect::<Vec<_>>()));
         row.push_bind(pack(keyframe.declared.iter().map(|(other, shared)| (other.0, *shared))));
-        row.push_bind(pack(bow.words().iter().copied())).push_bind(pack(bow.weights().iter().copied()));
-        row.push_bind(rows.digest.to_vec()).push_bind(keyframe.bytes as i64).push_bind(*version as i64);
+        for list in [bow.words(), bow.weights()] {
+            row.push_bind(integers(&list.iter().map(|number| i64::from(*number)).collect::<Vec<_>>()));
+        }
+        row.push_bind(keyframe_digest_blob(rows.digest))
+            .push_bind(keyframe.bytes as i64)
+            .push_bind(*version as i64);
+        row.push_bind(Packing::NEWEST.number());
     })
     .await?;
     let with_features = |arrived: &'_ Arrived<'_>| arrived.rows.keyframe.features.is_some();
     let arrived: Vec<&Arrived<'_>> = arrived.iter().filter(|arrived| with_features(arrived)).collect();
-    let head = "insert into keyframe_features (map_key, keyframe, descriptor_bytes, descriptors, keypoints, map_points) ";
+    let head = "insert into keyframe_features (map_key, keyframe, descriptor_bytes, descriptors, keypoints, map_points, packing) ";
     write_rows(db, head, "", &arrived, |row, arrived| {
         let Arrived { map, keyframe, rows, .. } = arrived;
         let Some(features) = &rows.keyframe.features else { return };
-        let keypoints =
-            features.keypoints.iter().map(|k| ((k.u, k.v), (k.angle_deg.unwrap_or(f64::NAN), k.octave)));
         row.push_bind(*map).push_bind(keyframe.seq.0).push_bind(features.descriptor_bytes as i64);
-        row.push_bind(features.descriptors.clone()).push_bind(pack(keypoints));
-        row.push_bind(pack(features.map_points.iter().map(|id| id.unwrap_or(-1))));
+        row.push_bind(features.descriptors.clone()).push_bind(packing::keypoints(&features.keypoints));
+        row.push_bind(integers(&features.map_points.iter().map(|id| id.unwrap_or(-1)).collect::<Vec<_>>()));
+        row.push_bind(Packing::NEWEST.number());
     })
     .await
 }
@@ -137,42 +138,6 @@ pub(in crate::store) async fn add_detections(
             let query = sqlx::query(insert).bind(map).bind(keyframe.0).bind(*number);
             run(db, query.bind(crop.media_type).bind(&crop.bytes)).await?;
         }
-    }
-    Ok(())
-}
-
-pub(in crate::store) async fn set_points(
-    db: &mut SqliteConnection,
-    map: MapKey,
-    points: &[(SessionSeq, PointId, Point3)],
-) -> Result<(), StoreError> {
-    for chunk in points.chunks(POINTS_PER_STATEMENT) {
-        let mut insert =
-            sqlx::QueryBuilder::<Sqlite>::new("insert into map_points (map_key, session, point, x, y, z) ");
-        insert.push_values(chunk, |mut row, (session, id, at)| {
-            row.push_bind(map).push_bind(session.0).push_bind(*id);
-            row.push_bind(at.x).push_bind(at.y).push_bind(at.z);
-        });
-        insert.push(" on conflict (map_key, session, point) do update set x = excluded.x, y = excluded.y, z = excluded.z");
-        insert.build().persistent(NOT_KEPT).execute(&mut *db).await?;
-    }
-    Ok(())
-}
-
-pub(in crate::store) async fn forget_points(
-    db: &mut SqliteConnection,
-    map: MapKey,
-    session: SessionSeq,
-    ids: &[PointId],
-) -> Result<(), StoreError> {
-    for chunk in ids.chunks(POINTS_PER_STATEMENT) {
-        let mut delete = sqlx::QueryBuilder::<Sqlite>::new("delete from map_points where map_key = ");
-        delete.push_bind(map).push(" and session = ").push_bind(session.0).push(" and point in (");
-        let mut named = delete.separated(", ");
-        for id in chunk {
-            named.push_bind(*id);
-        }
-        delete.push(")").build().persistent(NOT_KEPT).execute(&mut *db).await?;
     }
     Ok(())
 }

@@ -9,13 +9,13 @@ use sqlx::Row;
 use sqlx::sqlite::SqliteRow;
 
 use super::decode;
+use super::point_blocks::points_of;
 use super::validate::{self, Known, KnownAnchor};
 use super::{changed_sign_rows, map_rows, model_rows, twin_rows};
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Change, Keyframe, Merge, MergeCause};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId, SessionSeq};
 use crate::domain::key::KeySeq;
-use crate::geometry::Point3;
 use crate::store::commit::job::MapKey;
 use crate::store::facts::{FactSource, MapFacts, Order};
 use crate::store::slices::deferred;
@@ -140,25 +140,27 @@ async fn load_points(
     known: &Known,
     take: &mut (impl FnMut(&[Change]) + Send),
 ) -> Result<(), StoreError> {
-    let select = "select session, point, x, y, z from map_points
-        where map_key = $1 and (session, point) > ($2, $3) order by session, point limit $4";
-    let (mut session, mut point) = (-1_i64, i64::MIN);
+    let select = "select session, block, points from point_blocks
+        where map_key = $1 and (session, block) > ($2, $3) order by session, block limit $4";
+    let (mut session, mut block) = (-1_i64, i64::MIN);
     loop {
-        let rows: Vec<(u32, i64, f64, f64, f64)> = sqlx::query_as(select)
+        let rows: Vec<(u32, i64, Vec<u8>)> = sqlx::query_as(select)
             .bind(key)
             .bind(session)
-            .bind(point)
+            .bind(block)
             .bind(CHUNK)
             .fetch_all(&mut *db)
             .await?;
         let Some(last) = rows.last() else { return Ok(()) };
-        (session, point) = (i64::from(last.0), last.1);
-        let set = |(s, id, x, y, z)| {
-            let at = Point3::new(x, y, z);
-            validate::point(s, id, &at, known)?;
-            Ok(Change::PointSet(SessionSeq(s), id, at))
-        };
-        let points = rows.into_iter().map(set).collect::<Result<Vec<_>, StoreError>>()?;
+        (session, block) = (i64::from(last.0), last.1);
+        let mut points = Vec::new();
+        for (s, block, bytes) in &rows {
+            let of_block = points_of(*block, bytes);
+            for (id, at) in of_block.map_err(|error| error.of_row(format!("block {block} of map points")))? {
+                validate::point(*s, id, &at, known)?;
+                points.push(Change::PointSet(SessionSeq(*s), id, at));
+            }
+        }
         take(&points);
     }
 }

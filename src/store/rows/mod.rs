@@ -3,6 +3,7 @@
 pub(super) mod blob;
 pub(super) mod bulk_insert;
 pub(super) mod changed_sign_rows;
+pub(super) mod column;
 pub(super) mod decode;
 pub(super) mod former_value_rows;
 pub(super) mod judgement_rows;
@@ -12,6 +13,8 @@ pub(super) mod load;
 pub(super) mod map_rows;
 pub(super) mod model_rows;
 pub(super) mod operation_rows;
+pub(super) mod packing;
+pub(super) mod point_blocks;
 pub(super) mod read;
 pub(super) mod replaced_rows;
 pub(super) mod statement;

@@ -7,12 +7,13 @@ use sqlx::sqlite::SqliteRow;
 
 use super::blob::{unpack, unpack_array};
 use super::decode::{self, point};
+use super::packing::Packing;
 use crate::domain::anchor::{IgnoredReason, Outcome};
 use crate::domain::bow::BowVector;
 use crate::domain::event::{Event, EventKind};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId, PointId};
-use crate::domain::keyframe::{Crop, Detection, Features, Keypoint};
-use crate::domain::request::Digest;
+use crate::domain::keyframe::{Crop, Detection, Features};
+use crate::domain::request::KeyframeDigest;
 use crate::store::commit::job::MapKey;
 use crate::store::slices::deferred;
 use crate::store::{Store, StoreError};
@@ -28,8 +29,8 @@ pub struct KeyframeRow {
     pub sent_points: Vec<PointId>,
     /// Its detections, in their order.
     pub detections: Vec<DetectionRow>,
-    /// The digest of the body it was sent in.
-    pub digest: Digest,
+    /// What tells a retry of it from another keyframe.
+    pub digest: KeyframeDigest,
 }
 
 /// A detection and what became of it.
@@ -53,7 +54,8 @@ impl Store {
 
     /// Returns the bag of words of a keyframe.
     pub async fn bow(&self, map: MapKey, keyframe: KeyframeSeq) -> Result<Option<BowVector>, StoreError> {
-        let select = "select bow_words, bow_weights from keyframes where map_key = $1 and keyframe = $2";
+        let select =
+            "select bow_words, bow_weights, packing from keyframes where map_key = $1 and keyframe = $2";
         let row = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&self.readers).await?;
         let of_row = |error: StoreError| error.of_row(format!("keyframe number {}", keyframe.0));
         self.of_map(map, row.as_ref().map(decode::bow).transpose().map_err(of_row)).await
@@ -75,7 +77,7 @@ impl Store {
         keyframe: KeyframeSeq,
     ) -> Result<Option<KeyframeRow>, StoreError> {
         let mut db = self.snapshot().await?;
-        let select = "select bow_words, bow_weights, sent_points, digest from keyframes where map_key = $1 and keyframe = $2";
+        let select = "select bow_words, bow_weights, sent_points, digest, packing from keyframes where map_key = $1 and keyframe = $2";
         let found = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&mut *db).await?;
         let Some(row) = found else {
             db.commit().await?;
@@ -198,7 +200,7 @@ fn keyframe_row(
         features: features_row.map(features).transpose().map_err(|error| error.of_row("the features"))?,
         sent_points: sent_points(row)?,
         detections,
-        digest: decode::digest(row)?,
+        digest: decode::keyframe_digest(row)?,
     })
 }
 
@@ -209,12 +211,13 @@ pub(in crate::store) fn names_itself(id: &str, body: &[u8]) -> bool {
 }
 
 pub(in crate::store) fn sent_points(row: &SqliteRow) -> Result<Vec<PointId>, StoreError> {
-    unpack(row.try_get("sent_points")?)
+    Packing::of(row)?.wide(row.try_get("sent_points")?)
 }
 
 pub(in crate::store) fn features(row: &SqliteRow) -> Result<Features, StoreError> {
-    let keypoints: Vec<((f64, f64), (f64, u8))> = unpack(row.try_get("keypoints")?)?;
-    let map_points: Vec<i64> = unpack(row.try_get("map_points")?)?;
+    let packing = Packing::of(row)?;
+    let keypoints = packing.keypoints(row.try_get("keypoints")?)?;
+    let map_points = packing.wide(row.try_get("map_points")?)?;
     let descriptor_bytes = row.try_get::<u32, _>("descriptor_bytes")? as usize;
     let descriptors: Vec<u8> = row.try_get("descriptors")?;
     if map_points.len() != keypoints.len() || descriptors.len() != descriptor_bytes * keypoints.len() {
@@ -223,15 +226,7 @@ pub(in crate::store) fn features(row: &SqliteRow) -> Result<Features, StoreError
     Ok(Features {
         descriptor_bytes,
         descriptors,
-        keypoints: keypoints
-            .into_iter()
-            .map(|((u, v), (angle_deg, octave))| Keypoint {
-                u,
-                v,
-                octave,
-                angle_deg: (!angle_deg.is_nan()).then_some(angle_deg),
-            })
-            .collect(),
+        keypoints,
         map_points: map_points.into_iter().map(|id| (id >= 0).then_some(id)).collect(),
     })
 }

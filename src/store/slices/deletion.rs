@@ -56,7 +56,7 @@ const TABLES: &[Table] = &[
         "keyframe",
         "length(observes) + length(sent_points) + length(bow_words) + length(bow_weights)",
     ),
-    without_rowid("map_points", "session, point"),
+    without_rowid("point_blocks", "session, block"),
     without_rowid("sessions", "session"),
     without_rowid("anchor_merges", "into_anchor, from_anchor, loop_id"),
     without_rowid("anchors", "anchor"),

@@ -11,7 +11,8 @@ use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
 use crate::store::rows::blob::pack;
 use crate::store::rows::former_value_rows;
-use crate::store::rows::keyframe_rows::{forget_points, pose_blob, set_points};
+use crate::store::rows::keyframe_rows::pose_blob;
+use crate::store::rows::point_blocks;
 use crate::store::rows::statement::run;
 
 /// What a part costs beside its entries, as so many of them.
@@ -130,10 +131,7 @@ async fn write(db: &mut SqliteConnection, map: MapKey, changes: Vec<Change>) -> 
             _ => {}
         }
     }
-    set_points(db, map, &points).await?;
-    for of_session in forgotten.chunk_by(|a, b| a.0 == b.0) {
-        let ids: Vec<i64> = of_session.iter().map(|(_, id)| *id).collect();
-        forget_points(db, map, of_session[0].0, &ids).await?;
-    }
-    Ok(())
+    let set = points.into_iter().map(|(session, id, at)| (session, id, Some(at)));
+    let removed = forgotten.into_iter().map(|(session, id)| (session, id, None));
+    point_blocks::change(db, map, set.chain(removed)).await
 }

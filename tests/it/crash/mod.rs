@@ -37,7 +37,7 @@ struct KillMoment {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_was_acknowledged_survives_a_kill_at_any_moment() {
+async fn acknowledged_writes_survive_a_kill_at_any_moment() {
     let rounds = number_from_env("REVISIT_CRASH_ROUNDS", DEFAULT_ROUNDS);
     let seed = number_from_env("REVISIT_CRASH_SEED", DEFAULT_SEED);
     let mut chance = ChaCha8Rng::seed_from_u64(seed);

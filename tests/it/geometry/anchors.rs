@@ -66,7 +66,7 @@ async fn identifiers_contradict_under_the_transformation_where_bearings_cannot_t
 }
 
 #[tokio::test]
-async fn what_one_passage_read_contradicts_only_where_geometry_cannot_run() {
+async fn a_reading_of_one_passage_contradicts_only_where_geometry_cannot_run() {
     // Room 901 agrees with 1/5.10 + 1/5.10, and 777 contradicts 955 with 1/2 + 1/2.
     let plates = |text| [("room 901", [5.0, 0.0, 1.0]), (text, [0.0, 0.0, 2.0])];
     let shot = |text| Shot::of(1, Pose::identity()).plates(&plates(text));

@@ -5,7 +5,6 @@
 
 use base64::Engine as _;
 use reqwest::Method;
-use revisit::engine::ModelChoice;
 use revisit::geometry::Point3;
 use serde_json::{Value, json};
 
@@ -175,7 +174,7 @@ async fn three_passages_that_should_have_seen_a_sign_retire_it() {
 #[tokio::test]
 async fn a_retired_sign_is_listed_with_what_hangs_in_its_place_and_lets_its_place_be_found() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::on(folder.path(), None, ModelChoice::None).await;
+    let server = Server::on(folder.path()).await;
     server.put("/v1/maps/m", &json!({})).await.expect(201);
     drive(&server, 0, &[both("901"), both("944"), both("944")]).await;
     let asked = async |server: &Server| {
@@ -198,7 +197,7 @@ async fn a_retired_sign_is_listed_with_what_hangs_in_its_place_and_lets_its_plac
     assert_eq!(listed["items"].as_array().unwrap().len(), 1, "{listed}");
     assert_eq!(listed["items"][0]["id"], "a-0");
     server.stop().await;
-    let server = Server::on(folder.path(), None, ModelChoice::None).await;
+    let server = Server::on(folder.path()).await;
     assert_eq!(plate(&server).await, sign, "after a restart");
     // A switch, not a loss.
     let switch = async |on: bool| {
@@ -237,9 +236,9 @@ async fn a_retired_sign_returns_when_one_passage_reads_it_twice_or_somebody_desc
 }
 
 #[tokio::test]
-async fn what_tracking_took_for_the_old_sign_becomes_a_sign_of_its_own() {
+async fn a_sign_that_tracking_took_for_the_old_one_becomes_a_sign_of_its_own() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::on(folder.path(), None, ModelChoice::None).await;
+    let server = Server::on(folder.path()).await;
     server.put("/v1/maps/m", &json!({})).await.expect(201);
     // The map points are known still, so that each new plate feeds the old one's anchor; four readings outvote it not before
     // three passages.
@@ -265,7 +264,7 @@ async fn what_tracking_took_for_the_old_sign_becomes_a_sign_of_its_own() {
         "what is read from now on is the new one: {new}"
     );
     server.stop().await;
-    let server = Server::on(folder.path(), None, ModelChoice::None).await;
+    let server = Server::on(folder.path()).await;
     assert_eq!(server.get(&by).await.expect(200), new, "after a restart");
 }
 

@@ -1,7 +1,6 @@
 //! M16: a building that shows one view in two places teaches its map that geometry alone proves nothing in it.
 
 use reqwest::Method;
-use revisit::engine::ModelChoice;
 use revisit::geometry::Pose;
 use serde_json::{Value, json};
 
@@ -86,7 +85,7 @@ async fn a_view_that_two_plates_tell_apart_keeps_geometry_from_deciding_alone() 
 #[tokio::test]
 async fn twins_are_named_and_last_as_long_as_their_signs_and_keyframes() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::on(folder.path(), None, ModelChoice::None).await;
+    let server = Server::on(folder.path()).await;
     floors(&server, &geometry_alone(&[]), ["901", "902"]).await;
     come_back(&server).await;
     let found = twins(&server).await;
@@ -98,7 +97,7 @@ async fn twins_are_named_and_last_as_long_as_their_signs_and_keyframes() {
     assert_eq!(server.get(&sign).await.expect(200)["description"], "902");
     let before = ask(&server, "auto").await;
     server.stop().await;
-    let server = Server::on(folder.path(), None, ModelChoice::None).await;
+    let server = Server::on(folder.path()).await;
     assert_eq!(twins(&server).await, found, "after a restart");
     assert_eq!(ask(&server, "auto").await, before, "after a restart");
     // Whoever knows better says that both plates are one: they are twins no longer, until he takes it back.
@@ -132,8 +131,7 @@ async fn a_description_by_hand_shows_twins_too() {
 
 #[tokio::test]
 async fn a_map_shows_the_numbering_that_it_has_learned() {
-    let server = Server::start().await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let server = Server::with_map("m").await;
     for room in 0..10 {
         let shown = server.get("/v1/maps/m").await.expect(200)["numbering"].clone();
         assert_eq!(shown, json!({}), "after {room} rooms");

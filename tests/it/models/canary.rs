@@ -25,7 +25,7 @@ async fn the_key_goes_to_the_model_and_nowhere_else() {
     let flags = ["--model-key-file", key.to_str().unwrap()];
     let choice = echo.choice(&flags);
     assert!(!format!("{choice:?}").contains(CANARY));
-    let server = Server::on(directory.path(), None, choice).await;
+    let server = Server::with_models_on(directory.path(), choice).await;
     let body = json!({"a": "a red boat at sea", "b": "a ship in a storm"});
     let answer = server.post("/v1/semantics/similarity", &body).await;
     assert!(echo.journal()[0].headers["authorization"].to_str().unwrap().contains(CANARY), "the key is sent");

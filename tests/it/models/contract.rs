@@ -18,16 +18,7 @@ fn endpoint(url: &str, path: &str) -> Endpoint {
 }
 
 fn dialect() -> Dialect {
-    let args = ModelArgs::of(&["--model-url", "http://127.0.0.1:1"]).unwrap();
-    Dialect {
-        token_parameter: args.model_token_parameter,
-        max_tokens: args.model_max_tokens,
-        temperature: args.model_temperature.0,
-        seed: args.model_seed,
-        response_format: args.model_response_format,
-        system_role: args.model_system_role,
-        image_form: args.model_image_form,
-    }
+    Dialect::from(&ModelArgs::of(&["--model-url", "http://127.0.0.1:1"]).unwrap())
 }
 
 fn questions() -> Vec<Question> {

@@ -2,9 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::scene::{crop, describes, hear, keyframe, put};
+use super::scene::{crop, describes, hear, keyframe, put, server_with_map};
 use super::stub::{Asked, Reply, Stub, level};
-use crate::support::Server;
 
 fn say(text: &str) -> Reply {
     Reply::Say(text.to_owned())
@@ -16,8 +15,7 @@ async fn described(
     script: impl Fn(&Asked) -> Reply + Send + Sync + 'static,
 ) -> (Value, Vec<Asked>) {
     let stub = Stub::start(script).await;
-    let server = Server::with_models(stub.choice(&[])).await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let server = server_with_map(stub.choice(&[])).await;
     put(&server, "m", "kf-1", &keyframe(1, 0.0, &[crop(class, [0.0, 0.0, 2.0], [7, 7, 7])])).await;
     hear(&server, "m", describes("a-0")).await;
     let transcript = server.get("/v1/maps/m/anchors/a-0/transcript").await.expect(200);
@@ -104,8 +102,7 @@ async fn a_vqa_server_alone_describes_and_the_built_in_judge_sums_up() {
         Reply::Raw { status: 200, headers: vec![], body: json!({"answer": answer}).to_string() }
     })
     .await;
-    let server = Server::with_models(vqa.choice(&["--model-kind", "vqa"])).await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let server = server_with_map(vqa.choice(&["--model-kind", "vqa"])).await;
     put(&server, "m", "kf-1", &keyframe(1, 0.0, &[crop("door_number", [0.0, 0.0, 2.0], [7, 7, 7])])).await;
     hear(&server, "m", describes("a-0")).await;
     let anchor = server.get("/v1/maps/m/anchors/a-0").await.expect(200);

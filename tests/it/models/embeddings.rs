@@ -3,7 +3,6 @@
 use std::process::Command;
 use std::time::Duration;
 
-use revisit::engine::ModelChoice;
 use serde_json::{Value, json};
 
 use super::scene::{described, hear, keyframe, put};
@@ -96,13 +95,13 @@ async fn only_what_is_near_is_asked_about_and_a_restart_pays_for_nothing() {
     let (url, directory) = (vectors.url(), tempfile::tempdir().unwrap());
     let flags = ["--model-embeddings-url", &url, "--model-embeddings-name", "small"];
     // Seen before there was a model: among few, all are near.
-    let server = Server::on(directory.path(), None, ModelChoice::None).await;
+    let server = Server::on(directory.path()).await;
     server.put("/v1/maps/m", &json!({})).await.expect(201);
     for (number, text) in PAINTINGS.iter().chain(&LATER).enumerate() {
         see(&server, number, text).await;
     }
     server.stop().await;
-    let server = Server::on(directory.path(), None, model.choice(&flags)).await;
+    let server = Server::with_models_on(directory.path(), model.choice(&flags)).await;
     // Whoever reads the map makes the models look at it.
     server.get("/v1/maps/m/anchors/a-0").await.expect(200);
     hear(&server, "m", matched("a-9", "a-0")).await;
@@ -118,7 +117,7 @@ async fn only_what_is_near_is_asked_about_and_a_restart_pays_for_nothing() {
     server.stop().await;
 
     // The embeddings are on disk: the next text alone is new.
-    let server = Server::on(directory.path(), None, model.choice(&flags)).await;
+    let server = Server::with_models_on(directory.path(), model.choice(&flags)).await;
     vectors.script(|asked| {
         assert_eq!(asked.body["input"], "cachalot whale, barrow, dusk");
         let body = json!({"data": [{"embedding": vector("whale")}]});
@@ -176,7 +175,7 @@ async fn embeddings_that_come_back_choose_what_words_could_not() {
     let model = Stub::start(knows).await;
     let vectors = Stub::start(|_| Reply::Raw { status: 500, headers: vec![], body: "{}".to_owned() }).await;
     let (url, directory) = (vectors.url(), tempfile::tempdir().unwrap());
-    let server = Server::on(directory.path(), None, ModelChoice::None).await;
+    let server = Server::on(directory.path()).await;
     server.put("/v1/maps/m", &json!({})).await.expect(201);
     let texts = [PAINTINGS[0].to_owned(), PAINTINGS[9].to_owned()];
     for (number, text) in texts.into_iter().chain((0..36).map(filler)).enumerate() {
@@ -184,7 +183,7 @@ async fn embeddings_that_come_back_choose_what_words_could_not() {
     }
     server.stop().await;
     let flags = ["--model-embeddings-url", &url, "--model-embeddings-name", "small", "--model-retries", "0"];
-    let server = Server::on(directory.path(), None, model.choice(&flags)).await;
+    let server = Server::with_models_on(directory.path(), model.choice(&flags)).await;
     server.get("/v1/maps/m/anchors/a-0").await.expect(200);
     // Five failures in a row: they are away, and words find no pair.
     while vectors.calls() < 5 {

@@ -11,7 +11,7 @@ const MAPS: [&str; 3] = ["a", "b", "c"];
 const CROPS: u8 = 40;
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_anchors_lack_arrives_in_maps_that_have_no_room_in_memory() {
+async fn anchors_are_described_in_maps_that_have_no_room_in_memory() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::with_map_memory(folder.path(), u64::MAX).await;
     let crops: Vec<Value> =

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde_json::{Value, json};
 
-use super::scene::{crop, described, hear, keyframe, put};
+use super::scene::{crop, described, hear, keyframe, put, put_paintings, put_plates, server_with_map};
 use super::stub::{Asked, Reply, Stub, completion, level};
 use crate::support::Server;
 
@@ -89,11 +89,8 @@ async fn errors_are_not_kept_and_what_was_degraded_is_asked_again() {
         let failing = Arc::new(fault);
         let stub = Stub::start(move |_| (*failing).clone()).await;
         let flags = [&IMPATIENT[..], &["--model-retries", "1"]].concat();
-        let server = Server::with_models(stub.choice(&flags)).await;
-        server.put("/v1/maps/m", &json!({})).await.expect(201);
-        put(&server, "m", "kf-1", &keyframe(1, 0.0, &[described("painting", [0.0, 0.0, 2.0], BOAT)])).await;
-        put(&server, "m", "kf-2", &keyframe(90, 50.0, &[described("painting", [50.0, 0.0, 2.0], SHIP)]))
-            .await;
+        let server = server_with_map(stub.choice(&flags)).await;
+        put_paintings(&server, BOAT, SHIP).await;
         let ask =
             async || server.post("/v1/maps/m/loop-queries", &json!({"keyframe": "kf-2"})).await.expect(200);
         assert_ne!(ask().await["verdict"], "loop", "{name}");
@@ -111,12 +108,8 @@ async fn errors_are_not_kept_and_what_was_degraded_is_asked_again() {
 async fn while_the_model_is_away_verdicts_say_so_and_wait_for_nobody() {
     let stub = Stub::start(|_| raw(500, &[], "")).await;
     let flags = ["--model-retries", "0", "--model-breaker-failures", "1"];
-    let server = Server::with_models(stub.choice(&flags)).await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
-    let mut read = crop("door_number", [0.0, 0.0, 2.0], [9, 9, 9]);
-    read["text"] = json!("room 901");
-    put(&server, "m", "kf-1", &keyframe(1, 0.0, &[read])).await;
-    put(&server, "m", "kf-2", &keyframe(90, 50.0, &[crop("door_number", [50.0, 0.0, 2.0], [8, 8, 8])])).await;
+    let server = server_with_map(stub.choice(&flags)).await;
+    put_plates(&server).await;
     // With every write the answer may change, until the map knows that it waits for a model that is away.
     let query = json!({"keyframe": "kf-2", "max_wait_ms": 60000});
     let verdict = server.post("/v1/maps/m/loop-queries", &query).await.expect(200);
@@ -141,8 +134,7 @@ async fn while_the_model_is_away_verdicts_say_so_and_wait_for_nobody() {
 async fn a_plate_that_the_model_failed_to_read_makes_no_loop_of_what_agrees_beside_it() {
     let stub = Stub::start(|_| raw(500, &[], "")).await;
     let flags = ["--model-retries", "0", "--model-breaker-failures", "2"];
-    let server = Server::with_models(stub.choice(&flags)).await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let server = server_with_map(stub.choice(&flags)).await;
     // Two lobbies with one painting; the plate beside it, in the middle of the picture, would read 901 and 910.
     for (name, sec, x, colour) in [("kf-1", 1, 0.0, [255, 0, 0]), ("kf-2", 90, 50.0, [0, 0, 255])] {
         let painting = described("painting", [x + 1.0, 0.0, 2.0], "a portrait of Ada Lovelace");

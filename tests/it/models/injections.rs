@@ -3,7 +3,7 @@
 use futures_util::future::join_all;
 use serde_json::{Value, json};
 
-use super::scene::{crop, describes, hear, keyframe, put};
+use super::scene::{crop, describes, hear, keyframe, put, server_with_map};
 use super::stub::{Asked, Reply, Stub, level};
 use crate::support::Server;
 
@@ -125,7 +125,7 @@ async fn an_obedient_model_raises_no_pair_of_different_identifiers() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_addresses_the_model_is_flagged_and_what_slips_through_is_data() {
+async fn a_text_that_addresses_the_model_is_flagged_and_one_that_slips_through_is_data() {
     let stub = Stub::start(obedient).await;
     let server = Server::with_models(stub.choice(&[])).await;
     let mut flagged = 0;
@@ -162,8 +162,7 @@ async fn a_forged_plate_matches_no_other_number_in_the_map() {
         _ => obedient(asked),
     })
     .await;
-    let server = Server::with_models(stub.choice(&[])).await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let server = server_with_map(stub.choice(&[])).await;
     put(&server, "m", "kf-1", &keyframe(1, 0.0, &[crop("door_number", [0.0, 0.0, 2.0], [255, 0, 0])])).await;
     put(&server, "m", "kf-2", &keyframe(90, 50.0, &[crop("door_number", [50.0, 0.0, 2.0], [0, 0, 255])]))
         .await;
@@ -196,8 +195,7 @@ async fn no_hostile_text_on_two_doors_makes_them_one() {
         _ => obedient(asked),
     })
     .await;
-    let server = Server::with_models(stub.choice(&[])).await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let server = server_with_map(stub.choice(&[])).await;
     for door in 0..doors {
         // A class for each pair, so that each text meets its like alone; so far apart that nothing is covisible.
         let (x, class) = (door as f64 * 50.0, format!("sign-{}", door / 2));
@@ -230,8 +228,7 @@ async fn a_sign_that_hangs_in_buildings_keeps_its_information() {
             _ => obedient(asked),
         })
         .await;
-        let server = Server::with_models(stub.choice(&[])).await;
-        server.put("/v1/maps/m", &json!({})).await.expect(201);
+        let server = server_with_map(stub.choice(&[])).await;
         put(&server, "m", "kf-1", &keyframe(1, 0.0, &[crop("sign", [0.0, 0.0, 2.0], [255, 0, 0])])).await;
         // A model's word about its worth may come after the description.
         let worth = async {

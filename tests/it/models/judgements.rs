@@ -1,26 +1,21 @@
 //! Judgements: a changed model is asked again, over restarts and within the budget, and the old verdicts stay on record.
 
 use std::path::Path;
-use std::time::Duration;
 
 use serde_json::{Value, json};
 
-use super::scene::{crop, described, describes, hear, keyframe, put};
+use super::scene::{
+    HANGS_AFTER, LADY, LISA, crop, describes, hear, keyframe, put, put_paintings, server_with_map,
+};
 use super::stub::{Asked, Reply, Stub, level};
 use crate::support::Server;
 
-const LADY: &str = "a portrait of a lady with a mysterious smile";
-const LISA: &str = "the famous portrait of Mona Lisa";
-
 const JUDGEMENTS: &str = "/v1/maps/m/judgements";
-
-/// Nothing here takes so long unless it hangs.
-const HANGS_AFTER: Duration = Duration::from_mins(2);
 
 /// A model of another name is another model.
 async fn serve(folder: &Path, stub: &Stub, name: &str, more: &[&str]) -> Server {
     let flags = [&["--model-name", name], more].concat();
-    Server::on(folder, None, stub.choice(&flags)).await
+    Server::with_models_on(folder, stub.choice(&flags)).await
 }
 
 /// Gives pairs this level, and information that is enough.
@@ -36,8 +31,7 @@ async fn judged_by_small(folder: &Path, stub: &Stub) -> Value {
     stub.script(judges(2));
     let server = serve(folder, stub, "small", &[]).await;
     server.put("/v1/maps/m", &json!({})).await.expect(201);
-    put(&server, "m", "kf-1", &keyframe(1, 0.0, &[described("painting", [0.0, 0.0, 2.0], LADY)])).await;
-    put(&server, "m", "kf-2", &keyframe(90, 50.0, &[described("painting", [50.0, 0.0, 2.0], LISA)])).await;
+    put_paintings(&server, LADY, LISA).await;
     // Two levels of information and one of similarity; the last is kept when the map has no more to ask.
     let settled = async {
         loop {
@@ -151,7 +145,7 @@ async fn a_job_goes_on_after_a_restart_where_it_was() {
     server.stop().await;
 
     // Without any model it waits; with one it goes on.
-    let server = Server::on(folder.path(), None, revisit::engine::ModelChoice::None).await;
+    let server = Server::on(folder.path()).await;
     until(&server, "again", is("waiting")).await;
     server.stop().await;
     stub.script(judges(5));
@@ -218,8 +212,7 @@ async fn a_crop_is_read_again_by_another_model() {
 
 #[tokio::test]
 async fn a_server_without_models_has_nothing_to_ask() {
-    let server = Server::start().await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let server = Server::with_map("m").await;
     let preview = server.post(JUDGEMENTS, &json!({"preview": true})).await.expect(200);
     assert_eq!((&preview["questions"], &preview["cost_max_usd"]), (&json!(0), &json!(0.0)), "{preview}");
     assert_eq!(server.post(JUDGEMENTS, &json!({})).await.expect(201)["state"], "done");
@@ -236,8 +229,7 @@ async fn each_role_has_its_price() {
         if let Some(price) = vision_price {
             flags.extend(["--model-vision-input-usd", price, "--model-vision-output-usd", price]);
         }
-        let server = Server::with_models(stub.choice(&flags)).await;
-        server.put("/v1/maps/m", &json!({})).await.expect(201);
+        let server = server_with_map(stub.choice(&flags)).await;
         put(&server, "m", "kf-1", &keyframe(1, 0.0, &[crop("door_number", [0.0, 0.0, 2.0], [9, 9, 9])]))
             .await;
         hear(&server, "m", describes("a-0")).await;

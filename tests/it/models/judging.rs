@@ -14,7 +14,7 @@ async fn similarity(server: &Server, a: &str, b: &str) -> Value {
 }
 
 #[tokio::test]
-async fn what_the_built_in_judge_decides_reaches_no_model() {
+async fn pairs_that_the_built_in_judge_decides_reach_no_model() {
     let stub = Stub::start(|_| level(3)).await;
     let server = Server::with_models(stub.choice(&[])).await;
     for (a, b, expected) in [
@@ -108,7 +108,7 @@ async fn a_merged_text_that_invents_or_loses_an_identifier_does_not_stand() {
 async fn a_hundred_equal_questions_at_once_make_one_call_and_a_restart_makes_none() {
     let stub = Stub::start(|_| level(5)).await;
     let directory = tempfile::tempdir().unwrap();
-    let server = Server::on(directory.path(), None, stub.choice(&[])).await;
+    let server = Server::with_models_on(directory.path(), stub.choice(&[])).await;
     let body = json!({"a": A, "b": B, "class": "painting"});
     let asked = (0..100).map(|_| server.post("/v1/semantics/similarity", &body));
     for answer in futures_util::future::join_all(asked).await {
@@ -119,14 +119,14 @@ async fn a_hundred_equal_questions_at_once_make_one_call_and_a_restart_makes_non
     assert_eq!((&usage["calls"], &usage["cache_hits"]), (&json!(1), &json!(99)));
     server.stop().await;
 
-    let server = Server::on(directory.path(), None, stub.choice(&[])).await;
+    let server = Server::with_models_on(directory.path(), stub.choice(&[])).await;
     let again = similarity(&server, A, B).await;
     assert_eq!((&again["level"], &again["cached"]), (&json!(5), &json!(true)));
     assert_eq!(stub.calls(), 1);
     server.stop().await;
 
     // Another model is another key.
-    let server = Server::on(directory.path(), None, stub.choice(&["--model-seed", "7"])).await;
+    let server = Server::with_models_on(directory.path(), stub.choice(&["--model-seed", "7"])).await;
     assert_eq!(similarity(&server, A, B).await["cached"], false);
     assert_eq!(stub.calls(), 2);
 }
@@ -139,7 +139,8 @@ async fn the_daily_budget_is_a_hard_stop_that_a_restart_does_not_lift() {
     for (motifs, expected_degraded) in
         [(&motifs[..4], [false, false, true, true]), (&motifs[4..], [true, true, true, true])]
     {
-        let server = Server::on(directory.path(), None, stub.choice(&["--model-daily-calls", "2"])).await;
+        let server =
+            Server::with_models_on(directory.path(), stub.choice(&["--model-daily-calls", "2"])).await;
         for (motif, degraded) in motifs.iter().zip(expected_degraded) {
             let answer = similarity(&server, A, &format!("a lady beside a {motif}")).await;
             assert_eq!(answer["degraded"], degraded, "{motif}: {answer}");

@@ -5,7 +5,6 @@ use serde_json::{Value, json};
 use super::scene::{crop, described, keyframe, put};
 use super::stub::{Reply, Stub};
 use crate::support::Server;
-use revisit::engine::ModelChoice;
 
 /// Two lobbies with one painting, and a plate beside it that nothing has read.
 async fn lobbies(server: &Server) {
@@ -26,7 +25,7 @@ async fn ask(server: &Server) -> Value {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_verdict_that_depends_on_a_vision_model_has_an_id_and_a_record_of_its_own() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::on(folder.path(), None, ModelChoice::None).await;
+    let server = Server::on(folder.path()).await;
     lobbies(&server).await;
     let without = ask(&server).await;
     assert_eq!(without["verdict"], "loop", "{without}");
@@ -34,7 +33,7 @@ async fn a_verdict_that_depends_on_a_vision_model_has_an_id_and_a_record_of_its_
 
     // The model never answers, so that the map stays as it is.
     let stub = Stub::start(|_| Reply::Hang).await;
-    let server = Server::on(folder.path(), None, stub.choice(&[])).await;
+    let server = Server::with_models_on(folder.path(), stub.choice(&[])).await;
     let with = ask(&server).await;
     assert_eq!(with["map_version"], without["map_version"]);
     assert_eq!(

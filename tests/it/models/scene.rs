@@ -6,12 +6,17 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use futures_util::StreamExt as _;
 use reqwest::{Method, RequestBuilder};
+use revisit::engine::ModelChoice;
 use serde_json::{Value, json};
 
 use crate::support::{Server, pose};
 
 /// Nothing here takes so long unless it hangs.
 pub const HANGS_AFTER: Duration = Duration::from_mins(2);
+
+/// One painting in the words of two robots.
+pub const LADY: &str = "a portrait of a lady with a mysterious smile";
+pub const LISA: &str = "the famous portrait of Mona Lisa";
 
 /// A PNG file of one colour.
 pub fn png(width: u32, height: u32, colour: [u8; 3]) -> Vec<u8> {
@@ -45,6 +50,28 @@ pub fn keyframe(sec: i64, x: f64, detections: &[Value]) -> Value {
         "bow": {"words": [3, 17, 42], "weights": [1.0, 1.0, 1.0]},
         "detections": detections
     })
+}
+
+/// Starts a server that asks these models, with an empty map `m`.
+pub async fn server_with_map(models: ModelChoice) -> Server {
+    let server = Server::with_models(models).await;
+    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    server
+}
+
+/// Stores two keyframes 50 m apart, each before a painting with its description.
+pub async fn put_paintings(server: &Server, first: &str, second: &str) {
+    for (id, sec, x, description) in [("kf-1", 1, 0.0, first), ("kf-2", 90, 50.0, second)] {
+        put(server, "m", id, &keyframe(sec, x, &[described("painting", [x, 0.0, 2.0], description)])).await;
+    }
+}
+
+/// Stores two keyframes 50 m apart, before a plate that says room 901 and before one that nobody has read.
+pub async fn put_plates(server: &Server) {
+    let mut read = crop("door_number", [0.0, 0.0, 2.0], [9, 9, 9]);
+    read["text"] = json!("room 901");
+    put(server, "m", "kf-1", &keyframe(1, 0.0, &[read])).await;
+    put(server, "m", "kf-2", &keyframe(90, 50.0, &[crop("door_number", [50.0, 0.0, 2.0], [8, 8, 8])])).await;
 }
 
 /// Stores a keyframe.

@@ -53,7 +53,7 @@ async fn without_any_model_a_reader_reads_the_plate() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_the_reader_read_is_a_hint_and_stands_in_while_the_model_is_away() {
+async fn a_reading_of_the_reader_is_a_hint_and_stands_in_while_the_model_is_away() {
     let directory = tempfile::tempdir().unwrap();
     let path = stand_in(directory.path());
     let stub = Stub::start(|_| Reply::Raw { status: 500, headers: vec![], body: String::new() }).await;

@@ -5,12 +5,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde_json::{Value, json};
 
-use super::scene::{crop, described, describes, hear, keyframe, put};
+use super::scene::{
+    LADY, LISA, crop, described, describes, hear, keyframe, put, put_paintings, put_plates, server_with_map,
+};
 use super::stub::{Asked, Reply, Stub, level};
 use crate::support::Server;
-
-const LADY: &str = "a portrait of a lady with a mysterious smile";
-const LISA: &str = "the famous portrait of Mona Lisa";
 
 /// Every crop is a door of room 901.
 fn reads_901(asked: &Asked) -> Reply {
@@ -31,8 +30,7 @@ async fn anchor(server: &Server, id: &str) -> Value {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_crop_is_described_and_the_dialogue_can_be_read() {
     let stub = Stub::start(reads_901).await;
-    let server = Server::with_models(stub.choice(&[])).await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let server = server_with_map(stub.choice(&[])).await;
     let stored =
         put(&server, "m", "kf-1", &keyframe(1, 0.0, &[crop("door_number", [0.0, 0.0, 2.0], [9, 9, 9])]))
             .await;
@@ -56,10 +54,9 @@ async fn a_crop_is_described_and_the_dialogue_can_be_read() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_the_client_read_is_not_read_again() {
+async fn a_crop_that_its_client_read_is_not_read_again() {
     let stub = Stub::start(reads_901).await;
-    let server = Server::with_models(stub.choice(&[])).await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let server = server_with_map(stub.choice(&[])).await;
     let mut read = crop("door_number", [0.0, 0.0, 2.0], [9, 9, 9]);
     read["text"] = json!("room 7");
     let open = crop("door_number", [5.0, 0.0, 2.0], [9, 9, 9]);
@@ -73,10 +70,8 @@ async fn what_the_client_read_is_not_read_again() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_verdict_of_the_model_matches_two_anchors_and_triggers_a_loop_check() {
     let stub = Stub::start(reads_901).await;
-    let server = Server::with_models(stub.choice(&[])).await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
-    put(&server, "m", "kf-1", &keyframe(1, 0.0, &[described("painting", [0.0, 0.0, 2.0], LADY)])).await;
-    put(&server, "m", "kf-2", &keyframe(90, 50.0, &[described("painting", [50.0, 0.0, 2.0], LISA)])).await;
+    let server = server_with_map(stub.choice(&[])).await;
+    put_paintings(&server, LADY, LISA).await;
     let matched = |event: &Value| event["event"] == "anchors_matched";
     let events = hear(&server, "m", matched).await;
     let event = &events[events.len() - 1];
@@ -103,20 +98,19 @@ async fn a_verdict_of_the_model_matches_two_anchors_and_triggers_a_loop_check() 
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_a_model_said_stands_after_a_restart_without_a_model() {
+async fn a_models_verdict_stands_after_a_restart_without_a_model() {
     let stub = Stub::start(reads_901).await;
     let directory = tempfile::tempdir().unwrap();
-    let server = Server::on(directory.path(), None, stub.choice(&[])).await;
+    let server = Server::with_models_on(directory.path(), stub.choice(&[])).await;
     server.put("/v1/maps/m", &json!({})).await.expect(201);
-    put(&server, "m", "kf-1", &keyframe(1, 0.0, &[described("painting", [0.0, 0.0, 2.0], LADY)])).await;
-    put(&server, "m", "kf-2", &keyframe(90, 50.0, &[described("painting", [50.0, 0.0, 2.0], LISA)])).await;
+    put_paintings(&server, LADY, LISA).await;
     hear(&server, "m", |event| event["event"] == "loop_found").await;
     let ask = async |server: &Server| {
         server.post("/v1/maps/m/loop-queries", &json!({"keyframe": "kf-2"})).await.expect(200)
     };
     let before = ask(&server).await;
     server.stop().await;
-    let server = Server::on(directory.path(), None, revisit::engine::ModelChoice::None).await;
+    let server = Server::on(directory.path()).await;
     let after = ask(&server).await;
     // Another configuration has records of its own; the verdict is the same.
     assert_ne!(after["id"], before["id"]);
@@ -129,9 +123,7 @@ async fn another_map_of_the_same_name_is_worked_on_anew() {
     let server = Server::with_models(stub.choice(&[])).await;
     for round in 0..2 {
         server.put("/v1/maps/m", &json!({})).await.expect(201);
-        put(&server, "m", "kf-1", &keyframe(1, 0.0, &[described("painting", [0.0, 0.0, 2.0], LADY)])).await;
-        put(&server, "m", "kf-2", &keyframe(90, 50.0, &[described("painting", [50.0, 0.0, 2.0], LISA)]))
-            .await;
+        put_paintings(&server, LADY, LISA).await;
         let events = hear(&server, "m", |event| event["event"] == "anchors_matched").await;
         assert!(!events.is_empty(), "round {round}");
         server.delete("/v1/maps/m").await.expect(204);
@@ -141,8 +133,7 @@ async fn another_map_of_the_same_name_is_worked_on_anew() {
 #[tokio::test(flavor = "multi_thread")]
 async fn two_readings_of_one_painting_become_one_text() {
     let stub = Stub::start(reads_901).await;
-    let server = Server::with_models(stub.choice(&[])).await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let server = server_with_map(stub.choice(&[])).await;
     let mut second = keyframe(2, 0.0, &[described("painting", [0.1, 0.0, 2.0], LISA)]);
     second["covisible"] = json!([{"keyframe": "kf-1", "shared": 50}]);
     put(&server, "m", "kf-1", &keyframe(1, 0.0, &[described("painting", [0.0, 0.0, 2.0], LADY)])).await;
@@ -261,8 +252,7 @@ async fn maps_take_turns() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_crop_that_is_no_image_is_read_once_and_left_alone() {
     let stub = Stub::start(reads_901).await;
-    let server = Server::with_models(stub.choice(&[])).await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let server = server_with_map(stub.choice(&[])).await;
     let mut broken = crop("door_number", [0.0, 0.0, 2.0], [9, 9, 9]);
     broken["crop"] = json!("iVBORw0KGgo=");
     put(&server, "m", "kf-1", &keyframe(1, 0.0, &[broken])).await;
@@ -286,12 +276,8 @@ async fn a_query_that_waits_gets_the_description_it_waits_for() {
     })
     .await;
     let flags = ["--model-breaker-failures", "1000000", "--model-retries", "0"];
-    let server = Server::with_models(stub.choice(&flags)).await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
-    let mut read = crop("door_number", [0.0, 0.0, 2.0], [9, 9, 9]);
-    read["text"] = json!("room 901");
-    put(&server, "m", "kf-1", &keyframe(1, 0.0, &[read])).await;
-    put(&server, "m", "kf-2", &keyframe(90, 50.0, &[crop("door_number", [50.0, 0.0, 2.0], [8, 8, 8])])).await;
+    let server = server_with_map(stub.choice(&flags)).await;
+    put_plates(&server).await;
     let at_once = server.post("/v1/maps/m/loop-queries", &json!({"keyframe": "kf-2"})).await.expect(200);
     assert_eq!(
         (&at_once["verdict"], &at_once["candidates"][0]["reason"]["code"]),
@@ -313,7 +299,7 @@ async fn a_job_under_way_when_the_server_stops_is_finished() {
         Reply::After(held.clone(), "room 901".to_owned())
     })
     .await;
-    let server = Server::on(directory.path(), None, stub.choice(&[])).await;
+    let server = Server::with_models_on(directory.path(), stub.choice(&[])).await;
     server.put("/v1/maps/m", &json!({})).await.expect(201);
     put(&server, "m", "kf-1", &keyframe(1, 0.0, &[crop("door_number", [0.0, 0.0, 2.0], [9, 9, 9])])).await;
     begun.recv().await.unwrap();
@@ -324,6 +310,6 @@ async fn a_job_under_way_when_the_server_stops_is_finished() {
         gate.notify_one();
     };
     tokio::join!(server.stop(), let_go);
-    let server = Server::on(directory.path(), None, revisit::engine::ModelChoice::None).await;
+    let server = Server::on(directory.path()).await;
     assert_eq!(anchor(&server, "a-0").await["description"], "room 901");
 }

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use revisit::domain::counted::counted;
 use serde_json::json;
 
-use super::{checked, keyframe, names, revisit, url};
+use super::{Places, checked, keyframe, names, revisit, sound, url};
 use crate::crash::server::Server;
 
 async fn put(server: &Server, number: u64) {
@@ -25,9 +25,8 @@ async fn server_with_a_map(database: &Path) -> Server {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_backup_beside_a_writing_server_has_all_that_was_acknowledged() {
-    let folder = tempfile::tempdir().unwrap();
-    let (database, backup) = (folder.path().join("revisit.db"), folder.path().join("backup.db"));
-    let server = server_with_a_map(&database).await;
+    let at = Arc::new(Places::new());
+    let server = server_with_a_map(&at.database).await;
     let acknowledged = Arc::new(AtomicU64::new(1));
     let (api, total) = (server.api().clone(), acknowledged.clone());
     let writing = tokio::spawn(async move {
@@ -39,132 +38,124 @@ async fn a_backup_beside_a_writing_server_has_all_that_was_acknowledged() {
     });
     for round in 0..3 {
         let before = acknowledged.load(Ordering::SeqCst);
-        let (from, to) = (url(&database), backup.display().to_string());
-        let take = move || revisit(&["backup", "--force", "--database", &from, &to]).well();
+        let to = at.clone();
+        let take = move || to.run("backup", &["--force"]).well();
         let told = tokio::task::spawn_blocking(take).await.unwrap();
-        let found = checked(&backup).await;
-        assert_eq!(found.all_faults().collect::<Vec<_>>(), Vec::<String>::new(), "round {round}");
+        let found = sound(&at.backup).await;
         let held = found.holds.unwrap();
         assert!(held.keyframes >= before, "round {round}: {} of {before}", held.keyframes);
         assert!(told.contains(&format!("1 map, {}", counted(held.keyframes, "keyframe"))), "{told}");
     }
     writing.abort();
-    assert!(!names(folder.path()).iter().any(|name| name.contains("partial")), "{:?}", names(folder.path()));
+    assert!(
+        !names(at.folder.path()).iter().any(|name| name.contains("partial")),
+        "{:?}",
+        names(at.folder.path())
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_backup_replaces_nothing_unless_told_to() {
-    let folder = tempfile::tempdir().unwrap();
-    let (database, backup) = (folder.path().join("revisit.db"), folder.path().join("backup.db"));
-    let (from, to) = (url(&database), backup.display().to_string());
-    revisit(&["backup", "--database", &from, &to]).refused("there is no database");
-    let mut server = server_with_a_map(&database).await;
-    revisit(&["backup", "--database", &from, &database.display().to_string(), "--force"])
+    let at = Places::new();
+    at.run("backup", &[]).refused("there is no database");
+    let mut server = server_with_a_map(&at.database).await;
+    revisit(&["backup", "--database", &url(&at.database), &at.database.display().to_string(), "--force"])
         .refused("the database itself");
     for part in ["revisit.db-wal", "revisit.db-reserve", "revisit.db.lock"] {
-        let part = folder.path().join(part).display().to_string();
-        revisit(&["backup", "--database", &from, &part, "--force"]).refused("a part of it");
+        let part = at.folder.path().join(part).display().to_string();
+        revisit(&["backup", "--database", &url(&at.database), &part, "--force"]).refused("a part of it");
     }
-    std::fs::write(&backup, "precious").unwrap();
-    revisit(&["backup", "--database", &from, &to]).refused("exists; --force replaces it");
-    assert_eq!(std::fs::read(&backup).unwrap(), b"precious");
-    revisit(&["backup", "--database", &from, "--force", &to]).well();
-    assert_eq!(checked(&backup).await.holds.unwrap().keyframes, 1);
-    let missing = folder.path().join("no/such/folder/backup.db").display().to_string();
-    revisit(&["backup", "--database", &from, &missing]).refused("No such file or directory");
+    std::fs::write(&at.backup, "precious").unwrap();
+    at.run("backup", &[]).refused("exists; --force replaces it");
+    assert_eq!(std::fs::read(&at.backup).unwrap(), b"precious");
+    at.run("backup", &["--force"]).well();
+    assert_eq!(checked(&at.backup).await.holds.unwrap().keyframes, 1);
+    let missing = at.folder.path().join("no/such/folder/backup.db").display().to_string();
+    revisit(&["backup", "--database", &url(&at.database), &missing]).refused("No such file or directory");
     server.kill();
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn one_server_has_a_database_and_nobody_restores_under_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let (database, backup) = (folder.path().join("revisit.db"), folder.path().join("backup.db"));
-    let (from, to) = (url(&database), backup.display().to_string());
-    let mut server = server_with_a_map(&database).await;
-    revisit(&["backup", "--database", &from, &to]).well();
-    revisit(&["serve", "--listen", "127.0.0.1:0", "--database", &from])
+    let at = Places::new();
+    let mut server = server_with_a_map(&at.database).await;
+    at.run("backup", &[]).well();
+    revisit(&["serve", "--listen", "127.0.0.1:0", "--database", &url(&at.database)])
         .refused("is in use (by `serve, process");
-    revisit(&["restore", "--database", &from, "--force", &to]).refused("is in use");
+    at.run("restore", &["--force"]).refused("is in use");
     assert!(server.terminate().success());
-    revisit(&["restore", "--database", &from, &to]).refused("exists; --force replaces it");
+    at.run("restore", &[]).refused("exists; --force replaces it");
     // The lock goes with its process, however that ended.
-    let mut server = Server::start(&database);
+    let mut server = Server::start(&at.database);
     server.kill();
-    let mut server = Server::start(&database);
+    let mut server = Server::start(&at.database);
     assert!(server.terminate().success());
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_is_restored_is_served_and_what_was_there_is_kept_whole() {
-    let folder = tempfile::tempdir().unwrap();
-    let (database, backup) = (folder.path().join("revisit.db"), folder.path().join("backup.db"));
-    let (from, to) = (url(&database), backup.display().to_string());
-    let mut server = server_with_a_map(&database).await;
+async fn a_restored_backup_is_served_and_the_previous_database_is_kept_whole() {
+    let at = Places::new();
+    let mut server = server_with_a_map(&at.database).await;
     let before = server.api().get("/v1/maps/tower/keyframes/kf-0").await.body;
-    revisit(&["backup", "--database", &from, &to]).well();
+    at.run("backup", &[]).well();
     for number in 1..6 {
         put(&server, number).await;
     }
     // Killed: what was written last is in the log only.
     server.kill();
-    assert!(names(folder.path()).contains("revisit.db-wal"));
-    let told = revisit(&["restore", "--database", &from, "--force", &to]).well();
+    assert!(names(at.folder.path()).contains("revisit.db-wal"));
+    let told = at.run("restore", &["--force"]).well();
     assert!(told.contains("1 map, 1 keyframe,"), "{told}");
     let kept = told.lines().find_map(|line| line.strip_prefix("previous database: ")).unwrap();
-    let kept = checked(Path::new(kept)).await;
-    assert_eq!(kept.all_faults().collect::<Vec<_>>(), Vec::<String>::new());
+    let kept = sound(Path::new(kept)).await;
     assert_eq!(kept.holds.unwrap().keyframes, 6, "the log came along");
 
-    let mut server = Server::start(&database);
+    let mut server = Server::start(&at.database);
     assert_eq!(server.api().get("/v1/maps/tower/keyframes/kf-0").await.body, before);
     assert_eq!(server.api().get("/v1/maps/tower/keyframes/kf-1").await.status, 404);
     put(&server, 1).await;
     assert!(server.terminate().success());
     assert!(
-        !names(folder.path()).contains("revisit.db-wal"),
+        !names(at.folder.path()).contains("revisit.db-wal"),
         "a clean stop brings the log into the database"
     );
-    assert_eq!(checked(&database).await.all_faults().collect::<Vec<_>>(), Vec::<String>::new());
+    sound(&at.database).await;
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_restore_that_broke_off_costs_the_database_before_it_nothing() {
-    let folder = tempfile::tempdir().unwrap();
-    let (database, backup) = (folder.path().join("revisit.db"), folder.path().join("backup.db"));
-    let (from, to) = (url(&database), backup.display().to_string());
-    let mut server = server_with_a_map(&database).await;
-    revisit(&["backup", "--database", &from, &to]).well();
+    let at = Places::new();
+    let mut server = server_with_a_map(&at.database).await;
+    at.run("backup", &[]).well();
     put(&server, 1).await;
     server.kill();
     // Killed after it gave the log a second name, and before it gave the database one: at any of these seconds.
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_secs();
     for second in now..now + 60 {
-        let name = folder.path().join(format!("revisit.db.before-{second}-wal"));
-        std::fs::hard_link(folder.path().join("revisit.db-wal"), name).unwrap();
+        let name = at.folder.path().join(format!("revisit.db.before-{second}-wal"));
+        std::fs::hard_link(at.folder.path().join("revisit.db-wal"), name).unwrap();
     }
-    let told = revisit(&["restore", "--database", &from, "--force", &to]).well();
+    let told = at.run("restore", &["--force"]).well();
     let kept = told.lines().find_map(|line| line.strip_prefix("previous database: ")).unwrap();
     assert_eq!(checked(Path::new(kept)).await.holds.unwrap().keyframes, 2, "with what was in its log only");
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_damaged_backup_is_not_restored() {
-    let folder = tempfile::tempdir().unwrap();
-    let (database, backup) = (folder.path().join("revisit.db"), folder.path().join("backup.db"));
-    let (from, to) = (url(&database), backup.display().to_string());
-    let mut server = server_with_a_map(&database).await;
-    revisit(&["backup", "--database", &from, &to]).well();
+    let at = Places::new();
+    let mut server = server_with_a_map(&at.database).await;
+    at.run("backup", &[]).well();
     assert!(server.terminate().success());
-    let mut bytes = std::fs::read(&backup).unwrap();
+    let mut bytes = std::fs::read(&at.backup).unwrap();
     let middle = bytes.len() / 2 / 16384 * 16384;
     bytes[middle..middle + 64].fill(0xff);
-    std::fs::write(&backup, &bytes).unwrap();
-    let untouched = (names(folder.path()), std::fs::read(&database).unwrap());
-    revisit(&["restore", "--database", &from, "--force", &to]).refused("cannot be restored");
-    assert!(untouched == (names(folder.path()), std::fs::read(&database).unwrap()));
+    std::fs::write(&at.backup, &bytes).unwrap();
+    let untouched = (names(at.folder.path()), std::fs::read(&at.database).unwrap());
+    at.run("restore", &["--force"]).refused("cannot be restored");
+    assert!(untouched == (names(at.folder.path()), std::fs::read(&at.database).unwrap()));
     // Into a place where nothing is, a sound one goes without being forced.
-    let (elsewhere, sound) = (folder.path().join("elsewhere.db"), folder.path().join("sound.db"));
-    revisit(&["backup", "--database", &from, &sound.display().to_string()]).well();
+    let (elsewhere, sound) = (at.folder.path().join("elsewhere.db"), at.folder.path().join("sound.db"));
+    revisit(&["backup", "--database", &url(&at.database), &sound.display().to_string()]).well();
     revisit(&["restore", "--database", &url(&elsewhere), &sound.display().to_string()]).well();
     assert_eq!(checked(&elsewhere).await.holds.unwrap().keyframes, 1);
 }

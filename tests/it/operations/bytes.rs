@@ -7,13 +7,12 @@ use std::collections::BTreeMap;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree as _;
 use proptest::test_runner::TestRunner;
-use revisit::engine::ModelChoice;
 use revisit::integrity::backup::Copy;
 use revisit::integrity::restore::{Allowed, restore};
 use revisit::store::files::paths::DatabaseFiles;
 use serde_json::{Value, json};
 
-use super::checked;
+use super::sound;
 use crate::support::Server;
 
 const DATABASES: usize = 3;
@@ -111,7 +110,7 @@ async fn whatever_is_allowed_is_checked_backed_up_and_restored_with_equal_answer
     for _ in 0..DATABASES {
         let bodies = strategy.new_tree(&mut random).unwrap().current();
         let folder = tempfile::tempdir().unwrap();
-        let server = Server::on(folder.path(), None, ModelChoice::None).await;
+        let server = Server::on(folder.path()).await;
         let settings = json!({"settings": {"covisibility_min_shared_points": 3}});
         server.put("/v1/maps/m", &settings).await.expect(201);
         for (number, body) in bodies.iter().enumerate() {
@@ -124,8 +123,7 @@ async fn whatever_is_allowed_is_checked_backed_up_and_restored_with_equal_answer
         server.stop().await;
 
         let database = folder.path().join("test.db");
-        let faults: Vec<String> = checked(&database).await.all_faults().collect();
-        assert_eq!(faults, Vec::<String>::new());
+        sound(&database).await;
         let copy = Copy::of(&DatabaseFiles::of_path(&database), folder.path()).await.unwrap();
         assert!(copy.faults().is_empty(), "{:?}", copy.faults());
         let backup = folder.path().join("backup.db");
@@ -134,7 +132,7 @@ async fn whatever_is_allowed_is_checked_backed_up_and_restored_with_equal_answer
         let target = DatabaseFiles::of_path(&elsewhere.path().join("test.db"));
         restore(&DatabaseFiles::of_path(&backup), &target, Allowed::default()).await.unwrap();
         for directory in [folder.path(), elsewhere.path()] {
-            let server = Server::on(directory, None, ModelChoice::None).await;
+            let server = Server::on(directory).await;
             let after = answers(&server).await;
             for (path, answer) in &before {
                 assert_eq!(Some(answer), after.get(path), "{path}");

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::keyframe;
 use crate::support::Server;
@@ -40,8 +40,7 @@ fn names(expression: &str) -> impl Iterator<Item = &str> {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn the_dashboard_and_the_alerts_ask_for_metrics_and_labels_that_there_are() {
-    let server = Server::start().await;
-    server.put("/v1/maps/tower", &json!({})).await.expect(201);
+    let server = Server::with_map("tower").await;
     server.put("/v1/maps/tower/keyframes/kf-1?query=loop", &keyframe("a", 1)).await.expect(201);
     server.get("/nothing").await.expect(404);
     let text = metrics(&server).await;

@@ -4,7 +4,7 @@ use std::os::unix::fs::PermissionsExt as _;
 
 use serde_json::json;
 
-use super::{names, revisit, url};
+use super::{Places, names, revisit, url};
 use crate::crash::server::Server;
 
 #[test]
@@ -49,26 +49,25 @@ fn a_database_that_cannot_be_opened_is_named_and_nothing_is_left_beside_it() {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn the_database_is_its_owners_only_and_a_restore_tells_which_keys_are_good_again() {
-    let folder = tempfile::tempdir().unwrap();
-    let (database, backup) = (folder.path().join("revisit.db"), folder.path().join("backup.db"));
-    let (from, to) = (url(&database), backup.display().to_string());
+    let at = Places::new();
     for name in ["robots", "guests"] {
-        revisit(&["keys", "create", "--name", name, "--actions", "read", "--database", &from]).well();
+        revisit(&["keys", "create", "--name", name, "--actions", "read", "--database", &url(&at.database)])
+            .well();
     }
-    revisit(&["keys", "revoke", "key-2", "--database", &from]).well();
-    revisit(&["backup", "--database", &from, &to]).well();
-    revisit(&["keys", "revoke", "key-1", "--database", &from]).well();
-    let told = revisit(&["restore", "--database", &from, "--force", &to]).well();
+    revisit(&["keys", "revoke", "key-2", "--database", &url(&at.database)]).well();
+    at.run("backup", &[]).well();
+    revisit(&["keys", "revoke", "key-1", "--database", &url(&at.database)]).well();
+    let told = at.run("restore", &["--force"]).well();
     assert!(
         told.contains("key-1 \"robots\" is not revoked in the backup") && !told.contains("guests"),
         "{told}"
     );
 
-    let fresh = folder.path().join("fresh.db");
+    let fresh = at.folder.path().join("fresh.db");
     let mut server = Server::start(&fresh);
     assert_eq!(server.api().put("/v1/maps/m", &json!({})).await.status, 201);
-    for name in names(folder.path()).iter().filter(|name| name.contains(".db")) {
-        let mode = std::fs::metadata(folder.path().join(name)).unwrap().permissions().mode() & 0o777;
+    for name in names(at.folder.path()).iter().filter(|name| name.contains(".db")) {
+        let mode = std::fs::metadata(at.folder.path().join(name)).unwrap().permissions().mode() & 0o777;
         assert_eq!(mode, 0o600, "{name}");
     }
     assert!(server.terminate().success());

@@ -5,6 +5,7 @@ mod bytes;
 mod checks;
 mod damaged;
 mod fixtures;
+mod former_digests;
 mod logs;
 mod metrics;
 mod migrations;
@@ -15,7 +16,7 @@ mod stopping;
 mod traces;
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use revisit::integrity::check::{IntegrityReport, check};
@@ -28,6 +29,27 @@ struct Ran {
     succeeded: bool,
     out: String,
     err: String,
+}
+
+/// A folder with the places of a database and of its backup.
+struct Places {
+    folder: tempfile::TempDir,
+    database: PathBuf,
+    backup: PathBuf,
+}
+
+impl Places {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let [database, backup] = ["revisit.db", "backup.db"].map(|name| folder.path().join(name));
+        Self { folder, database, backup }
+    }
+
+    /// Runs `backup` or `restore` between the two.
+    fn run(&self, command: &str, options: &[&str]) -> Ran {
+        let (database, backup) = (url(&self.database), self.backup.display().to_string());
+        revisit(&[&[command, "--database", &database], options, &[&backup]].concat())
+    }
 }
 
 /// Runs a subcommand to its end.
@@ -64,6 +86,14 @@ fn url(database: &Path) -> String {
 
 pub(super) async fn checked(database: &Path) -> IntegrityReport {
     check(&DatabaseFiles::of_path(database)).await.unwrap()
+}
+
+/// The report of a check that finds no fault.
+pub(super) async fn sound(database: &Path) -> IntegrityReport {
+    let report = checked(database).await;
+    let faults: Vec<String> = report.all_faults().collect();
+    assert!(faults.is_empty(), "{}: {faults:?}", database.display());
+    report
 }
 
 /// The names in a folder.

@@ -5,7 +5,7 @@ use serde_json::json;
 use super::scene::{Scene, close_to, door, keyframe};
 
 #[tokio::test]
-async fn what_hangs_in_two_places_weighs_a_half_and_is_told_to_be_not_distinctive() {
+async fn a_sign_in_two_places_weighs_a_half_and_is_reported_as_not_distinctive() {
     let scene = Scene::new().await;
     for (id, x) in [("here", 0.0), ("there", 10.0)] {
         scene.put(id, keyframe().at([x, 0.0, 0.0]).sees([door("901", [x, 0.0, 2.0])])).await;

@@ -1,14 +1,11 @@
 //! M52: the same question gets the same bytes, again and after a restart.
 
-use std::path::Path;
-
 use reqwest::Method;
-use revisit::api::verdict::LoopAnswer;
-use revisit::engine::{Service, ServiceOptions};
-use revisit::http::RunningServer;
 use serde_json::{Value, json};
+use tempfile::TempDir;
 
 use super::scene::{Keyframe, NAMES, Scene, door, keyframe, thing, unread};
+use crate::support::{Server, pose};
 
 /// The bytes that a request is answered.
 async fn bytes(request: reqwest::RequestBuilder) -> Vec<u8> {
@@ -34,12 +31,17 @@ fn passages() -> Vec<(String, Keyframe)> {
     (0..9).map(visit).collect()
 }
 
-#[tokio::test]
-async fn the_same_question_at_the_same_version_gets_the_same_bytes() {
+async fn scene_with_passages() -> Scene {
     let scene = Scene::new().await;
     for (id, keyframe) in passages() {
         scene.put(&id, keyframe).await;
     }
+    scene
+}
+
+#[tokio::test]
+async fn the_same_question_at_the_same_version_gets_the_same_bytes() {
+    let scene = scene_with_passages().await;
     let ask = async |body: Value| {
         bytes(scene.server.request(Method::POST, &scene.path("/loop-queries")).json(&body)).await
     };
@@ -60,10 +62,7 @@ async fn the_same_question_at_the_same_version_gets_the_same_bytes() {
 
 #[tokio::test]
 async fn the_name_of_a_query_says_what_was_asked_and_of_which_version() {
-    let scene = Scene::new().await;
-    for (id, keyframe) in passages() {
-        scene.put(&id, keyframe).await;
-    }
+    let scene = scene_with_passages().await;
     let name = async |body: Value| {
         scene.post("/loop-queries", &body).await["id"].as_str().expect("an id").to_owned()
     };
@@ -92,10 +91,7 @@ async fn the_name_of_a_query_says_what_was_asked_and_of_which_version() {
 
 #[tokio::test]
 async fn a_query_does_not_change_the_maps_version() {
-    let scene = Scene::new().await;
-    for (id, keyframe) in passages() {
-        scene.put(&id, keyframe).await;
-    }
+    let scene = scene_with_passages().await;
     let version = async || scene.get("").await["map_version"].clone();
     let before = version().await;
     assert_eq!(scene.ask("kf-8").await["map_version"], before);
@@ -104,16 +100,27 @@ async fn a_query_does_not_change_the_maps_version() {
     assert_eq!(version().await, json!(before.as_u64().expect("a number") + 1));
 }
 
-/// A server on a database that outlives it.
-async fn open(database: &Path) -> RunningServer {
-    let database = format!("sqlite://{}", database.display());
-    let service = Service::open(ServiceOptions::on(database, LoopAnswer::bytes)).await.expect("a service");
-    RunningServer::start(service).await.expect("a free port")
+/// A server on a folder that outlives it.
+async fn open(folder: &TempDir) -> Server {
+    Server::on(folder.path()).await
+}
+
+/// The bytes that a request with a body is answered.
+async fn sent(server: &Server, method: Method, path: &str, body: Value) -> Vec<u8> {
+    bytes(server.request(method, &format!("/v1/maps/tower{path}")).json(&body)).await
+}
+
+async fn read(server: &Server, path: &str) -> Vec<u8> {
+    bytes(server.request(Method::GET, &format!("/v1/maps/tower{path}"))).await
+}
+
+async fn describe(server: &Server, anchor: usize, description: &str) {
+    let by_hand = server.request(Method::PATCH, &format!("/v1/maps/tower/anchors/a-{anchor}"));
+    bytes(by_hand.header("if-match", "*").json(&json!({"description": description}))).await;
 }
 
 /// All that a client can read of the map, and every verdict.
-async fn everything(http: &reqwest::Client, server: &RunningServer) -> Vec<(String, Vec<u8>)> {
-    let map = format!("{}/v1/maps/tower", server.url());
+async fn everything(server: &Server) -> Vec<(String, Vec<u8>)> {
     let mut paths: Vec<String> =
         ["", "/keyframes", "/anchors?merged=true&limit=1000", "/loops"].map(str::to_owned).to_vec();
     let kept: Vec<usize> = (0..9).filter(|number| *number != 5).collect();
@@ -124,77 +131,65 @@ async fn everything(http: &reqwest::Client, server: &RunningServer) -> Vec<(Stri
     }
     let mut found = Vec::new();
     for path in paths {
-        found.push((path.clone(), bytes(http.get(format!("{map}{path}"))).await));
+        let answer = read(server, &path).await;
+        found.push((path, answer));
     }
     for number in kept {
         let body = json!({"keyframe": format!("kf-{number}"), "seed": 3});
-        found.push((format!("{body}"), bytes(http.post(format!("{map}/loop-queries")).json(&body)).await));
+        found.push((format!("{body}"), sent(server, Method::POST, "/loop-queries", body).await));
     }
     found
 }
 
 #[tokio::test]
 async fn a_second_server_on_the_same_database_gives_the_same_bytes() {
-    let directory = tempfile::tempdir().expect("a temporary directory");
-    let database = directory.path().join("restart.db");
-    revisit::config::tls::install();
-    let http = reqwest::Client::builder().no_proxy().build().expect("a client");
-
-    let server = open(&database).await;
-    let map = format!("{}/v1/maps/tower", server.url());
-    bytes(http.put(&map).json(&json!({"settings": {"description_min_information_level": 2}}))).await;
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let server = open(&folder).await;
+    sent(&server, Method::PUT, "", json!({"settings": {"description_min_information_level": 2}})).await;
     for (id, keyframe) in passages() {
-        bytes(http.put(format!("{map}/keyframes/{id}")).json(&keyframe.0)).await;
+        sent(&server, Method::PUT, &format!("/keyframes/{id}"), keyframe.0).await;
     }
     // Something of everything that can happen to a map.
     for (id, keyframe, candidate) in [("l-1", "kf-6", "kf-0"), ("l-2", "kf-7", "kf-1")] {
         let body = json!({"id": id, "keyframe": keyframe, "candidate": candidate});
-        bytes(http.post(format!("{map}/loops")).json(&body)).await;
+        sent(&server, Method::POST, "/loops", body).await;
     }
-    bytes(http.delete(format!("{map}/loops/l-2"))).await;
-    bytes(http.delete(format!("{map}/keyframes/kf-5"))).await;
-    let moved = json!({"keyframes": {"ids": ["kf-3"], "poses": [crate::support::pose([0.1, 0.2, 0.3])]}});
-    bytes(http.post(format!("{map}/poses")).json(&moved)).await;
-    let by_hand = http.patch(format!("{map}/anchors/a-3")).header("if-match", "*");
-    bytes(by_hand.json(&json!({"description": "room 950"}))).await;
-    bytes(http.patch(&map).json(&json!({"settings": {"anchor_map_min_similarity": 0.25}}))).await;
+    for gone in ["loops/l-2", "keyframes/kf-5"] {
+        server.delete(&format!("/v1/maps/tower/{gone}")).await.expect(200);
+    }
+    let moved = json!({"keyframes": {"ids": ["kf-3"], "poses": [pose([0.1, 0.2, 0.3])]}});
+    sent(&server, Method::POST, "/poses", moved).await;
+    describe(&server, 3, "room 950").await;
+    sent(&server, Method::PATCH, "", json!({"settings": {"anchor_map_min_similarity": 0.25}})).await;
 
-    let before = everything(&http, &server).await;
-    server.stop().await.expect("it stops");
-    let server = open(&database).await;
-    let after = everything(&http, &server).await;
+    let before = everything(&server).await;
+    server.stop().await;
+    let server = open(&folder).await;
+    let after = everything(&server).await;
     for ((what, before), (_, after)) in before.iter().zip(&after) {
         assert_eq!(String::from_utf8_lossy(after), String::from_utf8_lossy(before), "{what}");
     }
-    server.stop().await.expect("it stops");
+    server.stop().await;
 }
 
 #[tokio::test]
 async fn a_crowd_of_texts_that_all_match_gives_the_same_bytes_after_a_restart() {
     const KEYFRAMES: usize = 8;
     const DOORS: usize = 25;
-    let directory = tempfile::tempdir().expect("a temporary directory");
-    let database = directory.path().join("crowd.db");
-    revisit::config::tls::install();
-    let http = reqwest::Client::builder().no_proxy().build().expect("a client");
-    let asked = |map: String| {
-        let http = http.clone();
-        async move {
-            let mut answers = Vec::new();
-            for anchor in [1, 2, 60, 150, 200] {
-                answers.push(bytes(http.get(format!("{map}/anchors/a-{anchor}"))).await);
-            }
-            for number in 0..KEYFRAMES {
-                let body = json!({"keyframe": format!("kf-{number}")});
-                answers.push(bytes(http.post(format!("{map}/loop-queries")).json(&body)).await);
-            }
-            answers
+    let asked = async |server: &Server| {
+        let mut answers = Vec::new();
+        for anchor in [1, 2, 60, 150, 200] {
+            answers.push(read(server, &format!("/anchors/a-{anchor}")).await);
         }
+        for number in 0..KEYFRAMES {
+            let body = json!({"keyframe": format!("kf-{number}")});
+            answers.push(sent(server, Method::POST, "/loop-queries", body).await);
+        }
+        answers
     };
-
-    let server = open(&database).await;
-    let map = format!("{}/v1/maps/tower", server.url());
-    bytes(http.put(&map).json(&json!({}))).await;
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let server = open(&folder).await;
+    sent(&server, Method::PUT, "", json!({})).await;
     let passage = |number: usize| {
         let doors = (0..DOORS).map(|door| {
             let x = (10 * (number * DOORS + door)) as f64;
@@ -204,25 +199,23 @@ async fn a_crowd_of_texts_that_all_match_gives_the_same_bytes_after_a_restart() 
         keyframe().sees(doors.collect::<Vec<_>>())
     };
     for number in 0..KEYFRAMES {
-        bytes(http.put(format!("{map}/keyframes/kf-{number}")).json(&passage(number).0)).await;
+        sent(&server, Method::PUT, &format!("/keyframes/kf-{number}"), passage(number).0).await;
     }
     // Old anchors get new texts, and new ones the places of old: what is oldest must not depend on when a text arrived.
     for (anchor, word) in [(1, "quill"), (3, "fern"), (61, "moss")] {
-        let by_hand = http.patch(format!("{map}/anchors/a-{anchor}")).header("if-match", "*");
-        bytes(by_hand.json(&json!({"description": format!("room 901 {word}")}))).await;
+        describe(&server, anchor, &format!("room 901 {word}")).await;
     }
-    bytes(http.delete(format!("{map}/keyframes/kf-1"))).await;
-    bytes(http.put(format!("{map}/keyframes/kf-1")).json(&passage(KEYFRAMES).0)).await;
+    server.delete("/v1/maps/tower/keyframes/kf-1").await.expect(200);
+    sent(&server, Method::PUT, "/keyframes/kf-1", passage(KEYFRAMES).0).await;
 
-    let told: Value =
-        serde_json::from_slice(&bytes(http.get(format!("{map}/anchors/a-1"))).await).expect("JSON");
+    let told = server.get("/v1/maps/tower/anchors/a-1").await.expect(200);
     assert_eq!(told["matches_total"], KEYFRAMES * DOORS - 1, "{told}");
-    let before = asked(map).await;
-    server.stop().await.expect("it stops");
-    let server = open(&database).await;
-    let after = asked(format!("{}/v1/maps/tower", server.url())).await;
+    let before = asked(&server).await;
+    server.stop().await;
+    let server = open(&folder).await;
+    let after = asked(&server).await;
     for (before, after) in before.iter().zip(&after) {
         assert_eq!(String::from_utf8_lossy(after), String::from_utf8_lossy(before));
     }
-    server.stop().await.expect("it stops");
+    server.stop().await;
 }

@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use super::tokens::{skip_item, tokenise};
+use super::tokens::{skip_enclosed, tokenise};
 
 /// A module's path from the crate's root.
 type ModulePath = Vec<String>;
@@ -156,10 +156,10 @@ fn parse(path: &Path, text: &str) -> Module {
                 .map(String::as_str)
                 .eq(["#", "[", "cfg", "(", "test", ")", "]"]) =>
             {
-                at = skip_item(&tokens, at + 7);
+                at = skip_enclosed(&tokens, at + 7, ["{", "}"]);
             }
             // Attributes name no module of ours.
-            "#" => at = skip_attribute(&tokens, at),
+            "#" => at = skip_enclosed(&tokens, at, ["[", "]"]),
             "use" => {
                 at = parse_tree(&tokens, at + 1, &[], &mut module);
                 at += 1;
@@ -205,24 +205,6 @@ fn parse_code(tokens: &[String], at: usize, module: &mut Module) -> usize {
         module.paths.push(path);
     }
     next
-}
-
-fn skip_attribute(tokens: &[String], mut at: usize) -> usize {
-    let mut depth = 0;
-    while let Some(token) = tokens.get(at) {
-        at += 1;
-        match token.as_str() {
-            "[" => depth += 1,
-            "]" => {
-                depth -= 1;
-                if depth == 0 {
-                    break;
-                }
-            }
-            _ => {}
-        }
-    }
-    at
 }
 
 /// Takes one tree of a `use`, and returns the place of the token after it.

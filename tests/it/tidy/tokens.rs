@@ -36,14 +36,14 @@ pub fn tokenise(text: &str) -> Vec<String> {
     tokens
 }
 
-/// Returns where the item that begins here ends: after its `;`, or after its braces.
-pub fn skip_item(tokens: &[String], mut at: usize) -> usize {
+/// Returns where the item or the attribute that begins here ends: after its `;`, or after its brackets.
+pub fn skip_enclosed(tokens: &[String], mut at: usize, [open, close]: [&str; 2]) -> usize {
     let mut depth = 0;
     while let Some(token) = tokens.get(at) {
         at += 1;
         match token.as_str() {
-            "{" => depth += 1,
-            "}" => {
+            token if token == open => depth += 1,
+            token if token == close => {
                 depth -= 1;
                 if depth == 0 {
                     break;

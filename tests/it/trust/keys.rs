@@ -35,7 +35,7 @@ async fn get(server: &Server, path: &str, secret: &str) -> Answer {
 async fn a_key_made_beside_a_running_server_opens_it_and_closes_it_to_everybody_else() {
     let directory = tempfile::tempdir().expect("a directory");
     let database = directory.path().join("test.db");
-    let server = Server::on(directory.path(), None, revisit::engine::ModelChoice::None).await;
+    let server = Server::on(directory.path()).await;
     server.get("/v1/maps").await.expect(200);
 
     let secret =
@@ -68,7 +68,7 @@ async fn a_key_made_beside_a_running_server_opens_it_and_closes_it_to_everybody_
 async fn a_key_made_beside_a_running_server_opens_it_also_in_a_flood_of_nonsense() {
     let directory = tempfile::tempdir().expect("a directory");
     let database = directory.path().join("test.db");
-    let server = Server::on(directory.path(), None, revisit::engine::ModelChoice::None).await;
+    let server = Server::on(directory.path()).await;
     let flood = futures_util::future::join_all((0..100).map(async |_| {
         loop {
             get(&server, "/v1/maps", "nonsense").await.expect(401);
@@ -91,7 +91,7 @@ async fn keys_outlive_a_restart_and_no_secret_is_in_the_database() {
     let directory = tempfile::tempdir().expect("a directory");
     let database = directory.path().join("test.db");
     let secret = create(&database, &["--actions", "read,admin"]).await;
-    let server = Server::on(directory.path(), None, revisit::engine::ModelChoice::None).await;
+    let server = Server::on(directory.path()).await;
     let keys = get(&server, "/v1/keys", &secret).await.expect(200);
     assert_eq!(keys["items"][0]["actions"], json!(["read", "admin"]));
     server.stop().await;
@@ -214,8 +214,7 @@ async fn a_malformed_authorization_is_no_key() {
 
 #[tokio::test]
 async fn a_stream_of_events_ends_with_its_key() {
-    let server = Server::start().await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let server = Server::with_map("m").await;
     let open = server.request(Method::GET, "/v1/maps/m/events").send().await.expect("an answer");
     assert_eq!(open.status(), 200);
     let body = json!({"actions": ["read", "admin"]});

@@ -66,8 +66,7 @@ async fn without_keys_no_name_that_a_web_page_could_have_made_leads_here() {
 
 #[tokio::test]
 async fn without_keys_nothing_is_changed_for_a_web_page_from_elsewhere() {
-    let server = Server::start().await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+    let server = Server::with_map("m").await;
     let own = server.url("");
     // As a browser sends a form or bytes without a type: it asks nobody first.
     let send = async |method: &Method, path: &str, headers: &[(&str, &str)]| {

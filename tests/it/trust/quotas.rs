@@ -161,9 +161,8 @@ async fn every_loop_counts_also_between_one_pair() {
 }
 
 #[tokio::test]
-async fn what_a_loop_merges_counts_until_it_is_revoked() {
-    let server = Server::start().await;
-    server.put("/v1/maps/m", &json!({})).await.expect(201);
+async fn merges_of_a_loop_count_until_it_is_revoked() {
+    let server = Server::with_map("m").await;
     let mut again = with_plate("901", 0.0);
     again["session"] = json!("again");
     server.put("/v1/maps/m/keyframes/a", &with_plate("901", 0.0)).await.expect(201);
@@ -181,7 +180,7 @@ async fn what_a_loop_merges_counts_until_it_is_revoked() {
 #[tokio::test]
 async fn a_restart_counts_the_same_bytes() {
     let directory = tempfile::tempdir().expect("a directory");
-    let start = || Server::on(directory.path(), None, revisit::engine::ModelChoice::None);
+    let start = || Server::on(directory.path());
     let server = start().await;
     server.put("/v1/maps/m", &json!({})).await.expect(201);
     let mut body = with_plate("901", 0.0);

@@ -52,7 +52,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn whoever_stands_out_is_near_whatever_is_usual_with_the_model() {
+    fn texts_that_stand_out_are_near_whatever_is_usual_with_the_model() {
         // By hand: the median is 0.40 and the deviations 0.02, 0.02, 0.01, ...: their median is 0.02, sigma 0.0297.
         // 0.47 is 2.36 sigma above: 12 * 0.0091 = 0.11 by chance. 0.43 is 1.01 sigma above: 12 * 0.156 = 1.9.
         let usual = [0.38, 0.42, 0.39, 0.41, 0.40, 0.43, 0.37, 0.40, 0.38, 0.42];

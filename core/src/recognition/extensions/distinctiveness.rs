@@ -162,7 +162,6 @@ fn places<'a>(index: &MapIndex, sightings: impl Iterator<Item = Sighting<'a>>) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::domain::bow::BowVector;
     use crate::domain::keyframe::{Detection, NewKeyframe, Stamp};
     use crate::geometry::Pose;
     use crate::recognition::anchors::ingest::ingest;
@@ -171,30 +170,13 @@ mod tests {
 
     fn sign(number: usize, text: &str) -> NewKeyframe {
         let detection = Detection {
-            class: "sign".to_owned(),
-            confidence: 0.9,
-            box_px: [0.0, 0.0, 10.0, 10.0],
-            map_points: Vec::new(),
             position_in_session: Some(Point3::new(number as f64 * 1.7, 0.0, 0.0)),
-            range_assumed: false,
             text: Some(text.to_owned()),
-            description: None,
-            crop: None,
+            ..Detection::of("sign", 0.9, [0.0, 0.0, 10.0, 10.0])
         };
-        NewKeyframe {
-            id: format!("kf-{number}").parse().unwrap(),
-            session: "run".parse().unwrap(),
-            stamp: Stamp { sec: 0, nanosec: 0 },
-            map_from_camera: Pose::new([0.0; 3], [0.0, 0.0, 0.0, 1.0]).unwrap(),
-            camera: None,
-            bow: BowVector::default(),
-            vocabulary: None,
-            features: None,
-            map_points: Vec::new(),
-            observes: Vec::new(),
-            covisible: Vec::new(),
-            detections: vec![detection],
-        }
+        let id = format!("kf-{number}").parse().unwrap();
+        let keyframe = NewKeyframe::at(id, Stamp { sec: 0, nanosec: 0 }, Pose::identity());
+        NewKeyframe { detections: vec![detection], ..keyframe }
     }
 
     const TEXTS: [&str; 11] = [
@@ -213,7 +195,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_counted_once_is_what_each_text_counts_alone(
+        fn counting_all_texts_at_once_equals_counting_each_alone(
             signs in prop::collection::vec(0..TEXTS.len(), 0..16),
             asked in prop::collection::vec(0..TEXTS.len(), 0..6),
         ) {

@@ -97,7 +97,7 @@ mod tests {
     use nalgebra::UnitQuaternion;
 
     #[test]
-    fn who_is_off_by_a_twentieth_of_the_way_cannot_be_turned_round_however_long_it_is() {
+    fn a_robot_off_by_a_twentieth_of_the_way_cannot_be_turned_round_however_long_it_is() {
         let settings = Settings::default();
         let turned = |rad: f64, length_m: f64| {
             let path = TrackedPath { length_m, candidate_from_query: Pose::identity() };

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::geometry::Sim3;
+use crate::geometry::instruction_set::{Kernel, dispatch};
 use crate::geometry::pinhole::Pinhole;
 
 /// A point known in one camera's frame, and where the other camera's image shows it.
@@ -29,17 +30,22 @@ pub struct Depth {
 
 impl Reprojection {
     /// Returns how far off the pixel is in x and y; `None` if the point falls behind the camera.
+    #[inline(always)]
     pub fn residual_px(&self, point_in_camera: &Vector3<f64>, camera: &Pinhole) -> Option<[f64; 2]> {
         let [u, v] = camera.project(point_in_camera)?;
         Some([u - self.pixel[0], v - self.pixel[1]])
     }
 
     /// Returns the squared error in units of the variance; infinite if the point falls behind the camera.
+    #[inline(always)]
     fn chi_square(&self, map: &Map, camera: &Pinhole) -> f64 {
         let point = map.apply(&self.point);
         let Some([u, v]) = self.residual_px(&point, camera) else { return f64::INFINITY };
         let in_image = (u * u + v * v) * self.inverse_variance;
-        let in_depth = self.depth.map_or(0.0, |depth| (point.z - depth.metres) * depth.inverse_sigma);
+        let in_depth = match self.depth {
+            Some(depth) => (point.z - depth.metres) * depth.inverse_sigma,
+            None => 0.0,
+        };
         in_image.max(in_depth * in_depth)
     }
 }
@@ -77,19 +83,26 @@ pub struct Cameras {
 
 /// A similarity as matrix and vector, for loops over many points.
 #[derive(Clone, Copy, Debug)]
-struct Map {
+pub(super) struct Map {
     linear: Matrix3<f64>,
     translation: Vector3<f64>,
 }
 
 impl Map {
-    fn of(sim3: &Sim3) -> Self {
+    pub(super) fn of(sim3: &Sim3) -> Self {
         let (linear, translation) = sim3.linear_and_translation();
         Self { linear, translation }
     }
 
-    fn apply(&self, point: &Vector3<f64>) -> Vector3<f64> {
-        self.linear * point + self.translation
+    /// Returns a mapped point: `linear * point + translation`, written out so that it is inlined into kernels.
+    #[inline(always)]
+    pub(super) fn apply(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        let (m, t) = (&self.linear, &self.translation);
+        Vector3::new(
+            m.m11 * point.x + m.m12 * point.y + m.m13 * point.z + t.x,
+            m.m21 * point.x + m.m22 * point.y + m.m23 * point.z + t.y,
+            m.m31 * point.x + m.m32 * point.y + m.m33 * point.z + t.z,
+        )
     }
 }
 
@@ -113,12 +126,16 @@ impl Hypothesis {
 
     /// Returns the worse of the squared errors in the two images, in units of the keypoint's variance; infinite if a
     /// point falls behind a camera.
+    #[inline(always)]
     pub fn chi_square(&self, pair: &Correspondence) -> f64 {
-        let in_query =
-            pair.into_query.map_or(0.0, |it| it.chi_square(&self.query_from_candidate, &self.cameras.query));
-        let in_candidate = pair
-            .into_candidate
-            .map_or(0.0, |it| it.chi_square(&self.candidate_from_query, &self.cameras.candidate));
+        let in_query = match &pair.into_query {
+            Some(it) => it.chi_square(&self.query_from_candidate, &self.cameras.query),
+            None => 0.0,
+        };
+        let in_candidate = match &pair.into_candidate {
+            Some(it) => it.chi_square(&self.candidate_from_query, &self.cameras.candidate),
+            None => 0.0,
+        };
         in_query.max(in_candidate)
     }
 
@@ -137,24 +154,45 @@ impl Hypothesis {
         })
     }
 
-    /// Returns a point of the candidate's frame in the query's.
-    pub fn in_query(&self, point_in_candidate: &Vector3<f64>) -> Vector3<f64> {
-        self.query_from_candidate.apply(point_in_candidate)
+    /// Returns what maps points of the candidate's frame into the query's.
+    pub(super) fn query_from_candidate(&self) -> &Map {
+        &self.query_from_candidate
     }
 
-    /// Returns a point of the query's frame in the candidate's.
-    pub fn in_candidate(&self, point_in_query: &Vector3<f64>) -> Vector3<f64> {
-        self.candidate_from_query.apply(point_in_query)
+    /// Returns what maps points of the query's frame into the candidate's.
+    pub(super) fn candidate_from_query(&self) -> &Map {
+        &self.candidate_from_query
     }
 
     /// Returns the places of the pairs whose error in both images is below the limit.
     pub fn inliers(&self, pairs: &[Correspondence], max_chi_square: f64) -> Vec<u32> {
-        let is_inlier = |(_, pair): &(usize, &Correspondence)| self.chi_square(pair) < max_chi_square;
-        pairs.iter().enumerate().filter(is_inlier).map(|(place, _)| place as u32).collect()
+        dispatch(Inliers { hypothesis: self, pairs, max_chi_square })
     }
 
     /// Returns the pairs whose error in both images is below the limit.
     pub fn explained(&self, pairs: &[Correspondence], max_chi_square: f64) -> Vec<Correspondence> {
-        pairs.iter().filter(|pair| self.chi_square(pair) < max_chi_square).copied().collect()
+        self.inliers(pairs, max_chi_square).iter().map(|&place| pairs[place as usize]).collect()
+    }
+}
+
+/// Pairs to be tested.
+struct Inliers<'a> {
+    hypothesis: &'a Hypothesis,
+    pairs: &'a [Correspondence],
+    max_chi_square: f64,
+}
+
+impl Kernel for Inliers<'_> {
+    type Output = Vec<u32>;
+
+    #[inline(always)]
+    fn run<const POPCNT: bool>(self) -> Vec<u32> {
+        let mut inliers = Vec::with_capacity(self.pairs.len());
+        for (place, pair) in (0..).zip(self.pairs) {
+            if self.hypothesis.chi_square(pair) < self.max_chi_square {
+                inliers.push(place);
+            }
+        }
+        inliers
     }
 }

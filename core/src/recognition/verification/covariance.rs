@@ -9,8 +9,9 @@
 use nalgebra::{Matrix3, SMatrix};
 
 use super::correspondence::{Cameras, Correspondence};
-use super::refinement::linearised;
+use super::normal_equations::Scatter;
 use crate::geometry::Sim3;
+use crate::geometry::instruction_set::dispatch;
 
 /// Pairs that define a transformation.
 const DEFINING: f64 = 3.0;
@@ -27,13 +28,7 @@ pub fn covariance(
     if count <= DEFINING {
         return None;
     }
-    let mut information = SMatrix::<f64, 7, 7>::zeros();
-    let mut spread = SMatrix::<f64, 7, 7>::zeros();
-    for pair in explained {
-        let (of_pair, gradient) = linearised(candidate_from_query, pair, cameras);
-        information += of_pair;
-        spread += gradient * gradient.transpose();
-    }
+    let [mut information, mut spread] = dispatch(Scatter::new(candidate_from_query, explained, cameras));
     if fixed_scale {
         for i in 0..6 {
             (information[(6, i)], information[(i, 6)]) = (0.0, 0.0);

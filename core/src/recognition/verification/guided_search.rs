@@ -1,27 +1,25 @@
 //! With a transformation in hand, more matches: points projected into the other image, descriptors compared nearby.
 
-use std::collections::HashSet;
-
 use nalgebra::Vector3;
 
-use super::correspondence::{Correspondence, Hypothesis, Reprojection};
-use super::keypoint_grid::KeypointGrid;
+use super::correspondence::{Correspondence, Hypothesis, Map, Reprojection};
 use super::limits::Limits;
+use super::projection_search::{Found, IndexedImage, ProjectionSearch, Wanted};
 use super::view::{Landmark, View};
-use crate::geometry::hamming::distance;
+use crate::geometry::instruction_set::dispatch;
 use crate::geometry::pinhole::Pinhole;
 
 /// What a feature of the query is matched with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Target {
     /// A feature of the candidate.
     Feature(u32),
-    /// A landmark of the window, by its id.
-    Landmark(u64),
+    /// A landmark of the window, by the rank of its id.
+    Landmark(u32),
 }
 
 /// A match found by projection, to be compared with the others.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug)]
 struct Proposal {
     distance: u32,
     query: u32,
@@ -30,14 +28,27 @@ struct Proposal {
     place: u32,
 }
 
+impl Proposal {
+    /// Returns what proposals are ordered by: the nearest descriptors first, then the smaller feature of the query, then
+    /// features before landmarks.
+    fn order(&self) -> (u64, Target, u32) {
+        (u64::from(self.distance) << 32 | u64::from(self.query), self.target, self.place)
+    }
+}
+
 /// The two keyframes and the window, indexed by place in the image.
 pub struct GuidedSearch<'a> {
     query: &'a View<'a>,
     candidate: &'a View<'a>,
     window: &'a [Landmark<'a>],
     limits: &'a Limits,
-    query_grid: KeypointGrid,
-    candidate_grid: KeypointGrid,
+    query_image: IndexedImage<'a>,
+    candidate_image: IndexedImage<'a>,
+    query_points: Vec<Wanted<'a>>,
+    candidate_points: Vec<Wanted<'a>>,
+    window_points: Vec<Wanted<'a>>,
+    /// The rank of each landmark's id among all ids of the window.
+    ranks: Vec<u32>,
 }
 
 impl<'a> GuidedSearch<'a> {
@@ -48,90 +59,102 @@ impl<'a> GuidedSearch<'a> {
         window: &'a [Landmark<'a>],
         limits: &'a Limits,
     ) -> Self {
-        let query_grid = KeypointGrid::new(query.keypoints, &query.camera);
-        let candidate_grid = KeypointGrid::new(candidate.keypoints, &candidate.camera);
-        Self { query, candidate, window, limits, query_grid, candidate_grid }
+        let landmark = |(place, landmark): (u32, &Landmark<'a>)| Wanted {
+            place,
+            point: landmark.point_in_camera.coords,
+            descriptor: landmark.descriptor,
+        };
+        Self {
+            query,
+            candidate,
+            window,
+            limits,
+            query_image: IndexedImage::new(query),
+            candidate_image: IndexedImage::new(candidate),
+            query_points: located(query),
+            candidate_points: located(candidate),
+            window_points: (0..).zip(window).map(landmark).collect(),
+            ranks: ranks(window),
+        }
     }
 
-    /// Returns the pairs in `kept`, and those that projection and descriptors add to them, ascending by the query's
-    /// feature. Each feature and each landmark is in one pair at most; the nearest descriptors choose first, ties by
-    /// the smaller feature.
-    pub fn search(&self, hypothesis: &Hypothesis, kept: Vec<Correspondence>) -> Vec<Correspondence> {
-        let mut proposals = Vec::new();
-        self.project_candidate_features(hypothesis, &mut proposals);
-        self.project_landmarks(hypothesis, &mut proposals);
-        self.project_query_features(hypothesis, &mut proposals);
-        proposals.sort_unstable();
-        let mut taken_of_query = vec![false; self.query.keypoints.len()];
-        let mut taken: HashSet<Target> = HashSet::new();
-        for pair in &kept {
-            taken_of_query[pair.query_feature as usize] = true;
-            taken.extend(pair.candidate_feature.map(Target::Feature));
-        }
-        let mut pairs = kept;
-        for proposal in &proposals {
-            let is_taken = &mut taken_of_query[proposal.query as usize];
-            if !*is_taken && taken.insert(proposal.target) {
-                *is_taken = true;
-                pairs.push(self.correspondence(proposal));
+    /// Returns the pairs at the places `kept` of `matched`, which ascend by the query's feature, and those that projection
+    /// and descriptors add to them, ascending by the query's feature. Each feature and each landmark is in one pair at most;
+    /// the nearest descriptors choose first, ties by the smaller feature.
+    pub fn search(
+        &self,
+        hypothesis: &Hypothesis,
+        matched: &[Correspondence],
+        kept: &[u32],
+    ) -> Vec<Correspondence> {
+        let mut query_taken = vec![false; self.query.keypoints.len()];
+        let mut candidate_taken = vec![false; self.candidate.keypoints.len()];
+        let mut landmark_taken = vec![false; self.ranks.len()];
+        for pair in kept.iter().map(|&place| &matched[place as usize]) {
+            query_taken[pair.query_feature as usize] = true;
+            if let Some(feature) = pair.candidate_feature {
+                candidate_taken[feature as usize] = true;
             }
         }
-        pairs.sort_by_key(|pair| pair.query_feature);
+        let mut added = self.proposals(hypothesis);
+        added.sort_unstable_by_key(Proposal::order);
+        added.retain(|proposal| {
+            let target_taken = match proposal.target {
+                Target::Feature(feature) => &mut candidate_taken[feature as usize],
+                Target::Landmark(rank) => &mut landmark_taken[rank as usize],
+            };
+            let query_taken = &mut query_taken[proposal.query as usize];
+            let is_free = !*query_taken && !*target_taken;
+            *target_taken |= is_free;
+            *query_taken |= is_free;
+            is_free
+        });
+        added.sort_unstable_by_key(|proposal| proposal.query);
+        let mut added = added.iter().peekable();
+        let mut pairs = Vec::with_capacity(kept.len() + added.len());
+        for pair in kept.iter().map(|&place| &matched[place as usize]) {
+            while let Some(before) = added.next_if(|proposal| proposal.query < pair.query_feature) {
+                pairs.push(self.correspondence(before));
+            }
+            pairs.push(*pair);
+        }
+        pairs.extend(added.map(|proposal| self.correspondence(proposal)));
         pairs
     }
 
-    fn project_candidate_features(&self, hypothesis: &Hypothesis, proposals: &mut Vec<Proposal>) {
-        for (feature, point) in located(self.candidate) {
-            let descriptor = self.candidate.descriptors.get(feature as usize);
-            let found = self.nearest_query_feature(&hypothesis.in_query(&point), descriptor);
-            let target = Target::Feature(feature);
-            proposals.extend(found.map(|(distance, query)| Proposal { distance, query, target, place: 0 }));
-        }
+    /// Returns what projection and descriptors propose: points of either side in the image of the other.
+    fn proposals(&self, hypothesis: &Hypothesis) -> Vec<Proposal> {
+        let (into_query, into_candidate) =
+            (hypothesis.query_from_candidate(), hypothesis.candidate_from_query());
+        let mut proposals = Vec::new();
+        let found = self.look_for(&self.candidate_points, into_query, &self.query_image);
+        proposals.extend(found.iter().map(|found| Proposal {
+            distance: found.distance,
+            query: found.feature,
+            target: Target::Feature(found.place),
+            place: 0,
+        }));
+        let found = self.look_for(&self.window_points, into_query, &self.query_image);
+        proposals.extend(found.iter().map(|found| Proposal {
+            distance: found.distance,
+            query: found.feature,
+            target: Target::Landmark(self.ranks[found.place as usize]),
+            place: found.place,
+        }));
+        let found = self.look_for(&self.query_points, into_candidate, &self.candidate_image);
+        proposals.extend(found.iter().map(|found| Proposal {
+            distance: found.distance,
+            query: found.place,
+            target: Target::Feature(found.feature),
+            place: 0,
+        }));
+        proposals
     }
 
-    fn project_landmarks(&self, hypothesis: &Hypothesis, proposals: &mut Vec<Proposal>) {
-        for (place, landmark) in self.window.iter().enumerate() {
-            let point = landmark.point_in_camera.coords;
-            let found = self.nearest_query_feature(&hypothesis.in_query(&point), landmark.descriptor);
-            let (target, place) = (Target::Landmark(landmark.id), place as u32);
-            proposals.extend(found.map(|(distance, query)| Proposal { distance, query, target, place }));
-        }
-    }
-
-    fn project_query_features(&self, hypothesis: &Hypothesis, proposals: &mut Vec<Proposal>) {
-        for (query, point) in located(self.query) {
-            let descriptor = self.query.descriptors.get(query as usize);
-            let projected = self.candidate.pinhole().project(&hypothesis.in_candidate(&point));
-            let found = projected
-                .and_then(|pixel| self.nearest(pixel, descriptor, self.candidate, &self.candidate_grid));
-            proposals.extend(found.map(|(distance, feature)| Proposal {
-                distance,
-                query,
-                target: Target::Feature(feature),
-                place: 0,
-            }));
-        }
-    }
-
-    fn nearest_query_feature(&self, point_in_query: &Vector3<f64>, descriptor: &[u64]) -> Option<(u32, u32)> {
-        let pixel = self.query.pinhole().project(point_in_query)?;
-        self.nearest(pixel, descriptor, self.query, &self.query_grid)
-    }
-
-    /// Returns the feature around a pixel whose descriptor is nearest, and its distance.
-    fn nearest(
-        &self,
-        pixel: [f64; 2],
-        descriptor: &[u64],
-        view: &View,
-        grid: &KeypointGrid,
-    ) -> Option<(u32, u32)> {
-        let max_distance = self.limits.guided.max_distance * f64::from(view.descriptors.bits());
+    fn look_for(&self, wanted: &[Wanted], map: &Map, image: &IndexedImage) -> Vec<Found> {
+        let max_distance = self.limits.guided.max_distance * f64::from(image.descriptor_bits());
         let radius_px = self.limits.guided.radius * self.limits.variance_px2(0).sqrt();
-        grid.around(pixel, radius_px)
-            .map(|feature| (distance(descriptor, view.descriptors.get(feature as usize)), feature))
-            .filter(|&(distance, _)| f64::from(distance) <= max_distance)
-            .min()
+        dispatch(ProjectionSearch { image, map, wanted, radius_px, max_distance })
     }
 
     fn correspondence(&self, proposal: &Proposal) -> Correspondence {
@@ -177,8 +200,21 @@ fn virtual_sighting(point: &Vector3<f64>, camera: &Pinhole, limits: &Limits) -> 
     Some((camera.project(point)?, limits.variance_px2(0).recip()))
 }
 
-/// Returns the features that have a position, with it.
-fn located<'a>(view: &'a View) -> impl Iterator<Item = (u32, Vector3<f64>)> + 'a {
-    let points = view.points_in_camera.iter().enumerate();
-    points.filter_map(|(feature, point)| Some((feature as u32, (*point)?.coords)))
+/// Returns the features that have a position.
+fn located<'a>(view: &View<'a>) -> Vec<Wanted<'a>> {
+    let points = (0..).zip(view.points_in_camera);
+    points
+        .filter_map(|(place, point)| {
+            let point = (*point)?.coords;
+            Some(Wanted { place, point, descriptor: view.descriptors.get(place as usize) })
+        })
+        .collect()
+}
+
+/// Returns the rank of each landmark's id: equal ids have one rank.
+fn ranks(window: &[Landmark]) -> Vec<u32> {
+    let mut ids: Vec<u64> = window.iter().map(|landmark| landmark.id).collect();
+    ids.sort_unstable();
+    ids.dedup();
+    window.iter().map(|landmark| ids.partition_point(|id| *id < landmark.id) as u32).collect()
 }

@@ -3,11 +3,11 @@
 //! | step | file |
 //! |---|---|
 //! | points that their own image has elsewhere | [`resection`] |
-//! | match descriptors | [`descriptor_matching`], [`orientation`] |
+//! | match descriptors | [`descriptor_matching`], `group_matching`, [`orientation`] |
 //! | points with positions on both sides: find a similarity most of them agree with | [`similarity`], [`ransac`], [`correspondence`] |
-//! | refine it on the reprojection errors; how well it is known | [`refinement`], [`covariance`] |
+//! | refine it on the reprojection errors; how well it is known | [`refinement`], `normal_equations`, `huber`, [`covariance`] |
 //! | a flat patch may be tilted the other way | [`planar_ambiguity`] |
-//! | project, match again, count | [`guided_search`], [`keypoint_grid`] |
+//! | project, match again, count | [`guided_search`], `projection_search`, [`keypoint_grid`] |
 //! | too few points with positions: images alone | [`two_views`] |
 //! | how often chance explains as much | [`significance`] |
 //! | the first model that can run | `any_model` |
@@ -24,12 +24,16 @@ pub mod correspondence;
 pub mod covariance;
 pub mod descriptor_match;
 pub mod descriptor_matching;
+mod group_matching;
 pub mod guided_search;
+mod huber;
 pub mod keypoint_grid;
 pub mod limits;
+mod normal_equations;
 pub mod orientation;
 pub mod outcome;
 pub mod planar_ambiguity;
+mod projection_search;
 pub mod ransac;
 pub mod refinement;
 pub mod resection;

@@ -17,6 +17,8 @@
 use std::collections::HashSet;
 use std::f64::consts::LN_10;
 
+use foldhash::fast::RandomState;
+
 use super::outcome::Failure;
 
 /// Features this near show one thing, in pixels: half the width of ORB's patch (31 pixels at octave 0).
@@ -105,7 +107,8 @@ fn distinct(matches: &[ImageMatch]) -> Vec<&ImageMatch> {
     let mut order: Vec<usize> = (0..matches.len()).collect();
     order.sort_by_key(|place| (matches[*place].distance, *place));
     let cell = |pixel: [f64; 2]| pixel.map(|at| (at / CELL_PX).floor().clamp(-CELLS_MAX, CELLS_MAX) as i64);
-    let (mut of_query, mut of_candidate) = (HashSet::new(), HashSet::new());
+    let taken = || HashSet::<_, RandomState>::with_capacity_and_hasher(matches.len(), RandomState::default());
+    let (mut of_query, mut of_candidate) = (taken(), taken());
     let mut kept = Vec::new();
     for place in order {
         let found = &matches[place];

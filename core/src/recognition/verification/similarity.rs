@@ -69,7 +69,8 @@ fn find_transformation(
     let mut pairs = Vec::new();
     for _ in 0..limits.guided.rounds {
         let hypothesis = Hypothesis::new(&cameras, &candidate_from_query);
-        pairs = search.search(&hypothesis, hypothesis.explained(&matched, limits.max_chi_square));
+        let kept = hypothesis.inliers(&matched, limits.max_chi_square);
+        pairs = search.search(&hypothesis, &matched, &kept);
         let agreeing = hypothesis.inliers(&pairs, limits.max_chi_square);
         candidate_from_query = settle(candidate_from_query, &pairs, agreeing, &cameras, limits);
     }

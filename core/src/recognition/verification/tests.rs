@@ -10,6 +10,7 @@ use rand::seq::SliceRandom;
 use super::*;
 use crate::domain::settings::GeometryAcceptance;
 use crate::geometry::hamming::PackedDescriptors;
+use crate::geometry::instruction_set::portable::portably;
 use crate::geometry::{Point3, Sim3};
 use scene::{Keyframe, Scene, from_yaw, rng};
 
@@ -48,6 +49,43 @@ fn a_planted_transformation_is_found_under_noise() {
         assert_eq!(answer.scale(), 1.0);
         assert!(found.inliers >= found.sure_inliers && found.projected_matches >= found.inliers);
         assert!(found.mean_reprojection_error_px.is_some_and(|error| error < 2.0));
+    }
+}
+
+#[test]
+fn every_instruction_set_gives_the_same_bits() {
+    let from_camera = from_yaw(0.2, [0.6, -0.1, 0.4]);
+    for seed in 0..12 {
+        let scene = if seed % 3 == 0 { Scene::wall(seed, 300) } else { Scene::room(seed, 400) };
+        let candidate = scene.seen_from(&from_yaw(0.0, [0.0; 3]), 1);
+        let mut query = scene.seen_from(&from_camera, 2);
+        query.shuffle_descriptors(0.05 * seed as f64, seed);
+        let around = scene.seen_from(&from_yaw(-0.1, [-0.2, 0.0, 0.1]), 3);
+        let window: Vec<Landmark> = (around.points_in_camera.iter().enumerate())
+            .filter_map(|(at, point)| {
+                let point_in_camera =
+                    candidate.from_world.after(&around.from_world.inverse()).transform(&(*point)?);
+                Some(Landmark { id: at as u64 / 2, point_in_camera, descriptor: around.descriptors.get(at) })
+            })
+            .collect();
+        let nodes = |keyframe: &Keyframe| -> Vec<u32> {
+            (0..keyframe.keypoints.len()).map(|at| keyframe.descriptors.get(at)[0] as u32 % 4).collect()
+        };
+        let (of_query, of_candidate) = (nodes(&query), nodes(&candidate));
+        let limits = Limits { fixed_scale: seed % 2 == 0, ..LIMITS };
+        for guided in [false, true] {
+            let query_view = View { nodes: guided.then_some(&of_query[..]), ..query.view() };
+            let candidate_view = View { nodes: guided.then_some(&of_candidate[..]), ..candidate.view() };
+            let unlocated = vec![None; candidate.keypoints.len()];
+            let without_points = View { points_in_camera: &unlocated, ..candidate_view };
+            // Doubles print in as many digits as tell them apart.
+            let bits = || {
+                let verified = verify(&query_view, &candidate_view, &window, &limits, seed);
+                let by_images = verify_by_any_model(&query_view, &without_points, &window, &limits, seed);
+                format!("{verified:?} {by_images:?} {:?}", resection::resection(&query_view, &limits))
+            };
+            assert_eq!(bits(), portably(bits), "scene {seed}");
+        }
     }
 }
 

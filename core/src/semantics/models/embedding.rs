@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_vector_is_refused() {
+    fn rejects_answers_that_are_not_vectors() {
         for vector in [vec![], vec![1.0; 7], vec![0.0; 8], vec![f64::NAN; 8], vec![1.0; 8193]] {
             assert_eq!(Embedding::round(&vector), None, "{} components", vector.len());
         }

@@ -41,6 +41,11 @@ pub enum BinaryFault {
     #[error(transparent)]
     Tree(#[from] TreeFault),
     /// The memory for it is not to be had.
-    #[error("there is no memory for {0} bytes")]
-    Memory(usize),
+    #[error("there is no memory for {nodes} nodes with descriptors of {descriptor_bytes} bytes")]
+    Memory {
+        /// The nodes.
+        nodes: usize,
+        /// Bytes of each one's descriptor.
+        descriptor_bytes: usize,
+    },
 }

@@ -13,6 +13,7 @@
 //!
 //! The content is the last four, the nodes breadth first.
 
+mod check;
 mod checksum;
 mod fault;
 mod header;

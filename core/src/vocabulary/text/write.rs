@@ -12,16 +12,17 @@ pub(in crate::vocabulary) fn write(vocabulary: &Vocabulary, out: impl Write) -> 
     let nodes = in_file_order(vocabulary);
     let decimals: Vec<String> = (0..=255).map(|byte: u8| format!("{byte} ")).collect();
     let each = vocabulary.descriptor_words();
+    let parts = vocabulary.arrays.parts();
     for &(node, parent) in nodes.iter().skip(1) {
-        let (node, link) = (node as usize, vocabulary.links[node as usize]);
+        let (node, link) = (node as usize, parts.link(node));
         let is_word = link.count() == 0;
-        write!(out, "\n{} {} ", vocabulary.node_ids[parent as usize], u8::from(is_word))?;
-        for word in &vocabulary.descriptors[node * each..(node + 1) * each] {
+        write!(out, "\n{} {} ", parts.node_id(parent), u8::from(is_word))?;
+        for word in &parts.descriptors[node * each..(node + 1) * each] {
             for byte in word.to_le_bytes() {
                 out.write_all(decimals[usize::from(byte)].as_bytes())?;
             }
         }
-        let weight = if is_word { vocabulary.weights[link.target() as usize] } else { 0.0 };
+        let weight = if is_word { parts.weight(link.target()) } else { 0.0 };
         write!(out, " {weight}")?;
     }
     out.flush()
@@ -30,9 +31,11 @@ pub(in crate::vocabulary) fn write(vocabulary: &Vocabulary, out: impl Write) -> 
 /// Each node and its parent, by their number in the file.
 fn in_file_order(vocabulary: &Vocabulary) -> Vec<(u32, u32)> {
     let mut nodes = vec![(0, 0); vocabulary.node_count()];
-    for (node, link) in (0..).zip(&vocabulary.links) {
+    let parts = vocabulary.arrays.parts();
+    for node in 0..vocabulary.node_count() as u32 {
+        let link = parts.link(node);
         for child in link.target()..link.target() + link.count() {
-            nodes[vocabulary.node_ids[child as usize] as usize] = (child, node);
+            nodes[parts.node_id(child) as usize] = (child, node);
         }
     }
     nodes

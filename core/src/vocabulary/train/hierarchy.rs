@@ -124,7 +124,10 @@ fn inverse_document_frequencies(vocabulary: &Vocabulary, set: &TrainingSet) -> V
 /// Returns the same tree with other weights, by word.
 fn with_weights(mut vocabulary: Vocabulary, weights: Vec<f64>) -> Vocabulary {
     debug_assert_eq!(weights.len(), vocabulary.word_count(), "one weight for each word");
-    vocabulary.weights = weights;
+    let [_, slots, ..] = vocabulary.arrays.parts_mut();
+    for (slot, weight) in slots.iter_mut().zip(weights) {
+        *slot = weight.to_bits();
+    }
     vocabulary.fingerprint = vocabulary.content_fingerprint();
     vocabulary
 }

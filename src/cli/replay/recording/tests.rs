@@ -80,7 +80,7 @@ fn a_line_belongs_to_the_map_it_names_or_else_to_the_last_map_line() {
 }
 
 #[test]
-fn what_is_wrong_is_said_with_the_line_and_ends_the_recording() {
+fn a_fault_names_its_line_and_ends_the_recording() {
     let check = |text: &str, expected: &str| {
         let lines =
             read(format!("{{\"op\":\"map\",\"id\":\"m\"}}\n{text}\n{{\"op\":\"map\",\"id\":\"n\"}}\n"));

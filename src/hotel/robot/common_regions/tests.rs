@@ -222,7 +222,7 @@ fn a_loop_with_another_robot_is_confirmed_like_one_of_its_own() {
 }
 
 #[test]
-fn what_lies_half_a_metre_aside_or_was_seen_just_now_is_no_loop() {
+fn finds_no_loop_half_a_metre_aside_or_just_seen() {
     let steps = passes(&wall(100), 2);
     let map = map(&steps);
     let hear = |told: Proposal| Confirmation::default().hear(&[&map], (0, 7), &[told]);

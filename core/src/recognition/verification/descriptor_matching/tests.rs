@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::geometry::hamming::distance;
 
 const ALL: MatchingLimits =
     MatchingLimits { max_distance: 1.0, max_ratio: 1.0, mutual: false, orientation: false };

@@ -105,7 +105,7 @@ proptest! {
 }
 
 #[test]
-fn what_is_forgotten_takes_no_page() {
+fn forgotten_points_take_no_page() {
     let mut points = Points::default();
     points.observe(SessionSeq(0), 0..1_000, KeyframeSeq(0));
     points.forget(SessionSeq(0), 0..1_000, KeyframeSeq(0));

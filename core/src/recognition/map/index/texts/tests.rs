@@ -127,7 +127,7 @@ pub(super) fn by_the_letter(index: &TextIndex, a: TextId, b: TextId) -> Option<(
 
 proptest! {
     #[test]
-    fn what_is_listed_changes_no_answer(
+    fn listing_changes_no_answer(
         steps in prop::collection::vec(step(), 0..80),
         min_level in 3..=5u8,
         listed_max in 0..4usize,
@@ -253,10 +253,10 @@ fn carried(texts: impl Iterator<Item = String>, listed_max: usize) -> TextIndex 
     index
 }
 
-/// `cargo test --lib what_crowds_cost -- --ignored --nocapture`
+/// `cargo test --lib prints_the_cost_of_crowds -- --ignored --nocapture`
 #[test]
 #[ignore = "prints figures"]
-fn what_crowds_cost() {
+fn prints_the_cost_of_crowds() {
     let tell = |name: &str, listed_max: usize, texts: &dyn Fn(u32) -> String| {
         for count in [750, 1500, 3000, 6000] {
             let start = Instant::now();
