@@ -127,7 +127,9 @@ mod tests {
         let (long, short) = (PoisonFlag::default(), PoisonFlag::default());
         let first_group_of = |lines: &[&PoisonFlag]| {
             let mut lanes = Lanes::default();
-            lines.iter().for_each(|line| (0..1000).for_each(|number| lanes.push(queued(line, number))));
+            for line in lines {
+                (0..1000).for_each(|number| lanes.push(queued(line, number)));
+            }
             lanes.take().len()
         };
         let cost_us = queued(&long, 0).job.cost_us() as usize;
