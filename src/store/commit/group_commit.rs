@@ -89,7 +89,11 @@ impl Writer {
             // Nothing is taken behind the wish to close.
             while closing.is_none() {
                 match next.take().or_else(|| queue.try_recv().ok()) {
-                    Some(Message::Jobs(jobs)) => jobs.into_iter().for_each(|queued| lanes.push(queued)),
+                    Some(Message::Jobs(jobs)) => {
+                        for queued in jobs {
+                            lanes.push(queued);
+                        }
+                    }
                     Some(Message::Settle(settled)) => lanes.settle(settled),
                     Some(Message::Close(closed)) => closing = Some(closed),
                     None => break,

@@ -123,6 +123,21 @@ mod tests {
     }
 
     #[test]
+    fn a_lone_line_fills_a_group_that_two_lines_may_not() {
+        let (long, short) = (PoisonFlag::default(), PoisonFlag::default());
+        let first_group_of = |lines: &[&PoisonFlag]| {
+            let mut lanes = Lanes::default();
+            for line in lines {
+                (0..1000).for_each(|number| lanes.push(queued(line, number)));
+            }
+            lanes.take().len()
+        };
+        let cost_us = queued(&long, 0).job.cost_us() as usize;
+        assert_eq!(first_group_of(&[&long]), MAX_GROUP);
+        assert_eq!(first_group_of(&[&long, &short]), GROUP_COST_US as usize / cost_us);
+    }
+
+    #[test]
     fn settling_waits_for_the_jobs_before_it_and_not_for_those_after_it() {
         let (a, b) = (PoisonFlag::default(), PoisonFlag::default());
         let mut lanes = Lanes::default();

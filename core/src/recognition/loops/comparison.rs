@@ -190,8 +190,8 @@ impl Matcher<'_> {
         let edges = self.similar_pairs.iter().filter_map(|(i, similar)| {
             let (query, candidate) = (of_query[i], of_candidate[similar.candidate]);
             // Eq. (1)
-            x(query, candidate, self.settings)
-                .then(|| (i, similar.candidate, query.weight + candidate.weight))
+            let edge = (i, similar.candidate, query.weight + candidate.weight);
+            x(query, candidate, self.settings).then_some(edge)
         });
         let pairs = summed_pairs(edges.collect(), self.settings);
         let matched = |(i, j): (usize, usize)| {

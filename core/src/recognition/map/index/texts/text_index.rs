@@ -1,6 +1,6 @@
 //! The texts of a map, each with the objects that carry it and the texts that match it.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
 use super::identities::{Identities, IdentityId};
@@ -214,7 +214,7 @@ impl TextIndex {
     /// Whether one object carries a text, and no other text matches it.
     pub fn is_of_one_object(&self, id: TextId) -> bool {
         let node = self.node(id);
-        node.objects.len() == 1 && node.matches.listed().is_some_and(|list| list.is_empty())
+        node.objects.len() == 1 && node.matches.listed().is_some_and(BTreeMap::is_empty)
     }
 
     /// Returns the objects that carry a text, oldest first.
