@@ -53,6 +53,9 @@
 //! assert_eq!(reason.code.as_str(), "contradiction");
 //! ```
 
+// Code in a kernel that is not inlined is compiled for the plain target ([`geometry`]'s `instruction_set`).
+#![allow(clippy::inline_always)]
+
 pub mod domain;
 pub mod geometry;
 pub mod recognition;

@@ -13,6 +13,7 @@ pub const MAX_WORDS: usize = 1023;
 ///
 /// Loops over many pairs are better off in a kernel, with [`distance_by`].
 pub fn distance(a: &[u64], b: &[u64]) -> u32 {
+    debug_assert_eq!(a.len(), b.len());
     distance_by::<{ cfg!(target_feature = "popcnt") }>(a, b)
 }
 
@@ -24,7 +25,6 @@ pub fn distance_fixed<const N: usize>(a: &[u64; N], b: &[u64; N]) -> u32 {
 /// [`distance`], inside a kernel.
 #[inline(always)]
 pub(crate) fn distance_by<const POPCNT: bool>(a: &[u64], b: &[u64]) -> u32 {
-    debug_assert_eq!(a.len(), b.len());
     match (a.len(), b.len()) {
         (4, 4) => distance_of::<POPCNT, 4>(a, b),
         (6, 6) => distance_of::<POPCNT, 6>(a, b),

@@ -25,7 +25,8 @@ use crate::http::problem::Problem;
 /// Store a keyframe
 ///
 /// Its detections are associated with anchors. With `?query=loop` the response includes the answer of a loop query.
-/// Sending the same body again changes nothing and returns 200; a different body under the same id is a conflict.
+/// Sending the same keyframe again changes nothing and returns 200, also with its lists in another order or packed; a different one
+/// under the same id is a conflict.
 #[utoipa::path(
     put, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePathParams, KeyframeParams), security(("key" = ["write"])),
     request_body(content = KeyframeBody, example = examples::keyframe_body),

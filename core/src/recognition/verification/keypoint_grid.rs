@@ -59,9 +59,8 @@ impl KeypointGrid {
 
     /// Returns the keypoints closer than `radius_px` to a pixel, in no particular order.
     pub fn around(&self, pixel: [f64; 2], radius_px: f64) -> impl Iterator<Item = u32> + '_ {
-        self.stretches(pixel, radius_px).flatten().filter_map(move |at| {
-            is_closer(pixel, [self.u[at], self.v[at]], radius_px).then(|| self.features[at])
-        })
+        let is_near = move |at: &usize| is_closer(pixel, [self.u[*at], self.v[*at]], radius_px);
+        self.stretches(pixel, radius_px).flatten().filter(is_near).map(|at| self.features[at])
     }
 
     /// Returns the features by cell, and after them [`BLOCK`] times feature 0.
@@ -69,8 +68,9 @@ impl KeypointGrid {
         &self.features
     }
 
-    /// Returns the keypoint closer than `radius_px` to a pixel that is nearest by `distance`, the first feature of equal
-    /// ones: the distance in the upper half, the feature below. `distance` gets places in [`KeypointGrid::features`].
+    /// Returns the keypoint closer than `radius_px` to a pixel that is nearest by `distances`, the first feature of equal
+    /// ones: the distance in the upper half, the feature below. `distances` are those of the block at a place in
+    /// [`KeypointGrid::features`].
     ///
     /// Keypoints are looked at in blocks, some of which are farther away: that costs less than to mispredict which are.
     #[inline(always)]

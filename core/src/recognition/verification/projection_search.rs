@@ -139,8 +139,11 @@ mod tests {
 
     const CAMERA: Camera = Camera { fx: 100.0, fy: 100.0, cx: 100.0, cy: 80.0, width: 200, height: 160 };
 
-    /// Keypoints inside and outside the image, and the bytes of a descriptor each.
-    fn features() -> impl Strategy<Value = (usize, Vec<((f64, f64), u8)>)> {
+    /// Where a keypoint is, and the byte that its descriptor consists of.
+    type Feature = ((f64, f64), u8);
+
+    /// The bytes of a descriptor, and features inside and outside the image.
+    fn features() -> impl Strategy<Value = (usize, Vec<Feature>)> {
         let feature = ((-20.0..220.0f64, -20.0..180.0f64), 0..4_u8);
         (prop_oneof![Just(8_usize), Just(32), Just(40)], prop::collection::vec(feature, 0..150))
     }
@@ -153,7 +156,7 @@ mod tests {
             radius_px in 0.0..60.0f64,
             max_distance in 0..40_u32,
         ) {
-            let keypoint = |&((u, v), _): &((f64, f64), u8)| Keypoint { u, v, octave: 0, angle_deg: None };
+            let keypoint = |&((u, v), _): &Feature| Keypoint { u, v, octave: 0, angle_deg: None };
             let keypoints: Vec<Keypoint> = features.iter().map(keypoint).collect();
             let bytes: Vec<u8> = features.iter().flat_map(|(_, byte)| vec![*byte; each]).collect();
             let descriptors = PackedDescriptors::from_bytes(each, &bytes).expect("whole descriptors");

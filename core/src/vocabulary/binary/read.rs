@@ -58,7 +58,9 @@ fn read_array(
     for piece in array.chunks_mut(BLOCKS_READ * BLOCK_WORDS) {
         bytes.read_exact(bytemuck::cast_slice_mut(piece)).map_err(cut_short)?;
         if cfg!(target_endian = "big") {
-            piece.iter_mut().for_each(|word| *word = u64::from_le(*word));
+            for word in &mut *piece {
+                *word = u64::from_le(*word);
+            }
         }
         for block in piece.chunks(BLOCK_WORDS) {
             checksum.add(block);
