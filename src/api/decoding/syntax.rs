@@ -7,7 +7,6 @@ use std::cell::Cell;
 use std::collections::HashSet;
 use std::fmt;
 
-use serde::Deserialize as _;
 use serde::de::{DeserializeSeed, Deserializer, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_path_to_error::{Deserializer as Tracked, Segment, Track};
 
@@ -85,7 +84,7 @@ fn not_a_number<'b>(bytes: &'b [u8], error: &serde_json::Error) -> Option<&'b st
     ["nan", "inf", "infinity"].contains(&name.as_str()).then_some(word)
 }
 
-/// Returns why bytes are no JSON, if they are none, without holding what they say.
+/// Returns why bytes are no JSON, if they are none, without holding them as a document if they are.
 pub fn check(bytes: &[u8]) -> Result<(), Unreadable> {
     let read: Result<IgnoredAny, _> = serde_json::from_slice(bytes);
     read.map(drop).map_err(|error| Unreadable::Syntax(fault(bytes, &error)))
@@ -95,21 +94,11 @@ pub fn check(bytes: &[u8]) -> Result<(), Unreadable> {
 fn place(bytes: &[u8]) -> String {
     let mut track = Track::new();
     let mut json = serde_json::Deserializer::from_slice(bytes);
-    if IgnoredAny::deserialize(Tracked::new(&mut json, &mut track)).is_err() {
-        return pointer_of(track);
-    }
-    // They are JSON: a name stands twice in one object.
-    let mut track = Track::new();
-    let mut json = serde_json::Deserializer::from_slice(bytes);
     let (mut document, count) = (Document::with_room(bytes, 0), Count::default());
     let builder = Builder { document: &mut document, count: &count };
     if builder.deserialize(Tracked::new(&mut json, &mut track)).is_ok() {
         return String::new();
     }
-    pointer_of(track)
-}
-
-fn pointer_of(track: Track) -> String {
     let path = track.path();
     let segments: Vec<String> = path
         .iter()
