@@ -62,7 +62,7 @@ impl Kernel for GroupMatching<'_> {
                 let rows = others.iter().map(|&other| self.candidate.get(other as usize));
                 Columns::new(self.candidate.words_each(), rows)
             });
-            for (row, &feature) in (0_u16..).zip(features.iter().take(ROWS_MAX)) {
+            for (&feature, row) in features.iter().take(ROWS_MAX).zip(0_u16..) {
                 let one = self.query.get(feature as usize);
                 if let Some(columns) = &columns {
                     columns.fill_distances::<POPCNT>(one, &mut distances);
