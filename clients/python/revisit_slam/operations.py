@@ -151,8 +151,9 @@ class Operations:
 
     def put_keyframe(self, map: str, keyframe: str, body: models.Keyframe | Mapping[str, Any], *, query: str | None = None, detail: str | None = None) -> models.KeyframeAnswer:
         """Store a keyframe. Its detections are associated with anchors. With `?query=loop` the response
-        includes the answer of a loop query. Sending the same body again changes nothing and returns
-        200; a different body under the same id is a conflict.
+        includes the answer of a loop query. Sending the same keyframe again changes nothing and returns
+        200, also with its lists in another order or packed; a different one under the same id is a
+        conflict.
         """
         return self._call(Call("PUT", f"/v1/maps/{segment(map)}/keyframes/{segment(keyframe)}", query={"query": query, "detail": detail}, body=packed(body), answer=models.KeyframeAnswer))
 
@@ -395,8 +396,9 @@ class AsyncOperations:
 
     async def put_keyframe(self, map: str, keyframe: str, body: models.Keyframe | Mapping[str, Any], *, query: str | None = None, detail: str | None = None) -> models.KeyframeAnswer:
         """Store a keyframe. Its detections are associated with anchors. With `?query=loop` the response
-        includes the answer of a loop query. Sending the same body again changes nothing and returns
-        200; a different body under the same id is a conflict.
+        includes the answer of a loop query. Sending the same keyframe again changes nothing and returns
+        200, also with its lists in another order or packed; a different one under the same id is a
+        conflict.
         """
         return await self._call(Call("PUT", f"/v1/maps/{segment(map)}/keyframes/{segment(keyframe)}", query={"query": query, "detail": detail}, body=packed(body), answer=models.KeyframeAnswer))
 

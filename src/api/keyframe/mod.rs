@@ -3,6 +3,7 @@
 //! | file | concept |
 //! |---|---|
 //! | `shape` | the shape sent |
+//! | `number_shape` | the numbers in its columns |
 //! | `sent_shape` | the schemas of what may be sent packed |
 //! | `decode` | the shape read into the model, with every fault in it |
 //! | `features`, `detection`, `points` | its large members, read |
@@ -15,6 +16,7 @@ mod decode;
 mod detection;
 mod digest;
 mod features;
+mod number_shape;
 mod original;
 mod points;
 mod sent_shape;

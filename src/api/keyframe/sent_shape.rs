@@ -3,7 +3,9 @@
 use serde::Deserialize;
 use utoipa::ToSchema;
 
-use super::shape::{KeypointNumbers, PointNumber, PointNumberOrNone, Position, WordNumber, WordWeight};
+use super::number_shape::{
+    KeypointNumbers, PointNumber, PointNumberOrNone, Position, WordNumber, WordWeight,
+};
 
 /// A bag of words: two columns in parallel, in any order, each as a list or packed.
 #[derive(Deserialize, ToSchema)]

@@ -3,6 +3,9 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::number_shape::{
+    KeypointNumbers, Pixels, PointNumber, PointNumberOrNone, Position, WordNumber, WordWeight,
+};
 use super::sent_shape::{SentBow, SentFeatures, SentPoints};
 use crate::api::space::{Time, Transform};
 
@@ -56,36 +59,6 @@ pub struct KeyframeBody {
     #[schema(max_items = 500)]
     pub detections: Option<Vec<DetectionShape>>,
 }
-
-/// A map point's number, as its session counts them.
-#[derive(ToSchema)]
-#[schema(minimum = 0)]
-pub struct PointNumber(#[expect(dead_code, reason = "a schema only")] i64);
-
-/// A feature's map point; -1 for none.
-#[derive(ToSchema)]
-#[schema(minimum = -1)]
-pub struct PointNumberOrNone(#[expect(dead_code, reason = "a schema only")] i64);
-
-/// A coordinate, in metres.
-#[derive(ToSchema)]
-#[schema(minimum = -1e9, maximum = 1e9)]
-pub struct Metres(#[expect(dead_code, reason = "a schema only")] f64);
-
-/// An image coordinate, in pixels; it may lie outside the image.
-#[derive(ToSchema)]
-#[schema(minimum = -1e6, maximum = 1e6)]
-pub struct Pixels(#[expect(dead_code, reason = "a schema only")] f64);
-
-/// A word's number in its vocabulary.
-#[derive(ToSchema)]
-#[schema(minimum = 0, maximum = 4_294_967_295_i64)]
-pub struct WordNumber(#[expect(dead_code, reason = "a schema only")] i64);
-
-/// A word's weight, in any unit: weights are normalised to sum to one.
-#[derive(ToSchema)]
-#[schema(minimum = 0, maximum = 1e30)]
-pub struct WordWeight(#[expect(dead_code, reason = "a schema only")] f64);
 
 /// A pinhole camera; keypoints and boxes are undistorted too.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -149,11 +122,6 @@ pub struct FeaturesShape {
     pub map_points: Option<Vec<i64>>,
 }
 
-/// `[u,v]`, `[u,v,octave]` or `[u,v,octave,angle_deg]`: pixels, pyramid level (a whole number of 0 to 63), degrees.
-#[derive(ToSchema)]
-#[schema(min_items = 2, max_items = 4)]
-pub struct KeypointNumbers(#[expect(dead_code, reason = "a schema only")] Vec<f64>);
-
 /// Positions of map points: two lists in parallel.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -166,15 +134,6 @@ pub struct PointsShape {
     #[schema(max_items = 100_000, value_type = Vec<Position>, inline)]
     pub positions: Vec<[f64; 3]>,
 }
-
-/// `[x,y,z]`, in metres.
-#[derive(ToSchema)]
-#[schema(min_items = 3, max_items = 3)]
-pub struct Position(
-    #[expect(dead_code, reason = "a schema only")]
-    #[schema(inline)]
-    Vec<Metres>,
-);
 
 /// A covisible keyframe as a client declares it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -19,4 +19,5 @@ pub(super) mod read;
 pub(super) mod replaced_rows;
 pub(super) mod statement;
 pub(super) mod twin_rows;
+pub(super) mod unpacks;
 pub(super) mod validate;

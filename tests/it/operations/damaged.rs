@@ -36,7 +36,13 @@ const DAMAGES: &[(&str, &str, &str)] = &[
     ),
     ("delete from anchors where map_key = 1 and anchor = 0", "/anchors", "feeds an anchor that is not there"),
     ("delete from loops", "/anchors", "merged by loop loop-1"),
-    ("update map_points set x = 9e999 where map_key = 1 and point = 3", "/anchors", "map point 3"),
+    // The fourth of a block, alone and infinitely far.
+    (
+        "update point_blocks set points = x'0800000000000000000000000000f07f00000000000000000000000000000000'
+            where map_key = 1 and session = 0 and block = 0",
+        "/anchors",
+        "map point 3",
+    ),
     (
         "update keyframe_features set keypoints = x'0011' where map_key = 1",
         "/keyframes/day-1:0",

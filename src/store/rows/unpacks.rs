@@ -1,0 +1,14 @@
+//! Unpacking of any bytes, for fuzzing.
+
+use super::packing::Packing;
+use super::{blob, column, point_blocks};
+
+/// Unpacks a blob as everything that rows have: what fits reads back, and nothing panics.
+///
+/// # Panics
+/// If something that was unpacked is packed into other bytes.
+pub fn unpacks(bytes: &[u8]) {
+    blob::unpacks(bytes);
+    point_blocks::unpacks(bytes);
+    let _ = (column::integers_of(bytes), column::floats_of(bytes), Packing::Columns.keypoints(bytes));
+}
