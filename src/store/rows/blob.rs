@@ -62,8 +62,9 @@ impl<T: Packed, const N: usize> Packed for [T; N] {
 }
 
 pub(in crate::store) fn pack<T: Packed>(list: impl IntoIterator<Item = T>) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    list.into_iter().for_each(|item| item.put(&mut bytes));
+    let list = list.into_iter();
+    let mut bytes = Vec::with_capacity(list.size_hint().0 * T::BYTES);
+    list.for_each(|item| item.put(&mut bytes));
     bytes
 }
 

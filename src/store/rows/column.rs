@@ -51,35 +51,72 @@ fn steps(list: &[i64]) -> Vec<u8> {
     bytes
 }
 
-/// Unpacks integers.
-pub(in crate::store) fn integers_of(bytes: &[u8]) -> Result<Vec<i64>, StoreError> {
-    let short = || StoreError::corrupt("a column of integers is short");
-    match bytes.split_first() {
-        Some((&STEPS, mut rest)) => {
-            let (mut list, mut last) = (Vec::with_capacity(rest.len()), 0_i64);
-            while !rest.is_empty() {
-                last = last.wrapping_add(varint::unzigzag(varint::read(&mut rest).ok_or_else(short)?));
-                list.push(last);
+/// Unpacks integers, as a type that must hold each of them.
+pub(in crate::store) fn integers_of<T: TryFrom<i64>>(bytes: &[u8]) -> Result<Vec<T>, StoreError> {
+    let corrupt = || StoreError::corrupt("a column of integers has another length or too large a number");
+    let list = match bytes.split_first() {
+        Some((&STEPS, steps)) => steps_of(steps),
+        Some((&OFFSETS, offsets)) => offsets_of(offsets),
+        _ => return Err(StoreError::corrupt("no column of integers")),
+    };
+    list.ok_or_else(corrupt)
+}
+
+fn steps_of<T: TryFrom<i64>>(mut bytes: &[u8]) -> Option<Vec<T>> {
+    /// Below it a byte is a number of its own.
+    const ONE_BYTE: u8 = 0x80;
+    let (mut list, mut last) = (Vec::with_capacity(bytes.len()), 0_i64);
+    while !bytes.is_empty() {
+        // Most steps take one byte or two: words lie about a thousand apart.
+        let step = match *bytes {
+            [a, ..] if a < ONE_BYTE => {
+                bytes = &bytes[1..];
+                u64::from(a)
             }
-            Ok(list)
-        }
-        Some((&OFFSETS, mut rest)) => {
-            let count = varint::read(&mut rest).ok_or_else(short)?;
-            let least = varint::unzigzag(varint::read(&mut rest).ok_or_else(short)?);
-            let (&width, offsets) = rest.split_first().ok_or_else(short)?;
-            let width = usize::from(width);
-            if !(1..=8).contains(&width) || offsets.len() as u64 != count.saturating_mul(width as u64) {
-                return Err(StoreError::corrupt("a column of integers has another length"));
+            [a, b, ..] if b < ONE_BYTE => {
+                bytes = &bytes[2..];
+                u64::from(a - ONE_BYTE) | u64::from(b) << 7
             }
-            let number = |offset: &[u8]| {
-                let mut wide = [0; 8];
-                wide[..width].copy_from_slice(offset);
-                least.wrapping_add(u64::from_le_bytes(wide) as i64)
-            };
-            Ok(offsets.chunks_exact(width).map(number).collect())
-        }
-        _ => Err(StoreError::corrupt("no column of integers")),
+            _ => varint::read(&mut bytes)?,
+        };
+        last = last.wrapping_add(varint::unzigzag(step));
+        list.push(T::try_from(last).ok()?);
     }
+    Some(list)
+}
+
+fn offsets_of<T: TryFrom<i64>>(mut bytes: &[u8]) -> Option<Vec<T>> {
+    let count = varint::read(&mut bytes)?;
+    let least = varint::unzigzag(varint::read(&mut bytes)?);
+    let (&width, offsets) = bytes.split_first()?;
+    if offsets.len() as u64 != count.checked_mul(width.into())? {
+        return None;
+    }
+    match width {
+        1 => offsets_of_width::<1, T>(offsets, least),
+        2 => offsets_of_width::<2, T>(offsets, least),
+        3 => offsets_of_width::<3, T>(offsets, least),
+        4 => offsets_of_width::<4, T>(offsets, least),
+        5 => offsets_of_width::<5, T>(offsets, least),
+        6 => offsets_of_width::<6, T>(offsets, least),
+        7 => offsets_of_width::<7, T>(offsets, least),
+        8 => offsets_of_width::<8, T>(offsets, least),
+        _ => None,
+    }
+}
+
+fn offsets_of_width<const WIDTH: usize, T: TryFrom<i64>>(offsets: &[u8], least: i64) -> Option<Vec<T>> {
+    let number = |offset: &[u8; WIDTH]| {
+        let mut wide = [0; 8];
+        wide[..WIDTH].copy_from_slice(offset);
+        T::try_from(least.wrapping_add(u64::from_le_bytes(wide) as i64)).ok()
+    };
+    let (offsets, _) = offsets.as_chunks::<WIDTH>();
+    let mut list = Vec::with_capacity(offsets.len());
+    for offset in offsets {
+        list.push(number(offset)?);
+    }
+    Some(list)
 }
 
 /// Packs floats.
@@ -115,7 +152,7 @@ pub(in crate::store) fn floats_of(bytes: &[u8]) -> Result<Vec<f64>, StoreError> 
     match bytes {
         [DECIMALS, decimals, integers @ ..] if *decimals <= DECIMALS_MAX => {
             let scale = 10_f64.powi((*decimals).into());
-            Ok(integers_of(integers)?.into_iter().map(|whole| whole as f64 / scale).collect())
+            Ok(integers_of::<i64>(integers)?.into_iter().map(|whole| whole as f64 / scale).collect())
         }
         [SINGLES, singles @ ..] => {
             Ok(unpack::<u32>(singles)?.into_iter().map(|bits| f64::from(f32::from_bits(bits))).collect())
@@ -165,7 +202,7 @@ mod tests {
                 (any::<i64>(), 0_usize..50).prop_map(|(number, times)| vec![number; times]),
             ],
         ) {
-            prop_assert_eq!(integers_of(&integers(&list)).expect("a column"), list);
+            prop_assert_eq!(integers_of::<i64>(&integers(&list)).expect("a column"), list);
         }
 
         #[test]
@@ -182,7 +219,7 @@ mod tests {
 
         #[test]
         fn any_bytes_are_a_column_or_an_error(bytes in prop::collection::vec(any::<u8>(), 0..40)) {
-            let _ = (integers_of(&bytes), floats_of(&bytes));
+            let _ = (integers_of::<u32>(&bytes), integers_of::<i64>(&bytes), floats_of(&bytes));
         }
     }
 }

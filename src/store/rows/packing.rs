@@ -49,10 +49,9 @@ impl Packing {
 
     /// Unpacks unsigned numbers of 32 bits.
     pub fn narrow(self, bytes: &[u8]) -> Result<Vec<u32>, StoreError> {
-        let narrow = |number| u32::try_from(number).map_err(|_| StoreError::corrupt("a number is too large"));
         match self {
             Self::Fixed => unpack(bytes),
-            Self::Columns => integers_of(bytes)?.into_iter().map(narrow).collect(),
+            Self::Columns => integers_of(bytes),
         }
     }
 

@@ -10,5 +10,5 @@ use super::{blob, column, point_blocks};
 pub fn unpacks(bytes: &[u8]) {
     blob::unpacks(bytes);
     point_blocks::unpacks(bytes);
-    let _ = (column::integers_of(bytes), column::floats_of(bytes), Packing::Columns.keypoints(bytes));
+    let _ = (column::integers_of::<u32>(bytes), column::floats_of(bytes), Packing::Columns.keypoints(bytes));
 }

@@ -10,6 +10,8 @@ mod tests;
 
 use std::collections::HashMap;
 
+use foldhash::fast::RandomState;
+
 use self::page::Page;
 use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
 use crate::geometry::Point3;
@@ -17,7 +19,7 @@ use crate::geometry::Point3;
 /// All map points of a map; numbers collide between sessions on purpose.
 #[derive(Clone, Debug, Default)]
 pub struct Points {
-    pages: HashMap<(SessionSeq, i64), Page>,
+    pages: HashMap<(SessionSeq, i64), Page, RandomState>,
     /// How many have a position.
     placed: u64,
     /// Bytes of the pages on the heap.
