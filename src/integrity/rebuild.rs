@@ -19,8 +19,8 @@ pub struct RebuiltMap {
     pub index: MapIndex,
 }
 
-/// Parts that are read ahead of the index.
-const PARTS_AHEAD: usize = 4;
+/// Parts that are read ahead of the index, which builds a block of its inverted file at once: 23 MB of keyframes with 700 words.
+const PARTS_AHEAD: usize = 16;
 
 /// Builds a map's index from its facts, read in an order; `None` if there is no such map. The index equals the live one:
 /// that is the law of the house. One thread reads while another builds.
