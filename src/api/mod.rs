@@ -5,9 +5,10 @@
 //!
 //! | file | concept |
 //! |---|---|
-//! | [`decoding::syntax`], [`decoding::read`], `faults` | bytes become a value, a value becomes the model, each fault with its place |
-//! | [`limits`], [`decoding::json_footprint`] | how much one request may bring, and how much it brings |
-//! | [`decoding::digest`] | what makes two bodies the same |
+//! | [`decoding::syntax`], [`decoding::document`] | bytes become a flat list of values |
+//! | [`decoding::read`], [`decoding::column`], `faults` | values become the model, each fault with its place |
+//! | [`limits`] | how much one request may bring |
+//! | [`decoding::digest`] | what made two bodies the same for earlier versions |
 //! | [`space`], [`decoding::base64`] | vectors, poses, times; bytes inside JSON |
 //! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`anchor`], [`transcript`], [`loops`], [`event`] | resources |
 //! | [`names`], [`words`] | the model's named values, with their meanings; the same for the viewer |

@@ -1,7 +1,7 @@
-//! Digest: what makes two bodies the same body, whatever their white space, order of names or spelling of numbers.
+//! Digest of a JSON text: the same for two bodies, whatever their white space, order of names or spelling of numbers.
 //!
-//! Digests are kept on disk and compared with those of bodies sent years later: this form never changes. The golden
-//! value below holds it in place.
+//! Versions before digests of facts kept it on disk, where it is compared with those of bodies sent years later: this form
+//! never changes. The golden value below holds it in place.
 
 use sha2::{Digest as _, Sha256};
 
