@@ -20,37 +20,45 @@ const HELD_TIME: Duration = Duration::from_millis(150);
 /// The way to the writer's queue, past the jobs that are held. Order is kept: a job is sent behind all that came before.
 #[derive(Clone, Debug)]
 pub(super) struct Held {
-    jobs: Arc<Mutex<Vec<Queued>>>,
+    batch: Arc<Mutex<Batch>>,
     queue: mpsc::UnboundedSender<Message>,
+}
+
+/// The jobs that are held.
+#[derive(Debug, Default)]
+struct Batch {
+    jobs: Vec<Queued>,
+    /// How many batches were sent before, so that the time of one does not end the next.
+    number: u64,
 }
 
 impl Held {
     /// Holds nothing yet.
     pub fn before(queue: mpsc::UnboundedSender<Message>) -> Self {
-        Self { jobs: Arc::default(), queue }
+        Self { batch: Arc::default(), queue }
     }
 
     /// Sends jobs that wait for nothing, behind those that are held.
     pub fn send(&self, jobs: Vec<Queued>) {
         let mut held = self.lock();
-        held.extend(jobs);
+        held.jobs.extend(jobs);
         self.flush(held);
     }
 
     /// Holds a job, unless there are enough now.
     pub fn hold(&self, job: Queued) {
         let mut held = self.lock();
-        held.push(job);
-        let is_first = held.len() == 1;
+        held.jobs.push(job);
+        let (is_first, number) = (held.jobs.len() == 1, held.number);
         // Nothing sends it later where there is no runtime.
         let runtime = tokio::runtime::Handle::try_current().ok();
-        let Some(runtime) = runtime.filter(|_| held.len() < HELD_MAX) else { return self.flush(held) };
+        let Some(runtime) = runtime.filter(|_| held.jobs.len() < HELD_MAX) else { return self.flush(held) };
         drop(held);
         if is_first {
             let this = self.clone();
             runtime.spawn(async move {
                 tokio::time::sleep(HELD_TIME).await;
-                this.release();
+                this.release_batch(number);
             });
         }
     }
@@ -60,17 +68,26 @@ impl Held {
         self.flush(self.lock());
     }
 
+    /// Sends what is held, if it is still this batch.
+    fn release_batch(&self, number: u64) {
+        let held = self.lock();
+        if held.number == number {
+            self.flush(held);
+        }
+    }
+
     /// Sends a message behind what is held; whether the writer still takes any.
     pub fn send_message(&self, message: Message) -> bool {
         self.release();
         self.queue.send(message).is_ok()
     }
 
-    fn flush(&self, mut held: MutexGuard<'_, Vec<Queued>>) {
-        if held.is_empty() {
+    fn flush(&self, mut held: MutexGuard<'_, Batch>) {
+        if held.jobs.is_empty() {
             return;
         }
-        let jobs = std::mem::take(&mut *held);
+        held.number += 1;
+        let jobs = std::mem::take(&mut held.jobs);
         // Under the lock, which keeps the order.
         let sent = self.queue.send(Message::Jobs(jobs));
         drop(held);
@@ -81,9 +98,9 @@ impl Held {
         }
     }
 
-    fn lock(&self) -> MutexGuard<'_, Vec<Queued>> {
+    fn lock(&self) -> MutexGuard<'_, Batch> {
         // A list of jobs is whole after each of its operations.
-        self.jobs.lock().unwrap_or_else(PoisonError::into_inner)
+        self.batch.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -151,6 +168,20 @@ mod tests {
         let done = Box::new(move |result| drop(answered.send(result)));
         held.send(vec![Queued { done, ..queued(3) }]);
         assert!(matches!(heard.await, Ok(Err(StoreError::Closed))), "a writer that is gone takes no job");
+    }
+
+    #[tokio::test]
+    async fn the_time_of_a_batch_that_was_sent_does_not_end_the_next() {
+        let (sender, mut queue) = mpsc::unbounded_channel();
+        let held = Held::before(sender);
+        held.hold(queued(1));
+        let first = held.lock().number;
+        held.release();
+        held.hold(queued(2));
+        held.release_batch(first);
+        assert_eq!(sent(&mut queue), [[1]]);
+        held.release_batch(first + 1);
+        assert_eq!(sent(&mut queue), [[2]]);
     }
 
     #[test]
