@@ -58,12 +58,15 @@ pub(in crate::store) fn keyframe(row: &SqliteRow) -> Result<(Keyframe, BowVector
         declared: declared.into_iter().map(|(other, shared)| (KeyframeSeq(other), shared)).collect(),
         bytes: row.try_get::<i64, _>("bytes")? as u64,
     };
-    Ok((keyframe, bow(row)?))
+    Ok((keyframe, packed_bow(row, packing)?))
 }
 
 /// Reads a bag of words.
 pub(in crate::store) fn bow(row: &SqliteRow) -> Result<BowVector, StoreError> {
-    let packing = Packing::of(row)?;
+    packed_bow(row, Packing::of(row)?)
+}
+
+fn packed_bow(row: &SqliteRow, packing: Packing) -> Result<BowVector, StoreError> {
     let (words, weights) =
         (packing.narrow(row.try_get("bow_words")?)?, packing.narrow(row.try_get("bow_weights")?)?);
     BowVector::from_parts(words, weights).map_err(|error| StoreError::corrupt(error.to_string()))

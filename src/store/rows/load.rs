@@ -177,13 +177,15 @@ async fn load_keyframes(
         let rows = sqlx::query(select).bind(key).bind(last).bind(CHUNK).fetch_all(&mut *db).await?;
         let Some(row) = rows.last() else { return Ok(()) };
         last = row.try_get("keyframe")?;
+        let mut added = Vec::with_capacity(rows.len());
         for row in &rows {
             let (mut keyframe, bow) = keyframe(row, known)?;
             // What was declared about keyframes that were culled since is no fact any more.
             keyframe.declared = declared_of(&keyframe, &known.keyframes);
             known.keyframes.insert(keyframe.seq);
-            take(&[Change::KeyframeAdded(Box::new(keyframe), Arc::new(bow))]);
+            added.push(Change::KeyframeAdded(Box::new(keyframe), Arc::new(bow)));
         }
+        take(&added);
     }
 }
 

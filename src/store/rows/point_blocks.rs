@@ -114,8 +114,8 @@ async fn change_blocks(
             written.push((*number, block.pack()));
         }
     }
-    let head = "insert into point_blocks (map_key, session, block, points) select * from (";
-    let tail = ") where true on conflict (map_key, session, block) do update set points = excluded.points";
+    let head = "insert into point_blocks (map_key, session, block, points) ";
+    let tail = " on conflict (map_key, session, block) do update set points = excluded.points";
     write_rows(db, head, tail, &written, |row, (block, points)| {
         row.push_bind(map).push_bind(session.0).push_bind(*block).push_bind(points.clone());
     })
