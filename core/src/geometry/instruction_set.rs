@@ -14,7 +14,7 @@ use pulp::{Arch, Simd, WithSimd};
 /// `run` must be `#[inline(always)]`, and so must be what it calls in its loop: code that is not inlined into it is
 /// compiled for the plain target.
 pub(crate) trait Kernel {
-    /// What comes out.
+    /// The result.
     type Output;
 
     /// Runs it. `POPCNT` says whether the instruction set counts the bits of a word at once.

@@ -12,7 +12,7 @@ pub(super) struct Arrays {
     memory: Words,
     nodes: usize,
     words: usize,
-    /// Where the descriptors begin.
+    /// Start of the descriptors.
     descriptors: usize,
 }
 

@@ -1,6 +1,6 @@
 //! The nearest of a node's children: the least Hamming distance, the first wins a tie.
 //!
-//! Where the processor counts bits, one child after the other is compared, a word an instruction. Else two children at a time
+//! On a processor that counts bits, one child after the other is compared, a word an instruction. Else two children at a time
 //! fill a 128-bit register, and LLVM counts the bits of both in step: half the time of one child at a time.
 
 use crate::geometry::hamming::distance_by;

@@ -14,7 +14,7 @@ pub struct Column {
     pub packed: &'static str,
     /// Their type.
     pub number: Number,
-    /// How many of them an item has; none if an item is a number itself.
+    /// The number of them in an item; none if an item is a number itself.
     pub row: Option<usize>,
 }
 

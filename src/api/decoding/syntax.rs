@@ -24,7 +24,7 @@ pub enum Unreadable {
     TooMany(TooMany),
 }
 
-/// What a text has too many of.
+/// The kind of thing of which a text has too many.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TooMany {
     /// It holds more than [`BODY_VALUES`] values.

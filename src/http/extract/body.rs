@@ -53,7 +53,7 @@ pub struct KeyframeInPath {
     pub place: KeyframePath,
     /// The keyframe.
     pub keyframe: NewKeyframe,
-    /// What tells a retry from another keyframe.
+    /// The digest that tells a retry from another keyframe.
     pub digest: SentDigest,
 }
 

@@ -50,7 +50,7 @@ pub struct Batch {
 pub struct NewKeyframeRows {
     /// The keyframe as sent.
     pub keyframe: Arc<NewKeyframe>,
-    /// What tells a retry of it from another keyframe.
+    /// The digest that tells a retry of it from another keyframe.
     pub digest: KeyframeDigest,
 }
 

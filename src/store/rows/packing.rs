@@ -9,7 +9,7 @@ use crate::domain::keyframe::Keypoint;
 use crate::domain::varint;
 use crate::store::StoreError;
 
-/// How the numbers of a row are packed.
+/// The way in which the numbers of a row are packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::store) enum Packing {
     /// Each with the width of its type.

@@ -29,7 +29,7 @@ pub struct KeyframeRow {
     pub sent_points: Vec<PointId>,
     /// Its detections, in their order.
     pub detections: Vec<DetectionRow>,
-    /// What tells a retry of it from another keyframe.
+    /// The digest that tells a retry of it from another keyframe.
     pub digest: KeyframeDigest,
 }
 

@@ -18,7 +18,7 @@ pub(super) const BLOCK: usize = 4;
 pub struct KeypointGrid {
     columns: usize,
     rows: usize,
-    /// Where each cell's keypoints start in the lists after it, which run in parallel and end with [`BLOCK`] more that are
+    /// The start of each cell's keypoints in the lists after it, which run in parallel and end with [`BLOCK`] more that are
     /// nowhere.
     starts: Vec<u32>,
     features: Vec<u32>,

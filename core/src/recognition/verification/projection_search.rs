@@ -13,7 +13,7 @@ use crate::geometry::instruction_set::Kernel;
 pub(super) struct Wanted<'a> {
     /// Its place in the list it comes from.
     pub place: u32,
-    /// Where it is, in the frame it comes from.
+    /// Position in the frame it comes from.
     pub point: Vector3<f64>,
     /// Its descriptor.
     pub descriptor: &'a [u64],
@@ -59,10 +59,10 @@ impl<'a> IndexedImage<'a> {
 /// An image, and the points to be looked for in it.
 pub(super) struct ProjectionSearch<'a> {
     pub image: &'a IndexedImage<'a>,
-    /// What maps the points into the frame of the image's camera.
+    /// The transformation of the points into the frame of the image's camera.
     pub map: &'a Map,
     pub wanted: &'a [Wanted<'a>],
-    /// How far from the projection a feature may be, in pixels.
+    /// Largest distance of a feature from the projection, in pixels.
     pub radius_px: f64,
     /// The largest distance of the descriptors, in bits.
     pub max_distance: f64,
@@ -139,7 +139,7 @@ mod tests {
 
     const CAMERA: Camera = Camera { fx: 100.0, fy: 100.0, cx: 100.0, cy: 80.0, width: 200, height: 160 };
 
-    /// Where a keypoint is, and the byte that its descriptor consists of.
+    /// The place of a keypoint, and the byte that its descriptor consists of.
     type Feature = ((f64, f64), u8);
 
     /// The bytes of a descriptor, and features inside and outside the image.

@@ -79,7 +79,7 @@ fn moved(sim3: &Sim3, step: &Step) -> Sim3 {
     Sim3::from_parts(growth, turn, step.fixed_rows::<3>(3).into_owned()).after(sim3)
 }
 
-/// What some pairs cost under a transformation.
+/// The cost of some pairs under a transformation.
 struct Cost<'a> {
     to_candidate: Map,
     to_query: Map,

@@ -10,13 +10,13 @@ use crate::vocabulary::tree;
 /// Numbers that are looked at together.
 const TOGETHER: usize = 8;
 
-/// What has been seen of the arrays, and the first faults. They are told at the end: a damaged file is told by its checksum.
+/// Findings about the arrays so far, and the first faults. They are told at the end: a damaged file is told by its checksum.
 pub(super) struct Check {
     nodes: u64,
     words: u64,
     /// Nodes, weights and numbers of nodes so far.
     seen: [u64; 3],
-    /// Where the next node's children belong.
+    /// Place of the next node's children.
     next_child: u64,
     words_seen: u64,
     root_is_word: bool,
