@@ -6,4 +6,5 @@ pub mod digest;
 pub mod document;
 pub(super) mod faults;
 pub mod read;
+mod scalars;
 pub mod syntax;
