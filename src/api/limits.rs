@@ -102,6 +102,10 @@ pub const CORRECTIONS: usize = 100_000;
 pub const MAX_WAIT_MS: RangeInclusive<i64> = 0..=60_000;
 /// The seed of a query; 63 bits, because JSON readers in Java and C++ have signed numbers.
 pub const SEED: RangeInclusive<i64> = 0..=i64::MAX;
+/// Places of an answer to "where am I?".
+pub const LOCATE_PLACES: RangeInclusive<i64> = 1..=20;
+/// Radius of a hint, in metres.
+pub const LOCATE_RADIUS_M: RangeInclusive<f64> = 0.0..=1e9;
 /// Characters of a key's name.
 pub const KEY_NAME_CHARS: usize = 128;
 /// Patterns of maps of one key.

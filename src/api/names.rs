@@ -15,6 +15,7 @@ use crate::domain::difference::DifferenceReason;
 use crate::domain::event::EventKind;
 use crate::domain::judgement::Asks;
 use crate::domain::key::Action;
+use crate::domain::location::{Assumption, LocationVerdict, PoseSource};
 use crate::domain::loop_warning::LoopWarningCode;
 use crate::domain::named::Named;
 use crate::domain::reason::ReasonCode;
@@ -54,13 +55,16 @@ names! {
     ActionName = Action as "ActionName";
     AnchorStateName = AnchorState as "AnchorState";
     AsksName = Asks as "JudgementAsks";
+    AssumptionName = Assumption as "Assumption";
     CandidateVerdictName = CandidateDecision as "CandidateVerdict";
     DetailName = Detail as "Detail";
     DifferenceReasonName = DifferenceReason as "DifferenceReason";
     EventName = EventKind as "EventKind";
     GeometryStatusName = GeometryStatus as "GeometryStatus";
     IgnoredReasonName = IgnoredReason as "IgnoredReason";
+    LocationVerdictName = LocationVerdict as "LocationVerdict";
     LoopWarningCodeName = LoopWarningCode as "LoopWarningCode";
+    PoseSourceName = PoseSource as "PoseSource";
     VerdictName = Decision as "Verdict";
     VerifyName = Verify as "Verify";
 }

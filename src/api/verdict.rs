@@ -228,7 +228,8 @@ impl From<BowEvidence> for BowFigures {
 }
 
 impl AnchorFigures {
-    fn of(anchors: &AnchorEvidence, detail: Detail) -> Self {
+    /// Returns the figures of a comparison.
+    pub fn of(anchors: &AnchorEvidence, detail: Detail) -> Self {
         let matches = || anchors.matches.iter().map(MatchView::from).collect();
         Self {
             similarity: rounded(anchors.similarity),

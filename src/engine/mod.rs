@@ -38,6 +38,7 @@ pub use maps::feeds::Listener;
 pub use maps::pinned::PinnedMap;
 pub use operations::export::MapExport;
 pub use operations::keyframes::PendingKeyframe;
+pub use operations::locate::{AskedMap, LocateAnswer};
 pub use operations::loops::ConfirmedLoop;
 pub use operations::queries::{QueryAnswer, Timings};
 pub use operations::stats::Stats;

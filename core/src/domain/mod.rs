@@ -12,6 +12,7 @@
 //! | what models said of anchors | [`judged`] |
 //! | jobs that ask a changed model again | [`judgement`] |
 //! | the answer to "is it a loop?", and the table of its reasons | [`verdict`], [`reason`] |
+//! | the answer to "where am I?" | [`location`] |
 //! | enums with names for programs and meanings for people | [`named`] |
 //! | what happened, for those who listen | [`event`] |
 //! | which models a server has | [`roles`] |
@@ -35,6 +36,7 @@ pub mod judged;
 pub mod judgement;
 pub mod key;
 pub mod keyframe;
+pub mod location;
 pub mod loop_warning;
 pub mod map;
 pub mod method;

@@ -7,6 +7,7 @@
 //! | axis-aligned bounding box | [`aabb`] |
 //! | bearing and distance of a point from a camera | [`bearing`] |
 //! | similarity transformation, and its closed form | [`sim3`], [`absolute_orientation`] |
+//! | rigid transformation between two frames that know their vertical | [`upright_alignment`] |
 //! | pinhole projection | [`pinhole`] |
 //! | distances of binary descriptors | [`hamming`] |
 //! | loops compiled for several instruction sets | `instruction_set` |
@@ -22,6 +23,7 @@ pub mod point;
 pub mod pose;
 pub mod sampling;
 pub mod sim3;
+pub mod upright_alignment;
 
 pub use aabb::Aabb;
 pub use bearing::Bearing;

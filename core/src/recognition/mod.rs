@@ -37,6 +37,7 @@
 //! | ours: signs that change (M18) | [`extensions::changed_signs`] | [`extensions::changed_signs::passages_ended_by`] |
 //! | ours: odometry where loops tie the way together | [`extensions::way_by_loops`] | [`extensions::way_by_loops::way_by_loops_um`] |
 //! | ours: odometry against a transformation (M15) | [`extensions::tracked_path`] | [`extensions::tracked_path::TrackedPath`] |
+//! | ours: "where am I?" | [`mod@locate`] | [`locate::locate()`] |
 //!
 //! Beside the paper: [`loops::query`] is the keyframe that is asked about, [`loops::geometry_snapshot`] and [`loops::features`] are what geometry
 //! needs to know of it, [`loops::evidence`] turns figures into a
@@ -46,6 +47,7 @@
 pub mod anchors;
 pub mod constants;
 pub mod extensions;
+pub mod locate;
 pub mod loops;
 pub mod map;
 pub mod verification;

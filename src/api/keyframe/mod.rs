@@ -25,9 +25,9 @@ mod shape;
 pub use answer::{
     CovisibleView, DetectionView, KeyframeAnswer, KeyframeLine, KeyframeView, OutcomeName, OutcomeView,
 };
-pub use decode::{Faulty, SentKeyframe, named, of_line, unnamed};
+pub use decode::{Faulty, SentKeyframe, named, of_line, unnamed, unplaced};
 pub use points::{points, unique};
-pub use sent_shape::SentPoints;
+pub use sent_shape::{SentBow, SentFeatures, SentPoints};
 pub use shape::{
     BowShape, CameraShape, CovisibleShape, DetectionShape, FeaturesShape, KeyframeBody, PointsShape,
 };

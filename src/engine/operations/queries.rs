@@ -56,14 +56,14 @@ pub struct Timings {
 
 impl Timings {
     /// Notes a step that began at `started` and worked for `work_ms` of the time since; the rest was spent waiting.
-    fn note(&mut self, started: Instant, work_ms: f64, step: fn(&mut Self) -> &mut f64) {
+    pub(super) fn note(&mut self, started: Instant, work_ms: f64, step: fn(&mut Self) -> &mut f64) {
         *step(self) += work_ms;
         self.queue_ms += (milliseconds_since(started) - work_ms).max(0.0);
     }
 }
 
 /// Returns a result with the milliseconds that it took.
-fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+pub(super) fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     let started = Instant::now();
     let result = work();
     (result, milliseconds_since(started))
@@ -163,7 +163,7 @@ impl Service {
 }
 
 /// Returns the milliseconds since a moment, for `server-timing`.
-fn milliseconds_since(start: Instant) -> f64 {
+pub(super) fn milliseconds_since(start: Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1e3
 }
 

@@ -206,9 +206,9 @@ fn best_neighbours(
     scored
 }
 
-/// Whether a keyframe is no candidate: covisible with the query (check 1), or too recent (M53).
+/// Whether a keyframe is no candidate: covisible with the query (check 1), too recent (M53), or left out by who asks.
 fn is_excluded(index: &MapIndex, query: &Query<'_>, keyframe: KeyframeSeq) -> bool {
-    query.excludes(keyframe) || query.is_too_recent(index, keyframe)
+    query.excludes(keyframe) || query.is_too_recent(index, keyframe) || query.left_out.contains(&keyframe)
 }
 
 /// Returns the numbers of the keyframes covisible with one.
