@@ -6,25 +6,25 @@
 /// The least confidence with which a place is located.
 pub const LOCATED_MIN_CONFIDENCE: f64 = 0.99;
 
-/// Cells that a place explains and no rival does, from which it is located without any sign.
-pub(in crate::recognition) const LOCATED_FROM_CELLS: f64 = 42.0;
-/// Log-odds of one such cell.
-pub(in crate::recognition) const CELL_LOG_ODDS: f64 = 0.2;
+/// Cells of the view that a place explains and a rival does not, at which the two are as likely as not; and the cells that
+/// multiply the odds by e. Fitted to development photographs of floors that look alike: of those with 40 cells or more all
+/// were right, of those with 30 to 39 four of five.
+pub(in crate::recognition) const EVEN_CELLS: f64 = 12.4;
+/// Cells that multiply the odds by e.
+pub(in crate::recognition) const CELLS_PER_LOG_ODDS: f64 = 6.0;
 /// Log-odds of an identifier that agrees and hangs in one place only: a reader takes one number for another now and then.
 pub(in crate::recognition) const SIGN_LOG_ODDS: f64 = 4.0;
 /// Log-odds that a pair of identifiers which exclude each other takes away.
 pub(in crate::recognition) const CONTRADICTION_LOG_ODDS: f64 = 6.0;
-/// The log-odds of [`LOCATED_MIN_CONFIDENCE`].
-const LOCATED_LOG_ODDS: f64 = 4.595;
 
-/// The evidence for one place against its strongest rivals.
+/// The evidence for one place against one rival, or against nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Evidence {
-    /// The cells of the view that it explains, and the rival that explains most of them does not.
+    /// The cells of the view that it explains, and the rival does not.
     pub cells: usize,
-    /// Identifiers that agree and hang in one place only.
+    /// Identifiers that agree, hang in one place only, and do not agree with the rival.
     pub agreeing_signs: usize,
-    /// The most such identifiers that agree with one rival, and not with this place.
+    /// Such identifiers that agree with the rival, and not with this place.
     pub rival_signs: usize,
     /// Pairs of identifiers that exclude each other at the same relative place.
     pub contradicting_signs: usize,
@@ -33,9 +33,7 @@ pub struct Evidence {
 impl Evidence {
     /// Returns the log-odds that the camera is at this place.
     pub fn log_odds(&self) -> f64 {
-        let nothing = LOCATED_LOG_ODDS - CELL_LOG_ODDS * LOCATED_FROM_CELLS;
-        nothing
-            + CELL_LOG_ODDS * self.cells as f64
+        (self.cells as f64 - EVEN_CELLS) / CELLS_PER_LOG_ODDS
             + SIGN_LOG_ODDS * (self.agreeing_signs as f64 - self.rival_signs as f64)
             - CONTRADICTION_LOG_ODDS * self.contradicting_signs as f64
     }

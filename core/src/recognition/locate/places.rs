@@ -52,7 +52,7 @@ pub struct PlaceEvidence {
     pub verified_views: u32,
     /// The cells that its best view of each keyframe explains.
     pub cells: Cells,
-    /// The largest number of cells that one of its views has in common with a keyframe.
+    /// The cells that its best view of each keyframe has in common with it, in all.
     common_cells: usize,
     words: f64,
 }
@@ -87,25 +87,32 @@ pub fn join(searches: &[MapSearch], views: &[View]) -> Vec<PlaceEvidence> {
     places
 }
 
-/// Returns the evidence for one place against all the others.
+/// Returns the evidence for one place against its strongest rival. Every other place is a rival.
 pub fn evidence(places: &[PlaceEvidence], at: usize) -> Evidence {
     let own = &places[at];
-    let rivals = || places.iter().enumerate().filter(|(other, _)| *other != at).map(|(_, rival)| rival);
-    let cells = rivals().map(|rival| own.cells.difference(&rival.cells).count()).min();
-    let own_signs: BTreeSet<&String> = own.signs.agreeing.iter().collect();
-    let only_of =
-        |rival: &PlaceEvidence| rival.signs.agreeing.iter().filter(|sign| !own_signs.contains(sign)).count();
-    Evidence {
-        cells: cells.unwrap_or(own.cells.len()),
-        agreeing_signs: own.signs.agreeing.len(),
-        rival_signs: rivals().map(only_of).max().unwrap_or(0),
-        contradicting_signs: own.signs.contradicting as usize,
-    }
+    let rivals = places.iter().enumerate().filter(|(other, _)| *other != at).map(|(_, rival)| rival);
+    let against = rivals.map(|rival| {
+        let only_of = |a: &PlaceEvidence, b: &PlaceEvidence| {
+            a.signs.agreeing.iter().filter(|sign| !b.signs.agreeing.contains(sign)).count()
+        };
+        Evidence {
+            cells: own.cells.difference(&rival.cells).count().min(own.common_cells),
+            agreeing_signs: only_of(own, rival),
+            rival_signs: only_of(rival, own),
+            contradicting_signs: own.signs.contradicting as usize,
+        }
+    });
+    against.min_by(|a, b| a.log_odds().total_cmp(&b.log_odds())).unwrap_or_else(|| evidence_alone(own))
 }
 
 /// Returns the evidence for one place as if there were no other.
 pub fn evidence_alone(place: &PlaceEvidence) -> Evidence {
-    evidence(std::slice::from_ref(place), 0)
+    Evidence {
+        cells: place.common_cells,
+        agreeing_signs: place.signs.agreeing.len(),
+        rival_signs: 0,
+        contradicting_signs: place.signs.contradicting as usize,
+    }
 }
 
 /// The figures by which clues and places are put in order: log-odds by signs and cells as if alone, cells, words.
@@ -176,11 +183,12 @@ fn place(searches: &[MapSearch], views: &[View], group: &[Clue]) -> PlaceEvidenc
     let verified: BTreeSet<usize> =
         looked_at().filter(|(_, view)| !view.cells.is_empty()).filter_map(|(clue, _)| clue.site).collect();
     // The best view of each keyframe that asks.
-    let mut cells = Cells::new();
+    let (mut cells, mut common_cells) = (Cells::new(), 0);
     let mut seen: BTreeSet<usize> = BTreeSet::new();
     for (_, view) in looked_at() {
         if seen.insert(view.chosen.asked) {
             cells.extend(view.cells.iter().copied());
+            common_cells += view.common_cells();
         }
     }
     let anchor_pose = group.iter().find_map(|clue| clue.anchor_pose);
@@ -204,7 +212,7 @@ fn place(searches: &[MapSearch], views: &[View], group: &[Clue]) -> PlaceEvidenc
         },
         verified_views: verified.len() as u32,
         cells,
-        common_cells: group.iter().map(|clue| clue.common_cells).max().unwrap_or(0),
+        common_cells,
         words: group.iter().map(|clue| clue.words).fold(0.0, f64::max),
     }
 }
