@@ -4,6 +4,7 @@
 //! |---|---|
 //! | ids of clients, dense numbers of maps | [`ids`] |
 //! | keyframe, camera, features, detection as sent | [`keyframe`] |
+//! | one vector of a whole image | [`global_descriptor`] |
 //! | bag-of-words vector and its L1 score | [`bow`] |
 //! | observation of an anchor, outcome of a detection | [`anchor`] |
 //! | map, its settings, and those that make a method | [`map`], [`settings`], [`method`] |
@@ -29,6 +30,7 @@ pub mod counted;
 pub mod difference;
 pub mod event;
 pub mod former;
+pub mod global_descriptor;
 pub mod ids;
 pub mod invalid;
 pub mod judged;

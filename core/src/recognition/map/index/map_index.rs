@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::anchor::Anchor;
 use super::changed_signs::ChangedSigns;
+use super::globals::Globals;
 use super::holders::Holders;
 use super::objects::{Judging, MergedAnchor, Objects};
 use super::odometer::Odometer;
@@ -52,6 +53,7 @@ pub struct MapIndex {
     /// Texts of valid objects. Verdicts of models about texts are facts among them.
     pub(super) texts: TextIndex,
     pub(super) inverted_file: InvertedFile,
+    pub(super) globals: Globals,
     pub(super) twins: BTreeSet<Twins>,
     pub(super) changed_signs: ChangedSigns,
     pub(super) sign_grid: SignGrid,
@@ -206,6 +208,11 @@ impl MapIndex {
     /// Returns the bag-of-words index.
     pub fn inverted_file(&self) -> &InvertedFile {
         &self.inverted_file
+    }
+
+    /// Returns the global descriptors of the keyframes.
+    pub fn globals(&self) -> &Globals {
+        &self.globals
     }
 
     /// Returns the anchors (not objects) that a keyframe sees, ascending.
