@@ -13,6 +13,7 @@ use utoipa::{PartialSchema, ToSchema};
 use crate::domain::anchor::{AnchorState, IgnoredReason};
 use crate::domain::difference::DifferenceReason;
 use crate::domain::event::EventKind;
+use crate::domain::global_descriptor::GlobalEncoding;
 use crate::domain::judgement::Asks;
 use crate::domain::key::Action;
 use crate::domain::loop_warning::LoopWarningCode;
@@ -59,6 +60,7 @@ names! {
     DifferenceReasonName = DifferenceReason as "DifferenceReason";
     EventName = EventKind as "EventKind";
     GeometryStatusName = GeometryStatus as "GeometryStatus";
+    GlobalEncodingName = GlobalEncoding as "GlobalEncoding";
     IgnoredReasonName = IgnoredReason as "IgnoredReason";
     LoopWarningCodeName = LoopWarningCode as "LoopWarningCode";
     VerdictName = Decision as "Verdict";

@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use super::detection::decode as decode_detection;
 use super::digest;
 use super::features::decode as decode_features;
+use super::global_descriptor::decode as decode_global_descriptor;
 use super::points::{ascending, points, unique};
 use crate::api::decoding::column::{Column, Number};
 use crate::api::decoding::document::{Json, Kind};
@@ -15,14 +16,16 @@ use crate::domain::ids::{KeyframeId, PointId, SessionId};
 use crate::domain::invalid::FieldError;
 use crate::domain::keyframe::{CLIENTS_VOCABULARY, Camera, Features, NewKeyframe, Stamp};
 use crate::domain::request::Digest;
-use crate::geometry::Pose;
+use crate::geometry::{Gravity, Pose};
 
-const FIELDS: [&str; 11] = [
+const FIELDS: [&str; 13] = [
     "session",
     "stamp",
     "pose",
     "camera",
+    "gravity",
     "bow",
+    "global_descriptor",
     "features",
     "map_points",
     OBSERVES.list,
@@ -118,7 +121,9 @@ fn keyframe(node: &Node<'_>, fields: &[&str], named: Named<'_>) -> Option<SentKe
     let stamp = body.required("stamp", Stamp::decode);
     let pose = body.required("pose", Pose::decode);
     let camera = body.optional("camera", camera);
+    let gravity = body.optional("gravity", Gravity::decode);
     let bow = body.optional("bow", bow);
+    let global_descriptor = body.optional("global_descriptor", decode_global_descriptor);
     let features = body.optional("features", decode_features);
     let map_points = body.optional("map_points", points);
     let observes = body
@@ -133,8 +138,10 @@ fn keyframe(node: &Node<'_>, fields: &[&str], named: Named<'_>) -> Option<SentKe
         stamp: stamp?,
         map_from_camera: pose?,
         camera: camera?,
+        gravity: gravity?,
         bow,
         vocabulary,
+        global_descriptor: global_descriptor?,
         observes: observed(observes?.unwrap_or_default(), features.as_ref()),
         features,
         map_points: map_points?.unwrap_or_default(),
