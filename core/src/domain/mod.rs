@@ -12,6 +12,7 @@
 //! | facts that decisions change, and the values they replace | [`change`], [`former`] |
 //! | what models said of anchors | [`judged`] |
 //! | jobs that ask a changed model again | [`judgement`] |
+//! | the ways in which candidates are found | [`channel`] |
 //! | the answer to "is it a loop?", and the table of its reasons | [`verdict`], [`reason`] |
 //! | enums with names for programs and meanings for people | [`named`] |
 //! | what happened, for those who listen | [`event`] |
@@ -26,6 +27,7 @@ pub mod anchor;
 pub mod anchor_name;
 pub mod bow;
 pub mod change;
+pub mod channel;
 pub mod counted;
 pub mod difference;
 pub mod event;

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use super::centre::{Centre, inline_centre};
 use super::geometry_snapshot::GeometrySnapshot;
 use crate::domain::bow::BowVector;
+use crate::domain::global_descriptor::GlobalDescriptor;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::domain::keyframe::{NewKeyframe, Stamp};
 use crate::domain::roles::Roles;
@@ -19,6 +20,8 @@ pub struct Query<'a> {
     pub bow: &'a BowVector,
     /// The moment at which its image was taken.
     pub stamp: Stamp,
+    /// The vector of its whole image, if that can be compared with the map's.
+    pub global: Option<GlobalDescriptor>,
     /// What its local anchor map is built around.
     pub centre: Centre,
     /// The objects it sees, ascending.
@@ -35,7 +38,8 @@ impl<'a> Query<'a> {
         let centre = Centre::stored(index, keyframe)?;
         let stamp = index.keyframe(keyframe)?.stamp;
         let (seen, snapshot) = (index.objects_seen_by(keyframe), GeometrySnapshot::stored(index, keyframe));
-        Some(Self { keyframe: Some(keyframe), bow, stamp, centre, seen, snapshot, roles: Roles::default() })
+        let (global, roles) = (index.globals().get(keyframe), Roles::default());
+        Some(Self { keyframe: Some(keyframe), bow, stamp, global, centre, seen, snapshot, roles })
     }
 
     /// About a keyframe that is not stored, as if it had just arrived.
@@ -46,6 +50,7 @@ impl<'a> Query<'a> {
             keyframe: None,
             bow: &keyframe.bow,
             stamp: keyframe.stamp,
+            global: keyframe.global_descriptor.clone().filter(|of_query| index.globals().takes(of_query)),
             centre,
             seen,
             snapshot: GeometrySnapshot::inline(index, keyframe),

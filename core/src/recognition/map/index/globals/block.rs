@@ -45,6 +45,18 @@ impl Block {
         Some(&self.rows[at * each..][..each])
     }
 
+    /// Returns the descriptors, ascending by keyframe.
+    #[inline(always)]
+    pub(super) fn rows(&self) -> impl Iterator<Item = (KeyframeSeq, &[u8])> {
+        self.keyframes.iter().copied().zip(self.rows.chunks_exact(self.row_len().max(1)))
+    }
+
+    /// Returns one divided by the length of each vector, in the same order; nothing where they are bits.
+    #[inline(always)]
+    pub(super) fn inverse_lengths(&self) -> &[f64] {
+        &self.inverse_lengths
+    }
+
     /// Returns the bytes of one descriptor.
     fn row_len(&self) -> usize {
         self.rows.len().checked_div(self.keyframes.len()).unwrap_or(0)

@@ -3,12 +3,18 @@
 //! | file | concept |
 //! |---|---|
 //! | `block` | the descriptors of keyframes with neighbouring numbers |
+//! | `search` | how alike one is to all of them |
 
 mod block;
+mod search;
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests;
 
 use std::collections::BTreeMap;
 
 use self::block::Block;
+use crate::domain::bow::Score;
 use crate::domain::global_descriptor::{GlobalDescriptor, GlobalForm};
 use crate::domain::ids::KeyframeSeq;
 
@@ -48,6 +54,15 @@ impl Globals {
         let data = self.blocks.get(&Block::number(keyframe))?.get(keyframe)?;
         let GlobalForm { model, encoding, .. } = self.form()?.clone();
         Some(GlobalDescriptor { model, encoding, data: data.into() })
+    }
+
+    /// Appends the likeness of every descriptor to one of the same form, ascending by keyframe: the cosine of the two vectors, 0
+    /// where it is negative, bits counting as 1 and -1. Nothing is appended for one of another form.
+    pub fn score_all(&self, sought: &GlobalDescriptor, scores: &mut Vec<(u32, Score)>) {
+        if self.takes(sought) {
+            scores.reserve(self.count);
+            search::score_all(&self.blocks, sought, scores);
+        }
     }
 
     /// Returns what they take in memory, in bytes, up to what growing lists leave free.
