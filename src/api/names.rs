@@ -11,6 +11,7 @@ use utoipa::openapi::{RefOr, Schema};
 use utoipa::{PartialSchema, ToSchema};
 
 use crate::domain::anchor::{AnchorState, IgnoredReason};
+use crate::domain::channel::Channel;
 use crate::domain::difference::DifferenceReason;
 use crate::domain::event::EventKind;
 use crate::domain::global_descriptor::GlobalEncoding;
@@ -56,6 +57,7 @@ names! {
     AnchorStateName = AnchorState as "AnchorState";
     AsksName = Asks as "JudgementAsks";
     CandidateVerdictName = CandidateDecision as "CandidateVerdict";
+    ChannelName = Channel as "Channel";
     DetailName = Detail as "Detail";
     DifferenceReasonName = DifferenceReason as "DifferenceReason";
     EventName = EventKind as "EventKind";
