@@ -38,6 +38,8 @@ pub const FOCAL_LENGTH_PX: RangeInclusive<f64> = 1e-3..=1e6;
 pub const IMAGE_SIDE_PX: RangeInclusive<i64> = 1..=1_000_000;
 /// One number of a quaternion.
 pub const QUATERNION: RangeInclusive<f64> = -1.01..=1.01;
+/// One number of a unit vector.
+pub const DIRECTION: RangeInclusive<f64> = -1.001..=1.001;
 /// A weight of a word, before it is normalised. 1e39 fits no f32, and neither does it fit here.
 pub const WEIGHT: RangeInclusive<f64> = 0.0..=1e30;
 /// A detector's confidence.

@@ -18,6 +18,7 @@ mod backups;
 mod bow;
 mod descriptions;
 mod error;
+mod global_descriptors;
 pub mod keys;
 pub mod limits;
 mod maps;

@@ -5,25 +5,29 @@ use std::collections::HashSet;
 use super::detection::decode as decode_detection;
 use super::digest;
 use super::features::decode as decode_features;
+use super::global_descriptor::decode as decode_global_descriptor;
 use super::points::{ascending, points, unique};
 use crate::api::decoding::column::{Column, Number};
 use crate::api::decoding::document::{Json, Kind};
 use crate::api::decoding::read::{self, Decode, Node, Object};
 use crate::api::limits;
 use crate::domain::bow::BowVector;
+use crate::domain::global_descriptor::GlobalDescriptor;
 use crate::domain::ids::{KeyframeId, PointId, SessionId};
 use crate::domain::invalid::FieldError;
 use crate::domain::keyframe::{CLIENTS_VOCABULARY, Camera, Detection, Features, NewKeyframe, Stamp};
 use crate::domain::location::AskedKeyframe;
 use crate::domain::request::Digest;
-use crate::geometry::{Point3, Pose};
+use crate::geometry::{Gravity, Point3, Pose};
 
-const FIELDS: [&str; 11] = [
+const FIELDS: [&str; 13] = [
     "session",
     "stamp",
     "pose",
     "camera",
+    "gravity",
     "bow",
+    "global_descriptor",
     "features",
     "map_points",
     OBSERVES.list,
@@ -152,7 +156,9 @@ fn keyframe(node: &Node<'_>, fields: &[&str], named: Named<'_>) -> Option<SentKe
 /// The part of a keyframe that tells what the camera saw, wherever it was.
 struct Seen {
     camera: Option<Camera>,
+    gravity: Option<Gravity>,
     bow: Option<(BowVector, Box<str>)>,
+    global_descriptor: Option<GlobalDescriptor>,
     features: Option<Features>,
     map_points: Vec<(PointId, Point3)>,
     detections: Vec<Detection>,
@@ -164,8 +170,10 @@ impl Seen {
         let (bow, vocabulary) = self.bow.map_or_else(Default::default, |(bow, of)| (bow, Some(of)));
         NewKeyframe {
             camera: self.camera,
+            gravity: self.gravity,
             bow,
             vocabulary,
+            global_descriptor: self.global_descriptor,
             observes: observed(placed.observes, self.features.as_ref()),
             features: self.features,
             map_points: self.map_points,
@@ -178,13 +186,17 @@ impl Seen {
 /// Reads what the camera saw.
 fn seen(body: &Object<'_>) -> Option<Seen> {
     let camera = body.optional("camera", camera);
+    let gravity = body.optional("gravity", Gravity::decode);
     let bow = body.optional("bow", bow);
+    let global_descriptor = body.optional("global_descriptor", decode_global_descriptor);
     let features = body.optional("features", decode_features);
     let map_points = body.optional("map_points", points);
     let detections = body.optional("detections", |node| node.list(limits::DETECTIONS, decode_detection));
     Some(Seen {
         camera: camera?,
+        gravity: gravity?,
         bow: bow?,
+        global_descriptor: global_descriptor?,
         features: features?,
         map_points: map_points?.unwrap_or_default(),
         detections: detections?.unwrap_or_default(),

@@ -4,9 +4,9 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use crate::api::geometry::GeometryView;
-use crate::api::names::{AssumptionName, LocationVerdictName, PoseSourceName};
+use crate::api::names::{AssumptionName, ChannelName, LocationVerdictName, PoseSourceName};
 use crate::api::space::{Transform, rounded};
-use crate::api::verdict::{AnchorFigures, BowFigures, ReasonView};
+use crate::api::verdict::{AnchorFigures, BowFigures, CandidateView, GlobalFigures, ReasonView};
 use crate::domain::ids::MapId;
 use crate::domain::location::{Location, LookFor, Place, Uncertainty};
 use crate::domain::request::Detail;
@@ -67,6 +67,13 @@ pub struct PlaceView {
     pub signs: PlaceSignsView,
     /// Number of keyframes of this place that geometry verified.
     pub verified_views: u32,
+    /// The channels that proposed the keyframe, where the question has a global descriptor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(max_items = 3)]
+    pub channel: Option<Vec<ChannelName>>,
+    /// Global descriptors.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub global: Option<GlobalFigures>,
     /// Bag of words.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bow: Option<BowFigures>,
@@ -159,8 +166,11 @@ fn name_of(maps: &[AskedMapView], map: usize) -> String {
 
 impl PlaceView {
     fn of(maps: &[AskedMapView], place: &Place) -> Self {
-        let candidate = place.candidate.as_ref();
-        let anchors = candidate.and_then(|candidate| candidate.anchors.as_ref());
+        let candidate = place.candidate.as_ref().map(|candidate| CandidateView::of(candidate, Detail::Full));
+        let (channel, global, bow, anchors, geometry, reason) = match candidate {
+            Some(of) => (of.channel, of.global, of.bow, of.anchors, Some(of.geometry), of.reason),
+            None => Default::default(),
+        };
         Self {
             map: name_of(maps, place.map),
             keyframe: place.keyframe.as_ref().map(ToString::to_string),
@@ -176,10 +186,12 @@ impl PlaceView {
                 contradicting: place.signs.contradicting,
             },
             verified_views: place.verified_views,
-            bow: candidate.map(|candidate| candidate.bow.into()),
-            anchors: anchors.map(|anchors| AnchorFigures::of(anchors, Detail::Full)),
-            geometry: candidate.map(|candidate| (&candidate.geometry).into()),
-            reason: candidate.and_then(|candidate| candidate.reason.as_ref()).map(ReasonView::from),
+            channel,
+            global,
+            bow,
+            anchors,
+            geometry,
+            reason,
         }
     }
 }

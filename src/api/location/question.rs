@@ -6,7 +6,9 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use crate::api::decoding::read::{self, Decode, Node};
-use crate::api::keyframe::{BowShape, CameraShape, DetectionShape, FeaturesShape, PointsShape, unplaced};
+use crate::api::keyframe::{
+    BowShape, CameraShape, DetectionShape, FeaturesShape, GlobalDescriptorShape, PointsShape, unplaced,
+};
 use crate::api::limits;
 use crate::api::space::{Time, Transform};
 use crate::domain::ids::{KeyframeId, MapId, SessionId};
@@ -62,10 +64,17 @@ pub struct UnplacedKeyframeBody {
     /// The undistorted pinhole camera.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<CameraShape>,
+    /// The unit vector of gravity in the camera's frame.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<crate::api::keyframe::Direction>, inline)]
+    pub gravity: Option<[f64; 3]>,
     /// The bag of words.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<crate::api::keyframe::SentBow>)]
     pub bow: Option<BowShape>,
+    /// A global descriptor of the image.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub global_descriptor: Option<GlobalDescriptorShape>,
     /// Binary features.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<crate::api::keyframe::SentFeatures>)]

@@ -17,6 +17,7 @@ use crate::domain::request::{LoopQuery, Subject};
 use crate::domain::roles::Roles;
 use crate::domain::verdict::{ReasonCode, Verdict};
 use crate::engine::bow::check_vocabulary;
+use crate::engine::global_descriptors::check_global_descriptor;
 use crate::engine::maps::live::LiveMap;
 use crate::engine::{Service, ServiceError};
 use crate::recognition::anchors::ingest::unknown_covisible;
@@ -186,6 +187,7 @@ fn screen_subject(
                 return Err(ServiceError::Invalid(errors.into_iter().map(within_inline).collect()));
             }
             check_vocabulary(index, keyframe)?;
+            check_global_descriptor(index, keyframe.global_descriptor.as_ref())?;
             Query::inline(index, keyframe)
         }
     };

@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use super::anchor_pose::{AnchorPose, Verticals, anchor_poses};
 use super::look_for::{NearbySign, nearby_signs};
 use super::sighted_anchor::{SightedAnchor, pairs_by_session, sighted_anchors};
+use crate::domain::channel::Channel;
 use crate::domain::ids::{AnchorSeq, KeyframeId, KeyframeSeq, SessionId, SessionSeq};
 use crate::domain::keyframe::NewKeyframe;
 use crate::domain::location::{AskedKeyframe, SignEvidence};
@@ -15,7 +16,7 @@ use crate::domain::verdict::{AnchorName, Candidate, Verify};
 use crate::geometry::{Point3, Pose};
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::loops::anchor_check::{AnchorCheck, Counts};
-use crate::recognition::loops::candidates::find_candidates;
+use crate::recognition::loops::candidates::{Proposal, find_candidates};
 use crate::recognition::loops::evidence;
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
 use crate::recognition::loops::query::Query;
@@ -167,8 +168,9 @@ fn propose(
     let anchors = AnchorCheck::new(index, query, Verify::Auto, &mut counts);
     let mut candidates: Vec<PreVerified> = Vec::new();
     let mut proposed: Vec<Proposed> = Vec::new();
-    let mut check = |keyframe, score, counts: &mut Counts| {
-        let candidate = evidence::unchecked(index, keyframe, score, proposals.reference_score)?;
+    let mut check = |keyframe, score, channels: &[Channel], counts: &mut Counts| {
+        let mut candidate = evidence::unchecked(index, keyframe, score, proposals.reference_score)?;
+        candidate.proposed = proposals.proposed_by(keyframe, channels);
         let pre_verified = opened(index, anchors.check(keyframe, candidate, counts)?);
         let signs = sign_evidence(index, query, &pre_verified.candidate, &mut counts.places);
         let site = sites.of(keyframe, &mut counts.places)?;
@@ -183,19 +185,21 @@ fn propose(
         proposed.push(one.1);
         proposed.len() - 1
     };
-    let mut places: Vec<(usize, &[_])> = Vec::new();
+    let mut places: Vec<(usize, &Proposal)> = Vec::new();
     for proposal in proposals.candidates.iter().take(CANDIDATES_PER_MAP_MAX) {
-        if let Some(one) = check(proposal.keyframe, proposal.score, &mut counts) {
-            places.push((add(one), &proposal.neighbours[..]));
+        if let Some(one) = check(proposal.keyframe, proposal.score, &proposal.channels, &mut counts) {
+            places.push((add(one), proposal));
         }
     }
     let mut beside: Vec<(usize, Vec<usize>)> = Vec::new();
-    for (number, neighbours) in places {
+    for (number, proposal) in places {
         let mut numbers = Vec::new();
         for (keyframe, score) in
-            neighbours.iter().filter(|(other, _)| !proposals.has(*other)).take(NEIGHBOURS_MAX)
+            proposal.neighbours.iter().filter(|(other, _)| !proposals.has(*other)).take(NEIGHBOURS_MAX)
         {
-            if let Some((pre_verified, of_neighbour)) = check(*keyframe, *score, &mut counts) {
+            if let Some((pre_verified, of_neighbour)) =
+                check(*keyframe, *score, &proposal.channels, &mut counts)
+            {
                 numbers.push(add((pre_verified, Proposed { is_neighbour: true, ..of_neighbour })));
             }
         }
@@ -293,16 +297,26 @@ fn keyframes_seeing(
     keyframes.into_iter().filter(|seq| of_session(seq) && !query.left_out.contains(seq)).collect()
 }
 
-/// Returns the verticals of the camera and of a session whose keyframes are given. Where neither side told gravity, the
-/// session's cameras and this one are taken to be equally upright.
-fn verticals(index: &MapIndex, _asked: &NewKeyframe, seeing: &[KeyframeSeq]) -> Verticals {
-    let down =
-        seeing.iter().filter_map(|seq| index.keyframe(*seq)).fold(Vector3::zeros(), |sum, keyframe| {
-            sum + keyframe.map_from_camera.isometry().rotation * Vector3::y()
-        });
+/// Returns the verticals of the camera and of a session of which keyframes are given. Gravity counts where it is told: by the
+/// camera, and by the map or these keyframes. Where either side does not tell, the session's cameras and this one are taken to
+/// be equally upright.
+fn verticals(index: &MapIndex, asked: &NewKeyframe, seeing: &[KeyframeSeq]) -> Verticals {
+    let stored = || seeing.iter().filter_map(|seq| index.keyframe(*seq));
+    let mean = |sum: Vector3<f64>| sum.try_normalize(1e-6);
+    let told = stored().filter_map(|keyframe| {
+        Some(keyframe.map_from_camera.isometry().rotation * keyframe.gravity?.direction())
+    });
+    let of_map = index.properties().gravity.map(|gravity| gravity.direction());
+    let of_session = of_map.or_else(|| mean(told.fold(Vector3::zeros(), |sum, down| sum + down)));
+    if let Some((own, down_in_session)) = asked.gravity.zip(of_session) {
+        return Verticals { down_in_camera: own.direction(), down_in_session, is_assumed: false };
+    }
+    let upright = stored().fold(Vector3::zeros(), |sum, keyframe| {
+        sum + keyframe.map_from_camera.isometry().rotation * Vector3::y()
+    });
     Verticals {
         down_in_camera: Vector3::y(),
-        down_in_session: down.try_normalize(1e-6).unwrap_or_else(|| -Vector3::z()),
+        down_in_session: mean(upright).unwrap_or_else(|| -Vector3::z()),
         is_assumed: true,
     }
 }

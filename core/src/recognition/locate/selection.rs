@@ -64,12 +64,16 @@ pub fn ranked(searches: &[MapSearch], hinted_map: Option<usize>) -> Vec<Chosen> 
         let search = &searches[one.map];
         (one.map, &search.sites[search.proposed[one.asked][one.candidate].site].id, one.asked)
     };
+    let global = |one: &Chosen| {
+        let candidate = &searches[one.map].screenings[one.asked].candidates[one.candidate].candidate;
+        candidate.proposed.as_ref().and_then(|proposed| proposed.similarity).unwrap_or(0.0)
+    };
     let hinted = |one: &Chosen| {
         let is_of_map = hinted_map.is_none_or(|map| map == one.map);
         let is_hinted = is_of_map && searches[one.map].proposed[one.asked][one.candidate].is_hinted;
         if is_hinted { score(one) } else { 0.0 }
     };
-    let channels: [&dyn Fn(&Chosen) -> f64; 3] = [&score, &signs, &hinted];
+    let channels: [&dyn Fn(&Chosen) -> f64; 4] = [&score, &signs, &global, &hinted];
     let mut fused: Vec<(Chosen, f64)> = all().map(|one| (one, 0.0)).collect();
     for channel in channels {
         let mut order: Vec<usize> = (0..fused.len()).filter(|at| channel(&fused[*at].0) > 0.0).collect();

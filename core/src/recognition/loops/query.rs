@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use super::centre::{Centre, inline_centre};
 use super::geometry_snapshot::GeometrySnapshot;
 use crate::domain::bow::BowVector;
+use crate::domain::global_descriptor::GlobalDescriptor;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::domain::keyframe::{NewKeyframe, Stamp};
 use crate::domain::roles::Roles;
@@ -19,6 +20,8 @@ pub struct Query<'a> {
     pub bow: &'a BowVector,
     /// The moment at which its image was taken.
     pub stamp: Stamp,
+    /// The vector of its whole image, if that can be compared with the map's.
+    pub global: Option<GlobalDescriptor>,
     /// What its local anchor map is built around.
     pub centre: Centre,
     /// The objects it sees, ascending.
@@ -37,10 +40,12 @@ impl<'a> Query<'a> {
         let centre = Centre::stored(index, keyframe)?;
         let stamp = index.keyframe(keyframe)?.stamp;
         let (seen, snapshot) = (index.objects_seen_by(keyframe), GeometrySnapshot::stored(index, keyframe));
+        let global = index.globals().get(keyframe);
         Some(Self {
             keyframe: Some(keyframe),
             bow,
             stamp,
+            global,
             centre,
             seen,
             snapshot,
@@ -72,6 +77,7 @@ impl<'a> Query<'a> {
             keyframe: None,
             bow: &keyframe.bow,
             stamp: keyframe.stamp,
+            global: keyframe.global_descriptor.clone().filter(|of_query| index.globals().takes(of_query)),
             centre,
             seen,
             snapshot: GeometrySnapshot::inline(index, session, keyframe),
