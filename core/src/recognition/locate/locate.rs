@@ -5,10 +5,14 @@ use super::look_for::{NearbySign, telling_signs};
 use super::map_search::MapSearch;
 use super::places::{PlaceEvidence, evidence, evidence_alone, join};
 use super::views::View;
+use crate::domain::counted::counted;
 use crate::domain::ids::KeyframeId;
 use crate::domain::location::{Location, LocationVerdict, Place};
 use crate::domain::verdict::{Candidate, Reason, ReasonCode};
-use crate::recognition::loops::evidence::{geometry_skipped, no_candidates, reason as decided_by};
+use crate::recognition::loops::evidence::{geometry_skipped, no_candidates};
+
+/// A place fits if, were there no other, the camera would rather be there than not.
+pub(in crate::recognition) const FITS_FROM_LOG_ODDS: f64 = 0.0;
 
 /// Decides where the camera is, from the searches of all maps and the views that geometry looked at; at most `max` places are
 /// listed. Pure: the same arguments give the same answer, to the bit.
@@ -17,7 +21,7 @@ pub fn locate(searches: &[MapSearch], views: &[View], max: usize) -> Location {
     let confidences: Vec<f64> = (0..joined.len()).map(|at| evidence(&joined, at).confidence()).collect();
     let confidence = confidences.first().copied().unwrap_or(0.0);
     let verdict = verdict(&joined, confidence);
-    let fits = |at: usize| evidence_alone(&joined[at]).is_located();
+    let fits = |at: usize| evidence_alone(&joined[at]).log_odds() >= FITS_FROM_LOG_ODDS;
     let standing = |at: usize| match verdict {
         LocationVerdict::Located if at == 0 => LocationVerdict::Located,
         LocationVerdict::Ambiguous if fits(at) => LocationVerdict::Ambiguous,
@@ -39,12 +43,12 @@ pub fn locate(searches: &[MapSearch], views: &[View], max: usize) -> Location {
         }
         LocationVerdict::Located | LocationVerdict::Unknown => Vec::new(),
     };
-    let reason = reason(searches, verdict, confidence, joined.is_empty());
+    let reason = reason(searches, verdict, &joined);
     Location { verdict, confidence, places, look_for, reason }
 }
 
 fn verdict(joined: &[PlaceEvidence], confidence: f64) -> LocationVerdict {
-    let fits = |place: &PlaceEvidence| evidence_alone(place).is_located();
+    let fits = |place: &PlaceEvidence| evidence_alone(place).log_odds() >= FITS_FROM_LOG_ODDS;
     match joined {
         [] => LocationVerdict::Unknown,
         _ if confidence >= LOCATED_MIN_CONFIDENCE => LocationVerdict::Located,
@@ -87,20 +91,27 @@ fn place(
     }
 }
 
-fn reason(
-    searches: &[MapSearch],
-    verdict: LocationVerdict,
-    confidence: f64,
-    is_empty: bool,
-) -> Option<Reason> {
-    if is_empty {
+/// Returns why there is no place, or why the first one is not certain.
+fn reason(searches: &[MapSearch], verdict: LocationVerdict, joined: &[PlaceEvidence]) -> Option<Reason> {
+    let Some(first) = joined.first() else {
         let empty_bow = searches.iter().flat_map(|search| &search.screenings).all(|one| one.empty_bow);
         return Some(no_candidates(empty_bow));
-    }
-    let limit = LOCATED_MIN_CONFIDENCE;
-    match verdict {
-        LocationVerdict::Located => None,
-        LocationVerdict::Ambiguous => Some(decided_by(ReasonCode::PlacesAlike, confidence, limit)),
-        LocationVerdict::Unknown => Some(decided_by(ReasonCode::TooLittleEvidence, confidence, limit)),
-    }
+    };
+    let of_first = evidence(joined, 0);
+    let (code, detail) = match verdict {
+        LocationVerdict::Located => return None,
+        LocationVerdict::Ambiguous => {
+            let cells = counted(of_first.cells, "cell");
+            (ReasonCode::PlacesAlike, format!("the first place alone explains {cells} of the view"))
+        }
+        LocationVerdict::Unknown => {
+            let cells = counted(evidence_alone(first).cells, "cell");
+            let signs = counted(first.signs.agreeing.len(), "distinctive sign");
+            (
+                ReasonCode::TooLittleEvidence,
+                format!("{cells} of the view and {signs} agree with the first place"),
+            )
+        }
+    };
+    Some(Reason { code, measured: Some(of_first.confidence()), limit: Some(LOCATED_MIN_CONFIDENCE), detail })
 }

@@ -8,10 +8,14 @@ use super::explained_cells::Cells;
 use super::map_search::MapSearch;
 use super::selection::{Chosen, ranked};
 use super::views::View;
+use crate::domain::ids::SessionSeq;
 use crate::domain::location::{LocatedPose, SignEvidence};
+use crate::geometry::Point3;
 
 /// Places that are told apart; those of which less is known are left out.
 const PLACES_MAX: usize = 40;
+/// Poses of one session that are this near to each other are one place, in metres.
+pub(in crate::recognition) const SAME_SPOT_M: f64 = 1.0;
 
 /// Evidence for one site or anchor pose, before what lies beside each other is joined.
 #[derive(Clone, Debug)]
@@ -25,6 +29,8 @@ struct Clue {
     view: Option<usize>,
     /// The number of its anchor pose in its map's search.
     anchor_pose: Option<usize>,
+    /// The session and the centre of the first keyframe's camera in its frame, where it gives a pose.
+    stands_at: Option<(SessionSeq, Point3)>,
     agreeing: BTreeSet<String>,
     contradicting: u32,
     common_cells: usize,
@@ -57,6 +63,14 @@ pub struct PlaceEvidence {
     words: f64,
 }
 
+impl Clue {
+    /// Whether both put the camera at one spot of one session.
+    fn stands_with(&self, other: &Self) -> bool {
+        let both = self.stands_at.zip(other.stands_at);
+        both.is_some_and(|((session, a), (of_other, b))| session == of_other && (a - b).norm() <= SAME_SPOT_M)
+    }
+}
+
 /// Joins views, candidates that geometry did not look at, and anchor poses to places, the most promising first.
 pub fn join(searches: &[MapSearch], views: &[View]) -> Vec<PlaceEvidence> {
     let mut clues: Vec<Clue> =
@@ -73,8 +87,9 @@ pub fn join(searches: &[MapSearch], views: &[View]) -> Vec<PlaceEvidence> {
     for clue in clues {
         let is_beside = |group: &Vec<Clue>| {
             let head = &group[0];
+            let are_beside = |(a, b): (usize, usize)| searches[clue.map].are_beside(a, b);
             head.map == clue.map
-                && head.site.zip(clue.site).is_some_and(|(a, b)| searches[clue.map].are_beside(a, b))
+                && (head.site.zip(clue.site).is_some_and(are_beside) || head.stands_with(&clue))
         };
         match groups.iter().position(is_beside) {
             Some(group) => groups[group].push(clue),
@@ -141,7 +156,10 @@ fn figures_of_place(place: &PlaceEvidence) -> Figures {
 }
 
 fn of_view(searches: &[MapSearch], at: usize, view: &View) -> Clue {
-    Clue { view: Some(at), common_cells: view.common_cells(), ..of_candidate(searches, view.chosen) }
+    let clue = of_candidate(searches, view.chosen);
+    let session = clue.site.map(|site| searches[clue.map].sites[site].session);
+    let centre = view.pose.as_ref().map(|pose| pose.map_from_camera.centre());
+    Clue { view: Some(at), common_cells: view.common_cells(), stands_at: session.zip(centre), ..clue }
 }
 
 fn of_candidate(searches: &[MapSearch], chosen: Chosen) -> Clue {
@@ -153,6 +171,7 @@ fn of_candidate(searches: &[MapSearch], chosen: Chosen) -> Clue {
         chosen: Some(chosen),
         view: None,
         anchor_pose: None,
+        stands_at: None,
         agreeing: proposed.signs.agreeing.iter().cloned().collect(),
         contradicting: proposed.signs.contradicting,
         common_cells: 0,
@@ -168,6 +187,7 @@ fn of_pose(map: usize, search: &MapSearch, number: usize) -> Clue {
         chosen: None,
         view: None,
         anchor_pose: Some(number),
+        stands_at: Some((pose.session, pose.pose.map_from_camera.centre())),
         agreeing: pose.identifiers.clone(),
         contradicting: 0,
         common_cells: 0,
