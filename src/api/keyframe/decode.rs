@@ -37,7 +37,17 @@ const FIELDS: [&str; 13] = [
 ];
 
 /// The fields of a keyframe whose place nobody knows.
-const UNPLACED_FIELDS: [&str; 7] = ["stamp", "pose", "camera", "bow", "features", "map_points", "detections"];
+const UNPLACED_FIELDS: [&str; 9] = [
+    "stamp",
+    "pose",
+    "camera",
+    "gravity",
+    "bow",
+    "global_descriptor",
+    "features",
+    "map_points",
+    "detections",
+];
 
 const OBSERVES: Column = Column { list: "observes", packed: "observes_i64", number: Number::I64, row: None };
 const WORDS: Column = Column { list: "words", packed: "words_u32", number: Number::U32, row: None };

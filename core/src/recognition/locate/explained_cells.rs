@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use crate::domain::keyframe::Camera;
 
 /// Cells along the longer side of an image.
-pub(in crate::recognition) const CELLS_ALONG_LONGER_SIDE: f64 = 30.0;
+pub(in crate::recognition) const CELLS_ALONG_LONGER_SIDE: f64 = 40.0;
 
 /// Cells of the image of one keyframe of a question, by the keyframe's number, row and column.
 pub type Cells = BTreeSet<(usize, i32, i32)>;

@@ -9,7 +9,7 @@ use crate::recognition::loops::centre::Centre;
 use crate::recognition::map::index::MapIndex;
 
 /// Signs that are remembered of a place.
-const NEARBY_MAX: usize = 3;
+const NEARBY_MAX: usize = 12;
 /// Signs that an answer names.
 const NAMED_MAX: usize = 8;
 

@@ -3,19 +3,16 @@
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-use crate::domain::channel::Channel;
-use crate::domain::ids::KeyframeSeq;
-
 /// What is added to each rank: the larger, the less the first ranks stand out.
 pub(in crate::recognition) const RECIPROCAL_RANK_OFFSET: f64 = 60.0;
 
-/// Returns every keyframe that a channel ranks, with its channels: first those with the greatest sum of 1 / (offset + rank),
+/// Returns everything that a channel ranks, with its channels: first those with the greatest sum of 1 / (offset + rank),
 /// ranks counted from 1. `tie` orders equal sums.
-pub(super) fn fuse(
-    rankings: &[(Channel, Vec<KeyframeSeq>)],
-    tie: impl Fn(KeyframeSeq, KeyframeSeq) -> Ordering,
-) -> Vec<(KeyframeSeq, Vec<Channel>)> {
-    let mut found: BTreeMap<KeyframeSeq, (f64, Vec<Channel>)> = BTreeMap::new();
+pub(in crate::recognition) fn fuse<T: Copy + Ord, C: Copy>(
+    rankings: &[(C, Vec<T>)],
+    tie: impl Fn(T, T) -> Ordering,
+) -> Vec<(T, Vec<C>)> {
+    let mut found: BTreeMap<T, (f64, Vec<C>)> = BTreeMap::new();
     for (channel, ranking) in rankings {
         for (before, keyframe) in ranking.iter().enumerate() {
             let (sum, channels) = found.entry(*keyframe).or_default();
@@ -31,6 +28,8 @@ pub(super) fn fuse(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::domain::channel::Channel;
+    use crate::domain::ids::KeyframeSeq;
 
     #[test]
     fn what_two_channels_rank_second_comes_before_what_one_ranks_first() {

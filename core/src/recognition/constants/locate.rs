@@ -1,0 +1,118 @@
+//! Constants of "where am I?" (M56).
+
+use super::constant::{Constant, constant};
+use crate::recognition::locate::{
+    anchor_pose, confidence, explained_cells, map_search, places, pose, selection, sighted_anchor,
+};
+
+/// Rule by rule, in the order in which a question meets them.
+pub(super) const LOCATE: &[Constant] = &[
+    constant(
+        "locate.candidates_per_map",
+        map_search::CANDIDATES_PER_MAP_MAX as f64,
+        "1",
+        "ours: places of one map that are compared with a keyframe",
+    ),
+    constant(
+        "locate.verifications",
+        selection::VERIFICATIONS_MAX as f64,
+        "1",
+        "ours: pairs of keyframes that geometry looks at for one question",
+    ),
+    constant(
+        "locate.places_verified",
+        selection::PLACES_VERIFIED_MAX as f64,
+        "1",
+        "ours: of these, pairs with the best candidates of different places; the rest are neighbours of the first",
+    ),
+    constant(
+        "locate.neighbours",
+        map_search::NEIGHBOURS_MAX as f64,
+        "1",
+        "ours: keyframes of a candidate's place that geometry looks at beside it",
+    ),
+    constant(
+        "locate.cells",
+        explained_cells::CELLS_ALONG_LONGER_SIDE,
+        "1",
+        "ours: cells along the longer side of an image, by which the explained part of a view is measured",
+    ),
+    constant(
+        "locate.even_cells",
+        confidence::EVEN_CELLS,
+        "1",
+        "ours: cells that a place explains and its rival does not, at which the two are as likely as not",
+    ),
+    constant(
+        "locate.cells_per_log_odds",
+        confidence::CELLS_PER_LOG_ODDS,
+        "1",
+        "ours: such cells that multiply the odds by e",
+    ),
+    constant(
+        "locate.sign_log_odds",
+        confidence::SIGN_LOG_ODDS,
+        "1",
+        "ours: log-odds of an identifier that agrees and hangs in one place only",
+    ),
+    constant(
+        "locate.contradiction_log_odds",
+        confidence::CONTRADICTION_LOG_ODDS,
+        "1",
+        "ours: log-odds that a contradicting pair of identifiers takes away",
+    ),
+    constant(
+        "locate.min_confidence",
+        confidence::LOCATED_MIN_CONFIDENCE,
+        "1",
+        "ours: the least confidence with which a place is located",
+    ),
+    constant(
+        "locate.same_spot_m",
+        places::SAME_SPOT_M,
+        "m",
+        "ours: poses of one session so near to each other are one place",
+    ),
+    constant(
+        "locate.pairs_per_session",
+        sighted_anchor::PAIRS_PER_SESSION_MAX as f64,
+        "1",
+        "ours: pairs of a sighted anchor and one of a session's frame that a pose is sought from",
+    ),
+    constant(
+        "locate.agrees_within_sigmas",
+        anchor_pose::AGREES_WITHIN_SIGMAS,
+        "1",
+        "ours: an anchor agrees with a pose that puts it within so many standard deviations of its place",
+    ),
+    constant(
+        "locate.off_line_min_m",
+        anchor_pose::OFF_LINE_MIN_M,
+        "m",
+        "ours: three anchors are not on a line if one is so far from the line through the others",
+    ),
+    constant(
+        "locate.sighting_sigma_m",
+        pose::SIGHTING_SIGMA_M,
+        "m",
+        "ours: standard deviation of a sighted position, its fixed part",
+    ),
+    constant(
+        "locate.sighting_sigma_share",
+        pose::SIGHTING_SIGMA_SHARE,
+        "1",
+        "ours: the same, as a share of the distance",
+    ),
+    constant(
+        "locate.assumed_tilt_sigma_rad",
+        pose::ASSUMED_TILT_SIGMA_RAD,
+        "rad",
+        "ours: standard deviation of a camera's tilt where both are taken to be equally upright",
+    ),
+    constant(
+        "locate.measured_tilt_sigma_rad",
+        pose::MEASURED_TILT_SIGMA_RAD,
+        "rad",
+        "ours: standard deviation of a vertical that an accelerometer told",
+    ),
+];
