@@ -6,6 +6,7 @@
 //! | keyframe, camera, features, detection as sent | [`keyframe`] |
 //! | bag-of-words vector and its L1 score | [`bow`] |
 //! | observation of an anchor, outcome of a detection | [`anchor`] |
+//! | signs known from a plan before a robot saw them | [`prior`] |
 //! | map, its settings, and those that make a method | [`map`], [`settings`], [`method`] |
 //! | map points in few bytes | [`point_list`], [`varint`] |
 //! | facts that decisions change, and the values they replace | [`change`], [`former`] |
@@ -41,6 +42,7 @@ pub mod method;
 pub mod named;
 pub mod named_detection;
 pub mod point_list;
+pub mod prior;
 pub mod reason;
 pub mod recorded;
 pub mod report;
