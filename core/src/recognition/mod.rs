@@ -35,6 +35,7 @@
 //! | ours: geometry proves a view, not a place (M19) | [`extensions::rivals`] | [`extensions::rivals::find_rivals`] |
 //! | ours: one view in two places (M16) | [`extensions::twins`] | [`extensions::twins::suspects`] |
 //! | ours: signs that change (M18) | [`extensions::changed_signs`] | [`extensions::changed_signs::passages_ended_by`] |
+//! | ours: sessions aligned to a plan (M54) | [`plans`], [`anchors::prior_anchors`] | [`plans::plan_alignment::plan_alignment`] |
 //! | ours: odometry where loops tie the way together | [`extensions::way_by_loops`] | [`extensions::way_by_loops::way_by_loops_um`] |
 //! | ours: odometry against a transformation (M15) | [`extensions::tracked_path`] | [`extensions::tracked_path::TrackedPath`] |
 //!
@@ -48,4 +49,5 @@ pub mod constants;
 pub mod extensions;
 pub mod loops;
 pub mod map;
+pub mod plans;
 pub mod verification;
