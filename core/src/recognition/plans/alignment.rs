@@ -10,6 +10,9 @@ use super::support::{Support, fit_pairs, support};
 /// Distinctive signs that must agree.
 const DISTINCTIVE_MIN: usize = 2;
 
+/// The same where some of them bear words that hang in every building, also where no plan shows them.
+const GENERAL_MIN: usize = 3;
+
 /// Proposals that are refined, the best by their support.
 const REFINED_MAX: usize = 12;
 
@@ -118,9 +121,12 @@ fn is_rival(best: &Judged, other: &Judged, seen_from: &Vector2<f64>) -> bool {
 fn announced(signs: &Signs, best: &Judged, seen_from: &Vector2<f64>) -> Option<Alignment> {
     let same = || best.support.explained.iter().filter(|explained| explained.is_same);
     let of_distinctive = same().filter(|explained| signs.seen[explained.seen].is_distinctive);
-    let distinctive = distinct(of_distinctive.map(|explained| explained.drawn));
+    let distinctive = distinct(of_distinctive.clone().map(|explained| explained.drawn));
+    let of_specific = of_distinctive.filter(|explained| signs.seen[explained.seen].is_specific);
+    let specific = distinct(of_specific.map(|explained| explained.drawn));
     let all = distinct((0..signs.seen.len()).filter(|seen| signs.seen[*seen].is_distinctive));
-    if distinctive < DISTINCTIVE_MIN || (distinctive as f64) < AGREEING_SHARE_MIN * all as f64 {
+    let are_enough = specific >= DISTINCTIVE_MIN || distinctive >= GENERAL_MIN;
+    if !are_enough || (distinctive as f64) < AGREEING_SHARE_MIN * all as f64 {
         return None;
     }
     let fit = best.proposal.fit;

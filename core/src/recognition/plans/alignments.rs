@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::plan_alignment::{PlanAlignment, plan_alignment};
+use super::plan_texts::PlanTexts;
 use crate::domain::ids::{AnchorSeq, SessionSeq};
 use crate::geometry::Point3;
 use crate::recognition::map::index::{MapIndex, MergedAnchor};
@@ -12,18 +13,28 @@ use crate::semantics::Text;
 #[derive(Debug)]
 pub struct Alignments<'a> {
     index: &'a MapIndex,
+    /// Collected when the first session is aligned.
+    texts: Option<PlanTexts>,
     known: BTreeMap<SessionSeq, Option<PlanAlignment>>,
 }
 
 impl<'a> Alignments<'a> {
     /// Begins with none.
     pub fn of(index: &'a MapIndex) -> Self {
-        Self { index, known: BTreeMap::new() }
+        Self { index, texts: None, known: BTreeMap::new() }
     }
 
     /// Returns the alignment of a session, if it is aligned.
     pub fn session(&mut self, session: SessionSeq) -> Option<PlanAlignment> {
-        *self.known.entry(session).or_insert_with(|| plan_alignment(self.index, session))
+        let (index, texts) = (self.index, &mut self.texts);
+        let align = || plan_alignment(index, texts.get_or_insert_with(|| PlanTexts::of(index)), session);
+        *self.known.entry(session).or_insert_with(align)
+    }
+
+    /// Returns the prior anchors that a text names, whatever read it: their places in the plans stand for the sign's.
+    pub fn priors_of(&mut self, class: &str, text: &Text) -> Vec<AnchorSeq> {
+        let index = self.index;
+        self.texts.get_or_insert_with(|| PlanTexts::of(index)).same(index, class, text)
     }
 
     /// Returns the place of an object in a plan's frame: of a prior one as the plan has it, else by the oldest of the aligned
@@ -39,14 +50,4 @@ impl<'a> Alignments<'a> {
             Some((alignment.frame, Some(*session), alignment.plan_from_session.transform(&centre)))
         })
     }
-}
-
-/// Returns the prior anchors that match a text, whatever saw it: their places stand for the sign's.
-pub fn matching_priors(index: &MapIndex, class: &str, text: &Text) -> Vec<AnchorSeq> {
-    if index.priors().is_empty() {
-        return Vec::new();
-    }
-    let carriers =
-        index.texts().matching_text(class, text).into_iter().flat_map(|text| index.texts().objects(text));
-    carriers.filter(|anchor| index.anchor(*anchor).is_some_and(|anchor| anchor.prior.is_some())).collect()
 }

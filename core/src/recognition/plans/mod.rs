@@ -5,6 +5,7 @@
 //! | step | file |
 //! |---|---|
 //! | the signs that a session saw, and what the plan shows with their texts | [`session_signs`] |
+//! | which drawn signs bear a text | [`plan_texts`] |
 //! | the vertical of a session's frame | [`upright`] |
 //! | a rotation about the vertical and a translation, fitted, with its uncertainty | [`planar_fit`] |
 //! | how well a transformation explains all signs | [`support`] |
@@ -16,6 +17,7 @@
 pub mod alignment;
 pub mod alignments;
 pub mod plan_alignment;
+pub mod plan_texts;
 pub mod planar_fit;
 pub mod proposals;
 pub mod session_signs;

@@ -3,6 +3,7 @@
 use nalgebra::Isometry3;
 
 use super::alignment::{Alignment, align};
+use super::plan_texts::PlanTexts;
 use super::session_signs::session_signs;
 use crate::domain::ids::SessionSeq;
 use crate::geometry::Pose;
@@ -27,11 +28,11 @@ pub struct PlanAlignment {
 
 /// Aligns a session to the plans of its map; none where fewer than two distinctive signs agree, where another place explains
 /// the signs nearly as well, or where the map is not metric.
-pub fn plan_alignment(index: &MapIndex, session: SessionSeq) -> Option<PlanAlignment> {
+pub fn plan_alignment(index: &MapIndex, texts: &PlanTexts, session: SessionSeq) -> Option<PlanAlignment> {
     if index.priors().is_empty() || !index.properties().metric || index.priors().is_frame(session) {
         return None;
     }
-    let signs = session_signs(index, session)?;
+    let signs = session_signs(index, texts, session)?;
     let Alignment { frame, fit, inliers, distinctive, position_sigma_m, yaw_sigma_rad } =
         align(&signs.signs)?;
     let plan_from_level = Isometry3::from(fit.pose);

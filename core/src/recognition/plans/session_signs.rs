@@ -1,15 +1,17 @@
 //! Signs of a session: what its keyframes saw, and what the plans show with the same texts or similar ones.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
-use nalgebra::{Isometry3, Vector2, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
 
+use super::plan_texts::PlanTexts;
 use super::signs::{DrawnSign, SeenSign, Signs};
 use super::upright::{levelling, vertical};
-use crate::domain::anchor::Observation;
+use crate::domain::anchor::{AnchorState, Observation};
 use crate::domain::ids::{AnchorSeq, SessionSeq};
 use crate::geometry::{Aabb, Point3, Pose};
-use crate::recognition::map::index::{MapIndex, MergedAnchor, TextId};
+use crate::recognition::map::index::{MapIndex, MergedAnchor};
+use crate::semantics::{self, Text};
 
 /// Maximum signs of a session that are taken, the oldest.
 const SEEN_MAX: usize = 512;
@@ -27,14 +29,12 @@ const SAME_SIGN_M: f64 = 2.0;
 /// A text that was read here half as often as another one, or less, is a misreading of that one, in metres.
 const SAME_SPOT_M: f64 = 1.2;
 
-/// The cost of the assumption that a text was misread, as a logarithm: read once, read alike twice, and more often or described.
-const MISREAD_COSTS: [f64; 3] = [4.0, 6.0, 8.0];
+/// The cost of the assumption that a text was misread, as a logarithm: read once by a reader that was not confident, read once,
+/// read alike twice, and more often or described.
+const MISREAD_COSTS: [f64; 4] = [3.0, 4.0, 6.0, 8.0];
 
-/// Texts up to this length are held against texts that differ in one character.
-const SIMILAR_CHARS_MAX: usize = 12;
-
-/// The characters that a reader takes for each other, in normal form.
-const CHARACTERS: &str = "0123456789abcdefghijklmnopqrstuvwxyz";
+/// InformationLevel of texts that are looked up in the plans: general words are, and noise is not.
+const LEVEL_MIN: u8 = 2;
 
 /// The signs of a session, levelled, with the frames of the plans by number.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,12 +48,12 @@ pub struct SessionSigns {
 }
 
 /// Returns the signs of a session; none if the plans show none of its texts.
-pub fn session_signs(index: &MapIndex, session: SessionSeq) -> Option<SessionSigns> {
+pub fn session_signs(index: &MapIndex, texts: &PlanTexts, session: SessionSeq) -> Option<SessionSigns> {
     let groups = groups(index, session);
     let cameras = groups.iter().flat_map(|group| group.sightings.iter().map(|sighting| sighting.camera));
     let level = levelling(&vertical(cameras));
     let mut drawn = Drawn { index, numbers: BTreeMap::new(), signs: Vec::new(), frames: frames(index) };
-    let seen: Vec<SeenSign> = groups.iter().map(|group| group.seen(&mut drawn, level)).collect();
+    let seen: Vec<SeenSign> = groups.iter().map(|group| group.seen(texts, &mut drawn, level)).collect();
     if seen.iter().all(|seen| seen.same.is_empty()) {
         return None;
     }
@@ -81,45 +81,36 @@ impl Sighting {
 }
 
 /// Objects that are one sign: they bear one text and stand together.
-struct Group {
-    text: TextId,
+struct Group<'a> {
+    class: &'a str,
+    text: &'a Text,
     sightings: Vec<Sighting>,
     reads: usize,
     is_described: bool,
+    /// Whether a reader that was not confident read it once.
+    is_doubtful: bool,
 }
 
-/// Returns the signs that a session saw and that say enough, in the order of their anchors.
-fn groups(index: &MapIndex, session: SessionSeq) -> Vec<Group> {
-    let mut groups: Vec<Group> = Vec::new();
+/// Returns the signs that a session saw and that say anything, in the order of their anchors.
+fn groups(index: &MapIndex, session: SessionSeq) -> Vec<Group<'_>> {
+    let mut groups: Vec<Group<'_>> = Vec::new();
     for (root, object) in index.objects().iter() {
-        let Some(text) = index.texts().of(root) else { continue };
         let is_here = object.shapes.get(&session).is_some_and(|shape| shape.aabb.is_some());
         if !is_here || index.anchor(root).is_some_and(|anchor| anchor.prior.is_some()) {
             continue;
         }
-        let sightings = sightings(index, object, session);
-        let Some(mean) = mean(&sightings) else { continue };
-        let elected = object.votes.elected();
-        let by_hand = object.description.as_ref().is_some_and(|description| description.by_hand);
-        let is_described = by_hand || elected.as_ref().is_some_and(|elected| elected.described);
-        let reads = elected.map_or(0, |elected| elected.count);
-        let same = groups.iter_mut().find(|group| {
-            group.text == text
-                && self::mean(&group.sightings).is_some_and(|other| (other.0 - mean.0).norm() <= SAME_SIGN_M)
-        });
-        if let Some(group) = same {
-            group.sightings.extend(sightings);
-            group.reads += reads;
-            group.is_described |= is_described;
+        let Some(group) = Group::of(index, object, session) else { continue };
+        if let Some(known) = groups.iter_mut().find(|known| known.is_same_sign(&group)) {
+            known.join(group);
         } else if groups.len() < SEEN_MAX {
-            groups.push(Group { text, sightings, reads, is_described });
+            groups.push(group);
         }
     }
     without_outvoted(groups)
 }
 
 /// Returns the groups without those that are misreadings of a sign at the same spot, which was read otherwise more often.
-fn without_outvoted(groups: Vec<Group>) -> Vec<Group> {
+fn without_outvoted(groups: Vec<Group<'_>>) -> Vec<Group<'_>> {
     let means: Vec<Option<Vector3<f64>>> =
         groups.iter().map(|group| mean(&group.sightings).map(|(mean, _)| mean)).collect();
     let outvotes = |other: usize, group: usize| {
@@ -161,49 +152,68 @@ fn mean(sightings: &[Sighting]) -> Option<(Vector3<f64>, f64)> {
     (weight > 0.0).then(|| (sum / weight, 1.0 / weight + SHARED_SIGMA_M * SHARED_SIGMA_M))
 }
 
-impl Group {
-    fn seen(&self, drawn: &mut Drawn<'_>, level: nalgebra::UnitQuaternion<f64>) -> SeenSign {
+impl<'a> Group<'a> {
+    /// Returns an object as a session saw it; none if its text says nothing or it no longer hangs there.
+    fn of(index: &'a MapIndex, object: &'a MergedAnchor, session: SessionSeq) -> Option<Self> {
+        let description = object.description.as_ref().filter(|_| object.state != AnchorState::Retired)?;
+        if description.text.information_level() < LEVEL_MIN {
+            return None;
+        }
+        let sightings = sightings(index, object, session);
+        let elected = object.votes.elected();
+        Some(Self {
+            class: index.class_of(object),
+            text: &description.text,
+            reads: elected.as_ref().map_or(1, |elected| elected.count),
+            is_described: description.by_hand || elected.is_some_and(|elected| elected.described),
+            is_doubtful: description.information_level < LEVEL_MIN,
+            sightings,
+        })
+        .filter(|group| !group.sightings.is_empty())
+    }
+
+    fn is_same_sign(&self, other: &Self) -> bool {
+        let is_here = || mean(&self.sightings).zip(mean(&other.sightings)).map(|(a, b)| (a.0 - b.0).norm());
+        self.class == other.class
+            && self.text.normalised() == other.text.normalised()
+            && is_here().is_some_and(|apart_m| apart_m <= SAME_SIGN_M)
+    }
+
+    fn join(&mut self, other: Self) {
+        self.sightings.extend(other.sightings);
+        self.reads += other.reads;
+        self.is_described |= other.is_described;
+        self.is_doubtful = false;
+    }
+
+    fn misread_cost(&self) -> f64 {
+        MISREAD_COSTS[match self.reads {
+            _ if self.is_described => 3,
+            0 | 1 => usize::from(!self.is_doubtful),
+            reads => reads.min(3),
+        }]
+    }
+
+    fn seen(&self, texts: &PlanTexts, drawn: &mut Drawn<'_>, level: UnitQuaternion<f64>) -> SeenSign {
         let (mean, variance) = mean(&self.sightings).unwrap_or((Vector3::zeros(), f64::MAX));
         let cameras = self.sightings.iter().map(|sighting| level * sighting.camera.centre().coords);
         let seen_from = cameras.sum::<Vector3<f64>>().xy() / self.sightings.len().max(1) as f64;
-        let index = drawn.index;
-        let texts = index.texts();
-        let same: BTreeSet<AnchorSeq> =
-            texts.matching(self.text).flat_map(|text| texts.objects(text)).collect();
-        let similar = similar_texts(index, self.text).into_iter().flat_map(|text| texts.objects(text));
-        let similar: BTreeSet<AnchorSeq> = similar.filter(|anchor| !same.contains(anchor)).collect();
+        let same = texts.same(drawn.index, self.class, self.text);
+        let mut similar = texts.similar(self.class, self.text);
+        similar.retain(|anchor| !same.contains(anchor));
         let same = drawn.numbers(&same);
         let is_distinctive = drawn.are_one_place(&same);
-        let level_of_reads = if self.is_described { 2 } else { self.reads.clamp(1, 3) - 1 };
         SeenSign {
             position: level * mean,
             variance,
-            seen_from: Vector2::new(seen_from.x, seen_from.y),
-            misread_cost: MISREAD_COSTS[level_of_reads],
+            seen_from,
+            misread_cost: self.misread_cost(),
             same,
             similar: drawn.numbers(&similar),
             is_distinctive,
+            is_specific: !semantics::is_common_sign(self.text),
         }
     }
-}
-
-/// Returns the texts of the map that differ from one in a single character: what it may have been misread for.
-fn similar_texts(index: &MapIndex, text: TextId) -> BTreeSet<TextId> {
-    let (class, parsed) = index.texts().text(text);
-    let characters: Vec<char> = parsed.normalised().chars().collect();
-    let mut found = BTreeSet::new();
-    if characters.len() > SIMILAR_CHARS_MAX {
-        return found;
-    }
-    for place in (0..characters.len()).filter(|place| CHARACTERS.contains(characters[*place])) {
-        for other in CHARACTERS.chars().filter(|other| *other != characters[place]) {
-            let mut changed = characters.clone();
-            changed[place] = other;
-            let changed: String = changed.into_iter().collect();
-            found.extend(index.texts().find_normalised(class, &changed));
-        }
-    }
-    found
 }
 
 /// The drawn signs that are taken so far, each once.
@@ -216,7 +226,7 @@ struct Drawn<'a> {
 
 impl Drawn<'_> {
     /// Returns the numbers of those of the anchors that a plan shows.
-    fn numbers(&mut self, anchors: &BTreeSet<AnchorSeq>) -> Vec<usize> {
+    fn numbers(&mut self, anchors: &[AnchorSeq]) -> Vec<usize> {
         anchors.iter().filter_map(|anchor| self.number(*anchor)).collect()
     }
 

@@ -19,6 +19,8 @@ pub struct SeenSign {
     pub similar: Vec<usize>,
     /// Whether the plans show its text at one place.
     pub is_distinctive: bool,
+    /// Whether its text is more than a word that hangs in every building (EXIT), also where no plan shows it.
+    pub is_specific: bool,
 }
 
 /// A sign that a plan shows.
