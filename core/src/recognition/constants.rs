@@ -6,6 +6,7 @@
 mod changed_signs;
 mod constant;
 mod geometry;
+mod plans;
 
 use super::anchors::{find_description_tasks, near_in_meaning, pairs};
 use super::extensions::{alignment, company, distinctiveness, sure_text, tracked_path, twins};
@@ -18,7 +19,7 @@ use crate::semantics;
 
 /// Returns every constant, rule by rule in the order in which a query meets them.
 pub fn constants() -> impl Iterator<Item = &'static Constant> {
-    [ANCHORS, changed_signs::CHANGED_SIGNS, geometry::GEOMETRY, FOUND].into_iter().flatten()
+    [ANCHORS, changed_signs::CHANGED_SIGNS, geometry::GEOMETRY, FOUND, plans::PLANS].into_iter().flatten()
 }
 
 const ANCHORS: &[Constant] = &[

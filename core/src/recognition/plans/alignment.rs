@@ -8,10 +8,10 @@ use super::signs::Signs;
 use super::support::{Support, fit_pairs, support};
 
 /// Distinctive signs that must agree.
-const DISTINCTIVE_MIN: usize = 2;
+pub(in crate::recognition) const DISTINCTIVE_MIN: usize = 2;
 
 /// The same where some of them bear words that hang in every building, also where no plan shows them.
-const GENERAL_MIN: usize = 3;
+pub(in crate::recognition) const GENERAL_MIN: usize = 3;
 
 /// Proposals that are refined, the best by their support.
 const REFINED_MAX: usize = 12;
@@ -20,7 +20,7 @@ const REFINED_MAX: usize = 12;
 const ROUNDS: usize = 4;
 
 /// A rival must explain the signs worse by this logarithm of a ratio of likelihoods.
-const RIVAL_MARGIN: f64 = 3.0;
+pub(in crate::recognition) const RIVAL_MARGIN: f64 = 3.0;
 
 /// Two transformations are rivals if they differ by more than this at the place where the signs were seen, in metres.
 const RIVAL_DISTANCE_M: f64 = 2.0;
@@ -29,13 +29,13 @@ const RIVAL_DISTANCE_M: f64 = 2.0;
 const RIVAL_ANGLE_RAD: f64 = 0.5;
 
 /// A place that is less certain is not announced, in metres.
-const POSITION_SIGMA_MAX_M: f64 = 1.0;
+pub(in crate::recognition) const POSITION_SIGMA_MAX_M: f64 = 1.0;
 
 /// A rotation that is less certain is not announced, in rad: 8 degrees.
-const YAW_SIGMA_MAX_RAD: f64 = 0.14;
+pub(in crate::recognition) const YAW_SIGMA_MAX_RAD: f64 = 0.14;
 
 /// The share of the distinctive signs that must agree: readers misread some.
-const AGREEING_SHARE_MIN: f64 = 0.5;
+pub(in crate::recognition) const AGREEING_SHARE_MIN: f64 = 0.5;
 
 /// An alignment that stands alone.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,7 +10,7 @@ use crate::recognition::map::index::MapIndex;
 use crate::semantics::Text;
 
 /// Texts up to this length are held against texts that differ in one character.
-const SIMILAR_CHARS_MAX: usize = 12;
+pub(in crate::recognition) const SIMILAR_CHARS_MAX: usize = 12;
 
 /// The characters that a reader takes for each other, in normal form.
 const CHARACTERS: &str = "0123456789abcdefghijklmnopqrstuvwxyz";

@@ -17,7 +17,7 @@ const DRAWN_MAX: usize = 32;
 const PROPOSALS_MAX: usize = 20_000;
 
 /// Two signs closer than this determine no rotation, in metres.
-const SEPARATION_MIN_M: f64 = 1.0;
+pub(in crate::recognition) const SEPARATION_MIN_M: f64 = 1.0;
 
 /// The distance between two signs may differ between plan and session by this many standard deviations.
 const DISTANCE_SIGMAS: f64 = 3.0;

@@ -17,17 +17,17 @@ use crate::semantics::{self, Text};
 const SEEN_MAX: usize = 512;
 
 /// Standard deviation of one sighting of a sign along each axis: at no distance in metres, and for each metre of it.
-const SIGHTING_SIGMA_M: f64 = 0.3;
-const SIGHTING_SIGMA_PER_M: f64 = 0.03;
+pub(in crate::recognition) const SIGHTING_SIGMA_M: f64 = 0.3;
+pub(in crate::recognition) const SIGHTING_SIGMA_PER_M: f64 = 0.03;
 
 /// What all sightings of a sign share, in metres: the camera's own pose, and its calibration.
-const SHARED_SIGMA_M: f64 = 0.1;
+pub(in crate::recognition) const SHARED_SIGMA_M: f64 = 0.1;
 
 /// Sightings of one text nearer than this are of one sign, in metres.
-const SAME_SIGN_M: f64 = 2.0;
+pub(in crate::recognition) const SAME_SIGN_M: f64 = 2.0;
 
 /// A text that was read here half as often as another one, or less, is a misreading of that one, in metres.
-const SAME_SPOT_M: f64 = 1.2;
+pub(in crate::recognition) const SAME_SPOT_M: f64 = 1.2;
 
 /// The cost of the assumption that a text was misread, as a logarithm: read once by a reader that was not confident, read once,
 /// read alike twice, and more often or described.

@@ -7,16 +7,16 @@ use super::planar_fit::{FitPair, PlanarFit, PlanarPose};
 use super::signs::{DrawnSign, SeenSign, Signs};
 
 /// Variance of a drawn sign's place along the floor, in m²: a plan shows the door, and the sign hangs beside it.
-const DRAWN_VARIANCE_M2: f64 = 0.15 * 0.15;
+pub(in crate::recognition) const DRAWN_VARIANCE_M2: f64 = 0.15 * 0.15;
 
 /// Variance of a sign's height against the plan, in m²: plans give the floor's height, or none.
-const HEIGHT_VARIANCE_M2: f64 = 0.8 * 0.8;
+pub(in crate::recognition) const HEIGHT_VARIANCE_M2: f64 = 0.8 * 0.8;
 
 /// A drawn sign is not the one that was seen beyond this squared distance, in variances: 99.5 % of three axes.
-const GATE: f64 = 12.84;
+pub(in crate::recognition) const GATE: f64 = 12.84;
 
 /// Drift of the session's frame, as a share of the distance from the signs' centre.
-const DRIFT_SHARE: f64 = 0.01;
+pub(in crate::recognition) const DRIFT_SHARE: f64 = 0.01;
 
 /// The cost of a sign that the plan does not show, beyond that of having been misread.
 const UNDRAWN_COST: f64 = 1.0;
