@@ -19,8 +19,8 @@ type Drawn = (&'static str, &'static str, [f64; 3]);
 /// A corridor of three doors, and a kitchen at its end.
 const CORRIDOR: [Drawn; 4] = [
     ("plan:1", "101", [0.0, 0.0, 1.5]),
-    ("plan:1", "104", [7.0, 0.0, 1.5]),
-    ("plan:1", "109", [13.0, 4.0, 1.5]),
+    ("plan:1", "214", [7.0, 0.0, 1.5]),
+    ("plan:1", "337", [13.0, 4.0, 1.5]),
     ("plan:1", "Kitchen", [20.0, 1.0, 1.5]),
 ];
 
@@ -102,11 +102,11 @@ fn two_distinctive_signs_align_a_session_and_one_does_not() {
     let mut index = plan(&CORRIDOR);
     see(&mut index, "kf-1", &robot, [0.0, 1.0, 1.0], &[("101", CORRIDOR[0].2)]);
     assert_eq!(aligned(&index), None);
-    see(&mut index, "kf-2", &robot, [7.0, 1.0, 1.0], &[("104", CORRIDOR[1].2)]);
+    see(&mut index, "kf-2", &robot, [7.0, 1.0, 1.0], &[("214", CORRIDOR[1].2)]);
     assert_right(&index, &robot, "plan:1");
     let of_two = aligned(&index).expect("an alignment");
     // More signs make it more certain, a general word that the plan shows once among them.
-    see(&mut index, "kf-3", &robot, [13.0, 1.0, 1.0], &[("109", CORRIDOR[2].2), ("kitchen", CORRIDOR[3].2)]);
+    see(&mut index, "kf-3", &robot, [13.0, 1.0, 1.0], &[("337", CORRIDOR[2].2), ("kitchen", CORRIDOR[3].2)]);
     assert_right(&index, &robot, "plan:1");
     let of_four = aligned(&index).expect("an alignment");
     assert_eq!((of_two.inliers, of_four.inliers), (2, 4));
@@ -126,7 +126,7 @@ fn the_frame_of_a_camera_is_levelled() {
     // The first camera's own frame: x right, y down, z forward.
     let robot = Pose::new([2.0, 0.5, -3.0], [0.5, -0.5, 0.5, 0.5]).expect("a pose");
     let mut index = plan(&CORRIDOR);
-    see(&mut index, "kf-1", &robot, [3.0, 1.0, 1.0], &[("101", CORRIDOR[0].2), ("104", CORRIDOR[1].2)]);
+    see(&mut index, "kf-1", &robot, [3.0, 1.0, 1.0], &[("101", CORRIDOR[0].2), ("214", CORRIDOR[1].2)]);
     assert_right(&index, &robot, "plan:1");
 }
 
@@ -165,30 +165,29 @@ fn a_twin_wing_with_the_same_names_leaves_the_place_open() {
 fn a_misread_sign_is_outvoted_by_a_third() {
     let robot = session_from_plan(0.4, [-3.0, 9.0, 0.0]);
     let mut index = plan(&CORRIDOR);
-    // 109, read as 101 was: the pair does not fit, and nothing is announced.
-    see(&mut index, "kf-1", &robot, [7.0, 1.0, 1.0], &[("104", CORRIDOR[1].2), ("101", CORRIDOR[2].2)]);
+    // The kitchen, read as 101: the two are not as far apart as the plan has them.
+    see(&mut index, "kf-1", &robot, [9.0, 1.0, 1.0], &[("214", CORRIDOR[1].2), ("101", CORRIDOR[3].2)]);
     assert_eq!(aligned(&index), None);
-    see(&mut index, "kf-2", &robot, [18.0, 1.0, 1.0], &[("Kitchen", CORRIDOR[3].2)]);
+    see(&mut index, "kf-2", &robot, [13.0, 1.0, 1.0], &[("337", CORRIDOR[2].2)]);
     assert_right(&index, &robot, "plan:1");
+    assert_eq!(aligned(&index).expect("an alignment").inliers, 2);
 }
 
 #[test]
-fn what_a_misreading_explains_elsewhere_is_not_announced() {
-    // Doors at equal distances on both sides of 310: 312, misread for 308, would turn the robot around.
+fn what_one_misreading_would_explain_elsewhere_is_announced_once_it_is_read_alike_again() {
+    // Doors at equal distances on both sides of 310: 302, misread as 312, would turn the robot around.
     let drawn = [
-        ("plan:3", "308", [-4.0, 0.0, 1.5]),
+        ("plan:3", "302", [-5.0, 0.0, 1.5]),
         ("plan:3", "310", [0.0, 0.0, 1.5]),
-        ("plan:3", "318", [4.0, 0.0, 1.5]),
+        ("plan:3", "312", [5.0, 0.0, 1.5]),
     ];
     let robot = session_from_plan(0.0, [0.0; 3]);
-    let read = [("310", drawn[1].2), ("318", drawn[2].2)];
+    let read = [("310", drawn[1].2), ("312", drawn[2].2)];
     let mut index = plan(&drawn);
     see(&mut index, "kf-1", &robot, [2.0, 2.0, 1.0], &read);
-    let once = aligned(&index).map(|found| found.yaw_sigma_rad);
+    assert_eq!(aligned(&index), None);
     see(&mut index, "kf-2", &robot, [2.5, 2.0, 1.0], &read);
-    see(&mut index, "kf-3", &robot, [3.0, 2.0, 1.0], &read);
     assert_right(&index, &robot, "plan:3");
-    assert!(once.is_none_or(|once| once > aligned(&index).expect("an alignment").yaw_sigma_rad));
 }
 
 #[test]

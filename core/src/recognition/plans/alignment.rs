@@ -20,7 +20,7 @@ const REFINED_MAX: usize = 12;
 const ROUNDS: usize = 4;
 
 /// A rival must explain the signs worse by this logarithm of a ratio of likelihoods.
-pub(in crate::recognition) const RIVAL_MARGIN: f64 = 3.0;
+pub(in crate::recognition) const RIVAL_MARGIN: f64 = 4.5;
 
 /// Two transformations are rivals if they differ by more than this at the place where the signs were seen, in metres.
 const RIVAL_DISTANCE_M: f64 = 2.0;
@@ -92,14 +92,10 @@ fn refine(signs: &Signs, candidate: &mut Judged) {
         let pairs = fit_pairs(signs, &candidate.support.explained, Some(&candidate.proposal.fit));
         let Some(fit) = PlanarFit::of(&pairs) else { return };
         let refined = judge(signs, Proposal { fit, ..candidate.proposal });
-        let is_settled = refined.support.explained == candidate.support.explained;
-        if refined.support.score < candidate.support.score && !is_settled {
+        if refined.support.score <= candidate.support.score {
             return;
         }
         *candidate = refined;
-        if is_settled {
-            return;
-        }
     }
 }
 

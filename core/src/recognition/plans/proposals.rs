@@ -64,10 +64,9 @@ fn propose(signs: &Signs, (a, b): (usize, usize), found: &mut Vec<Proposal>) {
             if !(is_same_a || is_same_b) || !is_consistent(signs, (a, b), (drawn_a, drawn_b)) {
                 continue;
             }
-            let pair = [
-                Explained { seen: a, drawn: drawn_a, is_same: is_same_a },
-                Explained { seen: b, drawn: drawn_b, is_same: is_same_b },
-            ];
+            // A rival is proposed as certain as what it rivals.
+            let pair =
+                [(a, drawn_a), (b, drawn_b)].map(|(seen, drawn)| Explained { seen, drawn, is_same: true });
             let frame = signs.drawn[drawn_a].frame;
             found.extend(PlanarFit::of(&fit_pairs(signs, &pair, None)).map(|fit| Proposal { frame, fit }));
         }
