@@ -7,6 +7,7 @@ use super::decoding::document::Kind;
 use super::decoding::read::{Decode, Node};
 use super::limits;
 use super::names::AnchorStateName;
+use super::prior::{PlanPositionView, PriorView};
 use super::space::rounded;
 use crate::domain::ids::AnchorSeq;
 use crate::domain::report::{AnchorMatchReport, AnchorReport, ReadingReport};
@@ -17,7 +18,7 @@ use crate::geometry::{Aabb, Point3};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[schema(as = Anchor)]
 pub struct AnchorView {
-    /// Its id, given by the service.
+    /// Its id: given by the service, or by the client that put a prior anchor.
     pub id: String,
     /// The map's version; left out inside a list, which says it once.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -29,7 +30,7 @@ pub struct AnchorView {
     /// Its description, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub description: Option<String>,
-    /// The source of its description: `readings` (the vote over all readings) or `operator`.
+    /// The source of its description: `readings` (the vote over all readings), `operator`, or `plan` for a prior anchor.
     pub description_source: String,
     /// The identifiers found in the description, such as a room's number.
     pub identifiers: Vec<String>,
@@ -72,6 +73,12 @@ pub struct AnchorView {
     pub merged_into: Option<String>,
     /// The anchors that go by its name.
     pub merged_from: Vec<String>,
+    /// What a plan says of it; left out where no plan shows it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub prior: Option<PriorView>,
+    /// Its place in a plan's frame; left out where no plan shows it and no session that saw it is aligned to one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plan_position: Option<PlanPositionView>,
     /// Whether there is a crop at `.../crop`.
     pub has_crop: bool,
     /// Grows with each fact about this anchor; the `etag` of its answers, wanted by `if-match`.
@@ -211,7 +218,7 @@ impl From<AnchorReport> for AnchorView {
             })
             .collect();
         Self {
-            id: anchor.anchor.public(),
+            id: anchor.name,
             map_version: None,
             class: anchor.class,
             state: anchor.state.into(),
@@ -233,6 +240,8 @@ impl From<AnchorReport> for AnchorView {
             replaced_by: anchor.replaced_by.map(AnchorSeq::public),
             merged_into: anchor.merged_into.map(AnchorSeq::public),
             merged_from: anchor.merged_from.into_iter().map(AnchorSeq::public).collect(),
+            prior: anchor.prior.map(PriorView::from),
+            plan_position: anchor.plan_place.map(PlanPositionView::from),
             has_crop: anchor.has_crop,
             version: anchor.version,
         }
@@ -255,7 +264,7 @@ impl From<ReadingReport> for ReadingView {
 impl From<AnchorMatchReport> for AnchorMatchView {
     fn from(report: AnchorMatchReport) -> Self {
         Self {
-            anchor: report.anchor.public(),
+            anchor: report.name,
             level: report.level,
             source: report.source,
             kind: if report.revisit { MatchKind::Revisit } else { MatchKind::Covisible },

@@ -84,6 +84,8 @@ pub const SOURCE_CHARS: usize = 128;
 pub const LEVEL: RangeInclusive<i64> = 1..=5;
 /// Characters of a class.
 pub const CLASS_CHARS: usize = 64;
+/// Characters of the source of a prior anchor.
+pub const PRIOR_SOURCE_CHARS: usize = 256;
 /// Characters of a text, a description or a search.
 pub const TEXT_CHARS: usize = 4096;
 

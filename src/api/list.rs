@@ -9,6 +9,7 @@ use super::key::KeyView;
 use super::keyframe::{CovisibleView, KeyframeLine};
 use super::loops::LoopView;
 use super::map::MapView;
+use super::session::SessionView;
 use crate::domain::report::Page;
 
 // One struct for each list and no generic one: generators name a schema after its type, and `List_AnchorView` is no name.
@@ -43,6 +44,10 @@ list!(
 list!(
     /// Anchors, oldest first.
     AnchorList of AnchorView
+);
+list!(
+    /// Sessions, in order of appearance.
+    SessionList of SessionView
 );
 list!(
     /// Confirmed loops, oldest first.

@@ -8,6 +8,7 @@ use super::loops::LoopBody;
 use super::map::MapPatchBody;
 use super::model_verdict::ModelVerdictBody;
 use super::poses::PosesBody;
+use super::prior::PriorBody;
 use crate::domain::ids::MapId;
 use crate::domain::recorded::{NamedDetection, Recorded};
 
@@ -24,12 +25,14 @@ struct Line<B> {
     #[serde(rename = "loop", skip_serializing_if = "Option::is_none")]
     closed: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    anchor: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     body: Option<B>,
 }
 
 impl<B: Serialize> Line<B> {
     fn of(op: &'static str, body: impl Into<Option<B>>) -> Self {
-        Self { op, id: None, keyframe: None, detection: None, closed: None, body: body.into() }
+        Self { op, id: None, keyframe: None, detection: None, closed: None, anchor: None, body: body.into() }
     }
 
     fn at(self, detection: NamedDetection) -> Self {
@@ -63,6 +66,12 @@ pub fn write_line(map: &MapId, recorded: Recorded, to: &mut Vec<u8>) -> Result<(
             Line::of("description", AnchorPatchBody { description: text }).at(detection).write(to)
         }
         Recorded::AnchorDeleted(detection) => Line::<()>::of("delete", None).at(detection).write(to),
+        Recorded::Prior(prior) => {
+            Line { id: Some(prior.id.to_string()), ..Line::of("anchor", PriorBody::from(prior)) }.write(to)
+        }
+        Recorded::PriorDeleted(id) => {
+            Line::<()> { anchor: Some(id.to_string()), ..Line::of("delete", None) }.write(to)
+        }
         Recorded::Judged(verdict) => Line::of("judgement", ModelVerdictBody::from(verdict)).write(to),
         Recorded::CropRead { detection, reading } => {
             Line::of("judgement", ModelVerdictBody::from((detection, reading))).write(to)

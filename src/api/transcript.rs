@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use crate::domain::ids::AnchorSeq;
 use crate::domain::judged::{Transcript, TranscriptStep};
+use crate::domain::prior::AnchorKey;
 
 /// The dialogues about an anchor's crops.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -49,9 +49,9 @@ pub struct StepView {
 
 impl TranscriptList {
     /// Returns the dialogues about an anchor at a version of its map.
-    pub fn of(map_version: u64, anchor: AnchorSeq, transcripts: Vec<Transcript>) -> Self {
+    pub fn of(map_version: u64, anchor: &AnchorKey, transcripts: Vec<Transcript>) -> Self {
         let items = transcripts.into_iter().map(TranscriptView::from).collect();
-        Self { map_version, anchor: anchor.public(), items }
+        Self { map_version, anchor: anchor.to_string(), items }
     }
 }
 

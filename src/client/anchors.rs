@@ -4,13 +4,14 @@ use bytes::Bytes;
 use reqwest::Method;
 
 use super::body::Body;
-use super::connection::Client;
+use super::connection::{Client, Written};
 use super::error::ClientError;
 use super::maps::{Page, borrowed};
 use crate::api::anchor::{AnchorPatchBody, AnchorView};
 use crate::api::list::AnchorList;
 use crate::api::map::MapVersion;
 use crate::api::names::AnchorStateName;
+use crate::api::prior::PriorBody;
 use crate::api::transcript::TranscriptList;
 
 /// The anchors to be listed.
@@ -24,6 +25,8 @@ pub struct AnchorSearch {
     pub state: Option<AnchorStateName>,
     /// Also anchors that were merged into others.
     pub merged: bool,
+    /// Only prior anchors, or only those that robots saw.
+    pub prior: Option<bool>,
     /// The part of the list.
     pub page: Page,
 }
@@ -35,6 +38,7 @@ impl AnchorSearch {
             ("text", self.text.clone()),
             ("state", self.state.map(|state| state.0.as_str().to_owned())),
             ("merged", self.merged.then(|| "true".to_owned())),
+            ("prior", self.prior.map(|prior| prior.to_string())),
         ];
         let given = named.into_iter().filter_map(|(name, value)| Some((name, value?)));
         given.chain(self.page.parameters()).collect()
@@ -71,6 +75,16 @@ impl Client {
         body: &impl Body<AnchorPatchBody>,
     ) -> Result<AnchorView, ClientError> {
         Ok(self.write(Method::PATCH, &["v1", "maps", map, "anchors", anchor], &[], body).await?.answer)
+    }
+
+    /// Puts a prior anchor: a sign that a plan shows.
+    pub async fn put_prior_anchor(
+        &self,
+        map: &str,
+        anchor: &str,
+        body: &impl Body<PriorBody>,
+    ) -> Result<Written<AnchorView>, ClientError> {
+        self.write(Method::PUT, &["v1", "maps", map, "anchors", anchor], &[], body).await
     }
 
     /// Removes an anchor.

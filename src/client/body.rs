@@ -13,6 +13,7 @@ use crate::api::loops::LoopBody;
 use crate::api::map::{MapBody, MapPatchBody};
 use crate::api::model_verdict::ModelVerdictBody;
 use crate::api::poses::PosesBody;
+use crate::api::prior::PriorBody;
 use crate::api::semantics::{OneText, TextPair};
 
 /// A body for an operation that takes `Shape`.
@@ -44,5 +45,6 @@ bodies! {
     ModelVerdictBody,
     OneText,
     PosesBody,
+    PriorBody,
     TextPair,
 }

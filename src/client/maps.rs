@@ -9,7 +9,7 @@ use reqwest::Method;
 use super::body::Body;
 use super::connection::{Client, Written};
 use super::error::ClientError;
-use crate::api::list::MapList;
+use crate::api::list::{MapList, SessionList};
 use crate::api::map::{MapBody, MapPatchBody, MapView};
 use crate::api::poses::{PosesAnswer, PosesBody};
 
@@ -40,6 +40,11 @@ pub(super) fn borrowed<'a>(parameters: &'a [(&'static str, String)]) -> Vec<(&'s
 }
 
 impl Client {
+    /// Lists the sessions of a map, and their alignments to a plan.
+    pub async fn list_sessions(&self, map: &str, page: &Page) -> Result<SessionList, ClientError> {
+        self.read(&["v1", "maps", map, "sessions"], &borrowed(&page.parameters())).await
+    }
+
     /// Lists the maps, by id.
     pub async fn list_maps(&self, page: &Page) -> Result<MapList, ClientError> {
         self.read(&["v1", "maps"], &borrowed(&page.parameters())).await

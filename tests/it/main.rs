@@ -24,6 +24,7 @@ mod openapi;
 mod operations;
 mod paper;
 mod paths;
+mod plans;
 mod races;
 mod raw;
 mod readme;

@@ -66,10 +66,25 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     for name, what in (("image", "pictures"), ("camera-info", "the camera"), ("odometry", "odometry")):
         bag.add_argument(f"--{name}-topic", metavar="TOPIC", help=f"the topic of {what} [the only one]")
+    _add_plan(commands)
     sample = commands.add_parser("sample", help="draw a small building to try it on", description="Draw a small building "
         "with corridors that repeat, plates and exit signs: photographs, and truth.csv.")  # fmt: skip
     sample.add_argument("folder", type=Path, metavar="FOLDER")
     return top
+
+
+def _add_plan(commands: Any) -> None:
+    plan = commands.add_parser("plan", help="put the signs of floor plans into a map, before any robot has seen one",
+        description="Read Open-RMF building maps (.building.yaml), indoor GeoJSON (.geojson) or OpenStreetMap's indoor rooms "
+        "(.osm), and put each sign as a prior anchor. Each floor has a frame of its own, plan:LEVEL.")  # fmt: skip
+    add = plan.add_argument
+    add("source", type=Path, nargs="+", metavar="FILE")
+    add("--map", metavar="ID", default="building", help="the map's id [building]; made if it is missing")
+    add("--server", metavar="URL", help="put the prior anchors into this server's map")
+    add("--key", metavar="SECRET", default=os.environ.get("REVISIT_KEY"), help="API key of the server [$REVISIT_KEY]")
+    add("-o", "--output", type=Path, metavar="NDJSON", help="write a recording with the prior anchors")
+    add("--level", metavar="NAME", help="the floor: names it where the file does not, picks it where the file has several")
+    add("--class", dest="sign_class", metavar="CLASS", default="door_number", help="class of the signs, as detections name it [door_number]")
 
 
 def _common() -> argparse.ArgumentParser:

@@ -328,17 +328,30 @@ class Verify(OpenEnum):
     """Geometry must verify."""
 
 
+class AlignmentUncertainty(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Standard deviations of an alignment. They follow from the number of signs and how far these are
+    apart.
+    """
+
+    translation_m: float
+    """Of the place, in metres."""
+    rotation_rad: float
+    """Of the rotation about the vertical, in rad."""
+
+
 class Anchor(msgspec.Struct, kw_only=True, omit_defaults=True):
     """A semantic anchor with all that was derived about it."""
 
     id: str
-    """Its id, given by the service."""
+    """Its id: given by the service, or by the client that put a prior anchor."""
     class_: str = msgspec.field(name="class")
     """Its class."""
     state: AnchorState
     """The state of its description."""
     description_source: str
-    """The source of its description: `readings` (the vote over all readings) or `operator`."""
+    """The source of its description: `readings` (the vote over all readings), `operator`, or `plan` for a
+    prior anchor.
+    """
     identifiers: list[str]
     """The identifiers found in the description, such as a room's number."""
     information_level: int
@@ -384,6 +397,12 @@ class Anchor(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Of a retired one, the anchor that hangs in its place, if any does."""
     merged_into: str | None = None
     """The anchor whose name it goes by since they became one."""
+    prior: Prior | None = None
+    """What a plan says of it; left out where no plan shows it."""
+    plan_position: PlanPosition | None = None
+    """Its place in a plan's frame; left out where no plan shows it and no session that saw it is aligned
+    to one.
+    """
 
 
 class AnchorFigures(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -1459,6 +1478,17 @@ class OneText(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The object's class."""
 
 
+class PlanPosition(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """The place of an anchor in a plan's frame."""
+
+    frame: str
+    """The plan's frame."""
+    position: list[float]
+    """Its position `[x,y,z]` in that frame, in metres."""
+    session: str | None = None
+    """The aligned session that it is known by; left out for what the plan itself shows."""
+
+
 class PoseList(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Keyframes and their poses: two lists in parallel."""
 
@@ -1488,6 +1518,40 @@ class PosesBody(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Its keyframes with their corrected poses."""
     map_points: SentMapPoints | None = None
     """Its map points at their corrected positions."""
+
+
+class Prior(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """What a plan says of an anchor."""
+
+    frame: str
+    """The plan's frame."""
+    position: list[float]
+    """Its position `[x,y,z]` in that frame, in metres."""
+    normal: list[float] | None = None
+    """The unit vector `[x,y,z]` out of the wall, if the plan says so."""
+    source: str | None = None
+    """Where it is known from."""
+
+
+class PriorBody(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A sign that a plan shows."""
+
+    class_: str = msgspec.field(name="class")
+    """The class of the sign, as robots' detections name it: anchors of one class match."""
+    description: str
+    """The text on the sign, or its description."""
+    position: list[float]
+    """Its position `[x,y,z]` in the plan's frame, in metres; z points up."""
+    frame: str
+    """The plan's frame: the id of a session that no robot drives. Each floor has one, or one frame has
+    heights.
+    """
+    normal: list[float] | None = None
+    """The unit vector `[x,y,z]` out of the wall, towards those who read the sign, in the plan's frame; a
+    norm more than 1 % off one is rejected.
+    """
+    source: str | None = None
+    """Where it is known from, for people: the file of the plan."""
 
 
 class Problem(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -1620,6 +1684,40 @@ class SentMapPoints(msgspec.Struct, kw_only=True, omit_defaults=True):
     """`[x,y,z]` of each in the session's frame, in metres. This or `positions_f64` is required."""
     positions_f64: str | None = None
     """The positions, packed: base64 of little-endian 64-bit floats, x, y and z of each."""
+
+
+class Session(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A session of a map."""
+
+    session: str
+    """Its id."""
+    keyframes: int
+    """Number of its keyframes."""
+    first: Time | None = None
+    """The earliest stamp of its keyframes; left out without any."""
+    last: Time | None = None
+    """The latest stamp of its keyframes; left out without any."""
+    priors: int | None = None
+    """Number of prior anchors in its frame; left out unless it is the frame of a plan."""
+    frame: str | None = None
+    """The plan's frame that it is aligned to; left out, as are the next members, while it is not aligned."""
+    plan_from_session: Transform | None = None
+    """Maps points of the session's frame into the plan's frame."""
+    inliers: int | None = None
+    """Number of signs of the plan that agree."""
+    uncertainty: AlignmentUncertainty | None = None
+    """Standard deviations of the alignment, where the signs were seen."""
+
+
+class SessionList(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Sessions, in order of appearance."""
+
+    map_version: int
+    """The map's version."""
+    items: list[Session]
+    """The items of this part."""
+    next_cursor: str | None
+    """The cursor of the next part; null after the last one."""
 
 
 class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):

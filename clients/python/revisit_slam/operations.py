@@ -90,15 +90,22 @@ class Operations:
         """
         return self._call(Call("PATCH", f"/v1/maps/{segment(map)}", body=body, answer=models.MapView))
 
-    def list_anchors(self, map: str, *, class_: str | None = None, text: str | None = None, state: str | None = None, merged: bool | None = None, limit: int | None = None, cursor: str | None = None) -> models.AnchorList:
+    def list_anchors(self, map: str, *, class_: str | None = None, text: str | None = None, state: str | None = None, merged: bool | None = None, prior: bool | None = None, limit: int | None = None, cursor: str | None = None) -> models.AnchorList:
         """Search anchors. Oldest first, paged. Merged anchors are omitted unless requested."""
-        return self._call(Call("GET", f"/v1/maps/{segment(map)}/anchors", query={"class": class_, "text": text, "state": state, "merged": merged, "limit": limit, "cursor": cursor}, answer=models.AnchorList))
+        return self._call(Call("GET", f"/v1/maps/{segment(map)}/anchors", query={"class": class_, "text": text, "state": state, "merged": merged, "prior": prior, "limit": limit, "cursor": cursor}, answer=models.AnchorList))
 
     def get_anchor(self, map: str, anchor: str) -> models.Anchor:
         """Read an anchor. Returns its readings, its position in each session's frame and the anchors that
         match it.
         """
         return self._call(Call("GET", f"/v1/maps/{segment(map)}/anchors/{segment(anchor)}", answer=models.Anchor))
+
+    def put_prior_anchor(self, map: str, anchor: str, body: models.PriorBody | Mapping[str, Any]) -> models.Anchor:
+        """Put a prior anchor. A sign that a floor plan shows, known before any robot has seen it. It
+        matches what robots read, aligns their sessions to the plan, and closes no loop by itself. A
+        plan's frame is a session that no robot drives.
+        """
+        return self._call(Call("PUT", f"/v1/maps/{segment(map)}/anchors/{segment(anchor)}", body=body, answer=models.Anchor))
 
     def delete_anchor(self, map: str, anchor: str, *, if_match: str | None = None) -> models.MapVersion:
         """Delete an anchor. Its detections stay with their keyframes, but no longer belong to an anchor."""
@@ -221,6 +228,13 @@ class Operations:
         """
         return self._call(Call("POST", f"/v1/maps/{segment(map)}/poses", body=body, answer=models.PosesAnswer))
 
+    def list_sessions(self, map: str, *, limit: int | None = None, cursor: str | None = None) -> models.SessionList:
+        """List sessions. In order of appearance, paged. A session is aligned to a plan once two
+        distinctive signs or more agree and no other place explains them as well; the alignment is
+        computed anew as more signs are read.
+        """
+        return self._call(Call("GET", f"/v1/maps/{segment(map)}/sessions", query={"limit": limit, "cursor": cursor}, answer=models.SessionList))
+
     def get_trajectory(self, map: str, *, format: str, session: str | None = None) -> str:
         """Read a trajectory. Poses (`map_from_camera`) as last corrected, by stamp. `tum`: lines of
         `seconds x y z qx qy qz qw`. `kitti`: lines of twelve numbers, the upper rows of the pose.
@@ -335,15 +349,22 @@ class AsyncOperations:
         """
         return await self._call(Call("PATCH", f"/v1/maps/{segment(map)}", body=body, answer=models.MapView))
 
-    async def list_anchors(self, map: str, *, class_: str | None = None, text: str | None = None, state: str | None = None, merged: bool | None = None, limit: int | None = None, cursor: str | None = None) -> models.AnchorList:
+    async def list_anchors(self, map: str, *, class_: str | None = None, text: str | None = None, state: str | None = None, merged: bool | None = None, prior: bool | None = None, limit: int | None = None, cursor: str | None = None) -> models.AnchorList:
         """Search anchors. Oldest first, paged. Merged anchors are omitted unless requested."""
-        return await self._call(Call("GET", f"/v1/maps/{segment(map)}/anchors", query={"class": class_, "text": text, "state": state, "merged": merged, "limit": limit, "cursor": cursor}, answer=models.AnchorList))
+        return await self._call(Call("GET", f"/v1/maps/{segment(map)}/anchors", query={"class": class_, "text": text, "state": state, "merged": merged, "prior": prior, "limit": limit, "cursor": cursor}, answer=models.AnchorList))
 
     async def get_anchor(self, map: str, anchor: str) -> models.Anchor:
         """Read an anchor. Returns its readings, its position in each session's frame and the anchors that
         match it.
         """
         return await self._call(Call("GET", f"/v1/maps/{segment(map)}/anchors/{segment(anchor)}", answer=models.Anchor))
+
+    async def put_prior_anchor(self, map: str, anchor: str, body: models.PriorBody | Mapping[str, Any]) -> models.Anchor:
+        """Put a prior anchor. A sign that a floor plan shows, known before any robot has seen it. It
+        matches what robots read, aligns their sessions to the plan, and closes no loop by itself. A
+        plan's frame is a session that no robot drives.
+        """
+        return await self._call(Call("PUT", f"/v1/maps/{segment(map)}/anchors/{segment(anchor)}", body=body, answer=models.Anchor))
 
     async def delete_anchor(self, map: str, anchor: str, *, if_match: str | None = None) -> models.MapVersion:
         """Delete an anchor. Its detections stay with their keyframes, but no longer belong to an anchor."""
@@ -465,6 +486,13 @@ class AsyncOperations:
         All corrections are one transaction. Boxes of anchors follow their points.
         """
         return await self._call(Call("POST", f"/v1/maps/{segment(map)}/poses", body=body, answer=models.PosesAnswer))
+
+    async def list_sessions(self, map: str, *, limit: int | None = None, cursor: str | None = None) -> models.SessionList:
+        """List sessions. In order of appearance, paged. A session is aligned to a plan once two
+        distinctive signs or more agree and no other place explains them as well; the alignment is
+        computed anew as more signs are read.
+        """
+        return await self._call(Call("GET", f"/v1/maps/{segment(map)}/sessions", query={"limit": limit, "cursor": cursor}, answer=models.SessionList))
 
     async def get_trajectory(self, map: str, *, format: str, session: str | None = None) -> str:
         """Read a trajectory. Poses (`map_from_camera`) as last corrected, by stamp. `tum`: lines of

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from .arguments import check, parser
+from .arguments import ID, check, parser
 from .client import Client
 from .errors import RevisitError
 from .retries import Retries
@@ -28,7 +28,7 @@ def main(arguments: list[str] | None = None) -> int:
     # A stop from outside must stop the server of the run as well.
     signal.signal(signal.SIGTERM, _stop)
     try:
-        return _sample(chosen) if chosen.command == "sample" else _play(chosen)
+        return {"sample": _sample, "plan": _plan}.get(chosen.command, _play)(chosen)
     except RevisitError as error:
         print(f"revisit-play: {error}", file=sys.stderr)
         return 1
@@ -51,6 +51,14 @@ def _sample(chosen: argparse.Namespace) -> int:
     print(f"{count} photographs and truth.csv in {chosen.folder}; now: "
           f"revisit-play images {chosen.folder} --truth {chosen.folder / 'truth.csv'} --report report.html")
     return 0
+
+
+def _plan(chosen: argparse.Namespace) -> int:
+    from .plans.command import play_plans
+
+    if not ID.fullmatch(chosen.map):
+        raise RevisitError(f"--map {chosen.map}: 1 to 128 letters, digits, dots, underscores, colons or hyphens")
+    return play_plans(chosen)
 
 
 def _play(chosen: argparse.Namespace) -> int:

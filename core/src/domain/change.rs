@@ -11,6 +11,7 @@ use super::judgement::JudgementProgress;
 use super::keyframe::{Camera, Stamp};
 use super::map::MapProperties;
 use super::point_list::PointList;
+use super::prior::Prior;
 use crate::geometry::{Gravity, Point3, Pose};
 
 /// A keyframe as the index keeps it: everything but the heavy parts (bag of words, features, crops).
@@ -158,6 +159,8 @@ pub enum Change {
     PointsForgotten(SessionSeq, Box<[PointId]>),
     /// An anchor was founded.
     AnchorAdded(AnchorSeq, Box<str>),
+    /// An anchor is a prior one: a plan shows it.
+    PriorSet(AnchorSeq, Box<Prior>),
     /// An anchor is gone: it lost its last observation, or an operator deleted it.
     AnchorRemoved(AnchorSeq),
     /// A detection feeds an anchor (a new fact about the anchor).

@@ -118,6 +118,10 @@ text_id!(
     LoopId
 );
 text_id!(
+    /// A prior anchor, named by the client that knows it from a plan.
+    PriorId
+);
+text_id!(
     /// A job that asks a map's verdicts again.
     JudgementId
 );

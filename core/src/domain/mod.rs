@@ -7,6 +7,7 @@
 //! | one vector of a whole image | [`global_descriptor`] |
 //! | bag-of-words vector and its L1 score | [`bow`] |
 //! | observation of an anchor, outcome of a detection | [`anchor`] |
+//! | signs known from a plan before a robot saw them | [`prior`] |
 //! | map, its settings, and those that make a method | [`map`], [`settings`], [`method`] |
 //! | map points in few bytes | [`point_list`], [`varint`] |
 //! | facts that decisions change, and the values they replace | [`change`], [`former`] |
@@ -47,6 +48,7 @@ pub mod method;
 pub mod named;
 pub mod named_detection;
 pub mod point_list;
+pub mod prior;
 pub mod reason;
 pub mod recorded;
 pub mod report;

@@ -1,9 +1,10 @@
 //! Recorded operations: what a map was sent, one by one, as a recording writes it.
 
-use super::ids::LoopId;
+use super::ids::{LoopId, PriorId};
 use super::judged::{CropReading, ModelVerdict};
 use super::keyframe::NewKeyframe;
 pub use super::named_detection::NamedDetection;
+use super::prior::NewPrior;
 use super::request::{MapPatch, NewLoop, PoseCorrection};
 
 /// An operation that changed a map, as its client sent it.
@@ -28,6 +29,10 @@ pub enum Recorded {
     },
     /// The anchor that a detection fed was deleted.
     AnchorDeleted(NamedDetection),
+    /// A prior anchor was put.
+    Prior(NewPrior),
+    /// A prior anchor was deleted.
+    PriorDeleted(PriorId),
     /// A model judged texts.
     Judged(ModelVerdict),
     /// A model, or a reader of characters, read the crop of a detection.

@@ -5,7 +5,8 @@ use super::ids::{AnchorSeq, BackupId, JudgementId, KeyframeId, LoopId, MapId, Se
 use super::judgement::{Asks, Estimate, JobState, Replaced, Tally};
 use super::keyframe::{NewKeyframe, Stamp};
 use super::map::{Learned, MapProperties};
-use crate::geometry::{Aabb, Pose};
+use super::prior::Prior;
+use crate::geometry::{Aabb, Point3, Pose};
 
 /// A map at one version.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,6 +64,8 @@ pub struct ReadingReport {
 pub struct AnchorMatchReport {
     /// The other anchor.
     pub anchor: AnchorSeq,
+    /// Its public id.
+    pub name: String,
     /// SimilarityLevel, 1 to 5.
     pub level: u8,
     /// The judge: `identical`, `identifiers`, `lexical`, `operator`, `model:<name>`.
@@ -78,13 +81,17 @@ pub struct AnchorMatchReport {
 pub struct AnchorReport {
     /// The anchor.
     pub anchor: AnchorSeq,
+    /// Its public id.
+    pub name: String,
+    /// Of a prior one, the session that stands for the plan's frame, and what the plan says.
+    pub prior: Option<(SessionId, Prior)>,
     /// Its class.
     pub class: String,
     /// The state of its description.
     pub state: AnchorState,
     /// Its description.
     pub description: Option<String>,
-    /// The source of its description: `readings` or `operator`.
+    /// The source of its description: `readings`, `operator` or `plan`.
     pub description_source: &'static str,
     /// The identifiers found in the description.
     pub identifiers: Vec<String>,
@@ -94,6 +101,8 @@ pub struct AnchorReport {
     pub information_reason: Option<String>,
     /// The patterns or shapes of the building's numbers on signs of this class, if that is known.
     pub numbering: Vec<String>,
+    /// Its place in a plan's frame, if it is known.
+    pub plan_place: Option<PlanPlace>,
     /// The distinct readings, heaviest first.
     pub readings: Vec<ReadingReport>,
     /// Two readings by models or people that cannot be of one object.
@@ -118,6 +127,47 @@ pub struct AnchorReport {
     pub version: u64,
     /// Whether it has an image crop.
     pub has_crop: bool,
+}
+
+/// The place of an anchor in a plan's frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlanPlace {
+    /// The session that stands for the plan's frame.
+    pub frame: SessionId,
+    /// The aligned session that it is known by; none for what the plan itself shows.
+    pub by: Option<SessionId>,
+    /// The place, in metres.
+    pub position_in_frame: Point3,
+}
+
+/// A session of a map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SessionReport {
+    /// Its name.
+    pub id: SessionId,
+    /// Number of its keyframes.
+    pub keyframes: usize,
+    /// The times of its first and its last keyframe, by stamp.
+    pub stamps: Option<(Stamp, Stamp)>,
+    /// Number of prior anchors in its frame; of a plan's frame only.
+    pub priors: usize,
+    /// Its alignment to a plan.
+    pub alignment: Option<AlignmentReport>,
+}
+
+/// The alignment of a session to a plan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AlignmentReport {
+    /// The session that stands for the plan's frame.
+    pub frame: SessionId,
+    /// Maps points of the session's frame into the plan's frame.
+    pub plan_from_session: Pose,
+    /// Number of signs of the plan that agree.
+    pub inliers: usize,
+    /// Standard deviation of the place where they were seen, in metres.
+    pub position_sigma_m: f64,
+    /// Standard deviation of the rotation about the vertical, in rad.
+    pub yaw_sigma_rad: f64,
 }
 
 /// A pair of anchors that became one, or two again.

@@ -132,4 +132,6 @@ pub struct AnchorFilter {
     pub state: Option<AnchorState>,
     /// With those that were merged into others.
     pub merged: bool,
+    /// Prior ones alone, or those alone that robots saw.
+    pub prior: Option<bool>,
 }

@@ -7,6 +7,7 @@ mod changed_signs;
 mod constant;
 mod geometry;
 mod locate;
+mod plans;
 
 use super::anchors::{find_description_tasks, near_in_meaning, pairs};
 use super::extensions::{alignment, company, distinctiveness, sure_text, tracked_path, twins};
@@ -19,7 +20,9 @@ use crate::semantics;
 
 /// Returns every constant, rule by rule in the order in which a query meets them.
 pub fn constants() -> impl Iterator<Item = &'static Constant> {
-    [ANCHORS, changed_signs::CHANGED_SIGNS, geometry::GEOMETRY, FOUND, locate::LOCATE].into_iter().flatten()
+    [ANCHORS, changed_signs::CHANGED_SIGNS, geometry::GEOMETRY, FOUND, locate::LOCATE, plans::PLANS]
+        .into_iter()
+        .flatten()
 }
 
 const ANCHORS: &[Constant] = &[

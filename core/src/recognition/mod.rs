@@ -35,6 +35,7 @@
 //! | ours: geometry proves a view, not a place (M19) | [`extensions::rivals`] | [`extensions::rivals::find_rivals`] |
 //! | ours: one view in two places (M16) | [`extensions::twins`] | [`extensions::twins::suspects`] |
 //! | ours: signs that change (M18) | [`extensions::changed_signs`] | [`extensions::changed_signs::passages_ended_by`] |
+//! | ours: sessions aligned to a plan (M55) | [`plans`], [`anchors::prior_anchors`] | [`plans::plan_alignment::plan_alignment`] |
 //! | ours: odometry where loops tie the way together | [`extensions::way_by_loops`] | [`extensions::way_by_loops::way_by_loops_um`] |
 //! | ours: odometry against a transformation (M15) | [`extensions::tracked_path`] | [`extensions::tracked_path::TrackedPath`] |
 //! | ours: "where am I?" | [`mod@locate`] | [`locate::locate()`] |
@@ -50,4 +51,5 @@ pub mod extensions;
 pub mod locate;
 pub mod loops;
 pub mod map;
+pub mod plans;
 pub mod verification;

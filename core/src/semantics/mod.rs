@@ -55,6 +55,7 @@ pub use judge::information_reason::information;
 pub use judge::merge::merge;
 pub use judge::profile::Profile;
 pub use judge::similarity::{Judgement, similarity, similarity_level};
+pub use lexicon::generic::is_common_sign;
 pub use lexicon::role::Role;
 pub use models::embedding::Embedding;
 pub use models::judge_routing::{

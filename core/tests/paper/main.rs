@@ -22,6 +22,7 @@
 //! | M32 sessions: two robots, or two days | `sessions.rs` |
 //! | M33 poses, and culling | `correction.rs` |
 //! | M50 an inline keyframe | `inline.rs` |
+//! | M55 prior anchors and plans | `plans.rs` |
 //! | M51 the paper's method, written a second time | `letter.rs` |
 //!
 //! What the reader needs: keyframes have the word 1 unless they say otherwise, so that they are candidates of each other;
@@ -43,6 +44,7 @@ mod matching;
 mod numbering;
 mod overview;
 mod passage;
+mod plans;
 mod scene;
 mod sessions;
 mod strictness;

@@ -55,6 +55,48 @@ pub fn anchors() -> Value {
     json!({"map_version": 412, "items": [item], "next_cursor": null})
 }
 
+/// Returns a sign that a plan shows.
+pub fn prior_body() -> Value {
+    json!({
+        "class": "door_number", "description": "901", "position": [12.5, 4.0, 1.5], "frame": "plan:9",
+        "normal": [0.0, 1.0, 0.0], "source": "tower.building.yaml"
+    })
+}
+
+/// Returns a prior anchor.
+pub fn prior_anchor() -> Value {
+    let bounds = json!({"min": [12.5, 4.0, 1.5], "max": [12.5, 4.0, 1.5]});
+    json!({
+        "id": "door-901",
+        "map_version": 413,
+        "class": "door_number",
+        "state": "valid",
+        "description": "901",
+        "description_source": "plan",
+        "identifiers": ["901"],
+        "information_level": 4,
+        "information_reason": "901 is an identifier",
+        "readings": [],
+        "keyframes": [],
+        "box": bounds,
+        "center": [12.5, 4.0, 1.5],
+        "frames": [{"session": "plan:9", "box": bounds, "center": [12.5, 4.0, 1.5]}],
+        "map_points": 0,
+        "matches": [{
+            "anchor": "a-7", "level": 5, "source": "identical", "kind": "revisit", "reason": "both read 901"
+        }],
+        "matches_total": 1,
+        "merged_from": [],
+        "prior": {
+            "frame": "plan:9", "position": [12.5, 4.0, 1.5], "normal": [0.0, 1.0, 0.0],
+            "source": "tower.building.yaml"
+        },
+        "plan_position": {"frame": "plan:9", "position": [12.5, 4.0, 1.5]},
+        "has_crop": false,
+        "version": 1
+    })
+}
+
 /// Returns a description by hand.
 pub fn anchor_patch() -> Value {
     json!({"description": "room 901"})

@@ -48,3 +48,25 @@ pub fn maps() -> Value {
 pub fn map_version() -> Value {
     json!({"map_version": 413})
 }
+
+/// Returns the sessions of a map: a plan's frame, and a robot's run that is aligned to it.
+pub fn sessions() -> Value {
+    json!({
+        "map_version": 413,
+        "items": [
+            {"session": "plan:9", "keyframes": 0, "priors": 42},
+            {
+                "session": "robot-7", "keyframes": 120,
+                "first": {"sec": 1_760_000_000, "nanosec": 0}, "last": {"sec": 1_760_000_240, "nanosec": 500_000_000},
+                "frame": "plan:9",
+                "plan_from_session": {
+                    "translation": {"x": 12.0, "y": 3.5, "z": 0.0},
+                    "rotation": {"x": 0.0, "y": 0.0, "z": 0.6, "w": 0.8}
+                },
+                "inliers": 5,
+                "uncertainty": {"translation_m": 0.21, "rotation_rad": 0.018}
+            }
+        ],
+        "next_cursor": null
+    })
+}

@@ -45,6 +45,8 @@ pub(super) struct Played {
     pub loops: u64,
     /// Corrections of poses.
     pub poses: u64,
+    /// Prior anchors put.
+    pub priors: u64,
     /// Anchors described by hand.
     pub descriptions: u64,
     /// Model verdicts imported.
@@ -125,6 +127,10 @@ impl Player {
                 self.client.post_poses(map, &Recorded(body)).await?;
                 self.played.poses += 1;
             }
+            Op::Anchor { id, body } => {
+                self.client.put_prior_anchor(map, &id, &Recorded(body)).await?;
+                self.played.priors += 1;
+            }
             Op::Description { keyframe, detection, body } => {
                 let anchor = self.client.anchor_of(map, &keyframe, detection).await?;
                 self.client.patch_anchor(map, &anchor, &Recorded(body)).await?;
@@ -164,6 +170,7 @@ impl Player {
                 let anchor = self.client.anchor_of(map, &keyframe, detection).await?;
                 self.client.delete_anchor(map, &anchor).await.map(drop)
             }
+            Deleted::Prior(prior) => self.client.delete_anchor(map, &prior).await.map(drop),
             Deleted::Loop(closed) => self.client.delete_loop(map, &closed).await.map(drop),
         }
     }
@@ -236,6 +243,7 @@ fn describe(map: &str, op: &Op) -> String {
         Op::Query { keyframe, .. } => format!("query about {keyframe} of {map}"),
         Op::Loop { .. } => format!("loop in {map}"),
         Op::Poses { .. } => format!("poses of {map}"),
+        Op::Anchor { id, .. } => format!("prior anchor {id} of {map}"),
         Op::Description { keyframe, detection, .. } => {
             format!("description of detection {detection} of {keyframe} of {map}")
         }
@@ -245,6 +253,7 @@ fn describe(map: &str, op: &Op) -> String {
             Deleted::Anchor { keyframe, detection } => {
                 format!("removal of the anchor of detection {detection} of {keyframe} of {map}")
             }
+            Deleted::Prior(prior) => format!("removal of prior anchor {prior} of {map}"),
             Deleted::Loop(closed) => format!("revocation of loop {closed} of {map}"),
         },
     }

@@ -63,15 +63,17 @@ pub(super) enum Op {
     Loop { body: Body },
     /// Correct poses.
     Poses { body: Body },
+    /// Put a prior anchor.
+    Anchor { id: String, body: Body },
     /// Describe the anchor of a detection by hand.
     Description { keyframe: String, detection: usize, body: Body },
     /// Import a model verdict.
     Judgement { body: Body },
-    /// Remove a keyframe, the anchor of one of its detections, or a loop.
+    /// Remove a keyframe, the anchor of one of its detections, a prior anchor, or a loop.
     Delete(Deleted),
 }
 
-/// The target of a `delete` line: `{"keyframe"}`, `{"keyframe","detection"}` or `{"loop"}`.
+/// The target of a `delete` line: `{"keyframe"}`, `{"keyframe","detection"}`, `{"anchor"}` or `{"loop"}`.
 #[derive(Debug, Deserialize, PartialEq)]
 #[serde(try_from = "DeletedAsWritten")]
 pub(super) enum Deleted {
@@ -79,6 +81,8 @@ pub(super) enum Deleted {
     Keyframe(String),
     /// The anchor of a detection.
     Anchor { keyframe: String, detection: usize },
+    /// A prior anchor.
+    Prior(String),
     /// A loop, to be revoked.
     Loop(String),
 }
@@ -87,6 +91,7 @@ pub(super) enum Deleted {
 struct DeletedAsWritten {
     keyframe: Option<String>,
     detection: Option<usize>,
+    anchor: Option<String>,
     #[serde(rename = "loop")]
     closed: Option<String>,
 }
@@ -95,11 +100,12 @@ impl TryFrom<DeletedAsWritten> for Deleted {
     type Error = &'static str;
 
     fn try_from(written: DeletedAsWritten) -> Result<Self, Self::Error> {
-        match (written.keyframe, written.detection, written.closed) {
-            (Some(keyframe), None, None) => Ok(Self::Keyframe(keyframe)),
-            (Some(keyframe), Some(detection), None) => Ok(Self::Anchor { keyframe, detection }),
-            (None, None, Some(closed)) => Ok(Self::Loop(closed)),
-            _ => Err("a delete line needs a keyframe, a keyframe and a detection, or a loop"),
+        match (written.keyframe, written.detection, written.anchor, written.closed) {
+            (Some(keyframe), None, None, None) => Ok(Self::Keyframe(keyframe)),
+            (Some(keyframe), Some(detection), None, None) => Ok(Self::Anchor { keyframe, detection }),
+            (None, None, Some(prior), None) => Ok(Self::Prior(prior)),
+            (None, None, None, Some(closed)) => Ok(Self::Loop(closed)),
+            _ => Err("a delete line needs a keyframe, a keyframe and a detection, a prior anchor, or a loop"),
         }
     }
 }

@@ -4,6 +4,7 @@ use crate::config::quotas::Quotas;
 use crate::domain::change::Loop;
 use crate::domain::ids::{PointId, SessionSeq};
 use crate::domain::keyframe::NewKeyframe;
+use crate::domain::prior::NewPrior;
 use crate::engine::ServiceError;
 use crate::geometry::Point3;
 use crate::recognition::map::index::{MapIndex, POINT_BYTES};
@@ -49,6 +50,20 @@ pub(in crate::engine) fn check_loop(
     closed: &Loop,
 ) -> Result<(), ServiceError> {
     check_bytes(quotas, index, closed.bytes())
+}
+
+/// Refuses a prior anchor that would take its map beyond a quota.
+pub(in crate::engine) fn check_prior(
+    quotas: &Quotas,
+    index: &MapIndex,
+    prior: &NewPrior,
+) -> Result<(), ServiceError> {
+    let anchors = index.objects().len() as u64;
+    if let Some(most) = over(quotas.map_max_anchors, anchors + 1) {
+        return Err(full("anchors", anchors, most));
+    }
+    let of_frame = index.session(&prior.frame).map_or(prior.frame.as_str().len() as u64, |_| 0);
+    check_bytes(quotas, index, prior.bytes() + of_frame)
 }
 
 fn check_bytes(quotas: &Quotas, index: &MapIndex, more: u64) -> Result<(), ServiceError> {

@@ -1,8 +1,9 @@
 //! Anchors: search, read, describe by hand, delete.
 
 use super::views;
-use crate::domain::ids::{AnchorSeq, MapId};
+use crate::domain::ids::{AnchorSeq, MapId, PriorId};
 use crate::domain::keyframe::Crop;
+use crate::domain::prior::AnchorKey;
 use crate::domain::report::{AnchorReport, Page};
 use crate::domain::request::AnchorFilter;
 use crate::engine::maps::live::Decision;
@@ -10,6 +11,7 @@ use crate::engine::{Service, ServiceError};
 use crate::recognition::anchors::describing::describe;
 use crate::recognition::map::culling::delete_object;
 use crate::recognition::map::index::MapIndex;
+use crate::recognition::plans::alignments::Alignments;
 use crate::semantics::Text;
 
 impl Service {
@@ -31,7 +33,9 @@ impl Service {
             let text = filter.text.as_deref().map(|text| Text::parse(text).normalised().to_owned());
             let mut wanted =
                 index.anchors_from(from).filter(|seq| passes(index, *seq, &filter, text.as_deref()));
-            let items = wanted.by_ref().take(limit).filter_map(|seq| views::anchor(index, seq)).collect();
+            let mut alignments = Alignments::of(index);
+            let report = |seq| views::anchor_with(index, seq, &mut alignments);
+            let items = wanted.by_ref().take(limit).filter_map(report).collect();
             Ok(Page { items, next_cursor: wanted.next().map(AnchorSeq::public) })
         })
         .await
@@ -41,10 +45,11 @@ impl Service {
     pub async fn get_anchor(
         &self,
         map: &MapId,
-        anchor: AnchorSeq,
+        anchor: impl Into<AnchorKey>,
     ) -> Result<(u64, AnchorReport), ServiceError> {
         let live = self.live(map).await?;
-        self.read(&live, move |state| find(&state.index, anchor)).await
+        let key = anchor.into();
+        self.read(&live, move |state| find(&state.index, resolve(&state.index, &key)?)).await
     }
 
     /// Sets an anchor's description by hand, or gives it back to its readings; `expected` is the
@@ -52,14 +57,19 @@ impl Service {
     pub async fn describe_anchor(
         &self,
         map: &MapId,
-        anchor: AnchorSeq,
+        anchor: impl Into<AnchorKey>,
         expected: Option<u64>,
         description: Option<String>,
     ) -> Result<(u64, AnchorReport), ServiceError> {
         let live = self.live(map).await?;
+        let key = anchor.into();
         let (service, of_map) = (self.clone(), live.clone());
         let decide = move |index: &mut MapIndex| {
+            let anchor = resolve(index, &key)?;
             check_version(index, anchor, expected)?;
+            if let AnchorKey::Prior(id) = &key {
+                return Err(described_by_plan(id));
+            }
             let mut decided = describe(index, anchor, description.map(Into::into));
             let newest = index.anchor(anchor).and_then(|anchor| anchor.keyframes().max());
             if let Some(keyframe) = newest {
@@ -77,11 +87,13 @@ impl Service {
     pub async fn delete_anchor(
         &self,
         map: &MapId,
-        anchor: AnchorSeq,
+        anchor: impl Into<AnchorKey>,
         expected: Option<u64>,
     ) -> Result<u64, ServiceError> {
         let live = self.live(map).await?;
+        let key = anchor.into();
         let decide = move |index: &mut MapIndex| {
+            let anchor = resolve(index, &key)?;
             check_version(index, anchor, expected)?;
             Ok(Decision::Changed((), delete_object(index, anchor), None))
         };
@@ -89,20 +101,37 @@ impl Service {
     }
 
     /// Returns the best image crop of an anchor.
-    pub async fn crop(&self, map: &MapId, anchor: AnchorSeq) -> Result<Crop, ServiceError> {
+    pub async fn crop(&self, map: &MapId, anchor: impl Into<AnchorKey>) -> Result<Crop, ServiceError> {
         let live = self.live(map).await?;
+        let key = anchor.into();
+        let asked = key.clone();
         let (_, best) = self
             .read(&live, move |state| {
-                let root = state.index.objects().root(anchor);
+                let root = state.index.objects().root(resolve(&state.index, &asked)?);
                 let object = root.and_then(|root| state.index.objects().get(root));
-                let object = object.ok_or_else(|| ServiceError::no_anchor(anchor.public()))?;
+                let object = object.ok_or_else(|| ServiceError::no_anchor(&asked))?;
                 Ok(views::best_crop(&state.index, object))
             })
             .await?;
-        let none = || ServiceError::NotFound(format!("anchor {} has no crop", anchor.public()));
+        let none = || ServiceError::NotFound(format!("anchor {key} has no crop"));
         let (keyframe, detection) = best.ok_or_else(none)?;
         self.store.crop(live.key, keyframe, detection).await?.ok_or_else(none)
     }
+}
+
+/// Returns the anchor that a public id names. A prior anchor has its name alone, and no number beside it.
+pub(super) fn resolve(index: &MapIndex, key: &AnchorKey) -> Result<AnchorSeq, ServiceError> {
+    let found = match key {
+        AnchorKey::Numbered(seq) => index.anchor(*seq).filter(|anchor| anchor.prior.is_none()).map(|_| *seq),
+        AnchorKey::Prior(id) => index.priors().by_id(id),
+    };
+    found.ok_or_else(|| ServiceError::no_anchor(key))
+}
+
+fn described_by_plan(id: &PriorId) -> ServiceError {
+    let detail =
+        format!("anchor {id} is described by its plan; delete it, and put it with what the sign says now");
+    ServiceError::Conflict { code: "prior_anchor", detail }
 }
 
 fn find(index: &MapIndex, anchor: AnchorSeq) -> Result<AnchorReport, ServiceError> {
@@ -112,6 +141,9 @@ fn find(index: &MapIndex, anchor: AnchorSeq) -> Result<AnchorReport, ServiceErro
 fn passes(index: &MapIndex, seq: AnchorSeq, filter: &AnchorFilter, text: Option<&str>) -> bool {
     let Some(anchor) = index.anchor(seq) else { return false };
     if filter.class.as_deref().is_some_and(|class| *class != *anchor.class) {
+        return false;
+    }
+    if filter.prior.is_some_and(|prior| prior != anchor.prior.is_some()) {
         return false;
     }
     let is_root = index.objects().root(seq) == Some(seq);

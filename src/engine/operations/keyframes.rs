@@ -17,6 +17,7 @@ use crate::engine::maps::pinned::PinnedMap;
 use crate::engine::maps::write_path::{Begun, Manner};
 use crate::engine::{QueryAnswer, SentDigest, Service, ServiceError, Stored};
 use crate::recognition::anchors::ingest::{ingest, unknown_covisible};
+use crate::recognition::anchors::prior_anchors::driven_frame;
 use crate::recognition::map::culling::cull_keyframe;
 use crate::recognition::map::index::MapIndex;
 use crate::store::NewKeyframeRows;
@@ -143,7 +144,8 @@ impl Service {
                 return Ok(Decision::Unchanged(Put::Exists(seq)));
             }
             let declared = keyframe.covisible.iter().enumerate().map(|(place, (id, _))| (place, id));
-            let errors = unknown_covisible(index, declared);
+            let mut errors = unknown_covisible(index, declared);
+            errors.extend(driven_frame(index, &keyframe.session));
             if !errors.is_empty() {
                 return Err(ServiceError::Invalid(errors));
             }

@@ -1,8 +1,10 @@
 //! The three functions of §IV-A.2 asked by hand, what models cost, and the dialogues that described an anchor.
 
-use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId};
+use super::anchors::resolve;
+use crate::domain::ids::{KeyframeSeq, MapId};
 use crate::domain::judged::{CropReading, Transcript};
 use crate::domain::key::KeySeq;
+use crate::domain::prior::AnchorKey;
 use crate::domain::report::{UsageLine, UsageReport};
 use crate::engine::keys::access::Access;
 use crate::engine::{Service, ServiceError};
@@ -75,14 +77,16 @@ impl Service {
     pub async fn transcripts(
         &self,
         map: &MapId,
-        anchor: AnchorSeq,
+        anchor: impl Into<AnchorKey>,
     ) -> Result<(u64, Vec<Transcript>), ServiceError> {
         let live = self.live(map).await?;
+        let key = anchor.into();
         let (version, readings) = self
             .read(&live, move |state| {
                 let index = &state.index;
-                let root = index.objects().root(anchor).and_then(|root| index.objects().get(root));
-                let object = root.ok_or_else(|| ServiceError::no_anchor(anchor.public()))?;
+                let root = index.objects().root(resolve(index, &key)?);
+                let object = root.and_then(|root| index.objects().get(root));
+                let object = object.ok_or_else(|| ServiceError::no_anchor(&key))?;
                 let members = object.members.iter().filter_map(|member| index.anchor(*member));
                 let mut readings: Vec<(KeyframeSeq, u16, String, CropReading)> = members
                     .flat_map(|anchor| anchor.observations.values())

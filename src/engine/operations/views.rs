@@ -1,10 +1,12 @@
 //! What a reader is shown of an anchor.
 
 use crate::domain::anchor::AnchorState;
-use crate::domain::ids::AnchorSeq;
-use crate::domain::report::{AnchorMatchReport, AnchorReport};
+use crate::domain::ids::{AnchorSeq, SessionId, SessionSeq};
+use crate::domain::prior::Prior;
+use crate::domain::report::{AnchorMatchReport, AnchorReport, PlanPlace};
 use crate::recognition::anchors::matching;
 use crate::recognition::map::index::{Description, MapIndex, MergedAnchor};
+use crate::recognition::plans::alignments::Alignments;
 use crate::semantics::{self, Source};
 
 /// Maximum matching anchors that an anchor shows; an EXIT sign has thousands.
@@ -12,6 +14,15 @@ const MATCHES_SHOWN: usize = 100;
 
 /// Returns an anchor as it stands; of a merged one, what is its own. `None` if there is no such anchor.
 pub(in crate::engine) fn anchor(index: &MapIndex, seq: AnchorSeq) -> Option<AnchorReport> {
+    anchor_with(index, seq, &mut Alignments::of(index))
+}
+
+/// Returns an anchor as it stands, beside others whose sessions are aligned once.
+pub(in crate::engine) fn anchor_with(
+    index: &MapIndex,
+    seq: AnchorSeq,
+    alignments: &mut Alignments<'_>,
+) -> Option<AnchorReport> {
     let root = index.objects().root(seq)?;
     let alone = if root == seq { None } else { Some(index.anchor_alone(seq)?) };
     let object = alone.as_ref().or_else(|| index.objects().get(root))?;
@@ -20,10 +31,16 @@ pub(in crate::engine) fn anchor(index: &MapIndex, seq: AnchorSeq) -> Option<Anch
     let (matches, matches_total) = if root == seq { matches(index, root, object) } else { (Vec::new(), 0) };
     Some(AnchorReport {
         anchor: seq,
+        name: index.anchor_name(seq),
+        prior: prior(index, seq),
         class: index.class_of(object).to_owned(),
         state: object.state,
         description: description.map(|description| description.raw.to_string()),
-        description_source: if description.is_some_and(|d| d.by_hand) { "operator" } else { "readings" },
+        description_source: match description {
+            Some(description) if description.by_hand => "operator",
+            _ if index.anchor(seq)?.prior.is_some() => "plan",
+            _ => "readings",
+        },
         identifiers: description
             .map(|d| d.text.identifiers().iter().map(|identifier| identifier.as_str().to_owned()).collect())
             .unwrap_or_default(),
@@ -32,6 +49,7 @@ pub(in crate::engine) fn anchor(index: &MapIndex, seq: AnchorSeq) -> Option<Anch
         numbering: (index.readings().numbering(index.class_of(object)).into_iter())
             .flat_map(|numbering| numbering.shown().map(str::to_owned))
             .collect(),
+        plan_place: plan_place(index, object, alignments),
         readings: object.votes.report(),
         disagreement: object.votes.disagreement(),
         keyframes: index.keyframes_of(object).into_iter().filter_map(named).collect(),
@@ -49,6 +67,19 @@ pub(in crate::engine) fn anchor(index: &MapIndex, seq: AnchorSeq) -> Option<Anch
         version: index.anchor(seq)?.version,
         has_crop: best_crop(index, object).is_some(),
     })
+}
+
+/// Returns what a plan says of an anchor, and the session that stands for the plan's frame.
+fn prior(index: &MapIndex, seq: AnchorSeq) -> Option<(SessionId, Prior)> {
+    let prior = index.anchor(seq)?.prior.as_deref()?;
+    Some((index.sessions().get(prior.frame.index())?.clone(), prior.clone()))
+}
+
+/// Returns the place of an anchor in a plan's frame, by names.
+fn plan_place(index: &MapIndex, object: &MergedAnchor, alignments: &mut Alignments<'_>) -> Option<PlanPlace> {
+    let (frame, by, position_in_frame) = alignments.place(object)?;
+    let named = |session: SessionSeq| index.sessions().get(session.index()).cloned();
+    Some(PlanPlace { frame: named(frame)?, by: by.and_then(named), position_in_frame })
 }
 
 /// Why a description has its InformationLevel.
@@ -73,6 +104,7 @@ fn matches(index: &MapIndex, root: AnchorSeq, object: &MergedAnchor) -> (Vec<Anc
             (object.description.as_ref()?, index.objects().get(other)?.description.as_ref()?);
         Some(AnchorMatchReport {
             anchor: other,
+            name: index.anchor_name(other),
             level,
             source: source.as_str().to_owned(),
             revisit: near.binary_search(&other).is_err(),

@@ -7,6 +7,7 @@ use super::sending::send;
 use super::{open, pretty};
 use crate::domain::ids::{AnchorSeq, MapId};
 use crate::domain::map::MapProperties;
+use crate::domain::prior::AnchorKey;
 use crate::domain::recorded::{NamedDetection, Recorded};
 use crate::domain::request::{MapPatch, NewVerdict};
 use crate::engine::{Service, ServiceError};
@@ -94,6 +95,8 @@ async fn play(
             let anchor = anchor_of(service, map, &detection).await;
             service.delete_anchor(map, anchor, None).await.map(drop)
         }
+        Recorded::Prior(prior) => service.put_prior(map, prior).await.map(drop),
+        Recorded::PriorDeleted(id) => service.delete_anchor(map, AnchorKey::Prior(id), None).await.map(drop),
         Recorded::Judged(verdict) => service.bring_verdict(map, NewVerdict::OfTexts(verdict)).await.map(drop),
         Recorded::CropRead { detection, reading } => {
             service.bring_verdict(map, NewVerdict::OfCrop(detection, reading)).await.map(drop)

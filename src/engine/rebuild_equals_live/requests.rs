@@ -37,6 +37,15 @@ pub(super) enum Request {
         candidate: u8,
     },
     Revoke(u8),
+    /// A sign that a plan shows, in a plan's frame or in a robot's session, which is refused.
+    PutPrior {
+        name: u8,
+        frame: u8,
+        class: u8,
+        text: u8,
+        at: (i8, i8),
+    },
+    DeletePrior(u8),
     Describe(u32, Option<u8>),
     DeleteAnchor(u32),
     Patch(u8),
@@ -174,6 +183,10 @@ pub(super) fn any_request() -> impl Strategy<Value = Request> {
         2 => (0u32..10, 0u8..4, (0u8..12, 0u8..12, 0u8..12), 0u8..12).prop_map(
             |(anchor, observation, texts, finding)| Request::JudgeAgain { anchor, observation, texts, finding }
         ),
+        3 => (0u8..5, 0u8..3, 0u8..2, 0u8..11, (-3i8..3, -3i8..3)).prop_map(
+            |(name, frame, class, text, at)| Request::PutPrior { name, frame, class, text, at }
+        ),
+        1 => (0u8..5).prop_map(Request::DeletePrior),
         1 => any::<bool>().prop_map(Request::Away),
         4 => (0u8..5, 0u32..10, 0u32..20, prop::option::of(0u32..10)).prop_map(
             |(kind, anchor, keyframe, other)| Request::ChangeSign { kind, anchor, keyframe, other }

@@ -8,6 +8,7 @@ use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId};
 use crate::domain::judged::{Answer, CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
 use crate::domain::judgement::{JudgementProgress, Tally};
 use crate::domain::keyframe::{CLIENTS_VOCABULARY, NewKeyframe};
+use crate::domain::prior::{AnchorKey, NewPrior};
 use crate::domain::request::{MapPatch, NewLoop, PoseCorrection};
 use crate::engine::maps::live::Decision;
 use crate::engine::{Service, ServiceError};
@@ -86,6 +87,23 @@ pub(super) async fn send(service: &Service, map: &MapId, request: Request) -> Re
         }
         Request::Revoke(name) => {
             service.revoke_loop(map, &format!("loop-{name}").parse().unwrap()).await.map(drop)
+        }
+        Request::PutPrior { name, frame, class, text, at: (x, y) } => {
+            let frame = ["robot-0", "plan:1", "plan:2"][usize::from(frame)];
+            let prior = NewPrior {
+                id: format!("door-{name}").parse().unwrap(),
+                class: CLASSES[usize::from(class)].to_owned(),
+                description: TEXTS[usize::from(text)].to_owned(),
+                position_in_frame: Point3::new(f64::from(x) * 0.7, f64::from(y) * 1.3, 1.5),
+                frame: frame.parse().unwrap(),
+                normal_in_frame: (x > 0).then_some([0.6, 0.8, 0.0]),
+                source: (y > 0).then(|| "a plan".to_owned()),
+            };
+            service.put_prior(map, prior).await.map(drop)
+        }
+        Request::DeletePrior(name) => {
+            let key: AnchorKey = format!("door-{name}").parse().unwrap();
+            service.delete_anchor(map, key, None).await.map(drop)
         }
         Request::Describe(anchor, text) => {
             let text = text.map(|text| TEXTS[usize::from(text)].to_owned());

@@ -6,8 +6,9 @@ use axum::extract::{FromRequestParts, RawPathParams};
 use axum::http::request::Parts;
 use utoipa::IntoParams;
 
-use crate::domain::ids::{AnchorSeq, ID_FORM, IdError, JudgementId, KeyframeId, LoopId, MapId};
+use crate::domain::ids::{ID_FORM, IdError, JudgementId, KeyframeId, LoopId, MapId, PriorId};
 use crate::domain::invalid::FieldError;
+use crate::domain::prior::AnchorKey;
 use crate::http::problem::{Kind, Problem};
 
 /// A map.
@@ -26,7 +27,15 @@ pub struct AnchorPath {
     /// The map.
     pub map: MapId,
     /// The anchor.
-    pub anchor: AnchorSeq,
+    pub anchor: AnchorKey,
+}
+
+/// A prior anchor of a map, to be put.
+pub struct PriorPath {
+    /// The map.
+    pub map: MapId,
+    /// Its name.
+    pub prior: PriorId,
 }
 
 /// A confirmed loop of a map.
@@ -86,7 +95,7 @@ documented! {
     AnchorPathParams {
         /// The map's id, chosen by its client.
         map,
-        /// The anchor's id, such as `a-7`, assigned by the service.
+        /// The anchor's id: `a-7`, assigned by the service, or the name of a prior anchor, chosen by its client.
         anchor,
     }
     LoopPathParams {
@@ -163,11 +172,17 @@ impl<S: Send + Sync> FromRequestParts<S> for AnchorPath {
     type Rejection = Problem;
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
-        let (map, anchor): (MapId, KeyframeId) = Named::of(parts, state).await?.ids("map", "anchor")?;
-        // The service assigns the ids of anchors, so any other id does not exist.
-        let none = || Problem::new(Kind::NOT_FOUND, format!("there is no anchor {anchor}"));
-        let anchor = AnchorSeq::from_public(anchor.as_str()).ok_or_else(none)?;
+        let (map, anchor) = Named::of(parts, state).await?.ids("map", "anchor")?;
         Ok(Self { map, anchor })
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for PriorPath {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let (map, prior) = Named::of(parts, state).await?.ids("map", "anchor")?;
+        Ok(Self { map, prior })
     }
 }
 

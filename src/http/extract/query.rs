@@ -68,6 +68,8 @@ pub struct AnchorSearch {
     /// Include anchors that were merged into another.
     #[param(default = false)]
     merged: Option<bool>,
+    /// Only prior anchors, or only those that robots saw.
+    prior: Option<bool>,
 }
 
 /// A filter of anchors, and a page of the result.
@@ -144,15 +146,21 @@ fn paging(query: &Object<'_>) -> Option<Paging> {
 
 impl Decode for AnchorPage {
     fn decode(node: &Node<'_>) -> Option<Self> {
-        let query = node.object(&["class", "text", "state", "merged", "limit", "cursor"])?;
+        let query = node.object(&["class", "text", "state", "merged", "prior", "limit", "cursor"])?;
         let page = paging(&query);
         let class = query.optional("class", |node| node.name(limits::CLASS_CHARS));
         let text = query.optional("text", |node| node.text(limits::TEXT_CHARS));
         let state = query.optional("state", |node| node.choice(AnchorState::NAMES, AnchorState::from_name));
         let merged =
             query.optional("merged", |node| node.choice(&["true", "false"], |text| text.parse().ok()));
-        let filter =
-            AnchorFilter { class: class?, text: text?, state: state?, merged: merged?.unwrap_or(false) };
+        let prior = query.optional("prior", |node| node.choice(&["true", "false"], |text| text.parse().ok()));
+        let filter = AnchorFilter {
+            class: class?,
+            text: text?,
+            state: state?,
+            merged: merged?.unwrap_or(false),
+            prior: prior?,
+        };
         Some(Self { filter, page: page? })
     }
 }

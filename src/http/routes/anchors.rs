@@ -1,4 +1,4 @@
-//! Anchors: search, read, describe by hand, delete.
+//! Anchors: search, put prior ones, read, describe by hand, delete.
 
 use axum::Json;
 use axum::extract::State;
@@ -9,12 +9,14 @@ use crate::api::anchor::{AnchorPatch, AnchorPatchBody, AnchorView};
 use crate::api::examples;
 use crate::api::list::AnchorList;
 use crate::api::map::MapVersion;
+use crate::api::prior::{PriorBody, PriorFields};
 use crate::api::transcript::TranscriptList;
 use crate::engine::Service;
-use crate::http::error_responses::{OfPatch, OfVersionedDelete, ReadErrors};
+use crate::http::answer::written;
+use crate::http::error_responses::{OfPatch, OfVersionedDelete, OfWrite, ReadErrors};
 use crate::http::extract::body::Body;
 use crate::http::extract::if_match::{IfMatch, etag};
-use crate::http::extract::path::{AnchorPath, AnchorPathParams, MapPath, MapPathParams};
+use crate::http::extract::path::{AnchorPath, AnchorPathParams, MapPath, MapPathParams, PriorPath};
 use crate::http::extract::query::{AnchorPage, AnchorSearch, Paging, Query};
 use crate::http::problem::Problem;
 
@@ -51,6 +53,29 @@ pub async fn get_anchor(
 ) -> Result<Response, Problem> {
     let (version, report) = service.get_anchor(&map, anchor).await?;
     Ok(tagged(AnchorView::at(version, report)))
+}
+
+/// Put a prior anchor
+///
+/// A sign that a floor plan shows, known before any robot has seen it. It matches what robots read, aligns their sessions to
+/// the plan, and closes no loop by itself. A plan's frame is a session that no robot drives.
+#[utoipa::path(
+    put, path = "/v1/maps/{map}/anchors/{anchor}", tag = "anchors", security(("key" = ["write"])), params(AnchorPathParams),
+    request_body(content = PriorBody, example = examples::prior_body),
+    responses(
+        (status = 201, description = "The prior anchor is stored", body = AnchorView, example = examples::prior_anchor),
+        (status = 200, description = "The same prior anchor was already stored", body = AnchorView,
+            headers(("idempotent-replayed" = String, description = "`true`")), example = examples::prior_anchor),
+        OfWrite
+    )
+)]
+pub async fn put_prior_anchor(
+    State(service): State<Service>,
+    PriorPath { map, prior }: PriorPath,
+    Body(fields): Body<PriorFields>,
+) -> Result<Response, Problem> {
+    let stored = service.put_prior(&map, fields.named(prior)).await?;
+    Ok(written(stored.created, AnchorView::at(stored.map_version, stored.value)))
 }
 
 /// Describe an anchor by hand
@@ -136,8 +161,8 @@ pub async fn get_transcript(
     State(service): State<Service>,
     AnchorPath { map, anchor }: AnchorPath,
 ) -> Result<Json<TranscriptList>, Problem> {
-    let (version, transcripts) = service.transcripts(&map, anchor).await?;
-    Ok(Json(TranscriptList::of(version, anchor, transcripts)))
+    let (version, transcripts) = service.transcripts(&map, anchor.clone()).await?;
+    Ok(Json(TranscriptList::of(version, &anchor, transcripts)))
 }
 
 /// An image file, as bytes.

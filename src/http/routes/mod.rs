@@ -17,6 +17,7 @@ mod model_verdicts;
 mod poses;
 mod semantics;
 mod service;
+mod sessions;
 mod trajectories;
 mod usage;
 
@@ -37,6 +38,7 @@ pub fn api(frame: OpenApi) -> OpenApiRouter<App> {
         .routes(routes!(keyframes::get_local_anchor_map))
         .routes(routes!(poses::correct_poses))
         .routes(routes!(trajectories::get_trajectory))
+        .routes(routes!(sessions::list_sessions))
         .routes(routes!(export::export_map))
         .routes(routes!(loop_queries::query_loop))
         .routes(routes!(loop_queries::get_loop_query))
@@ -47,7 +49,12 @@ pub fn api(frame: OpenApi) -> OpenApiRouter<App> {
         .routes(routes!(judgements::judge_again))
         .routes(routes!(judgements::get_judgement, judgements::stop_judgement))
         .routes(routes!(anchors::list_anchors))
-        .routes(routes!(anchors::get_anchor, anchors::patch_anchor, anchors::delete_anchor))
+        .routes(routes!(
+            anchors::put_prior_anchor,
+            anchors::get_anchor,
+            anchors::patch_anchor,
+            anchors::delete_anchor
+        ))
         .routes(routes!(anchors::get_crop))
         .routes(routes!(anchors::get_transcript))
         .routes(routes!(events::listen))

@@ -12,7 +12,7 @@ use crate::store::rows::operation_rows::Operation;
 use crate::store::rows::statement::run;
 use crate::store::rows::{
     changed_sign_rows, former_value_rows, judgement_rows, key_rows, map_rows, model_rows, operation_rows,
-    point_blocks, twin_rows,
+    point_blocks, prior_rows, twin_rows,
 };
 use crate::store::slices::{deferred, deletion};
 
@@ -141,9 +141,11 @@ async fn apply(
             if orphan.execute(&mut *db).await?.rows_affected() > 0 {
                 operation_rows::add(db, (map, version), &Operation::AnchorDeleted {}).await?;
             }
+            prior_rows::remove(db, (map, version), *seq).await?;
             let delete = "delete from anchors where map_key = $1 and anchor = $2";
             run(db, sqlx::query(delete).bind(map).bind(seq.0)).await
         }
+        Change::PriorSet(seq, prior) => prior_rows::add(db, (map, version), *seq, prior).await,
         Change::PositionSet(_, keyframe, detection, at) => {
             let update =
                 "update detections set position = $4 where map_key = $1 and keyframe = $2 and detection = $3";

@@ -19,7 +19,7 @@ use crate::store::files::lock::DatabaseLock;
 use crate::store::files::paths::DatabaseFiles;
 use crate::store::files::schema;
 use crate::store::rows::operation_rows::{self, Operation};
-use crate::store::rows::{decode, map_rows, model_rows};
+use crate::store::rows::{decode, map_rows, model_rows, prior_rows};
 use crate::store::{Store, StoreError};
 
 /// A map's operations, read one after the other.
@@ -206,6 +206,12 @@ impl Export {
                 }
                 self.waiting.entry(keyframe).or_default().push(described);
                 Step::LeftOut
+            }
+            Operation::PriorDeleted { id } => Step::of(Recorded::PriorDeleted(decode::id(&id)?)),
+            Operation::Prior { frame, .. } => {
+                let frame = self.session(SessionSeq(frame))?.clone();
+                prior_rows::as_put(operation, frame)?
+                    .map_or(Step::LeftOut, |prior| Step::of(Recorded::Prior(prior)))
             }
             Operation::AnchorDeleted {} => {
                 let select = "select k.id, d.detection from detections d

@@ -11,7 +11,7 @@ use sqlx::sqlite::SqliteRow;
 use super::decode;
 use super::point_blocks::points_of;
 use super::validate::{self, Known, KnownAnchor};
-use super::{changed_sign_rows, map_rows, model_rows, twin_rows};
+use super::{changed_sign_rows, map_rows, model_rows, prior_rows, twin_rows};
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Change, Keyframe, Merge, MergeCause};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId, SessionSeq};
@@ -73,11 +73,12 @@ async fn load_rows(
             load_keyframes(db, key, &mut known, &mut take).await?;
             take(&model_rows::verdicts(db, key).await?);
             let anchors = anchors(db, key, &mut known).await?;
+            let priors = prior_rows::all(db, key, &known).await?;
             let observed = observations(db, key, &known).await?;
             let (loops, merges) = loops_and_merges(db, key).await?;
             validate::merges(&loops, &merges, &known)?;
             validate::numbers(next, &loops, &known)?;
-            take(&[anchors, observed].concat());
+            take(&[anchors, priors, observed].concat());
             take(&[loops, merges].concat());
         }
         Order::Backwards => {
@@ -86,6 +87,7 @@ async fn load_rows(
             let anchors = anchors(db, key, &mut known).await?;
             let observed = observations(db, key, &known).await?;
             take(&anchors);
+            take(&reversed(prior_rows::all(db, key, &known).await?));
             let (loops, merges) = loops_and_merges(db, key).await?;
             take(&reversed(merges));
             take(&reversed(loops));

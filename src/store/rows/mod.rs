@@ -15,6 +15,7 @@ pub(super) mod model_rows;
 pub(super) mod operation_rows;
 pub(super) mod packing;
 pub(super) mod point_blocks;
+pub(super) mod prior_rows;
 pub(super) mod read;
 pub(super) mod replaced_rows;
 pub(super) mod statement;

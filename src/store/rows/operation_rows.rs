@@ -10,6 +10,7 @@ use super::statement::run;
 use crate::domain::change::Loop;
 use crate::domain::ids::{AnchorSeq, LoopId};
 use crate::domain::map::MapProperties;
+use crate::domain::prior::Prior;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
 
@@ -34,6 +35,18 @@ pub(in crate::store) enum Operation {
     Description { anchor: u32, text: Option<String> },
     /// An anchor was deleted, with those merged into it: their detections say so.
     AnchorDeleted {},
+    /// A prior anchor was put, in the frame of this session.
+    Prior {
+        id: String,
+        class: String,
+        frame: u32,
+        description: String,
+        position: [f64; 3],
+        normal: Option<[f64; 3]>,
+        source: Option<String>,
+    },
+    /// A prior anchor was deleted.
+    PriorDeleted { id: String },
 }
 
 impl Operation {
@@ -44,6 +57,8 @@ impl Operation {
             Self::LoopRevoked { .. } => "loop_revoked",
             Self::Description { .. } => "description",
             Self::AnchorDeleted {} => "anchor_deleted",
+            Self::Prior { .. } => "prior",
+            Self::PriorDeleted { .. } => "prior_deleted",
         }
     }
 }
@@ -81,6 +96,20 @@ pub(in crate::store) fn revoked(id: &LoopId) -> Operation {
 /// Notes what an anchor was called by hand.
 pub(in crate::store) fn described(anchor: AnchorSeq, text: Option<&str>) -> Operation {
     Operation::Description { anchor: anchor.0, text: text.map(str::to_owned) }
+}
+
+/// Notes that a prior anchor was put.
+pub(in crate::store) fn prior(class: String, prior: &Prior) -> Operation {
+    let at = prior.position_in_frame;
+    Operation::Prior {
+        id: prior.id.to_string(),
+        class,
+        frame: prior.frame.0,
+        description: prior.description.to_string(),
+        position: [at.x, at.y, at.z],
+        normal: prior.normal_in_frame,
+        source: prior.source.as_ref().map(ToString::to_string),
+    }
 }
 
 /// Adds an operation. Of one kind a version has one: of an object whose anchors are removed one by one, the first tells.

@@ -9,6 +9,7 @@ use crate::domain::anchor::Observation;
 use crate::domain::change::{Change, Keyframe, MergeCause};
 use crate::domain::global_descriptor::{GlobalDescriptor, GlobalForm};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId};
+use crate::domain::prior::{Prior, is_unit};
 use crate::geometry::Point3;
 use crate::store::StoreError;
 
@@ -96,6 +97,21 @@ pub(in crate::store) fn point(
     }
     if !is_finite(at) {
         return fault(format!("the position of map point {id} is not finite"));
+    }
+    Ok(())
+}
+
+/// Rejects a prior anchor that is not there, or without a frame, or with a number that is not finite.
+pub(in crate::store) fn prior(anchor: AnchorSeq, prior: &Prior, known: &Known) -> Result<(), StoreError> {
+    let id = &prior.id;
+    if !known.anchors.contains_key(&anchor) {
+        return fault(format!("prior anchor {id} is not among the anchors"));
+    }
+    if prior.frame.index() >= known.sessions {
+        return fault(format!("prior anchor {id} is in no frame"));
+    }
+    if !is_finite(&prior.position_in_frame) || prior.normal_in_frame.is_some_and(|normal| !is_unit(&normal)) {
+        return fault(format!("prior anchor {id} has a position or a normal that is none"));
     }
     Ok(())
 }

@@ -59,6 +59,7 @@ const TABLES: &[Table] = &[
     without_rowid("point_blocks", "session, block"),
     without_rowid("sessions", "session"),
     without_rowid("anchor_merges", "into_anchor, from_anchor, loop_id"),
+    without_rowid("prior_anchors", "anchor"),
     without_rowid("anchors", "anchor"),
     without_rowid("loops", "id"),
     without_rowid("twins", "keyframe, candidate, anchor, candidate_anchor"),

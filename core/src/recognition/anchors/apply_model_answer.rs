@@ -106,7 +106,11 @@ fn learn_similarity(index: &mut MapIndex, verdict: ModelVerdict) -> Option<Learn
     if matched || record.index().texts().level(a, b).is_none() {
         return Some(Learned { decided: record.finish(), triggers: Vec::new() });
     }
-    let carriers = |id| -> Vec<AnchorSeq> { record.index().texts().objects(id).take(MAX_FOLLOWED).collect() };
+    let index = record.index();
+    // What only a plan shows was not seen, and nothing comes back to it.
+    let was_seen = |root: &AnchorSeq| index.anchor(*root).is_some_and(|anchor| anchor.prior.is_none());
+    let carriers =
+        |id| -> Vec<AnchorSeq> { index.texts().objects(id).filter(was_seen).take(MAX_FOLLOWED).collect() };
     let (of_a, of_b) = (carriers(a), carriers(b));
     for root in &of_a {
         merge_all(&mut record, *root, MapIndex::keyframes_of);

@@ -46,10 +46,11 @@ fn close(index: &MapIndex, a: &MergedAnchor, b: &MergedAnchor) -> bool {
 }
 
 /// Returns the objects that match `root` though no keyframe of theirs is covisible with one of its own: the robot has
-/// come back. Oldest first.
+/// come back. Oldest first. A sign that only a plan shows was not seen before.
 pub fn revisits(index: &MapIndex, root: AnchorSeq) -> impl Iterator<Item = AnchorSeq> + '_ {
     let near = neighbourhood(index, root);
-    matches(index, root).filter(move |other| near.binary_search(other).is_err())
+    let was_seen = |other: &AnchorSeq| index.anchor(*other).is_some_and(|anchor| anchor.prior.is_none());
+    matches(index, root).filter(was_seen).filter(move |other| near.binary_search(other).is_err())
 }
 
 /// Returns the objects that match `root`, covisible or not; oldest first within each text.

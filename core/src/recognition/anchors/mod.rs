@@ -11,4 +11,5 @@ pub(super) mod match_sets;
 pub mod matching;
 pub(super) mod near_in_meaning;
 pub mod pairs;
+pub mod prior_anchors;
 pub mod rejudging;

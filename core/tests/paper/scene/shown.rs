@@ -94,6 +94,7 @@ fn matches_of(map: &MapIndex, id: AnchorSeq, object: &MergedAnchor) -> Vec<Ancho
         let theirs = map.objects().get(other)?.description.as_ref()?;
         Some(AnchorMatchReport {
             anchor: other,
+            name: map.anchor_name(other),
             level,
             source: source.as_str().to_owned(),
             revisit: !near.contains(&other),

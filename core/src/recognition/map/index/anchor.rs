@@ -6,6 +6,7 @@ use super::points::Points;
 use super::votes::Votes;
 use crate::domain::anchor::Observation;
 use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
+use crate::domain::prior::Prior;
 use crate::geometry::{Aabb, Point3};
 
 /// A semantic anchor (§IV-B) with the facts that are its own. Which anchors are one object
@@ -17,6 +18,8 @@ pub struct Anchor {
     pub class: Box<str>,
     /// The observations, by keyframe and detection.
     pub observations: BTreeMap<(KeyframeSeq, u16), Observation>,
+    /// What a plan says of it, if it is a prior one. Nothing observes a prior anchor.
+    pub prior: Option<Box<Prior>>,
     /// The description set by an operator.
     pub description_by_hand: Option<Box<str>>,
     /// Grows with each fact about this anchor.
@@ -74,10 +77,25 @@ impl Anchor {
         Self {
             class,
             observations: BTreeMap::new(),
+            prior: None,
             description_by_hand: None,
             version: 1,
             votes: Votes::default(),
             shapes: BTreeMap::new(),
+        }
+    }
+
+    /// Takes what a plan says of it.
+    pub fn set_prior(&mut self, prior: Prior) {
+        self.prior = Some(Box::new(prior));
+        self.place_prior();
+    }
+
+    /// Gives a prior anchor its place in the plan's frame.
+    fn place_prior(&mut self) {
+        if let Some(prior) = &self.prior {
+            let aabb = grown(None, [prior.position_in_frame]);
+            self.shapes.insert(prior.frame, Shape { aabb, ..Shape::default() });
         }
     }
 
@@ -92,6 +110,7 @@ impl Anchor {
     pub fn refresh(&mut self, session_of: impl Fn(KeyframeSeq) -> SessionSeq, points: &Points) {
         self.votes = Votes::default();
         self.shapes.clear();
+        self.place_prior();
         for observation in self.observations.values() {
             self.votes.add(observation);
             let session = session_of(observation.keyframe);

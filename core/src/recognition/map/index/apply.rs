@@ -13,6 +13,7 @@ use crate::domain::change::{Change, Keyframe, Loop, Merge, MergeCause, MovedObse
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, LoopId, SessionSeq};
 use crate::domain::judged::{Finding, ModelVerdict};
 use crate::domain::map::MapProperties;
+use crate::domain::prior::Prior;
 
 /// What a batch of changes has touched.
 #[derive(Default)]
@@ -76,6 +77,7 @@ impl MapIndex {
                 self.anchors.insert(seq.index(), Anchor::new(class.clone()));
                 touched.anchors.insert(*seq);
             }
+            Change::PriorSet(seq, prior) => self.set_prior(*seq, prior, touched),
             Change::AnchorRemoved(seq) => self.remove_anchor(*seq, touched),
             Change::Observed(seq, observation) => self.observe(*seq, observation, touched),
             Change::ObservationMoved(moved) => self.move_observation(moved, touched),
@@ -332,6 +334,7 @@ impl MapIndex {
     fn remove_anchor(&mut self, seq: AnchorSeq, touched: &mut Touched) {
         let Some(anchor) = self.anchors.remove(seq.index()) else { return };
         self.changed_signs.remove_anchor(seq);
+        self.priors.remove(&anchor, seq);
         self.holders.release(&anchor.shapes, seq);
         for observation in anchor.observations.values() {
             self.tally.remove_observation(observation);
@@ -344,6 +347,13 @@ impl MapIndex {
         }
         let links: Vec<Merge> = self.objects.links(seq).cloned().collect();
         self.unlink(&links, touched);
+        touched.anchors.insert(seq);
+    }
+
+    fn set_prior(&mut self, seq: AnchorSeq, prior: &Prior, touched: &mut Touched) {
+        let Some(anchor) = self.anchors.get_mut(seq.index()) else { return };
+        anchor.set_prior(prior.clone());
+        self.priors.add(seq, prior);
         touched.anchors.insert(seq);
     }
 

@@ -9,6 +9,7 @@ use super::holders::Holders;
 use super::objects::{Judging, MergedAnchor, Objects};
 use super::odometer::Odometer;
 use super::points::Points;
+use super::priors::Priors;
 use super::readings::Readings;
 use super::sign_grid::SignGrid;
 use super::tally::Tally;
@@ -60,6 +61,7 @@ pub struct MapIndex {
     pub(super) twins: BTreeSet<Twins>,
     pub(super) changed_signs: ChangedSigns,
     pub(super) sign_grid: SignGrid,
+    pub(super) priors: Priors,
     /// Counts for [`Self::memory_bytes`].
     pub(super) tally: Tally,
 }
@@ -121,9 +123,9 @@ impl MapIndex {
     }
 
     /// Returns what the map's facts take on disk, in bytes: keyframes with all they brought, sessions, map points,
-    /// merges, loops.
+    /// merges, loops, prior anchors.
     pub fn bytes(&self) -> u64 {
-        self.bytes + self.points.bytes() + self.objects.bytes()
+        self.bytes + self.points.bytes() + self.objects.bytes() + self.priors.bytes()
     }
 
     /// Returns how much the map holds, as lists of maps show it.
@@ -297,6 +299,17 @@ impl MapIndex {
     /// Returns what hangs in the place of a retired object, by its oldest anchor, if anything that is still in the map does.
     pub fn replacement_of(&self, object: &MergedAnchor) -> Option<AnchorSeq> {
         self.objects.root(self.changed_signs.replacement_of(&object.members)?)
+    }
+
+    /// Returns the prior anchors.
+    pub fn priors(&self) -> &Priors {
+        &self.priors
+    }
+
+    /// Returns an anchor's public id: the name of a prior one, the number of another.
+    pub fn anchor_name(&self, seq: AnchorSeq) -> String {
+        let prior = self.anchor(seq).and_then(|anchor| anchor.prior.as_ref());
+        prior.map_or_else(|| seq.public(), |prior| prior.id.to_string())
     }
 
     /// Returns the signs by place.

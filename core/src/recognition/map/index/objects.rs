@@ -77,20 +77,22 @@ impl MergedAnchor {
         let Judging { settings, verdicts, readings, changed_signs } = *judging;
         let mut votes = Votes::default();
         let mut shapes: BTreeMap<SessionSeq, Shape> = BTreeMap::new();
-        let mut by_hand = None;
+        let (mut by_hand, mut by_plan) = (None, None);
         for anchor in members.iter().filter_map(|member| anchors.get(member.index())) {
             votes.add_all(&anchor.votes);
             for (session, shape) in &anchor.shapes {
                 shapes.entry(*session).or_default().join(shape);
             }
             by_hand = by_hand.or(anchor.description_by_hand.as_deref());
+            by_plan = by_plan.or(anchor.prior.as_ref().map(|prior| &*prior.description));
         }
         let class = members.first().and_then(|first| anchors.get(first.index()));
         let class = class.map_or("", |anchor| &anchor.class);
         let numbering = readings.numbering(class);
-        let mut description = match (by_hand, votes.elected()) {
-            (Some(raw), _) => Some(Description::new(raw, numbering, true, Certainty::Sure)),
-            (None, Some(elected)) => {
+        let mut description = match (by_hand, by_plan, votes.elected()) {
+            (Some(raw), ..) => Some(Description::new(raw, numbering, true, Certainty::Sure)),
+            (None, Some(raw), _) => Some(Description::new(raw, numbering, false, Certainty::Sure)),
+            (None, None, Some(elected)) => {
                 let agree = elected.count >= settings.agreeing_reads as usize;
                 let certainty = match elected.count {
                     _ if elected.described && agree => Certainty::Sure,
@@ -100,7 +102,7 @@ impl MergedAnchor {
                 let merged = votes.to_merge().and_then(|(a, b)| verdicts.merged(class, a, b));
                 Some(Description::new(merged.unwrap_or(elected.text), numbering, false, certainty))
             }
-            (None, None) => None,
+            (None, None, None) => None,
         };
         let is_unsure = by_hand.is_none()
             && votes.elected().is_some_and(|elected| elected.is_doubtful(settings.reading_min_confidence));

@@ -1,0 +1,79 @@
+"""Geometry along the floor: local metres, centres, and the doors of a room."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+from .plan import Point
+
+EARTH_RADIUS_M = 6_378_137.0
+# A door drawn as a gap or a leaf of the wall is this near to its room's outline, in metres.
+DOOR_NEAR_M = 0.6
+
+
+class LocalMetres:
+    """Metres east and north of an origin, as on a plane that touches the earth there; fine within a campus."""
+
+    def __init__(self, longitude: float, latitude: float) -> None:
+        """Take the origin in degrees."""
+        self._origin = (longitude, latitude)
+        self._east_m = math.radians(1) * EARTH_RADIUS_M * math.cos(math.radians(latitude))
+        self._north_m = math.radians(1) * EARTH_RADIUS_M
+
+    def __call__(self, longitude: float, latitude: float) -> Point:
+        """Return a place in metres."""
+        return (longitude - self._origin[0]) * self._east_m, (latitude - self._origin[1]) * self._north_m
+
+
+def origin_of(places: Iterable[Point]) -> LocalMetres:
+    """Return the plane around the south-western corner of places in degrees, so that coordinates are positive."""
+    listed = list(places)
+    return LocalMetres(min(place[0] for place in listed), min(place[1] for place in listed))
+
+
+def centre(outline: Sequence[Point]) -> Point:
+    """Return the middle of an outline's bounding box."""
+    xs, ys = [place[0] for place in outline], [place[1] for place in outline]
+    return (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2
+
+
+def distance_m(place: Point, outline: Sequence[Point]) -> float:
+    """Return the distance of a place from an outline, whose ends need not meet."""
+    return min(_from_segment(place, a, b) for a, b in zip(outline, outline[1:]))
+
+
+def doors_of(outline: Sequence[Point], doors: Iterable[Point]) -> list[Point]:
+    """Return the doors that lie in a room's outline."""
+    return [door for door in doors if distance_m(door, outline) <= DOOR_NEAR_M]
+
+
+def outward(door: Point, outline: Sequence[Point]) -> Point | None:
+    """Return the unit vector out of a room through one of its doors: the sign beside it is read from there."""
+    a, b = min(zip(outline, outline[1:]), key=lambda wall: _from_segment(door, *wall))
+    along = (b[0] - a[0], b[1] - a[1])
+    length = math.hypot(*along)
+    if length == 0:
+        return None
+    normal = (along[1] / length, -along[0] / length)
+    step = (door[0] + normal[0] * DOOR_NEAR_M * 1.5, door[1] + normal[1] * DOOR_NEAR_M * 1.5)
+    return (-normal[0], -normal[1]) if _contains(outline, step) else normal
+
+
+def _from_segment(place: Point, a: Point, b: Point) -> float:
+    along = (b[0] - a[0], b[1] - a[1])
+    squared = along[0] ** 2 + along[1] ** 2
+    share = 0.0
+    if squared > 0:
+        share = ((place[0] - a[0]) * along[0] + (place[1] - a[1]) * along[1]) / squared
+    share = min(1.0, max(0.0, share))
+    return math.hypot(place[0] - a[0] - share * along[0], place[1] - a[1] - share * along[1])
+
+
+def _contains(outline: Sequence[Point], place: Point) -> bool:
+    inside = False
+    for (ax, ay), (bx, by) in zip(outline, outline[1:]):
+        crosses = (ay > place[1]) != (by > place[1])
+        if crosses and place[0] < ax + (place[1] - ay) / (by - ay) * (bx - ax):
+            inside = not inside
+    return inside

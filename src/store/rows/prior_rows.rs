@@ -1,0 +1,105 @@
+//! Prior anchors as rows, to the database and back.
+
+use sqlx::sqlite::SqliteRow;
+use sqlx::{Row as _, SqliteConnection};
+
+use super::blob::{pack, unpack_array};
+use super::decode;
+use super::operation_rows::{self, Operation};
+use super::statement::run;
+use super::validate::{self, Known};
+use crate::domain::change::Change;
+use crate::domain::ids::{AnchorSeq, SessionId, SessionSeq};
+use crate::domain::prior::{NewPrior, Prior};
+use crate::geometry::Point3;
+use crate::store::StoreError;
+use crate::store::commit::job::MapKey;
+
+/// Adds a prior anchor, whose anchor and frame are there, and notes that it was put.
+pub(in crate::store) async fn add(
+    db: &mut SqliteConnection,
+    (map, version): (MapKey, u64),
+    anchor: AnchorSeq,
+    prior: &Prior,
+) -> Result<(), StoreError> {
+    let insert =
+        "insert into prior_anchors (map_key, anchor, id, frame, description, position, normal, source)
+        values ($1, $2, $3, $4, $5, $6, $7, $8)";
+    let Point3 { coords } = prior.position_in_frame;
+    let query = sqlx::query(insert)
+        .bind(map)
+        .bind(anchor.0)
+        .bind(prior.id.as_str())
+        .bind(prior.frame.0)
+        .bind(&*prior.description)
+        .bind(pack([coords.x, coords.y, coords.z]))
+        .bind(prior.normal_in_frame.map(pack))
+        .bind(prior.source.as_deref());
+    run(db, query).await?;
+    let select = "select class from anchors where map_key = $1 and anchor = $2";
+    let class: String = sqlx::query_scalar(select).bind(map).bind(anchor.0).fetch_one(&mut *db).await?;
+    operation_rows::add(db, (map, version), &operation_rows::prior(class, prior)).await
+}
+
+/// Removes a prior anchor, and notes that it was deleted; does nothing if the anchor is none.
+pub(in crate::store) async fn remove(
+    db: &mut SqliteConnection,
+    (map, version): (MapKey, u64),
+    anchor: AnchorSeq,
+) -> Result<(), StoreError> {
+    let delete = "delete from prior_anchors where map_key = $1 and anchor = $2 returning id";
+    let removed: Option<String> =
+        sqlx::query_scalar(delete).bind(map).bind(anchor.0).fetch_optional(&mut *db).await?;
+    match removed {
+        Some(id) => operation_rows::add(db, (map, version), &Operation::PriorDeleted { id }).await,
+        None => Ok(()),
+    }
+}
+
+/// Returns the prior anchors of a map, by number.
+pub(in crate::store) async fn all(
+    db: &mut SqliteConnection,
+    map: MapKey,
+    known: &Known,
+) -> Result<Vec<Change>, StoreError> {
+    let select = "select * from prior_anchors where map_key = $1 order by anchor";
+    let rows = sqlx::query(select).bind(map).fetch_all(db).await?;
+    let read = |row: SqliteRow| {
+        let number: u32 = row.try_get("anchor")?;
+        let prior = prior(&row).map_err(|error| error.of_row(format!("prior anchor number {number}")))?;
+        validate::prior(AnchorSeq(number), &prior, known)?;
+        Ok(Change::PriorSet(AnchorSeq(number), Box::new(prior)))
+    };
+    rows.into_iter().map(read).collect()
+}
+
+fn prior(row: &SqliteRow) -> Result<Prior, StoreError> {
+    let normal: Option<&[u8]> = row.try_get("normal")?;
+    Ok(Prior {
+        id: decode::id(row.try_get("id")?)?,
+        frame: SessionSeq(row.try_get("frame")?),
+        description: row.try_get::<String, _>("description")?.into(),
+        position_in_frame: decode::point(row.try_get("position")?)?,
+        normal_in_frame: normal.map(unpack_array::<f64, 3>).transpose()?,
+        source: row.try_get::<Option<String>, _>("source")?.map(Into::into),
+    })
+}
+
+/// Returns a prior anchor as its operation says that it was put.
+pub(in crate::store) fn as_put(
+    operation: Operation,
+    frame: SessionId,
+) -> Result<Option<NewPrior>, StoreError> {
+    let Operation::Prior { id, class, description, position, normal, source, .. } = operation else {
+        return Ok(None);
+    };
+    Ok(Some(NewPrior {
+        id: decode::id(&id)?,
+        class,
+        description,
+        position_in_frame: position.into(),
+        frame,
+        normal_in_frame: normal,
+        source,
+    }))
+}
