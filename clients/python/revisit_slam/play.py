@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from .arguments import check, parser
+from .arguments import check, check_common, parser
 from .client import Client
 from .errors import RevisitError
 from .retries import Retries
@@ -28,7 +28,8 @@ def main(arguments: list[str] | None = None) -> int:
     # A stop from outside must stop the server of the run as well.
     signal.signal(signal.SIGTERM, _stop)
     try:
-        return _sample(chosen) if chosen.command == "sample" else _play(chosen)
+        commands = {"sample": _sample, "locate": _locate}
+        return commands.get(chosen.command, _play)(chosen)
     except RevisitError as error:
         print(f"revisit-play: {error}", file=sys.stderr)
         return 1
@@ -51,6 +52,14 @@ def _sample(chosen: argparse.Namespace) -> int:
     print(f"{count} photographs and truth.csv in {chosen.folder}; now: "
           f"revisit-play images {chosen.folder} --truth {chosen.folder / 'truth.csv'} --report report.html")
     return 0
+
+
+def _locate(chosen: argparse.Namespace) -> int:
+    _need_pixels()
+    check_common(chosen)
+    from .pixels.locate.command import locate
+
+    return locate(chosen)
 
 
 def _play(chosen: argparse.Namespace) -> int:
