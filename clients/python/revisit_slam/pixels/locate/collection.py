@@ -70,7 +70,8 @@ def _shot(frame: Frame, floors: Floors | None) -> Shot:
     session = session_name(frame.video, 1)
     if floors is None:
         return Shot(frame, VIDEO_PREFIX + session, session, is_judged=False)
-    return Shot(frame, FLOOR_PREFIX + re.sub(r"[^A-Za-z0-9._:-]", "_", floors.of(frame).floor)[:MAX_NAME], session, is_judged=True)
+    floor = re.sub(r"[^A-Za-z0-9._:-]", "_", floors.of(frame).floor)[:MAX_NAME]
+    return Shot(frame, FLOOR_PREFIX + floor, session, is_judged=True)
 
 
 def _check_maps(collection: Collection) -> None:

@@ -13,9 +13,10 @@ from ...client import Client
 from ...errors import RevisitError
 from ...server import Server
 from ..training import train_vocabulary
+from ..vocabulary import Vocabulary
 from .asking import Asked, Asking
 from .bodies import Bodies
-from .collection import Collection, open_collection
+from .collection import Collection, Shot, open_collection
 from .gallery import send_gallery
 from .gradients import Binariser
 from .ordinary import Figures, Ordinary
@@ -44,10 +45,14 @@ def locate(chosen: argparse.Namespace) -> int:
         queries = _look(chosen, "photographs that ask", collection.queries)
         asking = Asking(client, bodies, collection.gallery, protocols)
         asked = asking.ask_all(queries, chosen.threads, _progress("asked", len(queries)))
-    ordinary = Ordinary(gallery, train_vocabulary([sight.tracking.descriptors for sight in gallery])) if chosen.orb else None
-    others = ordinary.figures(queries, chosen.threads, _progress("compared by ORB", len(queries))) if ordinary else []
+    others = _ordinary(chosen, gallery, queries) if chosen.orb and collection.is_judged else []
     print(_printed(chosen, collection, asked, others))
     return 0
+
+
+def _ordinary(chosen: argparse.Namespace, gallery: list[Sight], queries: list[Sight]) -> Figures:
+    vocabulary = train_vocabulary([sight.tracking.descriptors for sight in gallery])
+    return Ordinary(gallery, vocabulary).figures(queries, chosen.threads, _progress("compared by ORB", len(queries)))
 
 
 def _printed(chosen: argparse.Namespace, collection: Collection, asked: list[Asked], others: Figures) -> str:
@@ -63,7 +68,7 @@ def _printed(chosen: argparse.Namespace, collection: Collection, asked: list[Ask
     return msgspec.json.encode({"protocols": figures}).decode()
 
 
-def _look(chosen: argparse.Namespace, what: str, shots: list) -> list[Sight]:
+def _look(chosen: argparse.Namespace, what: str, shots: list[Shot]) -> list[Sight]:
     return list(
         look(
             shots,
@@ -76,7 +81,7 @@ def _look(chosen: argparse.Namespace, what: str, shots: list) -> list[Sight]:
     )
 
 
-def _vocabulary(gallery: list[Sight]):  # type: ignore[no-untyped-def]
+def _vocabulary(gallery: list[Sight]) -> Vocabulary:
     documents = [sight.words.descriptors for sight in gallery]
     if not any(len(one) for one in documents):
         raise RevisitError(f"--gallery: no features in its {len(documents)} photographs: they are blank")

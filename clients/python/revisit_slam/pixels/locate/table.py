@@ -32,10 +32,11 @@ def score_table(scores: dict[str, Score], others: list[tuple[str, str, float]]) 
         )
         for name, score in scores.items()
     ]
-    rows += [(name, protocol, str(scores[protocol].queries), "", "", f"{100 * top1:.1f} %") for name, protocol, top1 in others]
+    for name, protocol, top1 in others:
+        rows.append((name, protocol, str(scores[protocol].queries), "", "", f"{100 * top1:.1f} %"))
     lines = columns(HEAD, rows)
     lines += [f"  {name}: {PROTOCOLS[name]}" for name in scores]
-    lines.append("as the authors of ie-tower-visual-place-recognition print them, over all their 25 labels (not the same photographs):")
+    lines.append("as the authors of ie-tower-visual-place-recognition print them, over their 25 labels (not the same photographs):")
     printed = [
         (
             name,
