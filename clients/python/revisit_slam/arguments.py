@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -66,6 +67,7 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     for name, what in (("image", "pictures"), ("camera-info", "the camera"), ("odometry", "odometry")):
         bag.add_argument(f"--{name}-topic", metavar="TOPIC", help=f"the topic of {what} [the only one]")
+    _add_locate(commands)
     _add_plan(commands)
     sample = commands.add_parser("sample", help="draw a small building to try it on", description="Draw a small building "
         "with corridors that repeat, plates and exit signs: photographs, and truth.csv.")  # fmt: skip
@@ -87,20 +89,47 @@ def _add_plan(commands: Any) -> None:
     add("--class", dest="sign_class", metavar="CLASS", default="door_number", help="class of the signs, as detections name it [door_number]")
 
 
+def _add_locate(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    locate = commands.add_parser(
+        "locate", parents=[_focal()], help="ask on which floor photographs were taken",
+        description="Store photographs as a map for each floor, and ask where others were taken, from pixels alone: against "
+        "the whole gallery (A), without the photographs of the same video within 2 s (B), and without that video (C). A video "
+        "is the file's name before its number; its photographs are a second apart. One folder may be given twice: the column "
+        "`split` of --truth (gallery or query) parts it. Without --truth each video is a map, and only the answers are printed.",
+    )  # fmt: skip
+    add = locate.add_argument
+    add("--gallery", type=Path, metavar="FOLDER", required=True, help="photographs whose floor is known")
+    add("--queries", type=Path, metavar="FOLDER", required=True, help="photographs that ask")
+    add("--truth", type=Path, metavar="CSV", help="columns frame and floor, and split where both folders are one")
+    add("--json", action="store_true", help="print the figures as one JSON object, no table")
+    add("--orb", action="store_true", help="also count how far ordinary ORB comes on the same photographs")
+    add("--no-signs", action="store_true", help="read no signs: faster, and nothing but features counts")
+    _add_server(add)
+    _add_reading(add)
+
+
+def _add_server(add: Callable[..., Any]) -> None:
+    add("--server", metavar="URL", help="post to this server")
+    add("--key", metavar="SECRET", default=os.environ.get("REVISIT_KEY"), help="API key of the server [$REVISIT_KEY]")
+
+
+def _add_reading(add: Callable[..., Any]) -> None:
+    add("--cache", type=Path, metavar="DIR", help="keep what the reader read, for the next run")
+    add("--threads", type=int, metavar="N", default=os.cpu_count() or 1, help="photographs read at once [all cores]")
+
+
 def _common() -> argparse.ArgumentParser:
     common = argparse.ArgumentParser(add_help=False)
     add = common.add_argument
     add("--every-frame", action="store_true", help="take every photograph, also those that overlap the last one")
-    add("--server", metavar="URL", help="post to this server")
-    add("--key", metavar="SECRET", default=os.environ.get("REVISIT_KEY"), help="API key of the server [$REVISIT_KEY]")
+    _add_server(add)
     add("--map", metavar="ID", default="photographs", help="the map's id [photographs]")
     add("-o", "--output", type=Path, metavar="FILE", help="also write a recording (.ndjson or .ndjson.zst)")
     add("--no-query", action="store_true", help="with -o: write the recording only, no server")
     add("--truth", type=Path, metavar="CSV", help="columns frame and floor: count right and wrong loops")
     add("--json", action="store_true", help="print the figures as one JSON object, no table")
     add("--report", type=Path, metavar="FILE", help="write a page with the pictures of each loop (.html)")
-    add("--cache", type=Path, metavar="DIR", help="keep what the reader read, for the next run")
-    add("--threads", type=int, metavar="N", default=os.cpu_count() or 1, help="photographs read at once [all cores]")
+    _add_reading(add)
     add("--features", action="store_true", help="also send features, for the server's geometry")
     add("--names", action="store_true", help="trust names with a number (Gate 7) as well; they often hang in several places")
     add("--no-crops", action="store_true", help="do not send the pictures of the signs")
@@ -134,16 +163,21 @@ def _every() -> argparse.ArgumentParser:
     return _option("--every-s", type=float, metavar="S", default=EVERY_S, help=told)
 
 
-def check(chosen: argparse.Namespace) -> None:
-    """Refuse what cannot be meant, before anything is done."""
-    if not ID.fullmatch(chosen.map):
-        raise RevisitError(f"--map {chosen.map}: 1 to 128 letters, digits, dots, underscores, colons or hyphens")
+def check_common(chosen: argparse.Namespace) -> None:
+    """Refuse values that no command can mean."""
     if chosen.threads < 1:
         raise RevisitError(f"--threads {chosen.threads}: at least 1")
     for name in ("focal_px", "letter_height_m", "metres_per_unit"):
         value = getattr(chosen, name, None)
         if value is not None and not 0 < value < 1e6:
             raise RevisitError(f"--{name.replace('_', '-')} {value}: a positive number")
+
+
+def check(chosen: argparse.Namespace) -> None:
+    """Refuse what cannot be meant, before anything is done."""
+    check_common(chosen)
+    if not ID.fullmatch(chosen.map):
+        raise RevisitError(f"--map {chosen.map}: 1 to 128 letters, digits, dots, underscores, colons or hyphens")
     if not 0 <= getattr(chosen, "every_s", 0.0) < 1e6:
         raise RevisitError(f"--every-s {chosen.every_s}: seconds, not below 0")
     if getattr(chosen, "focal_px", None) and chosen.calibration:

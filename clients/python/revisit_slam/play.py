@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from .arguments import ID, check, parser
+from .arguments import ID, check, check_common, parser
 from .client import Client
 from .errors import RevisitError
 from .retries import Retries
@@ -28,7 +28,8 @@ def main(arguments: list[str] | None = None) -> int:
     # A stop from outside must stop the server of the run as well.
     signal.signal(signal.SIGTERM, _stop)
     try:
-        return {"sample": _sample, "plan": _plan}.get(chosen.command, _play)(chosen)
+        commands = {"sample": _sample, "locate": _locate, "plan": _plan}
+        return commands.get(chosen.command, _play)(chosen)
     except RevisitError as error:
         print(f"revisit-play: {error}", file=sys.stderr)
         return 1
@@ -59,6 +60,14 @@ def _plan(chosen: argparse.Namespace) -> int:
     if not ID.fullmatch(chosen.map):
         raise RevisitError(f"--map {chosen.map}: 1 to 128 letters, digits, dots, underscores, colons or hyphens")
     return play_plans(chosen)
+
+
+def _locate(chosen: argparse.Namespace) -> int:
+    _need_pixels()
+    check_common(chosen)
+    from .pixels.locate.command import locate
+
+    return locate(chosen)
 
 
 def _play(chosen: argparse.Namespace) -> int:

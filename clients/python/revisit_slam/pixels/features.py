@@ -23,14 +23,14 @@ class Features:
         return len(self.keypoints)
 
 
-def features_of(image: np.ndarray) -> Features:
+def features_of(image: np.ndarray, max_features: int = MAX_FEATURES, working_side_px: int = WORKING_SIDE_PX) -> Features:
     """Return the ORB features of a photograph (BGR), strongest first."""
     height, width = image.shape[:2]
-    scale = min(1.0, WORKING_SIDE_PX / max(width, height))
+    scale = min(1.0, working_side_px / max(width, height))
     grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
     if scale < 1.0:
         grey = cv2.resize(grey, (round(width * scale), round(height * scale)), interpolation=cv2.INTER_AREA)
-    found, descriptors = cv2.ORB_create(nfeatures=MAX_FEATURES, fastThreshold=12).detectAndCompute(grey, None)
+    found, descriptors = cv2.ORB_create(nfeatures=max_features, fastThreshold=12).detectAndCompute(grey, None)
     if descriptors is None:
         return Features(np.zeros((0, 4)), np.zeros((0, 32), np.uint8))
     rows = np.array([(p.pt[0] / scale, p.pt[1] / scale, p.octave, p.angle, p.response) for p in found])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..models import Candidate
+from .columns import columns
 from .player import Run, Seen
 from .truth import Truth
 
@@ -30,7 +31,7 @@ def table(run: Run, truth: Truth | None) -> str:
     if loops:
         lines.append("loops:")
         rows = [(seen.frame.id, best.keyframe, mark(truth, seen, best), evidence(run, best)) for seen, best in loops]
-        lines += _columns(("photograph", "same place as", "truth" if truth else "", "because"), rows[:MAX_LOOPS])
+        lines += columns(("photograph", "same place as", "truth" if truth else "", "because"), rows[:MAX_LOOPS])
         if len(rows) > MAX_LOOPS:
             lines.append(f"  ... and {len(rows) - MAX_LOOPS} more")
     rejected = run.rejected()[:MAX_REJECTED]
@@ -40,7 +41,7 @@ def table(run: Run, truth: Truth | None) -> str:
             (seen.frame.id, candidate.keyframe, str(candidate.verdict), candidate.reason.detail if candidate.reason else "")
             for seen, candidate in rejected
         ]
-        lines += _columns(("photograph", "looks like", "", "why not"), rows)
+        lines += columns(("photograph", "looks like", "", "why not"), rows)
     reasons = run.reasons()
     if reasons:
         lines.append("why the others are no loop: " + ", ".join(f"{code} {count}" for code, count in reasons.items()))
@@ -58,10 +59,3 @@ def mark(truth: Truth | None, seen: Seen, best: Candidate) -> str:
     if truth.right(seen.frame.id, best.keyframe):
         return "right"
     return "near" if truth.same_floor(seen.frame.id, best.keyframe) else "WRONG"
-
-
-def _columns(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
-    widths = [max(len(row[column]) for row in [head, *rows]) for column in range(len(head))]
-    return [
-        "  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths) if width).rstrip() for row in [head, *rows]
-    ]

@@ -1,0 +1,1 @@
+"""The question "which floor is this photograph?", asked from pixels alone."""

@@ -1,0 +1,82 @@
+"""Asking: the questions of each photograph under each protocol, and the answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any
+
+import msgspec
+
+from ...call import Call, UnexpectedAnswer
+from ...client import Client
+from ..signs import judge
+from .bodies import Bodies
+from .collection import Shot
+from .protocols import Excluded, excluded
+from .sights import Sight
+
+LOCATED = "located"
+
+
+class Place(msgspec.Struct, frozen=True):
+    """A place of an answer."""
+
+    map: str
+    confidence: float
+    keyframe: str | None = None
+
+
+class Answer(msgspec.Struct, frozen=True):
+    """An answer: the verdict, and the places, best first."""
+
+    verdict: str
+    confidence: float
+    places: list[Place]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A photograph, and the answer to each protocol's question."""
+
+    shot: Shot
+    answers: dict[str, Answer]
+
+
+class Asking:
+    """Asks one server about photographs."""
+
+    def __init__(self, client: Client, bodies: Bodies, gallery: list[Shot], protocols: list[str]) -> None:
+        self._client, self._bodies, self._gallery, self._protocols = client, bodies, gallery, protocols
+        self._maps = sorted({shot.map for shot in gallery})
+
+    def ask_all(self, sights: list[Sight], threads: int, progress: Callable[[], None] = lambda: None) -> list[Asked]:
+        """Return the answers in the order of the photographs."""
+
+        def one(sight: Sight) -> Asked:
+            asked = self.ask(sight)
+            progress()
+            return asked
+
+        with ThreadPoolExecutor(threads) as pool:
+            return list(pool.map(one, sights))
+
+    def ask(self, sight: Sight) -> Asked:
+        """Ask about one photograph. Protocols that leave out the same are one question."""
+        signs = judge(sight.lines, sight.camera, ())
+        known: dict[Excluded, Answer] = {}
+        answers = {}
+        for protocol in self._protocols:
+            left_out = excluded(protocol, sight.shot, self._gallery)
+            if left_out not in known:
+                known[left_out] = self._send(self._bodies.question(sight, signs, self._maps, left_out))
+            answers[protocol] = known[left_out]
+        return Asked(sight.shot, answers)
+
+    def _send(self, question: dict[str, Any]) -> Answer:
+        answer = self._client.once(Call("POST", "/v1/locate", body=question, answer=dict))
+        try:
+            return msgspec.convert(answer, Answer)
+        except msgspec.ValidationError as error:
+            raise UnexpectedAnswer(f"POST /v1/locate was not answered as the API document says: {error}") from error

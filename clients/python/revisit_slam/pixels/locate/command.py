@@ -1,0 +1,116 @@
+"""The command `revisit-play locate`: from folders of photographs to the table."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import sys
+from collections.abc import Callable
+
+import msgspec
+
+from ...client import Client
+from ...errors import RevisitError
+from ...server import Server
+from ..training import train_vocabulary
+from ..vocabulary import Vocabulary
+from .asking import Asked, Asking
+from .bodies import Bodies
+from .collection import Collection, Shot, open_collection
+from .gallery import send_gallery
+from .gradients import Binariser
+from .ordinary import Figures, Ordinary
+from .protocols import PROTOCOLS
+from .score import Score
+from .sights import Sight, look
+from .table import answer_table, score_table
+
+# Where no floor is known there is no split either, and the gallery has nothing to leave out.
+UNJUDGED = ["A"]
+
+
+def locate(chosen: argparse.Namespace) -> int:
+    """Run the command."""
+    collection = open_collection(chosen.gallery, chosen.queries, chosen.truth)
+    protocols = list(PROTOCOLS) if collection.is_judged else UNJUDGED
+    gallery = _look(chosen, "gallery", collection.gallery)
+    vocabulary = _vocabulary(gallery)
+    bodies = Bodies(vocabulary, Binariser(sight.gradients for sight in gallery))
+    with contextlib.ExitStack() as stack:
+        url = chosen.server or stack.enter_context(Server()).url
+        client = stack.enter_context(Client(url, key=chosen.key))
+        if chosen.server:
+            _refuse_used_maps(client, collection)
+        send_gallery(client, gallery, bodies)
+        queries = _look(chosen, "photographs that ask", collection.queries)
+        asking = Asking(client, bodies, collection.gallery, protocols)
+        asked = asking.ask_all(queries, chosen.threads, _progress("asked", len(queries)))
+    others = _ordinary(chosen, gallery, queries) if chosen.orb and collection.is_judged else []
+    print(_printed(chosen, collection, asked, others))
+    return 0
+
+
+def _ordinary(chosen: argparse.Namespace, gallery: list[Sight], queries: list[Sight]) -> Figures:
+    vocabulary = train_vocabulary([sight.tracking.descriptors for sight in gallery])
+    return Ordinary(gallery, vocabulary).figures(queries, chosen.threads, _progress("compared by ORB", len(queries)))
+
+
+def _printed(chosen: argparse.Namespace, collection: Collection, asked: list[Asked], others: Figures) -> str:
+    if not collection.is_judged:
+        if not chosen.json:
+            return answer_table(asked, UNJUDGED[0])
+        answers = [{"photograph": one.shot.name, **msgspec.to_builtins(one.answers[UNJUDGED[0]])} for one in asked]
+        return msgspec.json.encode({"answers": answers}).decode()
+    scores = {protocol: Score.of(protocol, asked) for protocol in PROTOCOLS}
+    if not chosen.json:
+        return score_table(scores, others)
+    figures = {protocol: score.figures() for protocol, score in scores.items()}
+    return msgspec.json.encode({"protocols": figures}).decode()
+
+
+def _look(chosen: argparse.Namespace, what: str, shots: list[Shot]) -> list[Sight]:
+    return list(
+        look(
+            shots,
+            threads=chosen.threads,
+            cache=chosen.cache,
+            focal_px=chosen.focal_px,
+            signs=not chosen.no_signs,
+            progress=_progress(what, len(shots)),
+        )
+    )
+
+
+def _vocabulary(gallery: list[Sight]) -> Vocabulary:
+    documents = [sight.words.descriptors for sight in gallery]
+    if not any(len(one) for one in documents):
+        raise RevisitError(f"--gallery: no features in its {len(documents)} photographs: they are blank")
+    return train_vocabulary(documents)
+
+
+def _refuse_used_maps(client: Client, collection: Collection) -> None:
+    """Keep the gallery apart from maps that others made."""
+    from ...problems import ProblemError
+
+    for map in collection.maps:
+        try:
+            count = client.get_map(map).keyframes
+        except ProblemError as problem:
+            if problem.status != 404:
+                raise
+            continue
+        if count:
+            raise RevisitError(f"map {map} has {count} keyframes already: delete it, or name another --server")
+
+
+def _progress(what: str, total: int) -> Callable[[], None]:
+    if not sys.stderr.isatty():
+        return lambda: None
+    done = 0
+
+    def show() -> None:
+        nonlocal done
+        done += 1
+        print(f"\r{what}: {done} of {total} ", end="\n" if done == total else "", file=sys.stderr, flush=True)
+
+    return show

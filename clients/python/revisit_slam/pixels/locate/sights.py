@@ -1,0 +1,77 @@
+"""Sights: what is taken from each photograph, in threads, before anything is sent."""
+
+from __future__ import annotations
+
+import itertools
+import queue
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..camera import Camera
+from ..features import Features, features_of
+from ..reader import Line, Reader
+from .collection import Shot
+from .gradients import Gradients, gradients_of
+
+# More and finer features than tracking needs: words must tell apart floors that look alike.
+MAX_WORD_FEATURES = 2000
+WORD_SIDE_PX = 960
+
+
+@dataclass(frozen=True)
+class Sight:
+    """A photograph's camera, features and lines of text."""
+
+    shot: Shot
+    camera: Camera
+    tracking: Features
+    words: Features
+    gradients: Gradients
+    lines: list[Line]
+
+
+def look(
+    shots: list[Shot],
+    *,
+    threads: int,
+    cache: Path | None = None,
+    focal_px: float | None = None,
+    signs: bool = True,
+    progress: Callable[[], None] = lambda: None,
+) -> Iterator[Sight]:
+    """Yield what is in each photograph, in order. Each reading engine serves one thread at a time."""
+    readers: queue.SimpleQueue[Reader | None] = queue.SimpleQueue()
+    for _ in range(threads):
+        readers.put(Reader(cache) if signs else None)
+
+    def sight(shot: Shot) -> Sight:
+        reader = readers.get()
+        try:
+            data, image = shot.frame.picture()
+            lines = reader.read(data, image) if reader is not None else []
+        finally:
+            readers.put(reader)
+        return Sight(
+            shot,
+            Camera.of(image, focal_px),
+            features_of(image),
+            features_of(image, MAX_WORD_FEATURES, WORD_SIDE_PX),
+            gradients_of(image),
+            lines,
+        )
+
+    with ThreadPoolExecutor(threads) as pool:
+        ahead: deque[Future[Sight]] = deque()
+        try:
+            for shot in itertools.chain(shots, [None]):
+                if shot is not None:
+                    ahead.append(pool.submit(sight, shot))
+                while ahead and (shot is None or len(ahead) > 2 * threads):
+                    yield ahead.popleft().result()
+                    progress()
+        finally:
+            for future in ahead:
+                future.cancel()
