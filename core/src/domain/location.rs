@@ -104,6 +104,15 @@ pub struct LocatedPose {
     pub assumed: Vec<Assumption>,
 }
 
+/// A camera's pose in a plan's frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlanPose {
+    /// The plan's frame.
+    pub frame: SessionId,
+    /// The camera's pose in it, in metres.
+    pub plan_from_camera: Pose,
+}
+
 /// The signs that speak for a place and against it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SignEvidence {
@@ -128,6 +137,8 @@ pub struct Place {
     pub confidence: f64,
     /// The camera's pose in the session's frame, where the evidence gives one.
     pub pose: Option<LocatedPose>,
+    /// The same in the frame of the plan to which the session is aligned.
+    pub in_plan: Option<PlanPose>,
     /// The signs that agree and contradict.
     pub signs: SignEvidence,
     /// The number of keyframes of this place, this one included, that geometry verified.

@@ -53,6 +53,12 @@ pub struct PlaceView {
     /// The camera's pose in the session's frame, in metres; left out where the evidence gives none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_from_camera: Option<Transform>,
+    /// The same in the frame of the plan to which the session is aligned.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plan_from_camera: Option<Transform>,
+    /// The plan's frame.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plan: Option<String>,
     /// The standard deviation of that pose.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<UncertaintyView>,
@@ -178,6 +184,8 @@ impl PlaceView {
             verdict: place.verdict.into(),
             confidence: rounded(place.confidence),
             map_from_camera: place.pose.as_ref().map(|pose| Transform::from(pose.map_from_camera)),
+            plan_from_camera: place.in_plan.as_ref().map(|plan| Transform::from(plan.plan_from_camera)),
+            plan: place.in_plan.as_ref().map(|plan| plan.frame.to_string()),
             uncertainty: place.pose.as_ref().map(|pose| UncertaintyView::from(pose.uncertainty)),
             pose_source: place.pose.as_ref().map(|pose| pose.source.into()),
             assumed: place.pose.iter().flat_map(|pose| &pose.assumed).map(|one| (*one).into()).collect(),

@@ -74,6 +74,12 @@ pub(super) const LOCATE: &[Constant] = &[
         "ours: poses of one session so near to each other are one place",
     ),
     constant(
+        "locate.same_spot_in_plan_m",
+        places::SAME_SPOT_IN_PLAN_M,
+        "m",
+        "ours: a pose in a plan's frame and one in an aligned session's so near to each other are one place",
+    ),
+    constant(
         "locate.pairs_per_session",
         sighted_anchor::PAIRS_PER_SESSION_MAX as f64,
         "1",

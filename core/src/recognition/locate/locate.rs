@@ -7,7 +7,7 @@ use super::places::{PlaceEvidence, evidence, evidence_alone, join};
 use super::views::View;
 use crate::domain::counted::counted;
 use crate::domain::ids::KeyframeId;
-use crate::domain::location::{Location, LocationVerdict, Place};
+use crate::domain::location::{Location, LocationVerdict, Place, PlanPose};
 use crate::domain::verdict::{Candidate, Reason, ReasonCode};
 use crate::recognition::loops::evidence::{geometry_skipped, no_candidates};
 
@@ -77,6 +77,11 @@ fn place(
             candidate
         })
     };
+    let in_plan = found.pose.as_ref().and_then(|(session, pose)| {
+        let plan = search.plans.get(session)?;
+        let plan_from_camera = plan.plan_from_session.after(&pose.map_from_camera);
+        Some(PlanPose { frame: plan.frame_id.clone(), plan_from_camera })
+    });
     let candidate = found.view.map(|view| views[view].candidate.clone()).or_else(unlooked);
     Place {
         map: found.map,
@@ -84,7 +89,8 @@ fn place(
         session,
         verdict,
         confidence,
-        pose: found.pose.clone(),
+        pose: found.pose.as_ref().map(|(_, pose)| pose.clone()),
+        in_plan,
         signs: found.signs.clone(),
         verified_views: found.verified_views,
         candidate,

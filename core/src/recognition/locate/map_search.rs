@@ -22,6 +22,7 @@ use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
 use crate::recognition::loops::query::Query;
 use crate::recognition::loops::screening::{CandidateStage, PreVerified, Screening};
 use crate::recognition::map::index::MapIndex;
+use crate::recognition::plans::alignments::Alignments;
 
 /// Candidates of one keyframe in one map that are looked at; those that score best, and those that anchors propose.
 pub(in crate::recognition) const CANDIDATES_PER_MAP_MAX: usize = 20;
@@ -108,8 +109,23 @@ pub struct MapSearch {
     pub beside: BTreeSet<(usize, usize)>,
     /// Poses from anchors, each with its site.
     pub poses: Vec<(AnchorPose, Option<usize>)>,
-    /// The names of the sessions of those poses.
+    /// The names of the sessions of those poses; a plan's frame is one.
     pub pose_sessions: Vec<SessionId>,
+    /// The plans to which the sessions of sites and poses are aligned. A plan's own frame is aligned to itself.
+    pub plans: BTreeMap<SessionSeq, InPlan>,
+    /// The plans' frames among those of the poses.
+    pub plan_frames: BTreeSet<SessionSeq>,
+}
+
+/// The plan to which a session is aligned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InPlan {
+    /// The plan's frame.
+    pub frame: SessionSeq,
+    /// Its name.
+    pub frame_id: SessionId,
+    /// Maps points of the session's frame into the plan's frame.
+    pub plan_from_session: Pose,
 }
 
 impl MapSearch {
@@ -136,11 +152,26 @@ pub fn search_map(index: &MapIndex, version: u64, question: &LocateQuestion) -> 
         screenings.push(screening);
         proposed.push(of_query);
     }
-    let poses = poses(index, question, &queries, &mut sites);
-    let pose_sessions =
-        poses.iter().map(|(pose, _)| index.sessions()[pose.session.index()].clone()).collect();
+    let mut alignments = Alignments::of(index);
+    let poses = poses(index, question, &queries, &mut sites, &mut alignments);
+    let name = |session: SessionSeq| index.sessions()[session.index()].clone();
+    let pose_sessions = poses.iter().map(|(pose, _)| name(pose.session)).collect();
     let beside = sites.beside();
-    MapSearch { version, screenings, proposed, sites: sites.sites, beside, poses, pose_sessions }
+    let sites = sites.sites;
+    let sessions: BTreeSet<SessionSeq> =
+        sites.iter().map(|site| site.session).chain(poses.iter().map(|(pose, _)| pose.session)).collect();
+    let plan_frames = sessions.iter().copied().filter(|session| index.priors().is_frame(*session)).collect();
+    let in_plan = |session: SessionSeq| {
+        let (frame, plan_from_session) = if index.priors().is_frame(session) {
+            (session, Pose::identity())
+        } else {
+            let alignment = alignments.session(session)?;
+            (alignment.frame, alignment.plan_from_session)
+        };
+        Some((session, InPlan { frame, frame_id: name(frame), plan_from_session }))
+    };
+    let plans = sessions.into_iter().filter_map(in_plan).collect();
+    MapSearch { version, screenings, proposed, sites, beside, poses, pose_sessions, plans, plan_frames }
 }
 
 fn left_out(index: &MapIndex, question: &LocateQuestion) -> BTreeSet<KeyframeSeq> {
@@ -260,6 +291,7 @@ fn poses(
     question: &LocateQuestion,
     queries: &[Query<'_>],
     sites: &mut Sites<'_>,
+    alignments: &mut Alignments<'_>,
 ) -> Vec<(AnchorPose, Option<usize>)> {
     let mut sighted: Vec<SightedAnchor> = Vec::new();
     for (number, query) in queries.iter().enumerate() {
@@ -271,7 +303,7 @@ fn poses(
     let mut counts = PlaceCounts::around(index, &first.centre);
     let apart_m = index.properties().settings.distinctive_place_radius_m;
     let mut found = Vec::new();
-    for (session, pairs) in pairs_by_session(index, &sighted, &mut counts) {
+    for (session, pairs) in pairs_by_session(index, &sighted, &mut counts, alignments) {
         let objects: BTreeSet<AnchorSeq> = pairs.iter().map(|pair| pair.object).collect();
         let seeing = keyframes_seeing(index, session, &objects, first);
         let verticals = verticals(index, &question.keyframes[0].keyframe, &seeing);

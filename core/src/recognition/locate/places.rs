@@ -14,6 +14,8 @@ use crate::geometry::Point3;
 
 /// Places that are told apart; those of which less is known are left out.
 const PLACES_MAX: usize = 40;
+/// The same for a pose in a plan's frame and one in a session's: an alignment has an error of its own, in metres.
+pub(in crate::recognition) const SAME_SPOT_IN_PLAN_M: f64 = 3.0;
 /// Poses of one session that are this near to each other are one place, in metres.
 pub(in crate::recognition) const SAME_SPOT_M: f64 = 1.0;
 
@@ -48,8 +50,8 @@ pub struct PlaceEvidence {
     pub best: Option<Chosen>,
     /// The number of the view of its best candidate, where geometry looked at it.
     pub view: Option<usize>,
-    /// The pose of the first keyframe, by anchors or views.
-    pub pose: Option<LocatedPose>,
+    /// The pose of the first keyframe, by anchors or views, and the session in whose frame it is.
+    pub pose: Option<(SessionSeq, LocatedPose)>,
     /// The anchor pose that it rests on, by its number in its map's search.
     pub anchor_pose: Option<usize>,
     /// The signs.
@@ -87,9 +89,12 @@ pub fn join(searches: &[MapSearch], views: &[View]) -> Vec<PlaceEvidence> {
     for clue in clues {
         let is_beside = |group: &Vec<Clue>| {
             let head = &group[0];
-            let are_beside = |(a, b): (usize, usize)| searches[clue.map].are_beside(a, b);
+            let search = &searches[clue.map];
+            let are_beside = |(a, b): (usize, usize)| search.are_beside(a, b);
             head.map == clue.map
-                && (head.site.zip(clue.site).is_some_and(are_beside) || head.stands_with(&clue))
+                && (head.site.zip(clue.site).is_some_and(are_beside)
+                    || head.stands_with(&clue)
+                    || may_be_one_in_plan(search, head, &clue))
         };
         match groups.iter().position(is_beside) {
             Some(group) => groups[group].push(clue),
@@ -100,6 +105,28 @@ pub fn join(searches: &[MapSearch], views: &[View]) -> Vec<PlaceEvidence> {
     let mut places: Vec<PlaceEvidence> = groups.iter().map(|group| place(searches, views, group)).collect();
     places.sort_by(|a, b| more_promising(figures_of_place(a), figures_of_place(b)));
     places
+}
+
+/// Whether a clue of a plan's frame and one of a session may be of one place: the plan draws what the robots saw. They are, if
+/// the session's alignment has them at one spot; and where it is not aligned, nothing tells them apart.
+fn may_be_one_in_plan(search: &MapSearch, a: &Clue, b: &Clue) -> bool {
+    let session = |clue: &Clue| match (clue.stands_at, clue.site) {
+        (Some((session, _)), _) => Some(session),
+        (None, site) => site.map(|site| search.sites[site].session),
+    };
+    let Some((of_a, of_b)) = session(a).zip(session(b)) else { return false };
+    if search.plan_frames.contains(&of_a) == search.plan_frames.contains(&of_b) {
+        return false;
+    }
+    let in_plan = |clue: &Clue, session: SessionSeq| {
+        let plan = search.plans.get(&session)?;
+        let (_, centre) = clue.stands_at?;
+        Some((plan.frame, plan.plan_from_session.transform(&centre)))
+    };
+    match (in_plan(a, of_a), in_plan(b, of_b)) {
+        (Some((frame, a)), Some((of_other, b))) => frame == of_other && (a - b).norm() <= SAME_SPOT_IN_PLAN_M,
+        _ => true,
+    }
 }
 
 /// Returns the evidence for one place against its strongest rival. Every other place is a rival.
@@ -213,18 +240,27 @@ fn place(searches: &[MapSearch], views: &[View], group: &[Clue]) -> PlaceEvidenc
     }
     let anchor_pose = group.iter().find_map(|clue| clue.anchor_pose);
     let best = group.iter().find(|clue| clue.chosen.is_some());
-    let of_views = looked_at().filter_map(|(_, view)| view.pose.clone());
-    let of_anchors = anchor_pose.map(|number| search.poses[number].0.pose.clone());
-    let by_uncertainty = |a: &LocatedPose, b: &LocatedPose| {
-        a.uncertainty.translation_m.total_cmp(&b.uncertainty.translation_m)
+    let of_views =
+        looked_at().filter_map(|(clue, view)| Some((search.sites[clue.site?].session, view.pose.clone()?)));
+    let of_anchors = group.iter().filter_map(|clue| {
+        let pose = &search.poses[clue.anchor_pose?].0;
+        Some((pose.session, pose.pose.clone()))
+    });
+    // A session's frame before a plan's, for the keyframe that stands for the place is in it.
+    let figures = |(session, pose): &(SessionSeq, LocatedPose)| {
+        (search.plan_frames.contains(session), pose.uncertainty.translation_m)
+    };
+    let surest_first = |a: &(SessionSeq, LocatedPose), b: &(SessionSeq, LocatedPose)| {
+        let (a, b) = (figures(a), figures(b));
+        a.0.cmp(&b.0).then_with(|| a.1.total_cmp(&b.1))
     };
     let agreeing: BTreeSet<&String> = group.iter().flat_map(|clue| &clue.agreeing).collect();
     PlaceEvidence {
         map,
-        site: group[0].site.or(best.and_then(|clue| clue.site)),
+        site: group.iter().find_map(|clue| clue.site),
         best: best.and_then(|clue| clue.chosen),
         view: best.and_then(|clue| clue.view),
-        pose: of_views.chain(of_anchors).min_by(by_uncertainty),
+        pose: of_views.chain(of_anchors).min_by(surest_first),
         anchor_pose,
         signs: SignEvidence {
             agreeing: agreeing.into_iter().cloned().collect(),

@@ -9,6 +9,7 @@ use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::loops::candidates::MAX_REVISITS_PER_ANCHOR;
 use crate::recognition::loops::query::Query;
 use crate::recognition::map::index::MapIndex;
+use crate::recognition::plans::alignments::Alignments;
 use crate::semantics::Text;
 
 /// Pairs of a sighted anchor and an anchor of one session's frame that are looked at; those of the most distinctive texts
@@ -67,14 +68,27 @@ pub fn sighted_anchors(
         .collect()
 }
 
-/// Returns, for each session, the pairs of sighted anchors and anchors that stand in its frame.
+/// Returns, for each session and each plan, the pairs of sighted anchors and anchors that stand in its frame.
 pub fn pairs_by_session(
     index: &MapIndex,
     sighted: &[SightedAnchor],
     counts: &mut PlaceCounts,
+    alignments: &mut Alignments<'_>,
 ) -> BTreeMap<SessionSeq, Vec<AnchorPair>> {
     let mut pairs: BTreeMap<SessionSeq, Vec<AnchorPair>> = BTreeMap::new();
     for (number, anchor) in sighted.iter().enumerate() {
+        let drawn = alignments.priors_of(&anchor.class, &anchor.text);
+        for seq in &drawn {
+            let Some(prior) = index.anchor(*seq).and_then(|found| found.prior.as_ref()) else { continue };
+            let is_distinctive = drawn.len() == 1;
+            pairs.entry(prior.frame).or_default().push(AnchorPair {
+                sighted: number,
+                object: *seq,
+                centre_in_session: prior.position_in_frame,
+                places: drawn.len(),
+                identifier: is_distinctive.then(|| anchor.text.normalised().to_owned()),
+            });
+        }
         for text in index.texts().matching_text(&anchor.class, &anchor.text) {
             let places = counts.of_text(index, text);
             for root in index.texts().objects(text).take(MAX_REVISITS_PER_ANCHOR) {
