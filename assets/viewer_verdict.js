@@ -63,10 +63,11 @@ function card(candidate, open, context) {
 }
 
 /** What decided, in a few words and figures. */
-function brief({ reason, anchors: figures, geometry: { status, inliers }, bow }) {
+function brief({ reason, anchors: figures, geometry: { status, inliers }, bow, global }) {
   if (reason) return REASONS[reason.code]?.title ?? reason.code;
   if (status === "verified" && inliers) return `${number(inliers, 0)} inliers`;
-  return figures ? `S = ${number(figures.similarity)}` : `BoW ${number(bow.score, 3)}`;
+  if (figures) return `S = ${number(figures.similarity)}`;
+  return bow ? `BoW ${number(bow.score, 3)}` : `cosine ${number(global?.similarity ?? 0, 3)}`;
 }
 
 /** The reason for a person, with what was measured and asked. The server's own sentence follows where it adds to it. */
@@ -84,13 +85,19 @@ function check(state, title, figure, ...body) {
     el("div", {}, el("h4", {}, title, el("span", { class: "figure" }, figure)), body));
 }
 
-function appearance({ bow: { score, common_words: words, reference_score: reference }, reason }) {
+function appearance({ bow, global, reason }) {
+  const cosine = global && `The two images as a whole: cosine ${number(global.similarity, 3)}.`;
+  if (!bow) {
+    return check("pass", "Appearance (global descriptor)", number(global?.similarity ?? 0, 3),
+      el("p", {}, "The two images are alike as a whole; neither words nor an anchor seen before proposed this candidate."));
+  }
+  const { score, common_words: words, reference_score: reference } = bow;
   const state = REASONS[reason?.code]?.check === "words" ? "fail" : words === 0 ? "none" : "pass";
   const neighbours = reference > 0
     && ` This keyframe's own covisible neighbours score ${number(reference, 3)} or more.`;
   const text = words === 0
-    ? "The two share no word; an anchor seen before proposed this candidate."
-    : [`${count(words, "word")} in common.`, neighbours];
+    ? ["The two share no word; an anchor seen before proposed this candidate. ", cosine]
+    : [`${count(words, "word")} in common.`, neighbours, cosine && " ", cosine];
   return check(state, "Appearance (bag of words)", number(score, 3), el("p", {}, text));
 }
 

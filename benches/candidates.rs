@@ -70,7 +70,7 @@ fn measure(keyframes: u32) -> Report {
         let own_visit = map.visit_of(query);
         let scores = file.score_all(bow, &mut scratch);
         let excluded = |keyframe: u32| own_visit.contains(&(keyframe as usize));
-        best_places(&scores, LIMITS, excluded, |a, b| a.cmp(&b), covisible, &mut place_scratch)
+        best_places(|| scores.iter(), LIMITS, excluded, |a, b| a.cmp(&b), covisible, &mut place_scratch)
     };
     for (query, bow) in queries.iter().take(QUERIES / 10) {
         search(*query, bow);

@@ -38,6 +38,8 @@ pub const FOCAL_LENGTH_PX: RangeInclusive<f64> = 1e-3..=1e6;
 pub const IMAGE_SIDE_PX: RangeInclusive<i64> = 1..=1_000_000;
 /// One number of a quaternion.
 pub const QUATERNION: RangeInclusive<f64> = -1.01..=1.01;
+/// One number of a unit vector.
+pub const DIRECTION: RangeInclusive<f64> = -1.001..=1.001;
 /// A weight of a word, before it is normalised. 1e39 fits no f32, and neither does it fit here.
 pub const WEIGHT: RangeInclusive<f64> = 0.0..=1e30;
 /// A detector's confidence.
@@ -104,6 +106,10 @@ pub const CORRECTIONS: usize = 100_000;
 pub const MAX_WAIT_MS: RangeInclusive<i64> = 0..=60_000;
 /// The seed of a query; 63 bits, because JSON readers in Java and C++ have signed numbers.
 pub const SEED: RangeInclusive<i64> = 0..=i64::MAX;
+/// Places of an answer to "where am I?".
+pub const LOCATE_PLACES: RangeInclusive<i64> = 1..=20;
+/// Radius of a hint, in metres.
+pub const LOCATE_RADIUS_M: RangeInclusive<f64> = 0.0..=1e9;
 /// Characters of a key's name.
 pub const KEY_NAME_CHARS: usize = 128;
 /// Patterns of maps of one key.

@@ -6,12 +6,14 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::decoding::read::{self, Decode, Node};
+use super::keyframe::Direction;
 use super::limits;
 use super::settings::{ChosenSettings, MapSettings};
 use crate::domain::map::{MapProperties, NamedTwins};
 use crate::domain::report::MapReport;
 use crate::domain::request::MapPatch;
 use crate::domain::settings::Settings;
+use crate::geometry::Gravity;
 
 /// A map to be made.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -26,6 +28,11 @@ pub struct MapBody {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(default = true)]
     pub metric: Option<bool>,
+    /// The unit vector of gravity in the frame of each of its sessions, if they have it in common: `[0,1,0]` where a session's
+    /// frame is its first camera, held upright. Left out, it is not known; once given, it may be changed and not withdrawn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<Direction>, inline)]
+    pub gravity: Option<[f64; 3]>,
     /// The classes of which anchors are made; empty means every class.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 256, value_type = Option<Vec<ClassName>>, inline)]
@@ -46,6 +53,11 @@ pub struct MapPatchBody {
     /// Whether its lengths are metres.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub metric: Option<bool>,
+    /// The unit vector of gravity in the frame of each of its sessions, if they have it in common: `[0,1,0]` where a session's
+    /// frame is its first camera, held upright. Left out, it is not known; once given, it may be changed and not withdrawn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<Direction>, inline)]
+    pub gravity: Option<[f64; 3]>,
     /// The classes of which anchors are made from now on; empty means every class.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 256, value_type = Option<Vec<ClassName>>, inline)]
@@ -71,6 +83,10 @@ pub struct MapView {
     pub description: String,
     /// Whether its lengths are metres.
     pub metric: bool,
+    /// The unit vector of gravity in the frame of each of its sessions; left out while it is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<Direction>, inline)]
+    pub gravity: Option<[f64; 3]>,
     /// The classes of which anchors are made, sorted; empty means every class.
     pub anchor_classes: Vec<String>,
     /// Every setting in force.
@@ -120,7 +136,7 @@ pub struct MapVersion {
     pub map_version: u64,
 }
 
-const FIELDS: [&str; 4] = ["description", "metric", "anchor_classes", "settings"];
+const FIELDS: [&str; 5] = ["description", "metric", "gravity", "anchor_classes", "settings"];
 
 impl Decode for MapProperties {
     fn decode(node: &Node<'_>) -> Option<Self> {
@@ -132,6 +148,7 @@ impl Decode for MapProperties {
         Some(Self {
             description: patch.description.unwrap_or_default(),
             metric: patch.metric.unwrap_or(true),
+            gravity: patch.gravity,
             anchor_classes: patch.anchor_classes.unwrap_or_default(),
             settings,
         })
@@ -143,12 +160,14 @@ impl Decode for MapPatch {
         let map = node.object(&FIELDS)?;
         let description = map.optional("description", |node| node.text(limits::TEXT_CHARS));
         let metric = map.optional("metric", read::switch);
+        let gravity = map.optional("gravity", Gravity::decode);
         let anchor_classes = map.optional("anchor_classes", classes);
         let settings = map.optional("settings", ChosenSettings::decode);
         Some(Self {
             description: description?,
             anchor_classes: anchor_classes?,
             metric: metric?,
+            gravity: gravity?,
             settings: settings?.unwrap_or_default().0,
         })
     }
@@ -156,10 +175,11 @@ impl Decode for MapPatch {
 
 impl From<MapPatch> for MapPatchBody {
     fn from(patch: MapPatch) -> Self {
-        let MapPatch { description, anchor_classes, metric, settings } = patch;
+        let MapPatch { description, anchor_classes, metric, gravity, settings } = patch;
         Self {
             description,
             metric,
+            gravity: gravity.map(|gravity| gravity.as_given()),
             anchor_classes,
             settings: (!settings.is_empty()).then(|| MapSettings::from(settings)),
         }
@@ -183,6 +203,7 @@ impl From<MapReport> for MapView {
             settings: (&map.properties.settings).into(),
             description: map.properties.description,
             metric: map.properties.metric,
+            gravity: map.properties.gravity.map(|gravity| gravity.as_given()),
             anchor_classes: map.properties.anchor_classes,
             keyframes: map.keyframes,
             anchors: map.anchors,

@@ -13,6 +13,7 @@
 //! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`anchor`], [`prior`], [`session`], [`transcript`], [`loops`], [`event`] | resources |
 //! | [`names`], [`words`] | the model's named values, with their meanings; the same for the viewer |
 //! | [`loop_query`], [`verdict`], [`geometry`], [`difference`] | "is this keyframe a loop?" and its answer |
+//! | [`location`] | "where am I?" and its answer |
 //! | [`semantics`], [`usage`], [`service`], [`backup`] | the three functions of §IV-A.2; what models cost; how the server is; copies of it |
 //! | [`trajectory`], [`recording`] | poses as TUM, KITTI and g2o write them; a map as a recording |
 //! | [`judgement`], [`model_verdict`] | a changed model asked again; what a model said elsewhere |
@@ -33,6 +34,7 @@ pub mod key;
 pub mod keyframe;
 pub mod limits;
 pub mod list;
+pub mod location;
 pub mod loop_query;
 pub mod loops;
 pub mod map;

@@ -11,10 +11,13 @@ use utoipa::openapi::{RefOr, Schema};
 use utoipa::{PartialSchema, ToSchema};
 
 use crate::domain::anchor::{AnchorState, IgnoredReason};
+use crate::domain::channel::Channel;
 use crate::domain::difference::DifferenceReason;
 use crate::domain::event::EventKind;
+use crate::domain::global_descriptor::GlobalEncoding;
 use crate::domain::judgement::Asks;
 use crate::domain::key::Action;
+use crate::domain::location::{Assumption, LocationVerdict, PoseSource};
 use crate::domain::loop_warning::LoopWarningCode;
 use crate::domain::named::Named;
 use crate::domain::reason::ReasonCode;
@@ -54,13 +57,18 @@ names! {
     ActionName = Action as "ActionName";
     AnchorStateName = AnchorState as "AnchorState";
     AsksName = Asks as "JudgementAsks";
+    AssumptionName = Assumption as "Assumption";
     CandidateVerdictName = CandidateDecision as "CandidateVerdict";
+    ChannelName = Channel as "Channel";
     DetailName = Detail as "Detail";
     DifferenceReasonName = DifferenceReason as "DifferenceReason";
     EventName = EventKind as "EventKind";
     GeometryStatusName = GeometryStatus as "GeometryStatus";
+    GlobalEncodingName = GlobalEncoding as "GlobalEncoding";
     IgnoredReasonName = IgnoredReason as "IgnoredReason";
+    LocationVerdictName = LocationVerdict as "LocationVerdict";
     LoopWarningCodeName = LoopWarningCode as "LoopWarningCode";
+    PoseSourceName = PoseSource as "PoseSource";
     VerdictName = Decision as "Verdict";
     VerifyName = Verify as "Verify";
 }

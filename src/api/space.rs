@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 use super::decoding::read::{Decode, Node};
 use super::limits;
 use crate::domain::keyframe::Stamp;
-use crate::geometry::{Point3, Pose};
+use crate::geometry::{Gravity, Point3, Pose};
 
 /// A vector, in metres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -102,6 +102,16 @@ impl Decode for Stamp {
 impl Decode for Point3 {
     fn decode(node: &Node<'_>) -> Option<Self> {
         node.numbers::<3>(limits::COORDINATE_M).map(Self::from)
+    }
+}
+
+impl Decode for Gravity {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let vector = node.numbers::<3>(limits::DIRECTION)?;
+        let limit = || format!("a norm of 1, within {}", Self::MAX_NORM_ERROR);
+        let norm = || rounded(vector.iter().map(|part| part * part).sum::<f64>().sqrt());
+        Self::new(vector)
+            .or_else(|| node.refuse_as("not a unit vector", format!("a norm of {}", norm()), limit()))
     }
 }
 

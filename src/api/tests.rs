@@ -99,6 +99,13 @@ fn each_fault_of_a_keyframe_is_told_at_its_place() {
     check("/pose/translation/x", json!(1e39), &["/pose/translation/x"]);
     check("/pose/rotation/w", json!(0), &["/pose/rotation"]);
     check("/camera/fx", json!(0), &["/camera/fx"]);
+    check("/gravity", json!([0, 9.81, 0]), &["/gravity/1"]);
+    check("/gravity", json!([0, 0.998, 0]), &["/gravity"]);
+    check("/gravity", json!([0, 1]), &["/gravity"]);
+    check("/global_descriptor/model", json!("a/b"), &["/global_descriptor/model"]);
+    check("/global_descriptor/encoding", json!("float32"), &["/global_descriptor/encoding"]);
+    check("/global_descriptor/data", json!(""), &["/global_descriptor/data"]);
+    check("/global_descriptor/data", json!("AAAA".repeat(353)), &["/global_descriptor/data"]);
     check("/bow/words", json!([3, 3]), &["/bow/words/1"]);
     check("/bow/words", json!([3]), &["/bow/weights"]);
     check("/bow/words/0", json!(4_294_967_296_u64), &["/bow/words/0"]);
@@ -201,6 +208,10 @@ fn the_digest_is_of_the_facts_whatever_their_order_and_changes_with_each_of_them
         ("/stamp/nanosec", json!(7)),
         ("/pose/translation/x", json!(0.123)),
         ("/camera/width", json!(641)),
+        ("/gravity", json!([0, 0, 1])),
+        ("/global_descriptor/model", json!("another")),
+        ("/global_descriptor/encoding", json!("bits")),
+        ("/global_descriptor/data", json!("AP8Cf4EDBPs=")),
         ("/bow/weights/0", json!(0.9)),
         ("/features/keypoints/0/0", json!(1.5)),
         ("/features/map_points/0", json!(13)),
@@ -219,13 +230,22 @@ fn the_digest_is_of_the_facts_whatever_their_order_and_changes_with_each_of_them
 #[test]
 fn the_form_of_the_digest_never_changes() {
     use std::fmt::Write as _;
-    let body = Document::from(&examples::keyframe_body());
-    let digest = keyframe::named(body.root(), &"kf-120".parse().expect("an id")).expect("a keyframe").digest;
-    let hex = digest.iter().fold(String::new(), |mut hex, byte| {
-        let _ = write!(hex, "{byte:02x}");
-        hex
-    });
-    assert_eq!(hex, "99d604febc5e3b57c9e8e72dbe6a8b343f62a2ff352c514ec432b33a8bd583d1");
+    let of = |body: &Value| {
+        let body = Document::from(body);
+        let id = "kf-120".parse().expect("an id");
+        let digest = keyframe::named(body.root(), &id).expect("a keyframe").digest;
+        digest.iter().fold(String::new(), |mut hex, byte| {
+            let _ = write!(hex, "{byte:02x}");
+            hex
+        })
+    };
+    let body = examples::keyframe_body();
+    let mut first_fields = body.clone();
+    for later in ["gravity", "global_descriptor"] {
+        first_fields.as_object_mut().expect("an object").remove(later).expect("a field of the example");
+    }
+    assert_eq!(of(&first_fields), "99d604febc5e3b57c9e8e72dbe6a8b343f62a2ff352c514ec432b33a8bd583d1");
+    assert_eq!(of(&body), "211f41bb8d40d8b5ab87734dd21c8d4d16fe20d2f21c47fe665d0b92408bc0e9");
 }
 
 #[test]

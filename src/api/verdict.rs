@@ -5,8 +5,9 @@ use utoipa::ToSchema;
 
 use super::difference::DifferenceView;
 use super::geometry::GeometryView;
-use super::names::{CandidateVerdictName, ReasonCodeName, VerdictName};
+use super::names::{CandidateVerdictName, ChannelName, ReasonCodeName, VerdictName};
 use super::space::rounded;
+use crate::domain::channel::ProposedBy;
 use crate::domain::ids::KeyframeId;
 use crate::domain::request::Detail;
 use crate::domain::verdict::{
@@ -68,8 +69,16 @@ pub struct CandidateView {
     pub keyframe: String,
     /// The outcome of its checks.
     pub verdict: CandidateVerdictName,
-    /// Bag of words.
-    pub bow: BowFigures,
+    /// The channels that proposed it, where the query has a global descriptor; else left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(max_items = 3)]
+    pub channel: Option<Vec<ChannelName>>,
+    /// Global descriptors, where both keyframes have one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub global: Option<GlobalFigures>,
+    /// Bag of words; left out where `channel` is `global` alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bow: Option<BowFigures>,
     /// Local anchor maps, if it came so far.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub anchors: Option<AnchorFigures>,
@@ -78,6 +87,13 @@ pub struct CandidateView {
     /// The check that stopped it; left out for a loop.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<ReasonView>,
+}
+
+/// Figures of the comparison of the two global descriptors.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct GlobalFigures {
+    /// The cosine of the two vectors, 0 where it is negative; bits count as 1 and -1.
+    pub similarity: f64,
 }
 
 /// Figures of the bag-of-words check.
@@ -205,11 +221,17 @@ impl From<&ClosedLoop> for ClosedView {
 }
 
 impl CandidateView {
-    fn of(candidate: &Candidate, detail: Detail) -> Self {
+    /// Returns a candidate with its figures.
+    pub fn of(candidate: &Candidate, detail: Detail) -> Self {
+        let proposed = candidate.proposed.as_ref();
         Self {
             keyframe: candidate.keyframe.to_string(),
             verdict: candidate.decision.into(),
-            bow: candidate.bow.into(),
+            channel: proposed.map(|by| by.channels.iter().copied().map(ChannelName::from).collect()),
+            global: proposed
+                .and_then(|by| by.similarity)
+                .map(|cosine| GlobalFigures { similarity: rounded(cosine) }),
+            bow: (!proposed.is_some_and(ProposedBy::is_global_alone)).then(|| candidate.bow.into()),
             anchors: candidate.anchors.as_ref().map(|anchors| AnchorFigures::of(anchors, detail)),
             geometry: (&candidate.geometry).into(),
             reason: candidate.reason.as_ref().map(ReasonView::from),

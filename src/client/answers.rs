@@ -28,9 +28,9 @@ impl LoopAnswer {
 }
 
 impl CandidateView {
-    /// Returns the BoW score; 0 for one that came by its anchors alone.
+    /// Returns the BoW score; 0 for one that came by its anchors or its global descriptor alone.
     pub fn bow_score(&self) -> f64 {
-        self.bow.score
+        self.bow.as_ref().map_or(0.0, |bow| bow.score)
     }
 
     /// Returns S of Eq. (2), where it could be taken.

@@ -131,7 +131,7 @@ async fn the_example_of_an_answer_is_understood() {
     assert_eq!(serde_json::to_value(&answer).expect("JSON"), examples::loop_answer());
     let candidate = answer.leading().expect("a candidate");
     assert_eq!(Some(&candidate.keyframe), answer.best.as_ref());
-    assert_eq!(candidate.bow_score(), candidate.bow.score);
+    assert_eq!(Some(candidate.bow_score()), candidate.bow.as_ref().map(|bow| bow.score));
     assert_eq!(candidate.inliers(), candidate.geometry.inliers.map(u64::from));
 }
 

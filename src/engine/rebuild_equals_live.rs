@@ -68,6 +68,7 @@ fn pretty(loaded: &MapIndex, live: &MapIndex) {
     assert_eq!(loaded.keyframes().collect::<Vec<_>>(), live.keyframes().collect::<Vec<_>>());
     assert_eq!(loaded.loops(), live.loops());
     assert_eq!(loaded.points(), live.points());
+    assert_eq!(loaded.globals(), live.globals());
     assert_eq!(loaded.bytes(), live.bytes());
     assert_eq!(loaded.covisibility_lists(), live.covisibility_lists());
     for seq in (0..live.next_anchor().0).map(AnchorSeq) {

@@ -79,6 +79,7 @@ fn map_jobs(map: MapKey) -> Vec<Job> {
             stamp: new.stamp,
             map_from_camera: pose,
             camera: None,
+            gravity: None,
             observes: Vec::new().into(),
             declared: [].into(),
             bytes: new.bytes(),

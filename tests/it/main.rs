@@ -16,6 +16,7 @@ mod geometry;
 mod hotel;
 mod limits;
 mod lives;
+mod locate;
 mod method;
 #[cfg(feature = "llm")]
 mod models;

@@ -103,6 +103,15 @@ class GeometryStatus(OpenEnum):
     """It ran and found one."""
 
 
+class GlobalEncoding(OpenEnum):
+    """The form of a global descriptor's numbers, and so the measure of their likeness."""
+
+    INT8 = "int8"
+    """Signed bytes, compared by the cosine of their angle."""
+    BITS = "bits"
+    """Bits, compared by how many are equal."""
+
+
 class IgnoredReason(OpenEnum):
     """The reason why a detection feeds no anchor."""
 
@@ -550,8 +559,14 @@ class BulkItem(msgspec.Struct, kw_only=True, omit_defaults=True):
     """One robot's run: its own frame and its own numbering of map points."""
     camera: Camera | None = None
     """The undistorted pinhole camera."""
+    gravity: list[float] | None = None
+    """The unit vector of gravity in the camera frame, where the client knows it: `[0,1,0]` for a camera
+    held upright.
+    """
     bow: SentBagOfWords | None = None
     """The bag of words; left out or empty for a blank wall."""
+    global_descriptor: GlobalDescriptor | None = None
+    """The vector of the whole image, by a model that the client ran."""
     features: SentFeatures | None = None
     """Binary features."""
     map_points: SentMapPoints | None = None
@@ -856,6 +871,19 @@ class Geometry(msgspec.Struct, kw_only=True, omit_defaults=True):
     """
 
 
+class GlobalDescriptor(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """One vector of a whole image, by a model that the client ran. The first one of a map decides: all of
+    them have one model, one encoding and one size.
+    """
+
+    model: str
+    """The model that computed it, with all that changes its numbers, such as a version."""
+    encoding: GlobalEncoding
+    """The form of its numbers."""
+    data: str
+    """The numbers one after the other, in base64: 1 to 1,056 bytes."""
+
+
 class Health(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The state of the server."""
 
@@ -981,8 +1009,14 @@ class Keyframe(msgspec.Struct, kw_only=True, omit_defaults=True):
     """One robot's run: its own frame and its own numbering of map points."""
     camera: Camera | None = None
     """The undistorted pinhole camera."""
+    gravity: list[float] | None = None
+    """The unit vector of gravity in the camera frame, where the client knows it: `[0,1,0]` for a camera
+    held upright.
+    """
     bow: SentBagOfWords | None = None
     """The bag of words; left out or empty for a blank wall."""
+    global_descriptor: GlobalDescriptor | None = None
+    """The vector of the whole image, by a model that the client ran."""
     features: SentFeatures | None = None
     """Binary features."""
     map_points: SentMapPoints | None = None
@@ -1067,6 +1101,10 @@ class KeyframeView(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Its detections, each with what became of it."""
     camera: Camera | None = None
     """The camera."""
+    gravity: list[float] | None = None
+    """The unit vector of gravity in the camera frame, as sent."""
+    global_descriptor: GlobalDescriptor | None = None
+    """The vector of the whole image."""
     features: Features | None = None
     """The features."""
 
@@ -1253,6 +1291,11 @@ class MapBody(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Whether its lengths are metres. Then the scale between two sessions is 1. If not, settings in metres
     are in the unit of the poses that it is sent.
     """
+    gravity: list[float] | None = None
+    """The unit vector of gravity in the frame of each of its sessions, if they have it in common:
+    `[0,1,0]` where a session's frame is its first camera, held upright. Left out, it is not known; once
+    given, it may be changed and not withdrawn.
+    """
     anchor_classes: list[str] | None = None
     """The classes of which anchors are made; empty means every class."""
     settings: Settings | None = None
@@ -1275,6 +1318,11 @@ class MapPatchBody(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Free text for people."""
     metric: bool | None = None
     """Whether its lengths are metres."""
+    gravity: list[float] | None = None
+    """The unit vector of gravity in the frame of each of its sessions, if they have it in common:
+    `[0,1,0]` where a session's frame is its first camera, held upright. Left out, it is not known; once
+    given, it may be changed and not withdrawn.
+    """
     anchor_classes: list[str] | None = None
     """The classes of which anchors are made from now on; empty means every class."""
     settings: Settings | None = None
@@ -1334,6 +1382,8 @@ class MapView(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The views that this map has in two places; while there is one, geometry alone closes no loop
     (`twin_guard`). Looked for where `without_anchors` is `geometry`.
     """
+    gravity: list[float] | None = None
+    """The unit vector of gravity in the frame of each of its sessions; left out while it is not known."""
     vocabulary: str | None = None
     """The vocabulary its words belong to: a fingerprint, a name that a client gave, or `client`; left out
     while it has none.

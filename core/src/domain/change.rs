@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::anchor::{Observation, Outcome};
 use super::bow::BowVector;
+use super::global_descriptor::GlobalDescriptor;
 use super::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, PointId, SessionId, SessionSeq};
 use super::judged::{CropRead, ModelVerdict};
 use super::judgement::JudgementProgress;
@@ -11,7 +12,7 @@ use super::keyframe::{Camera, Stamp};
 use super::map::MapProperties;
 use super::point_list::PointList;
 use super::prior::Prior;
-use crate::geometry::{Point3, Pose};
+use crate::geometry::{Gravity, Point3, Pose};
 
 /// A keyframe as the index keeps it: everything but the heavy parts (bag of words, features, crops).
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +29,8 @@ pub struct Keyframe {
     pub map_from_camera: Pose,
     /// The camera, if known.
     pub camera: Option<Camera>,
+    /// Gravity in the camera frame, if known.
+    pub gravity: Option<Gravity>,
     /// The map points it observes, ascending.
     pub observes: PointList,
     /// Covisible keyframes declared by the client, each with its number of shared points.
@@ -144,6 +147,8 @@ pub enum Change {
     SessionAdded(SessionSeq, SessionId),
     /// A keyframe arrived, with its bag of words. Features and crops travel to the store beside the change.
     KeyframeAdded(Box<Keyframe>, Arc<BowVector>),
+    /// The keyframe that arrived has this vector of its whole image, in the form of the map's others.
+    GlobalDescriptorSet(KeyframeSeq, Box<GlobalDescriptor>),
     /// A keyframe was culled, with its observations; its bag of words says which postings go.
     KeyframeRemoved(KeyframeSeq, Arc<BowVector>),
     /// A keyframe's pose was corrected.

@@ -130,6 +130,11 @@ text_id!(
     BackupId
 );
 
+text_id!(
+    /// A model that computes global descriptors, named by its client.
+    GlobalModelId
+);
+
 macro_rules! dense_id {
     ($(#[$doc:meta])* $name:ident) => {
         $(#[$doc])*

@@ -78,6 +78,11 @@ impl MapPattern {
         Self("*".into())
     }
 
+    /// Returns the map that the pattern names, if it has no star.
+    pub fn only_map(&self) -> Option<MapId> {
+        MapId::stored(&self.0).ok()
+    }
+
     /// Whether the pattern names this map.
     pub fn matches(&self, map: &MapId) -> bool {
         let Some((first, rest)) = self.0.split_once('*') else { return map.as_str() == &*self.0 };

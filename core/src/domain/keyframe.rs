@@ -1,8 +1,9 @@
 //! What a client sends: a keyframe with its bag of words, its map points and its detections.
 
 use super::bow::BowVector;
+use super::global_descriptor::GlobalDescriptor;
 use super::ids::{KeyframeId, PointId, SessionId};
-use crate::geometry::{Point3, Pose};
+use crate::geometry::{Gravity, Point3, Pose};
 
 /// A moment on the robot's clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -139,10 +140,14 @@ pub struct NewKeyframe {
     pub map_from_camera: Pose,
     /// The camera, if the client told.
     pub camera: Option<Camera>,
+    /// Gravity in the camera frame, if the client knows it.
+    pub gravity: Option<Gravity>,
     /// Its bag of words; empty for a blank wall.
     pub bow: BowVector,
     /// Whose words these are: a vocabulary's fingerprint, or [`CLIENTS_VOCABULARY`]. `None` if the client sent no bag of words.
     pub vocabulary: Option<Box<str>>,
+    /// The vector of its whole image, if the client computed one.
+    pub global_descriptor: Option<GlobalDescriptor>,
     /// Its features, if the client sent them.
     pub features: Option<Features>,
     /// Map points new or moved, in the session's frame, in metres: ascending, each once. Rows of schema 3 and before keep
@@ -169,8 +174,10 @@ impl NewKeyframe {
             stamp,
             map_from_camera,
             camera: None,
+            gravity: None,
             bow: BowVector::default(),
             vocabulary: None,
+            global_descriptor: None,
             features: None,
             map_points: Vec::new(),
             observes: Vec::new(),
@@ -185,7 +192,13 @@ impl NewKeyframe {
         const STAMP: usize = size_of::<i64>() + size_of::<u32>();
         const POSE: usize = 7 * NUMBER;
         const CAMERA: usize = 4 * NUMBER + 2 * size_of::<u32>();
-        let head = self.id.as_str().len() + STAMP + POSE + self.camera.map_or(0, |_| CAMERA);
+        const GRAVITY: usize = 3 * NUMBER;
+        let head = self.id.as_str().len()
+            + STAMP
+            + POSE
+            + self.camera.map_or(0, |_| CAMERA)
+            + self.gravity.map_or(0, |_| GRAVITY)
+            + self.global_descriptor.as_ref().map_or(0, GlobalDescriptor::bytes);
         let numbers =
             self.observes.len() + self.map_points.len() + self.covisible.len() + self.bow.words().len();
         let features = self.features.as_ref().map_or(0, Features::bytes);

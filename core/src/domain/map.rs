@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::ids::{AnchorSeq, KeyframeId};
 use super::settings::Settings;
+use crate::geometry::Gravity;
 
 /// The properties of a map, as its client gives them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -15,6 +16,8 @@ pub struct MapProperties {
     pub metric: bool,
     /// The classes of which anchors are made, sorted; empty means every class.
     pub anchor_classes: Vec<String>,
+    /// Gravity in the frame of each of its sessions, if they have it in common.
+    pub gravity: Option<Gravity>,
     /// Every threshold of the method.
     pub settings: Settings,
 }

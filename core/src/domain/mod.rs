@@ -4,6 +4,7 @@
 //! |---|---|
 //! | ids of clients, dense numbers of maps | [`ids`] |
 //! | keyframe, camera, features, detection as sent | [`keyframe`] |
+//! | one vector of a whole image | [`global_descriptor`] |
 //! | bag-of-words vector and its L1 score | [`bow`] |
 //! | observation of an anchor, outcome of a detection | [`anchor`] |
 //! | signs known from a plan before a robot saw them | [`prior`] |
@@ -12,7 +13,9 @@
 //! | facts that decisions change, and the values they replace | [`change`], [`former`] |
 //! | what models said of anchors | [`judged`] |
 //! | jobs that ask a changed model again | [`judgement`] |
+//! | the ways in which candidates are found | [`channel`] |
 //! | the answer to "is it a loop?", and the table of its reasons | [`verdict`], [`reason`] |
+//! | the answer to "where am I?" | [`location`] |
 //! | enums with names for programs and meanings for people | [`named`] |
 //! | what happened, for those who listen | [`event`] |
 //! | which models a server has | [`roles`] |
@@ -26,16 +29,19 @@ pub mod anchor;
 pub mod anchor_name;
 pub mod bow;
 pub mod change;
+pub mod channel;
 pub mod counted;
 pub mod difference;
 pub mod event;
 pub mod former;
+pub mod global_descriptor;
 pub mod ids;
 pub mod invalid;
 pub mod judged;
 pub mod judgement;
 pub mod key;
 pub mod keyframe;
+pub mod location;
 pub mod loop_warning;
 pub mod map;
 pub mod method;

@@ -121,6 +121,11 @@ named! {
         /// Geometry alone speaks for it, with {measured} inliers, and this map has shown one view in two places: that
         /// proves nothing here.
         TwinsKnown = "twins_known", row("this view exists twice", Undecided, Geometry);
+        /// Where am I: several places fit, and the confidence in the best one is {measured}; {limit} is needed. The signs in
+        /// `look_for` would tell them apart.
+        PlacesAlike = "places_alike", row("several places fit", Undecided, Query);
+        /// Where am I: the evidence for the best place gives a confidence of {measured}, and {limit} is needed.
+        TooLittleEvidence = "too_little_evidence", row("too little evidence", Undecided, Query);
     }
 }
 

@@ -9,7 +9,7 @@ use super::named::named;
 use super::named_detection::NamedDetection;
 use super::settings::SettingValue;
 use super::verdict::Verify;
-use crate::geometry::{Point3, Pose};
+use crate::geometry::{Gravity, Point3, Pose};
 
 /// Digest of a request: tells a retry from another request under the same id.
 pub type Digest = [u8; 32];
@@ -32,6 +32,8 @@ pub struct MapPatch {
     pub anchor_classes: Option<Vec<String>>,
     /// Whether its lengths are metres.
     pub metric: Option<bool>,
+    /// Gravity in its sessions' frame.
+    pub gravity: Option<Gravity>,
     /// Settings to change, by name.
     pub settings: Vec<(String, SettingValue)>,
 }

@@ -195,6 +195,8 @@ settings! {
         "the fewest inliers with which geometry alone (without_anchors: geometry) closes a loop where no map point is projected: a homography, a rotation or an essential matrix proves a view, and not a place";
     rival_min_ratio: f64 = Number { 2.0, 0.0, 1000.0, "1"; paper: 0.0 }, Ours,
         "what geometry alone verifies is a loop only if it has this many times the inliers of the best candidate that is known to be another place; 0 = off";
+    global_channel: bool = Switch { true; paper: false }, Ours,
+        "keyframes whose global descriptors are most like the query's are candidates, too, whatever their words and anchors; every check after that is the same. Without descriptors it changes nothing";
     twin_guard: bool = Switch { true; paper: false }, Ours,
         "once geometry has verified two keyframes of this map around which different signs hang, geometry alone (without_anchors: geometry) closes no loop in it, while they hang there";
     signs_may_change: bool = Switch { true; paper: false }, Ours,

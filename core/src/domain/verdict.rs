@@ -1,6 +1,7 @@
 //! The answer to "is this keyframe a loop?", with the figures of every check that ran (§V).
 
 pub use super::anchor_name::AnchorName;
+use super::channel::ProposedBy;
 use super::difference::DifferenceEvidence;
 use super::ids::{KeyframeId, LoopId};
 use super::named::named;
@@ -161,6 +162,8 @@ pub struct Candidate {
     pub keyframe: KeyframeId,
     /// Its status.
     pub decision: CandidateDecision,
+    /// What proposed it, where the query has a global descriptor; else none.
+    pub proposed: Option<ProposedBy>,
     /// Check 2.
     pub bow: BowEvidence,
     /// Check 3, if it came so far.

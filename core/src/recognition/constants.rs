@@ -10,7 +10,7 @@ mod plans;
 
 use super::anchors::{find_description_tasks, near_in_meaning, pairs};
 use super::extensions::{alignment, company, distinctiveness, sure_text, tracked_path, twins};
-use super::loops::candidates;
+use super::loops::{candidates, fusion};
 use super::verification::{resection, similarity};
 pub use constant::Constant;
 use constant::constant;
@@ -103,6 +103,12 @@ const ANCHORS: &[Constant] = &[
         candidates::NEAR_MISS_NEIGHBOURS as f64,
         "1",
         "ours: covisible keyframes of a near miss that are checked in its stead",
+    ),
+    constant(
+        "candidates.reciprocal_rank_offset",
+        fusion::RECIPROCAL_RANK_OFFSET,
+        "1",
+        "Cormack, Clarke and Buettcher, SIGIR 2009: what is added to each rank of a channel before its reciprocal counts",
     ),
     // Anchor maps.
     constant(

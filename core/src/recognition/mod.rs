@@ -38,6 +38,7 @@
 //! | ours: sessions aligned to a plan (M54) | [`plans`], [`anchors::prior_anchors`] | [`plans::plan_alignment::plan_alignment`] |
 //! | ours: odometry where loops tie the way together | [`extensions::way_by_loops`] | [`extensions::way_by_loops::way_by_loops_um`] |
 //! | ours: odometry against a transformation (M15) | [`extensions::tracked_path`] | [`extensions::tracked_path::TrackedPath`] |
+//! | ours: "where am I?" | [`mod@locate`] | [`locate::locate()`] |
 //!
 //! Beside the paper: [`loops::query`] is the keyframe that is asked about, [`loops::geometry_snapshot`] and [`loops::features`] are what geometry
 //! needs to know of it, [`loops::evidence`] turns figures into a
@@ -47,6 +48,7 @@
 pub mod anchors;
 pub mod constants;
 pub mod extensions;
+pub mod locate;
 pub mod loops;
 pub mod map;
 pub mod plans;

@@ -1,5 +1,6 @@
 //! §V, checks 1 and 2: covisible keyframes are excluded, bag of words chooses (M9), places are counted (M34).
 
+use revisit_core::domain::channel::{Channel, ProposedBy};
 use revisit_core::{CandidateDecision, Decision, Features, Keypoint, ReasonCode, Settings};
 
 use super::scene::{
@@ -240,4 +241,43 @@ fn a_keyframe_of_the_session_taken_just_before_is_no_candidate_where_the_map_say
     check("30 s before, where 30 s suffice", 30.0, "today", &["kf-1"], None);
     check("30 s before, where more is asked for", 30.5, "today", &[], too_recent(30.5));
     check("by another session's clock", 30.5, "other-day", &["kf-1"], None);
+}
+
+#[test]
+fn images_that_are_alike_as_a_whole_are_candidates_whatever_their_words() {
+    let map = |global_channel| {
+        let mut scene = Scene::with(Settings { global_channel, ..Settings::default() });
+        scene.put("alike", keyframe().words(&[(7, 1.0)]).global(&[100, 90, -80, 3]));
+        scene.put("less", keyframe().words(&[]).global(&[100, -90, -80, 3]));
+        scene.put("opposite", keyframe().words(&[]).global(&[-100, -90, 80, -3]));
+        scene.put("words", keyframe().words(&[(1, 1.0)]));
+        scene.put("query", keyframe().words(&[(1, 1.0)]).global(&[50, 45, -40, 2]));
+        scene
+    };
+    let by =
+        |scene: &Scene, id: &str| scene.compare("query", id).proposed.expect("the query has a descriptor");
+    let scene = map(true);
+    let mut found = candidates(&scene.ask("query"));
+    found.sort_unstable();
+    assert_eq!(found, ["alike", "less", "words"]);
+    assert_eq!(by(&scene, "alike").channels, [Channel::Global]);
+    assert_eq!(by(&scene, "words"), ProposedBy { channels: vec![Channel::Bow], similarity: None });
+    for (id, cosine) in [("alike", 1.0), ("less", 4156.0 / (24509.0_f64 * 6129.0).sqrt())] {
+        let similarity = by(&scene, id).similarity.expect("both have one");
+        assert!((similarity - cosine).abs() < 1e-3, "{id}: {similarity}");
+    }
+    let off = map(false).ask("query");
+    assert_eq!(candidates(&off), ["words"]);
+    assert_eq!(off.candidates[0].proposed, None);
+}
+
+#[test]
+fn a_global_descriptor_is_gone_with_its_keyframe_and_excluded_with_its_neighbours() {
+    let mut scene = Scene::new();
+    for id in ["gone", "near", "far"] {
+        scene.put(id, keyframe().words(&[]).global(&[1, 2, 3]));
+    }
+    scene.put("query", keyframe().words(&[]).global(&[1, 2, 3]).covisible(&["near"]));
+    scene.cull("gone");
+    assert_eq!(candidates(&scene.ask("query")), ["far"]);
 }

@@ -12,7 +12,9 @@ pub fn keyframe_body() -> Value {
         "stamp": {"sec": 1, "nanosec": 0},
         "pose": transform(),
         "camera": {"fx": 525.0, "fy": 525.0, "cx": 320.0, "cy": 240.0, "width": 640, "height": 480},
+        "gravity": [0.0, 1.0, 0.0],
         "bow": {"words": [3, 17], "weights": [0.4, 0.6]},
+        "global_descriptor": global_descriptor(),
         "features": {
             "descriptor_bytes": 8,
             "descriptors": "AAECAwQFBgcICQoLDA0ODw==",
@@ -33,6 +35,11 @@ pub fn keyframe_body() -> Value {
             "crop": CROP
         }]
     })
+}
+
+/// Eight numbers; a model computes hundreds.
+fn global_descriptor() -> Value {
+    json!({"model": "megaloc", "encoding": "int8", "data": "AP8Cf4EDBPo="})
 }
 
 fn transform() -> Value {
@@ -57,7 +64,9 @@ pub fn keyframe() -> Value {
         "session": "robot-7",
         "stamp": {"sec": 1, "nanosec": 0},
         "pose": transform(),
+        "gravity": [0.0, 1.0, 0.0],
         "bow": {"words": [3, 17], "weights": [0.4, 0.6]},
+        "global_descriptor": global_descriptor(),
         "map_points": {"ids": [12], "positions": [[0.5, 0.0, 2.0]]},
         "observes": [12, 13],
         "covisible": [{"keyframe": "kf-119", "shared": 87}],

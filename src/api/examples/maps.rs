@@ -10,6 +10,7 @@ pub fn map_body() -> Value {
     json!({
         "description": "Ninth floor of the tower",
         "metric": true,
+        "gravity": [0.0, 1.0, 0.0],
         "anchor_classes": ["door_number"],
         "settings": {"candidates_max": 20}
     })
@@ -27,6 +28,7 @@ pub fn map() -> Value {
         "map_version": 412,
         "description": "Ninth floor of the tower",
         "metric": true,
+        "gravity": [0.0, 1.0, 0.0],
         "anchor_classes": ["door_number"],
         "settings": MapSettings::from(&Settings::default()),
         "keyframes": 120,

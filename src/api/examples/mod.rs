@@ -5,6 +5,7 @@
 mod anchors;
 mod judgements;
 mod keyframes;
+mod location;
 mod loops;
 mod maps;
 mod operations;
@@ -12,6 +13,7 @@ mod operations;
 pub use anchors::*;
 pub use judgements::*;
 pub use keyframes::*;
+pub use location::*;
 pub use loops::*;
 pub use maps::*;
 pub use operations::*;

@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::global_descriptor::GlobalDescriptorShape;
+use super::number_shape::Direction;
 use super::shape::{BowShape, CameraShape, CovisibleShape, FeaturesShape, PointsShape, RangeName};
 use crate::api::decoding::base64;
 use crate::api::names::{AnchorStateName, IgnoredReasonName};
@@ -74,8 +76,15 @@ pub struct KeyframeView {
     /// The camera.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<CameraShape>,
+    /// The unit vector of gravity in the camera frame, as sent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<Direction>, inline)]
+    pub gravity: Option<[f64; 3]>,
     /// The bag of words, words ascending, weights summing to one.
     pub bow: BowShape,
+    /// The vector of the whole image.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub global_descriptor: Option<GlobalDescriptorShape>,
     /// The features.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub features: Option<FeaturesShape>,
@@ -193,7 +202,9 @@ impl KeyframeView {
             stamp: keyframe.stamp.into(),
             pose: keyframe.map_from_camera.into(),
             camera: keyframe.camera.map(CameraShape::from),
+            gravity: keyframe.gravity.map(|gravity| gravity.as_given()),
             bow: (&keyframe.bow).into(),
+            global_descriptor: keyframe.global_descriptor.map(Into::into),
             features: keyframe.features.map(FeaturesShape::from),
             map_points: PointsShape { ids, positions },
             observes: keyframe.observes,

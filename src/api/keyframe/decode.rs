@@ -5,24 +5,29 @@ use std::collections::HashSet;
 use super::detection::decode as decode_detection;
 use super::digest;
 use super::features::decode as decode_features;
+use super::global_descriptor::decode as decode_global_descriptor;
 use super::points::{ascending, points, unique};
 use crate::api::decoding::column::{Column, Number};
 use crate::api::decoding::document::{Json, Kind};
-use crate::api::decoding::read::{self, Decode, Node};
+use crate::api::decoding::read::{self, Decode, Node, Object};
 use crate::api::limits;
 use crate::domain::bow::BowVector;
+use crate::domain::global_descriptor::GlobalDescriptor;
 use crate::domain::ids::{KeyframeId, PointId, SessionId};
 use crate::domain::invalid::FieldError;
-use crate::domain::keyframe::{CLIENTS_VOCABULARY, Camera, Features, NewKeyframe, Stamp};
+use crate::domain::keyframe::{CLIENTS_VOCABULARY, Camera, Detection, Features, NewKeyframe, Stamp};
+use crate::domain::location::AskedKeyframe;
 use crate::domain::request::Digest;
-use crate::geometry::Pose;
+use crate::geometry::{Gravity, Point3, Pose};
 
-const FIELDS: [&str; 11] = [
+const FIELDS: [&str; 13] = [
     "session",
     "stamp",
     "pose",
     "camera",
+    "gravity",
     "bow",
+    "global_descriptor",
     "features",
     "map_points",
     OBSERVES.list,
@@ -30,6 +35,9 @@ const FIELDS: [&str; 11] = [
     "covisible",
     "detections",
 ];
+
+/// The fields of a keyframe whose place nobody knows.
+const UNPLACED_FIELDS: [&str; 7] = ["stamp", "pose", "camera", "bow", "features", "map_points", "detections"];
 
 const OBSERVES: Column = Column { list: "observes", packed: "observes_i64", number: Number::I64, row: None };
 const WORDS: Column = Column { list: "words", packed: "words_u32", number: Number::U32, row: None };
@@ -96,6 +104,18 @@ pub fn unnamed(node: &Node<'_>) -> Option<SentKeyframe> {
     keyframe(node, &FIELDS, Named::Nowhere)
 }
 
+/// Returns a keyframe whose place nobody knows: it may be without a stamp and without a pose.
+pub fn unplaced(node: &Node<'_>) -> Option<AskedKeyframe> {
+    let body = node.object(&UNPLACED_FIELDS)?;
+    let stamp = body.optional("stamp", Stamp::decode);
+    let pose = body.optional("pose", Pose::decode);
+    let seen = seen(&body);
+    let (id, stamp, pose) = (INLINE.parse().ok()?, stamp?, pose?);
+    let unknown = Stamp { sec: 0, nanosec: 0 };
+    let placed = NewKeyframe::at(id, stamp.unwrap_or(unknown), pose.unwrap_or_else(Pose::identity));
+    Some(AskedKeyframe { keyframe: seen?.of(placed), has_pose: pose.is_some() })
+}
+
 /// The place of a keyframe's name.
 enum Named<'i> {
     /// In the path.
@@ -117,32 +137,70 @@ fn keyframe(node: &Node<'_>, fields: &[&str], named: Named<'_>) -> Option<SentKe
     let session = body.optional("session", read::id::<SessionId>);
     let stamp = body.required("stamp", Stamp::decode);
     let pose = body.required("pose", Pose::decode);
-    let camera = body.optional("camera", camera);
-    let bow = body.optional("bow", bow);
-    let features = body.optional("features", decode_features);
-    let map_points = body.optional("map_points", points);
     let observes = body
         .optional_column(OBSERVES, |node| node.list(limits::MAP_POINTS, |point| point.whole(limits::POINT)));
     let covisible = body.optional("covisible", |node| covisible(node, id.as_ref()));
-    let detections = body.optional("detections", |node| node.list(limits::DETECTIONS, decode_detection));
-    let features = features?;
-    let (bow, vocabulary) = bow?.map_or_else(Default::default, |(bow, vocabulary)| (bow, Some(vocabulary)));
-    let keyframe = NewKeyframe {
-        id: id?,
-        session: session?.unwrap_or_default(),
-        stamp: stamp?,
-        map_from_camera: pose?,
-        camera: camera?,
-        bow,
-        vocabulary,
-        observes: observed(observes?.unwrap_or_default(), features.as_ref()),
-        features,
-        map_points: map_points?.unwrap_or_default(),
-        covisible: covisible?.unwrap_or_default(),
-        detections: detections?.unwrap_or_default(),
+    let seen = seen(&body);
+    let (session, observes, covisible) = (session?, observes?, covisible?);
+    let placed = NewKeyframe {
+        session: session.unwrap_or_default(),
+        observes: observes.unwrap_or_default(),
+        covisible: covisible.unwrap_or_default(),
+        ..NewKeyframe::at(id?, stamp?, pose?)
     };
+    let keyframe = seen?.of(placed);
     let digest = digest::of(&keyframe);
     Some(SentKeyframe { keyframe, digest })
+}
+
+/// The part of a keyframe that tells what the camera saw, wherever it was.
+struct Seen {
+    camera: Option<Camera>,
+    gravity: Option<Gravity>,
+    bow: Option<(BowVector, Box<str>)>,
+    global_descriptor: Option<GlobalDescriptor>,
+    features: Option<Features>,
+    map_points: Vec<(PointId, Point3)>,
+    detections: Vec<Detection>,
+}
+
+impl Seen {
+    /// Returns a keyframe, of which nothing is known but its place, with what its camera saw.
+    fn of(self, placed: NewKeyframe) -> NewKeyframe {
+        let (bow, vocabulary) = self.bow.map_or_else(Default::default, |(bow, of)| (bow, Some(of)));
+        NewKeyframe {
+            camera: self.camera,
+            gravity: self.gravity,
+            bow,
+            vocabulary,
+            global_descriptor: self.global_descriptor,
+            observes: observed(placed.observes, self.features.as_ref()),
+            features: self.features,
+            map_points: self.map_points,
+            detections: self.detections,
+            ..placed
+        }
+    }
+}
+
+/// Reads what the camera saw.
+fn seen(body: &Object<'_>) -> Option<Seen> {
+    let camera = body.optional("camera", camera);
+    let gravity = body.optional("gravity", Gravity::decode);
+    let bow = body.optional("bow", bow);
+    let global_descriptor = body.optional("global_descriptor", decode_global_descriptor);
+    let features = body.optional("features", decode_features);
+    let map_points = body.optional("map_points", points);
+    let detections = body.optional("detections", |node| node.list(limits::DETECTIONS, decode_detection));
+    Some(Seen {
+        camera: camera?,
+        gravity: gravity?,
+        bow: bow?,
+        global_descriptor: global_descriptor?,
+        features: features?,
+        map_points: map_points?.unwrap_or_default(),
+        detections: detections?.unwrap_or_default(),
+    })
 }
 
 /// Observed is what the client lists, and what its features see; one listed twice is observed once.

@@ -5,6 +5,7 @@
 //! [`KeyframeDigest`](crate::domain::request::KeyframeDigest). The golden value below holds it in place.
 
 use crate::domain::bow::BowVector;
+use crate::domain::global_descriptor::GlobalDescriptor;
 use crate::domain::keyframe::{Camera, Crop, Detection, Features, Keypoint, NewKeyframe, Stamp};
 use crate::domain::request::Digest;
 use crate::geometry::{Point3, Pose};
@@ -17,8 +18,10 @@ pub fn of(keyframe: &NewKeyframe) -> Digest {
         stamp: Stamp { sec, nanosec },
         map_from_camera,
         camera,
+        gravity,
         bow,
         vocabulary,
+        global_descriptor,
         features,
         map_points,
         observes,
@@ -44,6 +47,8 @@ pub fn of(keyframe: &NewKeyframe) -> Digest {
         facts.bytes(&shared.to_le_bytes());
     });
     facts.list(detections, Facts::detection);
+    facts.added(b'g', gravity.as_ref(), |facts, gravity| facts.floats(&gravity.as_given()));
+    facts.added(b'd', global_descriptor.as_ref(), Facts::global_descriptor);
     blake3::hash(&facts.0).into()
 }
 
@@ -97,6 +102,22 @@ impl Facts {
         if let Some(value) = value {
             write(self, value);
         }
+    }
+
+    /// Writes a field that keyframes did not have at first: nothing where it is left out, so that former digests stay.
+    fn added<T>(&mut self, name: u8, value: Option<T>, write: impl FnOnce(&mut Self, T)) {
+        if let Some(value) = value {
+            self.bytes(&[name]);
+            write(self, value);
+        }
+    }
+
+    fn global_descriptor(&mut self, descriptor: &GlobalDescriptor) {
+        let GlobalDescriptor { model, encoding, data } = descriptor;
+        self.text(model.as_str());
+        self.text(encoding.as_str());
+        self.length(data.len());
+        self.bytes(data);
     }
 
     fn pose(&mut self, pose: &Pose) {

@@ -7,6 +7,7 @@
 //! | `sent_shape` | the schemas of what may be sent packed |
 //! | `decode` | the shape read into the model, with every fault in it |
 //! | `features`, `detection`, `points` | its large members, read |
+//! | `global_descriptor` | the vector of its whole image |
 //! | `digest` | the facts that make two bodies the same |
 //! | `answer` | the shapes answered |
 //! | `original` | the shape sent, written again |
@@ -16,6 +17,7 @@ mod decode;
 mod detection;
 mod digest;
 mod features;
+mod global_descriptor;
 mod number_shape;
 mod original;
 mod points;
@@ -25,9 +27,11 @@ mod shape;
 pub use answer::{
     CovisibleView, DetectionView, KeyframeAnswer, KeyframeLine, KeyframeView, OutcomeName, OutcomeView,
 };
-pub use decode::{Faulty, SentKeyframe, named, of_line, unnamed};
+pub use decode::{Faulty, SentKeyframe, named, of_line, unnamed, unplaced};
+pub use global_descriptor::GlobalDescriptorShape;
+pub use number_shape::Direction;
 pub use points::{points, unique};
-pub use sent_shape::SentPoints;
+pub use sent_shape::{SentBow, SentFeatures, SentPoints};
 pub use shape::{
     BowShape, CameraShape, CovisibleShape, DetectionShape, FeaturesShape, KeyframeBody, PointsShape,
 };

@@ -37,6 +37,20 @@ pub struct WordWeight(#[expect(dead_code, reason = "a schema only")] f64);
 #[schema(min_items = 2, max_items = 4)]
 pub struct KeypointNumbers(#[expect(dead_code, reason = "a schema only")] Vec<f64>);
 
+/// A number of a unit vector, without unit.
+#[derive(ToSchema)]
+#[schema(minimum = -1.001, maximum = 1.001)]
+pub struct DirectionPart(#[expect(dead_code, reason = "a schema only")] f64);
+
+/// `[x,y,z]` of length one, within a thousandth.
+#[derive(ToSchema)]
+#[schema(min_items = 3, max_items = 3)]
+pub struct Direction(
+    #[expect(dead_code, reason = "a schema only")]
+    #[schema(inline)]
+    Vec<DirectionPart>,
+);
+
 /// `[x,y,z]`, in metres.
 #[derive(ToSchema)]
 #[schema(min_items = 3, max_items = 3)]

@@ -15,7 +15,10 @@ impl From<NewKeyframe> for KeyframeBody {
     fn from(keyframe: NewKeyframe) -> Self {
         // Features without words are sent so on purpose, or a server would compute some.
         let says_words = !keyframe.bow.is_empty() || keyframe.features.is_some();
-        let NewKeyframe { bow, vocabulary, features, observes, map_points, covisible, .. } = keyframe;
+        let gravity = keyframe.gravity.map(|gravity| gravity.as_given());
+        let NewKeyframe {
+            bow, vocabulary, global_descriptor, features, observes, map_points, covisible, ..
+        } = keyframe;
         let named: HashSet<PointId> =
             features.iter().flat_map(|features| features.map_points.iter().flatten().copied()).collect();
         let observes: Vec<i64> = observes.into_iter().filter(|id| !named.contains(id)).collect();
@@ -24,7 +27,9 @@ impl From<NewKeyframe> for KeyframeBody {
             stamp: keyframe.stamp.into(),
             pose: keyframe.map_from_camera.into(),
             camera: keyframe.camera.map(Into::into),
+            gravity,
             bow: says_words.then(|| exactly(&bow, vocabulary.map(Into::into).filter(is_named))),
+            global_descriptor: global_descriptor.map(Into::into),
             features: features.map(|features| {
                 let shape = FeaturesShape::from(features);
                 FeaturesShape { map_points: shape.map_points.filter(|_| !named.is_empty()), ..shape }

@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::global_descriptor::GlobalDescriptorShape;
 use super::number_shape::{
-    KeypointNumbers, Pixels, PointNumber, PointNumberOrNone, Position, WordNumber, WordWeight,
+    Direction, KeypointNumbers, Pixels, PointNumber, PointNumberOrNone, Position, WordNumber, WordWeight,
 };
 use super::sent_shape::{SentBow, SentFeatures, SentPoints};
 use crate::api::space::{Time, Transform};
@@ -30,10 +31,17 @@ pub struct KeyframeBody {
     /// The undistorted pinhole camera.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<CameraShape>,
+    /// The unit vector of gravity in the camera frame, where the client knows it: `[0,1,0]` for a camera held upright.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<Direction>, inline)]
+    pub gravity: Option<[f64; 3]>,
     /// The bag of words; left out or empty for a blank wall.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<SentBow>)]
     pub bow: Option<BowShape>,
+    /// The vector of the whole image, by a model that the client ran.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub global_descriptor: Option<GlobalDescriptorShape>,
     /// Binary features.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<SentFeatures>)]

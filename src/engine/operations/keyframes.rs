@@ -10,6 +10,7 @@ use crate::domain::keyframe::NewKeyframe;
 use crate::domain::report::KeyframeReport;
 use crate::domain::request::KeyframeDigest;
 use crate::engine::bow::check_vocabulary;
+use crate::engine::global_descriptors::check_global_descriptor;
 use crate::engine::limits::quota::check_keyframe;
 use crate::engine::maps::live::{Decision, LiveMap, State};
 use crate::engine::maps::pinned::PinnedMap;
@@ -149,6 +150,7 @@ impl Service {
                 return Err(ServiceError::Invalid(errors));
             }
             check_vocabulary(index, &keyframe)?;
+            check_global_descriptor(index, keyframe.global_descriptor.as_ref())?;
             check_keyframe(&quotas, index, &keyframe)?;
             let mut ingested = ingest(index, &keyframe);
             let arrived = (ingested.keyframe, Some(&*keyframe));

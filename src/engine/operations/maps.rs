@@ -147,7 +147,9 @@ fn fingerprint(properties: &MapProperties) -> Digest {
         .filter(|(name, value)| *value != defaults.get(name))
         .collect();
     let said = (&properties.description, properties.metric, &properties.anchor_classes, chosen);
-    Sha256::digest(format!("{said:?}")).into()
+    // Maps made before there was such a field keep their fingerprint.
+    let gravity = properties.gravity.map(|gravity| format!("{:?}", gravity.as_given())).unwrap_or_default();
+    Sha256::digest(format!("{said:?}{gravity}")).into()
 }
 
 fn patched(before: &MapProperties, patch: MapPatch) -> Result<MapProperties, ServiceError> {
@@ -163,6 +165,7 @@ fn patched(before: &MapProperties, patch: MapPatch) -> Result<MapProperties, Ser
     if let Some(metric) = patch.metric {
         properties.metric = metric;
     }
+    properties.gravity = patch.gravity.or(properties.gravity);
     let mut errors = Vec::new();
     for (name, value) in patch.settings {
         if let Err(error) = properties.settings.set(&name, value) {

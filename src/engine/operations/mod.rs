@@ -9,6 +9,7 @@ pub(super) mod judgements;
 mod keyframe_reads;
 pub(super) mod keyframe_views;
 pub(super) mod keyframes;
+pub(super) mod locate;
 pub(super) mod loops;
 mod maps;
 pub(super) mod model_verdicts;

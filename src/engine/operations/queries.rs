@@ -17,6 +17,7 @@ use crate::domain::request::{LoopQuery, Subject};
 use crate::domain::roles::Roles;
 use crate::domain::verdict::{ReasonCode, Verdict};
 use crate::engine::bow::check_vocabulary;
+use crate::engine::global_descriptors::check_global_descriptor;
 use crate::engine::maps::live::LiveMap;
 use crate::engine::{Service, ServiceError};
 use crate::recognition::anchors::ingest::unknown_covisible;
@@ -56,14 +57,14 @@ pub struct Timings {
 
 impl Timings {
     /// Notes a step that began at `started` and worked for `work_ms` of the time since; the rest was spent waiting.
-    fn note(&mut self, started: Instant, work_ms: f64, step: fn(&mut Self) -> &mut f64) {
+    pub(super) fn note(&mut self, started: Instant, work_ms: f64, step: fn(&mut Self) -> &mut f64) {
         *step(self) += work_ms;
         self.queue_ms += (milliseconds_since(started) - work_ms).max(0.0);
     }
 }
 
 /// Returns a result with the milliseconds that it took.
-fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+pub(super) fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     let started = Instant::now();
     let result = work();
     (result, milliseconds_since(started))
@@ -163,7 +164,7 @@ impl Service {
 }
 
 /// Returns the milliseconds since a moment, for `server-timing`.
-fn milliseconds_since(start: Instant) -> f64 {
+pub(super) fn milliseconds_since(start: Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1e3
 }
 
@@ -186,6 +187,7 @@ fn screen_subject(
                 return Err(ServiceError::Invalid(errors.into_iter().map(within_inline).collect()));
             }
             check_vocabulary(index, keyframe)?;
+            check_global_descriptor(index, keyframe.global_descriptor.as_ref())?;
             Query::inline(index, keyframe)
         }
     };

@@ -50,6 +50,7 @@ fn properties(patch: MapPatch) -> MapProperties {
     let mut properties = MapProperties {
         description: patch.description.unwrap_or_default(),
         metric: patch.metric.unwrap_or(true),
+        gravity: patch.gravity,
         anchor_classes: patch.anchor_classes.unwrap_or_default(),
         ..MapProperties::default()
     };

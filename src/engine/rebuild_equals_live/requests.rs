@@ -16,6 +16,12 @@ pub(super) enum Request {
         covisible: Option<u8>,
         detections: Vec<Seen>,
     },
+    /// A keyframe with what an inertial unit and a model of images say of it.
+    Sensed {
+        name: u8,
+        tilt: u8,
+        descriptor: Vec<u8>,
+    },
     /// A keyframe that reads as many numbers of one shape as make a numbering once a second one does.
     Plates(u8),
     Cull(u8),
@@ -149,6 +155,8 @@ pub(super) fn any_request() -> impl Strategy<Value = Request> {
     });
     prop_oneof![
         10 => put,
+        3 => (0u8..14, 0u8..4, prop::collection::vec(any::<u8>(), 3..5))
+            .prop_map(|(name, tilt, descriptor)| Request::Sensed { name, tilt, descriptor }),
         3 => (0u8..14).prop_map(Request::Plates),
         2 => (0u8..14).prop_map(Request::Cull),
         2 => correct,

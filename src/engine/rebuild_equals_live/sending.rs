@@ -3,6 +3,7 @@
 use super::requests::{CLASSES, Request, SETTINGS, TEXTS, bare, detection, keyframe_id, plate, point};
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Change, MissedSign, MovedObservation};
+use crate::domain::global_descriptor::{GlobalDescriptor, GlobalEncoding};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId};
 use crate::domain::judged::{Answer, CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
 use crate::domain::judgement::{JudgementProgress, Tally};
@@ -11,7 +12,7 @@ use crate::domain::prior::{AnchorKey, NewPrior};
 use crate::domain::request::{MapPatch, NewLoop, PoseCorrection};
 use crate::engine::maps::live::Decision;
 use crate::engine::{Service, ServiceError};
-use crate::geometry::{Point3, Pose};
+use crate::geometry::{Gravity, Point3, Pose};
 use crate::recognition::anchors::apply_model_answer::{learn_away, learn_reading, learn_verdict};
 use crate::recognition::anchors::rejudging::rejudge;
 use crate::recognition::map::index::MapIndex;
@@ -41,6 +42,19 @@ pub(super) async fn send(service: &Service, map: &MapId, request: Request) -> Re
                     .into_iter()
                     .collect(),
                 detections: detections.iter().map(detection).collect(),
+                ..bare(name)
+            };
+            service.put_keyframe(map, keyframe, [name; 32].into()).await.map(drop)
+        }
+        Request::Sensed { name, tilt, descriptor } => {
+            let (sin, cos) = (f64::from(tilt) * 0.1).sin_cos();
+            let keyframe = NewKeyframe {
+                gravity: Gravity::new([sin, cos, 0.0]),
+                global_descriptor: Some(GlobalDescriptor {
+                    model: "law".parse().unwrap(),
+                    encoding: GlobalEncoding::Int8,
+                    data: descriptor.into(),
+                }),
                 ..bare(name)
             };
             service.put_keyframe(map, keyframe, [name; 32].into()).await.map(drop)
@@ -180,7 +194,8 @@ pub(super) async fn send(service: &Service, map: &MapId, request: Request) -> Re
         }
         Request::Patch(setting) => {
             let (name, value) = SETTINGS[usize::from(setting)].clone();
-            let patch = MapPatch { settings: vec![(name.to_owned(), value)], ..MapPatch::default() };
+            let gravity = Gravity::new([0.0, 1.0, f64::from(setting) * 1e-3]);
+            let patch = MapPatch { gravity, settings: vec![(name.to_owned(), value)], ..MapPatch::default() };
             service.patch_map(map, patch).await.map(drop)
         }
     }

@@ -22,6 +22,7 @@ pub fn map(arm: Method, description: &str) -> MapBody {
     MapBody {
         description: Some(description.to_owned()),
         metric: Some(!arm.is_monocular()),
+        gravity: None,
         anchor_classes: None,
         settings: Some(arm.settings()),
     }
@@ -55,7 +56,9 @@ pub fn keyframe(
         stamp: Time { sec: (stamp_ns / 1_000_000_000) as i64, nanosec: (stamp_ns % 1_000_000_000) as u32 },
         pose: map_from_camera.without_scale().into(),
         camera: Some(CAMERA.into()),
+        gravity: None,
         bow: None,
+        global_descriptor: None,
         features: Some(FeaturesShape {
             descriptor_bytes: (DESCRIPTOR_BITS / 8) as u32,
             descriptors: STANDARD.encode(descriptor_bytes(step)),

@@ -18,7 +18,7 @@ use crate::http::extract::query::{LoopQueryParams, Query};
 use crate::http::problem::Problem;
 
 /// The W3C header with a server's timings.
-const SERVER_TIMING: HeaderName = HeaderName::from_static("server-timing");
+pub(super) const SERVER_TIMING: HeaderName = HeaderName::from_static("server-timing");
 
 /// Query whether a keyframe is a loop
 ///
@@ -66,7 +66,7 @@ pub async fn get_loop_query(
 }
 
 /// Formats the waiting time and the duration of each step, in milliseconds.
-fn server_timing(timings: Timings) -> String {
+pub(super) fn server_timing(timings: Timings) -> String {
     let Timings { queue_ms, screen_ms, features_ms, geometry_ms } = timings;
     format!(
         "queue;dur={queue_ms:.3}, screen;dur={screen_ms:.3}, features;dur={features_ms:.3}, geometry;dur={geometry_ms:.3}"

@@ -9,6 +9,7 @@ mod judgements;
 mod keyframes;
 mod keys;
 mod lines;
+mod locate;
 mod loop_queries;
 mod loops;
 mod maps;
@@ -41,6 +42,7 @@ pub fn api(frame: OpenApi) -> OpenApiRouter<App> {
         .routes(routes!(export::export_map))
         .routes(routes!(loop_queries::query_loop))
         .routes(routes!(loop_queries::get_loop_query))
+        .routes(routes!(locate::locate))
         .routes(routes!(loops::list_loops, loops::confirm_loop))
         .routes(routes!(loops::revoke_loop))
         .routes(routes!(model_verdicts::bring_model_verdict))

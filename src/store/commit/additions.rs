@@ -79,7 +79,7 @@ impl<'j> Additions<'j> {
             Change::AnchorTouched(seq, version) => drop(self.touched.insert((map, *seq), *version)),
             Change::PointSet(session, id, at) => self.points.push((map, *session, *id, *at)),
             // Written with the keyframe's rows.
-            Change::Observed(..) | Change::OutcomeSet(..) => {}
+            Change::GlobalDescriptorSet(..) | Change::Observed(..) | Change::OutcomeSet(..) => {}
             _ => return Ok(false),
         }
         Ok(true)

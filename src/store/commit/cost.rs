@@ -30,7 +30,7 @@ pub(in crate::store) fn of_change(change: &Change) -> u64 {
         Change::PointSet(..) => POINT_ROW_US,
         Change::PointsForgotten(_, ids) => ids.len() as u64 * POINT_ROW_US,
         Change::PoseSet(..) | Change::KeyframeRemoved(..) => KEYFRAME_ROW_US,
-        Change::Observed(..) | Change::OutcomeSet(..) => 0,
+        Change::Observed(..) | Change::OutcomeSet(..) | Change::GlobalDescriptorSet(..) => 0,
         Change::KeyframeAdded(keyframe, _) => KEYFRAME_ROW_US + of_bytes(keyframe.bytes as usize),
         _ => STATEMENT_US,
     }

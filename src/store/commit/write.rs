@@ -182,6 +182,7 @@ async fn apply(
         }
         Change::SessionAdded(..)
         | Change::KeyframeAdded(..)
+        | Change::GlobalDescriptorSet(..)
         | Change::AnchorAdded(..)
         | Change::AnchorTouched(..)
         | Change::PointSet(..)

@@ -29,7 +29,8 @@ const MIGRATIONS: &[Step] = &[
     (12, "map_keys", include_str!("../../../migrations/sqlite/0012_map_keys.sql")),
     (POINT_BLOCKS, "compact", include_str!("../../../migrations/sqlite/0013_compact.sql")),
     (14, "no_point_rows", include_str!("../../../migrations/sqlite/0014_no_point_rows.sql")),
-    (17, "prior_anchors", include_str!("../../../migrations/sqlite/0017_prior_anchors.sql")),
+    (15, "globals", include_str!("../../../migrations/sqlite/0015_globals.sql")),
+    (16, "prior_anchors", include_str!("../../../migrations/sqlite/0016_prior_anchors.sql")),
 ];
 
 /// The schema that has map points in rows and in blocks.

@@ -8,10 +8,11 @@ use super::packing::Packing;
 use crate::domain::anchor::Observation;
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Keyframe, Loop};
+use crate::domain::global_descriptor::{GlobalDescriptor, GlobalEncoding};
 use crate::domain::ids::{KeyframeSeq, LoopId, SessionSeq, StoredId};
 use crate::domain::keyframe::{Camera, Stamp};
 use crate::domain::request::{Digest, KeyframeDigest};
-use crate::geometry::{Point3, Pose};
+use crate::geometry::{Gravity, Point3, Pose};
 use crate::store::StoreError;
 
 /// Reads the digest of a body.
@@ -54,6 +55,7 @@ pub(in crate::store) fn keyframe(row: &SqliteRow) -> Result<(Keyframe, BowVector
         stamp: Stamp { sec: row.try_get("stamp_sec")?, nanosec: row.try_get("stamp_nanosec")? },
         map_from_camera: pose(row.try_get("pose")?)?,
         camera: row.try_get::<Option<&[u8]>, _>("camera")?.map(camera).transpose()?,
+        gravity: gravity(row)?,
         observes: packing.wide(row.try_get("observes")?)?.into(),
         declared: declared.into_iter().map(|(other, shared)| (KeyframeSeq(other), shared)).collect(),
         bytes: row.try_get::<i64, _>("bytes")? as u64,
@@ -85,6 +87,26 @@ fn camera(bytes: &[u8]) -> Result<Camera, StoreError> {
     let [fx, fy, cx, cy] = unpack_array(floats)?;
     let [width, height] = unpack_array(integers)?;
     Ok(Camera { fx, fy, cx, cy, width, height })
+}
+
+/// Reads the gravity of a keyframe or a map, if it has one.
+pub(in crate::store) fn gravity(row: &SqliteRow) -> Result<Option<Gravity>, StoreError> {
+    let vector = row.try_get::<Option<&[u8]>, _>("gravity")?.map(unpack_array).transpose()?;
+    vector.map(given_gravity).transpose()
+}
+
+/// Returns a vector of gravity that was accepted once.
+pub(in crate::store) fn given_gravity(vector: [f64; 3]) -> Result<Gravity, StoreError> {
+    Gravity::new(vector).ok_or_else(|| StoreError::corrupt("a vector of gravity that is no unit vector"))
+}
+
+/// Reads the global descriptor of a keyframe, if it has one.
+pub(in crate::store) fn global_descriptor(row: &SqliteRow) -> Result<Option<GlobalDescriptor>, StoreError> {
+    let Some(data) = row.try_get::<Option<&[u8]>, _>("global_descriptor")? else { return Ok(None) };
+    let (model, encoding): (&str, &str) = (row.try_get("global_model")?, row.try_get("global_encoding")?);
+    let unknown = || StoreError::corrupt(format!("a global descriptor in {encoding:?}"));
+    let encoding = GlobalEncoding::from_name(encoding).ok_or_else(unknown)?;
+    Ok(Some(GlobalDescriptor { model: id(model)?, encoding, data: data.into() }))
 }
 
 /// Reads a position.

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use sqlx::SqliteConnection;
 
-use super::blob::pack;
+use super::blob::{gravity_blob, pack};
 use super::bulk_insert::write_rows;
 use super::column::integers;
 use super::decode::keyframe_digest_blob;
@@ -39,7 +39,7 @@ pub(in crate::store) async fn add_keyframes(
 ) -> Result<(), StoreError> {
     let head =
         "insert into keyframes (map_key, keyframe, id, session, stamp_sec, stamp_nanosec, pose, camera,
-            observes, sent_points, declared, bow_words, bow_weights, digest, bytes, version, packing) ";
+            observes, sent_points, declared, bow_words, bow_weights, digest, bytes, version, packing, gravity, global_model, global_encoding, global_descriptor) ";
     write_rows(db, head, "", arrived, |row, Arrived { map, version, keyframe, bow, rows }| {
         row.push_bind(*map).push_bind(keyframe.seq.0).push_bind(keyframe.id.as_str().to_owned());
         row.push_bind(keyframe.session.0).push_bind(keyframe.stamp.sec).push_bind(keyframe.stamp.nanosec);
@@ -53,7 +53,11 @@ pub(in crate::store) async fn add_keyframes(
         row.push_bind(keyframe_digest_blob(rows.digest))
             .push_bind(keyframe.bytes as i64)
             .push_bind(*version as i64);
-        row.push_bind(Packing::NEWEST.number());
+        row.push_bind(Packing::NEWEST.number()).push_bind(keyframe.gravity.map(gravity_blob));
+        let global = rows.keyframe.global_descriptor.as_ref();
+        row.push_bind(global.map(|of| of.model.as_str().to_owned()));
+        row.push_bind(global.map(|of| of.encoding.as_str()));
+        row.push_bind(global.map(|of| of.data.to_vec()));
     })
     .await?;
     let with_features = |arrived: &'_ Arrived<'_>| arrived.rows.keyframe.features.is_some();

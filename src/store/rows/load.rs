@@ -182,10 +182,12 @@ async fn load_keyframes(
         let mut added = Vec::with_capacity(rows.len());
         for row in &rows {
             let (mut keyframe, bow) = keyframe(row, known)?;
+            let seq = keyframe.seq;
             // What was declared about keyframes that were culled since is no fact any more.
             keyframe.declared = declared_of(&keyframe, &known.keyframes);
-            known.keyframes.insert(keyframe.seq);
+            known.keyframes.insert(seq);
             added.push(Change::KeyframeAdded(Box::new(keyframe), Arc::new(bow)));
+            added.extend(global_descriptor(row, seq, known)?);
         }
         take(&added);
     }
@@ -209,8 +211,10 @@ async fn load_keyframes_backwards(
         last = row.try_get("keyframe")?;
         for row in &rows {
             let (mut keyframe, bow) = keyframe(row, known)?;
+            let seq = keyframe.seq;
             keyframe.declared = declared_of(&keyframe, &known.keyframes);
             take(&[Change::KeyframeAdded(Box::new(keyframe), Arc::new(bow))]);
+            take(global_descriptor(row, seq, known)?.as_slice());
         }
     }
 }
@@ -226,6 +230,18 @@ fn keyframe(row: &SqliteRow, known: &Known) -> Result<(Keyframe, BowVector), Sto
         decode::keyframe(row).map_err(|error| error.of_row(format!("keyframe number {number}")))?;
     validate::keyframe(&keyframe, known)?;
     Ok((keyframe, bow))
+}
+
+/// Returns the global descriptor of a keyframe, if it has one, and notes the form of the map's.
+fn global_descriptor(
+    row: &SqliteRow,
+    keyframe: KeyframeSeq,
+    known: &mut Known,
+) -> Result<Option<Change>, StoreError> {
+    let of_row = |error: StoreError| error.of_row(format!("keyframe number {}", keyframe.0));
+    let Some(descriptor) = decode::global_descriptor(row).map_err(of_row)? else { return Ok(None) };
+    validate::global_descriptor(&descriptor, known).map_err(of_row)?;
+    Ok(Some(Change::GlobalDescriptorSet(keyframe, Box::new(descriptor))))
 }
 
 /// Returns the anchors, and notes the class and version of each.

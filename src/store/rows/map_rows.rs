@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use sqlx::sqlite::SqliteRow;
 use sqlx::{AssertSqlSafe, Row, SqliteConnection};
 
+use super::blob::gravity_blob;
 use super::bulk_insert::write_rows;
 use super::decode::{self, digest};
 use super::statement::run;
@@ -131,6 +132,7 @@ fn map_row(row: &SqliteRow) -> Result<MapRow, StoreError> {
         properties: MapProperties {
             description: row.try_get("description")?,
             metric: row.try_get("metric")?,
+            gravity: decode::gravity(row)?,
             anchor_classes: classes,
             settings: settings(chosen)?,
         },
@@ -196,8 +198,9 @@ pub(in crate::store) async fn set_properties(
     map: MapKey,
     properties: &MapProperties,
 ) -> Result<(), StoreError> {
-    let update = "update maps set description = $2, metric = $3 where map_key = $1";
-    run(db, sqlx::query(update).bind(map).bind(&properties.description).bind(properties.metric)).await?;
+    let update = "update maps set description = $2, metric = $3, gravity = $4 where map_key = $1";
+    let query = sqlx::query(update).bind(map).bind(&properties.description).bind(properties.metric);
+    run(db, query.bind(properties.gravity.map(gravity_blob))).await?;
     run(db, sqlx::query("delete from map_anchor_classes where map_key = $1").bind(map)).await?;
     for class in &properties.anchor_classes {
         let insert = "insert into map_anchor_classes (map_key, class) values ($1, $2)";
@@ -246,6 +249,7 @@ pub(in crate::store) async fn properties(
     Ok(MapProperties {
         description: row.try_get("description")?,
         metric: row.try_get("metric")?,
+        gravity: decode::gravity(row)?,
         anchor_classes: sqlx::query_scalar(classes).bind(key).fetch_all(&mut *db).await?,
         settings: settings(stored)?,
     })

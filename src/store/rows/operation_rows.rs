@@ -19,7 +19,14 @@ use crate::store::commit::job::MapKey;
 #[serde(tag = "operation", rename_all = "snake_case")]
 pub(in crate::store) enum Operation {
     /// The map's properties are these from then on; of its settings those that differ from their defaults.
-    Map { description: String, metric: bool, anchor_classes: Vec<String>, settings: BTreeMap<String, String> },
+    Map {
+        description: String,
+        metric: bool,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        gravity: Option<[f64; 3]>,
+        anchor_classes: Vec<String>,
+        settings: BTreeMap<String, String>,
+    },
     /// A loop was confirmed between two keyframes.
     Loop { id: String, keyframe: u32, candidate: u32, query: Option<String> },
     /// A loop was revoked.
@@ -61,6 +68,7 @@ impl From<&MapProperties> for Operation {
         Self::Map {
             description: properties.description.clone(),
             metric: properties.metric,
+            gravity: properties.gravity.map(|gravity| gravity.as_given()),
             anchor_classes: properties.anchor_classes.clone(),
             settings: map_rows::chosen(&properties.settings)
                 .map(|(name, value)| (name.to_owned(), value))

@@ -7,6 +7,7 @@ use std::collections::{HashMap, HashSet};
 
 use crate::domain::anchor::Observation;
 use crate::domain::change::{Change, Keyframe, MergeCause};
+use crate::domain::global_descriptor::{GlobalDescriptor, GlobalForm};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId};
 use crate::domain::prior::{Prior, is_unit};
 use crate::geometry::Point3;
@@ -21,6 +22,8 @@ pub(in crate::store) struct Known {
     sessions: usize,
     /// The keyframes that stand.
     pub keyframes: HashSet<KeyframeSeq>,
+    /// The form of the global descriptors, once there is one.
+    global_form: Option<GlobalForm>,
     /// The anchors that stand.
     pub anchors: HashMap<AnchorSeq, KnownAnchor>,
 }
@@ -63,6 +66,21 @@ pub(in crate::store) fn keyframe(keyframe: &Keyframe, known: &Known) -> Result<(
     }
     if !keyframe.observes.iter().is_sorted_by(|a, b| a < b) {
         return fault(format!("the points of keyframe {id} are not in order"));
+    }
+    Ok(())
+}
+
+/// Rejects a global descriptor of no size that is allowed, or of another form than the map's others, and notes its form.
+pub(in crate::store) fn global_descriptor(
+    descriptor: &GlobalDescriptor,
+    known: &mut Known,
+) -> Result<(), StoreError> {
+    let size = descriptor.data.len();
+    if !(1..=GlobalDescriptor::MAX_BYTES).contains(&size) {
+        return fault(format!("a global descriptor of {size} bytes"));
+    }
+    if !descriptor.is_of(known.global_form.get_or_insert_with(|| descriptor.form())) {
+        return fault("a global descriptor of another form than those before it".to_owned());
     }
     Ok(())
 }

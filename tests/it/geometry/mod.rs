@@ -5,6 +5,6 @@ mod anchors;
 mod changed_signs;
 mod images;
 mod neighbours;
-mod scene;
+pub mod scene;
 mod transformation;
 mod twins;

@@ -84,12 +84,16 @@ fn add_keyframe(record: &mut Recorder<'_>, new: &NewKeyframe) -> (KeyframeSeq, S
         stamp: new.stamp,
         map_from_camera: new.map_from_camera,
         camera: new.camera,
+        gravity: new.gravity,
         observes: new.observes.as_slice().into(),
         declared: new.covisible.iter().filter_map(|(id, n)| Some((index.keyframe_seq(id)?, *n))).collect(),
         bytes: new.bytes(),
     };
     let seq = keyframe.seq;
     changes.push(Change::KeyframeAdded(Box::new(keyframe), Arc::new(new.bow.clone())));
+    if let Some(descriptor) = &new.global_descriptor {
+        changes.push(Change::GlobalDescriptorSet(seq, Box::new(descriptor.clone())));
+    }
     let moved = new.map_points.iter().filter(|(id, at)| index.points().position(session, *id) != Some(*at));
     changes.extend(moved.map(|(id, at)| Change::PointSet(session, *id, *at)));
     record.apply(changes);

@@ -10,11 +10,12 @@ use std::ops::Range;
 use super::distinctiveness::PlaceCounts;
 use super::rivals::known_contradiction;
 use crate::domain::change::{Change, Twins};
+use crate::domain::channel::Channel;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::domain::settings::WithoutAnchors;
 use crate::domain::verdict::{CandidateDecision, ReasonCode, Verify};
 use crate::recognition::loops::anchor_map::{LocalAnchor, LocalName, local_anchor_map};
-use crate::recognition::loops::candidates::{Channel, find_candidates};
+use crate::recognition::loops::candidates::find_candidates;
 use crate::recognition::loops::centre::Centre;
 use crate::recognition::loops::evidence;
 use crate::recognition::loops::features::FeatureSet;
@@ -57,7 +58,7 @@ pub fn suspects(index: &MapIndex, query: &Query<'_>) -> Option<Suspects> {
     let around = local_anchor_map(index, &query.centre, &mut places);
     let proposals = find_candidates(index, query, &mut places);
     let (mut candidates, mut signs) = (Vec::new(), Vec::new());
-    for proposal in proposals.candidates.iter().filter(|proposal| proposal.channel == Channel::Bow) {
+    for proposal in proposals.candidates.iter().filter(|proposal| proposal.is_by(Channel::Bow)) {
         let of_place =
             [(proposal.keyframe, proposal.score)].into_iter().chain(proposal.neighbours.iter().copied());
         let contradicted = of_place.into_iter().find_map(|(candidate, score)| {

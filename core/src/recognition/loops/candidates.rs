@@ -1,18 +1,23 @@
-//! Candidates: checks 1 and 2 of §V, and the second channel of §III.
+//! Candidates: checks 1 and 2 of §V, the second channel of §III, and ours by global descriptors (M54).
 //!
 //! Keyframes covisible with the query are excluded. Of the others, bag of words brings the best
 //! of each place; and so do the anchors that the query sees and that match one seen before,
 //! on another passage: an anchor seen again triggers loop detection even where the words fail.
+//! A query with a global descriptor has a third channel, and the channels' rankings are fused.
 
 use std::cell::RefCell;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
+use super::fusion::fuse;
 use super::query::Query;
 use crate::domain::bow::Score;
+use crate::domain::channel::{Channel, ProposedBy};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::recognition::anchors::matching;
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
-use crate::recognition::map::covisible_groups::{PlaceLimits, PlaceScratch, best_places, greedy_places};
+use crate::recognition::map::covisible_groups::{
+    PlaceLimits, PlaceScratch, Ranked, best_places, greedy_places,
+};
 use crate::recognition::map::index::{Anchor, MapIndex, MergedAnchor};
 use crate::recognition::map::inverted_file::{Scores, Scratch};
 
@@ -23,15 +28,6 @@ pub(in crate::recognition) const MAX_REVISITS_PER_ANCHOR: usize = 64;
 /// Maximum keyframes of a place that a near miss verifies, which bounds the cost of a query.
 pub(in crate::recognition) const NEAR_MISS_NEIGHBOURS: usize = 5;
 
-/// A way in which candidates are found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Channel {
-    /// Bag of words (check 2). The candidate must score its share of the reference.
-    Bow,
-    /// An anchor seen before (§III). The words may score anything.
-    Anchors,
-}
-
 /// A candidate of some channel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proposal {
@@ -39,17 +35,32 @@ pub struct Proposal {
     pub keyframe: KeyframeSeq,
     /// Its bag-of-words score against the query.
     pub score: Score,
-    /// The channel that proposed it first.
-    pub channel: Channel,
+    /// The channels that proposed it; without a global descriptor of the query's, the first that did.
+    pub channels: Vec<Channel>,
     /// Other keyframes of the place, covisible with it, by score; where a near miss asks them.
     pub neighbours: Vec<(KeyframeSeq, Score)>,
+}
+
+impl Proposal {
+    /// Whether a channel proposed it.
+    pub fn is_by(&self, channel: Channel) -> bool {
+        self.channels.contains(&channel)
+    }
+
+    /// Whether bag of words alone vouches for it, so that it must score its share of the reference.
+    pub fn is_gated(&self) -> bool {
+        self.is_by(Channel::Bow) && !self.is_by(Channel::Global)
+    }
 }
 
 /// The candidates, and the reference score.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proposals {
-    /// By bag of words first, then by anchors; no keyframe twice.
+    /// By bag of words first, then by anchors; of a query with a global descriptor, by the fusion of all channels. No keyframe
+    /// twice.
     pub candidates: Vec<Proposal>,
+    /// How alike the map's global descriptors are to the query's, ascending by keyframe; `None` where the query has none.
+    pub likenesses: Option<Vec<Ranked>>,
     /// The lowest score of the query against its covisible keyframes; 0 without any (M9).
     pub reference_score: f64,
 }
@@ -58,6 +69,15 @@ impl Proposals {
     /// Whether a keyframe is a candidate.
     pub fn has(&self, keyframe: KeyframeSeq) -> bool {
         self.candidates.iter().any(|candidate| candidate.keyframe == keyframe)
+    }
+
+    /// Returns what a verdict says of the channels of a keyframe that was proposed by these; nothing where the query has no
+    /// global descriptor.
+    pub fn proposed_by(&self, keyframe: KeyframeSeq, channels: &[Channel]) -> Option<ProposedBy> {
+        let likenesses = self.likenesses.as_ref()?;
+        let at = likenesses.binary_search_by_key(&keyframe.0, |(keyframe, _)| *keyframe);
+        let similarity = at.ok().map(|at| likenesses[at].1.value());
+        Some(ProposedBy { channels: channels.to_vec(), similarity })
     }
 }
 
@@ -75,25 +95,56 @@ pub fn find_candidates(index: &MapIndex, query: &Query<'_>, places: &mut PlaceCo
             .map(|keyframe| scores.get(keyframe.0).value())
             .min_by(f64::total_cmp)
             .unwrap_or(0.0);
-        let mut candidates = by_bow(index, query, &scores, place_scratch);
-        for keyframe in by_anchors(index, query, &scores, places, place_scratch) {
-            if candidates.iter().all(|known| known.keyframe != keyframe) {
-                let score = scores.get(keyframe.0);
-                candidates.push(Proposal {
-                    keyframe,
-                    score,
-                    channel: Channel::Anchors,
-                    neighbours: Vec::new(),
-                });
+        let bow = by_bow(index, query, &scores, place_scratch);
+        let anchors = by_anchors(index, query, &scores, places, place_scratch);
+        let likenesses = likenesses(index, query);
+        let found = match &likenesses {
+            None => first_come(bow, anchors),
+            Some(likenesses) => {
+                let global = by_global(index, query, likenesses, place_scratch);
+                let rankings = [(Channel::Bow, bow), (Channel::Anchors, anchors), (Channel::Global, global)];
+                fuse(&rankings, |a, b| by_id(index)(a.0, b.0))
             }
-        }
+        };
+        let proposal = |(keyframe, channels): (KeyframeSeq, _)| {
+            let score = scores.get(keyframe.0);
+            Proposal { keyframe, score, channels, neighbours: Vec::new() }
+        };
+        let mut candidates: Vec<Proposal> = found.into_iter().map(proposal).collect();
         if index.properties().settings.near_miss_neighbours && query.snapshot.is_some() {
             for candidate in &mut candidates {
                 candidate.neighbours = best_neighbours(index, query, candidate.keyframe, &scores);
             }
         }
-        Proposals { candidates, reference_score }
+        Proposals { candidates, likenesses, reference_score }
     })
+}
+
+/// Returns the candidates of the paper's two channels, those of the first before those of the second.
+fn first_come(bow: Vec<KeyframeSeq>, anchors: Vec<KeyframeSeq>) -> Vec<(KeyframeSeq, Vec<Channel>)> {
+    let known: HashSet<KeyframeSeq> = bow.iter().copied().collect();
+    let anchors = anchors.into_iter().filter(|keyframe| !known.contains(keyframe));
+    let of = |channel| move |keyframe| (keyframe, vec![channel]);
+    bow.into_iter().map(of(Channel::Bow)).chain(anchors.map(of(Channel::Anchors))).collect()
+}
+
+/// Returns how alike the map's global descriptors are to the query's, ascending by keyframe; `None` where the query does not
+/// use the channel.
+fn likenesses(index: &MapIndex, query: &Query<'_>) -> Option<Vec<Ranked>> {
+    let sought = query.global.as_ref().filter(|_| index.properties().settings.global_channel)?;
+    let mut likenesses = Vec::new();
+    index.globals().score_all(sought, &mut likenesses);
+    Some(likenesses)
+}
+
+/// Returns the keyframe of each place whose global descriptor is most like the query's.
+fn by_global(
+    index: &MapIndex,
+    query: &Query<'_>,
+    likenesses: &[Ranked],
+    scratch: &mut PlaceScratch,
+) -> Vec<KeyframeSeq> {
+    best_of_places(index, query, || likenesses.iter().copied(), scratch)
 }
 
 fn by_bow(
@@ -101,18 +152,23 @@ fn by_bow(
     query: &Query<'_>,
     scores: &Scores<'_>,
     scratch: &mut PlaceScratch,
-) -> Vec<Proposal> {
+) -> Vec<KeyframeSeq> {
+    best_of_places(index, query, || scores.iter(), scratch)
+}
+
+/// Returns the best-scoring keyframe of each place, best first.
+fn best_of_places<I: Iterator<Item = Ranked>>(
+    index: &MapIndex,
+    query: &Query<'_>,
+    scores: impl Fn() -> I,
+    scratch: &mut PlaceScratch,
+) -> Vec<KeyframeSeq> {
     let limits =
         PlaceLimits { places_max: index.properties().settings.candidates_max as usize, min_score: 0.0 };
     let excluded = |keyframe| is_excluded(index, query, KeyframeSeq(keyframe));
     let near = |keyframe| neighbours(index, keyframe);
     let best = best_places(scores, limits, excluded, by_id(index), near, scratch);
-    best.into_iter()
-        .map(|(keyframe, score)| {
-            let keyframe = KeyframeSeq(keyframe);
-            Proposal { keyframe, score, channel: Channel::Bow, neighbours: Vec::new() }
-        })
-        .collect()
+    best.into_iter().map(|(keyframe, _)| KeyframeSeq(keyframe)).collect()
 }
 
 /// Keyframes that see an anchor seen again, ranked by how distinctive those anchors are together,
@@ -206,9 +262,9 @@ fn best_neighbours(
     scored
 }
 
-/// Whether a keyframe is no candidate: covisible with the query (check 1), or too recent (M53).
+/// Whether a keyframe is no candidate: covisible with the query (check 1), too recent (M53), or left out by who asks.
 fn is_excluded(index: &MapIndex, query: &Query<'_>, keyframe: KeyframeSeq) -> bool {
-    query.excludes(keyframe) || query.is_too_recent(index, keyframe)
+    query.excludes(keyframe) || query.is_too_recent(index, keyframe) || query.left_out.contains(&keyframe)
 }
 
 /// Returns the numbers of the keyframes covisible with one.

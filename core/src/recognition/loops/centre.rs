@@ -65,13 +65,13 @@ impl Centre {
 
 /// Associates an inline keyframe's detections as ingest would, and changes nothing: those that
 /// track an object add nothing to the map's knowledge of it, the others stand for themselves.
-/// Returns the centre and the objects that the keyframe sees.
+/// `session` is the one whose frame and numbers the keyframe has, if the map knows it. Returns the centre and the objects that the keyframe sees.
 pub fn inline_centre(
     index: &MapIndex,
+    session: Option<SessionSeq>,
     keyframe: &NewKeyframe,
     covisible: BTreeSet<KeyframeSeq>,
 ) -> (Centre, BTreeSet<AnchorSeq>) {
-    let session = index.session(&keyframe.session);
     let sent: BTreeMap<_, _> = keyframe.map_points.iter().copied().collect();
     let position = |id: PointId| sent.get(&id).copied().or_else(|| index.points().position(session?, id));
     let associations = associate(index, session, covisible.iter().copied(), &keyframe.detections, position);

@@ -6,13 +6,14 @@
 use std::collections::BTreeSet;
 
 use super::anchor_check::{AnchorCheck, Counts};
-use super::candidates::{Channel, find_candidates};
+use super::candidates::find_candidates;
 use super::decision::{answer, verify_candidate};
 use super::evidence;
 use super::features::FeatureSet;
 use super::geometry_check::PlacedQuery;
 use super::query::Query;
 use super::screening::{PreVerified, Screening};
+use crate::domain::channel::Channel;
 use crate::domain::verdict::{CandidateDecision, ReasonCode, Verdict, Verify};
 use crate::recognition::extensions::rivals::{find_rivals, settle_rivals};
 use crate::recognition::extensions::witness::bear_out;
@@ -41,13 +42,15 @@ pub fn screen(map: &MapIndex, map_version: u64, query: &Query<'_>, verify: Verif
     let settings = &map.properties().settings;
     let mut counts = Counts::around(map, &query.centre);
     // check 1: no keyframe that is covisible with the query (`Query::excludes`)
-    // check 2: the best of each place by bag of words; and, by §III, those that show an anchor seen before
+    // check 2: the best of each place by bag of words; by §III, those that show an anchor seen before; and ours, by global
+    // descriptors (M54)
     let proposals = find_candidates(map, query, &mut counts.places);
     let min_score = settings.candidates_min_score_ratio * proposals.reference_score;
     // check 3, §V-A: the local anchor map around the query
     let anchors = AnchorCheck::new(map, query, verify, &mut counts);
-    let mut check = |keyframe, score| {
-        let candidate = evidence::unchecked(map, keyframe, score, proposals.reference_score)?;
+    let mut check = |keyframe, score, channels: &[Channel]| {
+        let mut candidate = evidence::unchecked(map, keyframe, score, proposals.reference_score)?;
+        candidate.proposed = proposals.proposed_by(keyframe, channels);
         // check 3, §V-A: the local anchor map around the candidate; §V-B: Eq. (1) and Eq. (2) between the two
         let pre_verified = anchors.check(keyframe, candidate, &mut counts)?;
         // M15: what odometry and confirmed loops say
@@ -56,17 +59,18 @@ pub fn screen(map: &MapIndex, map_version: u64, query: &Query<'_>, verify: Verif
     let candidates = proposals.candidates.iter().filter_map(|proposal| {
         let (keyframe, score) = (proposal.keyframe, proposal.score);
         // check 2: no less alike than the query's own neighbours are, or a share of it (M9)
-        if proposal.channel == Channel::Bow && score.value() < min_score {
-            let candidate = evidence::unchecked(map, keyframe, score, proposals.reference_score)?;
+        if proposal.is_gated() && score.value() < min_score {
+            let mut candidate = evidence::unchecked(map, keyframe, score, proposals.reference_score)?;
+            candidate.proposed = proposals.proposed_by(keyframe, &proposal.channels);
             let reason = evidence::reason(ReasonCode::BowBelowReference, score.value(), min_score);
             return Some(PreVerified::stopped(keyframe, candidate, CandidateDecision::Rejected, reason));
         }
-        let mut pre_verified = check(keyframe, score)?;
+        let mut pre_verified = check(keyframe, score, &proposal.channels)?;
         // ours: keyframes around a near miss, which geometry may ask in its place
         if pre_verified.may_be_near_miss() {
             let of_place = proposal.neighbours.iter().filter(|(other, _)| !proposals.has(*other));
-            pre_verified
-                .add_neighbours(of_place.filter_map(|(other, score)| check(*other, *score)).collect());
+            let checked = of_place.filter_map(|(other, score)| check(*other, *score, &proposal.channels));
+            pre_verified.add_neighbours(checked.collect());
         }
         Some(pre_verified)
     });

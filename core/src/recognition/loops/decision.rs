@@ -60,7 +60,7 @@ fn seen(pre_verified: &PreVerified, verification: &Verification) -> Seen {
 }
 
 /// Decides on a candidate that passed the anchors by what geometry found, or by what is missing for it.
-fn decide(
+pub(in crate::recognition) fn decide(
     screening: &Screening,
     pre_verified: &PreVerified,
     checked: Result<GeometryOutcome, &'static str>,

@@ -329,6 +329,7 @@ pub(in crate::recognition) fn unchecked(
     Some(Candidate {
         keyframe: index.keyframe(keyframe)?.id.clone(),
         decision: CandidateDecision::Loop,
+        proposed: None,
         bow: bow(score, reference_score),
         anchors: None,
         geometry: geometry_skipped("an earlier check decided"),

@@ -30,6 +30,11 @@ pub struct GeometrySnapshot {
 }
 
 impl GeometrySnapshot {
+    /// Returns `session_from_camera` of a query that a transformation puts here, and the session.
+    pub fn pose_of(&self, candidate_from_query: &Sim3) -> Option<(SessionSeq, Pose)> {
+        Some((self.session?, self.session_from_camera.after(&candidate_from_query.without_scale())))
+    }
+
     /// Returns the session, and where in its frame a transformation puts a query.
     pub fn place(&self, candidate_from_query: &Sim3) -> Option<(SessionSeq, Point3)> {
         let in_camera = Point3::from(candidate_from_query.translation_m());
@@ -55,16 +60,16 @@ impl GeometrySnapshot {
         Some(sight)
     }
 
-    /// Of a keyframe that is not stored.
-    pub fn inline(index: &MapIndex, keyframe: &NewKeyframe) -> Option<Self> {
+    /// Of a keyframe that is not stored; `session` is the one whose frame and numbers it has, if the map knows it.
+    pub fn inline(index: &MapIndex, session: Option<SessionSeq>, keyframe: &NewKeyframe) -> Option<Self> {
         let mut sight = Self {
             camera: keyframe.camera?,
-            session: index.session(&keyframe.session),
+            session,
             session_from_camera: keyframe.map_from_camera,
             positions_in_session: HashMap::new(),
             window: Vec::new(),
         };
-        if let Some(session) = index.session(&keyframe.session) {
+        if let Some(session) = session {
             sight.learn(index, session, keyframe.observes.iter().copied());
         }
         sight.positions_in_session.extend(keyframe.map_points.iter().copied());

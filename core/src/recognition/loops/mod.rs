@@ -12,6 +12,7 @@ pub mod equation_1;
 pub mod equation_2;
 pub mod evidence;
 pub mod features;
+pub(in crate::recognition) mod fusion;
 pub mod geometry_check;
 pub mod geometry_snapshot;
 pub mod low_score;

@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use super::centre::{Centre, inline_centre};
 use super::geometry_snapshot::GeometrySnapshot;
 use crate::domain::bow::BowVector;
-use crate::domain::ids::{AnchorSeq, KeyframeSeq};
+use crate::domain::global_descriptor::GlobalDescriptor;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::domain::keyframe::{NewKeyframe, Stamp};
 use crate::domain::roles::Roles;
 use crate::recognition::map::index::{MapIndex, TextId};
@@ -19,6 +20,8 @@ pub struct Query<'a> {
     pub bow: &'a BowVector,
     /// The moment at which its image was taken.
     pub stamp: Stamp,
+    /// The vector of its whole image, if that can be compared with the map's.
+    pub global: Option<GlobalDescriptor>,
     /// What its local anchor map is built around.
     pub centre: Centre,
     /// The objects it sees, ascending.
@@ -27,6 +30,8 @@ pub struct Query<'a> {
     pub snapshot: Option<GeometrySnapshot>,
     /// The roles that models fill where the question is answered.
     pub roles: Roles,
+    /// Keyframes that are no candidates, because whoever asks has left them out.
+    pub left_out: BTreeSet<KeyframeSeq>,
 }
 
 impl<'a> Query<'a> {
@@ -35,22 +40,55 @@ impl<'a> Query<'a> {
         let centre = Centre::stored(index, keyframe)?;
         let stamp = index.keyframe(keyframe)?.stamp;
         let (seen, snapshot) = (index.objects_seen_by(keyframe), GeometrySnapshot::stored(index, keyframe));
-        Some(Self { keyframe: Some(keyframe), bow, stamp, centre, seen, snapshot, roles: Roles::default() })
+        let global = index.globals().get(keyframe);
+        Some(Self {
+            keyframe: Some(keyframe),
+            bow,
+            stamp,
+            global,
+            centre,
+            seen,
+            snapshot,
+            roles: Roles::default(),
+            left_out: BTreeSet::new(),
+        })
     }
 
     /// About a keyframe that is not stored, as if it had just arrived.
     pub fn inline(index: &MapIndex, keyframe: &'a NewKeyframe) -> Self {
         let covisible = inline_covisible(index, keyframe);
-        let (centre, seen) = inline_centre(index, keyframe, covisible);
+        Self::not_stored(index, index.session(&keyframe.session), keyframe, covisible)
+    }
+
+    /// About a keyframe whose place in the map nobody knows: its pose, its points and its session are its own, whatever
+    /// their names and numbers.
+    pub fn unplaced(index: &MapIndex, keyframe: &'a NewKeyframe) -> Self {
+        Self::not_stored(index, None, keyframe, BTreeSet::new())
+    }
+
+    fn not_stored(
+        index: &MapIndex,
+        session: Option<SessionSeq>,
+        keyframe: &'a NewKeyframe,
+        covisible: BTreeSet<KeyframeSeq>,
+    ) -> Self {
+        let (centre, seen) = inline_centre(index, session, keyframe, covisible);
         Self {
             keyframe: None,
             bow: &keyframe.bow,
             stamp: keyframe.stamp,
+            global: keyframe.global_descriptor.clone().filter(|of_query| index.globals().takes(of_query)),
             centre,
             seen,
-            snapshot: GeometrySnapshot::inline(index, keyframe),
+            snapshot: GeometrySnapshot::inline(index, session, keyframe),
             roles: Roles::default(),
+            left_out: BTreeSet::new(),
         }
+    }
+
+    /// Returns the same question, with these keyframes left out of the candidates.
+    pub fn without(self, left_out: BTreeSet<KeyframeSeq>) -> Self {
+        Self { left_out, ..self }
     }
 
     /// Returns the same question, answered where models fill these roles.

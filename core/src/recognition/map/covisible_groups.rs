@@ -6,7 +6,6 @@
 use std::cmp::Ordering;
 use std::collections::HashSet;
 
-use super::inverted_file::Scores;
 use crate::domain::bow::{BowVector, Score};
 
 /// How many of the best keyframes are looked at first for each place asked for; when they belong to too few
@@ -48,10 +47,11 @@ impl PlaceScratch {
 
 /// Returns the best-scoring keyframe of each place, best first.
 ///
+/// `scores` gives every keyframe with its score, and may be asked for them more than once.
 /// `excluded` keyframes neither stand for a place nor drop others. `tie` orders keyframes of equal score, the
 /// smaller first. `neighbours` gives the keyframes directly covisible with one; it must be symmetric.
-pub fn best_places<N: IntoIterator<Item = u32>>(
-    scores: &Scores<'_>,
+pub fn best_places<I: Iterator<Item = Ranked>, N: IntoIterator<Item = u32>>(
+    scores: impl Fn() -> I,
     limits: PlaceLimits,
     excluded: impl Fn(u32) -> bool,
     tie: impl Fn(u32, u32) -> Ordering,
@@ -62,7 +62,7 @@ pub fn best_places<N: IntoIterator<Item = u32>>(
     let best_first = |a: &Ranked, b: &Ranked| b.1.units().cmp(&a.1.units()).then_with(|| tie(a.0, b.0));
     let mut ranked_max = limits.places_max.saturating_mul(RANKED_PER_PLACE);
     loop {
-        let complete = keep_best(scores, limits.min_units(), &excluded, best_first, ranked_max, ranked);
+        let complete = keep_best(scores(), limits.min_units(), &excluded, best_first, ranked_max, ranked);
         let places = greedy(ranked.iter().copied(), limits.places_max, &neighbours, dropped);
         if complete || places.len() >= limits.places_max {
             return places;
@@ -107,8 +107,8 @@ fn greedy<S, N: IntoIterator<Item = u32>>(
 /// Leaves the best `max` keyframes in `best`, sorted, and tells whether those are all that qualify.
 ///
 /// Nearly every keyframe of a large map is beaten by `max` others already seen, and costs one comparison of scores.
-fn keep_best(
-    scores: &Scores<'_>,
+pub(in crate::recognition) fn keep_best(
+    scores: impl Iterator<Item = Ranked>,
     min_units: u32,
     excluded: &impl Fn(u32) -> bool,
     best_first: impl Fn(&Ranked, &Ranked) -> Ordering,
@@ -118,7 +118,7 @@ fn keep_best(
     best.clear();
     let mut complete = true;
     let mut least_units = min_units;
-    for (keyframe, score) in scores.iter() {
+    for (keyframe, score) in scores {
         if score.units() < least_units || excluded(keyframe) {
             continue;
         }
@@ -220,7 +220,7 @@ mod tests {
             let mut place_scratch = PlaceScratch::new();
             for _ in 0..2 {
                 let found = best_places(
-                    &scores, limits, |keyframe| keyframe % excluded == 0, |a, b| b.cmp(&a),
+                    || scores.iter(), limits, |keyframe| keyframe % excluded == 0, |a, b| b.cmp(&a),
                     |keyframe| of(&graph, keyframe), &mut place_scratch,
                 );
                 prop_assert_eq!(&found, &naive(&all, limits, excluded, &graph));
@@ -237,8 +237,14 @@ mod tests {
         let scores = file.score_all(&query(), &mut scratch);
         let limits = PlaceLimits { places_max: 3, min_score: 0.0 };
         let crowd_of = |keyframe| if keyframe < 990 { crowd.clone() } else { vec![] };
-        let found =
-            best_places(&scores, limits, |_| false, |a, b| a.cmp(&b), crowd_of, &mut PlaceScratch::new());
+        let found = best_places(
+            || scores.iter(),
+            limits,
+            |_| false,
+            |a, b| a.cmp(&b),
+            crowd_of,
+            &mut PlaceScratch::new(),
+        );
         assert_eq!(found.iter().map(|&(keyframe, _)| keyframe).collect::<Vec<_>>(), [0, 990, 991]);
     }
 

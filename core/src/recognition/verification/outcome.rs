@@ -164,6 +164,9 @@ pub struct Verification {
     pub inliers: u32,
     /// The features of the candidate itself that the final transformation explains, ascending.
     pub explained_features: Vec<u32>,
+    /// The places of the inliers, in pixels: in the query's image, and in the candidate's. Of a similarity, only those of
+    /// features that the candidate itself sees.
+    pub explained_pixels: [Vec<[f64; 2]>; 2],
     /// The inliers beyond doubt ([`super::SureLimits`]).
     pub sure_inliers: u32,
     /// The decimal logarithm of the number of false alarms ([`super::significance`]); none before a model is found.
@@ -192,6 +195,7 @@ impl Verification {
             projected_matches: 0,
             inliers: 0,
             explained_features: Vec::new(),
+            explained_pixels: [Vec::new(), Vec::new()],
             sure_inliers: 0,
             log10_false_alarms: None,
             mean_reprojection_error_px: None,

@@ -82,6 +82,13 @@ fn find_transformation(
     let is_sure = |pair: &&Correspondence| pair.is_located() && f64::from(pair.distance) <= max_sure_distance;
     result.explained_features = explained.iter().filter_map(|pair| pair.candidate_feature).collect();
     result.explained_features.sort_unstable();
+    let pixel = |view: &View, feature: u32| {
+        let keypoint = view.keypoints[feature as usize];
+        [keypoint.u, keypoint.v]
+    };
+    let own = explained.iter().filter_map(|pair| Some((pair.query_feature, pair.candidate_feature?)));
+    let (in_query, in_candidate) = own.map(|(a, b)| (pixel(query, a), pixel(candidate, b))).unzip();
+    result.explained_pixels = [in_query, in_candidate];
     result.inliers = result.explained_features.len() as u32;
     result.sure_inliers = explained.iter().filter(is_sure).count() as u32;
     result.mean_reprojection_error_px = mean_error_px(&hypothesis, &explained);

@@ -1,5 +1,6 @@
 //! Keyframes and detections to be sent, built word by word.
 
+use revisit_core::domain::global_descriptor::{GlobalDescriptor, GlobalEncoding};
 use revisit_core::domain::ids::PointId;
 use revisit_core::domain::keyframe::CLIENTS_VOCABULARY;
 use revisit_core::geometry::Pose;
@@ -32,6 +33,16 @@ impl Keyframe {
     pub fn words(mut self, words: &[(u32, f64)]) -> Self {
         self.0.bow = BowVector::normalised(words.to_vec()).expect("words");
         self.0.vocabulary = Some(CLIENTS_VOCABULARY.into());
+        self
+    }
+
+    /// Its whole image is these numbers to a model.
+    pub fn global(mut self, numbers: &[i8]) -> Self {
+        self.0.global_descriptor = Some(GlobalDescriptor {
+            model: "test".parse().expect("an id"),
+            encoding: GlobalEncoding::Int8,
+            data: numbers.iter().map(|number| *number as u8).collect(),
+        });
         self
     }
 

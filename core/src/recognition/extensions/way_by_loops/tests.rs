@@ -24,6 +24,7 @@ fn keyframe(seq: u32, session: u32, x_m: i32, is_lost: bool) -> Change {
         stamp: Stamp { sec: i64::from(seq), nanosec: 0 },
         map_from_camera: Pose::new([f64::from(x_m), 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).unwrap(),
         camera: None,
+        gravity: None,
         observes: points.into(),
         declared: Box::default(),
         bytes: 0,

@@ -56,6 +56,7 @@ impl MapIndex {
                 }
             }
             Change::KeyframeAdded(keyframe, bow) => self.add_keyframe(keyframe, bow),
+            Change::GlobalDescriptorSet(seq, descriptor) => self.globals.insert(*seq, descriptor),
             Change::KeyframeRemoved(seq, bow) => self.remove_keyframe(*seq, bow, touched),
             Change::PoseSet(seq, pose) => {
                 if let Some(keyframe) = self.keyframes.get_mut(seq.index()) {
@@ -278,6 +279,7 @@ impl MapIndex {
         self.keyframe_by_id.remove(&keyframe.id);
         self.points.forget(keyframe.session, keyframe.observes.iter(), seq);
         self.inverted_file.remove(seq.0, bow);
+        self.globals.remove(seq);
         self.bytes -= keyframe.bytes;
         self.tally.remove_keyframe(&keyframe);
         // What others declared about it is no fact of the map any more.

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::anchor::Anchor;
 use super::changed_signs::ChangedSigns;
+use super::globals::Globals;
 use super::holders::Holders;
 use super::objects::{Judging, MergedAnchor, Objects};
 use super::odometer::Odometer;
@@ -14,10 +15,13 @@ use super::sign_grid::SignGrid;
 use super::tally::Tally;
 use super::texts::TextIndex;
 use super::verdicts::Verdicts;
+use crate::domain::bow::Score;
 use crate::domain::change::{Keyframe, Loop, MissedSign, Twins};
+use crate::domain::global_descriptor::GlobalDescriptor;
 use crate::domain::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, SessionId, SessionSeq};
 use crate::domain::map::{MapFigures, MapProperties};
 use crate::recognition::map::covisibility::CovisibilityLists;
+use crate::recognition::map::covisible_groups::{Ranked, keep_best};
 use crate::recognition::map::dense_map::DenseMap;
 use crate::recognition::map::inverted_file::InvertedFile;
 
@@ -53,6 +57,7 @@ pub struct MapIndex {
     /// Texts of valid objects. Verdicts of models about texts are facts among them.
     pub(super) texts: TextIndex,
     pub(super) inverted_file: InvertedFile,
+    pub(super) globals: Globals,
     pub(super) twins: BTreeSet<Twins>,
     pub(super) changed_signs: ChangedSigns,
     pub(super) sign_grid: SignGrid,
@@ -208,6 +213,29 @@ impl MapIndex {
     /// Returns the bag-of-words index.
     pub fn inverted_file(&self) -> &InvertedFile {
         &self.inverted_file
+    }
+
+    /// Returns the global descriptors of the keyframes.
+    pub fn globals(&self) -> &Globals {
+        &self.globals
+    }
+
+    /// Returns the keyframes, at most `max`, whose global descriptors are most like one, best first, ties by id. One at right
+    /// angles is not alike. None is returned for a descriptor of another form than the map's.
+    pub fn best_globals(
+        &self,
+        sought: &GlobalDescriptor,
+        max: usize,
+        excluded: impl Fn(KeyframeSeq) -> bool,
+    ) -> Vec<(KeyframeSeq, Score)> {
+        let (mut scores, mut best) = (Vec::new(), Vec::new());
+        self.globals.score_all(sought, &mut scores);
+        let id = |keyframe: u32| self.keyframe(KeyframeSeq(keyframe)).map(|keyframe| &keyframe.id);
+        let best_first =
+            |a: &Ranked, b: &Ranked| b.1.units().cmp(&a.1.units()).then_with(|| id(a.0).cmp(&id(b.0)));
+        let is_excluded = |keyframe| excluded(KeyframeSeq(keyframe));
+        keep_best(scores.into_iter(), 1, &is_excluded, best_first, max, &mut best);
+        best.into_iter().map(|(keyframe, score)| (KeyframeSeq(keyframe), score)).collect()
     }
 
     /// Returns the anchors (not objects) that a keyframe sees, ascending.

@@ -91,6 +91,9 @@ fn judge<M: ImageModel>(
     result.matched_inliers = inliers.len() as u32;
     let Settled { candidate_from_query, inliers, end } = model.settle(views, inliers);
     result.inliers = inliers.len() as u32;
+    let explained = inliers.iter().map(|place| &views.pairs[*place]);
+    let (in_query, in_candidate) = explained.map(|pair| (pair.query.pixel, pair.candidate.pixel)).unzip();
+    result.explained_pixels = [in_query, in_candidate];
     result.candidate_from_query = candidate_from_query;
     result.mean_reprojection_error_px = views.mean_error_px(model, &inliers);
     let evidence = significance::weigh(&views.matches_for(model, &inliers), M::SAMPLE as u32);

@@ -63,6 +63,7 @@ fn change_of(index: &MapIndex, step: &Step) -> Option<Change> {
                 stamp: Stamp { sec: 0, nanosec: 0 },
                 map_from_camera: Pose::new([0.0; 3], [0.0, 0.0, 0.0, 1.0]).unwrap(),
                 camera: None,
+                gravity: None,
                 observes: observes.iter().copied().collect(),
                 declared: declared
                     .into_iter()

@@ -15,6 +15,7 @@ fn keyframe(seq: u32, session: u32, sec: i64, x_m: f64) -> Keyframe {
         stamp: Stamp { sec, nanosec: 0 },
         map_from_camera: Pose::new([x_m, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]).unwrap(),
         camera: None,
+        gravity: None,
         observes: PointList::default(),
         declared: Box::default(),
         bytes: 0,

@@ -1,0 +1,380 @@
+//! The search of one map: candidates of every channel with checks 2 and 3 of §V, and poses from anchors.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use nalgebra::Vector3;
+
+use super::anchor_pose::{AnchorPose, Verticals, anchor_poses};
+use super::look_for::{NearbySign, nearby_signs};
+use super::sighted_anchor::{SightedAnchor, pairs_by_session, sighted_anchors};
+use crate::domain::channel::Channel;
+use crate::domain::ids::{AnchorSeq, KeyframeId, KeyframeSeq, SessionId, SessionSeq};
+use crate::domain::keyframe::NewKeyframe;
+use crate::domain::location::{AskedKeyframe, SignEvidence};
+use crate::domain::roles::Roles;
+use crate::domain::verdict::{AnchorName, Candidate, Verify};
+use crate::geometry::{Point3, Pose};
+use crate::recognition::extensions::distinctiveness::PlaceCounts;
+use crate::recognition::loops::anchor_check::{AnchorCheck, Counts};
+use crate::recognition::loops::candidates::{Proposal, find_candidates};
+use crate::recognition::loops::evidence;
+use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
+use crate::recognition::loops::query::Query;
+use crate::recognition::loops::screening::{CandidateStage, PreVerified, Screening};
+use crate::recognition::map::index::MapIndex;
+
+/// Candidates of one keyframe in one map that are looked at; those that score best, and those that anchors propose.
+pub(in crate::recognition) const CANDIDATES_PER_MAP_MAX: usize = 20;
+/// Keyframes of a candidate's place that geometry may look at beside it.
+pub(in crate::recognition) const NEIGHBOURS_MAX: usize = 3;
+
+/// The camera's own keyframes, and the question's terms.
+#[derive(Clone, Debug)]
+pub struct LocateQuestion {
+    /// The keyframes, of one moment or one short drive; the pose that is sought is the first one's.
+    pub keyframes: Vec<AskedKeyframe>,
+    /// Keyframes that are no candidates, in any map.
+    pub without_keyframes: BTreeSet<KeyframeId>,
+    /// Sessions whose keyframes are no candidates, in any map.
+    pub without_sessions: BTreeSet<SessionId>,
+    /// The roles that models fill where the question is answered.
+    pub roles: Roles,
+    /// The position in some session's frame, and the radius, both in metres, within which the camera may be.
+    pub hint: Option<(Point3, f64)>,
+    /// The seed of geometry's samples.
+    pub seed: u64,
+}
+
+impl LocateQuestion {
+    /// Returns the transformation from a keyframe's own frame to the first keyframe's camera frame; none where their
+    /// clients told no poses, so that nothing ties the two together.
+    pub fn reference_from_session(&self, keyframe: usize) -> Option<Pose> {
+        let (first, asked) = (self.keyframes.first()?, self.keyframes.get(keyframe)?);
+        let is_tied = keyframe == 0 || (first.has_pose && asked.has_pose);
+        is_tied.then(|| first.keyframe.map_from_camera.inverse())
+    }
+
+    /// Returns the transformation from a keyframe's camera frame to the first one's.
+    pub fn reference_from_camera(&self, keyframe: usize) -> Option<Pose> {
+        let asked = self.keyframes.get(keyframe)?;
+        Some(self.reference_from_session(keyframe)?.after(&asked.keyframe.map_from_camera))
+    }
+}
+
+/// A keyframe of the map that stands for a place.
+#[derive(Clone, Debug)]
+pub struct Site {
+    /// The keyframe.
+    pub keyframe: KeyframeSeq,
+    /// Its name.
+    pub id: KeyframeId,
+    /// Its session.
+    pub session: SessionSeq,
+    /// The session's name.
+    pub session_id: SessionId,
+    /// Its pose in its session's frame, in metres.
+    pub map_from_camera: Pose,
+    /// The signs near it that bear an identifier and hang in one place only, nearest first.
+    pub signs: Vec<NearbySign>,
+}
+
+/// A candidate of one keyframe.
+#[derive(Clone, Debug)]
+pub struct Proposed {
+    /// Its site, by its number.
+    pub site: usize,
+    /// The signs that agree and contradict.
+    pub signs: SignEvidence,
+    /// The numbers of the candidates of its place that stand beside it, best first.
+    pub neighbours: Vec<usize>,
+    /// Whether it is itself a neighbour of a candidate.
+    pub is_neighbour: bool,
+    /// Whether it lies where the hint has the camera.
+    pub is_hinted: bool,
+}
+
+/// What one map has to say.
+#[derive(Clone, Debug)]
+pub struct MapSearch {
+    /// The map's version.
+    pub version: u64,
+    /// For each keyframe that asks, its candidates after checks 1 to 3.
+    pub screenings: Vec<Screening>,
+    /// For each keyframe that asks, the same candidates in the same order.
+    pub proposed: Vec<Vec<Proposed>>,
+    /// The sites of all candidates and poses.
+    pub sites: Vec<Site>,
+    /// The pairs of sites that show one place, the smaller number first.
+    pub beside: BTreeSet<(usize, usize)>,
+    /// Poses from anchors, each with its site.
+    pub poses: Vec<(AnchorPose, Option<usize>)>,
+    /// The names of the sessions of those poses.
+    pub pose_sessions: Vec<SessionId>,
+}
+
+impl MapSearch {
+    /// Whether two sites show one place.
+    pub fn are_beside(&self, a: usize, b: usize) -> bool {
+        a == b || self.beside.contains(&(a.min(b), a.max(b)))
+    }
+}
+
+/// Searches one map at one version.
+pub fn search_map(index: &MapIndex, version: u64, question: &LocateQuestion) -> MapSearch {
+    let left_out = left_out(index, question);
+    let queries: Vec<Query<'_>> = question
+        .keyframes
+        .iter()
+        .map(|asked| {
+            Query::unplaced(index, &asked.keyframe).with_roles(question.roles).without(left_out.clone())
+        })
+        .collect();
+    let mut sites = Sites { index, sites: Vec::new(), by_keyframe: BTreeMap::new() };
+    let (mut screenings, mut proposed) = (Vec::new(), Vec::new());
+    for query in &queries {
+        let (screening, of_query) = propose(index, version, question, query, &mut sites);
+        screenings.push(screening);
+        proposed.push(of_query);
+    }
+    let poses = poses(index, question, &queries, &mut sites);
+    let pose_sessions =
+        poses.iter().map(|(pose, _)| index.sessions()[pose.session.index()].clone()).collect();
+    let beside = sites.beside();
+    MapSearch { version, screenings, proposed, sites: sites.sites, beside, poses, pose_sessions }
+}
+
+fn left_out(index: &MapIndex, question: &LocateQuestion) -> BTreeSet<KeyframeSeq> {
+    let named = question.without_keyframes.iter().filter_map(|id| index.keyframe_seq(id));
+    let sessions: BTreeSet<SessionSeq> =
+        question.without_sessions.iter().filter_map(|id| index.session(id)).collect();
+    let mut left_out: BTreeSet<KeyframeSeq> = named.collect();
+    if !sessions.is_empty() {
+        let of_sessions = index.keyframes().filter(|keyframe| sessions.contains(&keyframe.session));
+        left_out.extend(of_sessions.map(|keyframe| keyframe.seq));
+    }
+    left_out
+}
+
+/// Finds the candidates of one keyframe, and takes them through check 3.
+fn propose(
+    index: &MapIndex,
+    version: u64,
+    question: &LocateQuestion,
+    query: &Query<'_>,
+    sites: &mut Sites<'_>,
+) -> (Screening, Vec<Proposed>) {
+    let mut counts = Counts::around(index, &query.centre);
+    let proposals = find_candidates(index, query, &mut counts.places);
+    let anchors = AnchorCheck::new(index, query, Verify::Auto, &mut counts);
+    let mut candidates: Vec<PreVerified> = Vec::new();
+    let mut proposed: Vec<Proposed> = Vec::new();
+    let mut check = |keyframe, score, channels: &[Channel], counts: &mut Counts| {
+        let mut candidate = evidence::unchecked(index, keyframe, score, proposals.reference_score)?;
+        candidate.proposed = proposals.proposed_by(keyframe, channels);
+        let pre_verified = opened(index, anchors.check(keyframe, candidate, counts)?);
+        let signs = sign_evidence(index, query, &pre_verified.candidate, &mut counts.places);
+        let site = sites.of(keyframe, &mut counts.places)?;
+        let centre = sites.sites[site].map_from_camera.centre();
+        let is_hinted =
+            question.hint.is_none_or(|(position, radius_m)| (centre - position).norm() <= radius_m);
+        let proposed = Proposed { site, signs, neighbours: Vec::new(), is_neighbour: false, is_hinted };
+        Some((pre_verified, proposed))
+    };
+    let mut add = |one: (PreVerified, Proposed)| {
+        candidates.push(one.0);
+        proposed.push(one.1);
+        proposed.len() - 1
+    };
+    let mut places: Vec<(usize, &Proposal)> = Vec::new();
+    for proposal in proposals.candidates.iter().take(CANDIDATES_PER_MAP_MAX) {
+        if let Some(one) = check(proposal.keyframe, proposal.score, &proposal.channels, &mut counts) {
+            places.push((add(one), proposal));
+        }
+    }
+    let mut beside: Vec<(usize, Vec<usize>)> = Vec::new();
+    for (number, proposal) in places {
+        let mut numbers = Vec::new();
+        for (keyframe, score) in
+            proposal.neighbours.iter().filter(|(other, _)| !proposals.has(*other)).take(NEIGHBOURS_MAX)
+        {
+            if let Some((pre_verified, of_neighbour)) =
+                check(*keyframe, *score, &proposal.channels, &mut counts)
+            {
+                numbers.push(add((pre_verified, Proposed { is_neighbour: true, ..of_neighbour })));
+            }
+        }
+        beside.push((number, numbers));
+    }
+    for (number, numbers) in beside {
+        proposed[number].neighbours = numbers;
+    }
+    (Screening::of_candidates(index, version, query, Verify::Auto, candidates), proposed)
+}
+
+/// Returns a candidate that geometry may look at, whatever its anchors say: where nothing is known of one's own place,
+/// everything that looks alike counts, if only as a rival.
+fn opened(index: &MapIndex, pre_verified: PreVerified) -> PreVerified {
+    let snapshot =
+        pre_verified.snapshot.clone().or_else(|| GeometrySnapshot::stored(index, pre_verified.keyframe));
+    let stage = match pre_verified.left_open() {
+        Some(_) => CandidateStage::AskGeometry,
+        None => pre_verified.stage,
+    };
+    let mut opened = PreVerified { snapshot, stage, neighbours: Vec::new(), ..pre_verified };
+    if opened.stage == CandidateStage::AskGeometry {
+        opened.candidate.reason = None;
+    }
+    opened.rivalry.is_rival = true;
+    opened
+}
+
+/// Returns the identifiers that agree and hang in one place only, and how many contradict.
+fn sign_evidence(
+    index: &MapIndex,
+    query: &Query<'_>,
+    candidate: &Candidate,
+    places: &mut PlaceCounts,
+) -> SignEvidence {
+    let Some(anchors) = &candidate.anchors else { return SignEvidence::default() };
+    let mut agreeing = BTreeSet::new();
+    for pair in &anchors.matches {
+        let AnchorName::Inline(detection) = &pair.query_anchor else { continue };
+        let sighted = query.centre.inline.iter().find(|anchor| anchor.detection == *detection);
+        let Some((class, text)) = sighted.and_then(|anchor| Some((&anchor.class, anchor.text.as_ref()?)))
+        else {
+            continue;
+        };
+        if !text.identifiers().is_empty() && places.of_guest(index, class, text) == 1 {
+            agreeing.insert(text.normalised().to_owned());
+        }
+    }
+    SignEvidence {
+        agreeing: agreeing.into_iter().collect(),
+        contradicting: anchors.contradictions.len() as u32,
+    }
+}
+
+/// Returns the poses that anchors give, in each session's frame.
+fn poses(
+    index: &MapIndex,
+    question: &LocateQuestion,
+    queries: &[Query<'_>],
+    sites: &mut Sites<'_>,
+) -> Vec<(AnchorPose, Option<usize>)> {
+    let mut sighted: Vec<SightedAnchor> = Vec::new();
+    for (number, query) in queries.iter().enumerate() {
+        if let Some(reference_from_session) = question.reference_from_session(number) {
+            sighted.extend(sighted_anchors(index, query, number, &reference_from_session));
+        }
+    }
+    let Some(first) = queries.first().filter(|_| sighted.len() >= 2) else { return Vec::new() };
+    let mut counts = PlaceCounts::around(index, &first.centre);
+    let apart_m = index.properties().settings.distinctive_place_radius_m;
+    let mut found = Vec::new();
+    for (session, pairs) in pairs_by_session(index, &sighted, &mut counts) {
+        let objects: BTreeSet<AnchorSeq> = pairs.iter().map(|pair| pair.object).collect();
+        let seeing = keyframes_seeing(index, session, &objects, first);
+        let verticals = verticals(index, &question.keyframes[0].keyframe, &seeing);
+        for pose in anchor_poses(session, &sighted, &pairs, &verticals, apart_m) {
+            let site = nearest(index, &seeing, &pose.pose.map_from_camera.centre());
+            let site = site.and_then(|keyframe| sites.of(keyframe, &mut counts));
+            found.push((pose, site));
+        }
+    }
+    found
+}
+
+/// Returns the keyframes of a session that see one of these objects and are not left out.
+fn keyframes_seeing(
+    index: &MapIndex,
+    session: SessionSeq,
+    objects: &BTreeSet<AnchorSeq>,
+    query: &Query<'_>,
+) -> Vec<KeyframeSeq> {
+    let seen = objects.iter().filter_map(|object| index.objects().get(*object));
+    let keyframes: BTreeSet<KeyframeSeq> = seen.flat_map(|object| index.keyframes_of(object)).collect();
+    let of_session = |seq: &KeyframeSeq| index.keyframe(*seq).is_some_and(|found| found.session == session);
+    keyframes.into_iter().filter(|seq| of_session(seq) && !query.left_out.contains(seq)).collect()
+}
+
+/// Returns the verticals of the camera and of a session of which keyframes are given. Gravity counts where it is told: by the
+/// camera, and by the map or these keyframes. Where either side does not tell, the session's cameras and this one are taken to
+/// be equally upright.
+fn verticals(index: &MapIndex, asked: &NewKeyframe, seeing: &[KeyframeSeq]) -> Verticals {
+    let stored = || seeing.iter().filter_map(|seq| index.keyframe(*seq));
+    let mean = |sum: Vector3<f64>| sum.try_normalize(1e-6);
+    let told = stored().filter_map(|keyframe| {
+        Some(keyframe.map_from_camera.isometry().rotation * keyframe.gravity?.direction())
+    });
+    let of_map = index.properties().gravity.map(|gravity| gravity.direction());
+    let of_session = of_map.or_else(|| mean(told.fold(Vector3::zeros(), |sum, down| sum + down)));
+    if let Some((own, down_in_session)) = asked.gravity.zip(of_session) {
+        return Verticals { down_in_camera: own.direction(), down_in_session, is_assumed: false };
+    }
+    let upright = stored().fold(Vector3::zeros(), |sum, keyframe| {
+        sum + keyframe.map_from_camera.isometry().rotation * Vector3::y()
+    });
+    Verticals {
+        down_in_camera: Vector3::y(),
+        down_in_session: mean(upright).unwrap_or_else(|| -Vector3::z()),
+        is_assumed: true,
+    }
+}
+
+/// Returns the keyframe nearest to a point, ties to the smallest id.
+fn nearest(index: &MapIndex, keyframes: &[KeyframeSeq], point: &Point3) -> Option<KeyframeSeq> {
+    let stored = keyframes.iter().filter_map(|seq| index.keyframe(*seq));
+    let apart = |pose: &Pose| (pose.centre() - point).norm();
+    let nearest = stored.min_by(|a, b| {
+        apart(&a.map_from_camera).total_cmp(&apart(&b.map_from_camera)).then_with(|| a.id.cmp(&b.id))
+    });
+    nearest.map(|keyframe| keyframe.seq)
+}
+
+/// The sites of a search, each keyframe once.
+struct Sites<'a> {
+    index: &'a MapIndex,
+    sites: Vec<Site>,
+    by_keyframe: BTreeMap<KeyframeSeq, usize>,
+}
+
+impl Sites<'_> {
+    fn of(&mut self, keyframe: KeyframeSeq, counts: &mut PlaceCounts) -> Option<usize> {
+        if let Some(known) = self.by_keyframe.get(&keyframe) {
+            return Some(*known);
+        }
+        let stored = self.index.keyframe(keyframe)?;
+        self.sites.push(Site {
+            keyframe,
+            id: stored.id.clone(),
+            session: stored.session,
+            session_id: self.index.sessions()[stored.session.index()].clone(),
+            map_from_camera: stored.map_from_camera,
+            signs: nearby_signs(self.index, keyframe, counts),
+        });
+        self.by_keyframe.insert(keyframe, self.sites.len() - 1);
+        Some(self.sites.len() - 1)
+    }
+
+    /// Returns the pairs of sites that show one place: covisible, or with a common covisible keyframe, or near each other in
+    /// one session's frame.
+    fn beside(&self) -> BTreeSet<(usize, usize)> {
+        let around: Vec<BTreeSet<KeyframeSeq>> = (self.sites.iter())
+            .map(|site| self.index.covisibility().with_itself(site.keyframe).collect())
+            .collect();
+        let radius_m = self.index.properties().settings.distinctive_place_radius_m;
+        let are_near = |a: &Site, b: &Site| {
+            let apart_m = (a.map_from_camera.centre() - b.map_from_camera.centre()).norm();
+            a.session == b.session && apart_m <= radius_m
+        };
+        let mut beside = BTreeSet::new();
+        for a in 0..self.sites.len() {
+            for b in a + 1..self.sites.len() {
+                if are_near(&self.sites[a], &self.sites[b]) || !around[a].is_disjoint(&around[b]) {
+                    beside.insert((a, b));
+                }
+            }
+        }
+        beside
+    }
+}

@@ -1,0 +1,238 @@
+//! Places: the views and anchor poses that speak of one place, together, and what each explains that no other does.
+
+use std::cmp::Ordering;
+use std::collections::BTreeSet;
+
+use super::confidence::Evidence;
+use super::explained_cells::Cells;
+use super::map_search::MapSearch;
+use super::selection::{Chosen, ranked};
+use super::views::View;
+use crate::domain::ids::SessionSeq;
+use crate::domain::location::{LocatedPose, SignEvidence};
+use crate::geometry::Point3;
+
+/// Places that are told apart; those of which less is known are left out.
+const PLACES_MAX: usize = 40;
+/// Poses of one session that are this near to each other are one place, in metres.
+pub(in crate::recognition) const SAME_SPOT_M: f64 = 1.0;
+
+/// Evidence for one site or anchor pose, before what lies beside each other is joined.
+#[derive(Clone, Debug)]
+struct Clue {
+    map: usize,
+    /// The keyframe; none where only a plan's anchors say it.
+    site: Option<usize>,
+    /// The candidate, unless it is an anchor pose.
+    chosen: Option<Chosen>,
+    /// The number of its view, where geometry looked at it.
+    view: Option<usize>,
+    /// The number of its anchor pose in its map's search.
+    anchor_pose: Option<usize>,
+    /// The session and the centre of the first keyframe's camera in its frame, where it gives a pose.
+    stands_at: Option<(SessionSeq, Point3)>,
+    agreeing: BTreeSet<String>,
+    contradicting: u32,
+    common_cells: usize,
+    words: f64,
+}
+
+/// What is known of one place.
+#[derive(Clone, Debug)]
+pub struct PlaceEvidence {
+    /// The map, by its number.
+    pub map: usize,
+    /// The site that stands for it; none where only a plan's anchors say it.
+    pub site: Option<usize>,
+    /// Its best candidate, where it has one.
+    pub best: Option<Chosen>,
+    /// The number of the view of its best candidate, where geometry looked at it.
+    pub view: Option<usize>,
+    /// The pose of the first keyframe, by anchors or views.
+    pub pose: Option<LocatedPose>,
+    /// The anchor pose that it rests on, by its number in its map's search.
+    pub anchor_pose: Option<usize>,
+    /// The signs.
+    pub signs: SignEvidence,
+    /// The keyframes of the place that geometry verified.
+    pub verified_views: u32,
+    /// The cells that its best view of each keyframe explains.
+    pub cells: Cells,
+    /// The cells that its best view of each keyframe has in common with it, in all.
+    common_cells: usize,
+    words: f64,
+}
+
+impl Clue {
+    /// Whether both put the camera at one spot of one session.
+    fn stands_with(&self, other: &Self) -> bool {
+        let both = self.stands_at.zip(other.stands_at);
+        both.is_some_and(|((session, a), (of_other, b))| session == of_other && (a - b).norm() <= SAME_SPOT_M)
+    }
+}
+
+/// Joins views, candidates that geometry did not look at, and anchor poses to places, the most promising first.
+pub fn join(searches: &[MapSearch], views: &[View]) -> Vec<PlaceEvidence> {
+    let mut clues: Vec<Clue> =
+        views.iter().enumerate().map(|(at, view)| of_view(searches, at, view)).collect();
+    let looked_at: BTreeSet<Chosen> = views.iter().map(|view| view.chosen).collect();
+    let others = ranked(searches, None).into_iter().filter(|chosen| !looked_at.contains(chosen));
+    clues.extend(others.take(PLACES_MAX).map(|chosen| of_candidate(searches, chosen)));
+    for (map, search) in searches.iter().enumerate() {
+        clues.extend((0..search.poses.len()).map(|number| of_pose(map, search, number)));
+    }
+    // Stable: among equals the order is that of the ranks.
+    clues.sort_by(|a, b| more_promising(figures_of_clue(a), figures_of_clue(b)));
+    let mut groups: Vec<Vec<Clue>> = Vec::new();
+    for clue in clues {
+        let is_beside = |group: &Vec<Clue>| {
+            let head = &group[0];
+            let are_beside = |(a, b): (usize, usize)| searches[clue.map].are_beside(a, b);
+            head.map == clue.map
+                && (head.site.zip(clue.site).is_some_and(are_beside) || head.stands_with(&clue))
+        };
+        match groups.iter().position(is_beside) {
+            Some(group) => groups[group].push(clue),
+            None if groups.len() < PLACES_MAX => groups.push(vec![clue]),
+            None => {}
+        }
+    }
+    let mut places: Vec<PlaceEvidence> = groups.iter().map(|group| place(searches, views, group)).collect();
+    places.sort_by(|a, b| more_promising(figures_of_place(a), figures_of_place(b)));
+    places
+}
+
+/// Returns the evidence for one place against its strongest rival. Every other place is a rival.
+pub fn evidence(places: &[PlaceEvidence], at: usize) -> Evidence {
+    let own = &places[at];
+    let rivals = places.iter().enumerate().filter(|(other, _)| *other != at).map(|(_, rival)| rival);
+    let against = rivals.map(|rival| {
+        let only_of = |a: &PlaceEvidence, b: &PlaceEvidence| {
+            a.signs.agreeing.iter().filter(|sign| !b.signs.agreeing.contains(sign)).count()
+        };
+        Evidence {
+            cells: own.cells.difference(&rival.cells).count().min(own.common_cells),
+            agreeing_signs: only_of(own, rival),
+            rival_signs: only_of(rival, own),
+            contradicting_signs: own.signs.contradicting as usize,
+        }
+    });
+    against.min_by(|a, b| a.log_odds().total_cmp(&b.log_odds())).unwrap_or_else(|| evidence_alone(own))
+}
+
+/// Returns the evidence for one place as if there were no other.
+pub fn evidence_alone(place: &PlaceEvidence) -> Evidence {
+    Evidence {
+        cells: place.common_cells,
+        agreeing_signs: place.signs.agreeing.len(),
+        rival_signs: 0,
+        contradicting_signs: place.signs.contradicting as usize,
+    }
+}
+
+/// The figures by which clues and places are put in order: log-odds by signs and cells as if alone, cells, words.
+type Figures = (f64, usize, f64);
+
+fn more_promising(a: Figures, b: Figures) -> Ordering {
+    (b.0.total_cmp(&a.0)).then_with(|| b.1.cmp(&a.1)).then_with(|| b.2.total_cmp(&a.2))
+}
+
+fn figures(cells: usize, agreeing: usize, contradicting: u32, words: f64) -> Figures {
+    let evidence = Evidence {
+        cells,
+        agreeing_signs: agreeing,
+        rival_signs: 0,
+        contradicting_signs: contradicting as usize,
+    };
+    (evidence.log_odds(), cells, words)
+}
+
+fn figures_of_clue(clue: &Clue) -> Figures {
+    figures(clue.common_cells, clue.agreeing.len(), clue.contradicting, clue.words)
+}
+
+fn figures_of_place(place: &PlaceEvidence) -> Figures {
+    figures(place.common_cells, place.signs.agreeing.len(), place.signs.contradicting, place.words)
+}
+
+fn of_view(searches: &[MapSearch], at: usize, view: &View) -> Clue {
+    let clue = of_candidate(searches, view.chosen);
+    let session = clue.site.map(|site| searches[clue.map].sites[site].session);
+    let centre = view.pose.as_ref().map(|pose| pose.map_from_camera.centre());
+    Clue { view: Some(at), common_cells: view.common_cells(), stands_at: session.zip(centre), ..clue }
+}
+
+fn of_candidate(searches: &[MapSearch], chosen: Chosen) -> Clue {
+    let search = &searches[chosen.map];
+    let proposed = &search.proposed[chosen.asked][chosen.candidate];
+    Clue {
+        map: chosen.map,
+        site: Some(proposed.site),
+        chosen: Some(chosen),
+        view: None,
+        anchor_pose: None,
+        stands_at: None,
+        agreeing: proposed.signs.agreeing.iter().cloned().collect(),
+        contradicting: proposed.signs.contradicting,
+        common_cells: 0,
+        words: search.screenings[chosen.asked].candidates[chosen.candidate].candidate.bow.score,
+    }
+}
+
+fn of_pose(map: usize, search: &MapSearch, number: usize) -> Clue {
+    let (pose, site) = &search.poses[number];
+    Clue {
+        map,
+        site: *site,
+        chosen: None,
+        view: None,
+        anchor_pose: Some(number),
+        stands_at: Some((pose.session, pose.pose.map_from_camera.centre())),
+        agreeing: pose.identifiers.clone(),
+        contradicting: 0,
+        common_cells: 0,
+        words: 0.0,
+    }
+}
+
+/// Sums up what speaks of one place; the first clue is the most promising one.
+fn place(searches: &[MapSearch], views: &[View], group: &[Clue]) -> PlaceEvidence {
+    let map = group[0].map;
+    let search = &searches[map];
+    let looked_at = || group.iter().filter_map(|clue| Some((clue, &views[clue.view?])));
+    let verified: BTreeSet<usize> =
+        looked_at().filter(|(_, view)| !view.cells.is_empty()).filter_map(|(clue, _)| clue.site).collect();
+    // The best view of each keyframe that asks.
+    let (mut cells, mut common_cells) = (Cells::new(), 0);
+    let mut seen: BTreeSet<usize> = BTreeSet::new();
+    for (_, view) in looked_at() {
+        if seen.insert(view.chosen.asked) {
+            cells.extend(view.cells.iter().copied());
+            common_cells += view.common_cells();
+        }
+    }
+    let anchor_pose = group.iter().find_map(|clue| clue.anchor_pose);
+    let best = group.iter().find(|clue| clue.chosen.is_some());
+    let of_views = looked_at().filter_map(|(_, view)| view.pose.clone());
+    let of_anchors = anchor_pose.map(|number| search.poses[number].0.pose.clone());
+    let by_uncertainty = |a: &LocatedPose, b: &LocatedPose| {
+        a.uncertainty.translation_m.total_cmp(&b.uncertainty.translation_m)
+    };
+    let agreeing: BTreeSet<&String> = group.iter().flat_map(|clue| &clue.agreeing).collect();
+    PlaceEvidence {
+        map,
+        site: group[0].site.or(best.and_then(|clue| clue.site)),
+        best: best.and_then(|clue| clue.chosen),
+        view: best.and_then(|clue| clue.view),
+        pose: of_views.chain(of_anchors).min_by(by_uncertainty),
+        anchor_pose,
+        signs: SignEvidence {
+            agreeing: agreeing.into_iter().cloned().collect(),
+            contradicting: best.map_or(0, |clue| clue.contradicting),
+        },
+        verified_views: verified.len() as u32,
+        cells,
+        common_cells,
+        words: group.iter().map(|clue| clue.words).fold(0.0, f64::max),
+    }
+}

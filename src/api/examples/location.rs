@@ -1,0 +1,53 @@
+//! Of "where am I?".
+
+use serde_json::{Value, json};
+
+/// Returns a question about one keyframe without a pose.
+pub fn locate() -> Value {
+    json!({
+        "keyframe": {
+            "camera": {"fx": 525.0, "fy": 525.0, "cx": 320.0, "cy": 240.0, "width": 640, "height": 480},
+            "bow": {"words": [3, 17], "weights": [0.4, 0.6]},
+            "detections": [
+                {"class": "door_number", "confidence": 0.93, "box": [280.0, 200.0, 330.0, 225.0],
+                 "position": [-0.3, -0.4, 3.1], "text": "901"},
+                {"class": "door_number", "confidence": 0.91, "box": [400.0, 205.0, 440.0, 225.0],
+                 "position": [1.4, -0.4, 5.2], "text": "903"}
+            ]
+        },
+        "maps": ["tower", "annex*"],
+        "hint": {"map": "tower"},
+        "max": 5
+    })
+}
+
+/// Returns the answer to it.
+pub fn locate_answer() -> Value {
+    json!({
+        "verdict": "located",
+        "confidence": 0.9933,
+        "places": [{
+            "map": "tower",
+            "keyframe": "kf-3",
+            "session": "robot-7",
+            "verdict": "located",
+            "confidence": 0.9933,
+            "map_from_camera": {
+                "translation": {"x": 12.1, "y": 0.4, "z": 1.2},
+                "rotation": {"x": -0.5, "y": 0.5, "z": -0.5, "w": 0.5}
+            },
+            "uncertainty": {"translation_m": 0.45, "rotation_rad": 0.16},
+            "pose_source": "anchors",
+            "assumed": ["upright"],
+            "signs": {"agreeing": ["901", "903"], "contradicting": 0},
+            "verified_views": 0,
+            "bow": {"score": 0.21, "common_words": 2, "reference_score": 0.0},
+            "geometry": {"status": "skipped", "reason": "the query has no features or no camera"}
+        }],
+        "look_for": [],
+        "maps": [
+            {"map": "annex-1", "map_version": 87, "words_compared": true},
+            {"map": "tower", "map_version": 412, "words_compared": true}
+        ]
+    })
+}

@@ -1,0 +1,219 @@
+//! The answer: places with their evidence.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use crate::api::geometry::GeometryView;
+use crate::api::names::{AssumptionName, ChannelName, LocationVerdictName, PoseSourceName};
+use crate::api::space::{Transform, rounded};
+use crate::api::verdict::{AnchorFigures, BowFigures, CandidateView, GlobalFigures, ReasonView};
+use crate::domain::ids::MapId;
+use crate::domain::location::{Location, LookFor, Place, Uncertainty};
+use crate::domain::request::Detail;
+
+/// The answer to "where am I?". The same versions of the maps, the same question and seed give the same bytes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = LocateAnswer)]
+pub struct LocateAnswerView {
+    /// The answer.
+    pub verdict: LocationVerdictName,
+    /// The confidence that the camera is at the first place, 0 to 1; `located` is at least 0.99.
+    #[schema(minimum = 0, maximum = 1)]
+    pub confidence: f64,
+    /// The places, best first. Where the verdict is not `located`, they are guesses.
+    #[schema(max_items = 20)]
+    pub places: Vec<PlaceView>,
+    /// Where places are ambiguous: the signs that would tell them apart.
+    #[schema(max_items = 8)]
+    pub look_for: Vec<LookForView>,
+    /// Why there is no place, or why the first one is not certain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<ReasonView>,
+    /// The maps that were asked, by name.
+    #[schema(max_items = 64)]
+    pub maps: Vec<AskedMapView>,
+}
+
+/// A place at which the camera may be.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = Place)]
+pub struct PlaceView {
+    /// The map.
+    pub map: String,
+    /// The map's keyframe that stands for the place; left out where only a plan's anchors say it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub keyframe: Option<String>,
+    /// The session in whose frame `map_from_camera` is.
+    pub session: String,
+    /// Its standing in the answer.
+    pub verdict: LocationVerdictName,
+    /// The confidence that the camera is here, 0 to 1.
+    #[schema(minimum = 0, maximum = 1)]
+    pub confidence: f64,
+    /// The camera's pose in the session's frame, in metres; left out where the evidence gives none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map_from_camera: Option<Transform>,
+    /// The standard deviation of that pose.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<UncertaintyView>,
+    /// The source of that pose.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pose_source: Option<PoseSourceName>,
+    /// The assumptions that it rests on; left out where there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schema(max_items = 1)]
+    pub assumed: Vec<AssumptionName>,
+    /// The signs that speak for the place and against it.
+    pub signs: PlaceSignsView,
+    /// Number of keyframes of this place that geometry verified.
+    pub verified_views: u32,
+    /// The channels that proposed the keyframe, where the question has a global descriptor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(max_items = 3)]
+    pub channel: Option<Vec<ChannelName>>,
+    /// Global descriptors.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub global: Option<GlobalFigures>,
+    /// Bag of words.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bow: Option<BowFigures>,
+    /// Local anchor maps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub anchors: Option<AnchorFigures>,
+    /// Geometry.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub geometry: Option<GeometryView>,
+    /// The check that stopped the keyframe as a loop candidate, if one did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<ReasonView>,
+}
+
+/// The signs that speak for a place and against it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = PlaceSigns)]
+pub struct PlaceSignsView {
+    /// The identifiers that agree and hang in one place only, as read.
+    pub agreeing: Vec<String>,
+    /// Number of pairs of identifiers that exclude each other at the same relative place.
+    pub contradicting: u32,
+}
+
+/// The standard deviation of a pose.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = Uncertainty)]
+pub struct UncertaintyView {
+    /// Of the position, in metres.
+    pub translation_m: f64,
+    /// Of the rotation, in radians.
+    pub rotation_rad: f64,
+}
+
+/// A sign that would tell one of several places from the others.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = LookFor)]
+pub struct LookForView {
+    /// Its class.
+    pub class: String,
+    /// Its description.
+    pub description: String,
+    /// `[x,y,z]` in the frame of its place's session, in metres.
+    #[schema(min_items = 3, max_items = 3)]
+    pub position: [f64; 3],
+    /// The map in which it hangs.
+    pub map: String,
+    /// The session in whose frame it is.
+    pub session: String,
+}
+
+/// A map that was asked.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = AskedMap)]
+pub struct AskedMapView {
+    /// The map.
+    pub map: String,
+    /// The version that was asked.
+    pub map_version: u64,
+    /// Whether the words were compared: false where the map's are of another vocabulary.
+    pub words_compared: bool,
+}
+
+impl LocateAnswerView {
+    /// Returns the answer, of these maps in the order in which they were asked.
+    pub fn of(maps: Vec<AskedMapView>, location: &Location) -> Self {
+        let places = location.places.iter().map(|place| PlaceView::of(&maps, place)).collect();
+        let look_for = location.look_for.iter().filter_map(|sign| LookForView::of(&maps, location, sign));
+        Self {
+            verdict: location.verdict.into(),
+            confidence: rounded(location.confidence),
+            places,
+            look_for: look_for.collect(),
+            reason: location.reason.as_ref().map(ReasonView::from),
+            maps,
+        }
+    }
+}
+
+impl AskedMapView {
+    /// Returns a map that was asked.
+    pub fn of(map: &MapId, map_version: u64, words_compared: bool) -> Self {
+        Self { map: map.to_string(), map_version, words_compared }
+    }
+}
+
+fn name_of(maps: &[AskedMapView], map: usize) -> String {
+    maps.get(map).map_or_else(String::new, |asked| asked.map.clone())
+}
+
+impl PlaceView {
+    fn of(maps: &[AskedMapView], place: &Place) -> Self {
+        let candidate = place.candidate.as_ref().map(|candidate| CandidateView::of(candidate, Detail::Full));
+        let (channel, global, bow, anchors, geometry, reason) = match candidate {
+            Some(of) => (of.channel, of.global, of.bow, of.anchors, Some(of.geometry), of.reason),
+            None => Default::default(),
+        };
+        Self {
+            map: name_of(maps, place.map),
+            keyframe: place.keyframe.as_ref().map(ToString::to_string),
+            session: place.session.to_string(),
+            verdict: place.verdict.into(),
+            confidence: rounded(place.confidence),
+            map_from_camera: place.pose.as_ref().map(|pose| Transform::from(pose.map_from_camera)),
+            uncertainty: place.pose.as_ref().map(|pose| UncertaintyView::from(pose.uncertainty)),
+            pose_source: place.pose.as_ref().map(|pose| pose.source.into()),
+            assumed: place.pose.iter().flat_map(|pose| &pose.assumed).map(|one| (*one).into()).collect(),
+            signs: PlaceSignsView {
+                agreeing: place.signs.agreeing.clone(),
+                contradicting: place.signs.contradicting,
+            },
+            verified_views: place.verified_views,
+            channel,
+            global,
+            bow,
+            anchors,
+            geometry,
+            reason,
+        }
+    }
+}
+
+impl From<Uncertainty> for UncertaintyView {
+    fn from(uncertainty: Uncertainty) -> Self {
+        Self {
+            translation_m: rounded(uncertainty.translation_m),
+            rotation_rad: rounded(uncertainty.rotation_rad),
+        }
+    }
+}
+
+impl LookForView {
+    fn of(maps: &[AskedMapView], location: &Location, sign: &LookFor) -> Option<Self> {
+        let place = location.places.get(sign.place)?;
+        Some(Self {
+            class: sign.class.clone(),
+            description: sign.description.clone(),
+            position: [sign.position.x, sign.position.y, sign.position.z].map(rounded),
+            map: name_of(maps, place.map),
+            session: place.session.to_string(),
+        })
+    }
+}
