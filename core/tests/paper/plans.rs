@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use revisit_core::domain::change::Change;
 use revisit_core::domain::ids::SessionSeq;
 use revisit_core::domain::prior::NewPrior;
-use revisit_core::geometry::{Point3, Pose};
+use revisit_core::geometry::{Gravity, Point3, Pose};
 use revisit_core::recognition::anchors::prior_anchors::add_prior;
 use revisit_core::recognition::plans::alignments::Alignments;
 use revisit_core::recognition::plans::plan_alignment::PlanAlignment;
@@ -126,6 +126,22 @@ fn the_frame_of_a_camera_is_levelled() {
     // The first camera's own frame: x right, y down, z forward.
     let robot = Pose::new([2.0, 0.5, -3.0], [0.5, -0.5, 0.5, 0.5]).expect("a pose");
     let mut index = plan(&CORRIDOR);
+    see(&mut index, "kf-1", &robot, [3.0, 1.0, 1.0], &[("101", CORRIDOR[0].2), ("214", CORRIDOR[1].2)]);
+    assert_right(&index, &robot, "plan:1");
+}
+
+#[test]
+fn gravity_levels_a_frame_that_is_tilted() {
+    // Tilted by half a radian about x: no axis of the frame is vertical.
+    let robot = Pose::new([2.0, 0.5, -3.0], [0.25f64.sin(), 0.0, 0.0, 0.25f64.cos()]).expect("a pose");
+    let mut index = plan(&CORRIDOR);
+    let down = -(robot.isometry().rotation * nalgebra::Vector3::z());
+    let properties = MapProperties {
+        metric: true,
+        gravity: Gravity::new([down.x, down.y, down.z]),
+        ..MapProperties::default()
+    };
+    index.apply(&[Change::MapSet(Box::new(properties))]);
     see(&mut index, "kf-1", &robot, [3.0, 1.0, 1.0], &[("101", CORRIDOR[0].2), ("214", CORRIDOR[1].2)]);
     assert_right(&index, &robot, "plan:1");
 }

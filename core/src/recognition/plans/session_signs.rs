@@ -29,6 +29,9 @@ pub(in crate::recognition) const SAME_SIGN_M: f64 = 2.0;
 /// A text that was read here half as often as another one, or less, is a misreading of that one, in metres.
 pub(in crate::recognition) const SAME_SPOT_M: f64 = 1.2;
 
+/// Directions of gravity of which the sum is shorter contradict each other.
+const GRAVITY_MIN: f64 = 1e-6;
+
 /// The cost of the assumption that a text was misread, as a logarithm: read once by a reader that was not confident, read once,
 /// read alike twice, and more often or described.
 const MISREAD_COSTS: [f64; 4] = [3.0, 4.0, 6.0, 8.0];
@@ -50,8 +53,12 @@ pub struct SessionSigns {
 /// Returns the signs of a session; none if the plans show none of its texts.
 pub fn session_signs(index: &MapIndex, texts: &PlanTexts, session: SessionSeq) -> Option<SessionSigns> {
     let groups = groups(index, session);
-    let cameras = groups.iter().flat_map(|group| group.sightings.iter().map(|sighting| sighting.camera));
-    let level = levelling(&vertical(cameras));
+    let cameras = || groups.iter().flat_map(|group| group.sightings.iter());
+    let of_map = index.properties().gravity.map(|gravity| gravity.direction());
+    let told =
+        cameras().filter_map(|sighting| sighting.down).sum::<Vector3<f64>>().try_normalize(GRAVITY_MIN);
+    let up = of_map.or(told).map(|down| -down);
+    let level = levelling(&up.unwrap_or_else(|| vertical(cameras().map(|sighting| sighting.camera))));
     let mut drawn = Drawn { index, numbers: BTreeMap::new(), signs: Vec::new(), frames: frames(index) };
     let seen: Vec<SeenSign> = groups.iter().map(|group| group.seen(texts, &mut drawn, level)).collect();
     if seen.iter().all(|seen| seen.same.is_empty()) {
@@ -70,6 +77,8 @@ fn frames(index: &MapIndex) -> Vec<SessionSeq> {
 struct Sighting {
     position: Point3,
     camera: Pose,
+    /// The direction of gravity in the session's frame, if the keyframe tells it.
+    down: Option<Vector3<f64>>,
 }
 
 impl Sighting {
@@ -139,7 +148,9 @@ fn sightings(index: &MapIndex, object: &MergedAnchor, session: SessionSeq) -> Ve
         let points = observation.map_points.iter().filter_map(|id| index.points().position(session, *id));
         let of_points = Aabb::around(points).map(|aabb| aabb.centre());
         let measured = observation.position_in_session.filter(|_| !observation.range_assumed);
-        Some(Sighting { position: of_points.or(measured)?, camera: keyframe.map_from_camera })
+        let camera = keyframe.map_from_camera;
+        let down = keyframe.gravity.map(|gravity| camera.isometry().rotation * gravity.direction());
+        Some(Sighting { position: of_points.or(measured)?, camera, down })
     };
     observations.filter_map(sighting).collect()
 }

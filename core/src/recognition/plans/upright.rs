@@ -1,6 +1,6 @@
 //! The vertical of a session's frame.
 //!
-//! The contract leaves it to the client. Most frames have z up, and those of cameras have y down. Cameras are carried upright,
+//! Gravity tells it where the map or the keyframes have it. Where nothing does, most frames have z up, and those of cameras have y down. Cameras are carried upright,
 //! so the axis of the frame that is nearest to their mean vertical is the frame's own.
 
 use nalgebra::{UnitQuaternion, Vector3};
