@@ -249,7 +249,7 @@ async fn a_bad_question_is_refused_with_each_of_its_faults() {
         (
             json!({"keyframe": {"gravity": [0, 3, 0], "pose": 1, "nonsense": 1}, "max": 0, "maps": ["!"]}),
             422,
-            vec!["/keyframe/gravity", "/keyframe/nonsense", "/keyframe/pose", "/maps/0", "/max"],
+            vec!["/keyframe/gravity/1", "/keyframe/nonsense", "/keyframe/pose", "/maps/0", "/max"],
         ),
         (json!({"keyframe": {}, "hint": {"radius_m": 1}}), 422, vec!["/hint"]),
         (json!({"keyframe": {}, "maps": ["annex"]}), 404, vec![]),

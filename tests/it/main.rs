@@ -12,6 +12,7 @@ mod events;
 mod eviction;
 mod exports;
 mod geometry;
+mod globals;
 #[cfg(feature = "hotel")]
 mod hotel;
 mod limits;

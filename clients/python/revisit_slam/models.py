@@ -35,6 +35,17 @@ class CandidateVerdict(OpenEnum):
     """A check stopped it."""
 
 
+class Channel(OpenEnum):
+    """A way in which candidates are found."""
+
+    BOW = "bow"
+    """Bag of words (§V, check 2)."""
+    ANCHORS = "anchors"
+    """An anchor seen before, on another passage (§III)."""
+    GLOBAL_ = "global"
+    """Global descriptors that are alike."""
+
+
 class DetectionRange(OpenEnum):
     """Values of `range` in Detection."""
 
@@ -626,10 +637,14 @@ class Candidate(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The candidate."""
     verdict: CandidateVerdict
     """The outcome of its checks."""
-    bow: BowFigures
-    """Bag of words."""
     geometry: Geometry
     """Geometry."""
+    channel: list[Channel] | None = None
+    """The channels that proposed it, where the query has a global descriptor; else left out."""
+    global_: GlobalFigures | None = msgspec.field(default=None, name="global")
+    """Global descriptors, where both keyframes have one."""
+    bow: BowFigures | None = None
+    """Bag of words; left out where `channel` is `global` alone."""
     anchors: AnchorFigures | None = None
     """Local anchor maps, if it came so far."""
     reason: Reason | None = None
@@ -882,6 +897,13 @@ class GlobalDescriptor(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The form of its numbers."""
     data: str
     """The numbers one after the other, in base64: 1 to 1,056 bytes."""
+
+
+class GlobalFigures(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Figures of the comparison of the two global descriptors."""
+
+    similarity: float
+    """The cosine of the two vectors, 0 where it is negative; bits count as 1 and -1."""
 
 
 class Health(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -1850,6 +1872,10 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     rival_min_ratio: float | None = None
     """ours: what geometry alone verifies is a loop only if it has this many times the inliers of the best
     candidate that is known to be another place; 0 = off
+    """
+    global_channel: bool | None = None
+    """ours: keyframes whose global descriptors are most like the query's are candidates, too, whatever
+    their words and anchors; every check after that is the same. Without descriptors it changes nothing
     """
     twin_guard: bool | None = None
     """ours: once geometry has verified two keyframes of this map around which different signs hang,

@@ -1,12 +1,11 @@
 //! The signs that would tell one of several places from the others.
 
+use crate::domain::anchor::AnchorState;
 use crate::domain::ids::KeyframeSeq;
 use crate::domain::location::LookFor;
 use crate::geometry::Point3;
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
-use crate::recognition::loops::anchor_map::{LocalAnchor, local_anchor_map};
-use crate::recognition::loops::centre::Centre;
-use crate::recognition::map::index::MapIndex;
+use crate::recognition::map::index::{CELL_M, MapIndex};
 
 /// Signs that are remembered of a place.
 const NEARBY_MAX: usize = 12;
@@ -24,23 +23,32 @@ pub struct NearbySign {
     pub position: Point3,
 }
 
-/// Returns the heaviest signs around a keyframe that bear an identifier and hang in one place only.
+/// Returns the signs within [`CELL_M`] of a keyframe that bear an identifier and hang in one place only, the nearest first.
 pub fn nearby_signs(index: &MapIndex, keyframe: KeyframeSeq, counts: &mut PlaceCounts) -> Vec<NearbySign> {
-    let Some(centre) = Centre::stored(index, keyframe).filter(|_| !index.objects().is_empty()) else {
-        return Vec::new();
-    };
-    let around = local_anchor_map(index, &centre, counts);
-    let identifies =
-        |anchor: &LocalAnchor| anchor.text.as_ref().is_some_and(|text| !text.identifiers().is_empty());
-    let signs = around.heaviest(NEARBY_MAX, |anchor| anchor.places == 1 && identifies(anchor));
-    signs
-        .into_iter()
-        .map(|anchor| NearbySign {
-            class: anchor.class.to_string(),
-            description: anchor.description.as_deref().unwrap_or_default().to_owned(),
-            position: anchor.centre_in_session,
-        })
-        .collect()
+    let Some(stored) = index.keyframe(keyframe) else { return Vec::new() };
+    let centre = stored.map_from_camera.centre();
+    let mut signs: Vec<(f64, NearbySign)> = Vec::new();
+    for root in index.sign_grid().near(stored.session, &centre) {
+        let Some(object) = index.objects().get(root).filter(|object| object.state == AnchorState::Valid) else {
+            continue;
+        };
+        let Some((aabb, description)) = object.aabb(stored.session).zip(object.description.as_ref()) else { continue };
+        let apart_m = (aabb.centre() - centre).norm();
+        if apart_m > CELL_M || description.text.identifiers().is_empty() {
+            continue;
+        }
+        if index.texts().of(root).is_some_and(|text| counts.of_text(index, text) == 1) {
+            signs.push((apart_m, NearbySign {
+                class: index.class_of(object).to_owned(),
+                description: description.raw.to_string(),
+                position: aabb.centre(),
+            }));
+        }
+    }
+    signs.sort_by(|(a, first), (b, second)| {
+        a.total_cmp(b).then_with(|| first.description.cmp(&second.description))
+    });
+    signs.into_iter().take(NEARBY_MAX).map(|(_, sign)| sign).collect()
 }
 
 /// Returns the signs of each of several places that none of the others has, those of the best place first.

@@ -41,14 +41,20 @@ impl Block {
 
     pub(super) fn get(&self, keyframe: KeyframeSeq) -> Option<&[u8]> {
         let at = self.keyframes.binary_search(&keyframe).ok()?;
-        let each = self.row_len();
-        Some(&self.rows[at * each..][..each])
+        Some(self.row(at))
     }
 
-    /// Returns the descriptors, ascending by keyframe.
+    /// Returns the keyframes, ascending.
     #[inline(always)]
-    pub(super) fn rows(&self) -> impl Iterator<Item = (KeyframeSeq, &[u8])> {
-        self.keyframes.iter().copied().zip(self.rows.chunks_exact(self.row_len().max(1)))
+    pub(super) fn keyframes(&self) -> &[KeyframeSeq] {
+        &self.keyframes
+    }
+
+    /// Returns the descriptor of one of them, by its place in that list.
+    #[inline(always)]
+    pub(super) fn row(&self, at: usize) -> &[u8] {
+        let each = self.row_len();
+        &self.rows[at * each..][..each]
     }
 
     /// Returns one divided by the length of each vector, in the same order; nothing where they are bits.
@@ -58,6 +64,7 @@ impl Block {
     }
 
     /// Returns the bytes of one descriptor.
+    #[inline(always)]
     fn row_len(&self) -> usize {
         self.rows.len().checked_div(self.keyframes.len()).unwrap_or(0)
     }
