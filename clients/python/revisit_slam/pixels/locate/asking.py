@@ -18,6 +18,8 @@ from .protocols import Excluded, excluded
 from .sights import Sight
 
 LOCATED = "located"
+# Twenty pairs of pictures are compared for an answer, also where other programs take the machine's cores.
+PATIENCE_S = 300.0
 
 
 class Place(msgspec.Struct, frozen=True):
@@ -75,7 +77,7 @@ class Asking:
         return Asked(sight.shot, answers)
 
     def _send(self, question: dict[str, Any]) -> Answer:
-        answer = self._client.once(Call("POST", "/v1/locate", body=question, answer=dict))
+        answer = self._client.send(Call("POST", "/v1/locate", body=question, answer=dict))
         try:
             return msgspec.convert(answer, Answer)
         except msgspec.ValidationError as error:

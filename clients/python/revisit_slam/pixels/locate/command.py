@@ -14,7 +14,7 @@ from ...errors import RevisitError
 from ...server import Server
 from ..training import train_vocabulary
 from ..vocabulary import Vocabulary
-from .asking import Asked, Asking
+from .asking import PATIENCE_S, Asked, Asking
 from .bodies import Bodies
 from .collection import Collection, Shot, open_collection
 from .gallery import send_gallery
@@ -38,7 +38,7 @@ def locate(chosen: argparse.Namespace) -> int:
     bodies = Bodies(vocabulary, Binariser(sight.gradients for sight in gallery))
     with contextlib.ExitStack() as stack:
         url = chosen.server or stack.enter_context(Server()).url
-        client = stack.enter_context(Client(url, key=chosen.key))
+        client = stack.enter_context(Client(url, key=chosen.key, timeout_s=PATIENCE_S))
         if chosen.server:
             _refuse_used_maps(client, collection)
         send_gallery(client, gallery, bodies)
