@@ -8,6 +8,7 @@ use crate::api::backup::BackupBody;
 use crate::api::judgement::JudgementBody;
 use crate::api::key::KeyBody;
 use crate::api::keyframe::KeyframeBody;
+use crate::api::location::LocateBody;
 use crate::api::loop_query::LoopQueryBody;
 use crate::api::loops::LoopBody;
 use crate::api::map::{MapBody, MapPatchBody};
@@ -38,6 +39,7 @@ bodies! {
     JudgementBody,
     KeyBody,
     KeyframeBody,
+    LocateBody,
     LoopBody,
     LoopQueryBody,
     MapBody,

@@ -7,6 +7,7 @@ use super::connection::{Client, Written};
 use super::error::ClientError;
 use super::maps::{Page, borrowed};
 use crate::api::list::LoopList;
+use crate::api::location::{LocateAnswerView, LocateBody};
 use crate::api::loop_query::LoopQueryBody;
 use crate::api::loops::{LoopBody, LoopClosed, LoopRevoked};
 use crate::api::verdict::LoopAnswer;
@@ -30,6 +31,11 @@ impl Client {
     ) -> Result<LoopAnswer, ClientError> {
         let query = [("detail", Detail::Brief.as_str())];
         Ok(self.write(Method::POST, &["v1", "maps", map, "loop-queries"], &query, body).await?.answer)
+    }
+
+    /// Asks "where am I?".
+    pub async fn locate(&self, body: &impl Body<LocateBody>) -> Result<LocateAnswerView, ClientError> {
+        Ok(self.write(Method::POST, &["v1", "locate"], &[], body).await?.answer)
     }
 
     /// Reads an earlier answer.

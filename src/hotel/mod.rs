@@ -21,6 +21,7 @@
 //! | presentation | [`scoring::tables`], [`figures`], [`scoring::explain`], [`scoring::tum`], [`scoring::paper`] |
 //! | a tour for `revisit replay` | [`recording`] |
 //! | random numbers, and which worlds are held out | [`rng`], [`seeds`] |
+//! | a robot that wakes up and asks where it is | [`restart`] |
 //! | realism | [`building::realism`] |
 //!
 //! # Realism
@@ -45,6 +46,7 @@ pub mod building;
 pub mod figures;
 pub mod method;
 pub mod recording;
+pub mod restart;
 pub mod rng;
 pub mod robot;
 pub mod route;

@@ -59,6 +59,11 @@ pub(super) enum Experiment {
 /// rooms, all concurrently in one map. Plates and exit signs are read by an OCR with the error rates of the one used
 /// for the recording floors: it misses, cuts and misreads. It does not distinguish plates from other text, and reads
 /// text where there is none. It takes no --noise.
+///
+/// LOCATE. --locate maps three identical-looking floors of hotel v2, each with one robot and as a map of its own. Another
+/// robot then wakes up at random places of its own tour, half of whose rooms are those of the map, and asks POST
+/// /v1/locate with one keyframe without a pose. An answer is right on the right floor, and in the right room or within 3 m.
+/// Restarts where no robot stood before are counted apart.
 #[derive(Args, Clone, Debug)]
 #[command(group(ArgGroup::new("random").args(["worlds", "world"]).multiple(true)))]
 pub(super) struct HotelArgs {
@@ -71,6 +76,10 @@ pub(super) struct HotelArgs {
     /// With --worlds: use the held-out worlds, seeds from 1,000,000 on, which are never used for tuning
     #[arg(long, requires = "worlds")]
     pub(super) held_out: bool,
+    /// Ask where a robot is that wakes up at random places, on three floors that look alike: 60 restarts a world, against a
+    /// map of each floor. --worlds says how many worlds; default 1
+    #[arg(long, conflicts_with_all = ["sequences", "world", "record", "noise", "hotel", "resume"])]
+    pub(super) locate: bool,
     /// none, reader, missed, repeated, wording, fleet, mixed or renumbered (eight rounds, between which door numbers
     /// change); all, the default, is reader to mixed, a row each
     #[arg(long, value_name = "LEVEL", value_parser = noise_kinds)]

@@ -6,6 +6,7 @@
 //! | `sequences` | the paper's twelve sequences: Tables II and III |
 //! | `worlds` | random worlds under noise |
 //! | `record` | a tour as a recording |
+//! | `restarts` | a robot that wakes up and asks where it is |
 //! | `files` | figures, trajectories and JSON |
 //! | `driven_worlds` | incremental results, so that a run can be resumed |
 //! | `words_alone` | bag of words without geometry, beside the arms |
@@ -16,6 +17,7 @@ mod driven_worlds;
 mod files;
 mod progress;
 mod record;
+mod restarts;
 mod sequences;
 mod words_alone;
 mod worlds;
@@ -38,6 +40,9 @@ pub async fn run(args: EvalArgs) -> Result<(), Failure> {
     }
     let server = hotel_server().await?;
     let client = Client::new(server.url())?;
+    if args.locate {
+        return restarts::run(&args, &client, args.worlds.unwrap_or(1)).await;
+    }
     match (args.world, args.worlds) {
         (Some(seed), _) => worlds::explain(&args, &client, seed).await,
         (None, Some(count)) => worlds::run(&args, &client, count).await,

@@ -14,6 +14,8 @@ use crate::hotel::method::Method;
 use crate::hotel::sensing::camera::CAMERA;
 use crate::hotel::sequence::Step;
 
+/// Bytes of one descriptor.
+pub const DESCRIPTOR_BYTES: u32 = (DESCRIPTOR_BITS / 8) as u32;
 /// Interval of the keyframes' stamps, in nanoseconds.
 pub const STEP_NS: u64 = 500_000_000;
 
@@ -39,16 +41,6 @@ pub fn keyframe(
     let placed: Vec<(u64, Point3)> = (step.placed.iter())
         .map(|placed| (step.map_points[placed.feature].0, map_from_camera.transform(&placed.in_camera)))
         .collect();
-    let keypoints = step.features.iter().map(|feature| {
-        let keypoint = feature.keypoint;
-        let angle_deg = keypoint.angle_deg.unwrap_or(0.0);
-        vec![
-            hundredths(keypoint.u),
-            hundredths(keypoint.v),
-            f64::from(keypoint.octave),
-            hundredths(angle_deg),
-        ]
-    });
     let detections = if arm.sees_signs() { detections(step) } else { Vec::new() };
     let stamp_ns = number as u64 * STEP_NS;
     KeyframeBody {
@@ -60,9 +52,9 @@ pub fn keyframe(
         bow: None,
         global_descriptor: None,
         features: Some(FeaturesShape {
-            descriptor_bytes: (DESCRIPTOR_BITS / 8) as u32,
+            descriptor_bytes: DESCRIPTOR_BYTES,
             descriptors: STANDARD.encode(descriptor_bytes(step)),
-            keypoints: keypoints.collect(),
+            keypoints: keypoints(step),
             map_points: Some(step.map_points.iter().map(|(id, _)| *id as i64).collect()),
         }),
         map_points: Some(points(&placed)),
@@ -71,6 +63,21 @@ pub fn keyframe(
         covisible: None,
         detections: Some(detections),
     }
+}
+
+/// Returns the keypoints of a keyframe: u and v in pixels, the octave, and the angle in degrees.
+pub fn keypoints(step: &Step) -> Vec<Vec<f64>> {
+    let keypoints = step.features.iter().map(|feature| {
+        let keypoint = feature.keypoint;
+        let angle_deg = keypoint.angle_deg.unwrap_or(0.0);
+        vec![
+            hundredths(keypoint.u),
+            hundredths(keypoint.v),
+            f64::from(keypoint.octave),
+            hundredths(angle_deg),
+        ]
+    });
+    keypoints.collect()
 }
 
 /// Returns the concatenated descriptors of a keyframe.
@@ -94,7 +101,8 @@ pub fn similarity(said: &Similarity) -> Option<Sim3> {
     Sim3::new(said.scale, [t.x, t.y, t.z], [q.x, q.y, q.z, q.w])
 }
 
-fn detections(step: &Step) -> Vec<DetectionShape> {
+/// Returns the signs that a keyframe sees.
+pub fn detections(step: &Step) -> Vec<DetectionShape> {
     let detection = |seen: &crate::hotel::sequence::Detection| DetectionShape {
         class: seen.class.to_owned(),
         confidence: hundredths(seen.confidence),
@@ -109,7 +117,8 @@ fn detections(step: &Step) -> Vec<DetectionShape> {
     step.detections.iter().map(detection).collect()
 }
 
-fn points(points: &[(u64, Point3)]) -> PointsShape {
+/// Returns map points with their positions, in metres.
+pub fn points(points: &[(u64, Point3)]) -> PointsShape {
     let place = |(id, p): &(u64, Point3)| (*id as i64, [p.x, p.y, p.z].map(tenths_of_millimetres));
     let (ids, positions) = points.iter().map(place).unzip();
     PointsShape { ids, positions }

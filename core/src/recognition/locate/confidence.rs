@@ -13,7 +13,7 @@ pub(in crate::recognition) const EVEN_CELLS: f64 = 12.4;
 /// Cells that multiply the odds by e.
 pub(in crate::recognition) const CELLS_PER_LOG_ODDS: f64 = 6.0;
 /// Log-odds of an identifier that agrees and hangs in one place only: a reader takes one number for another now and then.
-pub(in crate::recognition) const SIGN_LOG_ODDS: f64 = 4.0;
+pub(in crate::recognition) const SIGN_LOG_ODDS: f64 = 4.7;
 /// Log-odds that a pair of identifiers which exclude each other takes away.
 pub(in crate::recognition) const CONTRADICTION_LOG_ODDS: f64 = 6.0;
 
@@ -26,6 +26,8 @@ pub struct Evidence {
     pub agreeing_signs: usize,
     /// Such identifiers that agree with the rival, and not with this place.
     pub rival_signs: usize,
+    /// Such identifiers that agree with both.
+    pub shared_signs: usize,
     /// Pairs of identifiers that exclude each other at the same relative place.
     pub contradicting_signs: usize,
 }
@@ -33,7 +35,9 @@ pub struct Evidence {
 impl Evidence {
     /// Returns the log-odds that the camera is at this place.
     pub fn log_odds(&self) -> f64 {
-        (self.cells as f64 - EVEN_CELLS) / CELLS_PER_LOG_ODDS
+        // A sign that both share says that it is one of the two: then the difference need not bear out that as well.
+        let even = if self.shared_signs == 0 { EVEN_CELLS } else { 0.0 };
+        (self.cells as f64 - even) / CELLS_PER_LOG_ODDS
             + SIGN_LOG_ODDS * (self.agreeing_signs as f64 - self.rival_signs as f64)
             - CONTRADICTION_LOG_ODDS * self.contradicting_signs as f64
     }

@@ -29,20 +29,26 @@ pub fn nearby_signs(index: &MapIndex, keyframe: KeyframeSeq, counts: &mut PlaceC
     let centre = stored.map_from_camera.centre();
     let mut signs: Vec<(f64, NearbySign)> = Vec::new();
     for root in index.sign_grid().near(stored.session, &centre) {
-        let Some(object) = index.objects().get(root).filter(|object| object.state == AnchorState::Valid) else {
+        let Some(object) = index.objects().get(root).filter(|object| object.state == AnchorState::Valid)
+        else {
             continue;
         };
-        let Some((aabb, description)) = object.aabb(stored.session).zip(object.description.as_ref()) else { continue };
+        let Some((aabb, description)) = object.aabb(stored.session).zip(object.description.as_ref()) else {
+            continue;
+        };
         let apart_m = (aabb.centre() - centre).norm();
         if apart_m > CELL_M || description.text.identifiers().is_empty() {
             continue;
         }
         if index.texts().of(root).is_some_and(|text| counts.of_text(index, text) == 1) {
-            signs.push((apart_m, NearbySign {
-                class: index.class_of(object).to_owned(),
-                description: description.raw.to_string(),
-                position: aabb.centre(),
-            }));
+            signs.push((
+                apart_m,
+                NearbySign {
+                    class: index.class_of(object).to_owned(),
+                    description: description.raw.to_string(),
+                    position: aabb.centre(),
+                },
+            ));
         }
     }
     signs.sort_by(|(a, first), (b, second)| {

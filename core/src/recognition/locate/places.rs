@@ -141,6 +141,7 @@ pub fn evidence(places: &[PlaceEvidence], at: usize) -> Evidence {
             cells: own.cells.difference(&rival.cells).count().min(own.common_cells),
             agreeing_signs: only_of(own, rival),
             rival_signs: only_of(rival, own),
+            shared_signs: own.signs.agreeing.len() - only_of(own, rival),
             contradicting_signs: own.signs.contradicting as usize,
         }
     });
@@ -153,6 +154,7 @@ pub fn evidence_alone(place: &PlaceEvidence) -> Evidence {
         cells: place.common_cells,
         agreeing_signs: place.signs.agreeing.len(),
         rival_signs: 0,
+        shared_signs: 0,
         contradicting_signs: place.signs.contradicting as usize,
     }
 }
@@ -169,6 +171,7 @@ fn figures(cells: usize, agreeing: usize, contradicting: u32, words: f64) -> Fig
         cells,
         agreeing_signs: agreeing,
         rival_signs: 0,
+        shared_signs: 0,
         contradicting_signs: contradicting as usize,
     };
     (evidence.log_odds(), cells, words)

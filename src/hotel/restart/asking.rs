@@ -1,0 +1,63 @@
+//! The questions: each floor is a map, and a restart is asked against all of them, without a pose.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+
+use super::world::{Restart, RestartWorld};
+use crate::api::keyframe::FeaturesShape;
+use crate::api::location::{LocateAnswerView, LocateBody, UnplacedKeyframeBody};
+use crate::client::{Client, ClientError};
+use crate::hotel::method::Method;
+use crate::hotel::robot::client::{DriveError, Robot};
+use crate::hotel::robot::message;
+use crate::hotel::run::session;
+use crate::hotel::sensing::camera::CAMERA;
+
+/// Returns the map of a floor.
+pub fn map_of(seed: u64, storey: usize) -> String {
+    format!("restart-{seed}-floor-{storey}")
+}
+
+/// Maps the floors, each by its robot, which closes its loops.
+pub async fn map_floors(client: &Client, seed: u64, world: &RestartWorld) -> Result<(), DriveError> {
+    for (storey, journey) in world.journeys.iter().enumerate() {
+        let map = map_of(seed, storey);
+        client.put_map(&map, &message::map(Method::Ours, "a floor of the simulated hotel")).await?;
+        let mut robot = Robot::new(client, &map, Method::Ours, session(0));
+        for step in &journey.steps {
+            robot.ask(step).await?;
+        }
+        robot.finish().await?;
+    }
+    Ok(())
+}
+
+/// Asks where a restart is.
+pub async fn ask(client: &Client, seed: u64, restart: &Restart) -> Result<LocateAnswerView, ClientError> {
+    let body = LocateBody {
+        keyframe: Some(keyframe(restart)),
+        maps: Some(vec![format!("restart-{seed}-floor-*")]),
+        ..LocateBody::default()
+    };
+    client.locate(&body).await
+}
+
+/// Returns what the camera sees, in its own frame: its depth camera knows where each feature is.
+fn keyframe(restart: &Restart) -> UnplacedKeyframeBody {
+    let step = &restart.step;
+    let every: Vec<(u64, crate::geometry::Point3)> = (step.map_points.iter().zip(&step.features))
+        .map(|((id, _), feature)| (*id, feature.in_camera))
+        .collect();
+    UnplacedKeyframeBody {
+        camera: Some(CAMERA.into()),
+        features: Some(FeaturesShape {
+            descriptor_bytes: message::DESCRIPTOR_BYTES,
+            descriptors: STANDARD.encode(message::descriptor_bytes(step)),
+            keypoints: message::keypoints(step),
+            map_points: Some(step.map_points.iter().map(|(id, _)| *id as i64).collect()),
+        }),
+        map_points: Some(message::points(&every)),
+        detections: Some(message::detections(step)),
+        ..UnplacedKeyframeBody::default()
+    }
+}
