@@ -158,9 +158,13 @@ export class Details {
   anchorView(anchor, signal) {
     const { refs } = this;
     const votes = anchor.readings.reduce((sum, { weight }) => sum + weight, 0);
-    const source = anchor.description_source === "operator" ? "by hand" : "by the vote over its readings";
+    const sources = { operator: "by hand", plan: `by a plan${anchor.prior?.source ? ` (${anchor.prior.source})` : ""}` };
+    const source = sources[anchor.description_source] ?? "by the vote over its readings";
     const places = anchor.frames.map(({ session, center }) =>
       el("div", {}, center.map((metres) => number(metres, 2)).join(", "), " m in ", sign(session)));
+    const { plan_position: inPlan } = anchor;
+    const planPlace = inPlan && el("div", {}, inPlan.position.map((metres) => number(metres, 2)).join(", "), " m in ",
+      sign(inPlan.frame), inPlan.session && [", to which ", sign(inPlan.session), " is aligned"]);
     return [
       el("p", { class: "reads" }, anchor.description ? sign(anchor.description) : "not described yet"),
       el("p", {}, el("span", { class: "chip" }, anchor.class), " ", chip(anchor.state, STATES)),
@@ -168,7 +172,8 @@ export class Details {
       facts(["Described", anchor.description && source],
         ["Identifiers", anchor.identifiers.length > 0 && anchor.identifiers.map((text) => [sign(text), " "])],
         ["Tells", anchor.description && `level ${anchor.information_level} of 5: ${anchor.information_reason ?? ""}`],
-        ["Stands at", places.length > 0 ? places : "not known yet"], ["Map points", number(anchor.map_points, 0)],
+        ["Stands at", places.length > 0 ? places : "not known yet"], ["In the plan", planPlace],
+        ["Map points", number(anchor.map_points, 0)],
         ["In its place", anchor.replaced_by && refs.anchor(anchor.replaced_by)],
         ["Goes by", anchor.merged_into && refs.anchor(anchor.merged_into)],
         ["Also", anchor.merged_from.length > 0 && anchor.merged_from.map((id) => [refs.anchor(id), " "])]),

@@ -20,6 +20,7 @@ use revisit_core::recognition::anchors::ingest::ingest;
 use revisit_core::recognition::anchors::prior_anchors::add_prior;
 use revisit_core::recognition::map::index::MapIndex;
 use revisit_core::recognition::plans::alignments::Alignments;
+use revisit_core::recognition::plans::planar_fit::{FitPair, PlanarFit};
 
 const SEEN_M: f64 = 6.0;
 const MISREAD_SHARE: f64 = 0.15;
@@ -110,6 +111,8 @@ struct State {
     apart_m: f64,
     /// Position in metres and rotation in degrees; infinite on another floor.
     error: Option<(f64, f64)>,
+    /// The same of a fit to the signs read rightly whose places in the plan are given: what the sightings allow.
+    known: Option<(f64, f64)>,
 }
 
 fn drive(signs: &[Sign], plan: &MapIndex, covisible: bool, rng: &mut ChaCha8Rng) -> Vec<State> {
@@ -124,6 +127,7 @@ fn drive(signs: &[Sign], plan: &MapIndex, covisible: bool, rng: &mut ChaCha8Rng)
     let mut index = plan.clone();
     let mut right: BTreeMap<String, Point3> = BTreeMap::new();
     let mut apart_m = 0.0;
+    let mut sighted: BTreeMap<String, Sighted> = BTreeMap::new();
     let mut states = Vec::new();
     for (number, place) in way.iter().enumerate() {
         let camera_in_plan = Pose::new([place.x, place.y, place.z], [0.0, 0.0, 0.0, 1.0]).expect("a pose");
@@ -148,8 +152,12 @@ fn drive(signs: &[Sign], plan: &MapIndex, covisible: bool, rng: &mut ChaCha8Rng)
                 }
                 right.insert(text.clone(), sign.at);
             }
+            let at = session_from_plan.transform(&(sign.at + noise));
+            let of_sign = sighted.entry(sign.text.clone()).or_default();
+            of_sign.weight += 1.0 / (sigma * sigma);
+            of_sign.sum += at.coords / (sigma * sigma);
             let detection = Detection {
-                position_in_session: Some(session_from_plan.transform(&(sign.at + noise))),
+                position_in_session: Some(at),
                 text: Some(text),
                 ..Detection::of(CLASS, 0.9, [0.0, 0.0, 10.0, 10.0])
             };
@@ -161,15 +169,41 @@ fn drive(signs: &[Sign], plan: &MapIndex, covisible: bool, rng: &mut ChaCha8Rng)
             if index.sessions()[alignment.frame.index()].as_str() != frame {
                 return (f64::INFINITY, 180.0);
             }
-            let off = alignment.plan_from_session.after(&session_from_plan);
-            let position = off.transform(place) - place;
-            let [.., z, w] = off.rotation_xyzw();
-            let angle = 2.0 * z.atan2(w).to_degrees();
-            (position.xy().norm(), angle.abs().min(360.0 - angle.abs()))
+            off_by(&alignment.plan_from_session, &session_from_plan, place)
         });
-        states.push(State { right_distinctive: right.len(), apart_m, error });
+        let pairs = right.iter().filter_map(|(text, at)| Some((sighted.get(text)?, at)));
+        let pairs: Vec<FitPair> = pairs
+            .map(|(seen, at)| FitPair {
+                inner: seen.sum / seen.weight,
+                outer: at.coords,
+                variance: 1.0 / seen.weight,
+            })
+            .collect();
+        let known = PlanarFit::of(&pairs)
+            .map(|fit| off_by(&Pose::from(nalgebra::Isometry3::from(fit.pose)), &session_from_plan, place));
+        states.push(State { right_distinctive: right.len(), apart_m, error, known });
     }
     states
+}
+
+/// The sightings of a sign, weighted.
+#[derive(Default)]
+struct Sighted {
+    weight: f64,
+    sum: nalgebra::Vector3<f64>,
+}
+
+/// Returns how far a place is moved along the floor, in metres, and the rotation, in degrees.
+fn off_by(plan_from_session: &Pose, session_from_plan: &Pose, place: &Point3) -> (f64, f64) {
+    let off = plan_from_session.after(session_from_plan);
+    let moved = off.transform(place) - place;
+    let [.., z, w] = off.rotation_xyzw();
+    let angle = 2.0 * z.atan2(w).to_degrees();
+    (moved.xy().norm(), angle.abs().min(360.0 - angle.abs()))
+}
+
+fn is_good((m, deg): &(f64, f64)) -> bool {
+    *m <= 1.0 && *deg <= 5.0
 }
 
 fn percent(part: usize, of: usize) -> f64 {
@@ -194,7 +228,9 @@ fn main() -> ExitCode {
             signs.len(),
             if covisible { "joined" } else { "alone" }
         );
-        println!("after        starts  aligned  within 1 m and 5 deg  of these aligned  > 3 m  other floor");
+        println!(
+            "after        starts  aligned  within 1 m and 5 deg  of these aligned  pairs given  > 3 m  other floor"
+        );
         for (what, wanted) in [("2nd right", 2), ("3rd right", 3), ("4th right", 4), ("6th right", 6)] {
             for later in [0, 3] {
                 let after: Vec<State> = drives
@@ -205,15 +241,17 @@ fn main() -> ExitCode {
                     })
                     .collect();
                 let errors: Vec<(f64, f64)> = after.iter().filter_map(|state| state.error).collect();
-                let good = errors.iter().filter(|(m, deg)| *m <= 1.0 && *deg <= 5.0).count();
+                let good = errors.iter().filter(|error| is_good(error)).count();
+                let known = after.iter().filter_map(|state| state.known).filter(is_good).count();
                 let far = errors.iter().filter(|(m, _)| *m > 3.0).count();
                 let other = errors.iter().filter(|(m, _)| m.is_infinite()).count();
                 println!(
-                    "{what} + {later}  {:6}  {:6.1}%  {:19.1}%  {:15.1}%  {far:5}  {other:11}",
+                    "{what} + {later}  {:6}  {:6.1}%  {:19.1}%  {:15.1}%  {:10.1}%  {far:5}  {other:11}",
                     after.len(),
                     percent(errors.len(), after.len()),
                     percent(good, after.len()),
                     percent(good, errors.len()),
+                    percent(known, after.len()),
                 );
             }
         }
@@ -228,16 +266,14 @@ fn main() -> ExitCode {
                 .filter(|state| (from..to).contains(&state.apart_m))
                 .collect();
             let aligned = after.iter().filter(|state| state.error.is_some()).count();
-            let good = after
-                .iter()
-                .filter_map(|state| state.error)
-                .filter(|(m, deg)| *m <= 1.0 && *deg <= 5.0)
-                .count();
+            let good = after.iter().filter_map(|state| state.error).filter(is_good).count();
+            let known = after.iter().filter_map(|state| state.known).filter(is_good).count();
             println!(
-                "{from:4} m to {to:4} m  {:6}  {:6.1}%  {:19.1}%",
+                "{from:4} m to {to:4} m  {:6}  {:6.1}%  {:19.1}%  {:27.1}%",
                 after.len(),
                 percent(aligned, after.len()),
                 percent(good, after.len()),
+                percent(known, after.len()),
             );
         }
         let ever = |is: fn(f64) -> bool| {

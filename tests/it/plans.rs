@@ -13,7 +13,7 @@ fn prior(text: &str, at: [f64; 3], frame: &str) -> Value {
 fn keyframe(session: &str, seconds: u32, read: &[(&str, [f64; 3])]) -> Value {
     let detection = |(text, at): &(&str, [f64; 3])| json!({"class": "door_number", "confidence": 0.9, "box": [0, 0, 9, 9], "position": at, "text": text});
     let detections: Vec<Value> = read.iter().map(detection).collect();
-    let mut pose = pose([3.0, 1.0, 1.0]);
+    let mut pose = pose([13.0, 1.0, 1.0]);
     // A level camera: z up in the frame, y down in the image.
     pose["rotation"] = json!({"x": -0.5, "y": 0.5, "z": -0.5, "w": 0.5});
     json!({"session": session, "stamp": {"sec": seconds, "nanosec": 0}, "pose": pose, "detections": detections})

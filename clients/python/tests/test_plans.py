@@ -9,7 +9,7 @@ import pytest
 from revisit_slam import Client, Server
 from revisit_slam.play import main
 
-# Two floors at two scales; the second takes its scale from its own measurement. Lift A is drawn on the first.
+# Two floors at two scales, each with a measurement. Lift A is drawn on the first, and fiducials tell where it is on the second.
 BUILDING = """
 coordinate_system: reference_image
 levels:
@@ -19,6 +19,9 @@ levels:
       - [100, 0, 0, ""]
       - [100, 200, 0, "archive"]
       - [300, 200, 0, "charger_1", {is_charger: [4, true]}]
+    fiducials:
+      - [0, 0, f1]
+      - [100, 0, f2]
     measurements:
       - [0, 1, {distance: [3, 10.0]}]
     doors:
@@ -28,6 +31,9 @@ levels:
       - [0, 0, 0, ""]
       - [0, 50, 0, ""]
       - [50, 50, 0, "archive"]
+    fiducials:
+      - [10, 0, f1]
+      - [60, 0, f2]
     measurements:
       - [0, 1, {distance: [3, 10.0]}]
     doors:
@@ -84,16 +90,19 @@ def test_a_building_map_is_read_in_metres_floor_by_floor(tmp_path: Path, capsys:
     path.write_text(BUILDING)
     found, said = anchors(path, capsys)
     assert {name: body["frame"] for name, body in found.items()} == {
-        "G.G.01": "plan:G", "G.archive": "plan:G", "G.Lift_A": "plan:G", "1.1.01": "plan:1", "1.archive": "plan:1",
+        "G.G.01": "plan:G", "G.archive": "plan:G", "G.Lift_A": "plan:G",
+        "1.1.01": "plan:1", "1.archive": "plan:1", "1.Lift_A": "plan:1",
     }  # fmt: skip
     # An image's y points down, a plan's up.
     assert found["G.G.01"]["position"] == [5.0, 0.0, 1.5]
     assert found["G.archive"]["position"] == [10.0, -20.0, 1.5]
     assert found["1.1.01"]["position"] == [0.0, -5.0, 1.5]
-    assert "repeated names align nothing alone: archive (2)" in said
+    assert found["G.Lift_A"]["position"] == [20.0, -10.0, 1.5]
+    assert found["1.Lift_A"]["position"] == [22.0, -10.0, 1.5]
+    assert "repeated names align nothing alone: Lift A (2), archive (2)" in said
     assert "charger_1: places of robots" in said
     only, _ = anchors(path, capsys, "--level", "1", "--class", "plate")
-    assert set(only) == {"1.1.01", "1.archive"}
+    assert set(only) == {"1.1.01", "1.archive", "1.Lift_A"}
     assert {body["class"] for body in only.values()} == {"plate"}
 
 
@@ -155,17 +164,17 @@ def test_the_signs_are_in_the_map_and_a_second_run_changes_nothing(
         assert main(["plan", str(path), "--server", server.url, "--map", map_id]) == 0
         listed = client.list_anchors(map_id, prior=True)
         versions.add(listed.map_version)
-    assert {anchor.id for anchor in listed.items} == {"G.G.01", "G.archive", "G.Lift_A", "1.1.01", "1.archive"}
+    assert {anchor.id for anchor in listed.items} == {"G.G.01", "G.archive", "G.Lift_A", "1.1.01", "1.archive", "1.Lift_A"}
     assert len(versions) == 1
     sessions = {session.session: session.priors for session in client.list_sessions(map_id).items}
-    assert sessions == {"plan:G": 3, "plan:1": 2}
+    assert sessions == {"plan:G": 3, "plan:1": 3}
 
 
 @pytest.mark.skipif("REVISIT_SHARED" not in os.environ, reason="needs REVISIT_SHARED")
 @pytest.mark.parametrize(
     ("plan", "signs"),
     [
-        ("rmf/hotel.building.yaml", {"plan:L1": 11, "plan:L2": 10, "plan:L3": 10}),
+        ("rmf/hotel.building.yaml", {"plan:L1": 11, "plan:L2": 12, "plan:L3": 12}),
         ("rmf/office.building.yaml", {"plan:L1": 15}),
         ("rmf/campus.building.yaml", {"plan:L1": 25}),
         ("westport/westport-house-floor-2.geojson", {"plan:westport-house-floor-2": 16}),

@@ -23,6 +23,7 @@
 //! | sets of words and their likeness | `lexicon/words.rs` | `overlap`, `prefix` |
 //! | a parsed description | `text.rs` | [`Text::parse`] |
 //! | what decides about texts without a rare word in common | `judge/profile.rs` | [`Profile`] |
+//! | signs of every building | `judge/common_sign.rs` | [`is_common_sign`] |
 //! | InformationLevel, and why | `judge/information.rs`, `judge/information_reason.rs` | [`information()`] |
 //! | do two sets of identifiers agree? | `identifiers/agreement.rs` | [`conflict`] |
 //! | SimilarityLevel: the rules | `judge/similarity.rs` | [`similarity()`], [`similarity_level`] |
@@ -49,13 +50,13 @@ mod laws;
 pub use identifiers::agreement::{Conflict, conflict, is_conflict};
 pub use identifiers::identifier::Identifier;
 pub use identifiers::numbering::{LEARNED_FROM_VALUES, Numbering, PatternError, Shape};
+pub use judge::common_sign::is_common_sign;
 pub use judge::evidence::Source;
 pub use judge::information::ENOUGH_SPECIFIC_WORDS;
 pub use judge::information_reason::information;
 pub use judge::merge::merge;
 pub use judge::profile::Profile;
 pub use judge::similarity::{Judgement, similarity, similarity_level};
-pub use lexicon::generic::is_common_sign;
 pub use lexicon::role::Role;
 pub use models::embedding::Embedding;
 pub use models::judge_routing::{

@@ -101,13 +101,39 @@ class _Floor:
         return signs
 
     def _lift_signs(self, degrees: LocalMetres | None) -> list[Sign]:
+        """Return the lifts that stop here. Each is drawn on one level; fiducials tell where that is on the others."""
         signs = []
         for name, lift in (self._building.get("lifts") or {}).items():
-            if self._name in (lift.get("level_doors") or {}) and lift.get("reference_floor_name") == self._name:
-                signs.append(Sign(self._name, str(name), self._at(float(lift["x"]), float(lift["y"]), degrees)))
-            elif self._name in (lift.get("level_doors") or {}):
-                self._plan.notes.append(f"{self._name}: {name} is drawn on level {lift.get('reference_floor_name')} only")
+            if self._name not in map(str, lift.get("level_doors") or {}):
+                continue
+            reference = str(lift.get("reference_floor_name"))
+            place = complex(float(lift["x"]), float(lift["y"]))
+            here = place if reference == self._name else self._from_level(reference, place)
+            if here is None:
+                self._plan.notes.append(f"{self._name}: {name} is drawn on level {reference}, and no fiducials tell where here")
+            else:
+                signs.append(Sign(self._name, str(name), self._at(here.real, here.imag, degrees)))
         return signs
+
+    def _from_level(self, level: str, place: complex) -> complex | None:
+        """Return a place of another level's image in this one's, by the fiducials that both have."""
+        levels = {str(name): drawn for name, drawn in self._building["levels"].items()}
+        theirs, ours = _fiducials(levels.get(level) or {}), _fiducials(self._drawn)
+        shared = sorted(theirs.keys() & ours.keys())
+        if len(shared) < 2:
+            return None
+        # The similarity of least squares: turned, scaled and moved.
+        from_mean = sum(theirs[name] for name in shared) / len(shared)
+        to_mean = sum(ours[name] for name in shared) / len(shared)
+        spread = sum(abs(theirs[name] - from_mean) ** 2 for name in shared)
+        if spread == 0:
+            return None
+        turned = sum((theirs[name] - from_mean).conjugate() * (ours[name] - to_mean) for name in shared) / spread
+        return to_mean + turned * (place - from_mean)
+
+
+def _fiducials(drawn: dict[str, Any]) -> dict[str, complex]:
+    return {str(name): complex(float(x), float(y)) for x, y, name in drawn.get("fiducials") or []}
 
 
 def _value(property_: Any) -> Any:

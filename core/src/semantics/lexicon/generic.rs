@@ -2,12 +2,11 @@
 
 mod concepts;
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::sync::LazyLock;
 
 use self::concepts::CONCEPTS;
 pub use self::concepts::{OTHERS, Reading};
-use crate::semantics::text::Text;
 
 /// No word of the table is longer.
 pub const LETTERS_MAX: usize = 24;
@@ -15,19 +14,6 @@ pub const LETTERS_MAX: usize = 24;
 /// Returns all words that are generic by themselves.
 pub fn words() -> impl Iterator<Item = &'static str> {
     entries().map(|(_, entry)| entry).filter(|entry| !entry.contains('_'))
-}
-
-/// Whether a text has no identifier, and no word but those on the signs of every building: EXIT, "Toilets".
-pub fn is_common_sign(text: &Text) -> bool {
-    static WORDS: LazyLock<HashSet<&str>> = LazyLock::new(|| words().collect());
-    let is_common =
-        |word: &str| WORDS.contains(word) || word.strip_suffix('s').is_some_and(|one| WORDS.contains(one));
-    text.identifiers().is_empty()
-        && text
-            .normalised()
-            .split(|c: char| !c.is_alphanumeric())
-            .filter(|word| !word.is_empty())
-            .all(is_common)
 }
 
 /// Returns how many words, read from the first, are a generic phrase of words that mean other things alone; 0 if none.
@@ -63,16 +49,6 @@ mod tests {
                 assert_eq!(bare(&fold(&clean(word))), word);
             }
             assert!(entry.chars().count() <= LETTERS_MAX, "{entry}");
-        }
-    }
-
-    #[test]
-    fn the_signs_of_every_building_are_told_from_its_own() {
-        for text in ["EXIT", "Toilets", "Emergency exit", "Lift"] {
-            assert!(is_common_sign(&Text::parse(text)), "{text}");
-        }
-        for text in ["Exit 3", "Kitchen", "Lift lobby", "312", "L1_door1"] {
-            assert!(!is_common_sign(&Text::parse(text)), "{text}");
         }
     }
 
