@@ -41,7 +41,7 @@ def locate(chosen: argparse.Namespace) -> int:
         client = stack.enter_context(Client(url, key=chosen.key, timeout_s=PATIENCE_S))
         if chosen.server:
             _refuse_used_maps(client, collection)
-        send_gallery(client, gallery, bodies)
+        send_gallery(client, gallery, bodies, chosen.threads)
         queries = _look(chosen, "photographs that ask", collection.queries)
         asking = Asking(client, bodies, collection.gallery, protocols)
         asked = asking.ask_all(queries, chosen.threads, _progress("asked", len(queries)))

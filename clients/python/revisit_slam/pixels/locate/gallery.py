@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import defaultdict, deque
-from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from ...client import Client
@@ -15,24 +16,27 @@ from .bodies import Bodies
 from .sights import Sight
 
 
-def send_gallery(client: Client, sights: list[Sight], bodies: Bodies) -> None:
-    """Make the maps, and store every photograph of the gallery."""
-    of_map: dict[str, list[tuple[str, dict[str, Any]]]] = defaultdict(list)
-    for sight, body in _keyframes(sights, bodies):
-        of_map[sight.shot.map].append((sight.shot.name, body))
-    for map, keyframes in sorted(of_map.items()):
-        client.put_map(map, {"description": "Photographs, by revisit-play locate", "metric": False})
-        for line in client.put_keyframes(map, ({"id": id, **body} for id, body in keyframes)):
-            if line.problem is not None:
-                raise RevisitError(f"{line.id}: the server refused it: {line.problem.detail}")
+def send_gallery(client: Client, sights: list[Sight], bodies: Bodies, threads: int) -> None:
+    """Make the maps, and store every photograph of the gallery; videos are matched with themselves in threads."""
+    of_map: dict[str, dict[str, list[Sight]]] = defaultdict(lambda: defaultdict(list))
+    for sight in sights:
+        of_map[sight.shot.map][sight.shot.session].append(sight)
+    with ThreadPoolExecutor(threads) as pool:
+        # Map by map, so that the bodies of one are in memory at a time.
+        for map, videos in sorted(of_map.items()):
+            client.put_map(map, {"description": "Photographs, by revisit-play locate", "metric": False})
+            keyframes = itertools.chain.from_iterable(pool.map(lambda video: _keyframes(video, bodies), videos.values()))
+            for line in client.put_keyframes(map, keyframes):
+                if line.problem is not None:
+                    raise RevisitError(f"{line.id}: the server refused it: {line.problem.detail}")
 
 
-def _keyframes(sights: list[Sight], bodies: Bodies) -> Iterator[tuple[Sight, dict[str, Any]]]:
-    """Yield the bodies; photographs of a video that overlap are covisible, and their readings bear each other out."""
+def _keyframes(video: list[Sight], bodies: Bodies) -> list[dict[str, Any]]:
+    """Return the keyframes of a video; photographs that overlap are covisible, and their readings bear each other out."""
     tracker = Tracker()
     recent: deque[tuple[str, list[Line], list[Sign]]] = deque(maxlen=LOOK_BACK)
-    numbers: dict[str, int] = defaultdict(int)
-    for sight in sights:
+    keyframes = []
+    for number, sight in enumerate(video):
         shot = sight.shot
         tracked = tracker.look(shot.frame, sight.tracking, sight.camera)
         tracker.keep(tracked)
@@ -40,5 +44,5 @@ def _keyframes(sights: list[Sight], bodies: Bodies) -> Iterator[tuple[Sight, dic
         neighbours = [Neighbour(*before[id], found) for id, found in tracked.overlaps if id in before]
         signs = judge(sight.lines, sight.camera, neighbours)
         recent.append((shot.name, sight.lines, signs))
-        yield sight, bodies.gallery(numbers[shot.session], sight, tracked, signs)
-        numbers[shot.session] += 1
+        keyframes.append({"id": shot.name, **bodies.gallery(number, sight, tracked, signs)})
+    return keyframes
