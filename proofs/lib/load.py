@@ -1,8 +1,20 @@
-"""Many clients at once in one thread: each sends its next request when its last one is answered."""
+"""Load on a server, and what it costs: many clients at once in one thread, each of which sends its next request when its last one is
+answered; and the server's CPU."""
 
+import os
+import pathlib
 import selectors
 import socket
 import time
+
+
+TICKS = os.sysconf("SC_CLK_TCK")
+
+
+def cpu_s(server):
+    """CPU that a server has used so far, user and system, in seconds."""
+    fields = pathlib.Path(f"/proc/{server.process.pid}/stat").read_text().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / TICKS
 
 
 class _Client:
