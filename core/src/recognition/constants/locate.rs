@@ -20,18 +20,6 @@ pub(super) const LOCATE: &[Constant] = &[
         "ours: pairs of keyframes that geometry looks at for one question",
     ),
     constant(
-        "locate.places_verified",
-        selection::PLACES_VERIFIED_MAX as f64,
-        "1",
-        "ours: of these, pairs with the best candidates of different places; the rest are neighbours of the first",
-    ),
-    constant(
-        "locate.neighbours",
-        map_search::NEIGHBOURS_MAX as f64,
-        "1",
-        "ours: keyframes of a candidate's place that geometry looks at beside it",
-    ),
-    constant(
         "locate.cells",
         explained_cells::CELLS_ALONG_LONGER_SIDE,
         "1",

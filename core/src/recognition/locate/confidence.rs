@@ -14,8 +14,8 @@ pub(in crate::recognition) const EVEN_CELLS: f64 = 12.4;
 pub(in crate::recognition) const CELLS_PER_LOG_ODDS: f64 = 6.0;
 /// Log-odds of an identifier that agrees and hangs in one place only: a reader takes one number for another now and then.
 pub(in crate::recognition) const SIGN_LOG_ODDS: f64 = 4.7;
-/// Log-odds that a pair of identifiers which exclude each other takes away.
-pub(in crate::recognition) const CONTRADICTION_LOG_ODDS: f64 = 6.0;
+/// Log-odds that a pair of identifiers which exclude each other takes away: at the right place one sign in seven is misread.
+pub(in crate::recognition) const CONTRADICTION_LOG_ODDS: f64 = 2.0;
 
 /// The evidence for one place against one rival, or against nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -16,7 +16,7 @@ use crate::domain::verdict::{AnchorName, Candidate, Verify};
 use crate::geometry::{Point3, Pose};
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::loops::anchor_check::{AnchorCheck, Counts};
-use crate::recognition::loops::candidates::{Proposal, find_candidates};
+use crate::recognition::loops::candidates::find_candidates;
 use crate::recognition::loops::evidence;
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
 use crate::recognition::loops::query::Query;
@@ -26,8 +26,6 @@ use crate::recognition::plans::alignments::Alignments;
 
 /// Candidates of one keyframe in one map that are looked at; those that score best, and those that anchors propose.
 pub(in crate::recognition) const CANDIDATES_PER_MAP_MAX: usize = 20;
-/// Keyframes of a candidate's place that geometry may look at beside it.
-pub(in crate::recognition) const NEIGHBOURS_MAX: usize = 3;
 
 /// The camera's own keyframes, and the question's terms.
 #[derive(Clone, Debug)]
@@ -86,10 +84,6 @@ pub struct Proposed {
     pub site: usize,
     /// The signs that agree and contradict.
     pub signs: SignEvidence,
-    /// The numbers of the candidates of its place that stand beside it, best first.
-    pub neighbours: Vec<usize>,
-    /// Whether it is itself a neighbour of a candidate.
-    pub is_neighbour: bool,
     /// Whether it lies where the hint has the camera.
     pub is_hinted: bool,
 }
@@ -208,36 +202,23 @@ fn propose(
         let centre = sites.sites[site].map_from_camera.centre();
         let is_hinted =
             question.hint.is_none_or(|(position, radius_m)| (centre - position).norm() <= radius_m);
-        let proposed = Proposed { site, signs, neighbours: Vec::new(), is_neighbour: false, is_hinted };
-        Some((pre_verified, proposed))
+        Some((pre_verified, Proposed { site, signs, is_hinted }))
     };
-    let mut add = |one: (PreVerified, Proposed)| {
-        candidates.push(one.0);
-        proposed.push(one.1);
-        proposed.len() - 1
-    };
-    let mut places: Vec<(usize, &Proposal)> = Vec::new();
+    // The best of each place, and the keyframes of the place that look most like the question: one view is not the other.
     for proposal in proposals.candidates.iter().take(CANDIDATES_PER_MAP_MAX) {
-        if let Some(one) = check(proposal.keyframe, proposal.score, &proposal.channels, &mut counts) {
-            places.push((add(one), proposal));
-        }
-    }
-    let mut beside: Vec<(usize, Vec<usize>)> = Vec::new();
-    for (number, proposal) in places {
-        let mut numbers = Vec::new();
-        for (keyframe, score) in
-            proposal.neighbours.iter().filter(|(other, _)| !proposals.has(*other)).take(NEIGHBOURS_MAX)
+        let of_place = proposal.neighbours.iter().filter(|(other, _)| !proposals.has(*other));
+        for (keyframe, score) in std::iter::once((proposal.keyframe, proposal.score)).chain(of_place.copied())
         {
-            if let Some((pre_verified, of_neighbour)) =
-                check(*keyframe, *score, &proposal.channels, &mut counts)
+            if candidates.iter().any(|known| known.keyframe == keyframe) {
+                continue;
+            }
+            if let Some((pre_verified, of_candidate)) =
+                check(keyframe, score, &proposal.channels, &mut counts)
             {
-                numbers.push(add((pre_verified, Proposed { is_neighbour: true, ..of_neighbour })));
+                candidates.push(pre_verified);
+                proposed.push(of_candidate);
             }
         }
-        beside.push((number, numbers));
-    }
-    for (number, numbers) in beside {
-        proposed[number].neighbours = numbers;
     }
     (Screening::of_candidates(index, version, query, Verify::Auto, candidates), proposed)
 }

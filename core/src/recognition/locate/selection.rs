@@ -8,9 +8,6 @@ use crate::recognition::loops::fusion::fuse;
 
 /// Pairs of keyframes that one request verifies.
 pub const VERIFICATIONS_MAX: usize = 20;
-/// Of these, pairs with the best candidates of different places; the rest are neighbours of the first ones.
-pub(in crate::recognition) const PLACES_VERIFIED_MAX: usize = 14;
-
 /// A candidate that geometry looks at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Chosen {
@@ -25,22 +22,12 @@ pub struct Chosen {
 /// Returns the candidates that geometry looks at, the most promising first. Those of the hinted map, or of any map where no
 /// map is hinted, that lie where the hint has the camera are a channel of their own.
 pub fn select(searches: &[MapSearch], hinted_map: Option<usize>) -> Vec<Chosen> {
-    let ranked = ranked(searches, hinted_map);
-    let mut chosen: Vec<Chosen> = ranked.iter().take(PLACES_VERIFIED_MAX).copied().collect();
-    // Neighbours bear a place out. Where there are none, further places take their turn.
-    for first in ranked.iter().take(PLACES_VERIFIED_MAX) {
-        let neighbours = &searches[first.map].proposed[first.asked][first.candidate].neighbours;
-        chosen.extend(neighbours.iter().map(|candidate| Chosen { candidate: *candidate, ..*first }));
-        if chosen.len() >= VERIFICATIONS_MAX {
-            break;
-        }
-    }
-    chosen.extend(ranked.iter().skip(PLACES_VERIFIED_MAX));
+    let mut chosen = ranked(searches, hinted_map);
     chosen.truncate(VERIFICATIONS_MAX);
     chosen
 }
 
-/// Returns the candidates of all maps, without the neighbours, by the fusion of their ranks.
+/// Returns the candidates of all maps by the fusion of their ranks.
 pub fn ranked(searches: &[MapSearch], hinted_map: Option<usize>) -> Vec<Chosen> {
     let candidate =
         |one: &Chosen| &searches[one.map].screenings[one.asked].candidates[one.candidate].candidate;
@@ -57,7 +44,7 @@ pub fn ranked(searches: &[MapSearch], hinted_map: Option<usize>) -> Vec<Chosen> 
     };
     let id = |one: &Chosen| (one.map, &searches[one.map].sites[proposed(one).site].id, one.asked);
     let by_id = |a: &Chosen, b: &Chosen| id(a).cmp(&id(b));
-    let all = places(searches);
+    let all = candidates_of(searches);
     let ranking = |figure: &dyn Fn(&Chosen) -> f64| {
         let mut ranking: Vec<Chosen> = all.iter().copied().filter(|one| figure(one) > 0.0).collect();
         ranking.sort_by(|a, b| figure(b).total_cmp(&figure(a)).then_with(|| by_id(a, b)));
@@ -67,13 +54,12 @@ pub fn ranked(searches: &[MapSearch], hinted_map: Option<usize>) -> Vec<Chosen> 
     fuse(&rankings, |a, b| by_id(&a, &b)).into_iter().map(|(one, _)| one).collect()
 }
 
-/// Returns the candidates that stand for places of their own.
-fn places(searches: &[MapSearch]) -> Vec<Chosen> {
+/// Returns the candidates of all maps in the order of maps and keyframes.
+fn candidates_of(searches: &[MapSearch]) -> Vec<Chosen> {
     let mut all = Vec::new();
     for (map, search) in searches.iter().enumerate() {
         for (asked, candidates) in search.proposed.iter().enumerate() {
-            let places = candidates.iter().enumerate().filter(|(_, one)| !one.is_neighbour);
-            all.extend(places.map(|(candidate, _)| Chosen { map, asked, candidate }));
+            all.extend((0..candidates.len()).map(|candidate| Chosen { map, asked, candidate }));
         }
     }
     all
