@@ -3,9 +3,9 @@
 use nalgebra::{Vector2, Vector3};
 
 use super::planar_fit::PlanarFit;
-use super::proposals::{Proposal, proposals};
+use super::proposals::{Proposal, Readings, proposals};
 use super::signs::Signs;
-use super::support::{Support, fit_pairs, support};
+use super::support::{Explained, Support, fit_pairs, support};
 
 /// Distinctive signs that must agree.
 pub(in crate::recognition) const DISTINCTIVE_MIN: usize = 2;
@@ -21,6 +21,12 @@ const ROUNDS: usize = 4;
 
 /// A rival must explain the signs worse by this logarithm of a ratio of likelihoods.
 pub(in crate::recognition) const RIVAL_MARGIN: f64 = 4.5;
+
+/// What is worse than the best by more is not looked at further: refinement gains less.
+const FAR_WORSE: f64 = 12.0;
+
+/// Alternatives in which one sign was misread are looked for up to this number of distinctive signs that agree.
+const MISREAD_RIVALS_MAX: usize = 3;
 
 /// Two transformations are rivals if they differ by more than this at the place where the signs were seen, in metres.
 const RIVAL_DISTANCE_M: f64 = 2.0;
@@ -63,14 +69,18 @@ struct Judged {
 
 /// Aligns a session to the plans; none if no transformation stands alone.
 pub fn align(signs: &Signs) -> Option<Alignment> {
-    let mut judged: Vec<Judged> =
-        proposals(signs).into_iter().map(|proposal| judge(signs, proposal)).collect();
+    let mut judged = judge_all(signs, proposals(signs, Readings::Right), Vec::new());
+    let first = best_of(&judged)?;
+    // More signs than these cannot all be elsewhere by one misreading.
+    if distinctive_of(signs, first).0 <= MISREAD_RIVALS_MAX {
+        judged = judge_all(signs, proposals(signs, Readings::OneMisread), judged);
+    }
     // A stable sort: of equals, the surest signs' first.
     judged.sort_by(|a, b| b.support.score.total_cmp(&a.support.score));
     for candidate in judged.iter_mut().take(REFINED_MAX) {
         refine(signs, candidate);
     }
-    let best = judged.iter().reduce(|a, b| if b.support.score > a.support.score { b } else { a })?;
+    let best = best_of(&judged)?;
     let seen_from = seen_from(signs, best)?;
     let rival = judged.iter().find(|other| {
         best.support.score - other.support.score < RIVAL_MARGIN && is_rival(best, other, &seen_from)
@@ -81,9 +91,26 @@ pub fn align(signs: &Signs) -> Option<Alignment> {
     announced(signs, best, &seen_from)
 }
 
-fn judge(signs: &Signs, proposal: Proposal) -> Judged {
-    let support = support(signs, proposal.frame, &proposal.fit);
-    Judged { proposal, support }
+/// Judges proposals beside those that are judged; leaves out what is far worse than the best.
+fn judge_all(signs: &Signs, proposals: Vec<Proposal>, mut judged: Vec<Judged>) -> Vec<Judged> {
+    let mut best = best_of(&judged).map_or(f64::NEG_INFINITY, |best| best.support.score);
+    for proposal in proposals {
+        let found = judge(signs, proposal, best - FAR_WORSE);
+        best = found.as_ref().map_or(best, |found| found.support.score.max(best));
+        judged.extend(found);
+    }
+    judged.retain(|judged| judged.support.score >= best - FAR_WORSE);
+    judged
+}
+
+/// Returns the first of the best.
+fn best_of(judged: &[Judged]) -> Option<&Judged> {
+    judged.iter().reduce(|a, b| if b.support.score > a.support.score { b } else { a })
+}
+
+fn judge(signs: &Signs, proposal: Proposal, floor: f64) -> Option<Judged> {
+    let support = support(signs, proposal.frame, &proposal.fit, floor)?;
+    Some(Judged { proposal, support })
 }
 
 /// Fits a transformation to all that it explains, as long as that explains more.
@@ -91,10 +118,9 @@ fn refine(signs: &Signs, candidate: &mut Judged) {
     for _ in 0..ROUNDS {
         let pairs = fit_pairs(signs, &candidate.support.explained, Some(&candidate.proposal.fit));
         let Some(fit) = PlanarFit::of(&pairs) else { return };
-        let refined = judge(signs, Proposal { fit, ..candidate.proposal });
-        if refined.support.score <= candidate.support.score {
-            return;
-        }
+        let floor = candidate.support.score;
+        let refined = judge(signs, Proposal { fit, ..candidate.proposal }, floor);
+        let Some(refined) = refined.filter(|refined| refined.support.score > floor) else { return };
         *candidate = refined;
     }
 }
@@ -115,11 +141,7 @@ fn is_rival(best: &Judged, other: &Judged, seen_from: &Vector2<f64>) -> bool {
 
 /// Returns the alignment if enough distinctive signs agree, and it is certain enough.
 fn announced(signs: &Signs, best: &Judged, seen_from: &Vector2<f64>) -> Option<Alignment> {
-    let same = || best.support.explained.iter().filter(|explained| explained.is_same);
-    let of_distinctive = same().filter(|explained| signs.seen[explained.seen].is_distinctive);
-    let distinctive = distinct(of_distinctive.clone().map(|explained| explained.drawn));
-    let of_specific = of_distinctive.filter(|explained| signs.seen[explained.seen].is_specific);
-    let specific = distinct(of_specific.map(|explained| explained.drawn));
+    let (distinctive, specific) = distinctive_of(signs, best);
     let all = distinct((0..signs.seen.len()).filter(|seen| signs.seen[*seen].is_distinctive));
     let are_enough = specific >= DISTINCTIVE_MIN || distinctive >= GENERAL_MIN;
     if !are_enough || (distinctive as f64) < AGREEING_SHARE_MIN * all as f64 {
@@ -133,11 +155,24 @@ fn announced(signs: &Signs, best: &Judged, seen_from: &Vector2<f64>) -> Option<A
     is_certain.then(|| Alignment {
         frame: best.proposal.frame,
         fit,
-        inliers: distinct(same().map(|explained| explained.drawn)),
+        inliers: distinct(same(best).map(|explained| explained.drawn)),
         distinctive,
         position_sigma_m,
         yaw_sigma_rad,
     })
+}
+
+/// Returns the signs that are explained by their own text.
+fn same(judged: &Judged) -> impl Iterator<Item = &Explained> + Clone {
+    judged.support.explained.iter().filter(|explained| explained.is_same)
+}
+
+/// Returns how many drawn signs with distinctive texts agree, and how many of these bear more than words of every building.
+fn distinctive_of(signs: &Signs, judged: &Judged) -> (usize, usize) {
+    let of_distinctive = same(judged).filter(|explained| signs.seen[explained.seen].is_distinctive);
+    let of_specific = of_distinctive.clone().filter(|explained| signs.seen[explained.seen].is_specific);
+    let drawn = |explained: &Explained| explained.drawn;
+    (distinct(of_distinctive.map(drawn)), distinct(of_specific.map(drawn)))
 }
 
 fn distinct(numbers: impl Iterator<Item = usize>) -> usize {

@@ -31,8 +31,17 @@ pub struct Proposal {
     pub fit: PlanarFit,
 }
 
+/// The readings that two signs of a proposal may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Readings {
+    /// Both texts stand as they were read.
+    Right,
+    /// One of the two was misread by a character.
+    OneMisread,
+}
+
 /// Returns the proposals, those of the surest signs first.
-pub fn proposals(signs: &Signs) -> Vec<Proposal> {
+pub fn proposals(signs: &Signs, readings: Readings) -> Vec<Proposal> {
     let mut order: Vec<usize> = (0..signs.seen.len()).collect();
     // Distinctive ones first, then those read alike most often; the sort keeps the order of the rest.
     order.sort_by(|a, b| {
@@ -44,7 +53,7 @@ pub fn proposals(signs: &Signs) -> Vec<Proposal> {
     let mut found = Vec::new();
     for (place, first) in order.iter().enumerate() {
         for second in &order[place + 1..] {
-            propose(signs, (*first, *second), &mut found);
+            propose(signs, (*first, *second), readings, &mut found);
             if found.len() >= PROPOSALS_MAX {
                 return found;
             }
@@ -53,15 +62,19 @@ pub fn proposals(signs: &Signs) -> Vec<Proposal> {
     found
 }
 
-fn propose(signs: &Signs, (a, b): (usize, usize), found: &mut Vec<Proposal>) {
+fn propose(signs: &Signs, (a, b): (usize, usize), wanted: Readings, found: &mut Vec<Proposal>) {
     let readings = |seen: usize| {
         let same = signs.seen[seen].same.iter().take(DRAWN_MAX).map(|drawn| (*drawn, true));
         same.chain(signs.seen[seen].similar.iter().take(DRAWN_MAX).map(|drawn| (*drawn, false)))
     };
     for (drawn_a, is_same_a) in readings(a) {
         for (drawn_b, is_same_b) in readings(b) {
-            // Of two signs, one at most is taken for misread.
-            if !(is_same_a || is_same_b) || !is_consistent(signs, (a, b), (drawn_a, drawn_b)) {
+            let is_wanted = match wanted {
+                Readings::Right => is_same_a && is_same_b,
+                // Of two signs, one at most is taken for misread.
+                Readings::OneMisread => is_same_a != is_same_b,
+            };
+            if !is_wanted || !is_consistent(signs, (a, b), (drawn_a, drawn_b)) {
                 continue;
             }
             // A rival is proposed as certain as what it rivals.

@@ -50,10 +50,17 @@ pub struct Support {
     pub explained: Vec<Explained>,
 }
 
-/// Judges a transformation into one plan's frame.
-pub fn support(signs: &Signs, frame: usize, fit: &PlanarFit) -> Support {
+/// Judges a transformation into one plan's frame; none once it is certain to explain the signs worse than `floor`. Most
+/// proposals are wrong, and a few signs tell.
+pub fn support(signs: &Signs, frame: usize, fit: &PlanarFit, floor: f64) -> Option<Support> {
     let mut support = Support::default();
+    let gains = |seen: &SeenSign| if seen.same.is_empty() { CORRECTED_GAIN } else { 0.0 };
+    let mut gain_left: f64 = signs.seen.iter().map(gains).sum();
     for (number, seen) in signs.seen.iter().enumerate() {
+        if support.score + gain_left < floor {
+            return None;
+        }
+        gain_left -= gains(seen);
         let own = seen.variance + DRAWN_VARIANCE_M2;
         let off = (seen.position.xy() - fit.centre).norm() * DRIFT_SHARE;
         let variance = own + off * off + fit.variance_at(&seen.position.xy());
@@ -79,7 +86,7 @@ pub fn support(signs: &Signs, frame: usize, fit: &PlanarFit) -> Support {
             None => support.score += undrawn,
         }
     }
-    support
+    Some(support)
 }
 
 /// Returns half the squared distance of a seen sign from a drawn one, in variances; none beyond the gate.
