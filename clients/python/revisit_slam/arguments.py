@@ -87,6 +87,10 @@ def _common() -> argparse.ArgumentParser:
     add("--cache", type=Path, metavar="DIR", help="keep what the reader read, for the next run")
     add("--threads", type=int, metavar="N", default=os.cpu_count() or 1, help="photographs read at once [all cores]")
     add("--features", action="store_true", help="also send features, for the server's geometry")
+    add(
+        "--global", dest="global_model", metavar="MODEL",
+        help="also send the vector of each whole photograph by this model (ppocr-det), which proposes more candidates",
+    )  # fmt: skip
     add("--names", action="store_true", help="trust names with a number (Gate 7) as well; they often hang in several places")
     add("--no-crops", action="store_true", help="do not send the pictures of the signs")
     add("--letter-height-m", type=float, metavar="M", help="assumed height of letters [0.3]; only bearings are compared")
