@@ -131,6 +131,10 @@ def _common() -> argparse.ArgumentParser:
     add("--report", type=Path, metavar="FILE", help="write a page with the pictures of each loop (.html)")
     _add_reading(add)
     add("--features", action="store_true", help="also send features, for the server's geometry")
+    add(
+        "--global", dest="global_model", metavar="MODEL",
+        help="also send the vector of each whole photograph by this model (ppocr-det), which proposes more candidates",
+    )  # fmt: skip
     add("--names", action="store_true", help="trust names with a number (Gate 7) as well; they often hang in several places")
     add("--no-crops", action="store_true", help="do not send the pictures of the signs")
     add("--letter-height-m", type=float, metavar="M", help="assumed height of letters [0.3]; only bearings are compared")

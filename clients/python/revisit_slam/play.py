@@ -93,6 +93,7 @@ def _play_source(chosen: argparse.Namespace, source: Source) -> int:
     options = Options(
         every_frame=chosen.every_frame,
         features=chosen.features,
+        global_model=chosen.global_model,
         crops=not chosen.no_crops,
         focal_px=getattr(chosen, "focal_px", None),
         cache=chosen.cache,

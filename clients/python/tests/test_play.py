@@ -4,6 +4,7 @@ import base64
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -14,7 +15,10 @@ import zstandard
 from revisit_slam import Client, Server
 
 cv2 = pytest.importorskip("cv2")
+np = pytest.importorskip("numpy")
 pytest.importorskip("rapidocr")
+
+from revisit_slam.pixels.global_descriptors import GlobalDescriptors  # noqa: E402
 
 
 def play(*arguments: object) -> subprocess.CompletedProcess[str]:
@@ -103,6 +107,22 @@ def test_a_running_server_is_used_and_its_map_not_mixed(building: Path, cache: P
         assert again.returncode == 1 and "map twin has" in again.stderr and again.stderr.count("\n") == 1
 
 
+def test_the_global_descriptor_of_a_photograph_is_sent_and_the_next_one_is_alike(building: Path, tmp_path: Path) -> None:
+    photographs = sorted(building.glob("*.jpg"))
+    recording, few = tmp_path / "globals.ndjson.zst", tmp_path / "few"
+    few.mkdir()
+    shutil.copy(photographs[0], few)
+    assert play("images", few, "--no-query", "--global", "ppocr-det", "-o", recording).returncode == 0
+    (sent,) = (line["body"]["global_descriptor"] for line in lines(recording) if line["op"] == "keyframe")
+    assert (sent["model"], sent["encoding"]) == ("ppocrv6-det-small-s16-1", "int8")
+    model = GlobalDescriptors("ppocr-det")
+    numbers = np.array([model.numbers(cv2.imread(str(file))) for file in photographs[:12]], dtype=np.float64)
+    assert base64.b64decode(sent["data"]) == numbers[0].astype(np.int8).tobytes()
+    unit = numbers / np.linalg.norm(numbers, axis=1, keepdims=True)
+    alike = unit @ unit.T
+    assert np.median(np.diag(alike, 1)) > np.median(alike[np.triu_indices(len(numbers), 2)])
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
@@ -114,6 +134,7 @@ def test_a_running_server_is_used_and_its_map_not_mixed(building: Path, cache: P
         (("images", "{building}", "--map", "a/b"), "--map a/b"),
         (("images", "{building}", "--focal-px", "-3"), "--focal-px"),
         (("images", "{building}", "--threads", "0"), "--threads 0"),
+        (("images", "{building}", "--global", "megaloc"), "--global megaloc"),
         (("images", "{building}", "--report", "{tmp}/no/report.html"), "--report"),
         (("images", "{building}", "--set", "candidates_max"), "--set candidates_max"),
         (("images", "{building}", "--set", "candidates_maximum=3"), "/settings/candidates_maximum"),

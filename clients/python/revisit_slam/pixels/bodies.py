@@ -9,6 +9,7 @@ import numpy as np
 
 from .detections import detection
 from .features import Features
+from .global_descriptors import GlobalDescriptors
 from .options import Options
 from .ranges import Ranges
 from .signs import Sign
@@ -25,6 +26,7 @@ class Bodies:
     def __init__(self, options: Options) -> None:
         self._options = options
         self._vocabulary = Vocabulary.shipped()
+        self._globals = GlobalDescriptors(options.global_model) if options.global_model else None
         self._next_point = 0
         # Landmarks whose place was sent, by session: it is sent once.
         self._placed: dict[str, set[int]] = {}
@@ -43,6 +45,8 @@ class Bodies:
             "bow": self._vocabulary.bag(tracked.features.descriptors),
             "covisible": [{"keyframe": id, "shared": shared} for id, shared in tracked.covisible],
         }
+        if self._globals is not None:
+            body["global_descriptor"] = self._globals.of(image)
         if frame.landmarks is not None:
             body |= self._landmarks(tracked)
         if signs:

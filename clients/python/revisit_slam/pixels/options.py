@@ -14,6 +14,7 @@ class Options:
 
     every_frame: bool = False
     features: bool = False
+    global_model: str | None = None
     crops: bool = True
     focal_px: float | None = None
     letter_height_m: float = LETTER_HEIGHT_M
