@@ -45,6 +45,7 @@ const ASSETS: &[Asset] = assets![
     "viewer.html"
     "viewer.js"
     "viewer_api.js"
+    "viewer_asked.js"
     "viewer_canvas.js"
     "viewer_details.js"
     "viewer_draw.js"
