@@ -46,6 +46,7 @@ const ASSETS: &[Asset] = assets![
     "viewer.js"
     "viewer_api.js"
     "viewer_asked.js"
+    "viewer_cameras.js"
     "viewer_canvas.js"
     "viewer_details.js"
     "viewer_draw.js"
@@ -54,6 +55,7 @@ const ASSETS: &[Asset] = assets![
     "viewer_legend.js"
     "viewer_lists.js"
     "viewer_marks.js"
+    "viewer_place.js"
     "viewer_scene.js"
     "viewer_verdict.js"
 ];
