@@ -58,6 +58,7 @@ const ASSETS: &[Asset] = assets![
     "viewer_place.js"
     "viewer_scene.js"
     "viewer_verdict.js"
+    "viewer_where.js"
 ];
 
 /// The codes of verdicts with their texts, generated from the tables of the model.
