@@ -7,8 +7,9 @@ import { keyWanted, noKeyframes, noMaps, noSuchMap, unreachable } from "./viewer
 import { EventList, listen } from "./viewer_events.js";
 import { inBrief, legend, sessionOptions } from "./viewer_legend.js";
 import { AnchorList, KeyframeList, fillLoops } from "./viewer_lists.js";
-import { marksOf } from "./viewer_marks.js";
+import { marksOf, marksOfAnswer } from "./viewer_marks.js";
 import { AXES, PLANES, arrange, buildScene, widestPlane } from "./viewer_scene.js";
+import { Where } from "./viewer_where.js";
 import { el, fill, number } from "./dom.js";
 
 const LOOK_AGAIN_MS = 4000;
@@ -22,7 +23,8 @@ const FRESH = {
   map: null, meta: null, version: 0, scene: NOTHING,
   choice: null, apart: true, plane: null, selection: null, marks: {}, found: null,
 };
-const state = { ...FRESH };
+/** The answer to "where am I?" stays: its places lead from map to map. */
+const state = { ...FRESH, answer: null };
 let stream = null;
 let loading = null;
 let planned = null;
@@ -38,13 +40,15 @@ const refs = {
     openTab("details");
     details.query(id, keyframe);
   }),
+  place: (map, id) => ref(id, () => (map === state.map ? select("keyframe", id) : open(map, { kind: "keyframe", id }, true))),
 };
-const world = { map: () => state.map, scene: () => state.scene, version: () => state.meta?.map_version ?? 0, mark };
+const world = { map: () => state.map, scene: () => state.scene, version: () => state.meta?.map_version ?? 0, mark, locate };
 const canvas = new MapCanvas(at("canvas"), { pick: (hit) => (hit ? select(hit.kind, hit.id, false) : letGo()), hover });
 const details = new Details(at("details"), world, refs);
 const anchors = new AnchorList(at("anchors"), world, refs, (found) => { state.found = found; remark(); });
 const keyframes = new KeyframeList(at("keyframes"), world, refs);
 const events = new EventList(at("events"), at("tab-events"), refs);
+const where = new Where(at("where"), world, refs, { opened: () => openTab("where"), answered });
 
 function ref(id, click) {
   return el("button", { type: "button", class: "ref", click }, id);
@@ -64,12 +68,29 @@ function choose(selection, reveal = true) {
   state.marks = {};
   remark();
   if (selection && reveal && !canvas.reveal(selection.kind, selection.id) && state.choice !== null) {
-    Object.assign(state, { choice: null, apart: true });
-    lay();
-    canvas.fit();
+    showAll();
     canvas.reveal(selection.kind, selection.id);
   }
   remember();
+}
+
+function showAll() {
+  Object.assign(state, { choice: null, apart: true });
+  lay();
+  canvas.fit();
+}
+
+function locate(id) {
+  where.ofMap(id);
+}
+
+/** Draws an answer to "where am I?" (`null` draws none), and brings the best place of the shown map into view. */
+function answered(answer) {
+  state.answer = answer;
+  const best = answer?.places.find((place) => place.map === state.map);
+  if (best && state.choice !== null && best.session !== state.choice) showAll();
+  else remark();
+  if (best && canvas.marks.places.length > 0) canvas.bring(canvas.marks.places[0]);
 }
 
 function letGo() {
@@ -85,7 +106,7 @@ function mark(kind, id, more) {
 }
 
 function remark() {
-  canvas.mark({ ...marksOf(canvas, state), found: state.found });
+  canvas.mark({ ...marksOf(canvas, state), ...marksOfAnswer(canvas, state), found: state.found });
 }
 
 /** The address names the map and the selection, so that it can be sent to somebody. */
@@ -122,6 +143,7 @@ async function open(map, selection = null, push = false) {
   events.clear();
   anchors.reset();
   keyframes.reset();
+  where.refresh();
   details.clear();
   if (!await load()) return;
   stream = listen(map, { event: happened, state: connected });
@@ -293,6 +315,7 @@ const lists = {
   anchors: () => anchors.refresh(),
   keyframes: () => keyframes.refresh(),
   loops: () => fillLoops(at("loops"), world, refs),
+  where: () => where.refresh(),
 };
 
 function isRead(panel) {

@@ -9,6 +9,8 @@ export class Refusal extends Error {
     const faults = (problem.errors ?? []).map((fault) => `${fault.pointer} ${fault.detail}`);
     super([problem.detail || problem.title || `HTTP ${status}`, ...faults].join("; "));
     this.status = status;
+    this.told = problem.detail || problem.title;
+    this.faults = problem.errors ?? [];
     this.code = problem.code ?? "";
   }
 }
@@ -44,9 +46,9 @@ export async function get(address, signal) {
 }
 
 /** Posts JSON and reads the answer. */
-export async function post(address, body) {
+export async function post(address, body, signal) {
   const headers = { "content-type": "application/json" };
-  return (await send(address, { method: "POST", headers, body: JSON.stringify(body) })).json();
+  return (await send(address, { method: "POST", headers, body: JSON.stringify(body), signal })).json();
 }
 
 /** A whole list, part by part. `version` is the map's when the first part was read. */

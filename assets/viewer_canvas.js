@@ -9,8 +9,8 @@ const MARGIN_PX = 36;
 const EDGE_PX = 28;
 const FRAME_PX = 220;
 
-/** Nothing is marked. `lines` are drawn from place to place, `rings` around keyframes. */
-export const NO_MARKS = { keyframe: null, anchor: null, rings: new Map(), lines: [], found: null };
+/** Nothing is marked. `lines` are drawn from place to place, `rings` around keyframes, `places` and `signs` are an answer's. */
+export const NO_MARKS = { keyframe: null, anchor: null, rings: new Map(), lines: [], found: null, places: [], signs: [] };
 
 /** Draws a scene, moves over it, and tells what is under the pointer. */
 export class MapCanvas {
@@ -66,7 +66,7 @@ export class MapCanvas {
     const group = this.layout?.groups.find(({ session }) => session.name === sessionName);
     if (!group) return null;
     const [u, v] = this.layout.plane;
-    return { u: place[u] + group.du, v: place[v] + group.dv };
+    return { u: place[u] + group.du, v: place[v] + group.dv, session: group.session };
   }
 
   /** Shows everything. */
@@ -84,7 +84,12 @@ export class MapCanvas {
   /** Brings a thing into view, and near enough to tell it from its neighbours. */
   reveal(kind, id) {
     const point = this.point(kind, id);
-    if (!point) return false;
+    if (point) this.bring(point);
+    return Boolean(point);
+  }
+
+  /** Brings a point of a session into view. */
+  bring(point) {
     const { width, height } = this.size;
     const group = this.layout.framed && this.layout.groups.find(({ session }) => session === point.session);
     if (group) {
@@ -100,7 +105,6 @@ export class MapCanvas {
     const [dx, dy] = [outside(x, width), outside(y, height)];
     if (dx !== 0 || dy !== 0) this.pan(dx, dy);
     this.draw();
-    return true;
   }
 
   /** Where a thing is shown; an anchor may be shown in several frames, and the first counts. */

@@ -10,7 +10,7 @@ const QUESTION = "Is it a loop?";
 
 /** Fills a place with what is selected. A newer selection wins over the answers to an older one. */
 export class Details {
-  /** `world` gives `map()`, `scene()`, `version()`, and hears `mark(kind, id, marks)`; `refs` makes references. */
+  /** `world` gives `map()`, `scene()`, `version()`, and hears `mark(kind, id, marks)` and `locate(id)`; `refs` makes references. */
   constructor(place, world, refs) {
     Object.assign(this, { place, world, refs, turn: new AbortController() });
   }
@@ -83,7 +83,10 @@ export class Details {
       button.disabled = false;
     };
     const button = el("button", { type: "button", class: "main", click: ask }, QUESTION);
-    return el("div", { class: "question" }, el("div", { class: "row" }, button, verify), spoken, answer);
+    const where = el("button", {
+      type: "button", title: "Asks where its camera stands, with its own session left out", click: () => this.world.locate(id),
+    }, "Where am I?");
+    return el("div", { class: "question" }, el("div", { class: "row" }, button, verify, where), spoken, answer);
   }
 
   verdict(id, verdict, curl) {

@@ -1,5 +1,6 @@
-// Draw: the marks on the canvas, from the ground up: frames, paths, loops, keyframes, anchors, the selection, the scale.
+// Draw: the marks on the canvas, from the ground up: frames, paths, loops, keyframes, anchors, places, the scale.
 
+import { drawPlaces } from "./viewer_cameras.js";
 import { AXES, shifted } from "./viewer_scene.js";
 
 const LABELS = 400;
@@ -44,6 +45,7 @@ export function drawScene(map) {
   drawLines(brush);
   drawRings(brush);
   drawAnchors(brush);
+  drawPlaces(brush);
   brush.labels.write();
   drawScale(brush);
 }

@@ -1,7 +1,8 @@
 // Marks: what of the map belongs to the selection, as rings and lines on the canvas.
 
-import { placeOfBearing } from "./viewer_scene.js";
+import { lookingAlong, placeOfBearing } from "./viewer_scene.js";
 import { number } from "./dom.js";
+import { distinctSigns, percent, toneOfPlace } from "./viewer_place.js";
 import { toneOf } from "./viewer_verdict.js";
 
 const MATCH_LINES = 40;
@@ -48,4 +49,31 @@ function ofAnchor(canvas, id, { keyframes = [], matches = [] }) {
     lines.push({ from: places[0], to: canvas.point("anchor", match), tone: "good" });
   }
   return { anchor: id, rings: new Map(keyframes.map((keyframe) => [keyframe, "accent"])), lines };
+}
+
+/**
+ * The marks of an answer to "where am I?" on the shown map: a camera for each place with a pose, else its keyframe, and
+ * the signs to look for.
+ */
+export function marksOfAnswer(canvas, { answer, map }) {
+  if (!answer) return {};
+  const [u, v] = canvas.layout.plane;
+  const places = answer.places.map((place, index) => {
+    const { map_from_camera: camera, uncertainty, assumed = [] } = place;
+    const mark = {
+      best: index === 0, tone: toneOfPlace(place.verdict), text: `${index + 1}: ${percent(place.confidence)}`, map: place.map,
+    };
+    if (!camera) return { ...mark, at: canvas.point("keyframe", place.keyframe) };
+    const { x, y, z } = camera.translation;
+    const forward = lookingAlong(camera.rotation);
+    return {
+      ...mark, at: canvas.project(place.session, [x, y, z]), ahead: [forward[u], forward[v]],
+      radius_m: uncertainty?.translation_m ?? 0, assumed: assumed.length > 0,
+    };
+  });
+  const signs = distinctSigns(answer.look_for).map(({ description, position, session, map: its }) =>
+    ({ text: description, map: its, at: canvas.project(session, position) }));
+  const shown = (marks) => marks.filter((mark) => mark.map === map && mark.at)
+    .map(({ at: { u: right, v: up, session }, ...mark }) => ({ ...mark, u: right, v: up, session }));
+  return { places: shown(places), signs: shown(signs) };
 }

@@ -18,7 +18,7 @@ export function buildScene({ keyframes, anchors, loops }) {
   for (const line of keyframes) {
     const { x, y, z } = line.pose.translation;
     const place = [x, y, z];
-    const keyframe = { ...line, place, forward: rotated(line.pose.rotation, [0, 0, 1]) };
+    const keyframe = { ...line, place, forward: lookingAlong(line.pose.rotation) };
     scene.keyframes.set(line.id, keyframe);
     session(line.session).keyframes.push(keyframe);
   }
@@ -36,6 +36,17 @@ export function buildScene({ keyframes, anchors, loops }) {
 export function placeOfBearing(keyframe, bearing, distance) {
   const direction = rotated(keyframe.pose.rotation, bearing);
   return keyframe.place.map((start, axis) => start + direction[axis] * distance);
+}
+
+/** Where a place lies, seen from a camera at `map_from_camera`: to the right, down and ahead, in metres. */
+export function bearingFrom({ translation, rotation: { x, y, z, w } }, place) {
+  const from = [translation.x, translation.y, translation.z];
+  return rotated({ x: -x, y: -y, z: -z, w }, place.map((metres, axis) => metres - from[axis]));
+}
+
+/** The direction in which a camera of this rotation looks. */
+export function lookingAlong(rotation) {
+  return rotated(rotation, [0, 0, 1]);
 }
 
 function rotated({ x, y, z, w }, [a, b, c]) {

@@ -45,6 +45,8 @@ const ASSETS: &[Asset] = assets![
     "viewer.html"
     "viewer.js"
     "viewer_api.js"
+    "viewer_asked.js"
+    "viewer_cameras.js"
     "viewer_canvas.js"
     "viewer_details.js"
     "viewer_draw.js"
@@ -53,8 +55,10 @@ const ASSETS: &[Asset] = assets![
     "viewer_legend.js"
     "viewer_lists.js"
     "viewer_marks.js"
+    "viewer_place.js"
     "viewer_scene.js"
     "viewer_verdict.js"
+    "viewer_where.js"
 ];
 
 /// The codes of verdicts with their texts, generated from the tables of the model.

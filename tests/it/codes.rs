@@ -5,6 +5,7 @@ use std::path::Path;
 
 use regex::Regex;
 use revisit::domain::difference::DifferenceReason;
+use revisit::domain::location::{Assumption, LocationVerdict, PoseSource};
 use revisit::domain::loop_warning::LoopWarningCode;
 use revisit::domain::named::Named;
 use revisit::domain::reason::{ReasonCheck, ReasonClass, ReasonCode};
@@ -93,5 +94,20 @@ fn the_viewer_speaks_of_no_code_that_there_is_not() {
     assert!(!spoken.is_empty());
     for code in spoken {
         assert!(ReasonCode::from_name(code).is_some(), "{code}");
+    }
+}
+
+#[test]
+fn the_viewer_has_words_for_every_name_in_a_place() {
+    let script = read("assets/viewer_place.js");
+    let names =
+        [("TONES", LocationVerdict::NAMES), ("SOURCES", PoseSource::NAMES), ("ASSUMED", Assumption::NAMES)];
+    for (table, names) in names {
+        let head = format!("const {table} = {{ ");
+        let words = script.split(&head).nth(1).and_then(|rest| rest.split('}').next());
+        let words = words.expect("a table");
+        for name in names {
+            assert!(words.contains(&format!("{name}: \"")), "{table} of viewer_place.js lacks {name}");
+        }
     }
 }
