@@ -24,6 +24,13 @@ class AnchorState(OpenEnum):
     """
 
 
+class Assumption(OpenEnum):
+    """An assumption under which a pose holds."""
+
+    UPRIGHT = "upright"
+    """Both cameras are equally upright: neither side told the direction of gravity."""
+
+
 class CandidateVerdict(OpenEnum):
     """The decision on one candidate."""
 
@@ -170,6 +177,17 @@ class KeyBodyActions(OpenEnum):
     """Keys and backups."""
 
 
+class LocationVerdict(OpenEnum):
+    """The answer to 'where am I?', and the standing of one place in it."""
+
+    LOCATED = "located"
+    """The place is known: the confidence is at least 0.99."""
+    AMBIGUOUS = "ambiguous"
+    """Several places fit, and the evidence does not tell them apart."""
+    UNKNOWN = "unknown"
+    """The evidence does not say where it is. The places are guesses."""
+
+
 class LoopWarningCode(OpenEnum):
     """The reason why a loop that a client confirms may be wrong."""
 
@@ -209,6 +227,15 @@ class OutcomeName(OpenEnum):
     CREATED = "created"
     OBSERVED = "observed"
     IGNORED = "ignored"
+
+
+class PoseSource(OpenEnum):
+    """The source of a place's pose."""
+
+    VIEWS = "views"
+    """A verified geometry between the two views, on map points."""
+    ANCHORS = "anchors"
+    """Matched anchors with positions."""
 
 
 class ReasonCode(OpenEnum):
@@ -285,6 +312,14 @@ class ReasonCode(OpenEnum):
     TWINS_KNOWN = "twins_known"
     """Geometry alone speaks for it, with `measured` inliers, and this map has shown one view in two
     places: that proves nothing here (undecided).
+    """
+    PLACES_ALIKE = "places_alike"
+    """Where am I: several places fit, and the confidence in the best one is `measured`; `limit` is needed.
+    The signs in `look_for` would tell them apart (undecided).
+    """
+    TOO_LITTLE_EVIDENCE = "too_little_evidence"
+    """Where am I: the evidence for the best place gives a confidence of `measured`, and `limit` is needed
+    (undecided).
     """
 
 
@@ -481,6 +516,17 @@ class AnchorPatchBody(msgspec.Struct, kw_only=True, omit_defaults=True):
 
     description: str | None
     """The description that stands from now on, whatever is read; null takes an earlier one back."""
+
+
+class AskedMap(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A map that was asked."""
+
+    map: str
+    """The map."""
+    map_version: int
+    """The version that was asked."""
+    words_compared: bool
+    """Whether the words were compared: false where the map's are of another vocabulary."""
 
 
 class Backup(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -1178,6 +1224,83 @@ class LocalAnchorMap(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The anchors that the keyframe and those covisible with it see."""
 
 
+class LocateAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """The answer to 'where am I?'. The same versions of the maps, the same question and seed give the same
+    bytes.
+    """
+
+    verdict: LocationVerdict
+    """The answer."""
+    confidence: float
+    """The confidence that the camera is at the first place, 0 to 1; `located` is at least 0.99."""
+    places: list[Place]
+    """The places, best first. Where the verdict is not `located`, they are guesses."""
+    look_for: list[LookFor]
+    """Where places are ambiguous: the signs that would tell them apart."""
+    maps: list[AskedMap]
+    """The maps that were asked, by name."""
+    reason: Reason | None = None
+    """Why there is no place, or why the first one is not certain."""
+
+
+class LocateBody(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """'Where am I?' Exactly one of `keyframe` and `keyframes`."""
+
+    keyframe: UnplacedKeyframe | None = None
+    """What the camera sees."""
+    keyframes: list[UnplacedKeyframe] | None = None
+    """What the camera sees in one moment or on one short drive. With a `pose` each, all in one frame,
+    their signs are compared together. The answer's poses are those of the first one.
+    """
+    maps: list[str] | None = None
+    """The maps to ask, as ids in which `*` stands for any characters; at most 64 maps. Left out: every map
+    that the key may query.
+    """
+    hint: LocateHint | None = None
+    """A guess. It decides what is looked at first, and never what the answer is."""
+    exclude: LocateExclude | None = None
+    """Keyframes that are no candidates, say those of the robot's own drive."""
+    max: int | None = None
+    """Maximum number of places in the answer."""
+    seed: int | None = None
+    """The seed of what is drawn at random."""
+
+
+class LocateExclude(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Keyframes that are no candidates, in any map."""
+
+    keyframes: list[str] | None = None
+    """Keyframes, by id; those that a map does not have are ignored."""
+    sessions: list[str] | None = None
+    """Whole sessions, by name."""
+
+
+class LocateHint(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A guess where the camera is."""
+
+    map: str | None = None
+    """The map, say that of the floor at which the lift stopped."""
+    position: list[float] | None = None
+    """`[x,y,z]` in the frame of any of its sessions, in metres."""
+    radius_m: float | None = None
+    """How far from that position the camera may be, in metres."""
+
+
+class LookFor(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A sign that would tell one of several places from the others."""
+
+    class_: str = msgspec.field(name="class")
+    """Its class."""
+    description: str
+    """Its description."""
+    position: list[float]
+    """`[x,y,z]` in the frame of its place's session, in metres."""
+    map: str
+    """The map in which it hangs."""
+    session: str
+    """The session in whose frame it is."""
+
+
 class LoopAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The answer to 'is this keyframe a loop?'. The same map version, keyframe, settings and seed give the
     same bytes.
@@ -1498,6 +1621,58 @@ class OneText(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The description."""
     class_: str | None = msgspec.field(default=None, name="class")
     """The object's class."""
+
+
+class Place(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A place at which the camera may be."""
+
+    map: str
+    """The map."""
+    session: str
+    """The session in whose frame `map_from_camera` is."""
+    verdict: LocationVerdict
+    """Its standing in the answer."""
+    confidence: float
+    """The confidence that the camera is here, 0 to 1."""
+    signs: PlaceSigns
+    """The signs that speak for the place and against it."""
+    verified_views: int
+    """Number of keyframes of this place that geometry verified."""
+    keyframe: str | None = None
+    """The map's keyframe that stands for the place; left out where only a plan's anchors say it."""
+    map_from_camera: Transform | None = None
+    """The camera's pose in the session's frame, in metres; left out where the evidence gives none."""
+    plan_from_camera: Transform | None = None
+    """The same in the frame of the plan to which the session is aligned."""
+    plan: str | None = None
+    """The plan's frame."""
+    uncertainty: Uncertainty | None = None
+    """The standard deviation of that pose."""
+    pose_source: PoseSource | None = None
+    """The source of that pose."""
+    assumed: list[Assumption] | None = None
+    """The assumptions that it rests on; left out where there are none."""
+    channel: list[Channel] | None = None
+    """The channels that proposed the keyframe, where the question has a global descriptor."""
+    global_: GlobalFigures | None = msgspec.field(default=None, name="global")
+    """Global descriptors."""
+    bow: BowFigures | None = None
+    """Bag of words."""
+    anchors: AnchorFigures | None = None
+    """Local anchor maps."""
+    geometry: Geometry | None = None
+    """Geometry."""
+    reason: Reason | None = None
+    """The check that stopped the keyframe as a loop candidate, if one did."""
+
+
+class PlaceSigns(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """The signs that speak for a place and against it."""
+
+    agreeing: list[str]
+    """The identifiers that agree and hang in one place only, as read."""
+    contradicting: int
+    """Number of pairs of identifiers that exclude each other at the same relative place."""
 
 
 class PlanPosition(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -1993,6 +2168,40 @@ class Twins(msgspec.Struct, kw_only=True, omit_defaults=True):
     """A sign around the first."""
     candidate_anchor: str
     """The sign that hangs in its place around the second."""
+
+
+class Uncertainty(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """The standard deviation of a pose."""
+
+    translation_m: float
+    """Of the position, in metres."""
+    rotation_rad: float
+    """Of the rotation, in radians."""
+
+
+class UnplacedKeyframe(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A keyframe of an unknown place. Nothing is required; what can be compared is compared."""
+
+    stamp: Time | None = None
+    """When it was taken."""
+    pose: Transform | None = None
+    """`map_from_camera` in a frame of the robot's own, in metres. Left out: positions are in the camera's
+    frame, x right, y down, z forward.
+    """
+    camera: Camera | None = None
+    """The undistorted pinhole camera."""
+    gravity: list[float] | None = None
+    """The unit vector of gravity in the camera's frame."""
+    bow: SentBagOfWords | None = None
+    """The bag of words."""
+    global_descriptor: GlobalDescriptor | None = None
+    """A global descriptor of the image."""
+    features: SentFeatures | None = None
+    """Binary features."""
+    map_points: SentMapPoints | None = None
+    """Map points of the robot's own, in its own frame."""
+    detections: list[Detection] | None = None
+    """The objects detected in it."""
 
 
 class Usage(msgspec.Struct, kw_only=True, omit_defaults=True):

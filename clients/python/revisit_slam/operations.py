@@ -66,6 +66,15 @@ class Operations:
         """
         return self._call(Call("DELETE", f"/v1/keys/{segment(id)}", query={"last_admin": last_admin}))
 
+    def locate(self, body: models.LocateBody | Mapping[str, Any]) -> models.LocateAnswer:
+        """Find where a keyframe was taken. The keyframe need not have a pose: it is held against one,
+        several or all maps that the key may query. The answer is `located` only where the confidence is
+        at least 0.99. Where several places fit, it is `ambiguous`, and `look_for` names signs that
+        would tell them apart; else it is `unknown`. The question stores nothing and calls no model. At
+        most 64 maps are asked, and geometry looks at 20 pairs of keyframes at most.
+        """
+        return self._call(Call("POST", "/v1/locate", body=body, answer=models.LocateAnswer))
+
     def list_maps(self, *, limit: int | None = None, cursor: str | None = None) -> models.MapList:
         """List maps. Sorted by id, paged; only maps that the key covers."""
         return self._call(Call("GET", "/v1/maps", query={"limit": limit, "cursor": cursor}, answer=models.MapList))
@@ -324,6 +333,15 @@ class AsyncOperations:
         nothing. The last administrator key is revoked only with `last_admin=true` (else 409).
         """
         return await self._call(Call("DELETE", f"/v1/keys/{segment(id)}", query={"last_admin": last_admin}))
+
+    async def locate(self, body: models.LocateBody | Mapping[str, Any]) -> models.LocateAnswer:
+        """Find where a keyframe was taken. The keyframe need not have a pose: it is held against one,
+        several or all maps that the key may query. The answer is `located` only where the confidence is
+        at least 0.99. Where several places fit, it is `ambiguous`, and `look_for` names signs that
+        would tell them apart; else it is `unknown`. The question stores nothing and calls no model. At
+        most 64 maps are asked, and geometry looks at 20 pairs of keyframes at most.
+        """
+        return await self._call(Call("POST", "/v1/locate", body=body, answer=models.LocateAnswer))
 
     async def list_maps(self, *, limit: int | None = None, cursor: str | None = None) -> models.MapList:
         """List maps. Sorted by id, paged; only maps that the key covers."""
