@@ -111,10 +111,6 @@ class Client(Operations):
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
 
-    def send(self, call: Call) -> Any:
-        """Send a request that has no method of its own, and repeat it as `retries` allow."""
-        return self._call(call)
-
     def once(self, call: Call) -> Any:
         """Send a request without any retry."""
         return self._call(call, Retries(total_s=0))

@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any
 
-import msgspec
-
-from ...call import Call, UnexpectedAnswer
 from ...client import Client
+from ...models import LocateAnswer
 from ..signs import judge
 from .bodies import Bodies
 from .collection import Shot
@@ -22,28 +19,12 @@ LOCATED = "located"
 PATIENCE_S = 300.0
 
 
-class Place(msgspec.Struct, frozen=True):
-    """A place of an answer."""
-
-    map: str
-    confidence: float
-    keyframe: str | None = None
-
-
-class Answer(msgspec.Struct, frozen=True):
-    """An answer: the verdict, and the places, best first."""
-
-    verdict: str
-    confidence: float
-    places: list[Place]
-
-
 @dataclass(frozen=True)
 class Asked:
     """A photograph, and the answer to each protocol's question."""
 
     shot: Shot
-    answers: dict[str, Answer]
+    answers: dict[str, LocateAnswer]
 
 
 class Asking:
@@ -67,18 +48,11 @@ class Asking:
     def ask(self, sight: Sight) -> Asked:
         """Ask about one photograph. Protocols that leave out the same are one question."""
         signs = judge(sight.lines, sight.camera, ())
-        known: dict[Excluded, Answer] = {}
+        known: dict[Excluded, LocateAnswer] = {}
         answers = {}
         for protocol in self._protocols:
             left_out = excluded(protocol, sight.shot, self._gallery)
             if left_out not in known:
-                known[left_out] = self._send(self._bodies.question(sight, signs, self._maps, left_out))
+                known[left_out] = self._client.locate(self._bodies.question(sight, signs, self._maps, left_out))
             answers[protocol] = known[left_out]
         return Asked(sight.shot, answers)
-
-    def _send(self, question: dict[str, Any]) -> Answer:
-        answer = self._client.send(Call("POST", "/v1/locate", body=question, answer=dict))
-        try:
-            return msgspec.convert(answer, Answer)
-        except msgspec.ValidationError as error:
-            raise UnexpectedAnswer(f"POST /v1/locate was not answered as the API document says: {error}") from error
