@@ -10,6 +10,9 @@ use revisit::hotel::building::signs::SignPlan;
 use revisit::hotel::building::texture::Patterns;
 use revisit::hotel::building::world::{World, WorldPlan};
 use revisit::hotel::method::Method;
+use revisit::hotel::restart::asking::{ask, map_floors};
+use revisit::hotel::restart::score::RestartScore;
+use revisit::hotel::restart::world::RestartWorld;
 use revisit::hotel::rng::SeededRng;
 use revisit::hotel::route::tour;
 use revisit::hotel::run::{Course, RunResult, WordsAlone, absolute_pose_error_m, drive, odometry};
@@ -117,4 +120,24 @@ async fn a_robot_without_depth_is_told_loops_with_the_ratio_of_two_scales() {
     assert!(scales.iter().all(|scale| *scale != 1.0 && (0.7..1.4).contains(scale)), "{scales:?}");
     let error = driven.scale_error.expect("a monocular robot");
     assert_ne!(error.odometry, error.corrected, "loops move scales");
+}
+
+#[tokio::test]
+async fn a_robot_that_wakes_up_on_one_of_three_floors_alike_is_told_no_wrong_floor() {
+    const SEED: u64 = 3;
+    let directory = tempfile::tempdir().unwrap();
+    let vocabulary = directory.path().join("hotel.voc");
+    Patterns::new().vocabulary().unwrap().write_binary(std::fs::File::create(&vocabulary).unwrap()).unwrap();
+    let server = Server::with_vocabulary(vocabulary).await;
+    let client = Client::new(&server.url("")).unwrap();
+    let world = RestartWorld::new(SEED, &Patterns::new());
+    map_floors(&client, SEED, &world).await.unwrap();
+    let mut score = RestartScore::default();
+    for restart in &world.restarts {
+        score.add(SEED, &world, restart, &ask(&client, SEED, restart).await.unwrap());
+    }
+    assert!(score.mapped.located > 0, "{score:?}");
+    for counts in [score.mapped, score.unmapped] {
+        assert_eq!(counts.right_floor, counts.located, "{score:?}");
+    }
 }

@@ -1,10 +1,11 @@
 //! "Where am I?": keyframes without a pose against maps, over HTTP.
 
+use reqwest::Method;
 use revisit::geometry::Pose;
 use serde_json::{Value, json};
 
 use crate::geometry::scene::{POINTS, Shot, off, pose, query_pose};
-use crate::support::Server;
+use crate::support::{Answer, Server};
 
 /// A sign of a corridor: its number, and its position in the session's frame.
 type Sign = (&'static str, [f64; 3]);
@@ -31,6 +32,11 @@ fn detection(text: &str, position: [f64; 3]) -> Value {
 /// Drives along a corridor of these signs, a keyframe every two metres.
 async fn drive(server: &Server, map: &str, signs: &[Sign], gravity: Option<[f64; 3]>) {
     server.put(&format!("/v1/maps/{map}"), &json!({})).await.expect(201);
+    drive_on(server, map, signs, gravity).await;
+}
+
+/// Drives in a map that exists.
+async fn drive_on(server: &Server, map: &str, signs: &[Sign], gravity: Option<[f64; 3]>) {
     for number in 0..7 {
         let at = f64::from(number) * 2.0;
         let ahead = signs.iter().filter(|(_, [.., z])| (0.5..7.0).contains(&(z - at)));
@@ -274,4 +280,72 @@ async fn a_bad_question_is_refused_with_each_of_its_faults() {
     assert_eq!((&answer["verdict"], answer["maps"].as_array().unwrap().len()), (&json!("unknown"), 64));
     // A pattern that names nothing is no mistake, unlike a name.
     server.post("/v1/locate", &json!({"keyframe": {}, "maps": ["attic-*"]})).await.expect(200);
+}
+
+#[tokio::test]
+async fn a_plan_alone_says_where_a_camera_is_and_an_aligned_session_says_it_in_the_plan_too() {
+    let server = Server::start().await;
+    server.put("/v1/maps/tower", &json!({})).await.expect(201);
+    for (text, position) in CORRIDOR {
+        // The plan's frame has z up, x along the corridor and its origin at the seventh metre.
+        let [x, y, z] = position;
+        let body = json!({"class": "door_number", "description": text, "frame": "plan:9",
+            "position": [z - 7.0, -x, -y]});
+        server.put(&format!("/v1/maps/tower/anchors/door-{text}"), &body).await.expect(201);
+    }
+    let camera = pose([0.3, 0.0, 1.0], 25.0);
+    let question = json!({"keyframe": sighted(&camera, &CORRIDOR[..3])});
+    let answer = locate(&server, &question).await;
+    let place = &answer["places"][0];
+    assert_eq!((&answer["verdict"], &place["session"]), (&json!("located"), &json!("plan:9")), "{answer}");
+    assert_eq!((&place["keyframe"], &place["plan"]), (&Value::Null, &json!("plan:9")), "{answer}");
+    assert_eq!(place["plan_from_camera"], place["map_from_camera"]);
+    let centre = |place: &Value| {
+        let at = &place["plan_from_camera"]["translation"];
+        ["x", "y", "z"].map(|axis| at[axis].as_f64().unwrap())
+    };
+    let expected = [1.0 - 7.0, -0.3, 0.0];
+    let off_m = |found: [f64; 3]| found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(off_m(centre(place)) < 0.01, "{answer}");
+    // A robot drives along the corridor: its session is aligned, and is no rival of the plan that shows the same.
+    drive_on(&server, "tower", &CORRIDOR, None).await;
+    let answer = locate(&server, &question).await;
+    let place = &answer["places"][0];
+    assert_eq!((&answer["verdict"], &place["session"]), (&json!("located"), &json!("robot")), "{answer}");
+    assert!(place["keyframe"].is_string() && place["plan"] == "plan:9", "{answer}");
+    assert!(off_m(centre(place)) < 0.05, "{answer}");
+    let (metres, _) = off(&place["map_from_camera"], &camera);
+    assert!(metres < 0.01, "{answer}");
+}
+
+#[tokio::test]
+async fn a_key_is_located_in_its_own_maps_only() {
+    let server = Server::start().await;
+    for map in ["ninth", "tenth"] {
+        drive(&server, map, &CORRIDOR, None).await;
+    }
+    let root = server.post("/v1/keys", &json!({"actions": ["admin"]})).await.expect(201);
+    let made = server
+        .request(Method::POST, "/v1/keys")
+        .bearer_auth(root["secret"].as_str().unwrap())
+        .json(&json!({"actions": ["query"], "maps": ["nin*"]}));
+    let made = Answer::of(made).await.expect(201);
+    let ask = async |maps: Value| {
+        let mut question = json!({"keyframe": sighted(&pose([0.3, 0.0, 1.0], 5.0), &CORRIDOR[..3])});
+        if !maps.is_null() {
+            question["maps"] = maps;
+        }
+        let asked = server.request(Method::POST, "/v1/locate").bearer_auth(made["secret"].as_str().unwrap());
+        Answer::of(asked.json(&question)).await
+    };
+    for maps in [Value::Null, json!(["*"])] {
+        let answer = ask(maps).await.expect(200);
+        // With the tenth floor it would be ambiguous.
+        assert_eq!(
+            (&answer["verdict"], answer["maps"].as_array().unwrap().len()),
+            (&json!("located"), 1),
+            "{answer}"
+        );
+    }
+    ask(json!(["tenth"])).await.expect(404);
 }
