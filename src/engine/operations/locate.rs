@@ -14,7 +14,7 @@ use crate::domain::invalid::FieldError;
 use crate::domain::key::MapPattern;
 use crate::domain::location::{AskedKeyframe, LocateRequest, Location};
 use crate::engine::bow::check_vocabulary;
-use crate::engine::maps::live::LiveMap;
+use crate::engine::maps::live::{LiveMap, State};
 use crate::engine::{Service, ServiceError};
 use crate::recognition::locate::locate;
 use crate::recognition::locate::map_search::{LocateQuestion, MapSearch, search_map};
@@ -81,7 +81,10 @@ impl Service {
         }
         let hinted_map =
             request.hint.map.and_then(|hinted| searched.iter().position(|(_, asked)| asked.id == hinted));
-        let chosen = select(&searches, hinted_map);
+        let mut chosen = select(&searches, hinted_map);
+        if self.take_snapshots(&mut searched, &mut searches, &chosen, &question, &mut timings).await? {
+            chosen = select(&searches, hinted_map);
+        }
 
         let started = Instant::now();
         let own = self.own_features(&question).await?;
@@ -160,12 +163,7 @@ impl Service {
             let (searched, took_ms) = timed(|| {
                 let are_words_compared =
                     asked.keyframes.iter().all(|one| check_vocabulary(&state.index, &one.keyframe).is_ok());
-                let search = if are_words_compared {
-                    search_map(&state.index, state.version, &asked)
-                } else {
-                    search_map(&state.index, state.version, &without_words(&asked))
-                };
-                (search, are_words_compared)
+                (search_at(state, &asked, are_words_compared), are_words_compared)
             });
             Ok((searched, took_ms))
         });
@@ -175,6 +173,46 @@ impl Service {
         };
         timings.note(started, took_ms, |timings| &mut timings.screen_ms);
         Ok(Some((live, AskedMap { id: id.clone(), version, are_words_compared }, search)))
+    }
+
+    /// Gathers what geometry needs of the chosen candidates. A map that was written meanwhile is searched anew, with what
+    /// geometry needs of its own best candidates, and then it returns true: the choice may be another one.
+    async fn take_snapshots(
+        &self,
+        searched: &mut [(Arc<LiveMap>, AskedMap)],
+        searches: &mut [MapSearch],
+        chosen: &[Chosen],
+        question: &Arc<LocateQuestion>,
+        timings: &mut Timings,
+    ) -> Result<bool, ServiceError> {
+        let mut is_any_new = false;
+        for map in chosen.iter().map(|one| one.map).collect::<BTreeSet<usize>>() {
+            let of_map = chosen.iter().filter(|one| one.map == map).map(|one| (one.asked, one.candidate));
+            let (wanted, found): (Vec<_>, _) = (of_map.collect(), searches[map].clone());
+            let asked = question.clone();
+            let is_compared = searched[map].1.are_words_compared;
+            let started = Instant::now();
+            let taken = self.read(&searched[map].0, move |state| {
+                let (taken, took_ms) = timed(|| {
+                    let (mut search, is_new) = (found.clone(), state.version != found.version);
+                    let mut wanted = wanted.clone();
+                    if is_new {
+                        search = search_at(state, &asked, is_compared);
+                        let best = select(std::slice::from_ref(&search), None);
+                        wanted = best.into_iter().map(|one| (one.asked, one.candidate)).collect();
+                    }
+                    search.take_snapshots(&state.index, wanted);
+                    (search, is_new)
+                });
+                Ok((taken, took_ms))
+            });
+            let (version, ((search, is_new), took_ms)) = taken.await?;
+            timings.note(started, took_ms, |timings| &mut timings.screen_ms);
+            searches[map] = search;
+            searched[map].1.version = version;
+            is_any_new |= is_new;
+        }
+        Ok(is_any_new)
     }
 
     async fn own_features(
@@ -216,6 +254,15 @@ impl Service {
 
 /// Map names read in one statement.
 const LISTED_AT_ONCE: usize = 200;
+
+/// Searches a map as it stands.
+fn search_at(state: &State, question: &LocateQuestion, are_words_compared: bool) -> MapSearch {
+    if are_words_compared {
+        search_map(&state.index, state.version, question)
+    } else {
+        search_map(&state.index, state.version, &without_words(question))
+    }
+}
 
 /// Returns the question without its words, for a map whose words are of another vocabulary.
 fn without_words(question: &LocateQuestion) -> LocateQuestion {

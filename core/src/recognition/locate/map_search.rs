@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use super::anchor_pose::{AnchorPose, Verticals, anchor_poses};
 use super::look_for::{NearbySign, nearby_signs};
 use super::sighted_anchor::{SightedAnchor, pairs_by_session, sighted_anchors};
+use crate::domain::bow::Score;
 use crate::domain::channel::Channel;
 use crate::domain::ids::{AnchorSeq, KeyframeId, KeyframeSeq, SessionId, SessionSeq};
 use crate::domain::keyframe::NewKeyframe;
@@ -16,16 +17,17 @@ use crate::domain::verdict::{AnchorName, Candidate, Verify};
 use crate::geometry::{Point3, Pose};
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::loops::anchor_check::{AnchorCheck, Counts};
-use crate::recognition::loops::candidates::find_candidates;
+use crate::recognition::loops::candidates::{Proposals, find_candidates};
 use crate::recognition::loops::evidence;
+use crate::recognition::loops::fusion::fuse;
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
 use crate::recognition::loops::query::Query;
 use crate::recognition::loops::screening::{CandidateStage, PreVerified, Screening};
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::plans::alignments::Alignments;
 
-/// Candidates of one keyframe in one map that are looked at; those that score best, and those that anchors propose.
-pub(in crate::recognition) const CANDIDATES_PER_MAP_MAX: usize = 20;
+/// Candidates of one keyframe in one map that are compared: more than geometry looks at in all.
+pub(in crate::recognition) const CANDIDATES_PER_MAP_MAX: usize = 24;
 
 /// The camera's own keyframes, and the question's terms.
 #[derive(Clone, Debug)]
@@ -190,54 +192,76 @@ fn propose(
 ) -> (Screening, Vec<Proposed>) {
     let mut counts = Counts::around(index, &query.centre);
     let proposals = find_candidates(index, query, &mut counts.places);
-    let anchors = AnchorCheck::new(index, query, Verify::Auto, &mut counts);
-    let mut candidates: Vec<PreVerified> = Vec::new();
-    let mut proposed: Vec<Proposed> = Vec::new();
-    let mut check = |keyframe, score, channels: &[Channel], counts: &mut Counts| {
-        let mut candidate = evidence::unchecked(index, keyframe, score, proposals.reference_score)?;
+    // Geometry's needs are gathered for the few that it looks at.
+    let anchors = AnchorCheck::new(index, query, Verify::Anchors, &mut counts);
+    let (mut candidates, mut proposed) = (Vec::new(), Vec::new());
+    for (keyframe, score, channels) in most_promising(index, &proposals) {
+        let Some(mut candidate) = evidence::unchecked(index, keyframe, score, proposals.reference_score)
+        else {
+            continue;
+        };
         candidate.proposed = proposals.proposed_by(keyframe, channels);
-        let pre_verified = opened(index, anchors.check(keyframe, candidate, counts)?);
+        let checked = anchors.check(keyframe, candidate, &mut counts);
+        let Some((checked, site)) = checked.zip(sites.of(keyframe, &mut counts.places)) else { continue };
+        let pre_verified = opened(checked);
         let signs = sign_evidence(index, query, &pre_verified.candidate, &mut counts.places);
-        let site = sites.of(keyframe, &mut counts.places)?;
         let centre = sites.sites[site].map_from_camera.centre();
         let is_hinted =
             question.hint.is_none_or(|(position, radius_m)| (centre - position).norm() <= radius_m);
-        Some((pre_verified, Proposed { site, signs, is_hinted }))
-    };
-    // The best of each place, and the keyframes of the place that look most like the question: one view is not the other.
-    for proposal in proposals.candidates.iter().take(CANDIDATES_PER_MAP_MAX) {
-        let of_place = proposal.neighbours.iter().filter(|(other, _)| !proposals.has(*other));
-        for (keyframe, score) in std::iter::once((proposal.keyframe, proposal.score)).chain(of_place.copied())
-        {
-            if candidates.iter().any(|known| known.keyframe == keyframe) {
-                continue;
-            }
-            if let Some((pre_verified, of_candidate)) =
-                check(keyframe, score, &proposal.channels, &mut counts)
-            {
-                candidates.push(pre_verified);
-                proposed.push(of_candidate);
-            }
-        }
+        candidates.push(pre_verified);
+        proposed.push(Proposed { site, signs, is_hinted });
     }
     (Screening::of_candidates(index, version, query, Verify::Auto, candidates), proposed)
 }
 
+/// Returns the candidates of a map that are looked at: the best keyframe of each place, and the keyframes of the place that
+/// look most like the question, for one view is not the other. The order of the places is fused with that of the words.
+fn most_promising<'p>(
+    index: &MapIndex,
+    proposals: &'p Proposals,
+) -> Vec<(KeyframeSeq, Score, &'p [Channel])> {
+    let mut found: BTreeMap<KeyframeSeq, (Score, &[Channel])> = BTreeMap::new();
+    for proposal in &proposals.candidates {
+        for (keyframe, score) in &proposal.neighbours {
+            found.entry(*keyframe).or_insert((*score, &proposal.channels));
+        }
+    }
+    for proposal in &proposals.candidates {
+        found.insert(proposal.keyframe, (proposal.score, &proposal.channels));
+    }
+    let id = |keyframe| index.keyframe(keyframe).map(|stored| &stored.id);
+    let by_id = |a: KeyframeSeq, b: KeyframeSeq| id(a).cmp(&id(b));
+    let mut by_words: Vec<KeyframeSeq> = found.keys().copied().collect();
+    by_words.sort_by(|a, b| found[b].0.units().cmp(&found[a].0.units()).then_with(|| by_id(*a, *b)));
+    let by_place = proposals.candidates.iter().map(|proposal| proposal.keyframe).collect();
+    let fused = fuse(&[((), by_words), ((), by_place)], by_id);
+    let kept = fused.into_iter().take(CANDIDATES_PER_MAP_MAX);
+    kept.map(|(keyframe, _)| (keyframe, found[&keyframe].0, found[&keyframe].1)).collect()
+}
+
 /// Returns a candidate that geometry may look at, whatever its anchors say: where nothing is known of one's own place,
 /// everything that looks alike counts, if only as a rival.
-fn opened(index: &MapIndex, pre_verified: PreVerified) -> PreVerified {
-    let snapshot =
-        pre_verified.snapshot.clone().or_else(|| GeometrySnapshot::stored(index, pre_verified.keyframe));
-    let stage = match pre_verified.left_open() {
+fn opened(checked: PreVerified) -> PreVerified {
+    let stage = match checked.left_open() {
         Some(_) => CandidateStage::AskGeometry,
-        None => pre_verified.stage,
+        None => checked.stage,
     };
-    let mut opened = PreVerified { snapshot, stage, neighbours: Vec::new(), ..pre_verified };
+    let mut opened = PreVerified { stage, ..checked };
     if opened.stage == CandidateStage::AskGeometry {
         opened.candidate.reason = None;
     }
     opened.rivalry.is_rival = true;
     opened
+}
+
+impl MapSearch {
+    /// Gathers what geometry needs of the chosen candidates, at the version that was searched.
+    pub fn take_snapshots(&mut self, index: &MapIndex, chosen: impl IntoIterator<Item = (usize, usize)>) {
+        for (asked, candidate) in chosen {
+            let pre_verified = &mut self.screenings[asked].candidates[candidate];
+            pre_verified.snapshot = GeometrySnapshot::stored(index, pre_verified.keyframe);
+        }
+    }
 }
 
 /// Returns the identifiers that agree and hang in one place only, and how many contradict.
