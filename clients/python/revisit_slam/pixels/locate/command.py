@@ -21,10 +21,13 @@ from .gallery import send_gallery
 from .gradients import Binariser
 from .ordinary import Figures, Ordinary
 from .protocols import PROTOCOLS
+from .reliability import reliability
 from .score import Score
 from .sights import Sight, look
-from .table import answer_table, score_table
+from .table import answer_table, reliability_table, score_table
 
+# The place of a photograph is in the gallery under A and B, and nearly never under C.
+POOLED = (("A", "B"), ("C",))
 # Where no floor is known there is no split either, and the gallery has nothing to leave out.
 UNJUDGED = ["A"]
 
@@ -63,9 +66,10 @@ def _printed(chosen: argparse.Namespace, collection: Collection, asked: list[Ask
         return msgspec.json.encode({"answers": answers}).decode()
     scores = {protocol: Score.of(protocol, asked) for protocol in PROTOCOLS}
     if not chosen.json:
-        return score_table(scores, others)
+        return "\n".join([score_table(scores, others), *(reliability_table(of, asked) for of in POOLED)])
     figures = {protocol: score.figures() for protocol, score in scores.items()}
-    return msgspec.json.encode({"protocols": figures}).decode()
+    levels = {"+".join(of): [level.figures() for level in reliability(of, asked)] for of in POOLED}
+    return msgspec.json.encode({"protocols": figures, "reliability": levels}).decode()
 
 
 def _look(chosen: argparse.Namespace, what: str, shots: list[Shot]) -> list[Sight]:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ..columns import columns
 from .asking import Asked
 from .protocols import PROTOCOLS
+from .reliability import reliability
 from .score import Score
 
 # As the authors of the collection print them: 504 photographs against 2,373, over their 25 labels. Protocol A.
@@ -49,6 +52,16 @@ def score_table(scores: dict[str, Score], others: list[tuple[str, str, float]]) 
         for name, top1, answered, right in PRINTED
     ]
     return "\n".join([*lines, *columns(HEAD, printed)])
+
+
+def reliability_table(protocols: Sequence[str], asked: list[Asked]) -> str:
+    """Return how many answers at or above a confidence are right, over some protocols together."""
+    rows = [
+        (f"{level.confidence:.2f}", str(level.answers), f"{level.right} ({_percent(level.right, level.answers)})")
+        for level in reliability(protocols, asked)
+    ]
+    head = (f"confidence at least ({' and '.join(protocols)})", "answers", "right")
+    return "\n".join(columns(head, rows))
 
 
 def answer_table(asked: list[Asked], protocol: str) -> str:
