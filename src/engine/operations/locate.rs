@@ -9,10 +9,10 @@ use tokio::time::Instant;
 use super::queries::{Timings, milliseconds_since, timed};
 use crate::config::logging::in_part;
 use crate::domain::bow::BowVector;
-use crate::domain::ids::{KeyframeSeq, MapId};
+use crate::domain::ids::{KeyframeSeq, MapId, SessionSeq};
 use crate::domain::invalid::FieldError;
 use crate::domain::key::MapPattern;
-use crate::domain::location::{AskedKeyframe, LocateRequest, Location};
+use crate::domain::location::{AskedKeyframe, LocateRequest, Location, LocationVerdict};
 use crate::engine::bow::check_vocabulary;
 use crate::engine::maps::live::{LiveMap, State};
 use crate::engine::{Service, ServiceError};
@@ -92,17 +92,27 @@ impl Service {
         timings.features_ms = milliseconds_since(started);
 
         let started = Instant::now();
-        let _permit = self.reads.enter().await?;
+        let permit = self.reads.enter().await?;
         let max = request.max;
+        let seed = question.seed;
         let decide = move || {
             timed(|| {
                 let views = look_at(&question, &searches, &chosen, &own, &stored);
-                locate(&searches, &views, max)
+                (locate(&searches, &views, false, max), searches, views)
             })
         };
-        let (location, took_ms) =
+        let ((mut location, searches, views), took_ms) =
             spawn_blocking(in_part("verify", decide)).await.map_err(ServiceError::panicked)?;
         timings.note(started, took_ms, |timings| &mut timings.geometry_ms);
+        drop(permit);
+        if let Some(home) = rests_on_views(&location, &searches) {
+            let started = Instant::now();
+            let maps: Vec<Arc<LiveMap>> = searched.iter().map(|(live, _)| live.clone()).collect();
+            if self.shows_views_twice(home, &maps, seed).await? {
+                location = locate(&searches, &views, true, max);
+            }
+            timings.geometry_ms += milliseconds_since(started);
+        }
         Ok(LocateAnswer { maps: searched.into_iter().map(|(_, asked)| asked).collect(), location, timings })
     }
 
@@ -250,6 +260,16 @@ impl Service {
         }
         Ok(read)
     }
+}
+
+/// Returns the map and the session of the place that is located, if nothing but views speaks for it.
+fn rests_on_views(location: &Location, searches: &[MapSearch]) -> Option<(usize, SessionSeq)> {
+    let place = location.places.first().filter(|_| location.verdict == LocationVerdict::Located)?;
+    if !place.signs.agreeing.is_empty() {
+        return None;
+    }
+    let site = searches[place.map].sites.iter().find(|site| Some(&site.id) == place.keyframe.as_ref())?;
+    Some((place.map, site.session))
 }
 
 /// Map names read in one statement.

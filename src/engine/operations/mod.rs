@@ -1,5 +1,6 @@
 //! Operations: one file for each kind of resource that clients read and write.
 
+mod alike_maps;
 pub(super) mod anchors;
 mod backups;
 pub(super) mod changed_signs;

@@ -2,7 +2,7 @@
 
 use super::constant::{Constant, constant};
 use crate::recognition::locate::{
-    anchor_pose, confidence, explained_cells, map_search, places, pose, selection, sighted_anchor,
+    anchor_pose, confidence, explained_cells, likeness, map_search, places, pose, selection, sighted_anchor,
 };
 
 /// Rule by rule, in the order in which a question meets them.
@@ -18,6 +18,18 @@ pub(super) const LOCATE: &[Constant] = &[
         selection::VERIFICATIONS_MAX as f64,
         "1",
         "ours: pairs of keyframes that geometry looks at for one question",
+    ),
+    constant(
+        "locate.probes",
+        likeness::PROBES_MAX as f64,
+        "1",
+        "ours: of these pairs, those that tell whether the building repeats itself, where views alone speak for a place",
+    ),
+    constant(
+        "locate.alike_from_cells",
+        likeness::ALIKE_FROM_CELLS as f64,
+        "1",
+        "ours: cells of a keyframe's view that are explained elsewhere, from which the building repeats itself",
     ),
     constant(
         "locate.cells",

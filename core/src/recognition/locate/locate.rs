@@ -15,9 +15,12 @@ use crate::recognition::loops::evidence::{geometry_skipped, no_candidates};
 pub(in crate::recognition) const FITS_FROM_LOG_ODDS: f64 = 0.0;
 
 /// Decides where the camera is, from the searches of all maps and the views that geometry looked at; at most `max` places are
-/// listed. Pure: the same arguments give the same answer, to the bit.
-pub fn locate(searches: &[MapSearch], views: &[View], max: usize) -> Location {
-    let joined = join(searches, views);
+/// listed. Where the building repeats itself, views alone locate nothing. Pure: the same arguments give the same answer, to the bit.
+pub fn locate(searches: &[MapSearch], views: &[View], repeats_itself: bool, max: usize) -> Location {
+    let mut joined = join(searches, views);
+    if repeats_itself {
+        joined.iter_mut().for_each(PlaceEvidence::discount_views);
+    }
     let confidences: Vec<f64> = (0..joined.len()).map(|at| evidence(&joined, at).confidence()).collect();
     let confidence = confidences.first().copied().unwrap_or(0.0);
     let verdict = verdict(&joined, confidence);

@@ -10,6 +10,7 @@
 //! | the few candidates of all maps that geometry looks at | [`selection`] |
 //! | geometry, and how much of the view it explains | [`views`], [`explained_cells`] |
 //! | views and anchor poses of one place | [`places`] |
+//! | whether the building repeats itself | [`likeness`] |
 //! | how sure it is | [`confidence`] |
 //! | the pose, and how well it is known | [`pose`] |
 //! | the signs that would tell places apart | [`look_for`] |
@@ -18,6 +19,7 @@
 pub mod anchor_pose;
 pub mod confidence;
 pub mod explained_cells;
+pub mod likeness;
 mod locate;
 pub mod look_for;
 pub mod map_search;

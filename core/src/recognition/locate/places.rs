@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
-use super::confidence::Evidence;
+use super::confidence::{EVEN_CELLS, Evidence};
 use super::explained_cells::Cells;
 use super::map_search::MapSearch;
 use super::selection::{Chosen, ranked};
@@ -70,6 +70,15 @@ impl Clue {
     fn stands_with(&self, other: &Self) -> bool {
         let both = self.stands_at.zip(other.stands_at);
         both.is_some_and(|((session, a), (of_other, b))| session == of_other && (a - b).norm() <= SAME_SPOT_M)
+    }
+}
+
+impl PlaceEvidence {
+    /// Takes back what views alone say, as far as it would locate the place: the building repeats itself.
+    pub fn discount_views(&mut self) {
+        if self.signs.agreeing.is_empty() {
+            self.common_cells = self.common_cells.min(EVEN_CELLS as usize);
+        }
     }
 }
 

@@ -3,11 +3,14 @@
 //! The channels' rankings are fused over all maps: scores of words of one vocabulary may be compared from map to map, ranks
 //! of words with ranks of signs.
 
+use super::likeness::PROBES_MAX;
 use super::map_search::MapSearch;
 use crate::recognition::loops::fusion::fuse;
 
 /// Pairs of keyframes that one request verifies.
 pub const VERIFICATIONS_MAX: usize = 20;
+/// Of these, pairs with candidates; the rest are for [`super::likeness`].
+pub(in crate::recognition) const CANDIDATES_VERIFIED_MAX: usize = VERIFICATIONS_MAX - PROBES_MAX;
 /// A candidate that geometry looks at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Chosen {
@@ -23,7 +26,7 @@ pub struct Chosen {
 /// map is hinted, that lie where the hint has the camera are a channel of their own.
 pub fn select(searches: &[MapSearch], hinted_map: Option<usize>) -> Vec<Chosen> {
     let mut chosen = ranked(searches, hinted_map);
-    chosen.truncate(VERIFICATIONS_MAX);
+    chosen.truncate(CANDIDATES_VERIFIED_MAX);
     chosen
 }
 

@@ -1,0 +1,56 @@
+//! Whether the asked maps show one view in several places: then a view alone says nothing of which.
+//!
+//! A room that no robot has mapped on this floor may have been mapped on another that looks the same, and nothing rivals it
+//! there. So where nothing but views speaks for a place, some keyframes of its session are themselves held against the other
+//! sessions and maps. If one of them is found there, the building repeats itself.
+
+use std::collections::BTreeSet;
+
+use super::explained_cells::cells;
+use crate::domain::bow::{BowVector, Score};
+use crate::domain::ids::{KeyframeSeq, SessionSeq};
+use crate::domain::keyframe::Camera;
+use crate::recognition::map::index::MapIndex;
+use crate::recognition::map::inverted_file::Scratch;
+use crate::recognition::verification::{Status, Verification};
+
+/// Keyframes that are held against the other maps.
+pub const PROBES_MAX: usize = 4;
+/// A probe is found elsewhere if so many cells of its view are explained there: as many as locate a place.
+pub(in crate::recognition) const ALIKE_FROM_CELLS: usize = 40;
+
+/// Returns keyframes with a camera that are spread evenly over a session, by stamp.
+pub fn probes(index: &MapIndex, session: SessionSeq) -> Vec<KeyframeSeq> {
+    let mut of_session: Vec<_> =
+        index.keyframes().filter(|found| found.session == session && found.camera.is_some()).collect();
+    of_session.sort_by(|a, b| (a.stamp, &a.id).cmp(&(b.stamp, &b.id)));
+    let count = of_session.len().min(PROBES_MAX);
+    // The middle of each of as many parts.
+    (0..count).map(|part| of_session[(2 * part + 1) * of_session.len() / (2 * count)].seq).collect()
+}
+
+/// Returns the keyframe with a camera whose words are most like a probe's, outside these sessions, ties to the smallest id.
+pub fn most_alike(
+    index: &MapIndex,
+    bow: &BowVector,
+    without: &BTreeSet<SessionSeq>,
+) -> Option<(KeyframeSeq, Score)> {
+    let mut scratch = Scratch::default();
+    let scores = index.inverted_file().score_all(bow, &mut scratch);
+    let found = scores.iter().filter_map(|(seq, score)| {
+        let stored = index.keyframe(KeyframeSeq(seq))?;
+        let is_asked = stored.camera.is_some() && !without.contains(&stored.session);
+        is_asked.then_some((stored, score))
+    });
+    let best = found.max_by(|(a, score_a), (b, score_b)| {
+        score_a.units().cmp(&score_b.units()).then_with(|| b.id.cmp(&a.id))
+    });
+    best.filter(|(_, score)| score.units() > 0).map(|(stored, score)| (stored.seq, score))
+}
+
+/// Whether geometry has found a probe elsewhere.
+pub fn is_found(verification: &Verification, probe: &Camera, other: &Camera) -> bool {
+    let [in_probe, in_other] = &verification.explained_pixels;
+    verification.status == Status::Verified
+        && cells(0, probe, in_probe).len().min(cells(0, other, in_other).len()) >= ALIKE_FROM_CELLS
+}
