@@ -61,8 +61,8 @@ pub(super) enum Experiment {
 /// text where there is none. It takes no --noise.
 ///
 /// LOCATE. --locate maps three identical-looking floors of hotel v2, each with one robot and as a map of its own. Another
-/// robot then wakes up at random places of its own tour, half of whose rooms are those of the map, and asks POST
-/// /v1/locate with one keyframe without a pose. An answer is right on the right floor, and in the right room or within 3 m.
+/// robot then wakes up at random places of its own tour, half of whose rooms are those of the map, drives on for twelve
+/// keyframes, and asks POST /v1/locate where the first one was. An answer is right on the right floor, and in the right room or within 3 m.
 /// Restarts where no robot stood before are counted apart.
 #[derive(Args, Clone, Debug)]
 #[command(group(ArgGroup::new("random").args(["worlds", "world"]).multiple(true)))]

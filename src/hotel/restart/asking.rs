@@ -7,11 +7,13 @@ use super::world::{Restart, RestartWorld};
 use crate::api::keyframe::FeaturesShape;
 use crate::api::location::{LocateAnswerView, LocateBody, UnplacedKeyframeBody};
 use crate::client::{Client, ClientError};
+use crate::geometry::{Point3, Pose};
 use crate::hotel::method::Method;
 use crate::hotel::robot::client::{DriveError, Robot};
 use crate::hotel::robot::message;
 use crate::hotel::run::session;
 use crate::hotel::sensing::camera::CAMERA;
+use crate::hotel::sequence::Step;
 
 /// Returns the map of a floor.
 pub fn map_of(seed: u64, storey: usize) -> String {
@@ -35,20 +37,33 @@ pub async fn map_floors(client: &Client, seed: u64, world: &RestartWorld) -> Res
 /// Asks where a restart is.
 pub async fn ask(client: &Client, seed: u64, restart: &Restart) -> Result<LocateAnswerView, ClientError> {
     let body = LocateBody {
-        keyframe: Some(keyframe(restart)),
+        keyframes: Some(keyframes(restart)),
         maps: Some(vec![format!("restart-{seed}-floor-*")]),
         ..LocateBody::default()
     };
     client.locate(&body).await
 }
 
-/// Returns what the camera sees, in its own frame: its depth camera knows where each feature is.
-fn keyframe(restart: &Restart) -> UnplacedKeyframeBody {
-    let step = &restart.step;
-    let every: Vec<(u64, crate::geometry::Point3)> = (step.map_points.iter().zip(&step.features))
-        .map(|((id, _), feature)| (*id, feature.in_camera))
+/// Returns the keyframes with their poses in the frame of the first one's camera, by odometry.
+fn keyframes(restart: &Restart) -> Vec<UnplacedKeyframeBody> {
+    let mut first_from_camera = Pose::identity();
+    let mut bodies = Vec::new();
+    for (number, step) in restart.steps.iter().enumerate() {
+        if number > 0 {
+            first_from_camera = first_from_camera.after(&step.motion);
+        }
+        bodies.push(keyframe(step, &first_from_camera));
+    }
+    bodies
+}
+
+/// Returns what the camera sees: its depth camera knows where each feature is.
+fn keyframe(step: &Step, first_from_camera: &Pose) -> UnplacedKeyframeBody {
+    let every: Vec<(u64, Point3)> = (step.map_points.iter().zip(&step.features))
+        .map(|((id, _), feature)| (*id, first_from_camera.transform(&feature.in_camera)))
         .collect();
     UnplacedKeyframeBody {
+        pose: Some((*first_from_camera).into()),
         camera: Some(CAMERA.into()),
         features: Some(FeaturesShape {
             descriptor_bytes: message::DESCRIPTOR_BYTES,

@@ -86,7 +86,7 @@ impl RestartCounts {
             return;
         }
         self.located += 1;
-        let (stop, place) = (&restart.step.stop, answer.places.first());
+        let (stop, place) = (&restart.steps[0].stop, answer.places.first());
         if place.is_none_or(|place| place.map != map_of(seed, stop.storey)) {
             return;
         }

@@ -11,6 +11,8 @@ use crate::hotel::sequence::{Sequence, Step};
 
 /// Restarts on each floor of a world.
 pub const RESTARTS_PER_FLOOR: usize = 20;
+/// Keyframes of a restart: the robot does not know where it is, and drives on for some metres.
+const KEYFRAMES_OF_A_RESTART: usize = 12;
 /// Rooms that the restarting robot's own tour visits, of which restarts are drawn.
 const TOUR_ROOMS: usize = 4;
 /// A restart's place is in a map if a robot stood this near to it, in metres, and faced it within this angle.
@@ -20,11 +22,11 @@ const MAPPED_RAD: f64 = 60.0 / 180.0 * std::f64::consts::PI;
 /// Door plates, read right, from which a restart must be located.
 const TELLING_PLATES: usize = 2;
 
-/// A place at which a robot wakes up, and what it sees there.
+/// A place at which a robot wakes up, and what it sees from there on.
 #[derive(Clone, Debug)]
 pub struct Restart {
-    /// The keyframe; its motion says nothing.
-    pub step: Step,
+    /// The keyframes of its first metres; the motion of the first says nothing.
+    pub steps: Vec<Step>,
     /// Whether a robot stood there when the floor was mapped.
     pub is_mapped: bool,
     /// Whether it reads the numbers of two doors right.
@@ -58,11 +60,15 @@ impl RestartWorld {
             let noise = NoiseKind::SecondHotel.noise();
             let tour = Sequence::record(world, &stops, noise, 0.0, seed ^ ((storey as u64) << 48) ^ 0x7e57);
             for _ in 0..RESTARTS_PER_FLOOR {
-                let step = tour.steps[rng.below(tour.steps.len())].clone();
-                let is_mapped = journeys[storey].steps.iter().any(|mapped| shows_one_place(mapped, &step));
-                let read: BTreeSet<&str> = step.detections.iter().map(|seen| seen.text.as_str()).collect();
+                let first = rng.below(tour.steps.len());
+                let steps: Vec<Step> =
+                    tour.steps.iter().skip(first).take(KEYFRAMES_OF_A_RESTART).cloned().collect();
+                let is_mapped =
+                    journeys[storey].steps.iter().any(|mapped| shows_one_place(mapped, &steps[0]));
+                let seen = steps.iter().flat_map(|step| &step.detections);
+                let read: BTreeSet<&str> = seen.map(|seen| seen.text.as_str()).collect();
                 let plates = world.numbers.iter().filter(|number| read.contains(number.as_str())).count();
-                restarts.push(Restart { step, is_mapped, reads_two_plates: plates >= TELLING_PLATES });
+                restarts.push(Restart { steps, is_mapped, reads_two_plates: plates >= TELLING_PLATES });
             }
         }
         Self { journeys, restarts }

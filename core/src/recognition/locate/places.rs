@@ -60,7 +60,7 @@ pub struct PlaceEvidence {
     pub verified_views: u32,
     /// The cells that its best view of each keyframe explains.
     pub cells: Cells,
-    /// The cells that its best view of each keyframe has in common with it, in all.
+    /// The most cells that its best view of one keyframe has in common with it.
     common_cells: usize,
     words: f64,
 }
@@ -147,7 +147,7 @@ pub fn evidence(places: &[PlaceEvidence], at: usize) -> Evidence {
             a.signs.agreeing.iter().filter(|sign| !b.signs.agreeing.contains(sign)).count()
         };
         Evidence {
-            cells: own.cells.difference(&rival.cells).count().min(own.common_cells),
+            cells: own_cells(&own.cells, &rival.cells).min(own.common_cells),
             agreeing_signs: only_of(own, rival),
             rival_signs: only_of(rival, own),
             shared_signs: own.signs.agreeing.len() - only_of(own, rival),
@@ -155,6 +155,20 @@ pub fn evidence(places: &[PlaceEvidence], at: usize) -> Evidence {
         }
     });
     against.min_by(|a, b| a.log_odds().total_cmp(&b.log_odds())).unwrap_or_else(|| evidence_alone(own))
+}
+
+/// Returns the cells that a place explains and a rival does not. Of several keyframes that ask, those at which the rival
+/// explains something count, the worst of them: what was looked at for one place alone says nothing about the other.
+fn own_cells(own: &Cells, rival: &Cells) -> usize {
+    let count = |keyframe: usize, of: &mut dyn Iterator<Item = &(usize, i32, i32)>| {
+        of.filter(|(of, ..)| *of == keyframe).count()
+    };
+    let keyframes = |cells: &Cells| cells.iter().map(|(keyframe, ..)| *keyframe).collect::<BTreeSet<usize>>();
+    let compared = keyframes(rival);
+    let only_own = compared.iter().map(|keyframe| count(*keyframe, &mut own.difference(rival))).min();
+    let alone =
+        || keyframes(own).into_iter().map(|keyframe| count(keyframe, &mut own.iter())).max().unwrap_or(0);
+    only_own.unwrap_or_else(alone)
 }
 
 /// Returns the evidence for one place as if there were no other.
@@ -247,7 +261,7 @@ fn place(searches: &[MapSearch], views: &[View], group: &[Clue]) -> PlaceEvidenc
     for (_, view) in looked_at() {
         if seen.insert(view.chosen.asked) {
             cells.extend(view.cells.iter().copied());
-            common_cells += view.common_cells();
+            common_cells = view.common_cells().max(common_cells);
         }
     }
     let anchor_pose = group.iter().find_map(|clue| clue.anchor_pose);
