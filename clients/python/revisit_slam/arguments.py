@@ -103,7 +103,7 @@ def _add_locate(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
     add("--truth", type=Path, metavar="CSV", help="columns frame and floor, and split where both folders are one")
     add("--json", action="store_true", help="print the figures as one JSON object, no table")
     add("--orb", action="store_true", help="also count how far ordinary ORB comes on the same photographs")
-    add("--no-signs", action="store_true", help="read no signs: faster, and nothing but features counts")
+    add("--signs", action="store_true", help="read signs as well; slower, and not measured on the nine floors")
     _add_server(add)
     _add_reading(add)
 

@@ -52,7 +52,7 @@ def tower(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_photographs_are_located_where_their_neighbours_hang_and_nowhere_without_them(tower: Path) -> None:
-    done = locate("--gallery", tower, "--queries", tower, "--truth", tower / "floors.csv", "--no-signs", "--json")
+    done = locate("--gallery", tower, "--queries", tower, "--truth", tower / "floors.csv", "--json")
     assert done.returncode == 0, done.stderr
     asked = len(FLOORS) * len(ASKING)
     figures = json.loads(done.stdout)["protocols"]
@@ -67,7 +67,7 @@ def test_two_folders_without_a_truth_give_the_answers(tower: Path, tmp_path: Pat
     for path in tower.glob("*.png"):
         is_asking = int(path.stem[-6:]) in ASKING
         (queries / f"phone_{path.name}" if is_asking else gallery / path.name).write_bytes(path.read_bytes())
-    done = locate("--gallery", gallery, "--queries", queries, "--no-signs", "--json")
+    done = locate("--gallery", gallery, "--queries", queries, "--json")
     assert done.returncode == 0, done.stderr
     answers = {answer["photograph"]: answer for answer in json.loads(done.stdout)["answers"]}
     assert len(answers) == len(FLOORS) * len(ASKING)
@@ -77,7 +77,7 @@ def test_two_folders_without_a_truth_give_the_answers(tower: Path, tmp_path: Pat
 
 
 def test_the_table_shows_ordinary_methods_beside_it(tower: Path) -> None:
-    done = locate("--gallery", tower, "--queries", tower, "--truth", tower / "floors.csv", "--no-signs", "--orb")
+    done = locate("--gallery", tower, "--queries", tower, "--truth", tower / "floors.csv", "--orb")
     assert done.returncode == 0, done.stderr
     for shown in ("wrong floor", "ORB, best by words", "DINOv2 ViT-S/14, 518 px", "as the authors"):
         assert shown in done.stdout
@@ -97,7 +97,7 @@ def test_the_table_shows_ordinary_methods_beside_it(tower: Path) -> None:
 def test_a_faulty_truth_is_one_line_that_names_the_file(tower: Path, tmp_path: Path, rows: list[str], complaint: str) -> None:
     truth = tmp_path / "truth.csv"
     truth.write_text("\n".join(rows) + "\n")
-    done = locate("--gallery", tower, "--queries", tower, "--truth", truth, "--no-signs")
+    done = locate("--gallery", tower, "--queries", tower, "--truth", truth)
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
     assert str(truth) in done.stderr and complaint in done.stderr
 

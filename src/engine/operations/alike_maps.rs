@@ -23,8 +23,8 @@ struct Seen {
 }
 
 impl Service {
-    /// Whether a keyframe of this session of a map is found in another map, or in another session of its own; and whether the
-    /// map itself has shown one view in two places. Asks as many pairs as there are probes.
+    /// Whether a keyframe of this session of a map is found in another map, or the map itself has shown one view in two places.
+    /// Other sessions of the map may show the same places. Looks at as many pairs as there are probes.
     pub(super) async fn shows_views_twice(
         &self,
         home: (usize, SessionSeq),
@@ -39,7 +39,7 @@ impl Service {
         }
         for probe in probes {
             let Some(bow) = self.store.bow(maps[home].key, probe).await? else { continue };
-            if self.is_elsewhere(probe, Arc::new(bow), (home, session), maps, seed).await? {
+            if self.is_elsewhere(probe, Arc::new(bow), home, maps, seed).await? {
                 return Ok(true);
             }
         }
@@ -50,16 +50,14 @@ impl Service {
         &self,
         probe: KeyframeSeq,
         bow: Arc<BowVector>,
-        (home, session): (usize, SessionSeq),
+        home: usize,
         maps: &[Arc<LiveMap>],
         seed: u64,
     ) -> Result<bool, ServiceError> {
         let mut best = None;
-        for (number, live) in maps.iter().enumerate() {
-            let without: BTreeSet<SessionSeq> = (number == home).then_some(session).into_iter().collect();
+        for (number, live) in maps.iter().enumerate().filter(|(number, _)| *number != home) {
             let bow = bow.clone();
-            let (_, found) =
-                self.read(live, move |state| Ok(most_alike(&state.index, &bow, &without))).await?;
+            let (_, found) = self.read(live, move |state| Ok(most_alike(&state.index, &bow))).await?;
             // The first of equals, by the maps' names.
             let score = |of: &Option<(usize, KeyframeSeq, u64)>| of.map_or(0, |(_, _, units)| units);
             if let Some((keyframe, units)) =

@@ -18,7 +18,7 @@ use crate::engine::maps::live::{LiveMap, State};
 use crate::engine::{Service, ServiceError};
 use crate::recognition::locate::locate;
 use crate::recognition::locate::map_search::{LocateQuestion, MapSearch, search_map};
-use crate::recognition::locate::selection::{Chosen, select};
+use crate::recognition::locate::selection::{Chosen, LOOKED_AT_FIRST, select};
 use crate::recognition::locate::views::{View, look};
 use crate::recognition::loops::features::{FeatureSet, MatchableFeatures};
 use crate::recognition::loops::geometry_check::PlacedQuery;
@@ -97,8 +97,19 @@ impl Service {
         let seed = question.seed;
         let decide = move || {
             timed(|| {
-                let views = look_at(&question, &searches, &chosen, &own, &stored);
-                (locate(&searches, &views, false, max), searches, views)
+                let (first, rest) = chosen.split_at(chosen.len().min(LOOKED_AT_FIRST));
+                let mut views = look_at(&question, &searches, first, &own, &stored);
+                let location = locate(&searches, &views, false, max);
+                if location.verdict == LocationVerdict::Located {
+                    return (location, searches, views);
+                }
+                views.extend(look_at(&question, &searches, rest, &own, &stored));
+                let mut location = locate(&searches, &views, false, max);
+                if !rest.is_empty() && rests_on_views(&location, &searches).is_some() {
+                    // No pair is left to tell whether the building repeats itself.
+                    location = locate(&searches, &views, true, max);
+                }
+                (location, searches, views)
             })
         };
         let ((mut location, searches, views), took_ms) =

@@ -2,9 +2,7 @@
 //!
 //! A room that no robot has mapped on this floor may have been mapped on another that looks the same, and nothing rivals it
 //! there. So where nothing but views speaks for a place, some keyframes of its session are themselves held against the other
-//! sessions and maps. If one of them is found there, the building repeats itself.
-
-use std::collections::BTreeSet;
+//! maps. If one of them is found there, the building repeats itself.
 
 use super::explained_cells::cells;
 use crate::domain::bow::{BowVector, Score};
@@ -29,18 +27,13 @@ pub fn probes(index: &MapIndex, session: SessionSeq) -> Vec<KeyframeSeq> {
     (0..count).map(|part| of_session[(2 * part + 1) * of_session.len() / (2 * count)].seq).collect()
 }
 
-/// Returns the keyframe with a camera whose words are most like a probe's, outside these sessions, ties to the smallest id.
-pub fn most_alike(
-    index: &MapIndex,
-    bow: &BowVector,
-    without: &BTreeSet<SessionSeq>,
-) -> Option<(KeyframeSeq, Score)> {
+/// Returns the keyframe with a camera whose words are most like a probe's, ties to the smallest id.
+pub fn most_alike(index: &MapIndex, bow: &BowVector) -> Option<(KeyframeSeq, Score)> {
     let mut scratch = Scratch::default();
     let scores = index.inverted_file().score_all(bow, &mut scratch);
     let found = scores.iter().filter_map(|(seq, score)| {
         let stored = index.keyframe(KeyframeSeq(seq))?;
-        let is_asked = stored.camera.is_some() && !without.contains(&stored.session);
-        is_asked.then_some((stored, score))
+        stored.camera.is_some().then_some((stored, score))
     });
     let best = found.max_by(|(a, score_a), (b, score_b)| {
         score_a.units().cmp(&score_b.units()).then_with(|| b.id.cmp(&a.id))

@@ -9,8 +9,9 @@ use crate::recognition::loops::fusion::fuse;
 
 /// Pairs of keyframes that one request verifies.
 pub const VERIFICATIONS_MAX: usize = 20;
-/// Of these, pairs with candidates; the rest are for [`super::likeness`].
-pub(in crate::recognition) const CANDIDATES_VERIFIED_MAX: usize = VERIFICATIONS_MAX - PROBES_MAX;
+/// Of these, pairs with candidates that are looked at first. Where they locate a place, the rest are for
+/// [`super::likeness`], else for further candidates.
+pub const LOOKED_AT_FIRST: usize = VERIFICATIONS_MAX - PROBES_MAX;
 /// A candidate that geometry looks at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Chosen {
@@ -26,7 +27,7 @@ pub struct Chosen {
 /// map is hinted, that lie where the hint has the camera are a channel of their own.
 pub fn select(searches: &[MapSearch], hinted_map: Option<usize>) -> Vec<Chosen> {
     let mut chosen = ranked(searches, hinted_map);
-    chosen.truncate(CANDIDATES_VERIFIED_MAX);
+    chosen.truncate(VERIFICATIONS_MAX);
     chosen
 }
 

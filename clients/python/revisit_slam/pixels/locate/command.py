@@ -79,7 +79,7 @@ def _look(chosen: argparse.Namespace, what: str, shots: list[Shot]) -> list[Sigh
             threads=chosen.threads,
             cache=chosen.cache,
             focal_px=chosen.focal_px,
-            signs=not chosen.no_signs,
+            signs=chosen.signs,
             progress=_progress(what, len(shots)),
         )
     )
