@@ -35,7 +35,7 @@ pub fn align_upright(
         sine += down_to.dot(&from.cross(&to));
         extent += from.norm().min(to.norm());
     }
-    if !(extent > MIN_EXTENT_M) {
+    if extent.is_nan() || extent <= MIN_EXTENT_M {
         return None;
     }
     let turn = Rotation3::from_axis_angle(&Unit::new_unchecked(*down_to), libm::atan2(sine, cosine));

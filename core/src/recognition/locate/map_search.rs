@@ -141,7 +141,7 @@ pub fn search_map(index: &MapIndex, version: u64, question: &LocateQuestion) -> 
             Query::unplaced(index, &asked.keyframe).with_roles(question.roles).without(left_out.clone())
         })
         .collect();
-    let mut sites = Sites { index, sites: Vec::new(), by_keyframe: BTreeMap::new() };
+    let mut sites = Sites { index, found: Vec::new(), by_keyframe: BTreeMap::new() };
     let (mut screenings, mut proposed) = (Vec::new(), Vec::new());
     for query in &queries {
         let (screening, of_query) = propose(index, version, question, query, &mut sites);
@@ -153,7 +153,7 @@ pub fn search_map(index: &MapIndex, version: u64, question: &LocateQuestion) -> 
     let name = |session: SessionSeq| index.sessions()[session.index()].clone();
     let pose_sessions = poses.iter().map(|(pose, _)| name(pose.session)).collect();
     let beside = sites.beside();
-    let sites = sites.sites;
+    let sites = sites.found;
     let sessions: BTreeSet<SessionSeq> =
         sites.iter().map(|site| site.session).chain(poses.iter().map(|(pose, _)| pose.session)).collect();
     let plan_frames = sessions.iter().copied().filter(|session| index.priors().is_frame(*session)).collect();
@@ -205,7 +205,7 @@ fn propose(
         let Some((checked, site)) = checked.zip(sites.of(keyframe, &mut counts.places)) else { continue };
         let pre_verified = opened(checked);
         let signs = sign_evidence(index, query, &pre_verified.candidate, &mut counts.places);
-        let centre = sites.sites[site].map_from_camera.centre();
+        let centre = sites.found[site].map_from_camera.centre();
         let is_hinted =
             question.hint.is_none_or(|(position, radius_m)| (centre - position).norm() <= radius_m);
         candidates.push(pre_verified);
@@ -371,7 +371,7 @@ fn nearest(index: &MapIndex, keyframes: &[KeyframeSeq], point: &Point3) -> Optio
 /// The sites of a search, each keyframe once.
 struct Sites<'a> {
     index: &'a MapIndex,
-    sites: Vec<Site>,
+    found: Vec<Site>,
     by_keyframe: BTreeMap<KeyframeSeq, usize>,
 }
 
@@ -381,7 +381,7 @@ impl Sites<'_> {
             return Some(*known);
         }
         let stored = self.index.keyframe(keyframe)?;
-        self.sites.push(Site {
+        self.found.push(Site {
             keyframe,
             id: stored.id.clone(),
             session: stored.session,
@@ -389,14 +389,14 @@ impl Sites<'_> {
             map_from_camera: stored.map_from_camera,
             signs: nearby_signs(self.index, keyframe, counts),
         });
-        self.by_keyframe.insert(keyframe, self.sites.len() - 1);
-        Some(self.sites.len() - 1)
+        self.by_keyframe.insert(keyframe, self.found.len() - 1);
+        Some(self.found.len() - 1)
     }
 
     /// Returns the pairs of sites that show one place: covisible, or with a common covisible keyframe, or near each other in
     /// one session's frame.
     fn beside(&self) -> BTreeSet<(usize, usize)> {
-        let around: Vec<BTreeSet<KeyframeSeq>> = (self.sites.iter())
+        let around: Vec<BTreeSet<KeyframeSeq>> = (self.found.iter())
             .map(|site| self.index.covisibility().with_itself(site.keyframe).collect())
             .collect();
         let radius_m = self.index.properties().settings.distinctive_place_radius_m;
@@ -405,9 +405,9 @@ impl Sites<'_> {
             a.session == b.session && apart_m <= radius_m
         };
         let mut beside = BTreeSet::new();
-        for a in 0..self.sites.len() {
-            for b in a + 1..self.sites.len() {
-                if are_near(&self.sites[a], &self.sites[b]) || !around[a].is_disjoint(&around[b]) {
+        for a in 0..self.found.len() {
+            for b in a + 1..self.found.len() {
+                if are_near(&self.found[a], &self.found[b]) || !around[a].is_disjoint(&around[b]) {
                     beside.insert((a, b));
                 }
             }

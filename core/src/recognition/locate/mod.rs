@@ -17,10 +17,10 @@
 //! | the answer | [`locate()`] |
 
 pub mod anchor_pose;
+mod answer;
 pub mod confidence;
 pub mod explained_cells;
 pub mod likeness;
-mod locate;
 pub mod look_for;
 pub mod map_search;
 pub mod places;
@@ -29,4 +29,4 @@ pub mod selection;
 pub mod sighted_anchor;
 pub mod views;
 
-pub use locate::locate;
+pub use answer::locate;

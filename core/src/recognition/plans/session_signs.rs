@@ -64,7 +64,7 @@ pub fn session_signs(index: &MapIndex, texts: &PlanTexts, session: SessionSeq) -
     if seen.iter().all(|seen| seen.same.is_empty()) {
         return None;
     }
-    let level_from_session = Isometry3::from_parts(Default::default(), level);
+    let level_from_session = Isometry3::from_parts(nalgebra::Translation3::default(), level);
     Some(SessionSigns { signs: Signs { seen, drawn: drawn.signs }, frames: drawn.frames, level_from_session })
 }
 

@@ -46,7 +46,12 @@ mod tests {
         );
         let looks = (0..8).map(|step| UnitQuaternion::from_euler_angles(0.0, 0.0, f64::from(step) * 0.3));
         looks
-            .map(|look| Pose::from(nalgebra::Isometry3::from_parts(Default::default(), frame * look * level)))
+            .map(|look| {
+                Pose::from(nalgebra::Isometry3::from_parts(
+                    nalgebra::Translation3::default(),
+                    frame * look * level,
+                ))
+            })
             .collect()
     }
 
