@@ -117,7 +117,9 @@ struct State {
 
 fn drive(signs: &[Sign], plan: &MapIndex, covisible: bool, rng: &mut ChaCha8Rng) -> Vec<State> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    signs.iter().for_each(|sign| *counts.entry(&sign.text).or_default() += 1);
+    for sign in signs {
+        *counts.entry(&sign.text).or_default() += 1;
+    }
     let (frame, way) = way(signs, rng);
     let (yaw, shift) = (rng.random_range(-PI..PI), [normal(rng) * 20.0, normal(rng) * 20.0, normal(rng)]);
     let session_from_plan =
