@@ -82,6 +82,8 @@ impl Robot {
             stamp: Stamp { sec: i64::from(number), nanosec: 0 },
             map_from_camera: Pose::new(centre, [0.0, 0.0, 0.0, 1.0]).expect("a pose"),
             camera: Some(Camera { fx: 500.0, fy: 500.0, cx: 320.0, cy: 240.0, width: 640, height: 480 }),
+            gravity: None,
+            global_descriptor: None,
             bow: self.read(),
             vocabulary: Some(CLIENTS_VOCABULARY.into()),
             features: (self.sends.features > 0).then(|| self.features()),
