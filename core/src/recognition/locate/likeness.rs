@@ -13,7 +13,7 @@ use crate::recognition::map::inverted_file::Scratch;
 use crate::recognition::verification::{Status, Verification};
 
 /// Keyframes that are held against the other maps.
-pub const PROBES_MAX: usize = 2;
+pub const PROBES_MAX: usize = 4;
 /// A probe is found elsewhere if so many cells of its view are explained there: as many as locate a place.
 pub(in crate::recognition) const ALIKE_FROM_CELLS: usize = 40;
 
