@@ -37,7 +37,7 @@ pub struct AskedMap {
     pub are_words_compared: bool,
 }
 
-/// Where the camera is, and which maps were asked.
+/// The place of the camera, and the maps that were asked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LocateAnswer {
     /// The maps, in the order of their names.

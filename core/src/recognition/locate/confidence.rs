@@ -1,4 +1,4 @@
-//! How sure a place is, by its own evidence and by that of the other places.
+//! The confidence in a place, by its own evidence and by that of the other places.
 //!
 //! Geometry proves a view, not a place. What counts is the part of the view that this place explains and no other place does;
 //! and the signs that hang in one place only.

@@ -90,7 +90,7 @@ pub struct Proposed {
     pub is_hinted: bool,
 }
 
-/// What one map has to say.
+/// The findings of one map.
 #[derive(Clone, Debug)]
 pub struct MapSearch {
     /// The map's version.

@@ -39,7 +39,7 @@ struct Clue {
     words: f64,
 }
 
-/// What is known of one place.
+/// All that speaks of one place.
 #[derive(Clone, Debug)]
 pub struct PlaceEvidence {
     /// The map, by its number.

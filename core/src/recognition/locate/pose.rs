@@ -1,6 +1,4 @@
-//! How well a pose from anchors is known.
-
-use std::collections::BTreeSet;
+//! The uncertainty of a pose.
 
 use nalgebra::Vector3;
 
@@ -56,9 +54,4 @@ pub fn uncertainty(
 pub fn of_covariance(covariance: &[f64; 36]) -> Uncertainty {
     let trace = |first: usize| (first..first + 3).fold(0.0, |sum, at| sum + covariance[at * 6 + at].max(0.0));
     Uncertainty { translation_m: trace(0).sqrt(), rotation_rad: trace(3).sqrt() }
-}
-
-/// Returns the assumptions of a list, each once and in order.
-pub fn assumptions(of: impl IntoIterator<Item = Assumption>) -> Vec<Assumption> {
-    of.into_iter().collect::<BTreeSet<_>>().into_iter().collect()
 }

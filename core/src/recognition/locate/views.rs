@@ -13,7 +13,7 @@ use crate::recognition::loops::geometry_check::{GeometryOutcome, PlacedQuery, ch
 use crate::recognition::loops::screening::CandidateStage;
 use crate::recognition::verification::Status;
 
-/// What geometry found between a keyframe that asks and a candidate.
+/// The findings of geometry between a keyframe that asks and a candidate.
 #[derive(Clone, Debug)]
 pub struct View {
     /// The candidate.
