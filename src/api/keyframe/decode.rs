@@ -37,7 +37,12 @@ const FIELDS: [&str; 13] = [
 ];
 
 /// The fields of a keyframe whose place nobody knows.
-const UNPLACED_FIELDS: [&str; 9] = [
+const UNPLACED_FIELDS: [&str; 13] = [
+    // Of a robot's own map: accepted, so that the body of a PUT may be asked about, and of no use here.
+    "session",
+    OBSERVES.list,
+    OBSERVES.packed,
+    "covisible",
     "stamp",
     "pose",
     "camera",
