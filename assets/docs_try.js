@@ -14,6 +14,9 @@ const SAMPLES = { map: "tower", keyframe: "kf-120", anchor: "a-1", loop: "loop-1
 const OWN_SAMPLES = {
   delete_map: { map: "annex" },
   delete_keyframe: { keyframe: "kf-121" },
+  // A client names what a plan shows; `a-1` is a name that the server gives.
+  put_prior_anchor: { anchor: "plan-901" },
+  delete_anchor: { anchor: "plan-901" },
   get_judgement: { id: "prompts-2" },
   stop_judgement: { id: "prompts-2" },
 };
