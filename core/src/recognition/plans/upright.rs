@@ -65,9 +65,14 @@ mod tests {
             assert!((found - expected).norm() < 1e-9, "{roll}: {found}");
             assert!((levelling(&found) * found - Vector3::z()).norm() < 1e-9);
         }
-        // Cameras that look straight down tell nothing.
-        let down = Pose::new([0.0; 3], [1.0, 0.0, 0.0, 0.0]).unwrap();
-        assert_eq!(vertical([down].into_iter()), Vector3::z());
+        // Cameras that look straight down, each with its top elsewhere, tell nothing.
+        let down = UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
+        let tops =
+            (0..8).map(|step| UnitQuaternion::from_euler_angles(0.0, 0.0, f64::from(step) * quarter / 2.0));
+        let looking_down = tops.map(|top| {
+            Pose::from(nalgebra::Isometry3::from_parts(nalgebra::Translation3::default(), top * down))
+        });
+        assert_eq!(vertical(looking_down), Vector3::z());
         assert!((levelling(&-Vector3::z()) * -Vector3::z() - Vector3::z()).norm() < 1e-9);
     }
 }
