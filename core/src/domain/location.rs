@@ -129,6 +129,8 @@ pub struct Place {
     pub map: usize,
     /// The map's keyframe that stands for the place; none where only a plan's anchors say it.
     pub keyframe: Option<KeyframeId>,
+    /// The number of the asked keyframe, from 0, that was taken there. The pose is the first one's all the same.
+    pub asked: usize,
     /// The session in whose frame the pose is.
     pub session: SessionId,
     /// Its standing in the answer.

@@ -20,16 +20,34 @@ pub(super) const LOCATE: &[Constant] = &[
         "ours: pairs of keyframes that geometry looks at for one question",
     ),
     constant(
+        "locate.looked_at_first",
+        selection::LOOKED_AT[0] as f64,
+        "1",
+        "ours: of these pairs, those after which it is first asked whether a place is located; the rest tell whether the building repeats itself",
+    ),
+    constant(
+        "locate.ranked",
+        selection::RANKED_MAX as f64,
+        "1",
+        "ours: candidates of each channel's ranking that count, over all maps",
+    ),
+    constant(
         "locate.probes",
         likeness::PROBES_MAX as f64,
         "1",
-        "ours: of these pairs, those that tell whether the building repeats itself, where views alone speak for a place",
+        "ours: keyframes beside a place for which views alone speak, that are held against the other maps at most",
     ),
     constant(
         "locate.alike_from_cells",
         likeness::ALIKE_FROM_CELLS as f64,
         "1",
-        "ours: cells of a keyframe's view that are explained elsewhere, from which the building repeats itself",
+        "ours: cells of a keyframe's view that are explained in another map, from which they count against a view of a place beside it",
+    ),
+    constant(
+        "locate.single_view_factor",
+        likeness::SINGLE_VIEW_FACTOR,
+        "1",
+        "ours: times these cells that an unmapped place may explain of a single view",
     ),
     constant(
         "locate.cells",

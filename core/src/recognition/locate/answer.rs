@@ -15,12 +15,11 @@ use crate::recognition::loops::evidence::{geometry_skipped, no_candidates};
 pub(in crate::recognition) const FITS_FROM_LOG_ODDS: f64 = 0.0;
 
 /// Decides where the camera is, from the searches of all maps and the views that geometry looked at; at most `max` places are
-/// listed. Where the building repeats itself, views alone locate nothing. Pure: the same arguments give the same answer, to the bit.
-pub fn locate(searches: &[MapSearch], views: &[View], repeats_itself: bool, max: usize) -> Location {
+/// listed. `alike_cells` is how many cells of a view a place elsewhere was found to explain ([`super::likeness`]): an unmapped
+/// one may explain as many of this view. Pure: the same arguments give the same answer, to the bit.
+pub fn locate(searches: &[MapSearch], views: &[View], alike_cells: usize, max: usize) -> Location {
     let mut joined = join(searches, views);
-    if repeats_itself {
-        joined.iter_mut().for_each(PlaceEvidence::discount_views);
-    }
+    joined.iter_mut().for_each(|place| place.set_unmapped_rival(alike_cells));
     let confidences: Vec<f64> = (0..joined.len()).map(|at| evidence(&joined, at).confidence()).collect();
     let confidence = confidences.first().copied().unwrap_or(0.0);
     let verdict = verdict(&joined, confidence);
@@ -89,6 +88,7 @@ fn place(
     Place {
         map: found.map,
         keyframe,
+        asked: found.asked,
         session,
         verdict,
         confidence,
@@ -103,7 +103,7 @@ fn place(
 /// Returns why there is no place, or why the first one is not certain.
 fn reason(searches: &[MapSearch], verdict: LocationVerdict, joined: &[PlaceEvidence]) -> Option<Reason> {
     let Some(first) = joined.first() else {
-        let empty_bow = searches.iter().flat_map(|search| &search.screenings).all(|one| one.empty_bow);
+        let empty_bow = searches.iter().all(|search| search.is_without_words);
         return Some(no_candidates(empty_bow));
     };
     let of_first = evidence(joined, 0);

@@ -2,7 +2,7 @@
 //!
 //! A room that no robot has mapped on this floor may have been mapped on another that looks the same, and nothing rivals it
 //! there. So where nothing but views speaks for a place, some keyframes of its session are themselves held against the other
-//! maps. If one of them is found there, the building repeats itself.
+//! maps. What is found of them there, an unmapped place may explain of this view as well.
 
 use super::explained_cells::cells;
 use crate::domain::bow::{BowVector, Score};
@@ -12,17 +12,21 @@ use crate::recognition::map::index::MapIndex;
 use crate::recognition::map::inverted_file::Scratch;
 use crate::recognition::verification::{Status, Verification};
 
-/// Keyframes that are held against the other maps.
+/// Keyframes that are held against the other maps, at most.
 pub const PROBES_MAX: usize = 4;
-/// A probe is found elsewhere if so many cells of its view are explained there: as many as locate a place.
+/// Cells of a probe's view that must be explained elsewhere to count: as many as locate a place. Walls and lamps explain fewer
+/// anywhere.
 pub(in crate::recognition) const ALIKE_FROM_CELLS: usize = 40;
+/// How many times the cells of the best probe a place that no robot has mapped may explain of a single view: a probe's view and
+/// the one that is found elsewhere are not taken from one spot. Of a drive, several views would have to agree by chance.
+pub(in crate::recognition) const SINGLE_VIEW_FACTOR: f64 = 1.3;
 
-/// Returns keyframes with a camera that are spread evenly over a session, by stamp.
-pub fn probes(index: &MapIndex, session: SessionSeq) -> Vec<KeyframeSeq> {
+/// Returns so many keyframes with a camera, spread evenly over a session by stamp.
+pub fn probes(index: &MapIndex, session: SessionSeq, count: usize) -> Vec<KeyframeSeq> {
     let mut of_session: Vec<_> =
         index.keyframes().filter(|found| found.session == session && found.camera.is_some()).collect();
     of_session.sort_by(|a, b| (a.stamp, &a.id).cmp(&(b.stamp, &b.id)));
-    let count = of_session.len().min(PROBES_MAX);
+    let count = of_session.len().min(count);
     // The middle of each of as many parts.
     (0..count).map(|part| of_session[(2 * part + 1) * of_session.len() / (2 * count)].seq).collect()
 }
@@ -41,9 +45,15 @@ pub fn most_alike(index: &MapIndex, bow: &BowVector) -> Option<(KeyframeSeq, Sco
     best.filter(|(_, score)| score.units() > 0).map(|(stored, score)| (stored.seq, score))
 }
 
-/// Whether geometry has found a probe elsewhere.
-pub fn is_found(verification: &Verification, probe: &Camera, other: &Camera) -> bool {
+/// Returns how many cells of a probe's view the other keyframe explains; 0 where geometry did not verify, or they are too few to
+/// count.
+pub fn alike_cells(verification: &Verification, probe: &Camera, other: &Camera) -> usize {
     let [in_probe, in_other] = &verification.explained_pixels;
-    verification.status == Status::Verified
-        && cells(0, probe, in_probe).len().min(cells(0, other, in_other).len()) >= ALIKE_FROM_CELLS
+    match verification.status {
+        Status::Verified => {
+            let common = cells(0, probe, in_probe).len().min(cells(0, other, in_other).len());
+            if common >= ALIKE_FROM_CELLS { common } else { 0 }
+        }
+        _ => 0,
+    }
 }

@@ -95,6 +95,8 @@ pub struct Proposed {
 pub struct MapSearch {
     /// The map's version.
     pub version: u64,
+    /// Whether no words were compared.
+    pub is_without_words: bool,
     /// For each keyframe that asks, its candidates after checks 1 to 3.
     pub screenings: Vec<Screening>,
     /// For each keyframe that asks, the same candidates in the same order.
@@ -125,6 +127,22 @@ pub struct InPlan {
 }
 
 impl MapSearch {
+    /// Returns the findings of a map that has no candidate which would be chosen, at this version.
+    pub fn passed_over(version: u64, is_without_words: bool) -> Self {
+        Self {
+            version,
+            is_without_words,
+            screenings: Vec::new(),
+            proposed: Vec::new(),
+            sites: Vec::new(),
+            beside: BTreeSet::new(),
+            poses: Vec::new(),
+            pose_sessions: Vec::new(),
+            plans: BTreeMap::new(),
+            plan_frames: BTreeSet::new(),
+        }
+    }
+
     /// Whether two sites show one place.
     pub fn are_beside(&self, a: usize, b: usize) -> bool {
         a == b || self.beside.contains(&(a.min(b), a.max(b)))
@@ -167,7 +185,19 @@ pub fn search_map(index: &MapIndex, version: u64, question: &LocateQuestion) -> 
         Some((session, InPlan { frame, frame_id: name(frame), plan_from_session }))
     };
     let plans = sessions.into_iter().filter_map(in_plan).collect();
-    MapSearch { version, screenings, proposed, sites, beside, poses, pose_sessions, plans, plan_frames }
+    let is_without_words = question.keyframes.iter().all(|asked| asked.keyframe.bow.is_empty());
+    MapSearch {
+        version,
+        is_without_words,
+        screenings,
+        proposed,
+        sites,
+        beside,
+        poses,
+        pose_sessions,
+        plans,
+        plan_frames,
+    }
 }
 
 fn left_out(index: &MapIndex, question: &LocateQuestion) -> BTreeSet<KeyframeSeq> {

@@ -3,8 +3,9 @@
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
-use super::confidence::{EVEN_CELLS, Evidence};
+use super::confidence::Evidence;
 use super::explained_cells::Cells;
+use super::likeness::SINGLE_VIEW_FACTOR;
 use super::map_search::MapSearch;
 use super::selection::{Chosen, ranked};
 use super::views::View;
@@ -58,10 +59,14 @@ pub struct PlaceEvidence {
     pub signs: SignEvidence,
     /// The keyframes of the place that geometry verified.
     pub verified_views: u32,
+    /// The number of the asked keyframe that the site shows.
+    pub asked: usize,
     /// The cells that its best view of each keyframe explains.
     pub cells: Cells,
     /// The most cells that its best view of one keyframe has in common with it.
     common_cells: usize,
+    /// The cells that a place which no robot has mapped would explain as well.
+    unmapped_rival_cells: usize,
     words: f64,
 }
 
@@ -74,11 +79,22 @@ impl Clue {
 }
 
 impl PlaceEvidence {
-    /// Takes back what views alone say, as far as it would locate the place: the building repeats itself.
-    pub fn discount_views(&mut self) {
-        if self.signs.agreeing.is_empty() {
-            self.common_cells = self.common_cells.min(EVEN_CELLS as usize);
+    /// Sets against a place for which nothing but views speaks a rival that no robot has mapped, where so many cells of a
+    /// keyframe beside it are explained elsewhere.
+    pub fn set_unmapped_rival(&mut self, alike_cells: usize) {
+        if !self.signs.agreeing.is_empty() {
+            return;
         }
+        let is_single_view =
+            self.cells.iter().map(|(keyframe, ..)| keyframe).collect::<BTreeSet<_>>().len() < 2;
+        let factor = if is_single_view { SINGLE_VIEW_FACTOR } else { 1.0 };
+        // Saturates: the most cells there can be mean that nothing is known.
+        self.unmapped_rival_cells = (alike_cells as f64 * factor) as usize;
+    }
+
+    /// Returns the most cells that this place explains beyond what an unmapped rival would.
+    fn cells_of_its_own(&self) -> usize {
+        self.common_cells.saturating_sub(self.unmapped_rival_cells)
     }
 }
 
@@ -147,14 +163,15 @@ pub fn evidence(places: &[PlaceEvidence], at: usize) -> Evidence {
             a.signs.agreeing.iter().filter(|sign| !b.signs.agreeing.contains(sign)).count()
         };
         Evidence {
-            cells: own_cells(&own.cells, &rival.cells).min(own.common_cells),
+            cells: own_cells(&own.cells, &rival.cells).min(own.cells_of_its_own()),
             agreeing_signs: only_of(own, rival),
             rival_signs: only_of(rival, own),
             shared_signs: own.signs.agreeing.len() - only_of(own, rival),
             contradicting_signs: own.signs.contradicting as usize,
         }
     });
-    against.min_by(|a, b| a.log_odds().total_cmp(&b.log_odds())).unwrap_or_else(|| evidence_alone(own))
+    let unrivalled = || Evidence { cells: own.cells_of_its_own(), ..evidence_alone(own) };
+    against.min_by(|a, b| a.log_odds().total_cmp(&b.log_odds())).unwrap_or_else(unrivalled)
 }
 
 /// Returns the cells that a place explains and a rival does not. Of several keyframes that ask, those at which the rival
@@ -281,9 +298,12 @@ fn place(searches: &[MapSearch], views: &[View], group: &[Clue]) -> PlaceEvidenc
         a.0.cmp(&b.0).then_with(|| a.1.total_cmp(&b.1))
     };
     let agreeing: BTreeSet<&String> = group.iter().flat_map(|clue| &clue.agreeing).collect();
+    let shown = group.iter().find(|clue| clue.site.is_some());
     PlaceEvidence {
         map,
-        site: group.iter().find_map(|clue| clue.site),
+        site: shown.and_then(|clue| clue.site),
+        // The site of an anchor pose lies nearest to the first keyframe's camera.
+        asked: shown.and_then(|clue| clue.chosen).map_or(0, |chosen| chosen.asked),
         best: best.and_then(|clue| clue.chosen),
         view: best.and_then(|clue| clue.view),
         pose: of_views.chain(of_anchors).min_by(surest_first),
@@ -295,6 +315,7 @@ fn place(searches: &[MapSearch], views: &[View], group: &[Clue]) -> PlaceEvidenc
         verified_views: verified.len() as u32,
         cells,
         common_cells,
+        unmapped_rival_cells: 0,
         words: group.iter().map(|clue| clue.words).fold(0.0, f64::max),
     }
 }

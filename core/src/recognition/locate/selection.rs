@@ -3,15 +3,18 @@
 //! The channels' rankings are fused over all maps: scores of words of one vocabulary may be compared from map to map, ranks
 //! of words with ranks of signs.
 
-use super::likeness::PROBES_MAX;
 use super::map_search::MapSearch;
 use crate::recognition::loops::fusion::fuse;
 
 /// Pairs of keyframes that one request verifies.
 pub const VERIFICATIONS_MAX: usize = 20;
-/// Of these, pairs with candidates that are looked at first. Where they locate a place, the rest are for
-/// [`super::likeness`], else for further candidates.
-pub const LOOKED_AT_FIRST: usize = VERIFICATIONS_MAX - PROBES_MAX;
+/// Pairs that have been looked at when it is asked whether a place is located. The pairs left over are for
+/// [`super::likeness`]: to locate a place by views alone takes fewer than all.
+pub const LOOKED_AT: [usize; 3] = [16, 18, VERIFICATIONS_MAX];
+/// Candidates of each channel's ranking that count, over all maps. Those after them cannot be chosen by this channel, so a map
+/// that has no better ones need not be loaded.
+pub(in crate::recognition) const RANKED_MAX: usize = 60;
+
 /// A candidate that geometry looks at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Chosen {
@@ -52,10 +55,19 @@ pub fn ranked(searches: &[MapSearch], hinted_map: Option<usize>) -> Vec<Chosen> 
     let ranking = |figure: &dyn Fn(&Chosen) -> f64| {
         let mut ranking: Vec<Chosen> = all.iter().copied().filter(|one| figure(one) > 0.0).collect();
         ranking.sort_by(|a, b| figure(b).total_cmp(&figure(a)).then_with(|| by_id(a, b)));
+        ranking.truncate(RANKED_MAX);
         ((), ranking)
     };
     let rankings = [ranking(&words), ranking(&signs), ranking(&global), ranking(&hinted)];
     fuse(&rankings, |a, b| by_id(&a, &b)).into_iter().map(|(one, _)| one).collect()
+}
+
+/// Returns the score of words that a candidate of a further map must reach to be ranked; `None` while any would be.
+pub fn score_to_reach<'s>(searches: impl Iterator<Item = &'s MapSearch>) -> Option<f64> {
+    let candidates = searches.flat_map(|search| &search.screenings).flat_map(|one| &one.candidates);
+    let mut scores: Vec<f64> = candidates.map(|one| one.candidate.bow.score).collect();
+    scores.sort_by(|a, b| b.total_cmp(a));
+    scores.get(RANKED_MAX - 1).copied().filter(|score| *score > 0.0)
 }
 
 /// Returns the candidates of all maps in the order of maps and keyframes.
