@@ -13,6 +13,7 @@
 //! | jobs that ask models again, and the verdicts they replaced | [`rows::judgement_rows`], [`rows::replaced_rows`] |
 //! | API keys | [`rows::key_rows`] |
 //! | reads of one row | [`rows::read`] |
+//! | the words of a map that is not in memory | [`rows::words_of_map`] |
 //! | a disk that is full or fails | [`commit::health`], [`files::disk_reserve`], [`commit::transaction`], [`files::wal_recovery`] |
 //! | packed lists in blobs | [`rows::blob`] |
 //! | where it lies, and who may write to it | [`files::paths`], [`files::lock`] |
@@ -53,4 +54,5 @@ pub use rows::map_rows::MapRow;
 pub use rows::model_rows::UsageRow;
 pub use rows::read::{DetectionRow, KeyframeRow};
 pub use rows::unpacks::unpacks;
+pub use rows::words_of_map::{MapOutline, MostAlike, WordsSought};
 pub use store::Store;

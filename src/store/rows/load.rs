@@ -123,7 +123,7 @@ fn reversed(mut changes: Vec<Change>) -> Vec<Change> {
     changes
 }
 
-type Db = sqlx::SqliteConnection;
+pub(in crate::store) type Db = sqlx::SqliteConnection;
 
 async fn sessions(db: &mut Db, key: MapKey) -> Result<Vec<Change>, StoreError> {
     let select = "select session, id from sessions where map_key = $1 order by session";

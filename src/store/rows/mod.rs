@@ -22,3 +22,4 @@ pub(super) mod statement;
 pub(super) mod twin_rows;
 pub(super) mod unpacks;
 pub(super) mod validate;
+pub(super) mod words_of_map;
