@@ -18,6 +18,7 @@ mod hotel;
 mod limits;
 mod lives;
 mod locate;
+mod locate_unloaded;
 mod method;
 #[cfg(feature = "llm")]
 mod models;

@@ -6,25 +6,19 @@ use std::sync::Arc;
 use tokio::task::spawn_blocking;
 use tokio::time::Instant;
 
+use super::locate_maps::search_at;
 use super::queries::{Timings, milliseconds_since, timed};
 use crate::config::logging::in_part;
-use crate::domain::bow::BowVector;
 use crate::domain::ids::{KeyframeSeq, MapId, SessionSeq};
-use crate::domain::invalid::FieldError;
-use crate::domain::key::MapPattern;
 use crate::domain::location::{AskedKeyframe, LocateRequest, Location, LocationVerdict};
-use crate::engine::bow::check_vocabulary;
-use crate::engine::maps::live::{LiveMap, State};
+use crate::engine::maps::live::LiveMap;
 use crate::engine::{Service, ServiceError};
 use crate::recognition::locate::locate;
-use crate::recognition::locate::map_search::{LocateQuestion, MapSearch, search_map};
-use crate::recognition::locate::selection::{Chosen, LOOKED_AT_FIRST, select};
+use crate::recognition::locate::map_search::{LocateQuestion, MapSearch};
+use crate::recognition::locate::selection::{Chosen, LOOKED_AT, VERIFICATIONS_MAX, select};
 use crate::recognition::locate::views::{View, look};
 use crate::recognition::loops::features::{FeatureSet, MatchableFeatures};
 use crate::recognition::loops::geometry_check::PlacedQuery;
-
-/// Maps that one request asks, at most.
-pub const LOCATE_MAPS_MAX: usize = 64;
 
 /// A map that was asked.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,6 +36,8 @@ pub struct AskedMap {
 pub struct LocateAnswer {
     /// The maps, in the order of their names.
     pub maps: Vec<AskedMap>,
+    /// The number of keyframes that asked.
+    pub keyframes: usize,
     /// The answer.
     pub location: Location,
     /// What it took.
@@ -70,46 +66,37 @@ impl Service {
             seed: request.seed,
         });
         let mut timings = Timings::default();
-        let mut searched: Vec<(Arc<LiveMap>, AskedMap)> = Vec::new();
-        let mut searches: Vec<MapSearch> = Vec::new();
-        for id in ids {
-            let Some((live, asked, search)) = self.search(&id, &question, &mut timings).await? else {
-                continue;
-            };
-            searched.push((live, asked));
-            searches.push(search);
-        }
-        let hinted_map =
-            request.hint.map.and_then(|hinted| searched.iter().position(|(_, asked)| asked.id == hinted));
+        let hinted = request.hint.map.as_ref();
+        let found = self.search_maps(ids, &question, hinted, &mut timings).await?;
+        let hinted_map = hinted.and_then(|hinted| found.iter().position(|map| map.asked.id == *hinted));
+        let (mut maps, mut searches): (Vec<SearchedMap>, Vec<MapSearch>) =
+            found.into_iter().map(|map| ((map.asked, map.live), map.search)).unzip();
         let mut chosen = select(&searches, hinted_map);
-        if self.take_snapshots(&mut searched, &mut searches, &chosen, &question, &mut timings).await? {
+        if self.take_snapshots(&mut maps, &mut searches, &chosen, &question, &mut timings).await? {
             chosen = select(&searches, hinted_map);
         }
 
         let started = Instant::now();
         let own = self.own_features(&question).await?;
-        let stored = self.features_of(&searched, &searches, &chosen).await?;
+        let stored = self.features_of(&maps, &searches, &chosen).await?;
         timings.features_ms = milliseconds_since(started);
 
         let started = Instant::now();
         let permit = self.reads.enter().await?;
         let max = request.max;
-        let seed = question.seed;
+        let (seed, asking) = (question.seed, question.keyframes.len());
         let decide = move || {
             timed(|| {
-                let (first, rest) = chosen.split_at(chosen.len().min(LOOKED_AT_FIRST));
-                let mut views = look_at(&question, &searches, first, &own, &stored);
-                let location = locate(&searches, &views, false, max);
-                if location.verdict == LocationVerdict::Located {
-                    return (location, searches, views);
+                let mut views: Vec<View> = Vec::new();
+                for upto in LOOKED_AT {
+                    let next = &chosen[views.len()..chosen.len().min(upto)];
+                    views.extend(look_at(&question, &searches, next, &own, &stored));
+                    let location = locate(&searches, &views, 0, max);
+                    if location.verdict == LocationVerdict::Located {
+                        return (location, searches, views);
+                    }
                 }
-                views.extend(look_at(&question, &searches, rest, &own, &stored));
-                let mut location = locate(&searches, &views, false, max);
-                if !rest.is_empty() && rests_on_views(&location, &searches).is_some() {
-                    // No pair is left to tell whether the building repeats itself.
-                    location = locate(&searches, &views, true, max);
-                }
-                (location, searches, views)
+                (locate(&searches, &views, 0, max), searches, views)
             })
         };
         let ((mut location, searches, views), took_ms) =
@@ -118,89 +105,20 @@ impl Service {
         drop(permit);
         if let Some(home) = rests_on_views(&location, &searches) {
             let started = Instant::now();
-            let maps: Vec<Arc<LiveMap>> = searched.iter().map(|(live, _)| live.clone()).collect();
-            if self.shows_views_twice(home, &maps, seed).await? {
-                location = locate(&searches, &views, true, max);
-            }
+            let pairs = VERIFICATIONS_MAX - views.len().min(VERIFICATIONS_MAX);
+            let alike_cells = self.alike_cells(home, &maps, pairs, seed).await?;
+            location = locate(&searches, &views, alike_cells, max);
             timings.geometry_ms += milliseconds_since(started);
         }
-        Ok(LocateAnswer { maps: searched.into_iter().map(|(_, asked)| asked).collect(), location, timings })
-    }
-
-    /// Returns the names of the maps to ask, ascending.
-    async fn maps_to_ask(
-        &self,
-        patterns: &[MapPattern],
-        reaches: impl Fn(&MapId) -> bool,
-    ) -> Result<Vec<MapId>, ServiceError> {
-        let mut ids: BTreeSet<MapId> = BTreeSet::new();
-        // A name without a star must exist; a pattern may name nothing.
-        for named in patterns.iter().filter_map(MapPattern::only_map) {
-            if !reaches(&named) {
-                return Err(ServiceError::no_map(&named));
-            }
-            self.key_of(&named).await?;
-            ids.insert(named);
-        }
-        let is_wanted = |id: &MapId| {
-            reaches(id) && (patterns.is_empty() || patterns.iter().any(|pattern| pattern.matches(id)))
-        };
-        let needs_listing =
-            patterns.is_empty() || patterns.iter().any(|pattern| pattern.only_map().is_none());
-        let mut after: Option<MapId> = None;
-        while needs_listing && ids.len() <= LOCATE_MAPS_MAX {
-            let page = self.store.map_ids(after.as_ref(), LISTED_AT_ONCE).await?;
-            let is_last = page.len() < LISTED_AT_ONCE;
-            after = page.last().cloned();
-            ids.extend(page.into_iter().filter(is_wanted));
-            if is_last {
-                break;
-            }
-        }
-        if ids.len() > LOCATE_MAPS_MAX {
-            let fault = FieldError::new("/maps", "the request asks more maps than one request may");
-            let fault = fault.got(format!("at least {} maps", ids.len()));
-            return Err(ServiceError::Invalid(vec![
-                fault.limit(format!("{LOCATE_MAPS_MAX} maps; name fewer")),
-            ]));
-        }
-        Ok(ids.into_iter().collect())
-    }
-
-    /// Searches one map; none if it was deleted meanwhile.
-    async fn search(
-        &self,
-        id: &MapId,
-        question: &Arc<LocateQuestion>,
-        timings: &mut Timings,
-    ) -> Result<Option<(Arc<LiveMap>, AskedMap, MapSearch)>, ServiceError> {
-        let started = Instant::now();
-        let live = match self.live(id).await {
-            Err(ServiceError::NotFound(_)) => return Ok(None),
-            live => live?,
-        };
-        let asked = question.clone();
-        let searched = self.read(&live, move |state| {
-            let (searched, took_ms) = timed(|| {
-                let are_words_compared =
-                    asked.keyframes.iter().all(|one| check_vocabulary(&state.index, &one.keyframe).is_ok());
-                (search_at(state, &asked, are_words_compared), are_words_compared)
-            });
-            Ok((searched, took_ms))
-        });
-        let (version, ((search, are_words_compared), took_ms)) = match searched.await {
-            Err(ServiceError::NotFound(_)) => return Ok(None),
-            searched => searched?,
-        };
-        timings.note(started, took_ms, |timings| &mut timings.screen_ms);
-        Ok(Some((live, AskedMap { id: id.clone(), version, are_words_compared }, search)))
+        let maps = maps.into_iter().map(|(asked, _)| asked).collect();
+        Ok(LocateAnswer { maps, keyframes: asking, location, timings })
     }
 
     /// Gathers what geometry needs of the chosen candidates. A map that was written meanwhile is searched anew, with what
     /// geometry needs of its own best candidates, and then it returns true: the choice may be another one.
     async fn take_snapshots(
         &self,
-        searched: &mut [(Arc<LiveMap>, AskedMap)],
+        maps: &mut [SearchedMap],
         searches: &mut [MapSearch],
         chosen: &[Chosen],
         question: &Arc<LocateQuestion>,
@@ -211,9 +129,9 @@ impl Service {
             let of_map = chosen.iter().filter(|one| one.map == map).map(|one| (one.asked, one.candidate));
             let (wanted, found): (Vec<_>, _) = (of_map.collect(), searches[map].clone());
             let asked = question.clone();
-            let is_compared = searched[map].1.are_words_compared;
-            let started = Instant::now();
-            let taken = self.read(&searched[map].0, move |state| {
+            let (AskedMap { are_words_compared: is_compared, .. }, Some(live)) = &maps[map] else { continue };
+            let (is_compared, started) = (*is_compared, Instant::now());
+            let taken = self.read(live, move |state| {
                 let (taken, took_ms) = timed(|| {
                     let (mut search, is_new) = (found.clone(), state.version != found.version);
                     let mut wanted = wanted.clone();
@@ -230,7 +148,7 @@ impl Service {
             let (version, ((search, is_new), took_ms)) = taken.await?;
             timings.note(started, took_ms, |timings| &mut timings.screen_ms);
             searches[map] = search;
-            searched[map].1.version = version;
+            maps[map].0.version = version;
             is_any_new |= is_new;
         }
         Ok(is_any_new)
@@ -253,7 +171,7 @@ impl Service {
     /// Reads the features of the chosen candidates, and of those whose points join the guided search.
     async fn features_of(
         &self,
-        searched: &[(Arc<LiveMap>, AskedMap)],
+        maps: &[SearchedMap],
         searches: &[MapSearch],
         chosen: &[Chosen],
     ) -> Result<BTreeMap<usize, FeatureSet>, ServiceError> {
@@ -267,11 +185,15 @@ impl Service {
         }
         let mut read = BTreeMap::new();
         for (map, keyframes) in wanted {
-            read.insert(map, self.features.read(&self.store, searched[map].0.key, keyframes).await?);
+            let Some(live) = &maps[map].1 else { continue };
+            read.insert(map, self.features.read(&self.store, live.key, keyframes).await?);
         }
         Ok(read)
     }
 }
+
+/// A map that was asked; not in memory where its words showed that it has no candidate which would be chosen.
+pub(super) type SearchedMap = (AskedMap, Option<Arc<LiveMap>>);
 
 /// Returns the map and the session of the place that is located, if nothing but views speaks for it.
 fn rests_on_views(location: &Location, searches: &[MapSearch]) -> Option<(usize, SessionSeq)> {
@@ -281,27 +203,6 @@ fn rests_on_views(location: &Location, searches: &[MapSearch]) -> Option<(usize,
     }
     let site = searches[place.map].sites.iter().find(|site| Some(&site.id) == place.keyframe.as_ref())?;
     Some((place.map, site.session))
-}
-
-/// Map names read in one statement.
-const LISTED_AT_ONCE: usize = 200;
-
-/// Searches a map as it stands.
-fn search_at(state: &State, question: &LocateQuestion, are_words_compared: bool) -> MapSearch {
-    if are_words_compared {
-        search_map(&state.index, state.version, question)
-    } else {
-        search_map(&state.index, state.version, &without_words(question))
-    }
-}
-
-/// Returns the question without its words, for a map whose words are of another vocabulary.
-fn without_words(question: &LocateQuestion) -> LocateQuestion {
-    let mut question = question.clone();
-    for asked in &mut question.keyframes {
-        asked.keyframe.bow = BowVector::default();
-    }
-    question
 }
 
 /// Runs geometry on the chosen candidates, in their order.

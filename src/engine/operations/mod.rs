@@ -11,6 +11,7 @@ mod keyframe_reads;
 pub(super) mod keyframe_views;
 pub(super) mod keyframes;
 pub(super) mod locate;
+pub(super) mod locate_maps;
 pub(super) mod loops;
 mod maps;
 pub(super) mod model_verdicts;
