@@ -43,6 +43,11 @@ pub struct PlaceView {
     /// The map's keyframe that stands for the place; left out where only a plan's anchors say it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub keyframe: Option<String>,
+    /// The number of the asked keyframe, from 0, that was taken near `keyframe`; left out where one keyframe asks. The pose is
+    /// the first one's all the same.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(maximum = 15)]
+    pub asked: Option<u32>,
     /// The session in whose frame `map_from_camera` is.
     pub session: String,
     /// Its standing in the answer.
@@ -144,9 +149,10 @@ pub struct AskedMapView {
 }
 
 impl LocateAnswerView {
-    /// Returns the answer, of these maps in the order in which they were asked.
-    pub fn of(maps: Vec<AskedMapView>, location: &Location) -> Self {
-        let places = location.places.iter().map(|place| PlaceView::of(&maps, place)).collect();
+    /// Returns the answer to so many keyframes, of these maps in the order in which they were asked.
+    pub fn of(maps: Vec<AskedMapView>, keyframes: usize, location: &Location) -> Self {
+        let of_place = |place| PlaceView::of(&maps, place, keyframes > 1);
+        let places = location.places.iter().map(of_place).collect();
         let look_for = location.look_for.iter().filter_map(|sign| LookForView::of(&maps, location, sign));
         Self {
             verdict: location.verdict.into(),
@@ -171,7 +177,7 @@ fn name_of(maps: &[AskedMapView], map: usize) -> String {
 }
 
 impl PlaceView {
-    fn of(maps: &[AskedMapView], place: &Place) -> Self {
+    fn of(maps: &[AskedMapView], place: &Place, are_several: bool) -> Self {
         let candidate = place.candidate.as_ref().map(|candidate| CandidateView::of(candidate, Detail::Full));
         let (channel, global, bow, anchors, geometry, reason) = match candidate {
             Some(of) => (of.channel, of.global, of.bow, of.anchors, Some(of.geometry), of.reason),
@@ -180,6 +186,7 @@ impl PlaceView {
         Self {
             map: name_of(maps, place.map),
             keyframe: place.keyframe.as_ref().map(ToString::to_string),
+            asked: are_several.then_some(place.asked as u32),
             session: place.session.to_string(),
             verdict: place.verdict.into(),
             confidence: rounded(place.confidence),

@@ -34,6 +34,6 @@ pub async fn locate(
     let asked =
         |map: &crate::engine::AskedMap| AskedMapView::of(&map.id, map.version, map.are_words_compared);
     let maps = answer.maps.iter().map(asked).collect();
-    let body = Json(LocateAnswerView::of(maps, &answer.location));
+    let body = Json(LocateAnswerView::of(maps, answer.keyframes, &answer.location));
     Ok(([(SERVER_TIMING, server_timing(answer.timings))], body).into_response())
 }
