@@ -86,12 +86,14 @@ impl RestartCounts {
             return;
         }
         self.located += 1;
-        let (stop, place) = (&restart.steps[0].stop, answer.places.first());
-        if place.is_none_or(|place| place.map != map_of(seed, stop.storey)) {
+        let Some(place) = answer.places.first() else { return };
+        // The keyframe that stands for the place shows what one of those that ask saw, not always the first.
+        let stop = &restart.steps[place.asked.unwrap_or(0) as usize].stop;
+        if place.map != map_of(seed, stop.storey) {
             return;
         }
         self.right_floor += 1;
-        let named = place.and_then(|place| place.keyframe.as_deref());
+        let named = place.keyframe.as_deref();
         let number = named.and_then(|id| id.strip_prefix(&format!("{}-", session(0)))?.parse::<usize>().ok());
         let shown = number.and_then(|number| world.journeys[stop.storey].steps.get(number));
         self.right_room += usize::from(shown.is_some_and(|shown| {
