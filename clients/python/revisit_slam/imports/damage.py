@@ -1,0 +1,28 @@
+"""Damage: whatever a broken file leads a reader to becomes one line that names the file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ..errors import RevisitError
+
+
+@contextmanager
+def told_of(path: Path, reader: str) -> Iterator[None]:
+    """Raise a `RevisitError` with the file's name for any failure inside.
+
+    The readers check what they read, and say what is wrong. This is for what a library raises, of types of its own.
+    """
+    try:
+        yield
+    except RevisitError:
+        raise
+    except OSError as error:
+        raise RevisitError(f"{path}: cannot be read: {error.strerror or error}") from error
+    except MemoryError as error:
+        raise RevisitError(f"{path}: {reader} finds a part in it that does not fit into memory: the file is damaged") from error
+    except Exception as error:  # noqa: BLE001 - a damaged file leads libraries to anything
+        told = (str(error) or type(error).__name__).splitlines()[0][:200]
+        raise RevisitError(f"{path}: {reader} cannot read it: {told}") from error
