@@ -28,7 +28,25 @@ def open_file(path: Path, form: str, wanted: Wanted) -> Opened:
         from .colmap.database import open_database
 
         return open_database(path, wanted)
+    if form == "rtabmap":
+        from .rtabmap.database import open_database as open_rtabmap
+
+        return open_rtabmap(path, wanted)
+    if form == "mcap":
+        from .rtabmap.map_data import open_map_data
+
+        return open_map_data(path, wanted)
+    if form == "stella":
+        from .stella.database import open_database as open_stella
+        from .stella.packed import open_packed
+
+        return open_stella(path, wanted) if _is_sqlite(path) else open_packed(path, wanted)
     raise RevisitError(f"{path}: not {KNOWN}")
+
+
+def _is_sqlite(path: Path) -> bool:
+    with told_of(path, "the reader"), path.open("rb") as file:
+        return file.read(len(SQLITE)) == SQLITE
 
 
 def _form(path: Path) -> str:

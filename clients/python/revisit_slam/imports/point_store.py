@@ -37,8 +37,8 @@ class PointStore:
         if len(self._rows) >= ROWS_AT_ONCE:
             self._flush()
 
-    def find(self, ids: Iterable[int], where: str) -> dict[int, tuple[float, float, float]]:
-        """Return where points are; `where` names what observes them."""
+    def find(self, ids: Iterable[int], where: str, *, may_lack: bool = False) -> dict[int, tuple[float, float, float]]:
+        """Return where points are; `where` names what observes them. With `may_lack` those that are not there are left out."""
         self._flush()
         found: dict[int, tuple[float, float, float]] = {}
         ids = list(ids)
@@ -48,7 +48,7 @@ class PointStore:
             for id, *position in self._table.execute(f"select id, x, y, z from points where id in ({marks})", some):
                 found[id] = tuple(position)
         missing = next((id for id in ids if id not in found), None)
-        if missing is not None:
+        if missing is not None and not may_lack:
             raise RevisitError(f"{where} observes point {missing}, which is not there")
         return found
 
