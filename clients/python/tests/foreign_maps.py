@@ -84,7 +84,7 @@ def rtabmap(
             "insert into Node (id, map_id, weight, stamp, pose) values (?, 0, 1, ?, ?)",
             (id, stand.stamp_s, floats(DRIFT @ stand.map_from_base)),
         )
-        database.execute("insert into Data (id, calibration) values (?, ?)", (id, mono_calibration() if calibration is None else calibration))
+        database.execute("insert into Data (id, calibration) values (?, ?)", (id, calibration or mono_calibration()))
         ids.append(id)
         poses.append(stand.map_from_base[:3].astype(np.float32).ravel())
         for at, (point, pixel, place) in enumerate(zip(stand.seen, stand.pixels, in_base(world, stand))):
@@ -150,8 +150,9 @@ def stella(path: Path, world: World, *, setup: str = "Stereo", model: str = "Per
     database = sqlite3.connect(path)
     database.executescript(STELLA_SCHEMA)
     sizes = (WIDTH, HEIGHT, 30.0, FX, FY, CX, CY) if model != "Equirectangular" else (WIDTH, HEIGHT, 30.0, *[None] * 4)
+    columns = "id, name, setup_type, model_type, color_type, cols, rows, fps, fx, fy, cx, cy"
     database.execute(
-        "insert into cameras (id, name, setup_type, model_type, color_type, cols, rows, fps, fx, fy, cx, cy) values (0,?,?,?,?,?,?,?,?,?,?,?)",
+        f"insert into cameras ({columns}) values (0, {', '.join('?' * 11)})",
         (b"front", setup.encode(), model.encode(), b"RGB", *sizes),
     )
     for keyframe in stella_keyframes(world):
@@ -200,7 +201,8 @@ def stella_packed(path: Path, world: World, *, setup: str = "Stereo") -> Path:
         }  # fmt: skip
     camera = {"model_type": "Perspective", "setup_type": setup, "color_order": "RGB", "cols": WIDTH, "rows": HEIGHT, "fps": 30.0}
     landmarks = {
-        str(id): {"1st_keyfrm": 0, "n_fnd": 3, "n_vis": 3, "pos_w": place.tolist(), "ref_keyfrm": 0} for id, place in enumerate(world.points)
+        str(id): {"1st_keyfrm": 0, "n_fnd": 3, "n_vis": 3, "pos_w": place.tolist(), "ref_keyfrm": 0}
+        for id, place in enumerate(world.points)
     }
     path.write_bytes(
         msgpack.packb(

@@ -22,6 +22,12 @@ MAX_PIXEL = 1e6
 MAX_OCTAVE = 63
 
 
+def nanoseconds_of(seconds: float) -> int | None:
+    """Return a time in nanoseconds; None where it is none that the server takes."""
+    # Not `>`: a number that is none is above nothing.
+    return round(seconds * SECOND_NS) if abs(seconds) <= MAX_STAMP_NS / SECOND_NS else None
+
+
 @dataclass(frozen=True)
 class Pinhole:
     """An undistorted camera, in pixels, counted from the middle of the first pixel."""
@@ -35,8 +41,9 @@ class Pinhole:
 
     def checked(self, where: str) -> Pinhole:
         """Return it, or say what is wrong with it."""
-        focal = 1e-3 <= self.fx <= MAX_PIXEL and 1e-3 <= self.fy <= MAX_PIXEL
-        if not focal or not max(abs(self.cx), abs(self.cy)) <= MAX_PIXEL or not (0 < self.width <= MAX_PIXEL and 0 < self.height <= MAX_PIXEL):
+        lengths = all(1e-3 <= length <= MAX_PIXEL for length in (self.fx, self.fy))
+        sizes = all(0 < size <= MAX_PIXEL for size in (self.width, self.height))
+        if not lengths or not sizes or not all(abs(centre) <= MAX_PIXEL for centre in (self.cx, self.cy)):
             raise RevisitError(f"{where}: no camera: {self.width} x {self.height}, focal lengths {self.fx:g}, {self.fy:g}")
         return self
 

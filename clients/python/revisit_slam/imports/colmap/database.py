@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from ...errors import RevisitError
-from ...pixels.ids import plain_id
 from ...needed import needed
+from ...pixels.ids import plain_id
 from ..damage import told_of
 from ..limits import MAX_KEYFRAMES
 from ..observation import SECOND_NS, Observation

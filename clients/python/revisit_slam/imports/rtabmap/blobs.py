@@ -44,7 +44,7 @@ def matrix_of(blob: bytes, where: str) -> np.ndarray:
     except zlib.error as error:
         raise RevisitError(f"{where}: a matrix in it does not decompress: {error}") from error
     if len(data) != size:
-        raise RevisitError(f"{where}: a matrix of {rows} x {columns} has {len(data)} bytes, not {size}")
+        raise RevisitError(f"{where}: a matrix of {rows} x {columns} does not decompress to its {size} bytes")
     return np.frombuffer(data, dtype).reshape(rows, columns)
 
 

@@ -17,13 +17,13 @@ import numpy as np
 from ...errors import RevisitError
 from ...pixels.ids import plain_id
 from ..limits import MAX_FEATURES, MAX_KEYFRAMES
-from ..observation import SECOND_NS, Observation
+from ..observation import Observation
 from ..opened import Opened, Wanted
 from ..poses import rigid
 from ..sqlite_file import need_columns, reading, tables
 from .blobs import POSE_FLOATS, camera_of, floats_camera_of, matrix_of, pose_of
 from .links import COVISIBLE, LOOPS, shared_words
-from .node import Mounted, Words, observation, usable_descriptors
+from .node import Mounted, Words, observation, stamp_of, usable_descriptors
 
 FEATURE = ("word_id", "pos_x", "pos_y", "dir", "octave", "depth_x", "depth_y", "depth_z", "descriptor_size", "descriptor")
 TABLES = {
@@ -84,15 +84,13 @@ class Database:
             if len(self._names) >= MAX_KEYFRAMES:
                 raise RevisitError(f"{self._path}: it has more than {MAX_KEYFRAMES} nodes; so many are not taken")
             yield self._keyframe(id, map_id, stamp, map_from_base, where)
-        self._notes.extend(f"{count} nodes {why} are left out" for why, count in left_out.items())
+        self._notes.extend(f"nodes left out, {why}: {count}" for why, count in left_out.items())
 
     def _keyframe(self, id: int, map_id: int, stamp: Any, map_from_base: np.ndarray, where: str) -> Observation:
         words = self._words(id, where)
         session = f"{self._name}-{map_id}"
         names = (f"{session}-{id}", session)
-        # Where nothing tells the time: a second a node.
-        stamp_ns = round(stamp * SECOND_NS) if isinstance(stamp, (int, float)) and np.isfinite(stamp) and stamp > 0 else id * SECOND_NS
-        seen = observation(names, id, stamp_ns, map_from_base, self._mounted(id, where), words, f"rtabmap:{self._name}")
+        seen = observation(names, id, stamp_of(stamp, id), map_from_base, self._mounted(id, where), words, f"rtabmap:{self._name}")
         self._keep(id, seen.words or Counter())
         for to, kind in self._connection.execute("select to_id, type from Link where from_id = ? order by to_id", (id,)):
             if to not in self._names or to >= id:

@@ -106,9 +106,9 @@ def _keyframes(path: Path, reader: Any, topic: str, wanted: Wanted, notes: list[
                 words.popitem(last=False)
             yield seen
     if left_graph:
-        notes.append(f"{left_graph} nodes are not in the last graph: they stand where they stood when they came")
+        notes.append(f"{_nodes(left_graph)} not in the last graph: they stand where they stood when they came")
     if left_out:
-        notes.append(f"{left_out} nodes without a pose, or between keyframes, are left out")
+        notes.append(f"{_nodes(left_out)} left out, without a pose or between keyframes")
 
 
 def _last_graph(path: Path, reader: Any, topic: str) -> Graph:
@@ -127,3 +127,7 @@ def _neighbours(graph: Graph) -> dict[int, list[tuple[int, int]]]:
         found.setdefault(one, set()).add((other, kind))
         found.setdefault(other, set()).add((one, kind))
     return {id: sorted(near) for id, near in found.items()}
+
+
+def _nodes(count: int) -> str:
+    return f"{count} node is" if count == 1 else f"{count} nodes are"

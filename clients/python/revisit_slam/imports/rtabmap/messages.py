@@ -9,10 +9,10 @@ import numpy as np
 
 from ...errors import RevisitError
 from ..limits import MAX_FEATURES, MAX_KEYFRAMES
-from ..observation import SECOND_NS, Observation, Pinhole
+from ..observation import Observation, Pinhole
 from ..poses import matrix
 from .blobs import matrix_of
-from .node import Mounted, Words, observation, usable_descriptors
+from .node import Mounted, Words, observation, stamp_of, usable_descriptors
 
 MAX_NODE_ID = 2**31 - 1
 
@@ -66,7 +66,7 @@ def observation_of(node: Any, graph: Graph, name: str, where: str) -> Observatio
             return None
         map_from_base = graph.map_from_odom @ pose_of(node.pose, where)
     session = session_of(name, int(node.map_id))
-    stamp_ns = round(node.stamp * SECOND_NS) if np.isfinite(node.stamp) and node.stamp > 0 else id * SECOND_NS
+    stamp_ns = stamp_of(node.stamp, id)
     names = (name_of(name, int(node.map_id), id), session)
     return observation(names, id, stamp_ns, map_from_base, _mounted(node.data, where), words_of(node, where), f"rtabmap:{name}")
 

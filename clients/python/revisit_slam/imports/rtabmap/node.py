@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..observation import NO_POINT, Features, Observation, Pinhole
+from ..observation import NO_POINT, SECOND_NS, Features, Observation, Pinhole, nanoseconds_of
 from ..poses import moved
 
 # A node's points are its own: their numbers have room for so many.
@@ -70,6 +70,12 @@ def _features(node: int, map_from_base: np.ndarray, mounted: Mounted, words: Wor
     sent = features.points[features.points >= 0]
     positions = moved(map_from_base, words.points_in_base[sent - node * POINTS_A_NODE].astype(float))
     return features, dict(zip((int(id) for id in sent), positions))
+
+
+def stamp_of(seconds: object, node: int) -> int:
+    """Return a node's time in nanoseconds; where nothing tells it, a second a node."""
+    known = isinstance(seconds, (int, float)) and seconds > 0
+    return (nanoseconds_of(seconds) if known else None) or node * SECOND_NS  # type: ignore[arg-type]
 
 
 def usable_descriptors(rows: np.ndarray | None) -> np.ndarray | None:

@@ -12,7 +12,7 @@ import numpy as np
 from ...errors import RevisitError
 from ...pixels.ids import plain_id
 from ..limits import MAX_FEATURES, MAX_KEYFRAMES
-from ..observation import Observation
+from ..observation import NO_POINT, Observation
 from ..opened import Opened, Wanted
 from ..point_ids import PointIds
 from ..poses import checked, rigid
@@ -89,14 +89,16 @@ def _keyframe(row: tuple[Any, ...], where: str) -> Keyframe:
     points = np.frombuffer(_column(keypoints, count * KEYPOINT.itemsize, "keypoints", where), KEYPOINT)
     described = _column(descriptors, count * DESCRIPTOR_BYTES, "descriptors", where)
     # An association may be missing; then it observes nothing.
-    seen = np.frombuffer(_column(landmarks, 4 * count, "landmarks", where), "<i4") if landmarks is not None else np.full(count, -1, np.int32)
-    edges = _column(loop_edges, 4 * loops, "loop edges", where) if isinstance(loops, int) and 0 <= loops <= MAX_FEATURES and loop_edges else b""
+    landmarks = np.full(count, NO_POINT, "<i4").tobytes() if landmarks is None else landmarks
+    loops = loops if isinstance(loops, int) and 0 <= loops <= MAX_KEYFRAMES else 0
+    edges = _column(loop_edges, 4 * loops, "loop edges", where) if loops else b""
     return Keyframe(
         id, float(stamp_s), _text(camera),
         # Eigen keeps a matrix column by column.
         rigid(np.frombuffer(pose, "<f8").reshape(4, 4).T, where),
         np.stack((points["x"], points["y"]), axis=1), points["octave"], points["angle"],
-        np.frombuffer(described, np.uint8).reshape(count, DESCRIPTOR_BYTES), seen,
+        np.frombuffer(described, np.uint8).reshape(count, DESCRIPTOR_BYTES),
+        np.frombuffer(_column(landmarks, 4 * count, "landmarks", where), "<i4"),
         [int(edge) for edge in np.frombuffer(edges, "<i4")],
     )  # fmt: skip
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...errors import RevisitError
 from ..limits import MAX_FEATURES
-from ..observation import SECOND_NS, Features, Observation
+from ..observation import Features, Observation, nanoseconds_of
 from ..poses import checked, inverse
 from .camera import Camera
 
@@ -43,13 +43,15 @@ class Names:
         """Return a keyframe as an observation, without the places of its landmarks."""
         if keyframe.camera not in self._cameras:
             raise RevisitError(f"{where} is of camera {keyframe.camera!r}, which is not in the file")
-        counts = [len(column) for column in (keyframe.pixels, keyframe.octaves, keyframe.angles_deg, keyframe.descriptors, keyframe.landmarks)]
+        columns = (keyframe.pixels, keyframe.octaves, keyframe.angles_deg, keyframe.descriptors, keyframe.landmarks)
+        counts = [len(column) for column in columns]
         if len(set(counts)) != 1:
             raise RevisitError(f"{where} has {counts[0]} keypoints, {counts[3]} descriptors and {counts[4]} landmarks")
         if counts[0] > MAX_FEATURES:
             raise RevisitError(f"{where} has {counts[0]} keypoints; at most {MAX_FEATURES} are taken")
-        if not np.isfinite(keyframe.stamp_s):
-            raise RevisitError(f"{where}: its time is no number")
+        stamp_ns = nanoseconds_of(keyframe.stamp_s)
+        if stamp_ns is None:
+            raise RevisitError(f"{where}: its time {keyframe.stamp_s:g} s is none")
         world_from_camera = inverse(keyframe.camera_from_world)
         world_from_camera[:3, 3] = checked(world_from_camera[:3, 3] * self._scale, where)
         pinhole = self._cameras[keyframe.camera].pinhole
@@ -64,7 +66,7 @@ class Names:
         loops = [self._name(id) for id in sorted(set(keyframe.loop_edges)) if id in self._ids]
         self._ids.add(keyframe.id)
         return Observation(
-            self._name(keyframe.id), self._session, round(keyframe.stamp_s * SECOND_NS), world_from_camera, pinhole,
+            self._name(keyframe.id), self._session, stamp_ns, world_from_camera, pinhole,
             features=features, observes=observes, loops=loops,
         )  # fmt: skip
 
