@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import resource
 import shutil
 import sqlite3
 import struct
@@ -89,17 +88,19 @@ def colmap_txt(folder: Path, size: int) -> Path:
 
 def rtabmap(folder: Path, size: int) -> Path:
     """Write an RTAB-Map database: nodes of 1,000 features and a picture."""
-    path = foreign_maps.rtabmap(folder / "large.db", World(np.zeros((1, 3)), np.zeros((1, 32), np.uint8), np.zeros(1), []), optimised=False)
+    nowhere = World(np.zeros((1, 3)), np.zeros((1, 32), np.uint8), np.zeros(1, np.float32), [])
+    path = foreign_maps.rtabmap(folder / "large.db", nowhere, optimised=False)
     features, picture = 1000, os.urandom(100_000)
     descriptors = [os.urandom(32) for _ in range(features)]
     with sqlite3.connect(path, isolation_level=None) as database:
         database.execute("pragma synchronous=off")
         database.execute("begin")
         database.execute("delete from Node")
-        for id in range(1, size // (picture_and_features := 100_000 + features * 120) + 1):
+        for id in range(1, size // (len(picture) + features * 120) + 1):
             pose = np.eye(4)
             pose[0, 3] = id
-            database.execute("insert into Node (id, map_id, weight, stamp, pose) values (?, 0, 1, ?, ?)", (id, 1e9 + id, foreign_maps.floats(pose)))
+            posed = (id, 1e9 + id, foreign_maps.floats(pose))
+            database.execute("insert into Node (id, map_id, weight, stamp, pose) values (?, 0, 1, ?, ?)", posed)
             database.execute("insert into Data (id, image, calibration) values (?, ?, ?)", (id, picture, foreign_maps.mono_calibration()))
             database.executemany(
                 "insert into Feature values (?, ?, 320.5, 240.5, 31, 45.5, 0.5, 3, 1.25, 2.5, 3.75, 32, ?)",
@@ -108,7 +109,6 @@ def rtabmap(folder: Path, size: int) -> Path:
             if id > 1:
                 foreign_maps._link(database, id, id - 1, foreign_maps.NEIGHBOUR)
         database.execute("commit")
-    assert picture_and_features
     return path
 
 
@@ -122,7 +122,11 @@ def stella(folder: Path, size: int) -> Path:
         database.execute("pragma synchronous=off")
         database.execute("begin")
         for number in range(1, count):
-            database.execute("insert into keyframes select ?, null, ? + ts, cam, orb_params, pose_cw, n_keypts, undist_keypts, null, null, descs, 0, null from keyframes where id = 0", (number, number))
+            database.execute(
+                "insert into keyframes select ?, null, ? + ts, cam, orb_params, pose_cw, n_keypts, undist_keypts, null, null, descs, 0, "
+                "null from keyframes where id = 0",
+                (number, number),
+            )
             ids = stand(number).seen.astype("<i4").tobytes()
             database.execute("insert into associations values (?, ?, -1, 0, null, 0, null)", (number, ids))
         database.execute("commit")
@@ -215,8 +219,6 @@ def measured(form: str, path: Path, output: Path, bytes_in: int) -> float:
         raise SystemExit(1)
     return peak_mb
 
-
-assert resource  # Used in the script above.
 
 if __name__ == "__main__":
     sys.exit(main())
