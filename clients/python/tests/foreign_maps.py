@@ -183,6 +183,7 @@ def stella(path: Path, world: World, *, setup: str = "Stereo", model: str = "Per
 def stella_packed(path: Path, world: World, *, setup: str = "Stereo") -> Path:
     """Write the same map as MessagePack, its keys in the order of texts."""
     import msgpack
+
     from revisit_slam.pixels.rotations import quaternion_xyzw
 
     keyframes = {}

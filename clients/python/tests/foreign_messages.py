@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from foreign_maps import DRIFT, LOOP, NEIGHBOUR, compressed, in_base
 from foreign_world import BASE_FROM_CAMERA, CX, CY, FX, FY, HEIGHT, WIDTH, Stand, World
+from ros_definitions import DEFINITIONS
+from rosbags.typesys import get_types_from_msg
 
 from revisit_slam.imports.rtabmap.definitions import MAP_DATA, typestore
 from revisit_slam.pixels.rotations import quaternion_xyzw
@@ -20,6 +22,10 @@ class Messages:
 
     def __init__(self) -> None:
         self.store = typestore()
+        types: dict[str, Any] = {}
+        for name, text in DEFINITIONS.items():
+            types.update(get_types_from_msg(text, name))
+        self.store.register(types)
         self._types = self.store.types
 
     def make(self, kind: str, **fields: Any) -> Any:

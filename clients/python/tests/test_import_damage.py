@@ -6,6 +6,8 @@ import random
 import shutil
 import sqlite3
 import struct
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -225,3 +227,16 @@ def test_a_map_is_never_written_to(tmp_path: Path) -> None:
     assert source.read_bytes() == before and {path.name for path in tmp_path.iterdir()} == {"map", "out"}
     assert main(["import", str(source), "-o", str(source)]) == 1 and source.read_bytes() == before
     shutil.rmtree(output)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_no_import_needs_opencv_or_a_reader(form: str, tmp_path: Path) -> None:
+    source, _ = written(form, tmp_path)
+    script = (
+        "import sys; sys.modules.update(dict.fromkeys(('cv2', 'rapidocr', 'onnxruntime')))\n"
+        f"from revisit_slam.play import main; sys.exit(main(['import', {str(source)!r}, '-o', {str(tmp_path / 'o.ndjson')!r}]))"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    hosts = "import sys; sys.modules['cv2'] = None; from revisit_slam.hosts import bridge, observations, ros_messages, rtabmap"
+    assert subprocess.run([sys.executable, "-c", hosts], capture_output=True).returncode == 0

@@ -8,6 +8,7 @@ MAX_KEYFRAMES = 1_000_000
 MAX_FEATURES = 20_000
 MAX_OBSERVED_POINTS = 100_000
 MAX_COVISIBLE = 10_000
+MAX_DETECTIONS = 500
 # The server's, of every coordinate: to the Sun is farther, no building is.
 MAX_COORDINATE_M = 1e9
 # One text line, blob or object of a file: a keyframe of 20,000 features takes a tenth of it.

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..errors import RevisitError
 from ..packing import packed
-from .limits import MAX_COVISIBLE, MAX_FEATURES, MAX_OBSERVED_POINTS
+from .limits import MAX_COVISIBLE, MAX_DETECTIONS, MAX_FEATURES, MAX_OBSERVED_POINTS
 from .poses import body as pose_body
 
 SECOND_NS = 1_000_000_000
@@ -138,5 +138,5 @@ class Observation:
             most = sorted(self.covisible.items(), key=lambda item: (-item[1], item[0]))[:MAX_COVISIBLE]
             body["covisible"] = [{"keyframe": id, "shared": shared} for id, shared in sorted(most)]
         if self.detections:
-            body["detections"] = self.detections
+            body["detections"] = self.detections[:MAX_DETECTIONS]
         return packed(body)

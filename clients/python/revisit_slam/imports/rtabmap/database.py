@@ -16,12 +16,13 @@ import numpy as np
 
 from ...errors import RevisitError
 from ...pixels.ids import plain_id
-from ..limits import MAX_FEATURES, MAX_KEYFRAMES
+from ..limits import MAX_DETECTIONS, MAX_FEATURES, MAX_KEYFRAMES
 from ..observation import Observation
 from ..opened import Opened, Wanted
 from ..poses import rigid
 from ..sqlite_file import need_columns, reading, tables
 from .blobs import POSE_FLOATS, camera_of, floats_camera_of, matrix_of, pose_of
+from .landmarks import LANDMARK, detections_of
 from .links import COVISIBLE, LOOPS, shared_words
 from .node import Mounted, Words, observation, stamp_of, usable_descriptors
 
@@ -30,7 +31,7 @@ TABLES = {
     "Admin": ("version",),
     "Node": ("id", "map_id", "weight", "stamp", "pose"),
     "Data": ("id", "calibration"),
-    "Link": ("from_id", "to_id", "type"),
+    "Link": ("from_id", "to_id", "type", "transform"),
     "Feature": ("node_id", *FEATURE),
 }
 # Since then a calibration says how long it is.
@@ -90,7 +91,10 @@ class Database:
         words = self._words(id, where)
         session = f"{self._name}-{map_id}"
         names = (f"{session}-{id}", session)
-        seen = observation(names, id, stamp_of(stamp, id), map_from_base, self._mounted(id, where), words, f"rtabmap:{self._name}")
+        mounted = self._mounted(id, where)
+        seen = observation(names, id, stamp_of(stamp, id), map_from_base, mounted, words, f"rtabmap:{self._name}")
+        landmarks = self._landmarks(id, where)
+        seen.detections.extend(detections_of(landmarks, map_from_base, mounted.base_from_camera, mounted.camera))
         self._keep(id, seen.words or Counter())
         for to, kind in self._connection.execute("select to_id, type from Link where from_id = ? order by to_id", (id,)):
             if to not in self._names or to >= id:
@@ -132,6 +136,14 @@ class Database:
         if not isinstance(row[0], bytes):
             raise RevisitError(f"{where}: its calibration is no blob")
         return Mounted(*(floats_camera_of if self._floats_only else camera_of)(row[0], where))
+
+    def _landmarks(self, id: int, where: str) -> list[tuple[int, np.ndarray]]:
+        rows = self._connection.execute(
+            "select to_id, transform from Link where from_id = ? and type = ? and to_id < 0 order by to_id limit ?",
+            (id, LANDMARK, MAX_DETECTIONS),
+        )
+        found = ((number, pose_of(place, f"{where}: landmark {number}")) for number, place in rows)
+        return [(number, place) for number, place in found if place is not None]
 
     def _words(self, id: int, where: str) -> Words:
         columns = ", ".join(FEATURE)

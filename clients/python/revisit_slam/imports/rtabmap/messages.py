@@ -12,6 +12,7 @@ from ..limits import MAX_FEATURES, MAX_KEYFRAMES
 from ..observation import Observation, Pinhole
 from ..poses import matrix
 from .blobs import matrix_of
+from .landmarks import LANDMARK, detections_of
 from .node import Mounted, Words, observation, stamp_of, usable_descriptors
 
 MAX_NODE_ID = 2**31 - 1
@@ -19,11 +20,13 @@ MAX_NODE_ID = 2**31 - 1
 
 @dataclass(frozen=True, eq=False)
 class Graph:
-    """An optimised graph: `map_from_base` by node, links as (from, to, type), and where odometry's frame is in the map."""
+    """An optimised graph: `map_from_base` by node, links of nodes as (from, to, type), and where odometry's frame is in the map."""
 
     poses: dict[int, np.ndarray]
     links: list[tuple[int, int, int]]
     map_from_odom: np.ndarray
+    landmarks: dict[int, list[tuple[int, np.ndarray]]]
+    """Landmarks that a node saw: their numbers, and `base_from_landmark`."""
 
 
 def graph_of(message: Any, where: str) -> Graph:
@@ -33,8 +36,15 @@ def graph_of(message: Any, where: str) -> Graph:
         raise RevisitError(f"{where}: its graph has {len(message.poses)} poses for {len(ids)} nodes")
     # RTAB-Map writes landmarks as nodes with negative numbers.
     poses = {id: pose_of(pose, f"{where}: node {id}") for id, pose in zip(ids, message.poses) if id > 0}
-    links = [(int(link.from_id), int(link.to_id), int(link.type)) for link in message.links]
-    return Graph(poses, links, transform_of(message.map_to_odom, f"{where}: map_to_odom"))
+    links, landmarks = [], {}
+    for link in message.links:
+        one, other, kind = int(link.from_id), int(link.to_id), int(link.type)
+        if kind == LANDMARK and one > 0 > other:
+            place = transform_of(link.transform, f"{where}: the link from {one} to {other}")
+            landmarks.setdefault(one, []).append((other, place))
+        elif one > 0 and other > 0:
+            links.append((one, other, kind))
+    return Graph(poses, links, transform_of(message.map_to_odom, f"{where}: map_to_odom"), landmarks)
 
 
 def pose_of(message: Any, where: str) -> np.ndarray:
@@ -68,7 +78,10 @@ def observation_of(node: Any, graph: Graph, name: str, where: str) -> Observatio
     session = session_of(name, int(node.map_id))
     stamp_ns = stamp_of(node.stamp, id)
     names = (name_of(name, int(node.map_id), id), session)
-    return observation(names, id, stamp_ns, map_from_base, _mounted(node.data, where), words_of(node, where), f"rtabmap:{name}")
+    mounted = _mounted(node.data, where)
+    seen = observation(names, id, stamp_ns, map_from_base, mounted, words_of(node, where), f"rtabmap:{name}")
+    seen.detections.extend(detections_of(graph.landmarks.get(id, []), map_from_base, mounted.base_from_camera, mounted.camera))
+    return seen
 
 
 def session_of(name: str, map_id: int) -> str:
