@@ -29,6 +29,9 @@ create index IDX_Feature_node_id on Feature (node_id);
 create index IDX_Link_from_id on Link (from_id);
 """
 NEIGHBOUR, LOOP = 0, 1
+# A tag that the first node saw, ahead of it.
+TAG = 12
+TAG_IN_MAP = np.array([[0, -1, 0, 4.0], [1, 0, 0, 1.0], [0, 0, 1, 0.5], [0, 0, 0, 1]])
 # Nodes count from 1; every third feature has no depth.
 WITHOUT_DEPTH = 3
 # What odometry makes of the drive: optimised poses put it right.
@@ -98,6 +101,9 @@ def rtabmap(
         if id > 1:
             _link(database, id, id - 1, NEIGHBOUR)
     _link(database, len(ids), 1, LOOP)
+    for ids_of_link in ((1, -TAG), (-TAG, 1)):
+        place = np.linalg.inv(world.stands[0].map_from_base) @ TAG_IN_MAP if world.stands else np.eye(4)
+        database.execute("insert into Link values (?, ?, 8, ?, ?, null)", (*ids_of_link, bytes(288), floats(place)))
     for id, weight in ((100, -1), (101, 0)):
         database.execute(
             "insert into Node (id, map_id, weight, stamp, pose) values (?, 0, ?, 1, ?)", (id, weight, None if optimised else b"")

@@ -189,6 +189,17 @@ def test_messages_that_contradict_themselves_are_refused(tmp_path: Path, capsys:
         assert told in refused(next(folder.glob("*.mcap")), tmp_path, capsys), told
 
 
+def test_a_chunk_that_memory_would_not_hold_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    source, _ = written("map_data", tmp_path)
+    whole = bytearray(source.read_bytes())
+    at = 8
+    while whole[at] != 6:  # The first chunk.
+        at += 9 + struct.unpack_from("<Q", whole, at + 1)[0]
+    struct.pack_into("<Q", whole, at + 9 + 16, 1 << 30)
+    source.write_bytes(whole)
+    assert "a chunk in it has 1024 MiB" in refused(source, tmp_path, capsys)
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [

@@ -19,6 +19,7 @@ from foreign_world import FX, World, placed, turn, world  # noqa: E402
 from mcap_records import counts  # noqa: E402
 
 from revisit_slam import Client, Server  # noqa: E402
+from revisit_slam.play import main  # noqa: E402
 from revisit_slam.server import find_binary  # noqa: E402
 
 # Of 32-bit floats at ten metres, and of their pixels.
@@ -70,6 +71,29 @@ def test_an_rtabmap_database_has_its_optimised_poses_words_links_and_points(
     assert_rtabmap(found, drive, "office")
     assert "between keyframes" in found.told and "without an optimised pose" in found.told
     assert {body["camera"]["fx"] for body in found.keyframes.values()} == {FX}
+
+
+def test_a_tag_is_a_detection_where_it_hangs_in_the_map_and_in_the_picture(
+    drive: World, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found = imported(foreign_maps.rtabmap(tmp_path / "office.db", drive), tmp_path, capsys)
+    first, *others = found.keyframes.values()
+    assert not any("detections" in body for body in others)
+    (seen,) = first["detections"]
+    assert (seen["class"], seen["text"]) == ("landmark", str(foreign_maps.TAG))
+    place = foreign_maps.TAG_IN_MAP[:3, 3]
+    assert np.abs(np.array(seen["position"]) - place).max() < FLOAT_M
+    x0, y0, x1, y1 = seen["box"]
+    assert np.abs(projected(first, place[None])[0] - ((x0 + x1) / 2, (y0 + y1) / 2)).max() < FLOAT_PX
+
+
+def test_counts_are_printed_for_a_program(drive: World, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = foreign_maps.stella(tmp_path / "hall.db", drive)
+    assert main(["import", str(path), "-o", str(tmp_path / "o.ndjson"), "--json", "--set", "candidates_max=5"]) == 0
+    figures = json.loads(capsys.readouterr().out)
+    features = sum(len(stand.seen) for stand in drive.stands)
+    assert (figures["keyframes"], figures["features"], figures["loops"]) == (len(drive.stands), features, 1)
+    assert json.loads((tmp_path / "o.ndjson").read_text().splitlines()[0])["body"]["settings"] == {"candidates_max": 5}
 
 
 def test_without_optimised_poses_those_of_odometry_count(drive: World, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

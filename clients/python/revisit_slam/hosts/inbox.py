@@ -18,14 +18,14 @@ class Inbox:
 
     def __init__(self, name: str, most: int) -> None:
         self._most = most
-        self._waiting: deque[tuple[Any, Callable[[], None]]] = deque()
+        self._waiting: deque[tuple[Any, Callable[[], Any]]] = deque()
         self._busy = self._closing = False
         self.dropped = self.failed = 0
         self._changed = threading.Condition()
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._thread.start()
 
-    def put(self, work: Callable[[], None], key: Any = None) -> None:
+    def put(self, work: Callable[[], Any], key: Any = None) -> None:
         """Leave work to the thread."""
         with self._changed:
             if self._closing:

@@ -84,8 +84,10 @@ class ObservationsBridge:
         found, place = [], self._setup.base_from_camera
         for loop in self._bridge.take_loops():
             query, candidate = self._stamps.get(loop.query), self._stamps.get(loop.candidate)
-            known = query is not None and candidate is not None
-            found.append((loop, edge_of(loop, (query, candidate), place, place, self._setup.trust) if known else None))
+            edge = None
+            if query is not None and candidate is not None:
+                edge = edge_of(loop, (query, candidate), place, place, self._setup.trust)
+            found.append((loop, edge))
         return found
 
     def _camera_info(self, message: Any) -> None:

@@ -41,7 +41,8 @@ class Pairs:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._ids, self._names, self._inliers = {}, {}, {}
+        self._ids: dict[str, int] = {}
+        self._names: dict[int, str] = {}
         self._unknown = 0
         need_columns(path, tables(path), TABLES, "database of COLMAP")
         with reading(path) as connection:
@@ -94,7 +95,9 @@ def open_database(path: Path, wanted: Wanted) -> Opened:
 
 
 def _keyframes(path: Path, has_priors: bool, wanted: Wanted, notes: list[str]) -> Iterator[Observation]:
-    pairs, earlier, ids, without = Pairs(path), {}, set(), 0
+    pairs, without = Pairs(path), 0
+    earlier: dict[str, str] = {}
+    ids: set[str] = set()
     session = wanted.session or plain_id(path.stem, path)
     with reading(path) as connection:
         cameras = {}

@@ -7,7 +7,7 @@ what the numbers of a camera mean, and tests hold the reading against its own.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
 
@@ -28,7 +28,7 @@ from .entries import Camera, Image, ModelFiles
 from .text import TextModel
 
 FILES = ("cameras", "images", "points3D")
-FORMS = {"bin": BinaryModel, "txt": TextModel}
+FORMS: dict[str, Callable[[Path], ModelFiles]] = {"bin": BinaryModel, "txt": TextModel}
 
 
 def open_model(model: Path, wanted: Wanted) -> Opened:

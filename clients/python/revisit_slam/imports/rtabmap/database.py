@@ -126,8 +126,8 @@ class Database:
         numbers, rows = matrix_of(ids, where).ravel(), matrix_of(poses, where).ravel()
         if numbers.dtype != np.int32 or rows.dtype != np.float32 or len(rows) != POSE_FLOATS * len(numbers):
             raise RevisitError(f"{where} are {len(rows)} numbers for {len(numbers)} nodes, not 12 floats each")
-        rows = rows.reshape(-1, POSE_FLOATS)
-        return {int(id): rigid(row, f"{where}: node {id}") for id, row in zip(numbers, rows) if row.any()}
+        placed = zip(numbers, rows.reshape(-1, POSE_FLOATS))
+        return {int(id): rigid(row, f"{where}: node {id}") for id, row in placed if row.any()}
 
     def _mounted(self, id: int, where: str) -> Mounted:
         row = self._connection.execute("select calibration from Data where id = ?", (id,)).fetchone()

@@ -15,6 +15,7 @@ from ..damage import told_of
 from ..limits import MAX_KEYFRAMES, MAX_PIECE_BYTES
 from ..observation import Observation
 from ..opened import Opened, Wanted
+from .chunks import check_chunks
 from .definitions import MAP_DATA, typestore
 from .links import COVISIBLE, LOOPS, shared_words
 from .messages import Graph, graph_of, observation_of
@@ -27,6 +28,9 @@ NODES_AT_HAND = 1024
 def open_map_data(path: Path, wanted: Wanted) -> Opened:
     """Open a recording."""
     notes: list[str] = []
+    with told_of(path, "the reader of MCAP"):
+        for part in sorted(path.glob("*.mcap")) if path.is_dir() else [path]:
+            check_chunks(part)
     with _reading(path) as reader:
         topic = _topic(path, reader, wanted.topic)
 

@@ -36,7 +36,8 @@ def graph_of(message: Any, where: str) -> Graph:
         raise RevisitError(f"{where}: its graph has {len(message.poses)} poses for {len(ids)} nodes")
     # RTAB-Map writes landmarks as nodes with negative numbers.
     poses = {id: pose_of(pose, f"{where}: node {id}") for id, pose in zip(ids, message.poses) if id > 0}
-    links, landmarks = [], {}
+    links: list[tuple[int, int, int]] = []
+    landmarks: dict[int, list[tuple[int, np.ndarray]]] = {}
     for link in message.links:
         one, other, kind = int(link.from_id), int(link.to_id), int(link.type)
         if kind == LANDMARK and one > 0 > other:
