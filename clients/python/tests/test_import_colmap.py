@@ -180,6 +180,16 @@ def test_what_no_model_has_is_told_in_one_line(
     assert "cameras.txt: line 1 is no CAMERA_ID" in refused(folder, tmp_path, capsys)
 
 
+def test_a_name_of_many_lines_is_told_in_one(
+    model: "tuple[Path, pycolmap.Reconstruction]", tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder, made = model
+    next(iter(made.images.values())).name = "long\n" * 500 + ".png"
+    made.write_binary(str(folder))
+    told = refused(folder, tmp_path, capsys)
+    assert "an image's name has 2504 characters: long?long" in told and len(told) < 700
+
+
 def test_two_images_of_one_id_are_told(model: "tuple[Path, pycolmap.Reconstruction]") -> None:
     folder, made = model
     first, second = list(made.images.values())[:2]

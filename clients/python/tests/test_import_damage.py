@@ -212,7 +212,7 @@ def test_a_chunk_that_memory_would_not_hold_is_refused(tmp_path: Path, capsys: p
         (("{tmp}/map", "--metres-per-unit", "-1"), "--metres-per-unit -1"),
         (("{tmp}/map", "--database", "{tmp}/map"), "--database: it belongs to a COLMAP model"),
         (("{tmp}/map", "--format", "stella"), "no table cameras"),
-        (("{tmp}/map", "--format", "mcap"), "rosbags cannot read it"),
+        (("{tmp}/map", "--format", "mcap"), "rosbags cannot read it, it is damaged"),
         (("{tmp}/map", "--session", ""), "--session"),
         (("{tmp}/map", "--set", "novalue"), "--set novalue"),
     ],

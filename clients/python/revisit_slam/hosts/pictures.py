@@ -31,12 +31,8 @@ def picture_of(message: Any) -> np.ndarray:
     if message.encoding not in ENCODINGS:
         raise RevisitError(f"a picture is {message.encoding}; known: {', '.join(ENCODINGS)}")
     channels, order = ENCODINGS[message.encoding]
-    height, width, step = int(message.height), int(message.width), int(message.step)
-    data = np.frombuffer(bytes(message.data), np.uint8)
-    if step < width * channels or len(data) < height * step:
-        raise RevisitError(f"a picture of {width} x {height} has {len(data)} bytes in rows of {step}")
-    rows = data[: height * step].reshape(height, step)[:, : width * channels]
-    return rows if order is None else rows.reshape(height, width, channels)[:, :, order]
+    rows = _rows(message, channels)
+    return rows if order is None else rows.reshape(len(rows), -1, channels)[:, :, order]
 
 
 def depth_of(message: Any) -> np.ndarray:
@@ -44,13 +40,17 @@ def depth_of(message: Any) -> np.ndarray:
     if message.encoding not in DEPTHS:
         raise RevisitError(f"a depth image is {message.encoding}; known: {', '.join(DEPTHS)}")
     dtype, metres_per_unit = DEPTHS[message.encoding]
+    depth_m = np.ascontiguousarray(_rows(message, dtype.itemsize)).view(dtype).astype(float) * metres_per_unit
+    return np.where(np.isfinite(depth_m) & (depth_m > 0), depth_m, 0.0)
+
+
+def _rows(message: Any, bytes_a_pixel: int) -> np.ndarray:
+    """Return the bytes of a picture, row by row, without what pads a row."""
     height, width, step = int(message.height), int(message.width), int(message.step)
     data = np.frombuffer(bytes(message.data), np.uint8)
-    if step < width * dtype.itemsize or len(data) < height * step:
-        raise RevisitError(f"a depth image of {width} x {height} has {len(data)} bytes in rows of {step}")
-    rows = np.ascontiguousarray(data[: height * step].reshape(height, step)[:, : width * dtype.itemsize])
-    depth_m = rows.view(dtype).astype(float) * metres_per_unit
-    return np.where(np.isfinite(depth_m) & (depth_m > 0), depth_m, 0.0)
+    if step < width * bytes_a_pixel or len(data) < height * step:
+        raise RevisitError(f"a picture of {width} x {height} has {len(data)} bytes in rows of {step}")
+    return data[: height * step].reshape(height, step)[:, : width * bytes_a_pixel]
 
 
 def crop(picture: np.ndarray, box: list[float]) -> str | None:

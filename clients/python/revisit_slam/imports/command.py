@@ -11,6 +11,7 @@ import msgspec
 
 from ..errors import RevisitError
 from ..pixels.recording import Recording
+from .damage import in_one_line
 from .opened import Opened, Wanted
 from .opening import open_file
 
@@ -34,6 +35,11 @@ class Counts:
 
 def play_import(chosen: argparse.Namespace, settings: dict[str, Any]) -> int:
     """Read a file, and write its recording."""
+    with in_one_line():
+        return _import(chosen, settings)
+
+
+def _import(chosen: argparse.Namespace, settings: dict[str, Any]) -> int:
     wanted = Wanted(chosen.session, chosen.metres_per_unit, chosen.topic, chosen.database)
     opened = open_file(chosen.source, chosen.form, wanted)
     body = {"description": f"{opened.system} {chosen.source.resolve().name}", "metric": opened.metric, "settings": settings}

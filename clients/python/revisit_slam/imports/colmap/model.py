@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import RevisitError
-from ...pixels.ids import plain_id
+from ...pixels.ids import MAX_ID, plain_id
 from ...pixels.stamps import named_time_ns
 from ..damage import told_of
 from ..observation import SECOND_NS, Observation
@@ -98,6 +98,8 @@ def _ids(model: Path, images: list[Image]) -> dict[str, str]:
     found: dict[str, str] = {}
     taken: dict[str, str] = {}
     for image in images:
+        if len(image.name) > MAX_ID:
+            raise RevisitError(f"{model}: an image's name has {len(image.name)} characters: {image.name[:MAX_ID]} ..")
         inside = Path(image.name)
         parts = [part for part in (*inside.parts[:-1], inside.stem) if part not in ("/", "..", ".")]
         id = plain_id(".".join(parts), inside) if parts else ""
