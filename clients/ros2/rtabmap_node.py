@@ -10,6 +10,8 @@ topic `external_loop_closures` (pose_graph_tools_msgs/PoseGraph), or both (`-p b
 from __future__ import annotations
 
 import json
+from collections import deque
+from typing import Any
 
 import rclpy
 from rclpy.node import Node
@@ -25,6 +27,7 @@ from revisit_slam.hosts.rtabmap import RtabmapBridge
 BACK = ("add_link", "pose_graph", "both")
 PERIOD_S = 0.05
 TOLD_EVERY_S = 10.0
+LINKS = 256
 
 
 class RevisitRtabmap(Node):
@@ -48,6 +51,7 @@ class RevisitRtabmap(Node):
         self.rtabmap = RtabmapBridge(self.bridge, parameter("name", "rtabmap"), trust)
         self.create_subscription(MapData, "mapData", self.rtabmap.on_map_data, 10)
         self.create_subscription(Info, "info", self.rtabmap.on_info, 10)
+        self.waiting: deque[Any] = deque(maxlen=LINKS)
         self.add_link = self.create_client(AddLink, "add_link") if self.back != "pose_graph" else None
         self.graphs = None
         if self.back != "add_link":
@@ -60,15 +64,17 @@ class RevisitRtabmap(Node):
     def give_back(self) -> None:
         """Hand the loops found since the last time to RTAB-Map. Nothing is waited for."""
         for link in self.rtabmap.take_links():
-            if self.add_link is not None:
-                # The answer is empty; whether the link was taken, the next MapData tells.
-                self.add_link.call_async(AddLink.Request(link=fill_link(Link(), link)))
+            self.waiting.append(link)
             if self.graphs is not None:
                 from pose_graph_tools_msgs.msg import PoseGraph, PoseGraphEdge
 
                 graph = PoseGraph(edges=[fill_edge(PoseGraphEdge(), link.edge, self.robot)])
                 graph.header.stamp = graph.edges[0].header.stamp
                 self.graphs.publish(graph)
+        # While RTAB-Map is away its links wait; the oldest are dropped.
+        while self.add_link is not None and self.waiting and self.add_link.service_is_ready():
+            # The answer is empty; whether the link was taken, the next MapData tells.
+            self.add_link.call_async(AddLink.Request(link=fill_link(Link(), self.waiting.popleft())))
 
     def tell(self) -> None:
         """Say how far behind the server is, where it is."""

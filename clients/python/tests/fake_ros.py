@@ -39,6 +39,10 @@ class ServiceClient:
     def __init__(self, messages: Messages) -> None:
         self._messages = messages
         self.called: list[Any] = []
+        self.ready = True
+
+    def service_is_ready(self) -> bool:
+        return self.ready
 
     def call_async(self, request: Any) -> None:
         kind = "rtabmap_msgs/msg/Link"

@@ -214,6 +214,7 @@ def test_a_chunk_that_memory_would_not_hold_is_refused(tmp_path: Path, capsys: p
         (("{tmp}/map", "--format", "stella"), "no table cameras"),
         (("{tmp}/map", "--format", "mcap"), "rosbags cannot read it, it is damaged"),
         (("{tmp}/map", "--session", ""), "--session"),
+        (("{tmp}/map", "--session", "a b"), "--session a b: 1 to 100 letters"),
         (("{tmp}/map", "--set", "novalue"), "--set novalue"),
     ],
 )

@@ -177,10 +177,12 @@ def test_a_camera_that_sees_all_around_gives_points_and_no_pinhole(
         assert observes(body) == sorted(int(point) for at, point in enumerate(stand.seen) if at % 4)
 
 
-@pytest.mark.parametrize("mcap", [True, False])
-def test_map_data_stands_where_the_last_graph_has_it(mcap: bool, drive: World, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("form", ["mcap", "db3", "folder"])
+def test_map_data_stands_where_the_last_graph_has_it(form: str, drive: World, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     # Every graph before the last one was a metre off.
-    path = foreign_messages.map_data(tmp_path / "office", drive, mcap=mcap, moved=placed(turn("z", 0.2), [1.0, 0, 0]))
+    path = foreign_messages.map_data(tmp_path / "office", drive, mcap=form == "mcap", moved=placed(turn("z", 0.2), [1.0, 0, 0]))
+    if form == "db3":
+        path = next(path.glob("*.db3"))
     # Messages have keypoints in an order of their own, which is not that of the words.
     assert_rtabmap(imported(path, tmp_path, capsys), drive, "office", last_first=True)
 
@@ -260,6 +262,11 @@ def test_geometry_of_the_server_finds_the_transform_between_the_ends(
     expected = np.linalg.inv(drive.stands[0].map_from_camera) @ drive.stands[-1].map_from_camera
     translation = [getattr(found_pose.translation, axis) for axis in "xyz"]
     assert np.abs(np.array(translation) - expected[:3, 3]).max() < 0.01
+
+
+def test_a_long_name_of_a_file_is_cut_to_what_an_id_holds(drive: World, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    found = imported(foreign_maps.stella(tmp_path / f"{'x' * 150}.db", drive), tmp_path, capsys)
+    assert list(found.keyframes)[0] == "x" * 100 + "-0"
 
 
 def test_words_of_two_rtabmap_databases_do_not_meet(drive: World, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -20,7 +20,11 @@ ENCODINGS: dict[str, tuple[int, list[int] | None]] = {
     "8UC1": (1, None),
 }
 # Depth images have millimetres as whole numbers, or metres.
-DEPTHS: dict[str, tuple[np.dtype[Any], float]] = {"16UC1": (np.dtype("<u2"), 1e-3), "mono16": (np.dtype("<u2"), 1e-3), "32FC1": (np.dtype("<f4"), 1.0)}
+DEPTHS: dict[str, tuple[np.dtype[Any], float]] = {
+    "16UC1": (np.dtype("<u2"), 1e-3),
+    "mono16": (np.dtype("<u2"), 1e-3),
+    "32FC1": (np.dtype("<f4"), 1.0),
+}
 # A sign is read as well from a smaller picture.
 MAX_CROP_PX = 320
 MIN_CROP_PX = 2

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from pathlib import Path
 from typing import Any
 
@@ -33,8 +34,8 @@ def add_import(commands: Any) -> None:
 
 def check_import(chosen: argparse.Namespace) -> str | None:
     """Return what cannot be meant, if anything is."""
-    if chosen.session is not None and not 0 < len(chosen.session) <= MAX_SESSION:
-        return f"--session {chosen.session}: 1 to {MAX_SESSION} characters"
+    if chosen.session is not None and not re.fullmatch(rf"[A-Za-z0-9._:-]{{1,{MAX_SESSION}}}", chosen.session):
+        return f"--session {chosen.session}: 1 to {MAX_SESSION} letters, digits, dots, underscores, colons or hyphens"
     if chosen.output.absolute() == chosen.source.absolute():
         return f"--output {chosen.output}: that is the file itself"
     if not chosen.output.absolute().parent.is_dir():

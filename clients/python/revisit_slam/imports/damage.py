@@ -8,7 +8,6 @@ from pathlib import Path
 
 from ..errors import RevisitError
 
-
 MAX_TOLD = 600
 
 

@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ..pixels.ids import plain_id
+from .arguments import MAX_SESSION
 from .observation import Observation
 
 
@@ -17,6 +19,10 @@ class Wanted:
     metres_per_unit: float | None = None
     topic: str | None = None
     database: Path | None = None
+
+    def name(self, path: Path) -> str:
+        """Return what sessions are called: as was asked, or after the file."""
+        return self.session or plain_id((path.resolve().stem or "map")[:MAX_SESSION], path)
 
 
 @dataclass(frozen=True)

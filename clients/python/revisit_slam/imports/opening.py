@@ -10,6 +10,8 @@ from .opened import Opened, Wanted
 from .sqlite_file import MAGIC as SQLITE
 from .sqlite_file import tables
 
+# A table that only one system's databases have; the last is that of a ROS 2 bag.
+TABLES = {"colmap": "two_view_geometries", "rtabmap": "Node", "stella": "keyframes", "mcap": "topics"}
 MCAP = b"\x89MCAP0\r\n"
 FIRST_BYTES = 16
 KNOWN = "a COLMAP model's folder or database, an RTAB-Map or stella_vslam map, or a ROS 2 recording (MCAP) with rtabmap_msgs/MapData"
@@ -58,7 +60,7 @@ def _form(path: Path) -> str:
         return "mcap"
     if first == SQLITE:
         found = tables(path)
-        for form, table in (("colmap", "two_view_geometries"), ("rtabmap", "Node"), ("stella", "keyframes")):
+        for form, table in TABLES.items():
             if table in found:
                 return form
         raise RevisitError(f"{path}: a database of none of the systems: it has {', '.join(sorted(found)[:12]) or 'no tables'}")

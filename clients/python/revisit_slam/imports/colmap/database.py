@@ -98,7 +98,7 @@ def _keyframes(path: Path, has_priors: bool, wanted: Wanted, notes: list[str]) -
     pairs, without = Pairs(path), 0
     earlier: dict[str, str] = {}
     ids: set[str] = set()
-    session = wanted.session or plain_id(path.stem, path)
+    session = wanted.name(path)
     with reading(path) as connection:
         cameras = {}
         for id, model, width, height, params in connection.execute("select camera_id, model, width, height, params from cameras"):
@@ -129,7 +129,7 @@ def _keyframes(path: Path, has_priors: bool, wanted: Wanted, notes: list[str]) -
             f"(revisit-play import MODEL --database {path.name})"
         )
     notes.append("no times in a database: images are taken as a second apart, in order of their names")
-    notes.append("SIFT features are left out: no Hamming distance compares them")
+    notes.append("SIFT features are left out, no Hamming distance compares them: without words, nothing proposes a loop")
 
 
 def _prior(numbers: list[Any], scale: float, where: str) -> np.ndarray | None:

@@ -36,7 +36,7 @@ def open_model(model: Path, wanted: Wanted) -> Opened:
     form = next((form for form in FORMS if all((model / f"{name}.{form}").is_file() for name in FILES)), None)
     if form is None:
         raise RevisitError(f"{model}: no COLMAP model in it ({', '.join(FILES)}, .bin or .txt)")
-    notes: list[str] = []
+    notes = ["SIFT features are left out, no Hamming distance compares them: without words, nothing proposes a loop"]
     if wanted.metres_per_unit is None:
         notes.append("a COLMAP model has no unit: the map is not metric; --metres-per-unit tells it")
 
@@ -56,7 +56,7 @@ def _keyframes(model: Path, files: ModelFiles, wanted: Wanted, notes: list[str])
     pairs = Pairs(wanted.database) if wanted.database else None
     # Earlier ones only are named; images are read in order of time.
     earlier: dict[str, str] = {}
-    scale, session, placed = wanted.metres_per_unit or 1.0, _session(model, wanted), PointIds(str(model))
+    scale, session, placed = wanted.metres_per_unit or 1.0, wanted.name(model), PointIds(str(model))
     with tempfile.TemporaryDirectory(prefix="revisit-import-") as folder, PointStore(Path(folder), str(model)) as points:
         for id, x, y, z in files.points():
             points.add(id, x * scale, y * scale, z * scale)
@@ -87,10 +87,6 @@ def _pose(image: Image, scale: float, where: str) -> np.ndarray:
     world_from_camera = inverse(matrix(image.camera_from_world, (x, y, z, w), where))
     world_from_camera[:3, 3] = checked(world_from_camera[:3, 3] * scale, where)
     return world_from_camera
-
-
-def _session(model: Path, wanted: Wanted) -> str:
-    return wanted.session or plain_id(model.resolve().name or "model", model)
 
 
 def _ids(model: Path, images: list[Image]) -> dict[str, str]:

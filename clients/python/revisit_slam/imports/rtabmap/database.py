@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from ...errors import RevisitError
-from ...pixels.ids import plain_id
 from ..limits import MAX_DETECTIONS, MAX_FEATURES, MAX_KEYFRAMES
 from ..observation import Observation
 from ..opened import Opened, Wanted
@@ -58,7 +57,7 @@ class Database:
 
     def __init__(self, path: Path, connection: sqlite3.Connection, wanted: Wanted, notes: list[str]) -> None:
         self._path, self._connection, self._notes = path, connection, notes
-        self._name = wanted.session or plain_id(path.stem, path)
+        self._name = wanted.name(path)
         self._floats_only = self._version() < SERIALIZED_CALIBRATION
         # Names of the keyframes so far, by node.
         self._names: dict[int, str] = {}

@@ -10,7 +10,6 @@ from typing import Any
 
 from ...errors import RevisitError
 from ...needed import needed
-from ...pixels.ids import plain_id
 from ..damage import told_of
 from ..limits import MAX_KEYFRAMES, MAX_PIECE_BYTES
 from ..observation import Observation
@@ -70,7 +69,7 @@ def _messages(reader: Any, topic: str) -> Iterator[bytes]:
 
 
 def _keyframes(path: Path, reader: Any, topic: str, wanted: Wanted, notes: list[str]) -> Iterator[Observation]:
-    name = wanted.session or plain_id(path.stem, path)
+    name = wanted.name(path)
     final = _last_graph(path, reader, topic)
     neighbours = _neighbours(final)
     names: dict[int, str] = {}

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from ...errors import RevisitError
-from ...pixels.ids import plain_id
 from ..limits import MAX_FEATURES, MAX_KEYFRAMES
 from ..observation import NO_POINT, Observation
 from ..opened import Opened, Wanted
@@ -68,7 +67,7 @@ def _keyframes(path: Path, connection: sqlite3.Connection, cameras: dict[str, Ca
     if count > MAX_KEYFRAMES:
         raise RevisitError(f"{path}: it has {count} keyframes; at most {MAX_KEYFRAMES} are taken")
     scale = wanted.metres_per_unit or 1.0
-    names, placed = Names(wanted.session or plain_id(path.stem, path), cameras, scale), PointIds(str(path))
+    names, placed = Names(wanted.name(path), cameras, scale), PointIds(str(path))
     rows = connection.execute(f"select {COLUMNS} from keyframes k left join associations a on a.id = k.id order by k.id")
     for row in rows:
         where = f"{path}: keyframe {row[0]}"

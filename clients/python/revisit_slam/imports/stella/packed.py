@@ -15,7 +15,6 @@ import numpy as np
 
 from ...errors import RevisitError
 from ...needed import needed
-from ...pixels.ids import plain_id
 from ..damage import told_of
 from ..limits import MAX_KEYFRAMES, MAX_PIECE_BYTES
 from ..observation import Observation
@@ -75,7 +74,7 @@ def _keyframes(
         points.add(_number(name, where), *(scale * value for value in _numbers(position, 3, "position", where)))
 
     _walk(path, {"landmarks": landmark})
-    names, placed = Names(wanted.session or plain_id(path.stem, path), cameras, scale), PointIds(str(path))
+    names, placed = Names(wanted.name(path), cameras, scale), PointIds(str(path))
     for id in sorted(offsets):
         where = f"{path}: keyframe {id}"
         file.seek(offsets[id])
