@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 from foreign_maps import DRIFT, LOOP, NEIGHBOUR, compressed, in_base
 from foreign_world import BASE_FROM_CAMERA, CX, CY, FX, FY, HEIGHT, WIDTH, Stand, World
 from ros_definitions import DEFINITIONS
-from rosbags.typesys import get_types_from_msg
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from revisit_slam.imports.rtabmap.definitions import MAP_DATA, typestore
 from revisit_slam.pixels.rotations import quaternion_xyzw
@@ -17,15 +18,23 @@ from revisit_slam.pixels.rotations import quaternion_xyzw
 NOTHING = np.zeros(0, np.uint8)
 
 
+@cache
+def _store() -> Any:
+    """Return the package's types, and those that the nodes of `clients/ros2` use beside them."""
+    store = get_typestore(Stores.EMPTY)
+    store.register(typestore().fielddefs)
+    types: dict[str, Any] = {}
+    for name, text in DEFINITIONS.items():
+        types.update(get_types_from_msg(text, name))
+    store.register(types)
+    return store
+
+
 class Messages:
     """Makes messages of a store's types."""
 
     def __init__(self) -> None:
-        self.store = typestore()
-        types: dict[str, Any] = {}
-        for name, text in DEFINITIONS.items():
-            types.update(get_types_from_msg(text, name))
-        self.store.register(types)
+        self.store = _store()
         self._types = self.store.types
 
     def make(self, kind: str, **fields: Any) -> Any:

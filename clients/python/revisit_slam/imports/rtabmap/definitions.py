@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 from ...needed import needed
@@ -46,8 +47,9 @@ DEFINITIONS = {
 }
 
 
+@cache
 def typestore() -> Any:
-    """Return the store of message types of ROS 2, and of `rtabmap_msgs`."""
+    """Return the store of message types of ROS 2, and of `rtabmap_msgs`; it is not to be changed."""
     typesys = needed("rosbags.typesys", "rosbags")
     store = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
     types: dict[str, Any] = {}
