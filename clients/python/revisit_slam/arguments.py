@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from .errors import RevisitError
+from .imports.arguments import add_import
 
 ID = re.compile(r"[A-Za-z0-9._:-]{1,128}")
 EVERY_S = 0.5
@@ -69,6 +70,7 @@ def parser() -> argparse.ArgumentParser:
         bag.add_argument(f"--{name}-topic", metavar="TOPIC", help=f"the topic of {what} [the only one]")
     _add_locate(commands)
     _add_plan(commands)
+    add_import(commands)
     sample = commands.add_parser("sample", help="draw a small building to try it on", description="Draw a small building "
         "with corridors that repeat, plates and exit signs: photographs, and truth.csv.")  # fmt: skip
     sample.add_argument("folder", type=Path, metavar="FOLDER")
@@ -171,6 +173,11 @@ def check_common(chosen: argparse.Namespace) -> None:
     """Refuse values that no command can mean."""
     if chosen.threads < 1:
         raise RevisitError(f"--threads {chosen.threads}: at least 1")
+    check_numbers(chosen)
+
+
+def check_numbers(chosen: argparse.Namespace) -> None:
+    """Refuse lengths that are none."""
     for name in ("focal_px", "letter_height_m", "metres_per_unit"):
         value = getattr(chosen, name, None)
         if value is not None and not 0 < value < 1e6:

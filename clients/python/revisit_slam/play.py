@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from .arguments import ID, check, check_common, parser
+from .arguments import ID, check, check_common, check_numbers, parser
 from .client import Client
 from .errors import RevisitError
+from .needed import needed
 from .retries import Retries
 from .server import Server
 
@@ -28,7 +29,7 @@ def main(arguments: list[str] | None = None) -> int:
     # A stop from outside must stop the server of the run as well.
     signal.signal(signal.SIGTERM, _stop)
     try:
-        commands = {"sample": _sample, "locate": _locate, "plan": _plan}
+        commands = {"sample": _sample, "locate": _locate, "plan": _plan, "import": _import}
         return commands.get(chosen.command, _play)(chosen)
     except RevisitError as error:
         print(f"revisit-play: {error}", file=sys.stderr)
@@ -60,6 +61,21 @@ def _plan(chosen: argparse.Namespace) -> int:
     if not ID.fullmatch(chosen.map):
         raise RevisitError(f"--map {chosen.map}: 1 to 128 letters, digits, dots, underscores, colons or hyphens")
     return play_plans(chosen)
+
+
+def _import(chosen: argparse.Namespace) -> int:
+    from .imports.arguments import check_import
+
+    check_numbers(chosen)
+    wrong = check_import(chosen)
+    if wrong is not None:
+        raise RevisitError(wrong)
+    if not ID.fullmatch(chosen.map):
+        raise RevisitError(f"--map {chosen.map}: 1 to 128 letters, digits, dots, underscores, colons or hyphens")
+    needed("numpy")
+    from .imports.command import play_import
+
+    return play_import(chosen, _settings(chosen.set))
 
 
 def _locate(chosen: argparse.Namespace) -> int:

@@ -13,9 +13,9 @@ import numpy as np
 
 from ..errors import RevisitError
 from .camera import Calibration, Camera
+from .ids import plain_id
 
 SUFFIXES = {".jpg", ".jpeg", ".png", ".bmp", ".webp", ".tif", ".tiff"}
-MAX_ID = 128
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,13 +123,6 @@ def frames_of(paths: Iterable[Path], folder: Path) -> list[Frame]:
         video, number = split_number(path.stem)
         frames.append(Frame(id, path, "/".join((*inside.parts[:-1], video)), number))
     return sorted(frames, key=lambda frame: (frame.path.parent, frame.video, frame.number, frame.id))
-
-
-def plain_id(name: str, path: Path) -> str:
-    """Return a name with only what the API allows in an id; `path` is named where it is too long."""
-    if len(name) > MAX_ID:
-        raise RevisitError(f"{path}: its name has more than {MAX_ID} characters")
-    return re.sub(r"[^A-Za-z0-9._:-]", "_", name)
 
 
 def split_number(stem: str) -> tuple[str, int]:

@@ -41,6 +41,10 @@ class Recording:
             line["truth"], line["ignore"] = truth
         self._write(line)
 
+    def loop(self, body: dict[str, Any]) -> None:
+        """Write a loop that was closed."""
+        self._write({"op": "loop", "body": body})
+
     def _write(self, line: dict[str, Any]) -> None:
         self._file.write(msgspec.json.encode(line) + b"\n")
 

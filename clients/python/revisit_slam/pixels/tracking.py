@@ -15,6 +15,7 @@ from .camera import Camera
 from .features import Features
 from .frames import Frame
 from .overlap import Overlap, overlap
+from .rotations import quaternion_xyzw
 
 # The view is lost where fewer inliers than this join the picture with each of the last few.
 MIN_INLIERS = 15
@@ -86,19 +87,5 @@ def session_name(video: str, count: int) -> str:
 
 def quaternion(rotation: np.ndarray) -> dict[str, float]:
     """Return a rotation matrix as x, y, z, w."""
-    m = rotation
-    squares = np.array(
-        [1 + m[0, 0] - m[1, 1] - m[2, 2], 1 - m[0, 0] + m[1, 1] - m[2, 2], 1 - m[0, 0] - m[1, 1] + m[2, 2], 1 + np.trace(m)]
-    )
-    largest = int(np.argmax(squares))
-    if largest == 3:
-        q = np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1], squares[3]])
-    elif largest == 0:
-        q = np.array([squares[0], m[0, 1] + m[1, 0], m[0, 2] + m[2, 0], m[2, 1] - m[1, 2]])
-    elif largest == 1:
-        q = np.array([m[0, 1] + m[1, 0], squares[1], m[1, 2] + m[2, 1], m[0, 2] - m[2, 0]])
-    else:
-        q = np.array([m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], squares[2], m[1, 0] - m[0, 1]])
-    q = q / np.linalg.norm(q)
     # 0.0 is added so that no -0.0 is written.
-    return {axis: round(float(value), 9) + 0.0 for axis, value in zip("xyzw", q)}
+    return {axis: round(float(value), 9) + 0.0 for axis, value in zip("xyzw", quaternion_xyzw(rotation))}

@@ -11,7 +11,7 @@ import numpy as np
 from ...errors import RevisitError
 from ..camera import Calibration
 from ..frames import Frame, Landmarks, frames_of
-from .needed import needed
+from ...needed import needed
 from .source import Source
 
 FILES = ("cameras", "images", "points3D")

@@ -11,9 +11,10 @@ import numpy as np
 
 from ...errors import RevisitError
 from ..camera import Calibration
-from ..frames import Frame, plain_id
+from ..frames import Frame
+from ..ids import plain_id
 from ..trajectory import Trajectory
-from .needed import needed
+from ...needed import needed
 from .source import Source, every
 
 # The first of these that is there tells where the body was.

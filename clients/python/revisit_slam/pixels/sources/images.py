@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from pathlib import Path
 
 from ...errors import RevisitError
 from ..camera import Calibration
 from ..frames import list_frames
-from ..trajectory import Trajectory, nanoseconds
+from ..stamps import named_time_ns
+from ..trajectory import Trajectory
 from .source import Source
-
-# Nanoseconds in the unit of a whole number, by its digits: seconds, milli-, micro- and nanoseconds since 1970.
-UNITS = {10: 1_000_000_000, 13: 1_000_000, 16: 1_000, 19: 1}
 
 
 def open_images(folder: Path, calibration: Calibration | None, trajectory: Trajectory | None) -> Source:
@@ -29,11 +26,9 @@ def open_images(folder: Path, calibration: Calibration | None, trajectory: Traje
 
 def time_of(path: Path) -> int:
     """Return the time in nanoseconds that a file is named by."""
-    if re.fullmatch(r"\d{1,11}\.\d+|\d{1,9}", path.stem):
-        return nanoseconds(path.stem)
-    unit = UNITS.get(len(path.stem)) if path.stem.isascii() and path.stem.isdigit() else None
-    if unit is None:
+    stamp_ns = named_time_ns(path.stem)
+    if stamp_ns is None:
         raise RevisitError(
             f"{path}: with --trajectory a photograph's name is its time, in seconds, or in milli-, micro- or nanoseconds since 1970"
         )
-    return int(path.stem) * unit
+    return stamp_ns

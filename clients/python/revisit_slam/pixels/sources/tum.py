@@ -8,7 +8,8 @@ from pathlib import Path
 
 from ...errors import RevisitError
 from ..camera import Calibration
-from ..frames import DepthImage, Frame, plain_id
+from ..frames import DepthImage, Frame
+from ..ids import plain_id
 from ..trajectory import Trajectory, nanoseconds, read_tum
 from .source import Source, every
 

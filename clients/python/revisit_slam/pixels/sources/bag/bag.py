@@ -8,7 +8,7 @@ from pathlib import Path
 from ....errors import RevisitError
 from ...camera import Calibration
 from ...trajectory import Trajectory
-from ..needed import needed
+from ....needed import needed
 from ..source import ROTATIONS, Source
 from .calibration import CAMERA_INFO, calibration_of
 from .messages import Recording

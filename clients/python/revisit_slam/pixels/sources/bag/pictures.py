@@ -10,7 +10,8 @@ import numpy as np
 
 from ....errors import RevisitError
 from ...camera import Calibration
-from ...frames import Frame, plain_id
+from ...frames import Frame
+from ...ids import plain_id
 from ..source import too_near
 from ..video import save
 from .messages import Recording

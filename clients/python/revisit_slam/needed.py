@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-from ...errors import RevisitError
+from .errors import RevisitError
 
 
 def needed(module: str, package: str | None = None) -> Any:

@@ -1,0 +1,1 @@
+"""Hosts: live SLAM systems that send keyframes and take loops back, without ever waiting for a server."""

@@ -1,0 +1,1 @@
+"""Maps of other systems: their files become recordings that `revisit replay` plays."""

@@ -1,0 +1,1 @@
+"""COLMAP: a sparse model (.bin or .txt), or a database of matches."""

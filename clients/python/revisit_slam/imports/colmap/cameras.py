@@ -1,0 +1,42 @@
+"""Cameras of COLMAP as undistorted pinholes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...errors import RevisitError
+from ...needed import needed
+from ..observation import Pinhole
+
+# COLMAP counts pixels from the corner of the first one, the API from its middle.
+HALF_PX = 0.5
+
+
+def parameter_count(model: int | str, where: str) -> int:
+    """Return how many numbers a camera model has."""
+    return len(_camera(model, where).params)
+
+
+def pinhole(model: int | str, width: int, height: int, params: list[float], where: str) -> tuple[Pinhole | None, bool]:
+    """Return the pinhole with a camera's focal lengths, and whether the camera distorts; None for one that sees all around."""
+    camera = _camera(model, where)
+    if len(params) != len(camera.params):
+        raise RevisitError(f"{where}: {len(params)} numbers; a {camera.model.name} has {len(camera.params)}")
+    if camera.model.name == "EQUIRECTANGULAR":
+        return None, False
+    camera.width, camera.height, camera.params = width, height, params
+    found = Pinhole(
+        camera.focal_length_x, camera.focal_length_y,
+        camera.principal_point_x - HALF_PX, camera.principal_point_y - HALF_PX, width, height,
+    )  # fmt: skip
+    return found.checked(where), not camera.is_undistorted()
+
+
+def _camera(model: int | str, where: str) -> Any:
+    pycolmap = needed("pycolmap")
+    try:
+        known = pycolmap.CameraModelId(model) if isinstance(model, int) else pycolmap.CameraModelId.__members__[model]
+        # Any focal length and size: only the model counts.
+        return pycolmap.Camera.create_from_model_id(1, known, 1.0, 2, 2)
+    except (KeyError, ValueError, TypeError) as error:
+        raise RevisitError(f"{where}: camera model {model} is not known to pycolmap {pycolmap.__version__}") from error

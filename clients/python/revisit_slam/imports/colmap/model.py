@@ -1,0 +1,125 @@
+"""COLMAP model: poses, cameras and points of a sparse reconstruction.
+
+pycolmap reads a model as a whole, into several times its size. Here the files are read piece by piece; pycolmap tells
+what the numbers of a camera mean, and tests hold the reading against its own.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import RevisitError
+from ...pixels.ids import MAX_ID, plain_id
+from ...pixels.stamps import named_time_ns
+from ..damage import told_of
+from ..observation import SECOND_NS, Observation
+from ..opened import Opened, Wanted
+from ..point_ids import PointIds
+from ..point_store import PointStore
+from ..poses import checked, inverse, matrix
+from .binary import BinaryModel
+from .database import Pairs
+from .entries import Camera, Image, ModelFiles
+from .text import TextModel
+
+FILES = ("cameras", "images", "points3D")
+FORMS: dict[str, Callable[[Path], ModelFiles]] = {"bin": BinaryModel, "txt": TextModel}
+
+
+def open_model(model: Path, wanted: Wanted) -> Opened:
+    """Open a model's folder."""
+    form = next((form for form in FORMS if all((model / f"{name}.{form}").is_file() for name in FILES)), None)
+    if form is None:
+        raise RevisitError(f"{model}: no COLMAP model in it ({', '.join(FILES)}, .bin or .txt)")
+    notes = ["SIFT features are left out, no Hamming distance compares them: without words, nothing proposes a loop"]
+    if wanted.metres_per_unit is None:
+        notes.append("a COLMAP model has no unit: the map is not metric; --metres-per-unit tells it")
+
+    def keyframes() -> Iterator[Observation]:
+        with told_of(model, "the reader of COLMAP models"), closing(FORMS[form](model)) as files:
+            yield from _keyframes(model, files, wanted, notes)
+
+    return Opened("COLMAP model", wanted.metres_per_unit is not None, keyframes, notes)
+
+
+def _keyframes(model: Path, files: ModelFiles, wanted: Wanted, notes: list[str]) -> Iterator[Observation]:
+    cameras = files.cameras()
+    images = sorted(files.images(), key=lambda image: image.name)
+    ids = _ids(model, images)
+    stamps = _stamps(images, notes)
+    _tell_of_cameras(cameras, notes)
+    pairs = Pairs(wanted.database) if wanted.database else None
+    # Earlier ones only are named; images are read in order of time.
+    earlier: dict[str, str] = {}
+    scale, session, placed = wanted.metres_per_unit or 1.0, wanted.name(model), PointIds(str(model))
+    with tempfile.TemporaryDirectory(prefix="revisit-import-") as folder, PointStore(Path(folder), str(model)) as points:
+        for id, x, y, z in files.points():
+            points.add(id, x * scale, y * scale, z * scale)
+        for image in sorted(images, key=lambda image: (stamps[image.name], image.name)):
+            where = f"{model}: image {image.name}"
+            if image.camera not in cameras:
+                raise RevisitError(f"{where} is of camera {image.camera}, which the model does not have")
+            observed = files.observed(image)
+            # A point that an image observes twice counts once.
+            observes = [int(id) for id in np.unique(observed[observed >= 0])]
+            found = points.find(observes, where)
+            new = {id: found[id] for id in placed.new_of(observes)}
+            yield Observation(
+                ids[image.name], session, stamps[image.name], _pose(image, scale, where), cameras[image.camera].pinhole,
+                observes=observes, placed=new, covisible=pairs.earlier(image.name, earlier) if pairs else {},
+            )  # fmt: skip
+            earlier[image.name] = ids[image.name]
+        points.find([], "")
+        if points.count > placed.count:
+            notes.append(f"{points.count - placed.count} of {points.count} points are observed by no image, and are left out")
+    if pairs:
+        notes.extend(pairs.close())
+
+
+def _pose(image: Image, scale: float, where: str) -> np.ndarray:
+    """Return where an image was taken: COLMAP keeps `camera_from_world`, and the real part of a quaternion first."""
+    w, x, y, z = image.wxyz
+    world_from_camera = inverse(matrix(image.camera_from_world, (x, y, z, w), where))
+    world_from_camera[:3, 3] = checked(world_from_camera[:3, 3] * scale, where)
+    return world_from_camera
+
+
+def _ids(model: Path, images: list[Image]) -> dict[str, str]:
+    """Return the keyframe's id of each image: its path without the ending, folders before it."""
+    found: dict[str, str] = {}
+    taken: dict[str, str] = {}
+    for image in images:
+        if len(image.name) > MAX_ID:
+            raise RevisitError(f"{model}: an image's name has {len(image.name)} characters: {image.name[:MAX_ID]} ..")
+        inside = Path(image.name)
+        parts = [part for part in (*inside.parts[:-1], inside.stem) if part not in ("/", "..", ".")]
+        id = plain_id(".".join(parts), inside) if parts else ""
+        if not id:
+            raise RevisitError(f"{model}: an image has no name")
+        if id in taken:
+            raise RevisitError(f"{model}: images {taken[id]} and {image.name} both become keyframe {id}")
+        found[image.name], taken[id] = id, image.name
+    return found
+
+
+def _stamps(images: list[Image], notes: list[str]) -> dict[str, int]:
+    """Return the time of each image: what its name tells, or one a second where any name is no time."""
+    named = {image.name: named_time_ns(Path(image.name).stem) for image in images}
+    told = {name: stamp_ns for name, stamp_ns in named.items() if stamp_ns is not None}
+    # 0001.jpg and the like are numbers: times have a unit that their digits tell, or a point.
+    if len(told) == len(images) and all("." in Path(name).stem or len(Path(name).stem) > 9 for name in told):
+        return told
+    notes.append("no times in the names of the images: they are taken as a second apart, in order of their names")
+    return {image.name: (number + 1) * SECOND_NS for number, image in enumerate(images)}
+
+
+def _tell_of_cameras(cameras: dict[int, Camera], notes: list[str]) -> None:
+    if any(camera.distorts for camera in cameras.values()):
+        notes.append("cameras that distort become the pinhole with the same focal lengths: undistort what is sent beside it")
+    if any(camera.pinhole is None for camera in cameras.values()):
+        notes.append("images that see all around have no camera")

@@ -1,0 +1,188 @@
+"""RTAB-Map database: nodes with their optimised poses, features and links.
+
+Of the pictures, depths, scans and grids in it nothing is read.
+"""
+
+from __future__ import annotations
+
+import re
+import sqlite3
+from collections import Counter, OrderedDict
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import RevisitError
+from ..limits import MAX_DETECTIONS, MAX_FEATURES, MAX_KEYFRAMES
+from ..observation import Observation
+from ..opened import Opened, Wanted
+from ..poses import rigid
+from ..sqlite_file import need_columns, reading, tables
+from .blobs import POSE_FLOATS, camera_of, floats_camera_of, matrix_of, pose_of
+from .landmarks import LANDMARK, detections_of
+from .links import COVISIBLE, LOOPS, shared_words
+from .node import Mounted, Words, observation, stamp_of, usable_descriptors
+
+FEATURE = ("word_id", "pos_x", "pos_y", "dir", "octave", "depth_x", "depth_y", "depth_z", "descriptor_size", "descriptor")
+TABLES = {
+    "Admin": ("version",),
+    "Node": ("id", "map_id", "weight", "stamp", "pose"),
+    "Data": ("id", "calibration"),
+    "Link": ("from_id", "to_id", "type", "transform"),
+    "Feature": ("node_id", *FEATURE),
+}
+# Since then a calibration says how long it is.
+SERIALIZED_CALIBRATION = (0, 18, 0)
+MAX_NODE_ID = 2**31 - 1
+# Links name nodes shortly before, but for loops: words of so many are at hand, others are read again.
+NODES_AT_HAND = 64
+
+
+def open_database(path: Path, wanted: Wanted) -> Opened:
+    """Open a database."""
+    need_columns(path, tables(path), TABLES, "database of RTAB-Map 0.13 and later (open an older one with it once)")
+    notes: list[str] = []
+
+    def keyframes() -> Iterator[Observation]:
+        with reading(path) as connection:
+            yield from Database(path, connection, wanted, notes).keyframes()
+
+    return Opened("RTAB-Map database", True, keyframes, notes)
+
+
+class Database:
+    """A database that is open."""
+
+    def __init__(self, path: Path, connection: sqlite3.Connection, wanted: Wanted, notes: list[str]) -> None:
+        self._path, self._connection, self._notes = path, connection, notes
+        self._name = wanted.name(path)
+        self._floats_only = self._version() < SERIALIZED_CALIBRATION
+        # Names of the keyframes so far, by node.
+        self._names: dict[int, str] = {}
+        self._at_hand: OrderedDict[int, Counter[int]] = OrderedDict()
+
+    def keyframes(self) -> Iterator[Observation]:
+        """Yield the nodes in the order of their numbers, which is that of time."""
+        optimised = self._optimised()
+        if not optimised:
+            self._notes.append("no optimised poses in it: they are those of odometry")
+        left_out: Counter[str] = Counter()
+        for id, map_id, weight, stamp, pose in self._connection.execute("select id, map_id, weight, stamp, pose from Node order by id"):
+            where = f"{self._path}: node {id}"
+            if not isinstance(id, int) or not 0 < id <= MAX_NODE_ID or not isinstance(map_id, int):
+                raise RevisitError(f"{where} of map {map_id} has no number that a node has")
+            if weight is not None and weight < 0:
+                left_out["between keyframes, without features"] += 1
+                continue
+            # Poses of odometry are of another frame: of the two only one is taken.
+            map_from_base = optimised.get(id) if optimised else pose_of(pose, where)
+            if map_from_base is None:
+                left_out["without an optimised pose" if optimised else "without a pose"] += 1
+                continue
+            if len(self._names) >= MAX_KEYFRAMES:
+                raise RevisitError(f"{self._path}: it has more than {MAX_KEYFRAMES} nodes; so many are not taken")
+            yield self._keyframe(id, map_id, stamp, map_from_base, where)
+        self._notes.extend(f"nodes left out, {why}: {count}" for why, count in left_out.items())
+
+    def _keyframe(self, id: int, map_id: int, stamp: Any, map_from_base: np.ndarray, where: str) -> Observation:
+        words = self._words(id, where)
+        session = f"{self._name}-{map_id}"
+        names = (f"{session}-{id}", session)
+        mounted = self._mounted(id, where)
+        seen = observation(names, id, stamp_of(stamp, id), map_from_base, mounted, words, f"rtabmap:{self._name}")
+        landmarks = self._landmarks(id, where)
+        seen.detections.extend(detections_of(landmarks, map_from_base, mounted.base_from_camera, mounted.camera))
+        self._keep(id, seen.words or Counter())
+        for to, kind in self._connection.execute("select to_id, type from Link where from_id = ? order by to_id", (id,)):
+            if to not in self._names or to >= id:
+                continue
+            if kind in LOOPS:
+                seen.loops.append(self._names[to])
+            elif kind in COVISIBLE:
+                seen.covisible[self._names[to]] = shared_words(seen.words, self._words_of(to))
+        self._names[id] = names[0]
+        return seen
+
+    def _version(self) -> tuple[int, ...]:
+        row = self._connection.execute("select version from Admin").fetchone()
+        told = str(row[0]) if row else "none"
+        if not re.fullmatch(r"\d{1,4}(\.\d{1,4}){1,3}", told):
+            raise RevisitError(f"{self._path}: RTAB-Map's version in it is {told[:40]!r}, which is none")
+        return tuple(int(part) for part in told.split("."))
+
+    def _optimised(self) -> dict[int, np.ndarray]:
+        """Return `map_from_base` of the nodes of the optimised graph."""
+        if not {"opt_ids", "opt_poses"} <= {row[1] for row in self._connection.execute("pragma table_info(Admin)")}:
+            return {}
+        ids, poses = self._connection.execute("select opt_ids, opt_poses from Admin").fetchone()
+        if not ids or not poses:
+            return {}
+        where = f"{self._path}: the optimised poses"
+        if not isinstance(ids, bytes) or not isinstance(poses, bytes):
+            raise RevisitError(f"{where} are no blobs")
+        numbers, rows = matrix_of(ids, where).ravel(), matrix_of(poses, where).ravel()
+        if numbers.dtype != np.int32 or rows.dtype != np.float32 or len(rows) != POSE_FLOATS * len(numbers):
+            raise RevisitError(f"{where} are {len(rows)} numbers for {len(numbers)} nodes, not 12 floats each")
+        placed = zip(numbers, rows.reshape(-1, POSE_FLOATS))
+        return {int(id): rigid(row, f"{where}: node {id}") for id, row in placed if row.any()}
+
+    def _mounted(self, id: int, where: str) -> Mounted:
+        row = self._connection.execute("select calibration from Data where id = ?", (id,)).fetchone()
+        if row is None or not row[0]:
+            return Mounted(None, np.eye(4))
+        if not isinstance(row[0], bytes):
+            raise RevisitError(f"{where}: its calibration is no blob")
+        return Mounted(*(floats_camera_of if self._floats_only else camera_of)(row[0], where))
+
+    def _landmarks(self, id: int, where: str) -> list[tuple[int, np.ndarray]]:
+        rows = self._connection.execute(
+            "select to_id, transform from Link where from_id = ? and type = ? and to_id < 0 order by to_id limit ?",
+            (id, LANDMARK, MAX_DETECTIONS),
+        )
+        found = ((number, pose_of(place, f"{where}: landmark {number}")) for number, place in rows)
+        return [(number, place) for number, place in found if place is not None]
+
+    def _words(self, id: int, where: str) -> Words:
+        columns = ", ".join(FEATURE)
+        rows = self._connection.execute(
+            f"select {columns} from Feature where node_id = ? order by rowid limit ?", (id, MAX_FEATURES + 1)
+        ).fetchall()
+        if len(rows) > MAX_FEATURES:
+            raise RevisitError(f"{where} has more than {MAX_FEATURES} features; so many are not taken")
+        if any(not isinstance(value, (int, float)) for row in rows for value in row[:5]) or any(
+            not (value is None or isinstance(value, (int, float))) for row in rows for value in row[5:9]
+        ):
+            raise RevisitError(f"{where}: a feature's numbers are of another kind")
+        points = np.array([[np.nan if value is None else value for value in row[5:8]] for row in rows], float).reshape(-1, 3)
+        return Words(
+            np.array([int(row[0]) for row in rows], np.int64),
+            # 32-bit floats in RTAB-Map itself, and so in the recording.
+            np.array([row[1:3] for row in rows], np.float32).reshape(-1, 2),
+            np.array([int(row[4]) for row in rows], np.int64),
+            np.array([row[3] for row in rows], np.float32),
+            points,
+            _descriptors(rows, where),
+        )
+
+    def _keep(self, id: int, words: Counter[int]) -> None:
+        self._at_hand[id] = words
+        self._at_hand.move_to_end(id)
+        if len(self._at_hand) > NODES_AT_HAND:
+            self._at_hand.popitem(last=False)
+
+    def _words_of(self, id: int) -> Counter[int]:
+        if id not in self._at_hand:
+            found = self._connection.execute("select word_id from Feature where node_id = ? and word_id > 0 limit ?", (id, MAX_FEATURES))
+            self._keep(id, Counter(int(word) for (word,) in found))
+        return self._at_hand[id]
+
+
+def _descriptors(rows: list[tuple[Any, ...]], where: str) -> np.ndarray | None:
+    """Return the descriptors of features; RTAB-Map keeps as many bytes as numbers where they are binary."""
+    if not rows or any(not isinstance(row[9], bytes) or not row[9] or row[8] != len(row[9]) for row in rows):
+        return None
+    if len({len(row[9]) for row in rows}) != 1:
+        raise RevisitError(f"{where}: its descriptors are of several lengths")
+    return usable_descriptors(np.frombuffer(b"".join(row[9] for row in rows), np.uint8).reshape(len(rows), -1))

@@ -1,0 +1,141 @@
+"""Messages of `rtabmap_msgs`, decoded by rosbags or received by rclpy: both have the same attributes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...errors import RevisitError
+from ..limits import MAX_FEATURES, MAX_KEYFRAMES
+from ..observation import Observation, Pinhole
+from ..poses import matrix
+from .blobs import matrix_of
+from .landmarks import LANDMARK, detections_of
+from .node import Mounted, Words, observation, stamp_of, usable_descriptors
+
+MAX_NODE_ID = 2**31 - 1
+
+
+@dataclass(frozen=True, eq=False)
+class Graph:
+    """An optimised graph: `map_from_base` by node, links of nodes as (from, to, type), and where odometry's frame is in the map."""
+
+    poses: dict[int, np.ndarray]
+    links: list[tuple[int, int, int]]
+    map_from_odom: np.ndarray
+    landmarks: dict[int, list[tuple[int, np.ndarray]]]
+    """Landmarks that a node saw: their numbers, and `base_from_landmark`."""
+
+
+def graph_of(message: Any, where: str) -> Graph:
+    """Return the graph of a `MapGraph`."""
+    ids = [int(id) for id in message.poses_id]
+    if len(ids) != len(message.poses) or len(ids) > MAX_KEYFRAMES:
+        raise RevisitError(f"{where}: its graph has {len(message.poses)} poses for {len(ids)} nodes")
+    # RTAB-Map writes landmarks as nodes with negative numbers.
+    poses = {id: pose_of(pose, f"{where}: node {id}") for id, pose in zip(ids, message.poses) if id > 0}
+    links: list[tuple[int, int, int]] = []
+    landmarks: dict[int, list[tuple[int, np.ndarray]]] = {}
+    for link in message.links:
+        one, other, kind = int(link.from_id), int(link.to_id), int(link.type)
+        if kind == LANDMARK and one > 0 > other:
+            place = transform_of(link.transform, f"{where}: the link from {one} to {other}")
+            landmarks.setdefault(one, []).append((other, place))
+        elif one > 0 and other > 0:
+            links.append((one, other, kind))
+    return Graph(poses, links, transform_of(message.map_to_odom, f"{where}: map_to_odom"), landmarks)
+
+
+def pose_of(message: Any, where: str) -> np.ndarray:
+    """Return a `geometry_msgs/Pose`."""
+    return _matrix(message.position, message.orientation, where)
+
+
+def transform_of(message: Any, where: str) -> np.ndarray:
+    """Return a `geometry_msgs/Transform`."""
+    return _matrix(message.translation, message.rotation, where)
+
+
+def is_null(message: Any) -> bool:
+    """Whether a pose is RTAB-Map's null: a quaternion of zeros."""
+    return not any(getattr(message.orientation, axis) for axis in "xyzw")
+
+
+def observation_of(node: Any, graph: Graph, name: str, where: str) -> Observation | None:
+    """Return a node's observation; None where it is none: without a pose, or between keyframes."""
+    id = int(node.id)
+    if not 0 < id <= MAX_NODE_ID:
+        raise RevisitError(f"{where}: {id} is no node's number")
+    if node.weight < 0:
+        return None
+    where = f"{where}: node {id}"
+    map_from_base = graph.poses.get(id)
+    if map_from_base is None:
+        if is_null(node.pose):
+            return None
+        map_from_base = graph.map_from_odom @ pose_of(node.pose, where)
+    session = session_of(name, int(node.map_id))
+    stamp_ns = stamp_of(node.stamp, id)
+    names = (name_of(name, int(node.map_id), id), session)
+    mounted = _mounted(node.data, where)
+    seen = observation(names, id, stamp_ns, map_from_base, mounted, words_of(node, where), f"rtabmap:{name}")
+    seen.detections.extend(detections_of(graph.landmarks.get(id, []), map_from_base, mounted.base_from_camera, mounted.camera))
+    return seen
+
+
+def session_of(name: str, map_id: int) -> str:
+    """Return the session of RTAB-Map's map: each start of it is one."""
+    return f"{name}-{map_id}"
+
+
+def name_of(name: str, map_id: int, node: int) -> str:
+    """Return the keyframe's id of a node."""
+    return f"{session_of(name, map_id)}-{node}"
+
+
+def words_of(node: Any, where: str) -> Words:
+    """Return the words of a node; `word_id_values` says which keypoint is of which word."""
+    keys, at = np.asarray(node.word_id_keys, np.int64), np.asarray(node.word_id_values, np.int64)
+    count = len(keys)
+    if count > MAX_FEATURES:
+        raise RevisitError(f"{where} has {count} words; at most {MAX_FEATURES} are taken")
+    if len(at) != count or not np.array_equal(np.sort(at), np.arange(count)):
+        raise RevisitError(f"{where}: its words are not numbered")
+    ids = np.empty(count, np.int64)
+    ids[at] = keys
+    keypoints = list(node.word_kpts)
+    points = np.array([(p.x, p.y, p.z) for p in node.word_pts], float).reshape(-1, 3)
+    if len(keypoints) not in (0, count) or len(points) not in (0, count):
+        raise RevisitError(f"{where} has {count} words, {len(keypoints)} keypoints and {len(points)} points")
+    rows = matrix_of(bytes(node.word_descriptors), where) if len(node.word_descriptors) else None
+    descriptors = usable_descriptors(rows) if keypoints else None
+    if descriptors is not None and len(descriptors) != count:
+        raise RevisitError(f"{where} has {count} words and {len(descriptors)} descriptors")
+    return Words(
+        ids,
+        np.array([(k.pt.x, k.pt.y) for k in keypoints], np.float32).reshape(-1, 2),
+        np.array([k.octave for k in keypoints], np.int64),
+        np.array([k.angle for k in keypoints], np.float32),
+        points if len(points) else np.full((count, 3), np.nan),
+        descriptors,
+    )
+
+
+def _mounted(data: Any, where: str) -> Mounted:
+    infos, places = list(data.left_camera_info), list(data.local_transform)
+    if len(places) != len(infos):
+        raise RevisitError(f"{where} has {len(infos)} cameras, and places for {len(places)}")
+    if not infos:
+        return Mounted(None, np.eye(4))
+    k, p, width, height = infos[0].k, infos[0].p, int(infos[0].width), int(infos[0].height)
+    # Pictures are rectified where RTAB-Map takes features.
+    fx, fy, cx, cy = (p[0], p[5], p[2], p[6]) if p[0] else (k[0], k[4], k[2], k[5])
+    camera = Pinhole(float(fx), float(fy), float(cx), float(cy), width, height).checked(where) if fx and width and height else None
+    return Mounted(camera, transform_of(places[0], f"{where}: the camera's place on the base"), len(infos))
+
+
+def _matrix(position: Any, orientation: Any, where: str) -> np.ndarray:
+    xyzw = (orientation.x, orientation.y, orientation.z, orientation.w)
+    return matrix((position.x, position.y, position.z), xyzw, where)

@@ -1,0 +1,1 @@
+"""stella_vslam: its map as an SQLite database or as MessagePack."""
