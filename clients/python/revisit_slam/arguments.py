@@ -105,7 +105,10 @@ def _add_locate(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
     add("--truth", type=Path, metavar="CSV", help="columns frame and floor, and split where both folders are one")
     add("--json", action="store_true", help="print the figures as one JSON object, no table")
     add("--orb", action="store_true", help="also count how far ordinary ORB comes on the same photographs")
-    add("--signs", action="store_true", help="read signs as well; slower, and not measured on the nine floors")
+    add("--signs", action="store_true", help="read signs as well; slower")
+    add("--channels", nargs="+", choices=("words", "global"), default=["words"],
+        help="what proposes candidates: words, and a global descriptor by ppocr-det (no place recognition network) [words]")
+    add("--distort", choices=("dim", "bright", "blur", "crop"), help="change the photographs that ask, synthetically")
     _add_server(add)
     _add_reading(add)
 

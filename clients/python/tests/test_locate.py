@@ -121,3 +121,24 @@ def test_protocols_leave_out_the_photographs_own_video_and_no_other() -> None:
     assert excluded("C", shot("a", 5), gallery) == Excluded(sessions=("a-1",))
     # A video that the gallery does not have leaves nothing to leave out.
     assert {excluded(protocol, shot("c", 5), gallery) for protocol in "ABC"} == {Excluded()}
+
+
+def test_a_global_descriptor_proposes_what_geometry_then_finds_also_in_the_dark(tower: Path) -> None:
+    both = ("--gallery", tower, "--queries", tower, "--truth", tower / "floors.csv", "--json")
+    done = locate(*both, "--channels", "global", "--distort", "dim")
+    assert done.returncode == 0, done.stderr
+    figures = json.loads(done.stdout)["protocols"]["A"]
+    assert (figures["located"], figures["wrong"]) == (len(FLOORS) * len(ASKING), 0)
+
+
+def test_distortions_are_the_same_every_time_and_a_crop_keeps_the_scale() -> None:
+    from revisit_slam.pixels.locate.distortions import DISTORTIONS
+
+    picture = wall(3)[:, :WIDTH_PX]
+    for name, distort in DISTORTIONS.items():
+        assert np.array_equal(distort(picture), distort(picture.copy())), name
+        assert not np.array_equal(distort(picture), picture), name
+    cropped = DISTORTIONS["crop"](picture)
+    top, left = (HEIGHT_PX - cropped.shape[0]) // 2, (WIDTH_PX - cropped.shape[1]) // 2
+    assert np.array_equal(cropped, picture[top : top + cropped.shape[0], left : left + cropped.shape[1]])
+    assert DISTORTIONS["dim"](picture).mean() < picture.mean() < DISTORTIONS["bright"](picture).mean()

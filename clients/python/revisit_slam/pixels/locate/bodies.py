@@ -24,8 +24,8 @@ PLACES = 5
 class Bodies:
     """Makes the bodies of one run, with the words and the bits that the gallery gave."""
 
-    def __init__(self, vocabulary: Vocabulary, binariser: Binariser) -> None:
-        self._vocabulary = vocabulary
+    def __init__(self, vocabulary: Vocabulary, binariser: Binariser, words: bool = True) -> None:
+        self._vocabulary = vocabulary if words else None
         self._binariser = binariser
 
     def gallery(self, number: int, sight: Sight, tracked: Tracked, signs: list[Sign]) -> dict[str, Any]:
@@ -49,7 +49,9 @@ class Bodies:
         # Crops are for models, which are not asked here.
         detections = [detection(sign, np.zeros((0, 0, 3), np.uint8), sight.camera, pose, ranges, False) for sign in signs]
         body: dict[str, Any] = {"camera": sight.camera.body(), "detections": detections[:MAX_DETECTIONS]}
-        if len(sight.words):
+        if sight.global_descriptor is not None:
+            body["global_descriptor"] = sight.global_descriptor
+        if self._vocabulary is not None and len(sight.words):
             body["bow"] = self._vocabulary.bag(sight.words.descriptors)
         features = self._binariser.features(sight.gradients)
         if len(features):

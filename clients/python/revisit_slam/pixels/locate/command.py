@@ -12,6 +12,7 @@ import msgspec
 from ...client import Client
 from ...errors import RevisitError
 from ...server import Server
+from ..global_descriptors import MODELS
 from ..training import train_vocabulary
 from ..vocabulary import Vocabulary
 from .asking import PATIENCE_S, Asked, Asking
@@ -26,6 +27,8 @@ from .score import Score
 from .sights import Sight, look
 from .table import answer_table, reliability_table, score_table
 
+# The channels that propose candidates; signs are a third one, with --signs.
+WORDS, GLOBAL = "words", "global"
 # The place of a photograph is in the gallery under A and B, and nearly never under C.
 POOLED = (("A", "B"), ("C",))
 # Where no floor is known there is no split either, and the gallery has nothing to leave out.
@@ -36,16 +39,16 @@ def locate(chosen: argparse.Namespace) -> int:
     """Run the command."""
     collection = open_collection(chosen.gallery, chosen.queries, chosen.truth)
     protocols = list(PROTOCOLS) if collection.is_judged else UNJUDGED
-    gallery = _look(chosen, "gallery", collection.gallery)
+    gallery = _look(chosen, "gallery", collection.gallery, None)
     vocabulary = _vocabulary(gallery)
-    bodies = Bodies(vocabulary, Binariser(sight.gradients for sight in gallery))
+    bodies = Bodies(vocabulary, Binariser(sight.gradients for sight in gallery), WORDS in chosen.channels)
     with contextlib.ExitStack() as stack:
         url = chosen.server or stack.enter_context(Server()).url
         client = stack.enter_context(Client(url, key=chosen.key, timeout_s=PATIENCE_S))
         if chosen.server:
             _refuse_used_maps(client, collection)
         send_gallery(client, gallery, bodies, chosen.threads)
-        queries = _look(chosen, "photographs that ask", collection.queries)
+        queries = _look(chosen, "photographs that ask", collection.queries, chosen.distort)
         asking = Asking(client, bodies, collection.gallery, protocols)
         asked = asking.ask_all(queries, chosen.threads, _progress("asked", len(queries)))
     others = _ordinary(chosen, gallery, queries) if chosen.orb and collection.is_judged else []
@@ -72,7 +75,7 @@ def _printed(chosen: argparse.Namespace, collection: Collection, asked: list[Ask
     return msgspec.json.encode({"protocols": figures, "reliability": levels}).decode()
 
 
-def _look(chosen: argparse.Namespace, what: str, shots: list[Shot]) -> list[Sight]:
+def _look(chosen: argparse.Namespace, what: str, shots: list[Shot], distortion: str | None) -> list[Sight]:
     return list(
         look(
             shots,
@@ -80,6 +83,8 @@ def _look(chosen: argparse.Namespace, what: str, shots: list[Shot]) -> list[Sigh
             cache=chosen.cache,
             focal_px=chosen.focal_px,
             signs=chosen.signs,
+            global_model=MODELS[0] if GLOBAL in chosen.channels else None,
+            distortion=distortion,
             progress=_progress(what, len(shots)),
         )
     )

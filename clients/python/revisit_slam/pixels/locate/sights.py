@@ -9,11 +9,14 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from ..camera import Camera
+from ..camera import FOCAL_SHARE, Camera
 from ..features import Features, features_of
 from ..reader import Line, Reader
 from .collection import Shot
+from ..global_descriptors import GlobalDescriptors
+from .distortions import DISTORTIONS
 from .gradients import Gradients, gradients_of
 
 # More and finer features than tracking needs: words must tell apart floors that look alike.
@@ -31,6 +34,7 @@ class Sight:
     words: Features
     gradients: Gradients
     lines: list[Line]
+    global_descriptor: dict[str, Any] | None = None
 
 
 def look(
@@ -40,6 +44,8 @@ def look(
     cache: Path | None = None,
     focal_px: float | None = None,
     signs: bool = True,
+    global_model: str | None = None,
+    distortion: str | None = None,
     progress: Callable[[], None] = lambda: None,
 ) -> Iterator[Sight]:
     """Yield what is in each photograph, in order. Each reading engine serves one thread at a time."""
@@ -47,20 +53,29 @@ def look(
     for _ in range(threads):
         readers.put(Reader(cache) if signs else None)
 
+    # The network's session may serve several threads.
+    network = GlobalDescriptors(global_model) if global_model else None
+
     def sight(shot: Shot) -> Sight:
         reader = readers.get()
         try:
             data, image = shot.frame.picture()
+            # The focal length stays that of the whole photograph.
+            focal = focal_px or FOCAL_SHARE * max(image.shape[:2])
+            if distortion is not None:
+                image = DISTORTIONS[distortion](image)
+                data += distortion.encode()
             lines = reader.read(data, image) if reader is not None else []
         finally:
             readers.put(reader)
         return Sight(
             shot,
-            Camera.of(image, focal_px),
+            Camera.of(image, focal),
             features_of(image),
             features_of(image, MAX_WORD_FEATURES, WORD_SIDE_PX),
             gradients_of(image),
             lines,
+            network.of(image) if network is not None else None,
         )
 
     with ThreadPoolExecutor(threads) as pool:
