@@ -54,5 +54,5 @@ pub use rows::map_rows::MapRow;
 pub use rows::model_rows::UsageRow;
 pub use rows::read::{DetectionRow, KeyframeRow};
 pub use rows::unpacks::unpacks;
-pub use rows::words_of_map::{MapOutline, MostAlike, WordsSought};
+pub use rows::words_of_map::MapOutline;
 pub use store::Store;

@@ -29,7 +29,7 @@ pub use answer::{
 };
 pub use decode::{Faulty, SentKeyframe, named, of_line, unnamed, unplaced};
 pub use global_descriptor::GlobalDescriptorShape;
-pub use number_shape::Direction;
+pub use number_shape::{Direction, PointNumber};
 pub use points::{points, unique};
 pub use sent_shape::{SentBow, SentFeatures, SentPoints};
 pub use shape::{

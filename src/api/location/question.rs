@@ -7,7 +7,8 @@ use utoipa::ToSchema;
 
 use crate::api::decoding::read::{self, Decode, Node};
 use crate::api::keyframe::{
-    BowShape, CameraShape, DetectionShape, FeaturesShape, GlobalDescriptorShape, PointsShape, unplaced,
+    BowShape, CameraShape, CovisibleShape, DetectionShape, FeaturesShape, GlobalDescriptorShape, PointsShape,
+    unplaced,
 };
 use crate::api::limits;
 use crate::api::space::{Time, Transform};
@@ -54,6 +55,23 @@ pub struct LocateBody {
 #[serde(deny_unknown_fields)]
 #[schema(as = UnplacedKeyframe)]
 pub struct UnplacedKeyframeBody {
+    /// Of the robot's own map, as are `observes` and `covisible`: accepted, so that the body of a PUT may be asked about as it
+    /// is, and not listened to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(max_length = 128)]
+    pub session: Option<String>,
+    /// Not listened to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(max_items = 100_000, value_type = Option<Vec<crate::api::keyframe::PointNumber>>, inline)]
+    pub observes: Option<Vec<i64>>,
+    /// Not listened to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(max_length = 1_066_668)]
+    pub observes_i64: Option<String>,
+    /// Not listened to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(max_items = 10000)]
+    pub covisible: Option<Vec<CovisibleShape>>,
     /// When it was taken.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stamp: Option<Time>,

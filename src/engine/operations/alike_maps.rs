@@ -5,10 +5,9 @@ use std::sync::Arc;
 
 use tokio::task::spawn_blocking;
 
-use super::locate::SearchedMap;
 use crate::config::logging::in_part;
 use crate::domain::bow::BowVector;
-use crate::domain::ids::{KeyframeSeq, MapId, SessionSeq};
+use crate::domain::ids::{KeyframeSeq, SessionSeq};
 use crate::engine::maps::live::LiveMap;
 use crate::engine::{Service, ServiceError};
 use crate::recognition::locate::likeness::{PROBES_MAX, alike_cells, most_alike, probes};
@@ -16,7 +15,6 @@ use crate::recognition::loops::features::{FeatureSet, MatchableFeatures};
 use crate::recognition::loops::geometry_check::{PlacedQuery, Terms, verify_views};
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
 use crate::recognition::map::index::MapIndex;
-use crate::store::WordsSought;
 
 /// A keyframe as geometry sees it.
 struct Seen {
@@ -24,102 +22,51 @@ struct Seen {
     features: Arc<MatchableFeatures>,
 }
 
-/// A keyframe of another map that looks most like a probe.
-#[derive(Clone, Copy)]
-struct Elsewhere {
-    map: usize,
-    keyframe: KeyframeSeq,
-    score_units: u32,
-}
-
 impl Service {
-    /// Returns the most cells of a view of this session that a keyframe of another map explains. Other sessions of the home map
-    /// may show the same places. Looks at so many pairs; where there is none to look at, or where the map itself has shown one
-    /// view in two places, a view says nothing of its place.
+    /// Returns the most cells of a view of this session that a keyframe of one of these other maps explains. Other sessions of
+    /// the home map may show the same places. Looks at so many pairs; where there is none to look at, or where the map itself
+    /// has shown one view in two places, a view says nothing of its place.
     pub(super) async fn alike_cells(
         &self,
-        (home, session): (usize, SessionSeq),
-        maps: &[SearchedMap],
+        (home, session): (&Arc<LiveMap>, SessionSeq),
+        others: &[&Arc<LiveMap>],
         pairs: usize,
         seed: u64,
     ) -> Result<usize, ServiceError> {
-        let (_, Some(live)) = &maps[home] else { return Ok(usize::MAX) };
         let own = move |index: &MapIndex| {
             (index.twins().next().is_some(), probes(index, session, pairs.min(PROBES_MAX)))
         };
-        let (_, (has_twins, probes)) = self.read(live, move |state| Ok(own(&state.index))).await?;
+        let (_, (has_twins, probes)) = self.read(home, move |state| Ok(own(&state.index))).await?;
         if has_twins || pairs == 0 {
             return Ok(usize::MAX);
         }
-        let (mut asking, mut vectors) = (Vec::new(), Vec::new());
-        for probe in probes {
-            if let Some(bow) = self.store.bow(live.key, probe).await? {
-                asking.push(probe);
-                vectors.push(bow);
-            }
-        }
-        let elsewhere = self.most_alike_elsewhere(home, maps, Arc::new(vectors)).await?;
         let mut most = 0;
-        for (probe, other) in asking.into_iter().zip(elsewhere) {
-            let Some(Elsewhere { map, keyframe, .. }) = other else { continue };
-            let other = match &maps[map] {
-                (_, Some(live)) => live.clone(),
-                (asked, None) => match self.live(&asked.id).await {
-                    // Deleted meanwhile.
-                    Err(ServiceError::NotFound(_)) => continue,
-                    live => live?,
-                },
-            };
-            most = self.cells_in_common((live, probe), (&other, keyframe), seed).await?.max(most);
+        for probe in probes {
+            let Some(bow) = self.store.bow(home.key, probe).await? else { continue };
+            if let Some((map, keyframe)) = self.most_alike(others, Arc::new(bow)).await? {
+                most = self.cells_in_common((home, probe), (others[map], keyframe), seed).await?.max(most);
+            }
         }
         Ok(most)
     }
 
-    /// Returns for each vector the keyframe of all other maps whose words are most like it, the first of equals by the maps'
-    /// names.
-    async fn most_alike_elsewhere(
+    /// Returns the keyframe of some maps whose words are most like a vector, the first of equals.
+    async fn most_alike(
         &self,
-        home: usize,
-        maps: &[SearchedMap],
-        vectors: Arc<Vec<BowVector>>,
-    ) -> Result<Vec<Option<Elsewhere>>, ServiceError> {
-        let mut best: Vec<Option<Elsewhere>> = vec![None; vectors.len()];
-        for (map, (asked, live)) in maps.iter().enumerate().filter(|(map, _)| *map != home) {
-            let found = match live {
-                Some(live) => self.most_alike_in_memory(live, vectors.clone()).await?,
-                None => self.most_alike_on_disk(&asked.id, &vectors).await?,
-            };
-            for (best, found) in best.iter_mut().zip(found) {
-                let Some((keyframe, score_units)) = found else { continue };
-                if best.is_none_or(|best| score_units > best.score_units) {
-                    *best = Some(Elsewhere { map, keyframe, score_units });
-                }
+        maps: &[&Arc<LiveMap>],
+        bow: Arc<BowVector>,
+    ) -> Result<Option<(usize, KeyframeSeq)>, ServiceError> {
+        let mut best: Option<(usize, KeyframeSeq, u32)> = None;
+        for (map, live) in maps.iter().enumerate() {
+            let bow = bow.clone();
+            let (_, found) = self.read(live, move |state| Ok(most_alike(&state.index, &bow))).await?;
+            if let Some((keyframe, score)) = found
+                && best.is_none_or(|(_, _, units)| score.units() > units)
+            {
+                best = Some((map, keyframe, score.units()));
             }
         }
-        Ok(best)
-    }
-
-    async fn most_alike_in_memory(
-        &self,
-        live: &Arc<LiveMap>,
-        vectors: Arc<Vec<BowVector>>,
-    ) -> Result<Vec<Option<(KeyframeSeq, u32)>>, ServiceError> {
-        let search = move |index: &MapIndex| -> Vec<_> {
-            let found = vectors.iter().map(|vector| most_alike(index, vector));
-            found.map(|found| found.map(|(keyframe, score)| (keyframe, score.units()))).collect()
-        };
-        Ok(self.read(live, move |state| Ok(search(&state.index))).await?.1)
-    }
-
-    async fn most_alike_on_disk(
-        &self,
-        map: &MapId,
-        vectors: &[BowVector],
-    ) -> Result<Vec<Option<(KeyframeSeq, u32)>>, ServiceError> {
-        let sought = WordsSought { vectors, must_have_camera: true };
-        let found = self.store.most_alike(map, sought, |_| true).await?.map(|(_, found)| found);
-        let found = found.unwrap_or_default().into_iter();
-        Ok(found.map(|found| found.map(|found| (found.keyframe, found.score.units()))).collect())
+        Ok(best.map(|(map, keyframe, _)| (map, keyframe)))
     }
 
     /// Returns how many cells of the one keyframe's view the other one explains.

@@ -13,8 +13,9 @@ use crate::domain::ids::{KeyframeSeq, MapId, SessionSeq};
 use crate::domain::location::{AskedKeyframe, LocateRequest, Location, LocationVerdict};
 use crate::engine::maps::live::LiveMap;
 use crate::engine::{Service, ServiceError};
+use crate::recognition::locate::likeness::first_others;
 use crate::recognition::locate::locate;
-use crate::recognition::locate::map_search::{LocateQuestion, MapSearch};
+use crate::recognition::locate::map_search::{LocateQuestion, MapSearch, snapshots};
 use crate::recognition::locate::selection::{Chosen, LOOKED_AT, VERIFICATIONS_MAX, select};
 use crate::recognition::locate::views::{View, look};
 use crate::recognition::loops::features::{FeatureSet, MatchableFeatures};
@@ -103,10 +104,15 @@ impl Service {
             spawn_blocking(in_part("verify", decide)).await.map_err(ServiceError::panicked)?;
         timings.note(started, took_ms, |timings| &mut timings.geometry_ms);
         drop(permit);
-        if let Some(home) = rests_on_views(&location, &searches) {
+        if let Some((map, session)) = rests_on_views(&location, &searches)
+            && let (_, Some(home)) = &maps[map]
+        {
             let started = Instant::now();
             let pairs = VERIFICATIONS_MAX - views.len().min(VERIFICATIONS_MAX);
-            let alike_cells = self.alike_cells(home, &maps, pairs, seed).await?;
+            let looked_at = views.iter().map(|view| view.chosen.map);
+            let rivals: Vec<&Arc<LiveMap>> =
+                first_others(looked_at, map).filter_map(|rival| maps[rival].1.as_ref()).collect();
+            let alike_cells = self.alike_cells((home, session), &rivals, pairs, seed).await?;
             location = locate(&searches, &views, alike_cells, max);
             timings.geometry_ms += milliseconds_since(started);
         }
@@ -126,30 +132,31 @@ impl Service {
     ) -> Result<bool, ServiceError> {
         let mut is_any_new = false;
         for map in chosen.iter().map(|one| one.map).collect::<BTreeSet<usize>>() {
-            let of_map = chosen.iter().filter(|one| one.map == map).map(|one| (one.asked, one.candidate));
-            let (wanted, found): (Vec<_>, _) = (of_map.collect(), searches[map].clone());
-            let asked = question.clone();
             let (AskedMap { are_words_compared: is_compared, .. }, Some(live)) = &maps[map] else { continue };
-            let (is_compared, started) = (*is_compared, Instant::now());
+            let of_map = chosen.iter().filter(|one| one.map == map).map(|one| (one.asked, one.candidate));
+            let mut wanted: Vec<(usize, usize)> = of_map.collect();
+            let keyframes = searches[map].keyframes_of(&wanted);
+            let (asked, is_compared, version) = (question.clone(), *is_compared, searches[map].version);
+            let started = Instant::now();
             let taken = self.read(live, move |state| {
-                let (taken, took_ms) = timed(|| {
-                    let (mut search, is_new) = (found.clone(), state.version != found.version);
-                    let mut wanted = wanted.clone();
-                    if is_new {
-                        search = search_at(state, &asked, is_compared);
-                        let best = select(std::slice::from_ref(&search), None);
-                        wanted = best.into_iter().map(|one| (one.asked, one.candidate)).collect();
+                Ok(timed(|| {
+                    if state.version == version {
+                        return (None, snapshots(&state.index, &keyframes));
                     }
-                    search.take_snapshots(&state.index, wanted);
-                    (search, is_new)
-                });
-                Ok((taken, took_ms))
+                    let search = search_at(state, &asked, is_compared);
+                    let best = of_one_map(&search);
+                    let taken = snapshots(&state.index, &search.keyframes_of(&best));
+                    (Some((search, best)), taken)
+                }))
             });
-            let (version, ((search, is_new), took_ms)) = taken.await?;
+            let (version, ((anew, taken), took_ms)) = taken.await?;
             timings.note(started, took_ms, |timings| &mut timings.screen_ms);
-            searches[map] = search;
-            maps[map].0.version = version;
-            is_any_new |= is_new;
+            if let Some((search, best)) = anew {
+                (searches[map], wanted) = (search, best);
+                maps[map].0.version = version;
+                is_any_new = true;
+            }
+            searches[map].set_snapshots(&wanted, taken);
         }
         Ok(is_any_new)
     }
@@ -203,6 +210,12 @@ fn rests_on_views(location: &Location, searches: &[MapSearch]) -> Option<(usize,
     }
     let site = searches[place.map].sites.iter().find(|site| Some(&site.id) == place.keyframe.as_ref())?;
     Some((place.map, site.session))
+}
+
+/// Returns the candidates that would be chosen were this the only map.
+fn of_one_map(search: &MapSearch) -> Vec<(usize, usize)> {
+    let best = select(std::slice::from_ref(search), None);
+    best.into_iter().map(|one| (one.asked, one.candidate)).collect()
 }
 
 /// Runs geometry on the chosen candidates, in their order.

@@ -19,7 +19,7 @@ use crate::engine::maps::live::{LiveMap, State};
 use crate::engine::{Service, ServiceError};
 use crate::recognition::locate::map_search::{LocateQuestion, MapSearch, search_map};
 use crate::recognition::locate::selection::score_to_reach;
-use crate::store::{MapOutline, WordsSought};
+use crate::store::MapOutline;
 
 /// Maps that one request asks, at most.
 pub const LOCATE_MAPS_MAX: usize = 64;
@@ -158,16 +158,12 @@ impl Service {
             !is_hinted && !are_signs_asked && !is_global_asked
         };
         let is_wanted = |outline: &MapOutline| do_words_decide(outline) && are_words_compared(outline);
-        let sought = WordsSought { vectors: &vectors, must_have_camera: false };
-        let read = self.store.most_alike(&id, sought, is_wanted).await?;
-        Ok(read.map(|(outline, best)| {
-            let best = best.into_iter().flatten().map(|found| found.score).max_by_key(|score| score.units());
-            Unloaded {
-                version: outline.version,
-                are_words_compared: are_words_compared(&outline),
-                best: do_words_decide(&outline).then(|| best.unwrap_or_default()),
-                id: id.clone(),
-            }
+        let read = self.store.best_score(&id, &vectors, is_wanted).await?;
+        Ok(read.map(|(outline, best)| Unloaded {
+            version: outline.version,
+            are_words_compared: are_words_compared(&outline),
+            best: do_words_decide(&outline).then_some(best),
+            id: id.clone(),
         }))
     }
 

@@ -4,7 +4,7 @@ use sqlx::Row;
 
 use super::decode;
 use crate::domain::bow::{BowVector, Score};
-use crate::domain::ids::{KeyframeId, KeyframeSeq, MapId};
+use crate::domain::ids::MapId;
 use crate::store::commit::job::MapKey;
 use crate::store::rows::load::Db;
 use crate::store::{Store, StoreError};
@@ -27,45 +27,23 @@ pub struct MapOutline {
     pub has_globals: bool,
 }
 
-/// The keyframe of a map whose words are most like a vector.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct MostAlike {
-    /// The keyframe.
-    pub keyframe: KeyframeSeq,
-    /// Its name, which orders equal scores.
-    pub id: KeyframeId,
-    /// Its score, above 0.
-    pub score: Score,
-}
-
-/// What is sought in a map that is not in memory.
-#[derive(Clone, Copy, Debug)]
-pub struct WordsSought<'a> {
-    /// The vectors.
-    pub vectors: &'a [BowVector],
-    /// Whether only keyframes with a camera count.
-    pub must_have_camera: bool,
-}
-
 impl Store {
-    /// Returns what a map holds besides words, and for each vector the keyframe whose words are most like it, ties to the
-    /// smallest name; `None` where no keyframe has a word in common with it. All of one version. Nothing is sought where
-    /// `is_wanted` says no. Returns `None` if there is no such map.
-    pub async fn most_alike(
+    /// Returns what a map holds besides words, and the best score of these vectors against its keyframes, both of one version.
+    /// Where `is_wanted` says no, nothing is scored. Returns `None` if there is no such map.
+    pub async fn best_score(
         &self,
         id: &MapId,
-        sought: WordsSought<'_>,
+        vectors: &[BowVector],
         is_wanted: impl Fn(&MapOutline) -> bool,
-    ) -> Result<Option<(MapOutline, Vec<Option<MostAlike>>)>, StoreError> {
+    ) -> Result<Option<(MapOutline, Score)>, StoreError> {
         let mut db = self.snapshot().await?;
         let Some(outline) = outline(&mut db, id).await? else { return Ok(None) };
-        let found = if is_wanted(&outline) {
-            most_alike(&mut db, outline.key, sought).await.map_err(|error| error.of_map(id))?
-        } else {
-            vec![None; sought.vectors.len()]
-        };
+        let mut best = Score::default();
+        if is_wanted(&outline) {
+            best = best_score(&mut db, outline.key, vectors).await.map_err(|error| error.of_map(id))?;
+        }
         db.commit().await?;
-        Ok(Some((outline, found)))
+        Ok(Some((outline, best)))
     }
 }
 
@@ -85,35 +63,18 @@ async fn outline(db: &mut Db, id: &MapId) -> Result<Option<MapOutline>, StoreErr
     }))
 }
 
-async fn most_alike(
-    db: &mut Db,
-    map: MapKey,
-    sought: WordsSought<'_>,
-) -> Result<Vec<Option<MostAlike>>, StoreError> {
-    let select = "select keyframe, id, camera is not null as has_camera, bow_words, bow_weights, packing from keyframes \
+async fn best_score(db: &mut Db, map: MapKey, vectors: &[BowVector]) -> Result<Score, StoreError> {
+    let select = "select keyframe, bow_words, bow_weights, packing from keyframes \
          where map_key = $1 and keyframe > $2 order by keyframe limit $3";
-    let mut best: Vec<Option<MostAlike>> = vec![None; sought.vectors.len()];
-    let mut last = -1_i64;
+    let (mut best, mut last) = (Score::default(), -1_i64);
     loop {
         let rows = sqlx::query(select).bind(map).bind(last).bind(CHUNK).fetch_all(&mut *db).await?;
         let Some(row) = rows.last() else { return Ok(best) };
         last = row.try_get("keyframe")?;
         for row in &rows {
-            if sought.must_have_camera && !row.try_get::<bool, _>("has_camera")? {
-                continue;
-            }
             let number: i64 = row.try_get("keyframe")?;
-            let keyframe = KeyframeSeq(number as u32);
             let bow = decode::bow(row).map_err(|error| error.of_row(format!("keyframe number {number}")))?;
-            let id: KeyframeId = decode::id(row.try_get("id")?)?;
-            for (vector, best) in sought.vectors.iter().zip(&mut best) {
-                let score = vector.similarity(&bow);
-                let is_better =
-                    best.as_ref().is_none_or(|best| (score.units(), &best.id) > (best.score.units(), &id));
-                if score.units() > 0 && is_better {
-                    *best = Some(MostAlike { keyframe, id: id.clone(), score });
-                }
-            }
+            best = vectors.iter().map(|vector| vector.similarity(&bow)).fold(best, Score::max);
         }
     }
 }

@@ -38,6 +38,12 @@ pub(super) const LOCATE: &[Constant] = &[
         "ours: keyframes beside a place for which views alone speak, that are held against the other maps at most",
     ),
     constant(
+        "locate.rival_maps",
+        likeness::RIVAL_MAPS_MAX as f64,
+        "1",
+        "ours: other maps that these are held against, those whose candidates look most like the question",
+    ),
+    constant(
         "locate.alike_from_cells",
         likeness::ALIKE_FROM_CELLS as f64,
         "1",

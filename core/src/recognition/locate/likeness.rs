@@ -1,8 +1,10 @@
 //! Whether the asked maps show one view in several places: then a view alone says nothing of which.
 //!
 //! A room that no robot has mapped on this floor may have been mapped on another that looks the same, and nothing rivals it
-//! there. So where nothing but views speaks for a place, some keyframes of its session are themselves held against the other
-//! maps. What is found of them there, an unmapped place may explain of this view as well.
+//! there. So where nothing but views speaks for a place, some keyframes of its session are themselves held against the most
+//! promising of the other maps. What is found of them there, an unmapped place may explain of this view as well.
+
+use std::collections::BTreeSet;
 
 use super::explained_cells::cells;
 use crate::domain::bow::{BowVector, Score};
@@ -14,12 +16,20 @@ use crate::recognition::verification::{Status, Verification};
 
 /// Keyframes that are held against the other maps, at most.
 pub const PROBES_MAX: usize = 4;
+/// Other maps that they are held against: those whose candidates look most like the question.
+pub(in crate::recognition) const RIVAL_MAPS_MAX: usize = 4;
 /// Cells of a probe's view that must be explained elsewhere to count: as many as locate a place. Walls and lamps explain fewer
 /// anywhere.
 pub(in crate::recognition) const ALIKE_FROM_CELLS: usize = 40;
 /// How many times the cells of the best probe a place that no robot has mapped may explain of a single view: a probe's view and
 /// the one that is found elsewhere are not taken from one spot. Of a drive, several views would have to agree by chance.
 pub(in crate::recognition) const SINGLE_VIEW_FACTOR: f64 = 1.3;
+
+/// Returns the maps but one that come first, each once.
+pub fn first_others(maps: impl Iterator<Item = usize>, home: usize) -> impl Iterator<Item = usize> {
+    let mut seen = BTreeSet::from([home]);
+    maps.filter(move |map| seen.insert(*map)).take(RIVAL_MAPS_MAX)
+}
 
 /// Returns so many keyframes with a camera, spread evenly over a session by stamp.
 pub fn probes(index: &MapIndex, session: SessionSeq, count: usize) -> Vec<KeyframeSeq> {

@@ -285,13 +285,25 @@ fn opened(checked: PreVerified) -> PreVerified {
 }
 
 impl MapSearch {
-    /// Gathers what geometry needs of the chosen candidates, at the version that was searched.
-    pub fn take_snapshots(&mut self, index: &MapIndex, chosen: impl IntoIterator<Item = (usize, usize)>) {
-        for (asked, candidate) in chosen {
-            let pre_verified = &mut self.screenings[asked].candidates[candidate];
-            pre_verified.snapshot = GeometrySnapshot::stored(index, pre_verified.keyframe);
+    /// Returns the keyframes of these candidates, each by the numbers of the keyframe that asks and of the candidate.
+    pub fn keyframes_of(&self, chosen: &[(usize, usize)]) -> Vec<KeyframeSeq> {
+        chosen
+            .iter()
+            .map(|(asked, candidate)| self.screenings[*asked].candidates[*candidate].keyframe)
+            .collect()
+    }
+
+    /// Takes what geometry needs of these candidates, in the same order.
+    pub fn set_snapshots(&mut self, chosen: &[(usize, usize)], snapshots: Vec<Option<GeometrySnapshot>>) {
+        for ((asked, candidate), snapshot) in chosen.iter().zip(snapshots) {
+            self.screenings[*asked].candidates[*candidate].snapshot = snapshot;
         }
     }
+}
+
+/// Gathers what geometry needs of some keyframes.
+pub fn snapshots(index: &MapIndex, keyframes: &[KeyframeSeq]) -> Vec<Option<GeometrySnapshot>> {
+    keyframes.iter().map(|keyframe| GeometrySnapshot::stored(index, *keyframe)).collect()
 }
 
 /// Returns the identifiers that agree and hang in one place only, and how many contradict.
