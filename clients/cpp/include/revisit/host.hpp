@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <type_traits>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -137,6 +138,28 @@ Keypoint keypoint_from(const HostKeypoint& host, double u, double v) {
     keypoint.octave = host.octave;
     if (host.angle >= 0) keypoint.angle_deg = host.angle;
     return keypoint;
+}
+
+/// Keeps the first position of each point.
+inline void drop_repeated(MapPoints& points) {
+    std::unordered_set<std::int64_t> seen;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < points.ids.size(); ++i) {
+        if (!seen.insert(points.ids[i]).second) continue;
+        points.ids[kept] = points.ids[i];
+        points.positions[kept] = points.positions[i];
+        ++kept;
+    }
+    points.ids.resize(kept);
+    points.positions.resize(kept);
+}
+
+/// The points of a list with gaps: each once, in order.
+inline std::vector<std::int64_t> observed_of(std::vector<std::int64_t> points) {
+    points.erase(std::remove_if(points.begin(), points.end(), [](std::int64_t point) { return point < 0; }), points.end());
+    std::sort(points.begin(), points.end());
+    points.erase(std::unique(points.begin(), points.end()), points.end());
+    return points;
 }
 
 /// Tells whether a keyframe's points changed since they were sent, without keeping them.

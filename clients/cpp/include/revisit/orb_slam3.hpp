@@ -235,18 +235,25 @@ public:
         const auto kept = fill_keypoints(host, keyframe.features);
         host::copy_descriptors(host.mDescriptors, kept, keyframe.features);
         std::vector<std::int64_t> points(matches.size(), -1);
+        std::vector<std::pair<unsigned long, MapPoint*>> made_by;
         for (std::size_t i = 0; i < matches.size(); ++i) {
             MapPoint* point = matches[i];
             if (point == nullptr || point->isBad()) continue;
             points[i] = static_cast<std::int64_t>(point->mnId);
-            // Others were sent with the keyframe that made them.
-            if (static_cast<unsigned long>(point->mnFirstKFid) == static_cast<unsigned long>(host.mnId)) {
-                keyframe.map_points.ids.push_back(points[i]);
-                keyframe.map_points.positions.push_back(host::position_from(point->GetWorldPos()));
-            }
+            made_by.emplace_back(static_cast<unsigned long>(point->mnFirstKFid), point);
+        }
+        {
+            // The positions of others were sent with the keyframe that made them.
+            const std::lock_guard<std::mutex> lock(mutex_);
+            const auto is_sent = [&](const auto& one) { return one.first != host.mnId && known_.count(one.first) != 0; };
+            made_by.erase(std::remove_if(made_by.begin(), made_by.end(), is_sent), made_by.end());
+        }
+        for (const auto& one : made_by) {
+            keyframe.map_points.ids.push_back(static_cast<std::int64_t>(one.second->mnId));
+            keyframe.map_points.positions.push_back(host::position_from(one.second->GetWorldPos()));
         }
         // Both cameras of a rig may see a point; a list has it once.
-        drop_repeated(keyframe.map_points);
+        host::drop_repeated(keyframe.map_points);
         std::vector<bool> is_kept(points.size(), false);
         for (const std::size_t i : kept) {
             const std::int64_t point = i < points.size() ? points[i] : -1;
@@ -257,7 +264,7 @@ public:
         for (std::size_t i = 0; i < points.size(); ++i)
             if (points[i] >= 0 && !is_kept[i]) keyframe.observes.push_back(points[i]);
         if (options_.detections) keyframe.detections = options_.detections(host);
-        auto observed = observed_of(points);
+        auto observed = host::observed_of(points);
         return {std::move(keyframe), std::move(observed)};
     }
 
@@ -305,26 +312,6 @@ private:
         return kept;
     }
 
-    static void drop_repeated(MapPoints& points) {
-        std::unordered_map<std::int64_t, bool> seen;
-        std::size_t kept = 0;
-        for (std::size_t i = 0; i < points.ids.size(); ++i) {
-            if (!seen.emplace(points.ids[i], true).second) continue;
-            points.ids[kept] = points.ids[i];
-            points.positions[kept] = points.positions[i];
-            ++kept;
-        }
-        points.ids.resize(kept);
-        points.positions.resize(kept);
-    }
-
-    static std::vector<std::int64_t> observed_of(std::vector<std::int64_t> points) {
-        points.erase(std::remove_if(points.begin(), points.end(), [](std::int64_t point) { return point < 0; }), points.end());
-        std::sort(points.begin(), points.end());
-        points.erase(std::unique(points.begin(), points.end()), points.end());
-        return points;
-    }
-
     /// Sends what fusing and culling did to keyframes that were sent before.
     template <class KeyFrames>
     Status update(const KeyFrames& neighbours, const std::string& session) {
@@ -335,7 +322,7 @@ private:
             std::vector<std::int64_t> points;
             for (MapPoint* point : neighbour->GetMapPointMatches())
                 if (point != nullptr && !point->isBad()) points.push_back(static_cast<std::int64_t>(point->mnId));
-            points = observed_of(std::move(points));
+            points = host::observed_of(std::move(points));
             const std::uint64_t print = host::fingerprint(points);
             const std::lock_guard<std::mutex> lock(mutex_);
             const auto known = known_.find(neighbour->mnId);
