@@ -1,7 +1,7 @@
 // ORB-SLAM3: what it knows of a keyframe goes to Revisit, and Revisit's candidates go to its own verification.
 //
-// The one call to change is in `LoopClosing::NewDetectCommonRegions`: where it calls `mpKeyFrameDB->DetectNBestCandidates`, call
-// `candidates` with that call as the last argument. docs/integrate.md has all hooks.
+// The one call to change is in `LoopClosing::NewDetectCommonRegions`: `mpKeyFrameDB->DetectNBestCandidates(...)` is made only if
+// `candidates(...)` with the same arguments returns false. docs/integrate.md has all hooks, examples/orb_slam3 a file with them.
 //
 // Templates over the host's own classes: nothing of ORB-SLAM3 is needed to compile this, nor contained in it. Poses may be Sophus
 // (version 1.0) or OpenCV matrices (0.3, 0.4).
@@ -84,25 +84,20 @@ public:
         });
     }
 
-    /// In place of `mpKeyFrameDB->DetectNBestCandidates(current, loops, merges, count)`, which `detect` calls: it decides where no
-    /// verdict came in time. Candidates with a verdict `loop` come first, then undecided ones; rejected ones are not offered.
-    template <class Detect>
-    void candidates(KeyFrame* current, std::vector<KeyFrame*>& loops, std::vector<KeyFrame*>& merges, int count, Detect&& detect) {
+    /// Offers candidates to `NewDetectCommonRegions`: those with a verdict `loop` first, then undecided ones; rejected ones are not offered.
+    /// False if no verdict came in time: then `mpKeyFrameDB->DetectNBestCandidates` decides, as before.
+    bool candidates(KeyFrame* current, std::vector<KeyFrame*>& loops, std::vector<KeyFrame*>& merges, int count) noexcept {
         std::optional<Verdict> verdict;
-        (void)revisit::detail::guarded([&]() -> Status {
+        const Status offered = revisit::detail::guarded([&]() -> Status {
             // Without a server there is nothing to wait for.
             if (!sender_->stats().unreachable) verdict = verdicts_.wait(id_of(current), options_.longest_wait);
+            if (verdict) offer(*verdict, current, loops, merges, count);
             return Status();
         });
-        {
-            const std::lock_guard<std::mutex> lock(mutex_);
-            ++(verdict ? stats_.answered : stats_.left_to_host);
-        }
-        if (!verdict) {
-            detect();
-            return;
-        }
-        (void)revisit::detail::guarded([&]() -> Status { return offer(*verdict, current, loops, merges, count), Status(); });
+        const bool is_answered = offered && verdict;
+        const std::lock_guard<std::mutex> lock(mutex_);
+        ++(is_answered ? stats_.answered : stats_.left_to_host);
+        return is_answered;
     }
 
     /// States that the host has closed a loop, or merged two maps by it. After `CorrectLoop`, `MergeLocal` or `MergeLocal2`.
