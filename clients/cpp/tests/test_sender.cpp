@@ -133,8 +133,8 @@ static void everything_arrives_in_the_order_of_the_calls() {
     auto sender = sender_of(std::move(options));
     std::vector<std::string> expected;
     for (unsigned i = 1; i <= 40; ++i) {
-        CHECK_OK(sender->send(samples::keyframe(i, 20, 10, 5)));
-        expected.push_back("/v1/maps/tower/keyframes/robot-7-" + std::to_string(i));
+        CHECK_OK(sender->send(samples::keyframe(i, 20, 10, 5), Question()));
+        expected.push_back("/v1/maps/tower/keyframes/robot-7-" + std::to_string(i) + "?query=loop");
         if (i % 10 == 0) {
             CHECK_OK(sender->correct({"robot-7", {"robot-7-1"}, {Pose()}, {}}));
             expected.push_back("/v1/maps/tower/poses");
@@ -156,13 +156,13 @@ static void everything_arrives_in_the_order_of_the_calls() {
 static void what_the_server_refuses_is_reported_and_left_out_of_corrections() {
     StandIn stand_in([](const HeardRequest& request) {
         if (request.target.find("robot-7-2") != std::string::npos) return GivenAnswer{422, R"({"code":"invalid","detail":"no","errors":[{"pointer":"/pose"}]})", "", false, false};
-        return GivenAnswer{201, "{}", "", false, false};
+        return GivenAnswer{201, R"({"loop":{"verdict":"no_loop"}})", "", false, false};
     });
     Heard heard;
     auto options = options_for(stand_in.url());
     heard.listen(options);
     auto sender = sender_of(std::move(options));
-    for (unsigned i = 1; i <= 3; ++i) CHECK_OK(sender->send(samples::keyframe(i, 20, 10, 5)));
+    for (unsigned i = 1; i <= 3; ++i) CHECK_OK(sender->send(samples::keyframe(i, 20, 10, 5), Question()));
     CHECK_OK(sender->correct({"robot-7", {"robot-7-1", "robot-7-2", "robot-7-3"}, {Pose{{1, 0, 0}, {}}, Pose{{2, 0, 0}, {}}, Pose{{3, 0, 0}, {}}}, {}}));
     CHECK_OK(sender->update({"robot-7", {}, {}, {{"robot-7-2", std::vector<std::int64_t>{1}, {}}}}));
     CHECK_OK(sender->update({"robot-7", {{1, 2}}, {9}, {{"robot-7-3", std::vector<std::int64_t>{5, 6}, std::vector<Covisible>{{"robot-7-2", 20}, {"robot-7-1", 30}}}}}));
@@ -206,7 +206,7 @@ static void a_faulty_callback_ends_nothing() {
     auto options = options_for(stand_in.url());
     options.on_outcome = [](const Outcome&) { throw std::runtime_error("the host's fault"); };
     auto sender = sender_of(std::move(options));
-    for (unsigned i = 1; i <= 3; ++i) CHECK_OK(sender->send(samples::keyframe(i, 20, 10, 5)));
+    for (unsigned i = 1; i <= 3; ++i) CHECK_OK(sender->send(samples::keyframe(i, 20, 10, 5), Question()));
     CHECK(sender->flush(forever));
     CHECK_EQUAL(sender->stats().sent, 3u);
     CHECK_EQUAL(sender->stats().callback_faults, 3u);
@@ -220,8 +220,8 @@ static void a_lasting_fault_of_the_server_does_not_hold_the_queue() {
         return GivenAnswer{500, R"({"code":"internal"})", "", false, false};
     });
     auto sender = sender_of(options_for(stand_in.url()));
-    CHECK_OK(sender->send(samples::keyframe(1, 20, 10, 5)));
-    CHECK_OK(sender->send(samples::keyframe(2, 20, 10, 5)));
+    CHECK_OK(sender->send(samples::keyframe(1, 20, 10, 5), Question()));
+    CHECK_OK(sender->send(samples::keyframe(2, 20, 10, 5), Question()));
     CHECK(sender->flush(forever));
     CHECK_EQUAL(sender->stats().sent, 1u);
     CHECK_EQUAL(sender->stats().refused, 1u);
@@ -292,6 +292,64 @@ static void verdicts_come_back_however_the_question_is_asked() {
     for (const auto& outcome : heard.outcomes) CHECK(outcome.ok());
 }
 
+// While the first request is held, the others wait behind it, and then share requests. One of them is refused, one repeats another.
+static void a_backlog_shares_requests() {
+    Server server;
+    std::promise<void> release;
+    auto released = release.get_future().share();
+    Heard heard;
+    auto options = options_for(server.url());
+    options.makes_map = true;
+    heard.listen(options);
+    options.on_outcome = [&, next = options.on_outcome](const Outcome& outcome) {
+        next(outcome);
+        released.wait();
+    };
+    auto sender = sender_of(std::move(options));
+    CHECK_OK(sender->send(samples::keyframe(0, 20, 10, 5)));
+    auto conflicting = samples::keyframe(3, 20, 10, 5);
+    conflicting.stamp.sec += 1;
+    for (unsigned i = 1; i <= 150; ++i) CHECK_OK(sender->send(i == 100 ? conflicting : samples::keyframe(i == 101 ? 3 : i, 20, 10, 5)));
+    CHECK_OK(sender->correct({"robot-7", {"robot-7-1", "robot-7-150"}, {Pose(), Pose()}, {}}));
+    release.set_value();
+    CHECK(sender->flush(forever));
+    CHECK_EQUAL(heard.outcomes.size(), 152u);
+    for (unsigned i = 0; i <= 150; ++i) {
+        const auto& outcome = heard.outcomes[i];
+        CHECK_EQUAL(outcome.id, "robot-7-" + std::to_string(i == 100 || i == 101 ? 3 : i));
+        CHECK_EQUAL(outcome.status, i == 100 ? 409 : i == 101 ? 200 : 201);
+    }
+    CHECK(heard.outcomes[100].error.code == Code::problem);
+    CHECK(!heard.outcomes[100].error.problem.empty());
+    CHECK_EQUAL(sender->stats().sent, 151u);
+    CHECK_EQUAL(sender->stats().refused, 1u);
+    CHECK_EQUAL(sender->stats().queued_bytes, 0u);
+}
+
+// The requests of a backlog, as a server sees them: a few, in order, and what fails for the moment comes again.
+static void a_line_that_fails_for_the_moment_is_sent_again() {
+    StandIn stand_in([](const HeardRequest& request) {
+        if (request.method == "PUT") return GivenAnswer{201, "{}", "", false, false};
+        std::string lines;
+        int number = 0;
+        for (std::size_t at = 0; at < request.body.size(); at = request.body.find('\n', at) + 1) {
+            const auto keyframe = nlohmann::json::parse(request.body.substr(at, request.body.find('\n', at) - at));
+            lines += nlohmann::json{{"line", ++number}, {"id", keyframe["id"]}, {"status", number % 10 == 5 ? 507 : 201}}.dump() + "\n";
+        }
+        return GivenAnswer{207, lines, "", false, false};
+    });
+    Heard heard;
+    auto options = options_for(stand_in.url());
+    heard.listen(options);
+    auto sender = sender_of(std::move(options));
+    for (unsigned i = 1; i <= 200; ++i) CHECK_OK(sender->send(samples::keyframe(i, 20, 10, 5)));
+    CHECK(sender->flush(forever));
+    CHECK_EQUAL(sender->stats().sent, 200u);
+    std::set<std::string> ids;
+    for (const auto& outcome : heard.outcomes) ids.insert(outcome.id);
+    CHECK_EQUAL(ids.size(), 200u);
+}
+
 static void many_callers_share_a_sender() {
     StandIn stand_in([](const HeardRequest&) { return GivenAnswer{201, "{}", "", false, false}; });
     auto sender = sender_of(options_for(stand_in.url()));
@@ -339,6 +397,8 @@ int main() {
     TEST(a_lasting_fault_of_the_server_does_not_hold_the_queue);
     TEST(an_outage_loses_nothing);
     TEST(verdicts_come_back_however_the_question_is_asked);
+    TEST(a_backlog_shares_requests);
+    TEST(a_line_that_fails_for_the_moment_is_sent_again);
     TEST(many_callers_share_a_sender);
     TEST(bad_options_are_refused);
 }

@@ -178,7 +178,7 @@ public:
     SenderStats stats() const noexcept {
         const std::lock_guard<std::mutex> lock(mutex_);
         SenderStats stats = stats_;
-        stats.queued = queue_.size() + (flying_since_ ? 1 : 0);
+        stats.queued = queue_.size() + flying_count_;
         stats.queued_bytes = bytes_;
         const auto oldest = flying_since_ ? flying_since_ : queue_.empty() ? std::nullopt : std::optional(queue_.front().since);
         if (oldest) stats.lag_s = std::chrono::duration<double>(Clock::now() - *oldest).count();
@@ -230,6 +230,11 @@ private:
 
     // Ids of keyframes that never arrived are kept for corrections; more of them say that nothing arrives.
     static constexpr std::size_t max_missing = 100'000;
+    // A conflict: the keyframe is there, as it was sent first.
+    static constexpr int stored_otherwise = 409;
+    // A batch is one write of the server: large enough to catch up after an outage, small enough to be sent again.
+    static constexpr std::size_t max_batch = 64;
+    static constexpr std::size_t max_batch_bytes = std::size_t{4} << 20;
 
     Sender(SenderOptions options, std::unique_ptr<detail::Connection> connection)
         : options_(std::move(options)), connection_(std::move(connection)), random_(std::random_device{}()) {}
@@ -329,26 +334,111 @@ private:
                 std::unique_lock<std::mutex> lock(mutex_);
                 changed_.wait(lock, [&] { return abandoned_.load() || !queue_.empty(); });
                 if (abandoned_.load()) return;
-                flying.splice(flying.end(), queue_, queue_.begin());
+                take_batch(flying);
                 flying_since_ = flying.front().since;
+                flying_count_ = flying.size();
             }
             bool is_done = true;
             if (!map_is_there) {
                 is_done = make_map();
                 map_is_there = is_done;
             }
-            is_done = is_done && carry_out(flying.front());
-            std::unique_lock<std::mutex> lock(mutex_);
-            flying_since_.reset();
-            if (!is_done) {
-                // Closing: back in front, where `close` finds and reports it.
+            if (is_done) is_done = flying.size() > 1 ? carry_out_batch(flying) : carry_out_each(flying);
+            {
+                const std::lock_guard<std::mutex> lock(mutex_);
+                flying_since_.reset();
+                flying_count_ = 0;
+                // Closing: back in front, where `close` finds and reports them.
                 queue_.splice(queue_.begin(), flying);
-                return;
             }
-            bytes_ -= flying.front().bytes;
-            lock.unlock();
             changed_.notify_all();
+            if (!is_done) return;
         }
+    }
+
+    /// Moves the oldest item out of the queue, with the keyframes behind it that can share its request.
+    void take_batch(std::list<Item>& flying) noexcept {
+        std::size_t bytes = 0;
+        do {
+            bytes += queue_.front().bytes;
+            flying.splice(flying.end(), queue_, queue_.begin());
+        } while (can_be_batched(flying.back()) && !queue_.empty() && can_be_batched(queue_.front()) && flying.size() < max_batch && bytes + queue_.front().bytes <= max_batch_bytes);
+    }
+
+    /// Whether a keyframe may share a request: a question has its own, and declared edges may name one that the same batch loses.
+    static bool can_be_batched(const Item& item) noexcept {
+        return item.kind == Outcome::Kind::keyframe && !item.question && std::get<Keyframe>(item.payload).covisible.empty();
+    }
+
+    /// Forgets an item that is settled.
+    void settle(std::list<Item>& flying, std::list<Item>::iterator item) noexcept {
+        {
+            const std::lock_guard<std::mutex> lock(mutex_);
+            bytes_ -= item->bytes;
+            --flying_count_;
+        }
+        flying.erase(item);
+    }
+
+    bool carry_out_each(std::list<Item>& flying) noexcept {
+        while (!flying.empty()) {
+            if (!carry_out(flying.front())) return false;
+            settle(flying, flying.begin());
+        }
+        return true;
+    }
+
+    /// Sends keyframes in one request: a backlog costs one sync of the server's disk for each batch, not for each keyframe.
+    /// What the server could not store at this moment is sent again by itself. False if the sender is closing.
+    bool carry_out_batch(std::list<Item>& flying) noexcept {
+        Call call;
+        const Status prepared = detail::guarded([&]() -> Status {
+            call.path.emplace_back("map", options_.map);
+            for (const Item& item : flying) {
+                std::string line = "{\"id\":";
+                detail::append_string(line, item.id);
+                std::string body;
+                detail::append_keyframe(body, std::get<Keyframe>(item.payload), options_.precision);
+                // A body is never empty: its first member follows.
+                line += ',';
+                call.body += line.append(body, 1) += '\n';
+            }
+            return Status();
+        });
+        if (!prepared) return carry_out_each(flying);
+        auto answer = deliver("put_keyframes", std::move(call));
+        if (!answer) return false;
+        if (!*answer) return carry_out_each(flying);
+        const std::string& text = (**answer).text;
+        auto item = flying.begin();
+        for (std::size_t at = 0; at < text.size() && item != flying.end();) {
+            const std::size_t end = std::min(text.find('\n', at), text.size());
+            auto line = Json::parse(std::string_view(text).substr(at, end - at));
+            at = end + 1;
+            const auto current = item++;
+            if (!line || (*line)["id"].text() != current->id) break;
+            const auto status = static_cast<int>((*line)["status"].integer());
+            if (status == 429 || status >= 500) continue;
+            auto outcome = outcome_of(status, std::move(*line));
+            if (!outcome && status != stored_otherwise) {
+                (void)detail::guarded([&]() -> Status { return note_missing(current->id), Status(); });
+            }
+            finish(current->kind, current->id, std::move(outcome));
+            settle(flying, current);
+        }
+        return carry_out_each(flying);
+    }
+
+    /// The result of one line of a batch.
+    static Result<Answer> outcome_of(int status, Json line) noexcept {
+        return detail::guarded([&]() -> Result<Answer> {
+            if (status >= 400) {
+                std::string problem;
+                line["problem"].write(problem);
+                return detail::answer_of({status, std::move(problem), -1, false});
+            }
+            return Answer{status, std::move(line), {}, status == 200};
+        });
     }
 
     /// Makes the map; whether the sender goes on.
@@ -386,7 +476,7 @@ private:
         auto answer = deliver(operation, std::move(call));
         if (!answer) return false;
         const bool is_stored = answer->ok();
-        if (!is_stored && item.kind == Outcome::Kind::keyframe) {
+        if (!is_stored && item.kind == Outcome::Kind::keyframe && answer->error().status != stored_otherwise) {
             (void)detail::guarded([&]() -> Status { return note_missing(item.id), Status(); });
         }
         const bool asks_next = is_stored && item.kind == Outcome::Kind::keyframe && item.question && !item.question->is_plain();
@@ -609,6 +699,7 @@ private:
     std::list<Item> queue_;
     std::size_t bytes_ = 0;
     std::optional<Clock::time_point> flying_since_;
+    std::size_t flying_count_ = 0;
     SenderStats stats_;
     bool closing_ = false;
     std::atomic<bool> abandoned_{false};
