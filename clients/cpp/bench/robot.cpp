@@ -1,0 +1,85 @@
+// A robot for proofs: sends a keyframe every 1/30 s by the sender until its input ends, and prints the id of each that was acknowledged.
+//
+// robot URL NAME           sends to map NAME until standard input ends; the last line has its figures
+// robot URL NAME COUNT     sends the first COUNT again, and prints how many of them the server does not know as the same
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <mutex>
+#include <thread>
+
+#include <revisit/revisit.hpp>
+
+#include "samples.hpp"
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+constexpr auto period = 33'333us;
+// After an outage of 30 s there are 900 to send.
+constexpr auto latest = 120s;
+
+/// The number decides everything, so that it can be made again.
+static revisit::Keyframe keyframe(const std::string& robot, unsigned number) {
+    auto keyframe = samples::keyframe(number, 100, 100, 30);
+    keyframe.id = robot + "-" + std::to_string(number);
+    keyframe.session = robot;
+    keyframe.detections = samples::plate("", number * 0.1, 0, std::to_string(100 + number)).detections;
+    return keyframe;
+}
+
+static int send_again(const std::string& url, const std::string& robot, unsigned count) {
+    revisit::Endpoint endpoint;
+    endpoint.url = url;
+    auto client = revisit::Client::open(endpoint);
+    unsigned changed = 0;
+    for (unsigned number = 0; client && number < count; ++number) {
+        const auto answer = client->put_keyframe(robot, keyframe(robot, number));
+        changed += answer && answer->is_replayed ? 0 : 1;
+    }
+    std::printf("changed %u\n", client ? changed : count);
+    return 0;
+}
+
+int main(int count, char** arguments) {
+    if (count < 3) return 2;
+    const std::string url = arguments[1], robot = arguments[2];
+    if (count > 3) return send_again(url, robot, static_cast<unsigned>(std::atoi(arguments[3])));
+    revisit::SenderOptions options;
+    options.endpoint.url = url;
+    options.map = robot;
+    options.on_outcome = [](const revisit::Outcome& outcome) {
+        if (outcome.kind != revisit::Outcome::Kind::keyframe) return;
+        std::printf("%s %s\n", outcome.ok() ? "acknowledged" : "refused", outcome.id.c_str());
+        std::fflush(stdout);
+    };
+    auto sender = revisit::Sender::open(options);
+    if (!sender) return 1;
+    std::atomic<bool> stopping{false};
+    std::thread input([&] {
+        char byte;
+        while (read(0, &byte, 1) > 0) {
+        }
+        stopping = true;
+    });
+    double longest_ms = 0, furthest_behind_s = 0;
+    unsigned put = 0;
+    auto due = Clock::now();
+    for (; !stopping; ++put) {
+        auto made = keyframe(robot, put);
+        const auto begun = Clock::now();
+        (void)(*sender)->send(std::move(made));
+        longest_ms = std::max(longest_ms, std::chrono::duration<double, std::milli>(Clock::now() - begun).count());
+        furthest_behind_s = std::max(furthest_behind_s, (*sender)->stats().lag_s);
+        std::this_thread::sleep_until(due += period);
+    }
+    input.join();
+    const bool is_flushed = (*sender)->flush(latest);
+    const auto stats = (*sender)->stats();
+    std::printf("put %u sent %llu refused %llu dropped %llu retries %llu longest_ms %.3f behind_s %.1f\n", put, static_cast<unsigned long long>(stats.sent),
+                static_cast<unsigned long long>(stats.refused), static_cast<unsigned long long>(stats.dropped), static_cast<unsigned long long>(stats.retries), longest_ms, furthest_behind_s);
+    return is_flushed ? 0 : 1;
+}
