@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::Vector3;
 
 use super::anchor_pose::{AnchorPose, Verticals, anchor_poses};
-use super::look_for::{NearbySign, nearby_signs};
 use super::sighted_anchor::{SightedAnchor, pairs_by_session, sighted_anchors};
+use super::sites::{Site, Sites};
 use crate::domain::bow::Score;
 use crate::domain::channel::Channel;
 use crate::domain::ids::{AnchorSeq, KeyframeId, KeyframeSeq, SessionId, SessionSeq};
@@ -60,23 +60,6 @@ impl LocateQuestion {
         let asked = self.keyframes.get(keyframe)?;
         Some(self.reference_from_session(keyframe)?.after(&asked.keyframe.map_from_camera))
     }
-}
-
-/// A keyframe of the map that stands for a place.
-#[derive(Clone, Debug)]
-pub struct Site {
-    /// The keyframe.
-    pub keyframe: KeyframeSeq,
-    /// Its name.
-    pub id: KeyframeId,
-    /// Its session.
-    pub session: SessionSeq,
-    /// The session's name.
-    pub session_id: SessionId,
-    /// Its pose in its session's frame, in metres.
-    pub map_from_camera: Pose,
-    /// The signs near it that bear an identifier and hang in one place only, nearest first.
-    pub signs: Vec<NearbySign>,
 }
 
 /// A candidate of one keyframe.
@@ -159,7 +142,7 @@ pub fn search_map(index: &MapIndex, version: u64, question: &LocateQuestion) -> 
             Query::unplaced(index, &asked.keyframe).with_roles(question.roles).without(left_out.clone())
         })
         .collect();
-    let mut sites = Sites { index, found: Vec::new(), by_keyframe: BTreeMap::new() };
+    let mut sites = Sites::new(index);
     let (mut screenings, mut proposed) = (Vec::new(), Vec::new());
     for query in &queries {
         let (screening, of_query) = propose(index, version, question, query, &mut sites);
@@ -408,52 +391,4 @@ fn nearest(index: &MapIndex, keyframes: &[KeyframeSeq], point: &Point3) -> Optio
         apart(&a.map_from_camera).total_cmp(&apart(&b.map_from_camera)).then_with(|| a.id.cmp(&b.id))
     });
     nearest.map(|keyframe| keyframe.seq)
-}
-
-/// The sites of a search, each keyframe once.
-struct Sites<'a> {
-    index: &'a MapIndex,
-    found: Vec<Site>,
-    by_keyframe: BTreeMap<KeyframeSeq, usize>,
-}
-
-impl Sites<'_> {
-    fn of(&mut self, keyframe: KeyframeSeq, counts: &mut PlaceCounts) -> Option<usize> {
-        if let Some(known) = self.by_keyframe.get(&keyframe) {
-            return Some(*known);
-        }
-        let stored = self.index.keyframe(keyframe)?;
-        self.found.push(Site {
-            keyframe,
-            id: stored.id.clone(),
-            session: stored.session,
-            session_id: self.index.sessions()[stored.session.index()].clone(),
-            map_from_camera: stored.map_from_camera,
-            signs: nearby_signs(self.index, keyframe, counts),
-        });
-        self.by_keyframe.insert(keyframe, self.found.len() - 1);
-        Some(self.found.len() - 1)
-    }
-
-    /// Returns the pairs of sites that show one place: covisible, or with a common covisible keyframe, or near each other in
-    /// one session's frame.
-    fn beside(&self) -> BTreeSet<(usize, usize)> {
-        let around: Vec<BTreeSet<KeyframeSeq>> = (self.found.iter())
-            .map(|site| self.index.covisibility().with_itself(site.keyframe).collect())
-            .collect();
-        let radius_m = self.index.properties().settings.distinctive_place_radius_m;
-        let are_near = |a: &Site, b: &Site| {
-            let apart_m = (a.map_from_camera.centre() - b.map_from_camera.centre()).norm();
-            a.session == b.session && apart_m <= radius_m
-        };
-        let mut beside = BTreeSet::new();
-        for a in 0..self.found.len() {
-            for b in a + 1..self.found.len() {
-                if are_near(&self.found[a], &self.found[b]) || !around[a].is_disjoint(&around[b]) {
-                    beside.insert((a, b));
-                }
-            }
-        }
-        beside
-    }
 }

@@ -6,6 +6,7 @@
 //! | step | file |
 //! |---|---|
 //! | candidates of one map, with checks 2 and 3 | [`map_search`] |
+//! | the keyframes that stand for places | [`sites`] |
 //! | poses from anchors alone, whatever the words say | [`anchor_pose`], [`sighted_anchor`] |
 //! | the few candidates of all maps that geometry looks at | [`selection`] |
 //! | geometry, and how much of the view it explains | [`views`], [`explained_cells`] |
@@ -27,6 +28,7 @@ pub mod places;
 pub mod pose;
 pub mod selection;
 pub mod sighted_anchor;
+pub mod sites;
 pub mod views;
 
 pub use answer::locate;
