@@ -6,7 +6,7 @@ use std::sync::Arc;
 use tokio::task::spawn_blocking;
 use tokio::time::Instant;
 
-use super::locate_maps::search_at;
+use super::locate_maps::{AskedMap, search_at};
 use super::queries::{Timings, milliseconds_since, timed};
 use crate::config::logging::in_part;
 use crate::domain::ids::{KeyframeSeq, MapId, SessionSeq};
@@ -20,17 +20,6 @@ use crate::recognition::locate::selection::{Chosen, LOOKED_AT, VERIFICATIONS_MAX
 use crate::recognition::locate::views::{View, look};
 use crate::recognition::loops::features::{FeatureSet, MatchableFeatures};
 use crate::recognition::loops::geometry_check::PlacedQuery;
-
-/// A map that was asked.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct AskedMap {
-    /// The map.
-    pub id: MapId,
-    /// The version that was asked.
-    pub version: u64,
-    /// Whether its words are of the keyframes' vocabulary, so that they were compared.
-    pub are_words_compared: bool,
-}
 
 /// The place of the camera, and the maps that were asked.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,7 +7,6 @@ use std::sync::Arc;
 
 use tokio::time::Instant;
 
-use super::locate::AskedMap;
 use super::queries::{Timings, timed};
 use crate::domain::bow::{BowVector, Score};
 use crate::domain::ids::MapId;
@@ -26,6 +25,17 @@ pub const LOCATE_MAPS_MAX: usize = 64;
 
 /// Map names read in one statement.
 const LISTED_AT_ONCE: usize = 200;
+
+/// A map that was asked.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AskedMap {
+    /// The map.
+    pub id: MapId,
+    /// The version that was asked.
+    pub version: u64,
+    /// Whether its words are of the keyframes' vocabulary, so that they were compared.
+    pub are_words_compared: bool,
+}
 
 /// A map of the question.
 #[derive(Debug)]
