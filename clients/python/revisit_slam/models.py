@@ -1640,6 +1640,10 @@ class Place(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Number of keyframes of this place that geometry verified."""
     keyframe: str | None = None
     """The map's keyframe that stands for the place; left out where only a plan's anchors say it."""
+    asked: int | None = None
+    """The number of the asked keyframe, from 0, that was taken near `keyframe`; left out where one
+    keyframe asks. The pose is the first one's all the same.
+    """
     map_from_camera: Transform | None = None
     """The camera's pose in the session's frame, in metres; left out where the evidence gives none."""
     plan_from_camera: Transform | None = None
@@ -2182,6 +2186,16 @@ class Uncertainty(msgspec.Struct, kw_only=True, omit_defaults=True):
 class UnplacedKeyframe(msgspec.Struct, kw_only=True, omit_defaults=True):
     """A keyframe of an unknown place. Nothing is required; what can be compared is compared."""
 
+    session: str | None = None
+    """Of the robot's own map, as are `observes` and `covisible`: accepted, so that the body of a PUT may
+    be asked about as it is, and not listened to.
+    """
+    observes: list[int] | None = None
+    """Not listened to."""
+    observes_i64: str | None = None
+    """Not listened to."""
+    covisible: list[CovisibleKeyframe] | None = None
+    """Not listened to."""
     stamp: Time | None = None
     """When it was taken."""
     pose: Transform | None = None
