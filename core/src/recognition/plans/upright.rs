@@ -11,12 +11,16 @@ use crate::geometry::Pose;
 /// nothing.
 const COS_MAX_SLANT: f64 = 0.8;
 
+/// The least length of the mean of the cameras' verticals, unit vectors each: where they cancel, they tell nothing.
+const MEAN_MIN_LENGTH: f64 = 0.1;
+
 /// Returns the direction up, along an axis of the frame in which the cameras' poses are; z where they tell nothing.
 pub fn vertical(map_from_cameras: impl Iterator<Item = Pose>) -> Vector3<f64> {
     // The camera's y points down.
-    let up: Vector3<f64> = map_from_cameras.map(|pose| -(pose.isometry().rotation * Vector3::y())).sum();
+    let ups = map_from_cameras.map(|pose| -(pose.isometry().rotation * Vector3::y()));
+    let (count, up) = ups.fold((0_u32, Vector3::zeros()), |(count, sum), up| (count + 1, sum + up));
     let (axis, length) = (up.iamax(), up.norm());
-    if length > f64::EPSILON && up[axis].abs() >= COS_MAX_SLANT * length {
+    if length > MEAN_MIN_LENGTH * f64::from(count) && up[axis].abs() >= COS_MAX_SLANT * length {
         let mut vertical = Vector3::zeros();
         vertical[axis] = up[axis].signum();
         vertical
