@@ -19,12 +19,14 @@ static void* allocate(std::size_t size) {
     throw std::bad_alloc();
 }
 
-void* operator new(std::size_t size) { return allocate(size); }
-void* operator new[](std::size_t size) { return allocate(size); }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+// Inlined, gcc takes the pair for a mismatched one.
+#define NEVER_INLINED __attribute__((noinline))
+NEVER_INLINED void* operator new(std::size_t size) { return allocate(size); }
+NEVER_INLINED void* operator new[](std::size_t size) { return allocate(size); }
+NEVER_INLINED void operator delete(void* memory) noexcept { std::free(memory); }
+NEVER_INLINED void operator delete[](void* memory) noexcept { std::free(memory); }
+NEVER_INLINED void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+NEVER_INLINED void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
 
 using namespace revisit;
 
