@@ -19,7 +19,9 @@ pub(in crate::recognition) const FITS_FROM_LOG_ODDS: f64 = 0.0;
 /// one may explain as many of this view. Pure: the same arguments give the same answer, to the bit.
 pub fn locate(searches: &[MapSearch], views: &[View], alike_cells: usize, max: usize) -> Location {
     let mut joined = join(searches, views);
-    joined.iter_mut().for_each(|place| place.set_unmapped_rival(alike_cells));
+    for place in &mut joined {
+        place.set_unmapped_rival(alike_cells);
+    }
     let confidences: Vec<f64> = (0..joined.len()).map(|at| evidence(&joined, at).confidence()).collect();
     let confidence = confidences.first().copied().unwrap_or(0.0);
     let verdict = verdict(&joined, confidence);
