@@ -194,10 +194,11 @@ class Stuck:
     """A client whose server never answers."""
 
     def __init__(self) -> None:
-        self.released = threading.Event()
+        self.asked, self.released = threading.Event(), threading.Event()
 
     def __getattr__(self, _: str) -> Callable[..., Any]:
         def call(*_: Any, **__: Any) -> Any:
+            self.asked.set()
             self.released.wait()
             raise OSError("no answer")
 
@@ -209,6 +210,8 @@ def test_a_server_that_never_answers_holds_no_callback_up(drive: World) -> None:
     stuck, messages = Stuck(), Messages()
     bridge = Bridge(stuck, "m")  # type: ignore[arg-type]
     rtabmap = RtabmapBridge(bridge, "robot")
+    rtabmap.on_map_data(messages.map_data(drive, 1))
+    assert stuck.asked.wait(30), "its thread waits for the server"
     for number in range(1000):
         message = messages.make("rtabmap_msgs/msg/Info", ref_id=number + 2, loop_closure_id=1)
         rtabmap.on_info(message)
