@@ -29,7 +29,7 @@ impl Service {
 
 /// Refuses a keyframe whose words belong to another vocabulary than the map's.
 pub(super) fn check_vocabulary(index: &MapIndex, keyframe: &NewKeyframe) -> Result<(), ServiceError> {
-    let Some(ours) = other_vocabulary(index, keyframe) else { return Ok(()) };
+    let Some(ours) = other_vocabulary(index.vocabulary(), keyframe) else { return Ok(()) };
     let theirs = keyframe.vocabulary.as_deref().unwrap_or_default();
     let detail = format!(
         "the words of this map belong to vocabulary {ours}, those of the keyframe to {theirs}; one number would mean \

@@ -8,6 +8,9 @@ use crate::support::{Answer, Server};
 /// Keyframes of a map, each of a place of its own: more than a map has candidates.
 const KEYFRAMES: u32 = 24;
 
+/// A budget in which no map has room.
+const NO_MEMORY: u64 = 1;
+
 /// The maps, and how many of the ten words of the question each of their keyframes has. Three maps have as many candidates as
 /// are ranked at all.
 const MAPS: [(&str, u32); 7] = [("a", 1), ("b", 5), ("c", 5), ("d", 0), ("e", 6), ("f", 2), ("signs", 0)];
@@ -49,12 +52,15 @@ async fn maps_on_disk_give_the_answer_of_maps_in_memory_and_few_are_loaded() {
     signed["keyframe"]["detections"] = json!([{"class": "door_number", "confidence": 0.9, "box": [0, 0, 10, 10], "text": "905", "position": [0, 0, 2]}]);
     let mut hinted = question();
     hinted["hint"] = json!({"map": "f"});
+    let mut near = question();
+    near["hint"] = json!({"map": "f", "position": [100, 0, 0]});
     let mut foreign = question();
     foreign["keyframe"]["bow"]["vocabulary"] = json!("another");
     let mut unlike = question();
     unlike["keyframe"]["bow"]["words"] = json!((9000..9010).collect::<Vec<u32>>());
-    // The maps that have to be loaded: those of the best words, those with signs, the hinted one.
-    let cases = [(question(), 3), (signed, 4), (hinted, 4), (foreign, 0), (unlike, 0)];
+    // The maps that have to be loaded: those of the best words, those with signs, the hinted one; and all where a position is
+    // hinted, which ranks the keyframes of each.
+    let cases = [(question(), 3), (signed, 4), (hinted, 4), (near, 7), (foreign, 0), (unlike, 0)];
     let mut before = Vec::new();
     for (question, _) in &cases {
         before.push(ask(&server, question).await);
@@ -63,10 +69,13 @@ async fn maps_on_disk_give_the_answer_of_maps_in_memory_and_few_are_loaded() {
     server.stop().await;
 
     for ((question, loads), before) in cases.iter().zip(before) {
-        let server = Server::with_map_memory(folder.path(), u64::MAX).await;
-        assert_eq!(ask(&server, question).await, before);
-        assert_eq!(server.figure("revisit_map_loads").await, *loads, "{question}");
-        server.stop().await;
+        // Without room each map that is not needed stays on disk; with room each is loaded, for the next question.
+        for (bytes, loads) in [(NO_MEMORY, *loads), (u64::MAX, MAPS.len() as u64)] {
+            let server = Server::with_map_memory(folder.path(), bytes).await;
+            assert_eq!(ask(&server, question).await, before);
+            assert_eq!(server.figure("revisit_map_loads").await, loads, "{question}");
+            server.stop().await;
+        }
     }
 }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use tokio::task::spawn_blocking;
 use tokio::time::Instant;
 
-use super::locate_maps::{AskedMap, search_at};
+use super::locate_maps::{AskedMap, MapOfQuestion, search_at};
 use super::queries::{Timings, milliseconds_since, timed};
 use crate::config::logging::in_part;
 use crate::domain::ids::{KeyframeSeq, MapId, SessionSeq};
@@ -57,10 +57,8 @@ impl Service {
         });
         let mut timings = Timings::default();
         let hinted = request.hint.map.as_ref();
-        let found = self.search_maps(ids, &question, hinted, &mut timings).await?;
-        let hinted_map = hinted.and_then(|hinted| found.iter().position(|map| map.asked.id == *hinted));
-        let (mut maps, mut searches): (Vec<SearchedMap>, Vec<MapSearch>) =
-            found.into_iter().map(|map| ((map.asked, map.live), map.search)).unzip();
+        let (mut maps, mut searches) = self.search_maps(ids, &question, hinted, &mut timings).await?;
+        let hinted_map = hinted.and_then(|hinted| maps.iter().position(|map| map.asked.id == *hinted));
         let mut chosen = select(&searches, hinted_map);
         if self.take_snapshots(&mut maps, &mut searches, &chosen, &question, &mut timings).await? {
             chosen = select(&searches, hinted_map);
@@ -78,15 +76,15 @@ impl Service {
         let decide = move || {
             timed(|| {
                 let mut views: Vec<View> = Vec::new();
-                for upto in LOOKED_AT {
+                let found = LOOKED_AT.into_iter().find_map(|upto| {
                     let next = &chosen[views.len()..chosen.len().min(upto)];
                     views.extend(look_at(&question, &searches, next, &own, &stored));
                     let location = locate(&searches, &views, 0, max);
-                    if location.verdict == LocationVerdict::Located {
-                        return (location, searches, views);
-                    }
-                }
-                (locate(&searches, &views, 0, max), searches, views)
+                    let is_over = location.verdict == LocationVerdict::Located || views.len() == chosen.len();
+                    is_over.then_some(location)
+                });
+                let location = found.unwrap_or_else(|| locate(&searches, &views, 0, max));
+                (location, searches, views)
             })
         };
         let ((mut location, searches, views), took_ms) =
@@ -94,18 +92,18 @@ impl Service {
         timings.note(started, took_ms, |timings| &mut timings.geometry_ms);
         drop(permit);
         if let Some((map, session)) = rests_on_views(&location, &searches)
-            && let (_, Some(home)) = &maps[map]
+            && let Some(home) = &maps[map].live
         {
             let started = Instant::now();
-            let pairs = VERIFICATIONS_MAX - views.len().min(VERIFICATIONS_MAX);
+            let pairs = VERIFICATIONS_MAX.saturating_sub(views.len());
             let looked_at = views.iter().map(|view| view.chosen.map);
             let rivals: Vec<&Arc<LiveMap>> =
-                first_others(looked_at, map).filter_map(|rival| maps[rival].1.as_ref()).collect();
+                first_others(looked_at, map).filter_map(|rival| maps[rival].live.as_ref()).collect();
             let alike_cells = self.alike_cells((home, session), &rivals, pairs, seed).await?;
             location = locate(&searches, &views, alike_cells, max);
             timings.geometry_ms += milliseconds_since(started);
         }
-        let maps = maps.into_iter().map(|(asked, _)| asked).collect();
+        let maps = maps.into_iter().map(|map| map.asked).collect();
         Ok(LocateAnswer { maps, keyframes: asking, location, timings })
     }
 
@@ -113,7 +111,7 @@ impl Service {
     /// geometry needs of its own best candidates, and then it returns true: the choice may be another one.
     async fn take_snapshots(
         &self,
-        maps: &mut [SearchedMap],
+        maps: &mut [MapOfQuestion],
         searches: &mut [MapSearch],
         chosen: &[Chosen],
         question: &Arc<LocateQuestion>,
@@ -121,11 +119,12 @@ impl Service {
     ) -> Result<bool, ServiceError> {
         let mut is_any_new = false;
         for map in chosen.iter().map(|one| one.map).collect::<BTreeSet<usize>>() {
-            let (AskedMap { are_words_compared: is_compared, .. }, Some(live)) = &maps[map] else { continue };
-            let of_map = chosen.iter().filter(|one| one.map == map).map(|one| (one.asked, one.candidate));
-            let mut wanted: Vec<(usize, usize)> = of_map.collect();
+            let MapOfQuestion { asked: of_map, live: Some(live) } = &maps[map] else { continue };
+            let is_compared = of_map.are_words_compared;
+            let wanted = chosen.iter().filter(|one| one.map == map).map(|one| (one.asked, one.candidate));
+            let mut wanted: Vec<(usize, usize)> = wanted.collect();
             let keyframes = searches[map].keyframes_of(&wanted);
-            let (asked, is_compared, version) = (question.clone(), *is_compared, searches[map].version);
+            let (asked, version) = (question.clone(), searches[map].version);
             let started = Instant::now();
             let taken = self.read(live, move |state| {
                 Ok(timed(|| {
@@ -142,7 +141,7 @@ impl Service {
             timings.note(started, took_ms, |timings| &mut timings.screen_ms);
             if let Some((search, best)) = anew {
                 (searches[map], wanted) = (search, best);
-                maps[map].0.version = version;
+                maps[map].asked.version = version;
                 is_any_new = true;
             }
             searches[map].set_snapshots(&wanted, taken);
@@ -167,7 +166,7 @@ impl Service {
     /// Reads the features of the chosen candidates, and of those whose points join the guided search.
     async fn features_of(
         &self,
-        maps: &[SearchedMap],
+        maps: &[MapOfQuestion],
         searches: &[MapSearch],
         chosen: &[Chosen],
     ) -> Result<BTreeMap<usize, FeatureSet>, ServiceError> {
@@ -181,15 +180,12 @@ impl Service {
         }
         let mut read = BTreeMap::new();
         for (map, keyframes) in wanted {
-            let Some(live) = &maps[map].1 else { continue };
+            let Some(live) = &maps[map].live else { continue };
             read.insert(map, self.features.read(&self.store, live.key, keyframes).await?);
         }
         Ok(read)
     }
 }
-
-/// A map that was asked; not in memory where its words showed that it has no candidate which would be chosen.
-pub(super) type SearchedMap = (AskedMap, Option<Arc<LiveMap>>);
 
 /// Returns the map and the session of the place that is located, if nothing but views speaks for it.
 fn rests_on_views(location: &Location, searches: &[MapSearch]) -> Option<(usize, SessionSeq)> {

@@ -1,21 +1,24 @@
-//! The maps of a question "where am I?": those in memory are searched; of the others, their words are read first, and only
-//! those are loaded that have a candidate which might be chosen.
+//! The maps of a question "where am I?": those in memory are searched, and those that there is room for are loaded. Of the
+//! others the words are read, and only those are loaded that have a candidate which might be chosen.
 
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use tokio::runtime::Handle;
+use tokio::task::spawn_blocking;
 use tokio::time::Instant;
 
 use super::queries::{Timings, timed};
+use crate::config::logging::in_part;
 use crate::domain::bow::{BowVector, Score};
 use crate::domain::ids::MapId;
 use crate::domain::invalid::FieldError;
 use crate::domain::key::MapPattern;
 use crate::domain::keyframe::Detection;
-use crate::engine::bow::check_vocabulary;
 use crate::engine::maps::live::{LiveMap, State};
 use crate::engine::{Service, ServiceError};
+use crate::recognition::anchors::ingest::other_vocabulary;
 use crate::recognition::locate::map_search::{LocateQuestion, MapSearch, search_map};
 use crate::recognition::locate::selection::score_to_reach;
 use crate::store::MapOutline;
@@ -40,20 +43,16 @@ pub struct AskedMap {
 /// A map of the question.
 #[derive(Debug)]
 pub(super) struct MapOfQuestion {
-    /// What the answer says of it.
+    /// Its part of the answer.
     pub asked: AskedMap,
     /// The map in memory, where it was searched. It stays there until the question is answered.
     pub live: Option<Arc<LiveMap>>,
-    /// Its findings.
-    pub search: MapSearch,
 }
 
-/// A map that is not in memory, and what its words say.
+/// A map that is not in memory, and the finding of its words.
 struct Unloaded {
-    id: MapId,
-    version: u64,
-    are_words_compared: bool,
-    /// The best score of its keyframes; `None` where only a search can tell.
+    asked: AskedMap,
+    /// The best score of its keyframes; `None` where it is to be loaded.
     best: Option<Score>,
 }
 
@@ -106,74 +105,77 @@ impl Service {
         question: &Arc<LocateQuestion>,
         hinted_map: Option<&MapId>,
         timings: &mut Timings,
-    ) -> Result<Vec<MapOfQuestion>, ServiceError> {
-        let (mut found, mut unloaded) = (Vec::new(), Vec::new());
+    ) -> Result<(Vec<MapOfQuestion>, Vec<MapSearch>), ServiceError> {
+        let (mut found, mut unloaded, mut promised_bytes) = (Vec::new(), Vec::new(), 0);
         for id in ids {
             if self.registry.in_memory_now(&id).is_some() {
                 found.extend(self.search(&id, question, timings).await?);
             } else {
-                unloaded.extend(self.read_words(id, question, hinted_map).await?);
+                let is_hinted = question.hint.is_some() || hinted_map == Some(&id);
+                let read = self.read_words(id, question, is_hinted, &mut promised_bytes, timings);
+                unloaded.extend(read.await?);
             }
         }
         // The most promising first: they show of the most others that these need not be loaded.
         unloaded.sort_by_key(|map| Reverse(map.best.map_or(u32::MAX, Score::units)));
-        for map in unloaded {
-            let is_passed_over = map.best.is_some_and(|best| {
-                let to_reach = score_to_reach(found.iter().map(|of: &MapOfQuestion| &of.search));
+        for Unloaded { asked, best } in unloaded {
+            let is_passed_over = best.is_some_and(|best| {
+                let to_reach = score_to_reach(found.iter().map(|(_, search)| search));
                 best.units() == 0 || to_reach.is_some_and(|to_reach| best.value() < to_reach)
             });
             if is_passed_over {
-                let Unloaded { id, version, are_words_compared, .. } = map;
-                let is_without_words = !are_words_compared || is_without_words(question);
-                let search = MapSearch::passed_over(version, is_without_words);
-                found.push(MapOfQuestion {
-                    asked: AskedMap { id, version, are_words_compared },
-                    live: None,
-                    search,
-                });
+                let is_without_words = !asked.are_words_compared || question.is_without_words();
+                let search = MapSearch::passed_over(asked.version, is_without_words);
+                found.push((MapOfQuestion { asked, live: None }, search));
             } else {
-                found.extend(self.search(&map.id, question, timings).await?);
+                found.extend(self.search(&asked.id, question, timings).await?);
             }
         }
-        found.sort_by(|a, b| a.asked.id.cmp(&b.asked.id));
-        Ok(found)
+        found.sort_by(|(a, _), (b, _)| a.asked.id.cmp(&b.asked.id));
+        Ok(found.into_iter().unzip())
     }
 
-    /// Reads the words of a map that is not in memory; none if it was deleted meanwhile.
+    /// Reads the words of a map that is not in memory, unless there is room for it or they do not decide; none if it was deleted
+    /// meanwhile. `promised_bytes` is the room that is already promised to other maps.
     async fn read_words(
         &self,
         id: MapId,
-        question: &LocateQuestion,
-        hinted_map: Option<&MapId>,
+        question: &Arc<LocateQuestion>,
+        is_hinted: bool,
+        promised_bytes: &mut u64,
+        timings: &mut Timings,
     ) -> Result<Option<Unloaded>, ServiceError> {
-        let vectors: Vec<BowVector> =
-            question.keyframes.iter().map(|asked| asked.keyframe.bow.clone()).collect();
-        let are_words_compared = |outline: &MapOutline| {
-            question.keyframes.iter().all(|asked| {
-                let theirs = asked.keyframe.vocabulary.as_deref().filter(|_| !asked.keyframe.bow.is_empty());
-                theirs.zip(outline.vocabulary.as_deref()).is_none_or(|(theirs, ours)| theirs == ours)
-            })
-        };
-        // Signs, global descriptors and a hint have rankings of their own.
-        let do_words_decide = |outline: &MapOutline| {
-            let is_hinted = match hinted_map {
-                Some(hinted) => *hinted == id,
-                None => question.hint.is_some(),
+        let started = Instant::now();
+        let permit = self.reads.enter().await?;
+        let (store, registry, handle) = (self.store.clone(), self.registry.clone(), Handle::current());
+        let (asked, promised) = (question.clone(), *promised_bytes);
+        let reading = move || {
+            let is_room = |outline: &MapOutline| {
+                registry.memory.excess(promised.saturating_add(outline.memory_bytes)) == 0
             };
-            let keyframes = || question.keyframes.iter().map(|asked| &asked.keyframe);
-            let are_signs_asked =
-                outline.has_anchors && keyframes().flat_map(|one| &one.detections).any(has_text);
-            let is_global_asked =
-                outline.has_globals && keyframes().any(|one| one.global_descriptor.is_some());
-            !is_hinted && !are_signs_asked && !is_global_asked
+            let vectors: Vec<&BowVector> = asked.keyframes.iter().map(|one| &one.keyframe.bow).collect();
+            let is_wanted =
+                |outline: &MapOutline| !is_hinted && do_words_decide(&asked, outline) && !is_room(outline);
+            let does_score = |outline: &MapOutline| is_wanted(outline) && are_words_compared(&asked, outline);
+            let (read, took_ms) = timed(|| handle.block_on(store.best_score(&id, &vectors, does_score)));
+            let read = read?.map(|(outline, best)| {
+                let best = is_wanted(&outline).then_some(best);
+                let promised = if best.is_none() { outline.memory_bytes } else { 0 };
+                let are_words_compared = are_words_compared(&asked, &outline);
+                (
+                    Unloaded { asked: AskedMap { id, version: outline.version, are_words_compared }, best },
+                    promised,
+                )
+            });
+            Ok::<_, ServiceError>((read, took_ms))
         };
-        let is_wanted = |outline: &MapOutline| do_words_decide(outline) && are_words_compared(outline);
-        let read = self.store.best_score(&id, &vectors, is_wanted).await?;
-        Ok(read.map(|(outline, best)| Unloaded {
-            version: outline.version,
-            are_words_compared: are_words_compared(&outline),
-            best: do_words_decide(&outline).then_some(best),
-            id: id.clone(),
+        let (read, took_ms) =
+            spawn_blocking(in_part("prefilter", reading)).await.map_err(ServiceError::panicked)??;
+        drop(permit);
+        timings.note(started, took_ms, |timings| &mut timings.screen_ms);
+        Ok(read.map(|(map, promised)| {
+            *promised_bytes += promised;
+            map
         }))
     }
 
@@ -183,7 +185,7 @@ impl Service {
         id: &MapId,
         question: &Arc<LocateQuestion>,
         timings: &mut Timings,
-    ) -> Result<Option<MapOfQuestion>, ServiceError> {
+    ) -> Result<Option<(MapOfQuestion, MapSearch)>, ServiceError> {
         let started = Instant::now();
         let live = match self.live(id).await {
             Err(ServiceError::NotFound(_)) => return Ok(None),
@@ -192,8 +194,9 @@ impl Service {
         let asked = question.clone();
         let searched = self.read(&live, move |state| {
             let (searched, took_ms) = timed(|| {
+                let of_map = state.index.vocabulary();
                 let are_words_compared =
-                    asked.keyframes.iter().all(|one| check_vocabulary(&state.index, &one.keyframe).is_ok());
+                    asked.keyframes.iter().all(|one| other_vocabulary(of_map, &one.keyframe).is_none());
                 (search_at(state, &asked, are_words_compared), are_words_compared)
             });
             Ok((searched, took_ms))
@@ -204,7 +207,7 @@ impl Service {
         };
         timings.note(started, took_ms, |timings| &mut timings.screen_ms);
         let asked = AskedMap { id: id.clone(), version, are_words_compared };
-        Ok(Some(MapOfQuestion { asked, live: Some(live), search }))
+        Ok(Some((MapOfQuestion { asked, live: Some(live) }, search)))
     }
 }
 
@@ -212,8 +215,17 @@ fn has_text(detection: &Detection) -> bool {
     detection.text.is_some() || detection.description.is_some()
 }
 
-fn is_without_words(question: &LocateQuestion) -> bool {
-    question.keyframes.iter().all(|asked| asked.keyframe.bow.is_empty())
+/// Whether nothing but words can propose a candidate: signs and global descriptors have rankings of their own.
+fn do_words_decide(question: &LocateQuestion, map: &MapOutline) -> bool {
+    let keyframes = || question.keyframes.iter().map(|asked| &asked.keyframe);
+    let are_signs_asked = map.has_anchors && keyframes().flat_map(|one| &one.detections).any(has_text);
+    let is_global_asked = map.has_globals && keyframes().any(|one| one.global_descriptor.is_some());
+    !are_signs_asked && !is_global_asked
+}
+
+fn are_words_compared(question: &LocateQuestion, map: &MapOutline) -> bool {
+    let of_map = map.vocabulary.as_deref();
+    question.keyframes.iter().all(|asked| other_vocabulary(of_map, &asked.keyframe).is_none())
 }
 
 /// Searches a map as it stands.

@@ -12,11 +12,10 @@ use crate::store::{Store, StoreError};
 /// Rows read at a time.
 const CHUNK: i64 = 256;
 
-/// What a map holds besides words.
+/// The facts of a map that decide whether its words are to be read.
 #[derive(Clone, Debug)]
 pub struct MapOutline {
-    /// Its number.
-    pub key: MapKey,
+    key: MapKey,
     /// Its version.
     pub version: u64,
     /// The vocabulary of its words, once it has any.
@@ -25,15 +24,17 @@ pub struct MapOutline {
     pub has_anchors: bool,
     /// Whether a keyframe has a global descriptor.
     pub has_globals: bool,
+    /// What its index took in memory when it was last written to, in bytes.
+    pub memory_bytes: u64,
 }
 
 impl Store {
-    /// Returns what a map holds besides words, and the best score of these vectors against its keyframes, both of one version.
-    /// Where `is_wanted` says no, nothing is scored. Returns `None` if there is no such map.
+    /// Returns a map's outline, and the best score of these vectors against its keyframes, both of one version. Nothing is
+    /// scored where `is_wanted` says no. Returns `None` if there is no such map.
     pub async fn best_score(
         &self,
         id: &MapId,
-        vectors: &[BowVector],
+        vectors: &[&BowVector],
         is_wanted: impl Fn(&MapOutline) -> bool,
     ) -> Result<Option<(MapOutline, Score)>, StoreError> {
         let mut db = self.snapshot().await?;
@@ -48,7 +49,7 @@ impl Store {
 }
 
 async fn outline(db: &mut Db, id: &MapId) -> Result<Option<MapOutline>, StoreError> {
-    let select = "select map_key, version, vocabulary, \
+    let select = "select map_key, version, vocabulary, memory_bytes, \
          exists (select 1 from anchors where anchors.map_key = maps.map_key) as has_anchors, \
          exists (select 1 from keyframes where keyframes.map_key = maps.map_key and global_model is not null) as has_globals \
          from maps where id = $1 and deleted = 0";
@@ -60,10 +61,11 @@ async fn outline(db: &mut Db, id: &MapId) -> Result<Option<MapOutline>, StoreErr
         vocabulary: row.try_get("vocabulary")?,
         has_anchors: row.try_get("has_anchors")?,
         has_globals: row.try_get("has_globals")?,
+        memory_bytes: row.try_get::<i64, _>("memory_bytes")?.unsigned_abs(),
     }))
 }
 
-async fn best_score(db: &mut Db, map: MapKey, vectors: &[BowVector]) -> Result<Score, StoreError> {
+async fn best_score(db: &mut Db, map: MapKey, vectors: &[&BowVector]) -> Result<Score, StoreError> {
     let select = "select keyframe, bow_words, bow_weights, packing from keyframes \
          where map_key = $1 and keyframe > $2 order by keyframe limit $3";
     let (mut best, mut last) = (Score::default(), -1_i64);

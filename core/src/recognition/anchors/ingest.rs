@@ -46,9 +46,9 @@ pub fn unknown_covisible<'k>(
 
 /// Returns the vocabulary that the map's words belong to, if the keyframe's belong to another: the same number would
 /// mean two things, and every score would be noise.
-pub fn other_vocabulary<'a>(index: &'a MapIndex, keyframe: &NewKeyframe) -> Option<&'a str> {
+pub fn other_vocabulary<'a>(of_map: Option<&'a str>, keyframe: &NewKeyframe) -> Option<&'a str> {
     let theirs = keyframe.vocabulary.as_deref().filter(|_| !keyframe.bow.is_empty())?;
-    index.vocabulary().filter(|ours| *ours != theirs)
+    of_map.filter(|ours| *ours != theirs)
 }
 
 /// Takes a checked keyframe into the map.

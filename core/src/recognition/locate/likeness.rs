@@ -21,7 +21,7 @@ pub(in crate::recognition) const RIVAL_MAPS_MAX: usize = 4;
 /// Cells of a probe's view that must be explained elsewhere to count: as many as locate a place. Walls and lamps explain fewer
 /// anywhere.
 pub(in crate::recognition) const ALIKE_FROM_CELLS: usize = 40;
-/// How many times the cells of the best probe a place that no robot has mapped may explain of a single view: a probe's view and
+/// A place that no robot has mapped may explain so many times the cells of the best probe of a single view: a probe's view and
 /// the one that is found elsewhere are not taken from one spot. Of a drive, several views would have to agree by chance.
 pub(in crate::recognition) const SINGLE_VIEW_FACTOR: f64 = 1.3;
 

@@ -47,6 +47,11 @@ pub struct LocateQuestion {
 }
 
 impl LocateQuestion {
+    /// Whether no keyframe has words.
+    pub fn is_without_words(&self) -> bool {
+        self.keyframes.iter().all(|asked| asked.keyframe.bow.is_empty())
+    }
+
     /// Returns the transformation from a keyframe's own frame to the first keyframe's camera frame; none where their
     /// clients told no poses, so that nothing ties the two together.
     pub fn reference_from_session(&self, keyframe: usize) -> Option<Pose> {
@@ -168,7 +173,7 @@ pub fn search_map(index: &MapIndex, version: u64, question: &LocateQuestion) -> 
         Some((session, InPlan { frame, frame_id: name(frame), plan_from_session }))
     };
     let plans = sessions.into_iter().filter_map(in_plan).collect();
-    let is_without_words = question.keyframes.iter().all(|asked| asked.keyframe.bow.is_empty());
+    let is_without_words = question.is_without_words();
     MapSearch {
         version,
         is_without_words,
