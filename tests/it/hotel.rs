@@ -12,7 +12,7 @@ use revisit::hotel::building::world::{World, WorldPlan};
 use revisit::hotel::method::Method;
 use revisit::hotel::restart::asking::{ask, map_floors};
 use revisit::hotel::restart::score::RestartScore;
-use revisit::hotel::restart::world::RestartWorld;
+use revisit::hotel::restart::world::{KEYFRAMES_OF_A_RESTART, RestartWorld};
 use revisit::hotel::rng::SeededRng;
 use revisit::hotel::route::tour;
 use revisit::hotel::run::{Course, RunResult, WordsAlone, absolute_pose_error_m, drive, odometry};
@@ -130,7 +130,7 @@ async fn a_robot_that_wakes_up_on_one_of_three_floors_alike_is_told_no_wrong_flo
     Patterns::new().vocabulary().unwrap().write_binary(std::fs::File::create(&vocabulary).unwrap()).unwrap();
     let server = Server::with_vocabulary(vocabulary).await;
     let client = Client::new(&server.url("")).unwrap();
-    let world = RestartWorld::new(SEED, &Patterns::new());
+    let world = RestartWorld::new(SEED, KEYFRAMES_OF_A_RESTART, &Patterns::new());
     map_floors(&client, SEED, &world).await.unwrap();
     let mut score = RestartScore::default();
     for restart in &world.restarts {

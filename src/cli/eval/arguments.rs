@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, Subcommand, ValueEnum};
 
+use crate::domain::location::ASKED_KEYFRAMES_MAX;
 use crate::hotel::method::Method;
+use crate::hotel::restart::world::KEYFRAMES_OF_A_RESTART;
 use crate::hotel::scoring::paper::{PrintedSequence, SEQUENCES};
 use crate::hotel::sensing::noise::NoiseKind;
 
@@ -62,7 +64,7 @@ pub(super) enum Experiment {
 ///
 /// LOCATE. --locate maps three identical-looking floors of hotel v2, each with one robot and as a map of its own. Another
 /// robot then wakes up at random places of its own tour, half of whose rooms are those of the map, drives on for twelve
-/// keyframes, and asks POST /v1/locate where the first one was. An answer is right on the right floor, and in the right room or within 3 m.
+/// keyframes (--restart-keyframes), and asks POST /v1/locate where the first one was. An answer is right on the right floor, and in the right room or within 3 m.
 /// Restarts where no robot stood before are counted apart.
 #[derive(Args, Clone, Debug)]
 #[command(group(ArgGroup::new("random").args(["worlds", "world"]).multiple(true)))]
@@ -80,6 +82,9 @@ pub(super) struct HotelArgs {
     /// map of each floor. --worlds says how many worlds; default 1
     #[arg(long, conflicts_with_all = ["sequences", "world", "record", "noise", "hotel", "resume"])]
     pub(super) locate: bool,
+    /// With --locate: number of keyframes of a restart
+    #[arg(long, value_name = "N", requires = "locate", default_value_t = KEYFRAMES_OF_A_RESTART, value_parser = clap::value_parser!(u16).range(1..=ASKED_KEYFRAMES_MAX as i64))]
+    pub(super) restart_keyframes: u16,
     /// none, reader, missed, repeated, wording, fleet, mixed or renumbered (eight rounds, between which door numbers
     /// change); all, the default, is reader to mixed, a row each
     #[arg(long, value_name = "LEVEL", value_parser = noise_kinds)]

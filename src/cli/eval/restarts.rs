@@ -16,7 +16,9 @@ pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result
         if args.held_out { (seeds::HELD_OUT, "held-out") } else { (seeds::DEVELOPMENT, "development") };
     let mut all = RestartScore::default();
     for seed in seeds.take(count as usize) {
-        let world = tokio::task::spawn_blocking(move || RestartWorld::new(seed, &Patterns::new())).await?;
+        let keyframes = args.restart_keyframes;
+        let make = move || RestartWorld::new(seed, keyframes, &Patterns::new());
+        let world = tokio::task::spawn_blocking(make).await?;
         map_floors(client, seed, &world).await?;
         let mut score = RestartScore::default();
         for restart in &world.restarts {

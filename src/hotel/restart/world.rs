@@ -11,8 +11,8 @@ use crate::hotel::sequence::{Sequence, Step};
 
 /// Restarts on each floor of a world.
 pub const RESTARTS_PER_FLOOR: usize = 20;
-/// Keyframes of a restart: the robot does not know where it is, and drives on for some metres.
-const KEYFRAMES_OF_A_RESTART: usize = 12;
+/// Keyframes of a restart, unless another number is told: the robot does not know where it is, and drives on for some metres.
+pub const KEYFRAMES_OF_A_RESTART: u16 = 12;
 /// Rooms that the restarting robot's own tour visits, of which restarts are drawn.
 const TOUR_ROOMS: usize = 4;
 /// A restart's place is in a map if a robot stood this near to it, in metres, and faced it within this angle.
@@ -43,8 +43,9 @@ pub struct RestartWorld {
 }
 
 impl RestartWorld {
-    /// Builds the floors of a seed, records the journeys, and draws the restarts from tours of their own.
-    pub fn new(seed: u64, patterns: &Patterns) -> Self {
+    /// Builds the floors of a seed, records the journeys, and draws the restarts, of so many keyframes each, from tours of their
+    /// own.
+    pub fn new(seed: u64, keyframes: u16, patterns: &Patterns) -> Self {
         let scenario = Scenario::random(seed, NoiseKind::SecondHotel, patterns);
         let floors: Vec<_> = std::iter::once(&scenario.world).chain(&scenario.upper).collect();
         let journeys: Vec<Sequence> = scenario.course.journeys[..floors.len()].to_vec();
@@ -62,7 +63,7 @@ impl RestartWorld {
             for _ in 0..RESTARTS_PER_FLOOR {
                 let first = rng.below(tour.steps.len());
                 let steps: Vec<Step> =
-                    tour.steps.iter().skip(first).take(KEYFRAMES_OF_A_RESTART).cloned().collect();
+                    tour.steps.iter().skip(first).take(usize::from(keyframes)).cloned().collect();
                 let is_mapped =
                     journeys[storey].steps.iter().any(|mapped| shows_one_place(mapped, &steps[0]));
                 let seen = steps.iter().flat_map(|step| &step.detections);
