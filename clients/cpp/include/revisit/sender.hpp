@@ -13,72 +13,15 @@
 #include <random>
 #include <string>
 #include <thread>
-#include <unordered_set>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "client.hpp"
+#include "missing_keyframes.hpp"
+#include "sender_options.hpp"
 
 namespace revisit {
-
-/// What was sent, or could not be.
-struct Outcome {
-    enum class Kind { keyframe, question, poses, observations, merge, confirmation, revocation, removal, map };
-    Kind kind = Kind::keyframe;
-    /// The keyframe's, the loop's, or the session's id.
-    std::string id;
-    /// HTTP status, 0 where the server never answered.
-    int status = 0;
-    /// Its code is `ok` after success.
-    Error error{Code::ok};
-    Json answer;
-
-    bool ok() const noexcept { return error.code == Code::ok; }
-};
-
-struct SenderOptions {
-    Endpoint endpoint;
-    std::string map;
-    /// Makes the map with default settings if it does not exist.
-    bool makes_map = true;
-    /// Bounds of the queue. 30 keyframes a second fill it in 68 s, at 70 KB each with 150 MB.
-    std::size_t queue_items = 2048;
-    std::size_t queue_bytes = std::size_t{256} << 20;
-    /// Items and bytes of the queue that keyframes may not take, so that a full queue still takes poses and loops.
-    std::size_t reserved_items = 128;
-    std::size_t reserved_bytes = std::size_t{32} << 20;
-    /// Waits between tries: doubled from the first to the longest, half of each random.
-    int first_wait_ms = 100;
-    int longest_wait_ms = 2'000;
-    /// Tries of an item that the server answers with 500. Other failures of a server are retried without an end.
-    int tries_of_a_fault = 5;
-    /// How long the destructor goes on sending before it drops what is left.
-    int closing_ms = 2'000;
-    Precision precision;
-
-    // All in the sender's thread, except that `on_dropped` may also be in the thread of a refused call.
-    // What they throw is counted and goes no further.
-    std::function<void(const Verdict&)> on_verdict;
-    std::function<void(const Outcome&)> on_outcome;
-    /// What will never be sent: refused because the queue is full, or left when the sender closed.
-    std::function<void(const Outcome&)> on_dropped;
-};
-
-struct SenderStats {
-    std::size_t queued = 0;
-    std::size_t queued_bytes = 0;
-    std::uint64_t sent = 0;
-    /// Answered with a problem that a retry does not mend.
-    std::uint64_t refused = 0;
-    std::uint64_t dropped = 0;
-    std::uint64_t retries = 0;
-    std::uint64_t callback_faults = 0;
-    /// Age of the oldest item that is not sent.
-    double lag_s = 0;
-    /// Whether the last try found no server, or one that is overloaded.
-    bool unreachable = false;
-};
 
 /// A bounded queue before a server, emptied by one thread in the order of the calls.
 ///
@@ -228,8 +171,6 @@ private:
         std::size_t bytes = 0;
     };
 
-    // Ids of keyframes that never arrived are kept for corrections; more of them say that nothing arrives.
-    static constexpr std::size_t max_missing = 100'000;
     // A conflict: the keyframe is there, as it was sent first.
     static constexpr int stored_otherwise = 409;
     // A batch is one write of the server: large enough to catch up after an outage, small enough to be sent again.
@@ -286,20 +227,10 @@ private:
                 changed_.notify_all();
                 return Status();
             }
-            if (kind == Outcome::Kind::keyframe) note_missing(item.id);
+            if (kind == Outcome::Kind::keyframe) missing_.note(item.id);
             report_dropped(kind, item.id, refused);
             return Error(refused, refused == Code::closed ? "the sender is closed" : "the queue is full; the server is unreachable or too slow");
         });
-    }
-
-    void note_missing(const std::string& id) {
-        const std::lock_guard<std::mutex> lock(missing_mutex_);
-        if (missing_.size() < max_missing) missing_.insert(id);
-    }
-
-    bool is_missing(const std::string& id) {
-        const std::lock_guard<std::mutex> lock(missing_mutex_);
-        return missing_.count(id) != 0;
     }
 
     template <class... Arguments>
@@ -421,7 +352,7 @@ private:
             if (status == 429 || status >= 500) continue;
             auto outcome = outcome_of(status, std::move(*line));
             if (!outcome && status != stored_otherwise) {
-                (void)detail::guarded([&]() -> Status { return note_missing(current->id), Status(); });
+                (void)detail::guarded([&]() -> Status { return missing_.note(current->id), Status(); });
             }
             finish(current->kind, current->id, std::move(outcome));
             settle(flying, current);
@@ -477,7 +408,7 @@ private:
         if (!answer) return false;
         const bool is_stored = answer->ok();
         if (!is_stored && item.kind == Outcome::Kind::keyframe && answer->error().status != stored_otherwise) {
-            (void)detail::guarded([&]() -> Status { return note_missing(item.id), Status(); });
+            (void)detail::guarded([&]() -> Status { return missing_.note(item.id), Status(); });
         }
         const bool asks_next = is_stored && item.kind == Outcome::Kind::keyframe && item.question && !item.question->is_plain();
         const bool has_verdict = is_stored && item.question && !asks_next;
@@ -535,8 +466,7 @@ private:
                     if (item.question->brief) call.query.emplace_back("detail", "brief");
                 }
                 auto& keyframe = std::get<Keyframe>(item.payload);
-                auto& covisible = keyframe.covisible;
-                covisible.erase(std::remove_if(covisible.begin(), covisible.end(), [&](const Covisible& other) { return is_missing(other.keyframe); }), covisible.end());
+                missing_.leave_out_of(keyframe.covisible);
                 detail::append_keyframe(call.body, keyframe, options_.precision);
                 break;
             }
@@ -544,7 +474,7 @@ private:
             case Outcome::Kind::poses: {
                 operation = "correct_poses";
                 auto& corrections = std::get<PoseCorrections>(item.payload);
-                leave_out_missing(corrections);
+                missing_.leave_out_of(corrections);
                 is_nothing_left = corrections.keyframes.empty() && corrections.map_points.ids.empty();
                 call.body = detail::body_of(corrections, options_.precision);
                 break;
@@ -552,7 +482,7 @@ private:
             case Outcome::Kind::observations: {
                 operation = "update_observations";
                 auto& observations = std::get<Observations>(item.payload);
-                leave_out_missing(observations);
+                missing_.leave_out_of(observations);
                 is_nothing_left = observations.keyframes.empty() && observations.replaced.empty() && observations.removed.empty();
                 call.body = detail::body_of(observations);
                 break;
@@ -575,30 +505,6 @@ private:
                 call.path.emplace_back("keyframe", item.id);
                 break;
             case Outcome::Kind::map: break;
-        }
-    }
-
-    void leave_out_missing(PoseCorrections& corrections) {
-        std::size_t kept = 0;
-        for (std::size_t i = 0; i < corrections.keyframes.size(); ++i) {
-            if (is_missing(corrections.keyframes[i])) continue;
-            if (kept != i) {
-                corrections.keyframes[kept] = std::move(corrections.keyframes[i]);
-                corrections.poses[kept] = corrections.poses[i];
-            }
-            ++kept;
-        }
-        corrections.keyframes.resize(kept);
-        corrections.poses.resize(kept);
-    }
-
-    void leave_out_missing(Observations& observations) {
-        auto& keyframes = observations.keyframes;
-        keyframes.erase(std::remove_if(keyframes.begin(), keyframes.end(), [&](const KeyframeObservations& one) { return is_missing(one.keyframe); }), keyframes.end());
-        for (auto& keyframe : keyframes) {
-            if (!keyframe.covisible) continue;
-            auto& covisible = *keyframe.covisible;
-            covisible.erase(std::remove_if(covisible.begin(), covisible.end(), [&](const Covisible& other) { return is_missing(other.keyframe); }), covisible.end());
         }
     }
 
@@ -704,8 +610,7 @@ private:
     bool closing_ = false;
     std::atomic<bool> abandoned_{false};
 
-    std::mutex missing_mutex_;
-    std::unordered_set<std::string> missing_;
+    detail::MissingKeyframes missing_;
 
     std::thread thread_;
 };
