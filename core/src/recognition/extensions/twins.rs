@@ -4,7 +4,6 @@
 //! building has shown that geometry alone proves nothing in it. That is found when a keyframe arrives or a sign is
 //! described, and kept: nothing runs geometry at load.
 
-use std::collections::BTreeSet;
 use std::ops::Range;
 
 use super::distinctiveness::PlaceCounts;
@@ -18,7 +17,7 @@ use crate::recognition::loops::anchor_map::{LocalAnchor, LocalName, local_anchor
 use crate::recognition::loops::candidates::find_candidates;
 use crate::recognition::loops::centre::Centre;
 use crate::recognition::loops::evidence;
-use crate::recognition::loops::features::FeatureSet;
+use crate::recognition::loops::features::{FeatureSet, WantedFeatures};
 use crate::recognition::loops::geometry_check::{PlacedQuery, check_geometry};
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
 use crate::recognition::loops::query::Query;
@@ -109,10 +108,12 @@ impl Suspects {
     }
 
     /// Returns the keyframes whose features geometry needs for one of them, ascending; the written one is among them.
-    pub fn wanted_features(&self, at: usize) -> BTreeSet<KeyframeSeq> {
-        let snapshot = self.screening.candidates[at].snapshot.iter();
-        let window = snapshot.flat_map(|snapshot| snapshot.window.iter().copied());
-        window.chain([self.keyframe, self.screening.candidates[at].keyframe]).collect()
+    pub fn wanted_features(&self, at: usize) -> WantedFeatures {
+        let candidate = &self.screening.candidates[at];
+        let mut wanted = WantedFeatures::default();
+        wanted.add(candidate.keyframe, candidate.snapshot.as_ref());
+        wanted.add_alone(self.keyframe, self.screening.snapshot.as_ref());
+        wanted
     }
 
     /// Runs geometry on one of them. Returns the pair if it would have closed a loop by itself.
