@@ -1,6 +1,5 @@
 //! Whether the maps that a question asks show one view in several places ([`crate::recognition::locate::likeness`]).
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use tokio::task::spawn_blocking;
@@ -12,7 +11,7 @@ use crate::domain::ids::{KeyframeSeq, MapId, SessionSeq};
 use crate::engine::maps::live::LiveMap;
 use crate::engine::{Service, ServiceError};
 use crate::recognition::locate::likeness::{PROBES_MAX, alike_cells, most_alike, probes};
-use crate::recognition::loops::features::{FeatureSet, MatchableFeatures};
+use crate::recognition::loops::features::{FeatureSet, MatchableFeatures, WantedFeatures};
 use crate::recognition::loops::geometry_check::{PlacedQuery, Terms, verify_views};
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
 use crate::recognition::map::index::MapIndex;
@@ -157,8 +156,9 @@ impl Service {
     async fn seen(&self, live: &Arc<LiveMap>, keyframe: KeyframeSeq) -> Result<Option<Seen>, ServiceError> {
         let look = move |index: &MapIndex| GeometrySnapshot::stored(index, keyframe);
         let (_, snapshot) = self.read(live, move |state| Ok(look(&state.index))).await?;
-        let mut features =
-            self.features.read(&self.store, live.key, BTreeSet::from([keyframe])).await?.stored;
-        Ok(snapshot.zip(features.remove(&keyframe)).map(|(snapshot, features)| Seen { snapshot, features }))
+        let Some(snapshot) = snapshot else { return Ok(None) };
+        let wanted = WantedFeatures::alone(keyframe, &snapshot);
+        let mut features = self.features.read(&self.store, live.key, wanted).await?.stored;
+        Ok(features.remove(&keyframe).map(|features| Seen { snapshot, features }))
     }
 }
