@@ -73,6 +73,7 @@ pub use recognition::anchors::observations::{ObservationsChanged, change_observa
 pub use recognition::loops::check_loop::{check_loop, screen, verify_and_decide};
 pub use recognition::loops::features::{FeatureSet, MatchableFeatures};
 pub use recognition::loops::query::Query;
+pub use recognition::loops::wanted_features::WantedFeatures;
 pub use recognition::map::correction::{Correction, correct};
 pub use recognition::map::culling::cull_keyframe;
 pub use recognition::map::index::MapIndex;

@@ -12,7 +12,8 @@ use crate::domain::ids::KeyframeSeq;
 use crate::domain::keyframe::Features;
 use crate::engine::ServiceError;
 use crate::engine::named_vocabulary::NamedVocabulary;
-use crate::recognition::loops::features::{FeatureSet, MatchableFeatures, WantedFeatures};
+use crate::recognition::loops::features::{FeatureSet, MatchableFeatures};
+use crate::recognition::loops::wanted_features::WantedFeatures;
 use crate::recognition::verification::descriptor_matching::NO_NODE;
 use crate::store::{MapKey, Store, StoreError};
 

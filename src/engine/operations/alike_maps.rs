@@ -11,9 +11,10 @@ use crate::domain::ids::{KeyframeSeq, MapId, SessionSeq};
 use crate::engine::maps::live::LiveMap;
 use crate::engine::{Service, ServiceError};
 use crate::recognition::locate::likeness::{PROBES_MAX, alike_cells, most_alike, probes};
-use crate::recognition::loops::features::{FeatureSet, MatchableFeatures, WantedFeatures};
+use crate::recognition::loops::features::{FeatureSet, MatchableFeatures};
 use crate::recognition::loops::geometry_check::{PlacedQuery, Terms, verify_views};
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
+use crate::recognition::loops::wanted_features::WantedFeatures;
 use crate::recognition::map::index::MapIndex;
 use crate::store::WordsSought;
 

@@ -6,7 +6,7 @@ use crate::domain::ids::{KeyframeId, KeyframeSeq};
 use crate::domain::keyframe::{Detection, NewKeyframe};
 use crate::domain::report::{KeyframeRecord, KeyframeReport, KeyframeSummary};
 use crate::engine::ServiceError;
-use crate::recognition::loops::features::PointsNow;
+use crate::recognition::loops::points_now::PointsNow;
 use crate::recognition::map::index::MapIndex;
 use crate::store::KeyframeRow;
 

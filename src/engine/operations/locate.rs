@@ -17,8 +17,9 @@ use crate::recognition::locate::locate;
 use crate::recognition::locate::map_search::{LocateQuestion, MapSearch};
 use crate::recognition::locate::selection::{Chosen, LOOKED_AT, VERIFICATIONS_MAX, select};
 use crate::recognition::locate::views::{View, look};
-use crate::recognition::loops::features::{FeatureSet, MatchableFeatures, WantedFeatures};
+use crate::recognition::loops::features::{FeatureSet, MatchableFeatures};
 use crate::recognition::loops::geometry_check::PlacedQuery;
+use crate::recognition::loops::wanted_features::WantedFeatures;
 
 /// A map that was asked.
 #[derive(Clone, Debug, PartialEq, Eq)]

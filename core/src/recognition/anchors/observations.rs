@@ -19,7 +19,7 @@ use crate::domain::change::{Change, KeyframeUpdate, ObservationUpdate, PointsOfK
 use crate::domain::event::{Event, EventKind};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
 use crate::recognition::map::culling::is_orphan;
-use crate::recognition::map::index::MapIndex;
+use crate::recognition::map::index::{Anchor, MapIndex};
 use crate::recognition::map::recorder::{Decided, Recorder};
 
 /// Bytes of a number on disk, as a map's quota counts them.
@@ -65,7 +65,7 @@ pub fn change_observations(index: &mut MapIndex, update: ObservationUpdate) -> O
     let mut seen_anew: BTreeSet<KeyframeSeq> = detections.iter().map(|(_, keyframe, ..)| *keyframe).collect();
     for (id, _) in &placed {
         for anchor in index.holders().of(session, *id) {
-            seen_anew.extend(index.anchor(anchor).into_iter().flat_map(|anchor| anchor.keyframes()));
+            seen_anew.extend(index.anchor(anchor).into_iter().flat_map(Anchor::keyframes));
         }
     }
     let mut touched: BTreeSet<AnchorSeq> = detections.iter().map(|(anchor, ..)| *anchor).collect();
@@ -81,7 +81,9 @@ pub fn change_observations(index: &mut MapIndex, update: ObservationUpdate) -> O
     if !forgotten.is_empty() {
         changes.push(Change::PointsForgotten(session, forgotten.into()));
     }
-    touched.into_iter().for_each(|anchor| record.touch(anchor));
+    for anchor in touched {
+        record.touch(anchor);
+    }
     record.apply(changes);
     let index = record.index();
     let orphans: Box<[PointId]> = lost.into_iter().filter(|id| is_orphan(index, session, *id)).collect();
@@ -288,7 +290,7 @@ fn associate_anew(record: &mut Recorder<'_>, keyframes: BTreeSet<KeyframeSeq>) -
     let now_seen = seen(record.index());
     let changed = tell_described(record, &now_seen, &names_before);
     for root in &changed {
-        merge_all(record, *root, |index, object| index.keyframes_of(object));
+        merge_all(record, *root, MapIndex::keyframes_of);
     }
     for keyframe in &keyframes {
         for root in record.index().objects_seen_by(*keyframe) {

@@ -17,11 +17,12 @@ use crate::recognition::loops::anchor_map::{LocalAnchor, LocalName, local_anchor
 use crate::recognition::loops::candidates::find_candidates;
 use crate::recognition::loops::centre::Centre;
 use crate::recognition::loops::evidence;
-use crate::recognition::loops::features::{FeatureSet, WantedFeatures};
+use crate::recognition::loops::features::FeatureSet;
 use crate::recognition::loops::geometry_check::{PlacedQuery, check_geometry};
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
 use crate::recognition::loops::query::Query;
 use crate::recognition::loops::screening::{CandidateStage, PreVerified, Screening};
+use crate::recognition::loops::wanted_features::WantedFeatures;
 use crate::recognition::map::index::{Certainty, MapIndex};
 use crate::recognition::verification::Status;
 

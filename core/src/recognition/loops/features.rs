@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::geometry_snapshot::GeometrySnapshot;
-use crate::domain::change::Keyframe;
+use super::points_now::PointsNow;
 use crate::domain::ids::{KeyframeSeq, PointId};
 use crate::domain::keyframe::{Features, Keypoint};
 use crate::geometry::hamming::PackedDescriptors;
@@ -22,20 +21,6 @@ pub struct MatchableFeatures {
     pub nodes: Option<Vec<u32>>,
 }
 
-/// What became of the map points that a keyframe's features were sent with, at one version of its map.
-#[derive(Clone, Debug)]
-pub struct PointsNow {
-    renamed: Box<[(PointId, PointId)]>,
-    observes: Box<[PointId]>,
-}
-
-/// Keyframes whose features are wanted, ascending, each with what became of its map points since it was sent.
-#[derive(Clone, Debug, Default)]
-pub struct WantedFeatures {
-    /// `None` for one whose features observe what they were sent with.
-    pub keyframes: BTreeMap<KeyframeSeq, Option<Arc<PointsNow>>>,
-}
-
 /// The features that were read for a query.
 #[derive(Clone, Debug, Default)]
 pub struct FeatureSet {
@@ -43,62 +28,6 @@ pub struct FeatureSet {
     pub inline: Option<Arc<MatchableFeatures>>,
     /// Those of the map's keyframes.
     pub stored: BTreeMap<KeyframeSeq, Arc<MatchableFeatures>>,
-}
-
-impl PointsNow {
-    /// Returns what became of a keyframe's map points; `None` if nothing did.
-    pub fn of(keyframe: &Keyframe) -> Option<Arc<Self>> {
-        let renamed = keyframe.renamed.clone()?;
-        Some(Arc::new(Self { renamed, observes: keyframe.observes.iter().collect() }))
-    }
-
-    /// Returns the map point that a feature observes which was sent with this one, if it observes one still.
-    pub fn now(&self, sent: PointId) -> Option<PointId> {
-        let at = self.renamed.binary_search_by_key(&sent, |(sent, _)| *sent);
-        let now = at.map_or(sent, |at| self.renamed[at].1);
-        self.observes.binary_search(&now).is_ok().then_some(now)
-    }
-}
-
-impl WantedFeatures {
-    /// Adds a keyframe of which there is a snapshot, with those whose points join the guided search for it.
-    pub(in crate::recognition) fn add(&mut self, keyframe: KeyframeSeq, snapshot: Option<&GeometrySnapshot>) {
-        for wanted in snapshot.into_iter().flat_map(|snapshot| &snapshot.window) {
-            self.add_alone(*wanted, snapshot);
-        }
-        self.add_alone(keyframe, snapshot);
-    }
-
-    /// Adds a keyframe that this snapshot shows, alone.
-    pub(in crate::recognition) fn add_alone(
-        &mut self,
-        keyframe: KeyframeSeq,
-        snapshot: Option<&GeometrySnapshot>,
-    ) {
-        let known = self.keyframes.entry(keyframe).or_default();
-        if known.is_none() {
-            *known = snapshot.and_then(|snapshot| snapshot.points_now.get(&keyframe).cloned());
-        }
-    }
-
-    /// Returns those of one keyframe, with those whose points join the guided search for it.
-    pub fn of(keyframe: KeyframeSeq, snapshot: &GeometrySnapshot) -> Self {
-        let mut wanted = Self::default();
-        wanted.add(keyframe, Some(snapshot));
-        wanted
-    }
-
-    /// Returns those of one keyframe alone.
-    pub fn alone(keyframe: KeyframeSeq, snapshot: &GeometrySnapshot) -> Self {
-        let mut wanted = Self::default();
-        wanted.add_alone(keyframe, Some(snapshot));
-        wanted
-    }
-
-    /// Adds those of another list.
-    pub fn extend(&mut self, other: Self) {
-        self.keyframes.extend(other.keyframes);
-    }
 }
 
 impl MatchableFeatures {

@@ -6,7 +6,8 @@
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
-use super::features::{MatchableFeatures, PointsNow};
+use super::features::MatchableFeatures;
+use super::points_now::PointsNow;
 use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
 use crate::domain::keyframe::{Camera, NewKeyframe};
 use crate::geometry::{Point3, Pose, Sim3};

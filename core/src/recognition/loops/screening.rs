@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use super::features::WantedFeatures;
 use super::geometry_snapshot::GeometrySnapshot;
 use super::query::Query;
+use super::wanted_features::WantedFeatures;
 use crate::domain::change::Loop;
 use crate::domain::ids::KeyframeSeq;
 use crate::domain::settings::Settings;

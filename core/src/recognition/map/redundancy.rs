@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::index::MapIndex;
+use super::index::{Anchor, MapIndex};
 use crate::domain::change::Keyframe;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 
@@ -47,7 +47,7 @@ fn is_redundant(index: &MapIndex, keyframe: &Keyframe, going: &BTreeSet<Keyframe
         let object = index.objects().get(*root);
         let members = object.into_iter().flat_map(|object| &object.members);
         let anchors = members.filter_map(|member| index.anchor(*member));
-        anchors.flat_map(|anchor| anchor.keyframes()).any(stays)
+        anchors.flat_map(Anchor::keyframes).any(stays)
     };
     if keyframe.observes.is_empty() || !index.objects_seen_by(keyframe.seq).iter().all(is_seen) {
         return false;

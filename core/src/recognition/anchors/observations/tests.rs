@@ -288,7 +288,8 @@ fn a_feature_observes_the_point_that_its_own_became() {
         ObservationUpdate { replaced: vec![(9, 8)], removed: vec![3], ..nothing() },
     );
     let points =
-        crate::recognition::loops::features::PointsNow::of(index.keyframe(KeyframeSeq(0)).unwrap()).unwrap();
+        crate::recognition::loops::points_now::PointsNow::of(index.keyframe(KeyframeSeq(0)).unwrap())
+            .unwrap();
     let now: Vec<Option<PointId>> = (0..6).map(|sent| points.now(sent)).collect();
     assert_eq!(now, [Some(0), Some(8), Some(1_000), None, Some(4), Some(5)]);
     assert_eq!(index.points().position(SESSION, 8), Some(at_first(1)), "the position that it had");

@@ -10,9 +10,10 @@ use super::passages::Passage;
 use crate::domain::ids::{KeyframeSeq, PointId};
 use crate::geometry::{Point3, Sim3};
 use crate::recognition::extensions::tracked_path::TrackedPath;
-use crate::recognition::loops::features::{FeatureSet, WantedFeatures};
+use crate::recognition::loops::features::FeatureSet;
 use crate::recognition::loops::geometry_check::{PlacedQuery, Terms, verify_views};
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
+use crate::recognition::loops::wanted_features::WantedFeatures;
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::verification::Status;
 

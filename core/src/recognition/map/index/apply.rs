@@ -14,6 +14,7 @@ use crate::domain::ids::{AnchorSeq, KeyframeSeq, LoopId, PointId, SessionSeq};
 use crate::domain::judged::{Finding, ModelVerdict};
 use crate::domain::map::MapProperties;
 use crate::domain::prior::Prior;
+use crate::geometry::Point3;
 
 /// What a batch of changes has touched.
 #[derive(Default)]
@@ -87,17 +88,7 @@ impl MapIndex {
                 self.set_points_of_detection(*seq, (*keyframe, *detection), points, touched);
             }
             Change::PositionSet(seq, keyframe, detection, position) => {
-                // A deferred change may name the anchor that the detection fed before it was moved.
-                let holds = |anchor: &Anchor| anchor.observations.contains_key(&(*keyframe, *detection));
-                let is_holder = |seq: &AnchorSeq| self.anchor(*seq).is_some_and(holds);
-                let holder = [*seq].into_iter().chain(self.anchors_seen_by(*keyframe)).find(is_holder);
-                if let Some(holder) = holder
-                    && let Some(anchor) = self.anchor_mut(holder)
-                    && let Some(observation) = anchor.observations.get_mut(&(*keyframe, *detection))
-                {
-                    observation.position_in_session = Some(*position);
-                    touched.stale.insert(holder);
-                }
+                self.set_position(*seq, (*keyframe, *detection), *position, touched);
             }
             Change::DescriptionSet(seq, text) => {
                 if let Some(anchor) = self.anchor_mut(*seq) {
@@ -348,6 +339,26 @@ impl MapIndex {
         observation.map_points = points.into();
         self.tally.add_observation(observation);
         touched.stale.insert(seq);
+    }
+
+    fn set_position(
+        &mut self,
+        seq: AnchorSeq,
+        at: (KeyframeSeq, u16),
+        position: Point3,
+        touched: &mut Touched,
+    ) {
+        // A deferred change may name the anchor that the detection fed before it was moved.
+        let holds = |anchor: &Anchor| anchor.observations.contains_key(&at);
+        let is_holder = |seq: &AnchorSeq| self.anchor(*seq).is_some_and(holds);
+        let holder = [seq].into_iter().chain(self.anchors_seen_by(at.0)).find(is_holder);
+        if let Some(holder) = holder
+            && let Some(anchor) = self.anchor_mut(holder)
+            && let Some(observation) = anchor.observations.get_mut(&at)
+        {
+            observation.position_in_session = Some(position);
+            touched.stale.insert(holder);
+        }
     }
 
     fn observe(&mut self, seq: AnchorSeq, observation: &Observation, touched: &mut Touched) {
