@@ -306,6 +306,23 @@ fn a_chain_of_fused_points_ends_at_its_last_and_a_culled_end_takes_all() {
 }
 
 #[test]
+fn a_sign_is_one_once_its_keyframes_are_covisible_though_its_own_points_stay() {
+    let mut index = empty_map();
+    for number in 0..2_usize {
+        let first = 100 * number as PointId;
+        let observes: BTreeSet<PointId> = (first..first + 4).chain([20, 21]).collect();
+        let sign = Detection { map_points: vec![20, 21], ..Detection::of("sign", 0.9, [0.0, 0.0, 9.0, 9.0]) };
+        ingest(&mut index, &NewKeyframe { detections: vec![sign], ..keyframe(number, observes, at_first) });
+    }
+    assert_eq!(index.objects().len(), 2, "two shared points are not enough");
+    let changed =
+        change_observations(&mut index, ObservationUpdate { replaced: vec![(100, 0)], ..nothing() });
+    assert_eq!((changed.merged, index.objects().len()), (1, 1));
+    let told = &changed.decided.events;
+    assert_eq!(told.iter().map(|event| event.kind).collect::<Vec<_>>(), [EventKind::AnchorsMerged]);
+}
+
+#[test]
 fn two_signs_that_one_keyframe_saw_stay_two() {
     let mut index = empty_map();
     let see = |number: usize, signs: &[&[PointId]], points: BTreeSet<PointId>| NewKeyframe {
