@@ -102,6 +102,10 @@ pub const PATTERN_CHARS: usize = 256;
 pub const ANCHOR_CLASSES: usize = 256;
 /// Keyframes, and map points, of one correction of poses.
 pub const CORRECTIONS: usize = 100_000;
+/// Map points that one request may fuse, and that it may cull.
+pub const FUSED_POINTS: usize = 10_000;
+/// Keyframes of which one request may say what they observe.
+pub const CHANGED_KEYFRAMES: usize = 1_000;
 /// Time that a loop query may wait for models, in milliseconds.
 pub const MAX_WAIT_MS: RangeInclusive<i64> = 0..=60_000;
 /// The seed of a query; 63 bits, because JSON readers in Java and C++ have signed numbers.

@@ -10,7 +10,7 @@
 //! | [`limits`] | how much one request may bring |
 //! | [`decoding::digest`] | what made two bodies the same for earlier versions |
 //! | [`space`], [`decoding::base64`] | vectors, poses, times; bytes inside JSON |
-//! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`anchor`], [`prior`], [`session`], [`transcript`], [`loops`], [`event`] | resources |
+//! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`observations`], [`anchor`], [`prior`], [`session`], [`transcript`], [`loops`], [`event`] | resources |
 //! | [`names`], [`words`] | the model's named values, with their meanings; the same for the viewer |
 //! | [`loop_query`], [`verdict`], [`geometry`], [`difference`] | "is this keyframe a loop?" and its answer |
 //! | [`location`] | "where am I?" and its answer |
@@ -40,6 +40,7 @@ pub mod loops;
 pub mod map;
 pub mod model_verdict;
 pub mod names;
+pub mod observations;
 pub mod poses;
 pub mod prior;
 pub mod problem;

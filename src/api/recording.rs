@@ -7,6 +7,7 @@ use super::keyframe::KeyframeBody;
 use super::loops::LoopBody;
 use super::map::MapPatchBody;
 use super::model_verdict::ModelVerdictBody;
+use super::observations::ObservationsBody;
 use super::poses::PosesBody;
 use super::prior::PriorBody;
 use crate::domain::ids::MapId;
@@ -58,6 +59,9 @@ pub fn write_line(map: &MapId, recorded: Recorded, to: &mut Vec<u8>) -> Result<(
             Line { id, ..Line::of("keyframe", KeyframeBody::from(*keyframe)) }.write(to)
         }
         Recorded::Poses(correction) => Line::of("poses", PosesBody::from(correction)).write(to),
+        Recorded::Observations(changed) => {
+            Line::of("observations", ObservationsBody::from(changed)).write(to)
+        }
         Recorded::Loop(closed) => Line::of("loop", LoopBody::from(closed)).write(to),
         Recorded::LoopRevoked(id) => {
             Line::<()> { closed: Some(id.to_string()), ..Line::of("delete", None) }.write(to)

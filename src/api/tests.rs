@@ -15,11 +15,12 @@ use super::list::{AnchorList, CovisibleList, KeyframeList, LoopList, MapList};
 use super::loop_query::LoopQueryBody;
 use super::loops::{LoopBody, LoopClosed, LoopRevoked};
 use super::map::{MapBody, MapPatchBody, MapView};
+use super::observations::{ObservationsAnswer, ObservationsBody};
 use super::poses::{PosesAnswer, PosesBody};
 use super::{bulk, event, examples, keyframe, problem, semantics, usage, verdict};
 use crate::domain::invalid::FieldError;
 use crate::domain::map::MapProperties;
-use crate::domain::request::{LoopQuery, MapPatch, NewLoop, PoseCorrection};
+use crate::domain::request::{ChangedObservations, LoopQuery, MapPatch, NewLoop, PoseCorrection};
 
 fn is_shape<T: Serialize + DeserializeOwned>(example: &Value) {
     let shape: T =
@@ -39,6 +40,7 @@ fn the_example_of_each_body_is_of_its_shape_and_is_read() {
     is_body::<LoopQueryBody, LoopQuery>(&examples::loop_query());
     is_body::<LoopBody, NewLoop>(&examples::loop_body());
     is_body::<PosesBody, PoseCorrection>(&examples::poses_body());
+    is_body::<ObservationsBody, ChangedObservations>(&examples::observations_body());
     is_body::<AnchorPatchBody, AnchorPatch>(&examples::anchor_patch());
     is_body::<semantics::TextPair, semantics::TextPair>(&examples::text_pair());
     is_body::<semantics::OneText, semantics::OneText>(&examples::one_text());
@@ -64,6 +66,7 @@ fn the_example_of_each_answer_is_of_its_shape() {
     is_shape::<CovisibleList>(&examples::covisible());
     is_shape::<LocalAnchorMap>(&examples::local_anchor_map());
     is_shape::<PosesAnswer>(&examples::poses_answer());
+    is_shape::<ObservationsAnswer>(&examples::observations_answer());
     is_shape::<AnchorView>(&examples::anchor());
     is_shape::<AnchorList>(&examples::anchors());
     is_shape::<verdict::LoopAnswer>(&examples::loop_answer());

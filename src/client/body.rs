@@ -13,6 +13,7 @@ use crate::api::loop_query::LoopQueryBody;
 use crate::api::loops::LoopBody;
 use crate::api::map::{MapBody, MapPatchBody};
 use crate::api::model_verdict::ModelVerdictBody;
+use crate::api::observations::ObservationsBody;
 use crate::api::poses::PosesBody;
 use crate::api::prior::PriorBody;
 use crate::api::semantics::{OneText, TextPair};
@@ -45,6 +46,7 @@ bodies! {
     MapBody,
     MapPatchBody,
     ModelVerdictBody,
+    ObservationsBody,
     OneText,
     PosesBody,
     PriorBody,

@@ -29,6 +29,18 @@ impl Client {
         self.read(&["v1", "maps", map, "keyframes"], &borrowed(&page.parameters())).await
     }
 
+    /// Lists the keyframes that may be deleted when a quota nears.
+    pub async fn list_redundant_keyframes(
+        &self,
+        map: &str,
+        page: &Page,
+    ) -> Result<KeyframeList, ClientError> {
+        let parameters = page.parameters();
+        let parameters: Vec<(&str, &str)> =
+            [("redundant", "true")].into_iter().chain(borrowed(&parameters)).collect();
+        self.read(&["v1", "maps", map, "keyframes"], &parameters).await
+    }
+
     /// Reads a keyframe as it stands now.
     pub async fn keyframe(&self, map: &str, keyframe: &str) -> Result<KeyframeView, ClientError> {
         self.read(&["v1", "maps", map, "keyframes", keyframe], &[]).await

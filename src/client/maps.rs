@@ -11,6 +11,7 @@ use super::connection::{Client, Written};
 use super::error::ClientError;
 use crate::api::list::{MapList, SessionList};
 use crate::api::map::{MapBody, MapPatchBody, MapView};
+use crate::api::observations::{ObservationsAnswer, ObservationsBody};
 use crate::api::poses::{PosesAnswer, PosesBody};
 
 /// A map of a million keyframes is exported within this time.
@@ -81,6 +82,15 @@ impl Client {
         body: &impl Body<PosesBody>,
     ) -> Result<PosesAnswer, ClientError> {
         Ok(self.write(Method::POST, &["v1", "maps", map, "poses"], &[], body).await?.answer)
+    }
+
+    /// Sends what the client's map did to points and edges after it had sent the keyframes.
+    pub async fn post_observations(
+        &self,
+        map: &str,
+        body: &impl Body<ObservationsBody>,
+    ) -> Result<ObservationsAnswer, ClientError> {
+        Ok(self.write(Method::POST, &["v1", "maps", map, "observations"], &[], body).await?.answer)
     }
 
     /// Reads a map as a recording; `take` receives it piece by piece.

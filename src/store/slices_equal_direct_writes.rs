@@ -15,7 +15,7 @@ use super::slices::{deferred, deletion, fold};
 use super::test_database::database;
 use crate::domain::anchor::Outcome;
 use crate::domain::bow::BowVector;
-use crate::domain::change::{Change, Keyframe};
+use crate::domain::change::{Change, Keyframe, PointsOfKeyframe};
 use crate::domain::event::{Event, EventKind};
 use crate::domain::former::FormerValues;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
@@ -82,6 +82,7 @@ fn map_jobs(map: MapKey) -> Vec<Job> {
             gravity: None,
             observes: Vec::new().into(),
             declared: [].into(),
+            renamed: None,
             bytes: new.bytes(),
         };
         let mut changes = Vec::new();
@@ -97,6 +98,20 @@ fn map_jobs(map: MapKey) -> Vec<Job> {
         let made = Batch { new_keyframe: Some(rows), ..batch(map, 2, changes) };
         jobs.push(Job::Change(Box::new(made)));
     }
+    let first = KeyframeSeq(0);
+    let points = PointsOfKeyframe {
+        keyframe: first,
+        // Points that no step forgets.
+        observes: vec![43, 45].into(),
+        declared: [].into(),
+        renamed: [(44, 45)].into(),
+        bytes: 100,
+    };
+    let changes = vec![
+        Change::PointsOfKeyframeSet(Box::new(points)),
+        Change::PointsOfDetectionSet(AnchorSeq(0), first, 0, [45].into()),
+    ];
+    jobs.push(Job::Change(Box::new(batch(map, 2, changes))));
     jobs
 }
 

@@ -8,7 +8,7 @@ use revisit::api::settings::MapSettings;
 use revisit::api::{examples, keyframe};
 use revisit::domain::invalid::FieldError;
 use revisit::domain::map::MapProperties;
-use revisit::domain::request::{LoopQuery, MapPatch, NewLoop, PoseCorrection};
+use revisit::domain::request::{ChangedObservations, LoopQuery, MapPatch, NewLoop, PoseCorrection};
 use revisit::domain::settings::Settings;
 use revisit::http::document;
 use serde_json::{Value, json};
@@ -159,6 +159,7 @@ fn the_other_bodies_are_held_to_the_document() {
     check("LoopQueryBody", &examples::loop_query(), &faults::<LoopQuery>);
     check("LoopQueryBody", &json!({"inline": examples::keyframe_body()}), &faults::<LoopQuery>);
     check("LoopBody", &examples::loop_body(), &faults::<NewLoop>);
+    check("ObservationsBody", &examples::observations_body(), &faults::<ChangedObservations>);
     check("PosesBody", &examples::poses_body(), &faults::<PoseCorrection>);
     check("AnchorPatchBody", &examples::anchor_patch(), &faults::<AnchorPatch>);
     check("TextPair", &examples::text_pair(), &faults::<TextPair>);

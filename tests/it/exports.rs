@@ -63,6 +63,12 @@ async fn exported(server: &Server, map: &str) -> Vec<Value> {
     text.lines().map(|line| serde_json::from_str(line).expect("a line of JSON")).collect()
 }
 
+/// What the client's map did to its points and edges.
+fn observations() -> Value {
+    json!({"session": "robot-1", "replaced": [[23, 24], [910, 30]], "removed": [31],
+        "keyframes": [{"keyframe": "kf-0", "observes": [0, 1, 2, 24], "covisible": [{"keyframe": "kf-3", "shared": 20}]}]})
+}
+
 /// A map to which everything has happened that a client can do.
 async fn lived(server: &Server) {
     server
@@ -87,6 +93,7 @@ async fn lived(server: &Server) {
     let corrected = json!({"session": "robot-1", "keyframes": {"ids": ["kf-1", "kf-2"], "poses": [pose([1.1, 0.1, 0.0]), pose([2.3, 0.1, 0.0])]},
         "map_points": {"ids": [12, 5000], "positions": [[1.25, 0.3, 3.1], [0.0, 0.0, 1.0]]}});
     server.post("/v1/maps/m/poses", &corrected).await.expect(200);
+    server.post("/v1/maps/m/observations", &observations()).await.expect(200);
     for (id, seconds, x, plate) in
         [("again-0", 60, 0.2, "901"), ("again-1", 61, 1.2, "902"), ("again-3", 62, 3.2, "904")]
     {
@@ -149,6 +156,7 @@ async fn a_map_is_exported_as_it_was_sent_and_played_again_it_answers_alike() {
         "map",
         "judgement",
         "poses",
+        "observations",
         "keyframe",
         "keyframe",
         "keyframe",
@@ -177,9 +185,10 @@ async fn a_map_is_exported_as_it_was_sent_and_played_again_it_answers_alike() {
         poses["map_points"],
         json!({"ids": [12, 5000], "positions": [[1.25, 0.3, 3.1], [0.0, 0.0, 1.0]]})
     );
-    assert_eq!(lines[13], json!({"op": "delete", "loop": "goes"}));
+    assert_eq!(line(&lines, "observations", "")["body"], observations());
+    assert_eq!(lines[14], json!({"op": "delete", "loop": "goes"}));
     assert_eq!(
-        lines[14],
+        lines[15],
         json!({"op": "description", "keyframe": "kf-2", "detection": 1, "body": {"description": "a fire hose"}})
     );
 

@@ -22,6 +22,7 @@ mod locate_unloaded;
 mod method;
 #[cfg(feature = "llm")]
 mod models;
+mod observations;
 mod openapi;
 mod operations;
 mod paper;

@@ -697,6 +697,23 @@ class Candidate(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The check that stopped it; left out for a loop."""
 
 
+class ChangedKeyframe(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """What a keyframe observes, and which keyframes it is covisible with, as the robot's map has it now."""
+
+    keyframe: str
+    """The keyframe."""
+    observes: list[int] | None = None
+    """All map points that it observes, those of its features included; a feature whose point is not listed
+    observes none. Left out: what it observed, as far as points were not fused or culled.
+    """
+    observes_i64: str | None = None
+    """The same, packed: base64 of little-endian 64-bit signed numbers."""
+    covisible: list[CovisibleKeyframe] | None = None
+    """Covisible keyframes besides those declared before, or with another number of shared points; each
+    must exist.
+    """
+
+
 class ConfirmedLoop(msgspec.Struct, kw_only=True, omit_defaults=True):
     """A confirmed loop of the keyframe that was asked about."""
 
@@ -1612,6 +1629,37 @@ class ModelVerdictAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The map's version after it."""
     applied: bool
     """Whether it changed the map: not where no anchor carries the texts, or the crop was read before."""
+
+
+class ObservationsAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """The map follows the robot's."""
+
+    map_version: int
+    """The map's version after it."""
+    keyframes: int
+    """Number of keyframes that observe other points now, or have other declared neighbours."""
+    map_points: int
+    """Number of map points that were there and are gone, fused or culled."""
+    anchors_merged: int
+    """Number of anchors that turned out to be one with another."""
+
+
+class ObservationsBody(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """What a robot's map did to its points and edges; all of it is taken over, or nothing. Everything in
+    it is of one session.
+    """
+
+    session: str | None = None
+    """The session."""
+    replaced: list[list[int]] | None = None
+    """Fused map points, `[old, new]` each: who observed the old one observes the new one from now on. The
+    new one keeps its position, or takes the old one's. No point is fused twice; `[1,2]` and `[2,3]`
+    make both of them 3.
+    """
+    removed: list[int] | None = None
+    """Culled map points: nobody observes them any more."""
+    keyframes: list[ChangedKeyframe] | None = None
+    """Keyframes of the session of which there is more to say, none twice."""
 
 
 class OneText(msgspec.Struct, kw_only=True, omit_defaults=True):

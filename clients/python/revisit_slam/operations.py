@@ -155,13 +155,18 @@ class Operations:
         """
         return self._call(Call("DELETE", f"/v1/maps/{segment(map)}/judgements/{segment(id)}", answer=models.Judgement))
 
-    def list_keyframes(self, map: str, *, limit: int | None = None, cursor: str | None = None) -> models.KeyframeList:
-        """List keyframes. In order of arrival, paged."""
-        return self._call(Call("GET", f"/v1/maps/{segment(map)}/keyframes", query={"limit": limit, "cursor": cursor}, answer=models.KeyframeList))
+    def list_keyframes(self, map: str, *, redundant: bool | None = None, limit: int | None = None, cursor: str | None = None) -> models.KeyframeList:
+        """List keyframes. In order of arrival, paged. With `redundant=true` only those that may be deleted
+        when a quota nears: others see 90 % of their map points and every anchor. Each is so in its
+        turn, without those before it in the page, so that all of a page may be deleted; delete them
+        before the next page is asked for. A page looks at 1,000 keyframes at most, so it may be short
+        or empty with a `next_cursor`. Nothing is deleted unasked.
+        """
+        return self._call(Call("GET", f"/v1/maps/{segment(map)}/keyframes", query={"redundant": redundant, "limit": limit, "cursor": cursor}, answer=models.KeyframeList))
 
     def get_keyframe(self, map: str, keyframe: str) -> models.KeyframeView:
-        """Read a keyframe. As it was sent, with its last corrected pose and points, and the anchors of its
-        detections.
+        """Read a keyframe. As it was sent, with its last corrected pose and points, with what it observes
+        now, and the anchors of its detections.
         """
         return self._call(Call("GET", f"/v1/maps/{segment(map)}/keyframes/{segment(keyframe)}", answer=models.KeyframeView))
 
@@ -230,6 +235,16 @@ class Operations:
         anchor has these texts, or if the crop's reading is final.
         """
         return self._call(Call("POST", f"/v1/maps/{segment(map)}/model-verdicts", body=body, answer=models.ModelVerdictAnswer))
+
+    def change_observations(self, map: str, body: models.ObservationsBody | Mapping[str, Any]) -> models.ObservationsAnswer:
+        """Change what keyframes observe. For use when the robot's map has fused or culled map points, or
+        found covisible keyframes, after the keyframes were sent. All of it is one transaction.
+        Covisibility, the map points and boxes of anchors, and association follow as if the keyframes
+        had been sent so, as far as `docs/method.md` (M57) says. Keyframes sent later name the points
+        that stay. A retry of a keyframe is compared with its body as first sent. Repeating the request
+        changes nothing.
+        """
+        return self._call(Call("POST", f"/v1/maps/{segment(map)}/observations", body=body, answer=models.ObservationsAnswer))
 
     def correct_poses(self, map: str, body: models.PosesBody | Mapping[str, Any]) -> models.PosesAnswer:
         """Correct poses and map points. For use after the client has closed a loop and optimised its map.
@@ -423,13 +438,18 @@ class AsyncOperations:
         """
         return await self._call(Call("DELETE", f"/v1/maps/{segment(map)}/judgements/{segment(id)}", answer=models.Judgement))
 
-    async def list_keyframes(self, map: str, *, limit: int | None = None, cursor: str | None = None) -> models.KeyframeList:
-        """List keyframes. In order of arrival, paged."""
-        return await self._call(Call("GET", f"/v1/maps/{segment(map)}/keyframes", query={"limit": limit, "cursor": cursor}, answer=models.KeyframeList))
+    async def list_keyframes(self, map: str, *, redundant: bool | None = None, limit: int | None = None, cursor: str | None = None) -> models.KeyframeList:
+        """List keyframes. In order of arrival, paged. With `redundant=true` only those that may be deleted
+        when a quota nears: others see 90 % of their map points and every anchor. Each is so in its
+        turn, without those before it in the page, so that all of a page may be deleted; delete them
+        before the next page is asked for. A page looks at 1,000 keyframes at most, so it may be short
+        or empty with a `next_cursor`. Nothing is deleted unasked.
+        """
+        return await self._call(Call("GET", f"/v1/maps/{segment(map)}/keyframes", query={"redundant": redundant, "limit": limit, "cursor": cursor}, answer=models.KeyframeList))
 
     async def get_keyframe(self, map: str, keyframe: str) -> models.KeyframeView:
-        """Read a keyframe. As it was sent, with its last corrected pose and points, and the anchors of its
-        detections.
+        """Read a keyframe. As it was sent, with its last corrected pose and points, with what it observes
+        now, and the anchors of its detections.
         """
         return await self._call(Call("GET", f"/v1/maps/{segment(map)}/keyframes/{segment(keyframe)}", answer=models.KeyframeView))
 
@@ -498,6 +518,16 @@ class AsyncOperations:
         anchor has these texts, or if the crop's reading is final.
         """
         return await self._call(Call("POST", f"/v1/maps/{segment(map)}/model-verdicts", body=body, answer=models.ModelVerdictAnswer))
+
+    async def change_observations(self, map: str, body: models.ObservationsBody | Mapping[str, Any]) -> models.ObservationsAnswer:
+        """Change what keyframes observe. For use when the robot's map has fused or culled map points, or
+        found covisible keyframes, after the keyframes were sent. All of it is one transaction.
+        Covisibility, the map points and boxes of anchors, and association follow as if the keyframes
+        had been sent so, as far as `docs/method.md` (M57) says. Keyframes sent later name the points
+        that stay. A retry of a keyframe is compared with its body as first sent. Repeating the request
+        changes nothing.
+        """
+        return await self._call(Call("POST", f"/v1/maps/{segment(map)}/observations", body=body, answer=models.ObservationsAnswer))
 
     async def correct_poses(self, map: str, body: models.PosesBody | Mapping[str, Any]) -> models.PosesAnswer:
         """Correct poses and map points. For use after the client has closed a loop and optimised its map.

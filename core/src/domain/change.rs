@@ -35,6 +35,9 @@ pub struct Keyframe {
     pub observes: PointList,
     /// Covisible keyframes declared by the client, each with its number of shared points.
     pub declared: Box<[(KeyframeSeq, u32)]>,
+    /// The map points that its features were sent with and that are others now, ascending, each with the present one; `None`
+    /// as long as the client has not changed what it observes.
+    pub renamed: Option<Box<[(PointId, PointId)]>>,
     /// Its size on disk, in bytes ([`super::keyframe::NewKeyframe::bytes`]).
     pub bytes: u64,
 }
@@ -114,6 +117,45 @@ pub struct MissedSign {
     pub other: Option<AnchorSeq>,
 }
 
+/// What a client's map did to the points and edges of keyframes that it had sent, by dense number.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ObservationUpdate {
+    /// The session whose numbers the map points have.
+    pub session: SessionSeq,
+    /// Map points that were fused into others, each with the one that stays.
+    pub replaced: Vec<(PointId, PointId)>,
+    /// Map points that were culled.
+    pub removed: Vec<PointId>,
+    /// Keyframes of the session of which the client says more.
+    pub keyframes: Vec<KeyframeUpdate>,
+}
+
+/// What a keyframe observes, and which keyframes it is covisible with, as the client's map has it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct KeyframeUpdate {
+    /// The keyframe.
+    pub keyframe: KeyframeSeq,
+    /// All map points that it observes, ascending; `None` where the client does not say.
+    pub observes: Option<Vec<PointId>>,
+    /// Covisible keyframes that are declared besides those declared before, or with another number of shared points.
+    pub covisible: Vec<(KeyframeSeq, u32)>,
+}
+
+/// What a keyframe observes from now on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PointsOfKeyframe {
+    /// The keyframe.
+    pub keyframe: KeyframeSeq,
+    /// As [`Keyframe::observes`].
+    pub observes: PointList,
+    /// As [`Keyframe::declared`].
+    pub declared: Box<[(KeyframeSeq, u32)]>,
+    /// As [`Keyframe::renamed`].
+    pub renamed: Box<[(PointId, PointId)]>,
+    /// As [`Keyframe::bytes`].
+    pub bytes: u64,
+}
+
 impl Merge {
     /// Returns what it takes on disk, in bytes.
     pub fn bytes(&self) -> u64 {
@@ -169,6 +211,12 @@ pub enum Change {
     ObservationMoved(MovedObservation),
     /// The outcome of a detection.
     OutcomeSet(KeyframeSeq, u16, Outcome),
+    /// A client's map changed what keyframes observe; the changes that follow from it come after it.
+    ObservationsSent(Box<ObservationUpdate>),
+    /// A keyframe observes other map points now, or is declared covisible with other keyframes.
+    PointsOfKeyframeSet(Box<PointsOfKeyframe>),
+    /// A detection has these map points now, ascending.
+    PointsOfDetectionSet(AnchorSeq, KeyframeSeq, u16, Box<[PointId]>),
     /// A detection's position moved with its keyframe's corrected pose.
     PositionSet(AnchorSeq, KeyframeSeq, u16, Point3),
     /// An operator overrides an anchor's description (`None`: no longer).

@@ -5,7 +5,7 @@ use super::judged::{CropReading, ModelVerdict};
 use super::keyframe::NewKeyframe;
 pub use super::named_detection::NamedDetection;
 use super::prior::NewPrior;
-use super::request::{MapPatch, NewLoop, PoseCorrection};
+use super::request::{ChangedObservations, MapPatch, NewLoop, PoseCorrection};
 
 /// An operation that changed a map, as its client sent it.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +16,8 @@ pub enum Recorded {
     Keyframe(Box<NewKeyframe>),
     /// Poses and map points were corrected.
     Poses(PoseCorrection),
+    /// The client's map changed what keyframes observe.
+    Observations(ChangedObservations),
     /// A loop was confirmed.
     Loop(NewLoop),
     /// A loop was revoked.

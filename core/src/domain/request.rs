@@ -78,6 +78,31 @@ pub struct PoseCorrection {
     pub map_points: Vec<(PointId, Point3)>,
 }
 
+/// What a client's map did to the points and edges of keyframes that it had sent.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ChangedObservations {
+    /// The session.
+    pub session: SessionId,
+    /// Map points that were fused into others, each with the one that stays; no point is fused twice, and none into itself,
+    /// by whatever way.
+    pub replaced: Vec<(PointId, PointId)>,
+    /// Map points that were culled, none of them fused.
+    pub removed: Vec<PointId>,
+    /// Keyframes of the session of which the client says more, none twice.
+    pub keyframes: Vec<ChangedKeyframe>,
+}
+
+/// What a keyframe observes, and which keyframes it is covisible with, as the client's map has it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ChangedKeyframe {
+    /// The keyframe.
+    pub keyframe: KeyframeId,
+    /// All map points that it observes, ascending, if the client says so.
+    pub observes: Option<Vec<PointId>>,
+    /// Keyframes to be declared covisible besides those declared before, or with another number of shared points.
+    pub covisible: Vec<(KeyframeId, u32)>,
+}
+
 /// The keyframe that is asked about.
 #[derive(Clone, Debug)]
 pub enum Subject {

@@ -139,6 +139,25 @@ pub fn local_anchor_map() -> Value {
     })
 }
 
+/// Changed observations.
+pub fn observations_body() -> Value {
+    json!({
+        "session": "robot-7",
+        "replaced": [[13, 31]],
+        "removed": [14],
+        "keyframes": [{
+            "keyframe": "kf-120",
+            "observes": [12, 31],
+            "covisible": [{"keyframe": "kf-119", "shared": 91}]
+        }]
+    })
+}
+
+/// The map follows.
+pub fn observations_answer() -> Value {
+    json!({"map_version": 413, "keyframes": 2, "map_points": 2, "anchors_merged": 1})
+}
+
 /// Corrected poses.
 pub fn poses_body() -> Value {
     json!({

@@ -54,7 +54,8 @@ const UNPLACED_FIELDS: [&str; 13] = [
     "detections",
 ];
 
-const OBSERVES: Column = Column { list: "observes", packed: "observes_i64", number: Number::I64, row: None };
+pub(in crate::api) const OBSERVES: Column =
+    Column { list: "observes", packed: "observes_i64", number: Number::I64, row: None };
 const WORDS: Column = Column { list: "words", packed: "words_u32", number: Number::U32, row: None };
 const WEIGHTS: Column = Column { list: "weights", packed: "weights_f64", number: Number::F64, row: None };
 
@@ -248,7 +249,11 @@ fn bow(node: &Node<'_>) -> Option<(BowVector, Box<str>)> {
     }
 }
 
-fn covisible(node: &Node<'_>, this: Option<&KeyframeId>) -> Option<Vec<(KeyframeId, u32)>> {
+/// Reads a list of covisible keyframes, none twice, without the keyframe itself.
+pub(in crate::api) fn covisible(
+    node: &Node<'_>,
+    this: Option<&KeyframeId>,
+) -> Option<Vec<(KeyframeId, u32)>> {
     let mut seen = HashSet::new();
     node.list(limits::COVISIBLE, |entry| {
         let body = entry.object(&["keyframe", "shared"])?;

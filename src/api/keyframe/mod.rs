@@ -28,8 +28,10 @@ pub use answer::{
     CovisibleView, DetectionView, KeyframeAnswer, KeyframeLine, KeyframeView, OutcomeName, OutcomeView,
 };
 pub use decode::{Faulty, SentKeyframe, named, of_line, unnamed, unplaced};
+pub(super) use decode::{OBSERVES, covisible};
 pub use global_descriptor::GlobalDescriptorShape;
 pub use number_shape::{Direction, PointNumber};
+pub(super) use points::ascending;
 pub use points::{points, unique};
 pub use sent_shape::{SentBow, SentFeatures, SentPoints};
 pub use shape::{

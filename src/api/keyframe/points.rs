@@ -14,7 +14,7 @@ const POSITIONS: Column =
     Column { list: "positions", packed: "positions_f64", number: Number::F64, row: Some(3) };
 
 /// Returns a set of map points in the order in which the model keeps them.
-pub(super) fn ascending(mut points: Vec<PointId>) -> Vec<PointId> {
+pub(in crate::api) fn ascending(mut points: Vec<PointId>) -> Vec<PointId> {
     points.sort_unstable();
     points.dedup();
     points

@@ -45,6 +45,8 @@ pub(super) struct Played {
     pub loops: u64,
     /// Corrections of poses.
     pub poses: u64,
+    /// Changes of what keyframes observe.
+    pub observations: u64,
     /// Prior anchors put.
     pub priors: u64,
     /// Anchors described by hand.
@@ -126,6 +128,10 @@ impl Player {
             Op::Poses { body } => {
                 self.client.post_poses(map, &Recorded(body)).await?;
                 self.played.poses += 1;
+            }
+            Op::Observations { body } => {
+                self.client.post_observations(map, &Recorded(body)).await?;
+                self.played.observations += 1;
             }
             Op::Anchor { id, body } => {
                 self.client.put_prior_anchor(map, &id, &Recorded(body)).await?;
@@ -243,6 +249,7 @@ fn describe(map: &str, op: &Op) -> String {
         Op::Query { keyframe, .. } => format!("query about {keyframe} of {map}"),
         Op::Loop { .. } => format!("loop in {map}"),
         Op::Poses { .. } => format!("poses of {map}"),
+        Op::Observations { .. } => format!("observations of {map}"),
         Op::Anchor { id, .. } => format!("prior anchor {id} of {map}"),
         Op::Description { keyframe, detection, .. } => {
             format!("description of detection {detection} of {keyframe} of {map}")

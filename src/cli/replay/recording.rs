@@ -63,6 +63,8 @@ pub(super) enum Op {
     Loop { body: Body },
     /// Correct poses.
     Poses { body: Body },
+    /// Change what keyframes observe.
+    Observations { body: Body },
     /// Put a prior anchor.
     Anchor { id: String, body: Body },
     /// Describe the anchor of a detection by hand.

@@ -63,6 +63,9 @@ fn answer(request: &str, body: &Value) -> Response {
         }
         request if request.contains("/bad-") => problem(StatusCode::UNPROCESSABLE_ENTITY, "Bad keyframe"),
         request if request.ends_with("/loop-queries") => Json(loop_answer(body)).into_response(),
+        request if request.ends_with("/observations") => {
+            Json(examples::observations_answer()).into_response()
+        }
         request if request.ends_with("/poses") => Json(examples::poses_answer()).into_response(),
         request if request.ends_with("/loops") => Json(examples::loop_closed()).into_response(),
         request if request.contains("/keyframes/") => Json(examples::keyframe_answer()).into_response(),
@@ -113,6 +116,7 @@ const RECORDING: &str = r#"{"op":"map","id":"m","body":{"settings":{"candidates_
 {"op":"query","keyframe":"right"}
 {"op":"loop","body":{"id":"l1","keyframe":"right","candidate":"k1"}}
 {"op":"poses","body":{"session":"default"}}
+{"op":"observations","body":{"removed":[3]}}
 "#;
 
 /// Replays `recording` with these flags; returns the requests and the result.
@@ -138,13 +142,14 @@ async fn every_line_is_one_request_in_the_order_recorded() {
     let (requests, report) = play(RECORDING, &["--max-wait-ms", "7"]).await;
     report.expect("a score");
     let asked = |request: &str, body: Value| (request.to_owned(), body);
-    assert_eq!(requests.len(), 10);
+    assert_eq!(requests.len(), 11);
     assert_eq!(requests[0], asked("PUT /v1/maps/m", json!({"settings": {"candidates_max": 3}})));
     assert_eq!(requests[1], asked("PUT /v1/maps/m/keyframes/k1", json!({"stamp": 1})));
     let query = json!({"keyframe": "right", "verify": "auto", "max_wait_ms": 7});
     assert_eq!(requests[2], asked("POST /v1/maps/m/loop-queries", query));
     assert_eq!(requests[8].0, "POST /v1/maps/m/loops");
     assert_eq!(requests[9], asked("POST /v1/maps/m/poses", json!({"session": "default"})));
+    assert_eq!(requests[10], asked("POST /v1/maps/m/observations", json!({"removed": [3]})));
 }
 
 #[tokio::test]
@@ -188,7 +193,7 @@ async fn the_table_shows_the_same_to_a_person() {
     report.latency_ms = time(1.25, 3.0);
     report.keyframe_latency_ms = time(2.0, 4.0);
     let expected = "\
-tower.ndjson: 1 map, 1 keyframe, 1 closed loop, 1 pose correction, 6 queries (3 with a true loop)
+tower.ndjson: 1 map, 1 keyframe, 1 closed loop, 1 pose correction, 1 change of observations, 6 queries (3 with a true loop)
 with candidates_max=5
 1 not scored: best is neither correct nor wrong
 1 not scored: the ground truth is unknown
@@ -247,7 +252,7 @@ async fn a_refused_keyframe_stops_the_replay_unless_it_is_to_keep_going() {
     assert!(error.starts_with("line 2, keyframe bad-1 of m: 422 Bad keyframe"), "{error}");
 
     let (requests, report) = play(&recording, &["--keep-going"]).await;
-    assert_eq!(requests.len(), 10);
+    assert_eq!(requests.len(), 11);
     let report = report.expect("a score");
     assert_eq!((report.failed, report.keyframes, report.queries), (1, 0, 6));
 }
@@ -291,7 +296,7 @@ async fn a_given_server_is_used_and_none_is_started() {
     let (unused, report) = play(RECORDING, &["--server", server.url()]).await;
     report.expect("a score");
     assert_eq!(unused.len(), 0);
-    assert_eq!(seen.lock().expect("no test panicked").len(), 10);
+    assert_eq!(seen.lock().expect("no test panicked").len(), 11);
 }
 
 #[tokio::test]

@@ -1,7 +1,7 @@
 //! Quota: does what a request brings fit into its map?
 
 use crate::config::quotas::Quotas;
-use crate::domain::change::Loop;
+use crate::domain::change::{KeyframeUpdate, Loop, ObservationUpdate};
 use crate::domain::ids::{PointId, SessionSeq};
 use crate::domain::keyframe::NewKeyframe;
 use crate::domain::prior::NewPrior;
@@ -50,6 +50,20 @@ pub(in crate::engine) fn check_loop(
     closed: &Loop,
 ) -> Result<(), ServiceError> {
     check_bytes(quotas, index, closed.bytes())
+}
+
+/// Refuses lists of points and edges that would take their map beyond its quota. Those that are shorter than before are taken.
+pub(in crate::engine) fn check_observations(
+    quotas: &Quotas,
+    index: &MapIndex,
+    update: &ObservationUpdate,
+) -> Result<(), ServiceError> {
+    let more = |of: &KeyframeUpdate| {
+        let known = index.keyframe(of.keyframe).map_or(0, |known| known.observes.len());
+        of.observes.as_ref().map_or(0, |list| list.len().saturating_sub(known)) + of.covisible.len()
+    };
+    let numbers: usize = update.keyframes.iter().map(more).sum();
+    check_bytes(quotas, index, (numbers * size_of::<PointId>()) as u64)
 }
 
 /// Refuses a prior anchor that would take its map beyond a quota.

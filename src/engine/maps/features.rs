@@ -1,6 +1,5 @@
 //! Features of keyframes, read from disk for the few that geometry looks at; a cache bounded in bytes.
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -13,8 +12,8 @@ use crate::domain::ids::KeyframeSeq;
 use crate::domain::keyframe::Features;
 use crate::engine::ServiceError;
 use crate::engine::named_vocabulary::NamedVocabulary;
-use crate::recognition::loops::features::FeatureSet;
-use crate::recognition::loops::features::MatchableFeatures;
+use crate::recognition::loops::features::{FeatureSet, MatchableFeatures};
+use crate::recognition::loops::wanted_features::WantedFeatures;
 use crate::recognition::verification::descriptor_matching::NO_NODE;
 use crate::store::{MapKey, Store, StoreError};
 
@@ -25,7 +24,7 @@ const CACHE_BYTES: u64 = 256 * 1024 * 1024;
 const READS_AT_ONCE: usize = 8;
 
 /// The features of keyframes, by map and number. Both are never given twice while the server runs, and a keyframe's
-/// features never change, so nothing in here can be out of date.
+/// features never change but for their map points, which the question brings, so nothing in here can be out of date.
 #[derive(Clone, Debug)]
 pub(in crate::engine) struct FeatureCache {
     cache: Cache<(MapKey, KeyframeSeq), Arc<MatchableFeatures>>,
@@ -58,15 +57,23 @@ impl FeatureCache {
         FeatureFigures { hits, misses, bytes: self.cache.weighted_size() }
     }
 
-    /// Returns the features of these keyframes; those without any are left out.
+    /// Returns the features of these keyframes, with the map points that they observe at the version of the question; those
+    /// without any are left out.
     pub async fn read(
         &self,
         store: &Store,
         map: MapKey,
-        wanted: BTreeSet<KeyframeSeq>,
+        wanted: WantedFeatures,
     ) -> Result<FeatureSet, ServiceError> {
-        let found: Vec<_> = stream::iter(wanted)
-            .map(|seq| async move { Ok::<_, ServiceError>((seq, self.read_one(store, map, seq).await?)) })
+        let found: Vec<_> = stream::iter(wanted.keyframes)
+            .map(|(seq, points)| async move {
+                let sent = self.read_one(store, map, seq).await?;
+                let now = |sent: Arc<MatchableFeatures>| match points {
+                    Some(points) => Arc::new(sent.observing(&points)),
+                    None => sent,
+                };
+                Ok::<_, ServiceError>((seq, sent.map(now)))
+            })
             .buffer_unordered(READS_AT_ONCE)
             .try_collect()
             .await?;

@@ -1,6 +1,5 @@
 //! Whether the maps that a question asks show one view in several places ([`crate::recognition::locate::likeness`]).
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use tokio::task::spawn_blocking;
@@ -14,6 +13,7 @@ use crate::recognition::locate::likeness::{PROBES_MAX, alike_cells, most_alike, 
 use crate::recognition::loops::features::{FeatureSet, MatchableFeatures};
 use crate::recognition::loops::geometry_check::{PlacedQuery, Terms, verify_views};
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
+use crate::recognition::loops::wanted_features::WantedFeatures;
 use crate::recognition::map::index::MapIndex;
 
 /// A keyframe as geometry sees it.
@@ -104,8 +104,9 @@ impl Service {
     async fn seen(&self, live: &Arc<LiveMap>, keyframe: KeyframeSeq) -> Result<Option<Seen>, ServiceError> {
         let look = move |index: &MapIndex| GeometrySnapshot::stored(index, keyframe);
         let (_, snapshot) = self.read(live, move |state| Ok(look(&state.index))).await?;
-        let mut features =
-            self.features.read(&self.store, live.key, BTreeSet::from([keyframe])).await?.stored;
-        Ok(snapshot.zip(features.remove(&keyframe)).map(|(snapshot, features)| Seen { snapshot, features }))
+        let Some(snapshot) = snapshot else { return Ok(None) };
+        let wanted = WantedFeatures::alone(keyframe, &snapshot);
+        let mut features = self.features.read(&self.store, live.key, wanted).await?.stored;
+        Ok(features.remove(&keyframe).map(|features| Seen { snapshot, features }))
     }
 }

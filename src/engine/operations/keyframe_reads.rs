@@ -9,6 +9,7 @@ use crate::engine::{Service, ServiceError};
 use crate::recognition::extensions::distinctiveness::PlaceCounts;
 use crate::recognition::loops::anchor_map::local_anchor_map;
 use crate::recognition::loops::centre::Centre;
+use crate::recognition::map::redundancy::find_redundant;
 use crate::store::KeyframeRow;
 
 impl Service {
@@ -20,14 +21,32 @@ impl Service {
         limit: usize,
     ) -> Result<(u64, Page<KeyframeSummary>), ServiceError> {
         let live = self.live(map).await?;
-        let from: u32 =
-            cursor.map_or(Ok(0), |cursor| cursor.parse().map_err(|_| ServiceError::bad_cursor(cursor)))?;
-        let from = KeyframeSeq(from);
+        let from = start(cursor)?;
         self.read(&live, move |state| {
             let index = &state.index;
             let mut rest = index.keyframes_from(from);
             let items = rest.by_ref().take(limit).map(|keyframe| summary(index, keyframe)).collect();
             Ok(Page { items, next_cursor: rest.next().map(|keyframe| keyframe.seq.0.to_string()) })
+        })
+        .await
+    }
+
+    /// Returns some keyframes that others make redundant, in order of arrival. The page may be short, or empty, and not the last:
+    /// a page looks at a bounded number of keyframes.
+    pub async fn list_redundant(
+        &self,
+        map: &MapId,
+        cursor: Option<&str>,
+        limit: usize,
+    ) -> Result<(u64, Page<KeyframeSummary>), ServiceError> {
+        let live = self.live(map).await?;
+        let from = start(cursor)?;
+        self.read(&live, move |state| {
+            let index = &state.index;
+            let found = find_redundant(index, from, limit);
+            let keyframes = found.keyframes.into_iter().filter_map(|seq| index.keyframe(seq));
+            let items = keyframes.map(|keyframe| summary(index, keyframe)).collect();
+            Ok(Page { items, next_cursor: found.next.map(|seq| seq.0.to_string()) })
         })
         .await
     }
@@ -100,4 +119,10 @@ impl Service {
         // Culled between the look at the index and the look at the store.
         self.store.keyframe(live.key, seq).await?.ok_or_else(|| ServiceError::no_keyframe(id))
     }
+}
+
+/// Returns the first keyframe of a page.
+fn start(cursor: Option<&str>) -> Result<KeyframeSeq, ServiceError> {
+    let number = cursor.map_or(Ok(0), |cursor| cursor.parse().map_err(|_| ServiceError::bad_cursor(cursor)));
+    number.map(KeyframeSeq)
 }

@@ -3,9 +3,10 @@
 use crate::domain::anchor::{AnchorState, Outcome};
 use crate::domain::change::Keyframe;
 use crate::domain::ids::{KeyframeId, KeyframeSeq};
-use crate::domain::keyframe::NewKeyframe;
+use crate::domain::keyframe::{Detection, NewKeyframe};
 use crate::domain::report::{KeyframeRecord, KeyframeReport, KeyframeSummary};
 use crate::engine::ServiceError;
+use crate::recognition::loops::points_now::PointsNow;
 use crate::recognition::map::index::MapIndex;
 use crate::store::KeyframeRow;
 
@@ -64,6 +65,19 @@ pub(super) fn record(
     let position = |id: i64| Some((id, index.points().position(stored.session, id)?));
     let named = |(other, shared): &(KeyframeSeq, u32)| Some((index.keyframe(*other)?.id.clone(), *shared));
     let outcomes: Vec<Outcome> = row.detections.iter().map(|detection| detection.outcome).collect();
+    let mut detections: Vec<Detection> =
+        row.detections.into_iter().map(|detection| detection.detection).collect();
+    for anchor in index.anchors_seen_by(seq).filter_map(|anchor| index.anchor(anchor)) {
+        for ((_, number), observation) in anchor.observations.range((seq, 0)..=(seq, u16::MAX)) {
+            if let Some(detection) = detections.get_mut(usize::from(*number)) {
+                detection.map_points = observation.map_points.to_vec();
+            }
+        }
+    }
+    let mut features = row.features;
+    if let Some((features, points)) = features.as_mut().zip(PointsNow::of(stored)) {
+        features.map_points.iter_mut().for_each(|id| *id = id.and_then(|id| points.now(id)));
+    }
     Ok(KeyframeRecord {
         keyframe: NewKeyframe {
             id: id.clone(),
@@ -75,11 +89,11 @@ pub(super) fn record(
             bow: row.bow,
             vocabulary: None,
             global_descriptor: index.globals().get(seq),
-            features: row.features,
+            features,
             map_points: row.sent_points.into_iter().filter_map(position).collect(),
             observes: stored.observes.to_vec(),
             covisible: stored.declared.iter().filter_map(named).collect(),
-            detections: row.detections.into_iter().map(|detection| detection.detection).collect(),
+            detections,
         },
         detections: outcomes.into_iter().map(|outcome| current(index, outcome)).collect(),
         covisible: index.covisibility().degree(seq),

@@ -9,7 +9,7 @@ use tokio::time::Instant;
 use super::locate_maps::{AskedMap, MapOfQuestion, search_at};
 use super::queries::{Timings, milliseconds_since, timed};
 use crate::config::logging::in_part;
-use crate::domain::ids::{KeyframeSeq, MapId, SessionSeq};
+use crate::domain::ids::{MapId, SessionSeq};
 use crate::domain::location::{AskedKeyframe, LocateRequest, Location, LocationVerdict};
 use crate::engine::maps::live::LiveMap;
 use crate::engine::{Service, ServiceError};
@@ -20,6 +20,7 @@ use crate::recognition::locate::selection::{Chosen, LOOKED_AT, VERIFICATIONS_MAX
 use crate::recognition::locate::views::{View, look};
 use crate::recognition::loops::features::{FeatureSet, MatchableFeatures};
 use crate::recognition::loops::geometry_check::PlacedQuery;
+use crate::recognition::loops::wanted_features::WantedFeatures;
 
 /// The place of the camera, and the maps that were asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -170,13 +171,12 @@ impl Service {
         searches: &[MapSearch],
         chosen: &[Chosen],
     ) -> Result<BTreeMap<usize, FeatureSet>, ServiceError> {
-        let mut wanted: BTreeMap<usize, BTreeSet<KeyframeSeq>> = BTreeMap::new();
+        let mut wanted: BTreeMap<usize, WantedFeatures> = BTreeMap::new();
         for one in chosen {
             let pre_verified = &searches[one.map].screenings[one.asked].candidates[one.candidate];
             let Some(snapshot) = &pre_verified.snapshot else { continue };
-            let of_map = wanted.entry(one.map).or_default();
-            of_map.insert(pre_verified.keyframe);
-            of_map.extend(snapshot.window.iter().copied());
+            let of_one = WantedFeatures::of(pre_verified.keyframe, snapshot);
+            wanted.entry(one.map).or_default().extend(of_one);
         }
         let mut read = BTreeMap::new();
         for (map, keyframes) in wanted {

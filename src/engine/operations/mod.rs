@@ -15,6 +15,7 @@ pub(super) mod locate_maps;
 pub(super) mod loops;
 mod maps;
 pub(super) mod model_verdicts;
+mod observations;
 pub(super) mod poses;
 pub(super) mod priors;
 pub(super) mod queries;

@@ -31,6 +31,13 @@ pub(super) enum Request {
         shift: i8,
         points: Vec<(i64, i8)>,
     },
+    /// The client's map has fused and culled points, and says what a keyframe observes.
+    Observe {
+        session: u8,
+        replaced: Vec<(i64, i64)>,
+        removed: Option<i64>,
+        keyframe: Option<(u8, Option<Vec<i64>>, Option<u8>)>,
+    },
     Confirm {
         name: u8,
         keyframe: u8,
@@ -148,6 +155,22 @@ pub(super) fn any_request() -> impl Strategy<Value = Request> {
         });
     let correct = (0u8..2, 0u8..14, -3i8..3, prop::collection::vec((0i64..12, -5i8..5), 0..4))
         .prop_map(|(session, keyframe, shift, points)| Request::Correct { session, keyframe, shift, points });
+    let observe = (
+        0u8..2,
+        prop::collection::vec((0i64..12, 0i64..15), 0..3),
+        prop::option::of(0i64..12),
+        prop::option::of((
+            0u8..14,
+            prop::option::of(prop::collection::vec(0i64..12, 0..8)),
+            prop::option::of(0u8..14),
+        )),
+    )
+        .prop_map(|(session, replaced, removed, keyframe)| Request::Observe {
+            session,
+            replaced,
+            removed,
+            keyframe,
+        });
     let confirm = (0u8..4, 0u8..14, 0u8..14).prop_map(|(name, keyframe, candidate)| Request::Confirm {
         name,
         keyframe,
@@ -160,6 +183,7 @@ pub(super) fn any_request() -> impl Strategy<Value = Request> {
         3 => (0u8..14).prop_map(Request::Plates),
         2 => (0u8..14).prop_map(Request::Cull),
         2 => correct,
+        4 => observe,
         3 => confirm,
         1 => (0u8..4).prop_map(Request::Revoke),
         1 => (0u32..10, prop::option::of(0u8..11)).prop_map(|(anchor, text)| Request::Describe(anchor, text)),

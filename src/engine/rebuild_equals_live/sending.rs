@@ -9,7 +9,7 @@ use crate::domain::judged::{Answer, CropRead, CropReading, Finding, ModelVerdict
 use crate::domain::judgement::{JudgementProgress, Tally};
 use crate::domain::keyframe::{CLIENTS_VOCABULARY, NewKeyframe};
 use crate::domain::prior::{AnchorKey, NewPrior};
-use crate::domain::request::{MapPatch, NewLoop, PoseCorrection};
+use crate::domain::request::{ChangedKeyframe, ChangedObservations, MapPatch, NewLoop, PoseCorrection};
 use crate::engine::maps::live::Decision;
 use crate::engine::{Service, ServiceError};
 use crate::geometry::{Gravity, Point3, Pose};
@@ -75,6 +75,39 @@ pub(super) async fn send(service: &Service, map: &MapId, request: Request) -> Re
                     .collect(),
             };
             service.correct_poses(map, correction).await.map(drop)
+        }
+        Request::Observe { session, replaced, removed, keyframe } => {
+            // As a body is read: no point is fused twice or into itself, and what goes is observed no more.
+            let mut fused: Vec<(i64, i64)> = Vec::new();
+            for (old, new) in replaced {
+                if old < new && fused.iter().all(|(known, _)| *known != old) {
+                    fused.push((old, new));
+                }
+            }
+            let removed: Vec<i64> =
+                removed.into_iter().filter(|id| fused.iter().all(|(old, _)| old != id)).collect();
+            let stays = |id: &i64| fused.iter().all(|(old, _)| old != id) && !removed.contains(id);
+            let changed = keyframe.map(|(name, observes, other)| ChangedKeyframe {
+                keyframe: keyframe_id(name),
+                observes: observes.map(|mut observes| {
+                    observes.sort_unstable();
+                    observes.dedup();
+                    observes.retain(stays);
+                    observes
+                }),
+                covisible: other
+                    .filter(|other| *other != name)
+                    .map(|other| (keyframe_id(other), 9))
+                    .into_iter()
+                    .collect(),
+            });
+            let changed = ChangedObservations {
+                session: format!("robot-{session}").parse().unwrap(),
+                keyframes: changed.into_iter().collect(),
+                replaced: fused,
+                removed,
+            };
+            service.change_observations(map, changed).await.map(drop)
         }
         Request::Confirm { name, keyframe, candidate } => {
             let new = NewLoop {

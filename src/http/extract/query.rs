@@ -51,6 +51,24 @@ pub struct Paging {
     pub cursor: Option<String>,
 }
 
+/// A filter of keyframes.
+#[derive(IntoParams)]
+#[into_params(parameter_in = Query)]
+#[expect(dead_code, reason = "documents what the reader reads")]
+pub struct KeyframeSearch {
+    /// Only keyframes that may be deleted when a quota nears: others see 90 % of their map points and every anchor.
+    #[param(default = false)]
+    redundant: Option<bool>,
+}
+
+/// A filter of keyframes, and a page of the result.
+pub struct KeyframePage {
+    /// Whether only redundant ones are asked for.
+    pub redundant: bool,
+    /// The page.
+    pub page: Paging,
+}
+
 /// A filter of anchors.
 #[derive(IntoParams)]
 #[into_params(parameter_in = Query)]
@@ -142,6 +160,16 @@ fn paging(query: &Object<'_>) -> Option<Paging> {
     let limit = query.optional("limit", |node| node.digits(limits::PAGE));
     let cursor = query.optional("cursor", |node| node.name(limits::CURSOR_CHARS));
     Some(Paging { limit: limit?.map_or(limits::PAGE_DEFAULT, |limit| limit as usize), cursor: cursor? })
+}
+
+impl Decode for KeyframePage {
+    fn decode(node: &Node<'_>) -> Option<Self> {
+        let query = node.object(&["redundant", "limit", "cursor"])?;
+        let page = paging(&query);
+        let redundant =
+            query.optional("redundant", |node| node.choice(&["true", "false"], |text| text.parse().ok()));
+        Some(Self { redundant: redundant?.unwrap_or(false), page: page? })
+    }
 }
 
 impl Decode for AnchorPage {

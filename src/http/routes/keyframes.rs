@@ -18,7 +18,7 @@ use crate::http::answer::written;
 use crate::http::error_responses::{OfDelete, OfWrite, ReadErrors};
 use crate::http::extract::body::KeyframeInPath;
 use crate::http::extract::path::{KeyframePath, KeyframePathParams, MapPath, MapPathParams};
-use crate::http::extract::query::{KeyframeParams, Paging, Query};
+use crate::http::extract::query::{KeyframePage, KeyframeParams, KeyframeSearch, Paging, Query};
 use crate::http::guards::access::Caller;
 use crate::http::problem::Problem;
 
@@ -60,8 +60,13 @@ pub async fn put_keyframe(
 /// List keyframes
 ///
 /// In order of arrival, paged.
+///
+/// With `redundant=true` only those that may be deleted when a quota nears: others see 90 % of their map points and every anchor.
+/// Each is so in its turn, without those before it in the page, so that all of a page may be deleted; delete them before the
+/// next page is asked for. A page looks at 1,000 keyframes at most, so it may be short or empty with a `next_cursor`. Nothing is
+/// deleted unasked.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/keyframes", tag = "keyframes", params(MapPathParams, Paging), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/keyframes", tag = "keyframes", params(MapPathParams, KeyframeSearch, Paging), security(("key" = ["read"])),
     responses(
         (status = 200, description = "One page of the list", body = KeyframeList, example = examples::keyframes),
         ReadErrors
@@ -70,15 +75,20 @@ pub async fn put_keyframe(
 pub async fn list_keyframes(
     State(service): State<Service>,
     MapPath(map): MapPath,
-    Query(page): Query<Paging>,
+    Query(KeyframePage { redundant, page }): Query<KeyframePage>,
 ) -> Result<Json<KeyframeList>, Problem> {
-    let (version, keyframes) = service.list_keyframes(&map, page.cursor.as_deref(), page.limit).await?;
+    let cursor = page.cursor.as_deref();
+    let (version, keyframes) = if redundant {
+        service.list_redundant(&map, cursor, page.limit).await?
+    } else {
+        service.list_keyframes(&map, cursor, page.limit).await?
+    };
     Ok(Json(KeyframeList::of(version, keyframes)))
 }
 
 /// Read a keyframe
 ///
-/// As it was sent, with its last corrected pose and points, and the anchors of its detections.
+/// As it was sent, with its last corrected pose and points, with what it observes now, and the anchors of its detections.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/keyframes/{keyframe}", tag = "keyframes", params(KeyframePathParams), security(("key" = ["read"])),
     responses((status = 200, description = "The keyframe", body = KeyframeView, example = examples::keyframe), ReadErrors)

@@ -14,6 +14,7 @@ mod loop_queries;
 mod loops;
 mod maps;
 mod model_verdicts;
+mod observations;
 mod poses;
 mod semantics;
 mod service;
@@ -37,6 +38,7 @@ pub fn api(frame: OpenApi) -> OpenApiRouter<App> {
         .routes(routes!(keyframes::list_covisible))
         .routes(routes!(keyframes::get_local_anchor_map))
         .routes(routes!(poses::correct_poses))
+        .routes(routes!(observations::change_observations))
         .routes(routes!(trajectories::get_trajectory))
         .routes(routes!(sessions::list_sessions))
         .routes(routes!(export::export_map))

@@ -29,7 +29,7 @@ pub(in crate::store) fn of_change(change: &Change) -> u64 {
     match change {
         Change::PointSet(..) => POINT_ROW_US,
         Change::PointsForgotten(_, ids) => ids.len() as u64 * POINT_ROW_US,
-        Change::PoseSet(..) | Change::KeyframeRemoved(..) => KEYFRAME_ROW_US,
+        Change::PoseSet(..) | Change::KeyframeRemoved(..) | Change::PointsOfKeyframeSet(_) => KEYFRAME_ROW_US,
         Change::Observed(..) | Change::OutcomeSet(..) | Change::GlobalDescriptorSet(..) => 0,
         Change::KeyframeAdded(keyframe, _) => KEYFRAME_ROW_US + of_bytes(keyframe.bytes as usize),
         _ => STATEMENT_US,

@@ -11,8 +11,8 @@ use crate::store::rows::keyframe_rows::{detections, pose_blob};
 use crate::store::rows::operation_rows::Operation;
 use crate::store::rows::statement::run;
 use crate::store::rows::{
-    changed_sign_rows, former_value_rows, judgement_rows, key_rows, map_rows, model_rows, operation_rows,
-    point_blocks, prior_rows, twin_rows,
+    changed_sign_rows, former_value_rows, judgement_rows, key_rows, map_rows, model_rows, observation_rows,
+    operation_rows, point_blocks, prior_rows, twin_rows,
 };
 use crate::store::slices::{deferred, deletion};
 
@@ -128,6 +128,15 @@ async fn apply(
         Change::PoseSet(seq, pose) => {
             let update = "update keyframes set pose = $3 where map_key = $1 and keyframe = $2";
             run(db, sqlx::query(update).bind(map).bind(seq.0).bind(pose_blob(pose))).await
+        }
+        Change::ObservationsSent(update) => {
+            operation_rows::add(db, (map, version), &Operation::from(&**update)).await
+        }
+        Change::PointsOfKeyframeSet(points) => {
+            observation_rows::set_points_of_keyframe(db, map, points).await
+        }
+        Change::PointsOfDetectionSet(_, keyframe, detection, points) => {
+            observation_rows::set_points_of_detection(db, map, (*keyframe, *detection), points).await
         }
         Change::PointsForgotten(session, ids) => {
             point_blocks::change(db, map, ids.iter().map(|id| (*session, *id, None))).await

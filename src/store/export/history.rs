@@ -59,10 +59,11 @@ impl CandidateStage {
         self.points.get(&session)?.get(&id).copied()
     }
 
-    /// Takes points away, or brings them back.
-    fn forget(&mut self, forgotten: &[(SessionSeq, PointId, Point3)], are_gone: bool) {
+    /// Brings points back that were forgotten, or takes them away: then their coordinates are those of [`ABSENT`], or of the
+    /// keyframe that will bring them again.
+    fn set_forgotten(&mut self, forgotten: &[(SessionSeq, PointId, Point3)]) {
         for (session, id, at) in forgotten {
-            self.set_point(*session, *id, (!are_gone).then_some(*at));
+            self.set_point(*session, *id, Some(*at));
         }
     }
 }
@@ -114,7 +115,7 @@ impl History {
             let new = history.values_for(db, &former).await?;
             history.write(version as u64, &new)?;
             history.standing.set(&former);
-            history.standing.forget(&former.forgotten, false);
+            history.standing.set_forgotten(&former.forgotten);
         }
         Ok(history)
     }
@@ -150,7 +151,7 @@ impl History {
             self.file.read_exact(&mut entries).map_err(temporary)?;
             let values = former_value_rows::unpacked(written.kind, &entries)?;
             self.standing.set(&values);
-            self.standing.forget(&values.forgotten, true);
+            self.standing.set_forgotten(&values.forgotten);
             new.poses.extend(values.poses);
             new.points.extend(values.points);
             new.positions.extend(values.positions);
@@ -197,8 +198,14 @@ impl History {
         let rows = pose_rows(db, self.map, &elsewhere).await?;
         let pose = |keyframe: KeyframeSeq| self.pose(keyframe).or_else(|| rows.get(&keyframe.0).copied());
         let poses = former.poses.iter().filter_map(|(keyframe, _)| Some((*keyframe, pose(*keyframe)?)));
-        let forgotten = former.forgotten.clone();
-        let mut new = NewValues { poses: poses.collect(), forgotten, ..NewValues::default() };
+        let mut new = NewValues { poses: poses.collect(), ..NewValues::default() };
+        for of_session in former.forgotten.chunk_by(|a, b| a.0 == b.0) {
+            let session = of_session[0].0;
+            let ids: Vec<PointId> = of_session.iter().map(|(_, id, _)| *id).collect();
+            let found: HashMap<PointId, Point3> = self.points(db, session, &ids).await?.into_iter().collect();
+            let at = |id: &PointId| found.get(id).copied().unwrap_or_else(|| Point3::from(ABSENT));
+            new.forgotten.extend(ids.iter().map(|id| (session, *id, at(id))));
+        }
         for of_session in former.points.chunk_by(|a, b| a.0 == b.0) {
             let session = of_session[0].0;
             let ids: Vec<PointId> = of_session.iter().map(|(_, id, _)| *id).collect();

@@ -11,7 +11,7 @@ use super::introduced::Introduced;
 use crate::domain::ids::{AnchorSeq, KeyframeId, KeyframeSeq, LoopId, MapId, SessionId, SessionSeq};
 use crate::domain::map::MapProperties;
 use crate::domain::recorded::{NamedDetection, Recorded};
-use crate::domain::request::{MapPatch, NewLoop, PoseCorrection};
+use crate::domain::request::{ChangedKeyframe, ChangedObservations, MapPatch, NewLoop, PoseCorrection};
 use crate::domain::settings::Settings;
 use crate::store::commit::job::MapKey;
 use crate::store::commit::transaction::Transaction;
@@ -131,8 +131,15 @@ impl Export {
         };
         if values == Some(version) {
             let new = self.history.advance()?;
-            // A keyframe says its own points; what else sets values is a correction.
-            return if keyframe == Some(version) { Ok(Step::LeftOut) } else { self.correction(new).await };
+            // A keyframe says its own points, and what changes observations moves none; what else sets values is a correction.
+            let changes_observations = matches!(
+                self.operations.front(), Some((of, Operation::ObservationsUnread)) if *of == version
+            );
+            return if keyframe == Some(version) || changes_observations {
+                Ok(Step::LeftOut)
+            } else {
+                self.correction(new).await
+            };
         }
         let map_comes =
             matches!(self.operations.front(), Some((of, Operation::Map { .. })) if *of == version);
@@ -171,6 +178,31 @@ impl Export {
         Ok(Step::of(Recorded::Poses(PoseCorrection { session, keyframes, map_points })))
     }
 
+    /// Returns what a client said of its points and edges, as far as the keyframes are still there.
+    async fn observations(&mut self, operation: Operation) -> Result<Step, StoreError> {
+        let Operation::Observations { session, replaced, removed, keyframes: rows } = operation else {
+            return Ok(Step::LeftOut);
+        };
+        let session = SessionSeq(session);
+        let mut keyframes = Vec::with_capacity(rows.len());
+        for row in rows {
+            let Some((_, keyframe)) = self.named(KeyframeSeq(row.keyframe)).await? else { continue };
+            let mut covisible = Vec::with_capacity(row.covisible.len());
+            for (other, shared) in row.covisible {
+                covisible.extend(self.named(KeyframeSeq(other)).await?.map(|(_, id)| (id, shared)));
+            }
+            keyframes.push(ChangedKeyframe { keyframe, observes: row.observes, covisible });
+        }
+        if !self.begun.contains(&session)
+            || (keyframes.is_empty() && replaced.is_empty() && removed.is_empty())
+        {
+            return Ok(Step::LeftOut);
+        }
+        let session = self.session(session)?.clone();
+        let changed = ChangedObservations { session, replaced, removed, keyframes };
+        Ok(Step::of(Recorded::Observations(changed)))
+    }
+
     async fn operation(&mut self, version: u64, operation: Operation) -> Result<Step, StoreError> {
         Ok(match operation {
             Operation::Map { description, metric, gravity, anchor_classes, settings } => {
@@ -180,6 +212,10 @@ impl Export {
                 let patch = difference(&self.properties, &now);
                 self.properties = now;
                 Step::of(Recorded::Map(patch))
+            }
+            Operation::ObservationsUnread | Operation::Observations { .. } => {
+                let said = operation_rows::observations(&mut self.db, (self.map, version)).await?;
+                self.observations(said).await?
             }
             Operation::Loop { id, keyframe, candidate, query } => {
                 let keyframe = self.named(KeyframeSeq(keyframe)).await?;

@@ -31,6 +31,7 @@ const MIGRATIONS: &[Step] = &[
     (14, "no_point_rows", include_str!("../../../migrations/sqlite/0014_no_point_rows.sql")),
     (15, "globals", include_str!("../../../migrations/sqlite/0015_globals.sql")),
     (16, "prior_anchors", include_str!("../../../migrations/sqlite/0016_prior_anchors.sql")),
+    (17, "observations", include_str!("../../../migrations/sqlite/0017_observations.sql")),
 ];
 
 /// The schema that has map points in rows and in blocks.

@@ -58,6 +58,7 @@ pub(in crate::store) fn keyframe(row: &SqliteRow) -> Result<(Keyframe, BowVector
         gravity: gravity(row)?,
         observes: packing.wide(row.try_get("observes")?)?.into(),
         declared: declared.into_iter().map(|(other, shared)| (KeyframeSeq(other), shared)).collect(),
+        renamed: None,
         bytes: row.try_get::<i64, _>("bytes")? as u64,
     };
     Ok((keyframe, packed_bow(row, packing)?))

@@ -5,13 +5,13 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use sqlx::Row;
 use sqlx::sqlite::SqliteRow;
+use sqlx::{AssertSqlSafe, Row};
 
 use super::decode;
 use super::point_blocks::points_of;
 use super::validate::{self, Known, KnownAnchor};
-use super::{changed_sign_rows, map_rows, model_rows, prior_rows, twin_rows};
+use super::{changed_sign_rows, map_rows, model_rows, observation_rows, prior_rows, twin_rows};
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Change, Keyframe, Merge, MergeCause};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId, SessionSeq};
@@ -173,9 +173,16 @@ async fn load_keyframes(
     known: &mut Known,
     take: &mut (impl FnMut(&[Change]) + Send),
 ) -> Result<(), StoreError> {
-    let select = "select * from keyframes where map_key = $1 and keyframe > $2 order by keyframe limit $3";
+    // An older keyframe may be declared covisible with a younger one, by what its client said later.
+    known.keyframes = standing(db, key).await?;
+    let select = format!(
+        "select keyframes.*, {} from keyframes left join keyframe_points using (map_key, keyframe)
+        where map_key = $1 and keyframe > $2 order by keyframe limit $3",
+        observation_rows::JOINED
+    );
     let mut last = -1_i64;
     loop {
+        let select = AssertSqlSafe(select.as_str());
         let rows = sqlx::query(select).bind(key).bind(last).bind(CHUNK).fetch_all(&mut *db).await?;
         let Some(row) = rows.last() else { return Ok(()) };
         last = row.try_get("keyframe")?;
@@ -185,7 +192,6 @@ async fn load_keyframes(
             let seq = keyframe.seq;
             // What was declared about keyframes that were culled since is no fact any more.
             keyframe.declared = declared_of(&keyframe, &known.keyframes);
-            known.keyframes.insert(seq);
             added.push(Change::KeyframeAdded(Box::new(keyframe), Arc::new(bow)));
             added.extend(global_descriptor(row, seq, known)?);
         }
@@ -199,13 +205,15 @@ async fn load_keyframes_backwards(
     known: &mut Known,
     take: &mut (impl FnMut(&[Change]) + Send),
 ) -> Result<(), StoreError> {
-    let select = "select keyframe from keyframes where map_key = $1";
-    let standing: Vec<u32> = sqlx::query_scalar(select).bind(key).fetch_all(&mut *db).await?;
-    known.keyframes = standing.into_iter().map(KeyframeSeq).collect();
-    let select =
-        "select * from keyframes where map_key = $1 and keyframe < $2 order by keyframe desc limit $3";
+    known.keyframes = standing(db, key).await?;
+    let select = format!(
+        "select keyframes.*, {} from keyframes left join keyframe_points using (map_key, keyframe)
+        where map_key = $1 and keyframe < $2 order by keyframe desc limit $3",
+        observation_rows::JOINED
+    );
     let mut last = i64::MAX;
     loop {
+        let select = AssertSqlSafe(select.as_str());
         let rows = sqlx::query(select).bind(key).bind(last).bind(CHUNK).fetch_all(&mut *db).await?;
         let Some(row) = rows.last() else { return Ok(()) };
         last = row.try_get("keyframe")?;
@@ -219,6 +227,13 @@ async fn load_keyframes_backwards(
     }
 }
 
+/// Returns the keyframes of a map.
+async fn standing(db: &mut Db, key: MapKey) -> Result<HashSet<KeyframeSeq>, StoreError> {
+    let select = "select keyframe from keyframes where map_key = $1";
+    let standing: Vec<u32> = sqlx::query_scalar(select).bind(key).fetch_all(&mut *db).await?;
+    Ok(standing.into_iter().map(KeyframeSeq).collect())
+}
+
 /// Returns the declared covisibility of a keyframe with those that stand.
 fn declared_of(keyframe: &Keyframe, standing: &HashSet<KeyframeSeq>) -> Box<[(KeyframeSeq, u32)]> {
     keyframe.declared.iter().copied().filter(|(other, _)| standing.contains(other)).collect()
@@ -226,8 +241,9 @@ fn declared_of(keyframe: &Keyframe, standing: &HashSet<KeyframeSeq>) -> Box<[(Ke
 
 fn keyframe(row: &SqliteRow, known: &Known) -> Result<(Keyframe, BowVector), StoreError> {
     let number: i64 = row.try_get("keyframe")?;
-    let (keyframe, bow) =
-        decode::keyframe(row).map_err(|error| error.of_row(format!("keyframe number {number}")))?;
+    let of_row = |error: StoreError| error.of_row(format!("keyframe number {number}"));
+    let (mut keyframe, bow) = decode::keyframe(row).map_err(of_row)?;
+    observation_rows::bring_up_to_date(&mut keyframe, row).map_err(of_row)?;
     validate::keyframe(&keyframe, known)?;
     Ok((keyframe, bow))
 }
@@ -270,6 +286,7 @@ async fn observations(db: &mut Db, key: MapKey, known: &Known) -> Result<Vec<Cha
     let crops: Vec<(u32, u16)> = sqlx::query_as(select).bind(key).fetch_all(&mut *db).await?;
     let crops: HashSet<(u32, u16)> = crops.into_iter().collect();
     let mut readings = model_rows::readings(&mut *db, key).await?;
+    let mut points = observation_rows::points_of_detections(&mut *db, key).await?;
     let select =
         "select * from detections where map_key = $1 and anchor is not null order by keyframe, detection";
     for row in sqlx::query(select).bind(key).fetch_all(&mut *db).await? {
@@ -277,6 +294,9 @@ async fn observations(db: &mut Db, key: MapKey, known: &Known) -> Result<Vec<Cha
         let (number, keyframe) = (at.1, at.0);
         let mut observation = decode::observation(&row, crops.contains(&at))
             .map_err(|error| error.of_row(format!("detection {number} of keyframe number {keyframe}")))?;
+        if let Some(points) = points.remove(&at) {
+            observation.map_points = points.into();
+        }
         let anchor = AnchorSeq(row.try_get("anchor")?);
         validate::observation(anchor, row.try_get("class")?, &observation, known)?;
         observation.crop_reading = readings.remove(&at);

@@ -12,6 +12,7 @@ pub(super) mod keyframe_rows;
 pub(super) mod load;
 pub(super) mod map_rows;
 pub(super) mod model_rows;
+pub(super) mod observation_rows;
 pub(super) mod operation_rows;
 pub(super) mod packing;
 pub(super) mod point_blocks;

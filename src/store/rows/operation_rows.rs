@@ -7,7 +7,7 @@ use sqlx::SqliteConnection;
 
 use super::map_rows;
 use super::statement::run;
-use crate::domain::change::Loop;
+use crate::domain::change::{KeyframeUpdate, Loop, ObservationUpdate};
 use crate::domain::ids::{AnchorSeq, LoopId};
 use crate::domain::map::MapProperties;
 use crate::domain::prior::Prior;
@@ -27,6 +27,16 @@ pub(in crate::store) enum Operation {
         anchor_classes: Vec<String>,
         settings: BTreeMap<String, String>,
     },
+    /// The client's map changed what keyframes of a session observe.
+    Observations {
+        session: u32,
+        replaced: Vec<(i64, i64)>,
+        removed: Vec<i64>,
+        keyframes: Vec<ChangedKeyframeRow>,
+    },
+    /// The same, not read yet: a map has thousands, and some are large.
+    #[serde(skip)]
+    ObservationsUnread,
     /// A loop was confirmed between two keyframes.
     Loop { id: String, keyframe: u32, candidate: u32, query: Option<String> },
     /// A loop was revoked.
@@ -49,10 +59,20 @@ pub(in crate::store) enum Operation {
     PriorDeleted { id: String },
 }
 
+/// What a client said of a keyframe: what it observes, if it said so, and whom it is covisible with, by how many shared points.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+pub(in crate::store) struct ChangedKeyframeRow {
+    pub keyframe: u32,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub observes: Option<Vec<i64>>,
+    pub covisible: Vec<(u32, u32)>,
+}
+
 impl Operation {
     fn name(&self) -> &'static str {
         match self {
             Self::Map { .. } => "map",
+            Self::Observations { .. } | Self::ObservationsUnread => OBSERVATIONS,
             Self::Loop { .. } => "loop",
             Self::LoopRevoked { .. } => "loop_revoked",
             Self::Description { .. } => "description",
@@ -73,6 +93,22 @@ impl From<&MapProperties> for Operation {
             settings: map_rows::chosen(&properties.settings)
                 .map(|(name, value)| (name.to_owned(), value))
                 .collect(),
+        }
+    }
+}
+
+impl From<&ObservationUpdate> for Operation {
+    fn from(update: &ObservationUpdate) -> Self {
+        let keyframe = |of: &KeyframeUpdate| ChangedKeyframeRow {
+            keyframe: of.keyframe.0,
+            observes: of.observes.clone(),
+            covisible: of.covisible.iter().map(|(other, shared)| (other.0, *shared)).collect(),
+        };
+        Self::Observations {
+            session: update.session.0,
+            replaced: update.replaced.clone(),
+            removed: update.removed.clone(),
+            keyframes: update.keyframes.iter().map(keyframe).collect(),
         }
     }
 }
@@ -112,6 +148,9 @@ pub(in crate::store) fn prior(class: String, prior: &Prior) -> Operation {
     }
 }
 
+/// The name of what changes observations.
+const OBSERVATIONS: &str = "observations";
+
 /// Adds an operation. Of one kind a version has one: of an object whose anchors are removed one by one, the first tells.
 pub(in crate::store) async fn add(
     db: &mut SqliteConnection,
@@ -131,13 +170,29 @@ pub(in crate::store) async fn all(
     map: MapKey,
 ) -> Result<Vec<(u64, Operation)>, StoreError> {
     // A map comes before all that is in it.
-    let select = "select version, body from operations where map_key = $1
+    let select = "select version, iif(operation = $2, null, body) from operations where map_key = $1
         order by version, operation <> 'map', operation";
-    let rows: Vec<(i64, String)> = sqlx::query_as(select).bind(map).fetch_all(db).await?;
-    let read = |(version, body): (i64, String)| {
-        let operation = serde_json::from_str(&body)
-            .map_err(|error| StoreError::corrupt(format!("the operation of version {version}: {error}")))?;
+    let query = sqlx::query_as(select).bind(map).bind(OBSERVATIONS);
+    let rows: Vec<(i64, Option<String>)> = query.fetch_all(db).await?;
+    let read = |(version, body): (i64, Option<String>)| {
+        let operation = body.map_or(Ok(Operation::ObservationsUnread), |body| read(version, &body))?;
         Ok((version as u64, operation))
     };
     rows.into_iter().map(read).collect()
+}
+
+/// Reads what changed observations in a version.
+pub(in crate::store) async fn observations(
+    db: &mut SqliteConnection,
+    (map, version): (MapKey, u64),
+) -> Result<Operation, StoreError> {
+    let select = "select body from operations where map_key = $1 and version = $2 and operation = $3";
+    let query = sqlx::query_scalar(select).bind(map).bind(version as i64).bind(OBSERVATIONS);
+    let body: String = query.fetch_one(db).await?;
+    read(version as i64, &body)
+}
+
+fn read(version: i64, body: &str) -> Result<Operation, StoreError> {
+    serde_json::from_str(body)
+        .map_err(|error| StoreError::corrupt(format!("the operation of version {version}: {error}")))
 }

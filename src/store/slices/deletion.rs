@@ -45,12 +45,14 @@ const TABLES: &[Table] = &[
     with_blobs("crops", "keyframe, detection", "length(bytes)"),
     without_rowid("missed_signs", "anchor, keyframe"),
     without_rowid("retired_signs", "anchor"),
+    without_rowid("detection_points", "keyframe, detection"),
     with_rowid("detections", "keyframe, detection"),
     with_blobs(
         "keyframe_features",
         "keyframe",
         "length(descriptors) + length(keypoints) + length(map_points)",
     ),
+    without_rowid("keyframe_points", "keyframe"),
     with_blobs(
         "keyframes",
         "keyframe",

@@ -12,10 +12,11 @@
 use std::collections::BTreeSet;
 
 use crate::domain::anchor::{AnchorState, IgnoredReason};
+use crate::domain::change::{Merge, MergeCause};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
 use crate::domain::keyframe::Detection;
 use crate::geometry::Point3;
-use crate::recognition::map::index::{MapIndex, MergedAnchor};
+use crate::recognition::map::index::{MapIndex, MergedAnchor, Shape};
 use crate::semantics::{self, Text};
 
 /// What becomes of a detection.
@@ -83,7 +84,9 @@ pub fn associate(
             if is_retired && excludes(object, detection) {
                 continue;
             }
-            if let Some((closeness, by_points)) = closeness(index, session, detection, object, &position) {
+            let sight = Sight { points: &detection.map_points, position: detection.position_in_session };
+            let shape = object.shapes.get(&session);
+            if let Some((closeness, by_points)) = closeness(index, &sight, shape, &position) {
                 pairs.push(Pair { is_retired, closeness, by_points, object: *root, detection: number });
             }
         }
@@ -111,30 +114,80 @@ fn excludes(object: &MergedAnchor, detection: &Detection) -> bool {
     text.zip(read).is_some_and(|(text, read)| semantics::is_conflict(text, &read))
 }
 
-/// Returns how well a detection fits an object, if it fits at all; and whether map points say so.
+/// Returns a merge of an anchor that a stored keyframe founded with an object that earlier keyframes saw, if it is one more
+/// sight of that: by what these keyframes observe now, and of the object what they had seen of it.
+pub fn late_sight(index: &MapIndex, keyframe: KeyframeSeq) -> Option<Merge> {
+    let stored = index.keyframe(keyframe)?;
+    let is_founded = |seq: &AnchorSeq| {
+        let first = index.anchor(*seq).and_then(|anchor| anchor.observations.keys().next());
+        first.is_some_and(|(first, _)| *first == keyframe)
+    };
+    let mut founded = index.anchors_seen_by(keyframe).filter(is_founded).peekable();
+    founded.peek()?;
+    // A loop that was confirmed since says nothing of what the keyframe knew.
+    let graph = index.covisibility();
+    let earlier = graph.neighbours(keyframe).filter(|other| *other < keyframe);
+    let earlier: Vec<KeyframeSeq> = earlier.filter(|other| graph.joins_by_sight(keyframe, *other)).collect();
+    let mut nearby = index.objects_seen_by_any(&earlier);
+    let own = index.objects_seen_by(keyframe);
+    nearby.retain(|root| !own.contains(root));
+    let position = |point| index.points().position(stored.session, point);
+    let mut pairs = Vec::new();
+    for seq in founded {
+        let Some((anchor, root)) = index.anchor(seq).zip(index.objects().root(seq)) else { continue };
+        let Some(observation) = anchor.observations.values().next() else { continue };
+        let Some(mine) = index.objects().get(root) else { continue };
+        let sight = Sight { points: &observation.map_points, position: observation.position_in_session };
+        for other in &nearby {
+            let Some(theirs) = index.objects().get(*other) else { continue };
+            if *index.class_of(theirs) != *anchor.class || theirs.state == AnchorState::Retired {
+                continue;
+            }
+            let shape = index.shape_before(theirs, stored.session, keyframe);
+            let Some((closeness, by_points)) = closeness(index, &sight, shape.as_ref(), &position) else {
+                continue;
+            };
+            if index.keyframes_of(theirs).is_disjoint(&index.keyframes_of(mine)) {
+                pairs.push((by_points, closeness, *other, root));
+            }
+        }
+    }
+    let best = pairs.into_iter().max_by(|a, b| {
+        a.0.cmp(&b.0).then_with(|| a.1.total_cmp(&b.1)).then_with(|| (b.2, b.3).cmp(&(a.2, a.3)))
+    });
+    best.map(|(_, _, a, b)| Merge { into: a.min(b), from: a.max(b), cause: MergeCause::Covisible })
+}
+
+/// Where a detection is.
+struct Sight<'d> {
+    points: &'d [PointId],
+    /// In the frame of its keyframe's session.
+    position: Option<Point3>,
+}
+
+/// Returns how well a detection fits an object of this shape in its session, if it fits at all; and whether map points say
+/// so.
 fn closeness(
     index: &MapIndex,
-    session: SessionSeq,
-    detection: &Detection,
-    object: &MergedAnchor,
+    sight: &Sight<'_>,
+    shape: Option<&Shape>,
     position: &impl Fn(PointId) -> Option<Point3>,
 ) -> Option<(f64, bool)> {
     let settings = &index.properties().settings;
-    if let Some(share) = covered_share(session, &detection.map_points, object, position) {
+    let shape = shape?;
+    if let Some(share) = covered_share(sight.points, shape, position) {
         return (share > 0.0 && share >= settings.association_min_point_share).then_some((share, true));
     }
-    let distance_m = (detection.position_in_session? - object.aabb(session)?.centre()).norm();
+    let distance_m = (sight.position? - shape.aabb?.centre()).norm();
     (distance_m <= settings.association_position_radius_m).then_some((-distance_m, false))
 }
 
-/// Returns the share of a detection's map points that the object's box covers; `None` if map points cannot tell.
+/// Returns the share of a detection's map points that an object's box covers; `None` if map points cannot tell.
 fn covered_share(
-    session: SessionSeq,
     points: &[PointId],
-    object: &MergedAnchor,
+    shape: &Shape,
     position: &impl Fn(PointId) -> Option<Point3>,
 ) -> Option<f64> {
-    let shape = object.shapes.get(&session)?;
     let placed: Vec<Point3> = points.iter().filter_map(|id| position(*id)).collect();
     if !placed.is_empty() {
         let aabb = shape.aabb?;

@@ -87,6 +87,7 @@ fn add_keyframe(record: &mut Recorder<'_>, new: &NewKeyframe) -> (KeyframeSeq, S
         gravity: new.gravity,
         observes: new.observes.as_slice().into(),
         declared: new.covisible.iter().filter_map(|(id, n)| Some((index.keyframe_seq(id)?, *n))).collect(),
+        renamed: None,
         bytes: new.bytes(),
     };
     let seq = keyframe.seq;
@@ -170,9 +171,9 @@ fn nearest_member(index: &MapIndex, root: AnchorSeq, keyframe: KeyframeSeq) -> A
 }
 
 /// What each object is called, in normal form; objects without a description are left out.
-type Names = BTreeMap<AnchorSeq, Box<str>>;
+pub(super) type Names = BTreeMap<AnchorSeq, Box<str>>;
 
-fn names(index: &MapIndex, objects: &BTreeSet<AnchorSeq>) -> Names {
+pub(super) fn names(index: &MapIndex, objects: &BTreeSet<AnchorSeq>) -> Names {
     let name = |root: &AnchorSeq| {
         let description = index.objects().get(*root)?.description.as_ref()?;
         Some((*root, description.text.normalised().into()))
@@ -181,7 +182,7 @@ fn names(index: &MapIndex, objects: &BTreeSet<AnchorSeq>) -> Names {
 }
 
 /// Tells which of the objects seen have a description now, or another one; they are to be matched.
-fn tell_described(
+pub(super) fn tell_described(
     record: &mut Recorder<'_>,
     seen: &BTreeSet<AnchorSeq>,
     before: &Names,

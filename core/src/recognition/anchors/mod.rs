@@ -10,6 +10,7 @@ pub mod loop_closure;
 pub(super) mod match_sets;
 pub mod matching;
 pub(super) mod near_in_meaning;
+pub mod observations;
 pub mod pairs;
 pub mod prior_anchors;
 pub mod rejudging;

@@ -4,7 +4,6 @@
 //! building has shown that geometry alone proves nothing in it. That is found when a keyframe arrives or a sign is
 //! described, and kept: nothing runs geometry at load.
 
-use std::collections::BTreeSet;
 use std::ops::Range;
 
 use super::distinctiveness::PlaceCounts;
@@ -23,6 +22,7 @@ use crate::recognition::loops::geometry_check::{PlacedQuery, check_geometry};
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
 use crate::recognition::loops::query::Query;
 use crate::recognition::loops::screening::{CandidateStage, PreVerified, Screening};
+use crate::recognition::loops::wanted_features::WantedFeatures;
 use crate::recognition::map::index::{Certainty, MapIndex};
 use crate::recognition::verification::Status;
 
@@ -109,10 +109,12 @@ impl Suspects {
     }
 
     /// Returns the keyframes whose features geometry needs for one of them, ascending; the written one is among them.
-    pub fn wanted_features(&self, at: usize) -> BTreeSet<KeyframeSeq> {
-        let snapshot = self.screening.candidates[at].snapshot.iter();
-        let window = snapshot.flat_map(|snapshot| snapshot.window.iter().copied());
-        window.chain([self.keyframe, self.screening.candidates[at].keyframe]).collect()
+    pub fn wanted_features(&self, at: usize) -> WantedFeatures {
+        let candidate = &self.screening.candidates[at];
+        let mut wanted = WantedFeatures::default();
+        wanted.add(candidate.keyframe, candidate.snapshot.as_ref());
+        wanted.add_alone(self.keyframe, self.screening.snapshot.as_ref());
+        wanted
     }
 
     /// Runs geometry on one of them. Returns the pair if it would have closed a loop by itself.

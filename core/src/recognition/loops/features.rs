@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::points_now::PointsNow;
 use crate::domain::ids::{KeyframeSeq, PointId};
 use crate::domain::keyframe::{Features, Keypoint};
 use crate::geometry::hamming::PackedDescriptors;
 
-/// Features as the verification reads them; the lists run in parallel. Immutable like the keyframe they belong to.
+/// Features as the verification reads them; the lists run in parallel. Immutable, but for the map points: [`Self::observing`].
 #[derive(Clone, Debug)]
 pub struct MatchableFeatures {
     /// Where each was taken.
@@ -30,6 +31,12 @@ pub struct FeatureSet {
 }
 
 impl MatchableFeatures {
+    /// Returns the features with the map points that they observe now.
+    pub fn observing(&self, points: &PointsNow) -> Self {
+        let map_points = self.map_points.iter().map(|sent| points.now((*sent)?)).collect();
+        Self { map_points, ..self.clone() }
+    }
+
     /// Packs the features of a keyframe; `None` if their lists do not fit together.
     pub fn of(features: Features) -> Option<Self> {
         let descriptors = PackedDescriptors::from_bytes(features.descriptor_bytes, &features.descriptors)?;

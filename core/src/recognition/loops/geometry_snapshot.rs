@@ -4,8 +4,10 @@
 //! meanwhile. A sight keeps them as they were, so that a verdict speaks of one version of the map.
 
 use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 
 use super::features::MatchableFeatures;
+use super::points_now::PointsNow;
 use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
 use crate::domain::keyframe::{Camera, NewKeyframe};
 use crate::geometry::{Point3, Pose, Sim3};
@@ -27,6 +29,8 @@ pub struct GeometrySnapshot {
     positions_in_session: HashMap<PointId, Point3>,
     /// The covisible keyframes of its session whose points join the guided search, those that share most first.
     pub window: Vec<KeyframeSeq>,
+    /// Of the keyframe and its window, those whose map points are others than their features were sent with.
+    pub(in crate::recognition) points_now: BTreeMap<KeyframeSeq, Arc<PointsNow>>,
 }
 
 impl GeometrySnapshot {
@@ -50,10 +54,13 @@ impl GeometrySnapshot {
             session_from_camera: keyframe.map_from_camera,
             positions_in_session: HashMap::new(),
             window: window(index, seq, keyframe.session),
+            points_now: BTreeMap::new(),
         };
+        sight.points_now.extend(PointsNow::of(keyframe).map(|points| (seq, points)));
         sight.learn(index, keyframe.session, keyframe.observes.iter());
         for neighbour in sight.window.clone() {
             if let Some(neighbour) = index.keyframe(neighbour) {
+                sight.points_now.extend(PointsNow::of(neighbour).map(|points| (neighbour.seq, points)));
                 sight.learn(index, keyframe.session, neighbour.observes.iter());
             }
         }
@@ -68,6 +75,7 @@ impl GeometrySnapshot {
             session_from_camera: keyframe.map_from_camera,
             positions_in_session: HashMap::new(),
             window: Vec::new(),
+            points_now: BTreeMap::new(),
         };
         if let Some(session) = session {
             sight.learn(index, session, keyframe.observes.iter().copied());

@@ -16,6 +16,8 @@ pub(in crate::recognition) mod fusion;
 pub mod geometry_check;
 pub mod geometry_snapshot;
 pub mod low_score;
+pub mod points_now;
 pub mod query;
 pub mod screening;
 mod similar_pairs;
+pub mod wanted_features;

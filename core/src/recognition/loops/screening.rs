@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::geometry_snapshot::GeometrySnapshot;
 use super::query::Query;
+use super::wanted_features::WantedFeatures;
 use crate::domain::change::Loop;
 use crate::domain::ids::KeyframeSeq;
 use crate::domain::settings::Settings;
@@ -220,16 +221,15 @@ impl Screening {
     }
 
     /// Returns the keyframes whose features geometry will read, ascending; none if it has nothing to do.
-    pub fn wanted_features(&self) -> BTreeSet<KeyframeSeq> {
-        let mut wanted = BTreeSet::new();
+    pub fn wanted_features(&self) -> WantedFeatures {
+        let mut wanted = WantedFeatures::default();
         for pre_verified in
             self.waiting().flat_map(|pre_verified| [pre_verified].into_iter().chain(&pre_verified.neighbours))
         {
-            wanted.insert(pre_verified.keyframe);
-            wanted.extend(pre_verified.snapshot.iter().flat_map(|snapshot| snapshot.window.iter().copied()));
+            wanted.add(pre_verified.keyframe, pre_verified.snapshot.as_ref());
         }
-        if !wanted.is_empty() {
-            wanted.extend(self.query);
+        if let Some(query) = self.query.filter(|_| !wanted.keyframes.is_empty()) {
+            wanted.add_alone(query, self.snapshot.as_ref());
         }
         wanted
     }

@@ -121,8 +121,24 @@ impl CovisibilityLists {
         }
     }
 
+    /// Lists a keyframe's neighbours by shared points anew: before, it had others.
+    pub fn relist(&mut self, keyframe: KeyframeSeq, before: &[Neighbour], now: &[Neighbour]) {
+        self.unlist(keyframe, before);
+        self.add(keyframe, now);
+    }
+
     /// Removes a keyframe with its edges; these are its neighbours by shared points.
     pub fn remove(&mut self, keyframe: KeyframeSeq, neighbours: &[Neighbour]) {
+        self.unlist(keyframe, neighbours);
+        let edges = self.edges.remove(keyframe.index()).unwrap_or_default();
+        self.entries -= edges.len() as u64;
+        for (other, _) in edges {
+            self.change_list(other, |list| list.retain(|(back, _)| *back != keyframe));
+        }
+    }
+
+    /// Takes a keyframe from the lists of neighbours by shared points; these are its own.
+    fn unlist(&mut self, keyframe: KeyframeSeq, neighbours: &[Neighbour]) {
         if let Some(Sharing::Listed(list)) = self.sharing.remove(keyframe.index()) {
             self.entries -= list.len() as u64;
         }
@@ -134,11 +150,6 @@ impl CovisibilityLists {
             if list.is_empty() {
                 self.sharing.remove(other.index());
             }
-        }
-        let edges = self.edges.remove(keyframe.index()).unwrap_or_default();
-        self.entries -= edges.len() as u64;
-        for (other, _) in edges {
-            self.change_list(other, |list| list.retain(|(back, _)| *back != keyframe));
         }
     }
 
@@ -155,6 +166,11 @@ impl CovisibilityLists {
     /// A client declares the two covisible. Declared from both sides, the larger number stands.
     pub fn declare(&mut self, a: KeyframeSeq, b: KeyframeSeq, shared: u32) {
         self.change(a, b, |edge| edge.declared = edge.declared.max(Some(shared)));
+    }
+
+    /// A client declares the two covisible with this number of shared points, whatever was declared before.
+    pub fn redeclare(&mut self, a: KeyframeSeq, b: KeyframeSeq, shared: u32) {
+        self.change(a, b, |edge| edge.declared = Some(shared));
     }
 
     /// A confirmed loop joins the two.

@@ -47,7 +47,7 @@ fn points_of(index: &MapIndex, keyframe: KeyframeSeq) -> Option<(SessionSeq, BTr
 
 /// Whether the map point has a position, and no observer that would miss it. As in SLAM, where a point that nobody observes is culled;
 /// one that was sent before anybody observed it waits for its first observer.
-fn is_orphan(index: &MapIndex, session: SessionSeq, id: PointId) -> bool {
+pub(in crate::recognition) fn is_orphan(index: &MapIndex, session: SessionSeq, id: PointId) -> bool {
     index.points().position(session, id).is_some()
         && !index.points().is_observed(session, id)
         && index.holders().of(session, id).next().is_none()

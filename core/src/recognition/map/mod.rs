@@ -8,3 +8,4 @@ pub mod dense_map;
 pub mod index;
 pub mod inverted_file;
 pub mod recorder;
+pub mod redundancy;

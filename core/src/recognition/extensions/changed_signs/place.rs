@@ -13,6 +13,7 @@ use crate::recognition::extensions::tracked_path::TrackedPath;
 use crate::recognition::loops::features::FeatureSet;
 use crate::recognition::loops::geometry_check::{PlacedQuery, Terms, verify_views};
 use crate::recognition::loops::geometry_snapshot::GeometrySnapshot;
+use crate::recognition::loops::wanted_features::WantedFeatures;
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::verification::Status;
 
@@ -90,9 +91,10 @@ impl Look {
     }
 
     /// Returns the keyframes whose features it needs.
-    pub fn wanted_features(&self) -> BTreeSet<KeyframeSeq> {
-        let window = self.candidate.1.window.iter().copied();
-        window.chain([self.query.0, self.candidate.0]).collect()
+    pub fn wanted_features(&self) -> WantedFeatures {
+        let mut wanted = WantedFeatures::of(self.candidate.0, &self.candidate.1);
+        wanted.add_alone(self.query.0, Some(&self.query.1));
+        wanted
     }
 
     /// Runs geometry. Returns where the sign would hang in the session's frame as the query's pose has it, if the query looks

@@ -27,6 +27,7 @@ fn keyframe(seq: u32, session: u32, x_m: i32, is_lost: bool) -> Change {
         gravity: None,
         observes: points.into(),
         declared: Box::default(),
+        renamed: None,
         bytes: 0,
     };
     Change::KeyframeAdded(Box::new(keyframe), Arc::new(BowVector::default()))

@@ -49,7 +49,7 @@ impl Shape {
         self.range_assumed |= other.range_assumed;
     }
 
-    fn add(&mut self, observation: &Observation, session: SessionSeq, points: &Points) {
+    pub(super) fn add(&mut self, observation: &Observation, session: SessionSeq, points: &Points) {
         self.map_points.extend(observation.map_points.iter().copied());
         let mut placed =
             observation.map_points.iter().filter_map(|id| points.position(session, *id)).peekable();

@@ -9,11 +9,12 @@ use super::objects::MergedAnchor;
 use super::texts::TextIndex;
 use crate::domain::anchor::{AnchorState, Observation};
 use crate::domain::bow::BowVector;
-use crate::domain::change::{Change, Keyframe, Loop, Merge, MergeCause, MovedObservation};
-use crate::domain::ids::{AnchorSeq, KeyframeSeq, LoopId, SessionSeq};
+use crate::domain::change::{Change, Keyframe, Loop, Merge, MergeCause, MovedObservation, PointsOfKeyframe};
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, LoopId, PointId, SessionSeq};
 use crate::domain::judged::{Finding, ModelVerdict};
 use crate::domain::map::MapProperties;
 use crate::domain::prior::Prior;
+use crate::geometry::Point3;
 
 /// What a batch of changes has touched.
 #[derive(Default)]
@@ -81,19 +82,13 @@ impl MapIndex {
             Change::AnchorRemoved(seq) => self.remove_anchor(*seq, touched),
             Change::Observed(seq, observation) => self.observe(*seq, observation, touched),
             Change::ObservationMoved(moved) => self.move_observation(moved, touched),
-            Change::OutcomeSet(..) | Change::JudgementAdvanced(_) => {}
+            Change::OutcomeSet(..) | Change::JudgementAdvanced(_) | Change::ObservationsSent(_) => {}
+            Change::PointsOfKeyframeSet(points) => self.set_points_of_keyframe(points),
+            Change::PointsOfDetectionSet(seq, keyframe, detection, points) => {
+                self.set_points_of_detection(*seq, (*keyframe, *detection), points, touched);
+            }
             Change::PositionSet(seq, keyframe, detection, position) => {
-                // A deferred change may name the anchor that the detection fed before it was moved.
-                let holds = |anchor: &Anchor| anchor.observations.contains_key(&(*keyframe, *detection));
-                let is_holder = |seq: &AnchorSeq| self.anchor(*seq).is_some_and(holds);
-                let holder = [*seq].into_iter().chain(self.anchors_seen_by(*keyframe)).find(is_holder);
-                if let Some(holder) = holder
-                    && let Some(anchor) = self.anchor_mut(holder)
-                    && let Some(observation) = anchor.observations.get_mut(&(*keyframe, *detection))
-                {
-                    observation.position_in_session = Some(*position);
-                    touched.stale.insert(holder);
-                }
+                self.set_position(*seq, (*keyframe, *detection), *position, touched);
             }
             Change::DescriptionSet(seq, text) => {
                 if let Some(anchor) = self.anchor_mut(*seq) {
@@ -298,6 +293,70 @@ impl MapIndex {
                     self.readings.remove(&class, holder, &observation);
                 }
             }
+            touched.stale.insert(holder);
+        }
+    }
+
+    fn set_points_of_keyframe(&mut self, now: &PointsOfKeyframe) {
+        let seq = now.keyframe;
+        let before = self.covisibility().sharing(seq).into_owned();
+        let Some(keyframe) = self.keyframes.get_mut(seq.index()) else { return };
+        self.tally.remove_keyframe(keyframe);
+        self.bytes -= keyframe.bytes;
+        let session = keyframe.session;
+        let observed = std::mem::replace(&mut keyframe.observes, now.observes.clone());
+        keyframe.declared.clone_from(&now.declared);
+        keyframe.renamed = Some(now.renamed.clone());
+        keyframe.bytes = now.bytes;
+        self.bytes += keyframe.bytes;
+        self.tally.add_keyframe(keyframe);
+        // Only what differs: a point's observers are written anew each time.
+        let (old, new): (BTreeSet<PointId>, BTreeSet<PointId>) =
+            (observed.iter().collect(), now.observes.iter().collect());
+        self.points.forget(session, old.difference(&new).copied(), seq);
+        self.points.observe(session, new.difference(&old).copied(), seq);
+        let sharing = self.covisibility().counted(seq);
+        self.lists.relist(seq, &before, &sharing);
+        self.retrack(seq);
+        for (other, points) in &now.declared {
+            let theirs = self.keyframe(*other).into_iter().flat_map(|other| other.declared.iter());
+            let theirs = theirs.filter(|(back, _)| *back == seq).map(|(_, points)| *points).max();
+            self.lists.redeclare(seq, *other, theirs.unwrap_or(0).max(*points));
+        }
+    }
+
+    fn set_points_of_detection(
+        &mut self,
+        seq: AnchorSeq,
+        at: (KeyframeSeq, u16),
+        points: &[PointId],
+        touched: &mut Touched,
+    ) {
+        let observation =
+            self.anchors.get_mut(seq.index()).and_then(|anchor| anchor.observations.get_mut(&at));
+        let Some(observation) = observation else { return };
+        self.tally.remove_observation(observation);
+        observation.map_points = points.into();
+        self.tally.add_observation(observation);
+        touched.stale.insert(seq);
+    }
+
+    fn set_position(
+        &mut self,
+        seq: AnchorSeq,
+        at: (KeyframeSeq, u16),
+        position: Point3,
+        touched: &mut Touched,
+    ) {
+        // A deferred change may name the anchor that the detection fed before it was moved.
+        let holds = |anchor: &Anchor| anchor.observations.contains_key(&at);
+        let is_holder = |seq: &AnchorSeq| self.anchor(*seq).is_some_and(holds);
+        let holder = [seq].into_iter().chain(self.anchors_seen_by(at.0)).find(is_holder);
+        if let Some(holder) = holder
+            && let Some(anchor) = self.anchor_mut(holder)
+            && let Some(observation) = anchor.observations.get_mut(&at)
+        {
+            observation.position_in_session = Some(position);
             touched.stale.insert(holder);
         }
     }

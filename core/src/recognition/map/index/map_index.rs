@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::anchor::Anchor;
+use super::anchor::{Anchor, Shape};
 use super::changed_signs::ChangedSigns;
 use super::globals::Globals;
 use super::holders::Holders;
@@ -263,6 +263,25 @@ impl MapIndex {
     /// Returns the keyframes that see an object, ascending.
     pub fn keyframes_of(&self, object: &MergedAnchor) -> BTreeSet<KeyframeSeq> {
         object.members.iter().filter_map(|member| self.anchor(*member)).flat_map(Anchor::keyframes).collect()
+    }
+
+    /// Returns what the keyframes of a session before one had seen of an object, where the map points are now; `None` if that
+    /// is nothing.
+    pub fn shape_before(
+        &self,
+        object: &MergedAnchor,
+        session: SessionSeq,
+        keyframe: KeyframeSeq,
+    ) -> Option<Shape> {
+        let mut shape = None;
+        for anchor in object.members.iter().filter_map(|member| self.anchor(*member)) {
+            for (_, observation) in anchor.observations.range(..(keyframe, 0)) {
+                if self.keyframe(observation.keyframe).is_some_and(|of| of.session == session) {
+                    shape.get_or_insert_with(Shape::default).add(observation, session, &self.points);
+                }
+            }
+        }
+        shape
     }
 
     /// Returns an anchor as if it were no part of a larger object.

@@ -15,12 +15,12 @@ pub(super) struct Tally {
 impl Tally {
     /// Counts a keyframe that arrived.
     pub fn add_keyframe(&mut self, keyframe: &Keyframe) {
-        self.observed_bytes += keyframe.observes.heap_bytes() as u64;
+        self.observed_bytes += observed_bytes(keyframe);
     }
 
     /// Forgets a keyframe that is gone.
     pub fn remove_keyframe(&mut self, keyframe: &Keyframe) {
-        self.observed_bytes -= keyframe.observes.heap_bytes() as u64;
+        self.observed_bytes -= observed_bytes(keyframe);
     }
 
     /// Counts an observation of an anchor.
@@ -34,4 +34,9 @@ impl Tally {
         self.observations -= 1;
         self.anchor_points -= observation.map_points.len() as u64;
     }
+}
+
+fn observed_bytes(keyframe: &Keyframe) -> u64 {
+    let renamed = keyframe.renamed.as_ref().map_or(0, |renamed| size_of_val(&**renamed));
+    (keyframe.observes.heap_bytes() + renamed) as u64
 }

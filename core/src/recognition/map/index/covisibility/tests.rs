@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::domain::bow::BowVector;
-use crate::domain::change::{Change, Keyframe, Loop};
+use crate::domain::change::{Change, Keyframe, Loop, PointsOfKeyframe};
 use crate::domain::ids::{KeyframeId, LoopId, PointId, SessionSeq};
 use crate::domain::keyframe::Stamp;
 use crate::domain::map::MapProperties;
@@ -16,6 +16,7 @@ use crate::geometry::Pose;
 #[derive(Clone, Debug)]
 enum Step {
     Add { session: u32, observes: BTreeSet<PointId>, declared: Option<(u32, u32)> },
+    Observe { seq: u32, observes: BTreeSet<PointId>, declared: Option<(u32, u32)> },
     Remove(u32),
     Close(u32, u32, u32),
     Revoke(u32),
@@ -27,6 +28,8 @@ fn step() -> impl Strategy<Value = Step> {
         (0..2_u32, prop::collection::btree_set(0..8_i64, 0..8), prop::option::of((0..12_u32, 0..9_u32)));
     prop_oneof![
         8 => add.prop_map(|(session, observes, declared)| Step::Add { session, observes, declared }),
+        3 => (0..20_u32, prop::collection::btree_set(0..8_i64, 0..8), prop::option::of((0..20_u32, 0..9_u32)))
+            .prop_map(|(seq, observes, declared)| Step::Observe { seq, observes, declared }),
         2 => (0..20_u32).prop_map(Step::Remove),
         1 => (0..3_u32, 0..20_u32, 0..20_u32).prop_map(|(id, a, b)| Step::Close(id, a, b)),
         1 => (0..3_u32).prop_map(Step::Revoke),
@@ -69,9 +72,28 @@ fn change_of(index: &MapIndex, step: &Step) -> Option<Change> {
                     .into_iter()
                     .filter(|(other, _)| index.keyframe(*other).is_some())
                     .collect(),
+                renamed: None,
                 bytes: 1,
             };
             Some(Change::KeyframeAdded(Box::new(keyframe), no_words()))
+        }
+        Step::Observe { seq, observes, declared } => {
+            let keyframe = index.keyframe(KeyframeSeq(*seq))?;
+            let mut all = keyframe.declared.to_vec();
+            let is_other = |other: &KeyframeSeq| other.0 != *seq && index.keyframe(*other).is_some();
+            let declared = declared.map(|(other, points)| (KeyframeSeq(other), points));
+            if let Some((other, points)) = declared.filter(|(other, _)| is_other(other)) {
+                all.retain(|(known, _)| *known != other);
+                all.push((other, points));
+            }
+            let points = PointsOfKeyframe {
+                keyframe: keyframe.seq,
+                observes: observes.iter().copied().collect(),
+                declared: all.into(),
+                renamed: [].into(),
+                bytes: 1,
+            };
+            Some(Change::PointsOfKeyframeSet(Box::new(points)))
         }
         Step::Remove(seq) => Some(Change::KeyframeRemoved(KeyframeSeq(*seq), no_words())),
         Step::Close(id, a, b) => {

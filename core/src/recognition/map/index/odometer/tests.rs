@@ -18,6 +18,7 @@ fn keyframe(seq: u32, session: u32, sec: i64, x_m: f64) -> Keyframe {
         gravity: None,
         observes: PointList::default(),
         declared: Box::default(),
+        renamed: None,
         bytes: 0,
     }
 }

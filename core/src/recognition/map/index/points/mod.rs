@@ -71,6 +71,20 @@ impl Points {
         counted(observers)
     }
 
+    /// Counts those of these points that are observed by a keyframe of which `counts` is true.
+    pub fn count_observed(
+        &self,
+        session: SessionSeq,
+        ids: impl IntoIterator<Item = PointId>,
+        counts: impl Fn(KeyframeSeq) -> bool,
+    ) -> usize {
+        let of_page = |(page, points)| {
+            let page = self.pages.get(&(session, page));
+            page.map_or(0, |page| page.count_observed(points, &counts))
+        };
+        by_page(ids).into_iter().map(of_page).sum()
+    }
+
     /// Sets the point's position.
     pub fn set_position(&mut self, session: SessionSeq, id: PointId, position_in_session: Point3) {
         let is_new =

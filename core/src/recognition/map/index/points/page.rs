@@ -94,6 +94,12 @@ impl Page {
         }
     }
 
+    /// Counts those of some points that are observed by a keyframe of which `counts` is true.
+    pub(super) fn count_observed(&self, points: u64, counts: &impl Fn(KeyframeSeq) -> bool) -> usize {
+        let lists = self.lists(self.observed).filter(|(bit, _)| points & bit != 0);
+        lists.filter(|(_, list)| observers::read(list).any(|keyframe| counts(KeyframeSeq(keyframe)))).count()
+    }
+
     /// Bytes on the heap.
     pub(super) fn heap_bytes(&self) -> usize {
         self.positions.capacity() * size_of::<Point3>() + self.observers.len()

@@ -1,0 +1,28 @@
+//! What became of a keyframe's map points since it was sent: others by now, or gone (M57).
+
+use std::sync::Arc;
+
+use crate::domain::change::Keyframe;
+use crate::domain::ids::PointId;
+
+/// What became of the map points that a keyframe's features were sent with, at one version of its map.
+#[derive(Clone, Debug)]
+pub struct PointsNow {
+    renamed: Box<[(PointId, PointId)]>,
+    observes: Box<[PointId]>,
+}
+
+impl PointsNow {
+    /// Returns what became of a keyframe's map points; `None` if nothing did.
+    pub fn of(keyframe: &Keyframe) -> Option<Arc<Self>> {
+        let renamed = keyframe.renamed.clone()?;
+        Some(Arc::new(Self { renamed, observes: keyframe.observes.iter().collect() }))
+    }
+
+    /// Returns the map point that a feature observes which was sent with this one, if it observes one still.
+    pub fn now(&self, sent: PointId) -> Option<PointId> {
+        let at = self.renamed.binary_search_by_key(&sent, |(sent, _)| *sent);
+        let now = at.map_or(sent, |at| self.renamed[at].1);
+        self.observes.binary_search(&now).is_ok().then_some(now)
+    }
+}

@@ -1,0 +1,82 @@
+//! Observations that a client's map changed, as rows beside those that keep what was sent.
+
+use std::collections::HashMap;
+
+use sqlx::sqlite::SqliteRow;
+use sqlx::{Row as _, SqliteConnection};
+
+use super::blob::{pack, unpack};
+use super::column::{integers, integers_of};
+use super::statement::run;
+use crate::domain::change::{Keyframe, PointsOfKeyframe};
+use crate::domain::ids::{KeyframeSeq, PointId};
+use crate::store::StoreError;
+use crate::store::commit::job::MapKey;
+
+/// The columns of a keyframe's points beside those of its own row, for a select that joins the two.
+pub(in crate::store) const JOINED: &str =
+    "keyframe_points.observes as observes_now, renamed_from, renamed_to,
+    keyframe_points.declared as declared_now, keyframe_points.bytes as bytes_now";
+
+/// Sets what a keyframe observes.
+pub(in crate::store) async fn set_points_of_keyframe(
+    db: &mut SqliteConnection,
+    map: MapKey,
+    points: &PointsOfKeyframe,
+) -> Result<(), StoreError> {
+    let insert = "insert or replace into keyframe_points
+        (map_key, keyframe, observes, renamed_from, renamed_to, declared, bytes) values ($1, $2, $3, $4, $5, $6, $7)";
+    let (from, to): (Vec<PointId>, Vec<PointId>) = points.renamed.iter().copied().unzip();
+    let query =
+        sqlx::query(insert).bind(map).bind(points.keyframe.0).bind(integers(&points.observes.to_vec()));
+    let declared = pack(points.declared.iter().map(|(other, shared)| (other.0, *shared)));
+    run(db, query.bind(integers(&from)).bind(integers(&to)).bind(declared).bind(points.bytes as i64)).await
+}
+
+/// Sets the map points of a detection.
+pub(in crate::store) async fn set_points_of_detection(
+    db: &mut SqliteConnection,
+    map: MapKey,
+    (keyframe, detection): (KeyframeSeq, u16),
+    points: &[PointId],
+) -> Result<(), StoreError> {
+    let insert = "insert or replace into detection_points (map_key, keyframe, detection, map_points)
+        values ($1, $2, $3, $4)";
+    run(db, sqlx::query(insert).bind(map).bind(keyframe.0).bind(detection).bind(integers(points))).await
+}
+
+/// Gives a keyframe what it observes now, if its row was selected with [`JOINED`] and that is not what was sent.
+pub(in crate::store) fn bring_up_to_date(keyframe: &mut Keyframe, row: &SqliteRow) -> Result<(), StoreError> {
+    let Some(observes) = row.try_get::<Option<&[u8]>, _>("observes_now")? else { return Ok(()) };
+    let declared: Vec<(u32, u32)> = unpack(row.try_get("declared_now")?)?;
+    let from: Vec<PointId> = integers_of(row.try_get("renamed_from")?)?;
+    let to: Vec<PointId> = integers_of(row.try_get("renamed_to")?)?;
+    if from.len() != to.len() || !from.is_sorted_by(|a, b| a < b) {
+        return Err(StoreError::corrupt("the renamed points do not fit together"));
+    }
+    keyframe.observes = integers_of::<PointId>(observes)?.into();
+    keyframe.declared = declared.into_iter().map(|(other, shared)| (KeyframeSeq(other), shared)).collect();
+    keyframe.renamed = Some(from.into_iter().zip(to).collect());
+    keyframe.bytes = row.try_get::<i64, _>("bytes_now")? as u64;
+    Ok(())
+}
+
+/// Returns the map points of those detections of a map that have others than were sent.
+pub(in crate::store) async fn points_of_detections(
+    db: &mut SqliteConnection,
+    map: MapKey,
+) -> Result<HashMap<(u32, u16), Vec<PointId>>, StoreError> {
+    let select = "select keyframe, detection, map_points from detection_points where map_key = $1";
+    let rows: Vec<(u32, u16, Vec<u8>)> = sqlx::query_as(select).bind(map).fetch_all(db).await?;
+    let read = |(keyframe, detection, points): (u32, u16, Vec<u8>)| {
+        let of_row = |error: StoreError| {
+            error.of_row(format!("the points of detection {detection} of keyframe number {keyframe}"))
+        };
+        let points: Vec<PointId> = integers_of(&points).map_err(of_row)?;
+        if !points.is_sorted_by(|a, b| a < b) {
+            return Err(of_row(StoreError::corrupt("not in order")));
+        }
+        Ok(((keyframe, detection), points))
+    };
+    rows.into_iter().map(read).collect()
+}
