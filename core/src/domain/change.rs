@@ -10,8 +10,10 @@ use super::judged::{CropRead, ModelVerdict};
 use super::judgement::JudgementProgress;
 use super::keyframe::{Camera, Stamp};
 use super::map::MapProperties;
+pub use super::observation_update::{KeyframeUpdate, ObservationUpdate, PointsOfKeyframe, Renamed};
 use super::point_list::PointList;
 use super::prior::Prior;
+pub use super::session_merge::{MergeUndo, SessionMerge};
 use crate::geometry::{Gravity, Point3, Pose};
 
 /// A keyframe as the index keeps it: everything but the heavy parts (bag of words, features, crops).
@@ -35,9 +37,9 @@ pub struct Keyframe {
     pub observes: PointList,
     /// Covisible keyframes declared by the client, each with its number of shared points.
     pub declared: Box<[(KeyframeSeq, u32)]>,
-    /// The map points that its features were sent with and that are others now, ascending, each with the present one; `None`
-    /// as long as the client has not changed what it observes.
-    pub renamed: Option<Box<[(PointId, PointId)]>>,
+    /// The map points that its features were sent with and that are others now; `None` as long as the client has not changed
+    /// what it observes.
+    pub renamed: Option<Renamed>,
     /// Its size on disk, in bytes ([`super::keyframe::NewKeyframe::bytes`]).
     pub bytes: u64,
 }
@@ -117,45 +119,6 @@ pub struct MissedSign {
     pub other: Option<AnchorSeq>,
 }
 
-/// What a client's map did to the points and edges of keyframes that it had sent, by dense number.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ObservationUpdate {
-    /// The session whose numbers the map points have.
-    pub session: SessionSeq,
-    /// Map points that were fused into others, each with the one that stays.
-    pub replaced: Vec<(PointId, PointId)>,
-    /// Map points that were culled.
-    pub removed: Vec<PointId>,
-    /// Keyframes of the session of which the client says more.
-    pub keyframes: Vec<KeyframeUpdate>,
-}
-
-/// What a keyframe observes, and which keyframes it is covisible with, as the client's map has it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct KeyframeUpdate {
-    /// The keyframe.
-    pub keyframe: KeyframeSeq,
-    /// All map points that it observes, ascending; `None` where the client does not say.
-    pub observes: Option<Vec<PointId>>,
-    /// Covisible keyframes that are declared besides those declared before, or with another number of shared points.
-    pub covisible: Vec<(KeyframeSeq, u32)>,
-}
-
-/// What a keyframe observes from now on.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PointsOfKeyframe {
-    /// The keyframe.
-    pub keyframe: KeyframeSeq,
-    /// As [`Keyframe::observes`].
-    pub observes: PointList,
-    /// As [`Keyframe::declared`].
-    pub declared: Box<[(KeyframeSeq, u32)]>,
-    /// As [`Keyframe::renamed`].
-    pub renamed: Box<[(PointId, PointId)]>,
-    /// As [`Keyframe::bytes`].
-    pub bytes: u64,
-}
-
 impl Merge {
     /// Returns what it takes on disk, in bytes.
     pub fn bytes(&self) -> u64 {
@@ -225,6 +188,16 @@ pub enum Change {
     AnchorTouched(AnchorSeq, u64),
     /// Two anchors are one object.
     Merged(Merge),
+    /// Two anchors that were one object, as a merge of sessions had it, are two again.
+    Parted(Merge),
+    /// The keyframes of a session are of another one now; the changes that bring them into its frame come with it.
+    SessionsMerged(Box<SessionMerge>),
+    /// A merge of sessions can be revoked, by this.
+    MergeKept(Box<MergeUndo>),
+    /// The merge of this session can be revoked no more: something was written on top of it.
+    MergeSettled(SessionSeq),
+    /// A merge of sessions was revoked; the changes that bring the keyframes back into their frame come with it.
+    MergeRevoked(Box<MergeUndo>),
     /// A loop was closed; its two keyframes are covisible from now on.
     LoopAdded(Loop),
     /// A loop was revoked, with its merges and its covisibility.

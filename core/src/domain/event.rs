@@ -1,6 +1,6 @@
 //! Events: changes of a map that listeners are notified of.
 
-use super::ids::{AnchorSeq, KeyframeId, LoopId};
+use super::ids::{AnchorSeq, KeyframeId, LoopId, SessionId};
 use super::named::named;
 
 named! {
@@ -20,6 +20,10 @@ named! {
         LoopConfirmed = "loop_confirmed",
         /// A client took a loop back.
         LoopRevoked = "loop_revoked",
+        /// The keyframes of a session are of another one now.
+        SessionsMerged = "sessions_merged",
+        /// A merge of sessions was taken back.
+        MergeRevoked = "merge_revoked",
     }
 }
 
@@ -45,6 +49,10 @@ pub struct Event {
     pub loop_id: Option<LoopId>,
     /// The loop query that found it.
     pub query: Option<String>,
+    /// The session that merged into another one.
+    pub session: Option<SessionId>,
+    /// The session that it merged into.
+    pub into: Option<SessionId>,
     /// The description, or one sentence for a person.
     pub detail: Option<String>,
 }
@@ -62,6 +70,8 @@ impl Event {
             candidate: None,
             loop_id: None,
             query: None,
+            session: None,
+            into: None,
             detail: None,
         }
     }

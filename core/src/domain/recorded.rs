@@ -6,6 +6,7 @@ use super::keyframe::NewKeyframe;
 pub use super::named_detection::NamedDetection;
 use super::prior::NewPrior;
 use super::request::{ChangedObservations, MapPatch, NewLoop, PoseCorrection};
+use super::session_merge::SessionMergeRequest;
 
 /// An operation that changed a map, as its client sent it.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +19,8 @@ pub enum Recorded {
     Poses(PoseCorrection),
     /// The client's map changed what keyframes observe.
     Observations(ChangedObservations),
+    /// A session merged into another one.
+    SessionsMerged(SessionMergeRequest),
     /// A loop was confirmed.
     Loop(NewLoop),
     /// A loop was revoked.

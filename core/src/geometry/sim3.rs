@@ -37,6 +37,11 @@ impl Sim3 {
         Some(Self::from_parts(scale, UnitQuaternion::from_quaternion(quaternion), translation_m.into()))
     }
 
+    /// From a rigid transformation and a scale, both taken as they are: lengths grow before they are moved.
+    pub fn scaled(pose: Pose, scale: f64) -> Self {
+        Self { scale, ..Self::from(pose) }
+    }
+
     /// From its parts, taken as they are.
     pub fn from_parts(scale: f64, rotation: UnitQuaternion<f64>, translation_m: Vector3<f64>) -> Self {
         Self { scale, rotation, translation: translation_m }

@@ -14,3 +14,4 @@ pub mod observations;
 pub mod pairs;
 pub mod prior_anchors;
 pub mod rejudging;
+pub mod session_merge;

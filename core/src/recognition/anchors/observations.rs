@@ -15,7 +15,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use super::association::late_sight;
 use super::ingest::{merge_all, names, tell_described, tell_revisits};
-use crate::domain::change::{Change, KeyframeUpdate, ObservationUpdate, PointsOfKeyframe};
+use crate::domain::change::{Change, Keyframe, KeyframeUpdate, ObservationUpdate, PointsOfKeyframe, Renamed};
 use crate::domain::event::{Event, EventKind};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
 use crate::recognition::map::culling::is_orphan;
@@ -39,7 +39,7 @@ pub struct ObservationsChanged {
 }
 
 /// What becomes of the map points that go: each with the one that stays, or none.
-type Becomes = HashMap<PointId, Option<PointId>>;
+pub(super) type Becomes = HashMap<PointId, Option<PointId>>;
 
 /// Applies what the client's map did to its points and edges.
 pub fn change_observations(index: &mut MapIndex, update: ObservationUpdate) -> ObservationsChanged {
@@ -129,7 +129,7 @@ fn becomes(update: &ObservationUpdate) -> Becomes {
 }
 
 /// Returns the points as they are now, ascending.
-fn now(points: impl Iterator<Item = PointId>, becomes: &Becomes) -> Vec<PointId> {
+pub(super) fn now(points: impl Iterator<Item = PointId>, becomes: &Becomes) -> Vec<PointId> {
     let now = points.filter_map(|id| becomes.get(&id).copied().unwrap_or(Some(id)));
     now.collect::<BTreeSet<PointId>>().into_iter().collect()
 }
@@ -144,18 +144,7 @@ fn points_of_keyframe(
     let stored = index.keyframe(keyframe)?;
     let said = listed.and_then(|of| of.observes.clone());
     let observes = said.unwrap_or_else(|| now(stored.observes.iter(), becomes));
-    let before = stored.renamed.as_deref().unwrap_or_default();
-    let mut renamed: BTreeMap<PointId, PointId> = BTreeMap::new();
-    for (sent, id) in before {
-        renamed.extend(becomes.get(id).copied().unwrap_or(Some(*id)).map(|id| (*sent, id)));
-    }
-    for id in stored.observes.iter() {
-        if let Some(Some(into)) = becomes.get(&id) {
-            renamed.entry(id).or_insert(*into);
-        }
-    }
-    renamed.retain(|sent, id| sent != id && observes.binary_search(id).is_ok());
-    let renamed: Box<[(PointId, PointId)]> = renamed.into_iter().collect();
+    let renamed = renamed(stored, &observes, becomes);
     let mut declared = stored.declared.to_vec();
     for (other, shared) in listed.into_iter().flat_map(|of| &of.covisible) {
         match declared.iter_mut().find(|(known, _)| known == other) {
@@ -165,23 +154,47 @@ fn points_of_keyframe(
     }
     if stored.observes.iter().eq(observes.iter().copied())
         && *declared == *stored.declared
-        && *renamed == *before
+        && renamed == stored.renamed.clone().unwrap_or_default()
     {
         return None;
     }
+    Some(with_bytes(stored, observes, declared.into(), renamed))
+}
+
+/// Returns the points that features were sent with and that are others now.
+fn renamed(stored: &Keyframe, observes: &[PointId], becomes: &Becomes) -> Renamed {
+    let before = stored.renamed.clone().unwrap_or_default();
+    let mut pairs: BTreeMap<PointId, PointId> = BTreeMap::new();
+    for (sent, id) in &before.pairs {
+        pairs.extend(becomes.get(id).copied().unwrap_or(Some(*id)).map(|id| (*sent, id)));
+    }
+    for id in stored.observes.iter().filter(|_| !before.is_complete) {
+        if let Some(Some(into)) = becomes.get(&id) {
+            pairs.entry(id).or_insert(*into);
+        }
+    }
+    pairs.retain(|sent, id| (before.is_complete || sent != id) && observes.binary_search(id).is_ok());
+    Renamed { pairs: pairs.into_iter().collect(), ..before }
+}
+
+/// Returns what a keyframe observes now, with what it takes on disk.
+pub(super) fn with_bytes(
+    stored: &Keyframe,
+    observes: Vec<PointId>,
+    declared: Box<[(KeyframeSeq, u32)]>,
+    renamed: Renamed,
+) -> PointsOfKeyframe {
     let bytes = |observes: usize, declared: usize, renamed: usize| {
         ((observes + declared + 2 * renamed) * NUMBER) as u64
     };
-    let bytes = (stored.bytes + bytes(observes.len(), declared.len(), renamed.len())).saturating_sub(bytes(
-        stored.observes.len(),
-        stored.declared.len(),
-        before.len(),
-    ));
-    Some(PointsOfKeyframe { keyframe, observes: observes.into(), declared: declared.into(), renamed, bytes })
+    let before = stored.renamed.as_ref().map_or(0, |renamed| renamed.pairs.len());
+    let bytes = (stored.bytes + bytes(observes.len(), declared.len(), renamed.pairs.len()))
+        .saturating_sub(bytes(stored.observes.len(), stored.declared.len(), before));
+    PointsOfKeyframe { keyframe: stored.seq, observes: observes.into(), declared, renamed, bytes }
 }
 
 /// Returns the detections that have other points now, each with them.
-fn points_of_detections(
+pub(super) fn points_of_detections(
     index: &MapIndex,
     session: SessionSeq,
     becomes: &Becomes,
@@ -262,7 +275,7 @@ fn to_look_at(
 
 /// Associates anew what these keyframes founded, and merges what matches and is covisible. Returns how many anchors became
 /// one with another.
-fn associate_anew(record: &mut Recorder<'_>, keyframes: BTreeSet<KeyframeSeq>) -> usize {
+pub(super) fn associate_anew(record: &mut Recorder<'_>, keyframes: BTreeSet<KeyframeSeq>) -> usize {
     let objects_before = record.index().objects().len();
     let seen = |index: &MapIndex| -> BTreeSet<AnchorSeq> {
         keyframes.iter().flat_map(|keyframe| index.objects_seen_by(*keyframe)).collect()

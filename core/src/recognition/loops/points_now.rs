@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use crate::domain::change::Keyframe;
+use crate::domain::change::{Keyframe, Renamed};
 use crate::domain::ids::PointId;
 
 /// What became of the map points that a keyframe's features were sent with, at one version of its map.
 #[derive(Clone, Debug)]
 pub struct PointsNow {
-    renamed: Box<[(PointId, PointId)]>,
+    renamed: Renamed,
     observes: Box<[PointId]>,
 }
 
@@ -21,8 +21,12 @@ impl PointsNow {
 
     /// Returns the map point that a feature observes which was sent with this one, if it observes one still.
     pub fn now(&self, sent: PointId) -> Option<PointId> {
-        let at = self.renamed.binary_search_by_key(&sent, |(sent, _)| *sent);
-        let now = at.map_or(sent, |at| self.renamed[at].1);
+        let Renamed { pairs, is_complete } = &self.renamed;
+        let now = match pairs.binary_search_by_key(&sent, |(sent, _)| *sent) {
+            Ok(at) => pairs[at].1,
+            Err(_) if *is_complete => return None,
+            Err(_) => sent,
+        };
         self.observes.binary_search(&now).is_ok().then_some(now)
     }
 }

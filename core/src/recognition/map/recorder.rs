@@ -6,7 +6,8 @@ use super::index::MapIndex;
 use crate::domain::change::Change;
 use crate::domain::event::Event;
 use crate::domain::former::FormerValues;
-use crate::domain::ids::AnchorSeq;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
+use crate::domain::session_merge::MergeUndo;
 
 /// What a request changed, and what there is to tell about it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,12 +27,36 @@ pub struct Recorder<'a> {
     touched: BTreeSet<AnchorSeq>,
     /// Whether a keyframe arrives: the points that it brings are its own, and replace nothing.
     keyframe_arrives: bool,
+    /// Whether the values that are replaced are kept though the map keeps no history.
+    keeps_former: bool,
+    /// Sessions that a change writes in.
+    written: BTreeSet<SessionSeq>,
+    /// What revokes the merge of sessions that this request is.
+    undo: Option<Box<MergeUndo>>,
 }
 
 impl<'a> Recorder<'a> {
     /// Starts a request.
     pub fn new(index: &'a mut MapIndex) -> Self {
-        Self { index, decided: Decided::default(), touched: BTreeSet::new(), keyframe_arrives: false }
+        Self {
+            index,
+            decided: Decided::default(),
+            touched: BTreeSet::new(),
+            keyframe_arrives: false,
+            keeps_former: false,
+            written: BTreeSet::new(),
+            undo: None,
+        }
+    }
+
+    /// Starts a request that can be taken back: the values that it replaces are kept, whether the map keeps its history or not.
+    pub fn keeping_former(index: &'a mut MapIndex) -> Self {
+        Self { keeps_former: true, ..Self::new(index) }
+    }
+
+    /// Returns the changes so far.
+    pub fn changes(&self) -> &[Change] {
+        &self.decided.changes
     }
 
     /// Returns the map as it stands after the steps so far.
@@ -41,10 +66,14 @@ impl<'a> Recorder<'a> {
 
     /// Applies one step's changes.
     pub fn apply(&mut self, changes: Vec<Change>) {
-        if self.index.properties().settings.keep_history {
+        if self.keeps_former || self.index.properties().settings.keep_history {
             for change in &changes {
                 self.keep_former(change);
             }
+        }
+        if !self.index.open_merges().is_empty() {
+            let written = changes.iter().flat_map(|change| written_in(self.index, change));
+            self.written.extend(written);
         }
         self.index.apply(&changes);
         self.decided.changes.extend(changes);
@@ -91,6 +120,11 @@ impl<'a> Recorder<'a> {
         self.decided.events.push(event);
     }
 
+    /// Keeps what revokes the merge of sessions that this request is; earlier ones that it touches are settled.
+    pub fn keep_undo(&mut self, undo: MergeUndo) {
+        self.undo = Some(Box::new(undo));
+    }
+
     /// Ends the request: the touched anchors get their new versions.
     pub fn finish(mut self) -> Decided {
         let mut versions = BTreeSet::new();
@@ -103,6 +137,26 @@ impl<'a> Recorder<'a> {
             .filter_map(|seq| Some(Change::AnchorTouched(seq, self.index.anchor(seq)?.version + 1)))
             .collect();
         self.apply(changes);
+        let settled = self.index.open_merges().touching(&self.written);
+        let settled = settled.into_iter().map(Change::MergeSettled);
+        let last: Vec<Change> = settled.chain(self.undo.take().map(Change::MergeKept)).collect();
+        if !last.is_empty() {
+            self.apply(last);
+        }
         self.decided
+    }
+}
+
+/// Returns the sessions whose keyframes or map points a change concerns, before it is applied.
+fn written_in(index: &MapIndex, change: &Change) -> Vec<SessionSeq> {
+    let of_keyframe = |seq: &KeyframeSeq| index.keyframe(*seq).map(|keyframe| keyframe.session);
+    match change {
+        Change::KeyframeAdded(keyframe, _) => vec![keyframe.session],
+        Change::KeyframeRemoved(seq, _) | Change::PoseSet(seq, _) => of_keyframe(seq).into_iter().collect(),
+        Change::PointsOfKeyframeSet(points) => of_keyframe(&points.keyframe).into_iter().collect(),
+        Change::PointsOfDetectionSet(_, keyframe, ..) => of_keyframe(keyframe).into_iter().collect(),
+        Change::PointSet(session, ..) | Change::PointsForgotten(session, _) => vec![*session],
+        Change::SessionsMerged(merge) => vec![merge.session, merge.into],
+        _ => Vec::new(),
     }
 }

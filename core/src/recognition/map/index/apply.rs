@@ -9,8 +9,8 @@ use super::objects::MergedAnchor;
 use super::texts::TextIndex;
 use crate::domain::anchor::{AnchorState, Observation};
 use crate::domain::bow::BowVector;
-use crate::domain::change::{Change, Keyframe, Loop, Merge, MergeCause, MovedObservation, PointsOfKeyframe};
-use crate::domain::ids::{AnchorSeq, KeyframeSeq, LoopId, PointId, SessionSeq};
+use crate::domain::change::{Change, Keyframe, Loop, Merge, MergeCause, MovedObservation};
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, LoopId, SessionSeq};
 use crate::domain::judged::{Finding, ModelVerdict};
 use crate::domain::map::MapProperties;
 use crate::domain::prior::Prior;
@@ -18,11 +18,11 @@ use crate::geometry::Point3;
 
 /// What a batch of changes has touched.
 #[derive(Default)]
-struct Touched {
+pub(super) struct Touched {
     /// Anchors of which the objects must be derived anew.
-    anchors: BTreeSet<AnchorSeq>,
+    pub(super) anchors: BTreeSet<AnchorSeq>,
     /// Anchors that lost something, or of which a point moved: their own shape and votes are stale.
-    stale: BTreeSet<AnchorSeq>,
+    pub(super) stale: BTreeSet<AnchorSeq>,
     /// Every object: a setting that decides about all of them changed.
     all: bool,
     /// The rules of the numbering: every text is to be parsed anew.
@@ -105,6 +105,11 @@ impl MapIndex {
                 self.objects.link(merge);
                 touched.anchors.extend([merge.into, merge.from]);
             }
+            Change::Parted(merge) => self.unlink(std::slice::from_ref(merge), touched),
+            Change::SessionsMerged(_)
+            | Change::MergeKept(_)
+            | Change::MergeSettled(_)
+            | Change::MergeRevoked(_) => self.apply_merge(change, touched),
             Change::LoopAdded(closed) => {
                 self.join_by_loop(closed);
                 self.bytes += closed.bytes();
@@ -295,50 +300,6 @@ impl MapIndex {
             }
             touched.stale.insert(holder);
         }
-    }
-
-    fn set_points_of_keyframe(&mut self, now: &PointsOfKeyframe) {
-        let seq = now.keyframe;
-        let before = self.covisibility().sharing(seq).into_owned();
-        let Some(keyframe) = self.keyframes.get_mut(seq.index()) else { return };
-        self.tally.remove_keyframe(keyframe);
-        self.bytes -= keyframe.bytes;
-        let session = keyframe.session;
-        let observed = std::mem::replace(&mut keyframe.observes, now.observes.clone());
-        keyframe.declared.clone_from(&now.declared);
-        keyframe.renamed = Some(now.renamed.clone());
-        keyframe.bytes = now.bytes;
-        self.bytes += keyframe.bytes;
-        self.tally.add_keyframe(keyframe);
-        // Only what differs: a point's observers are written anew each time.
-        let (old, new): (BTreeSet<PointId>, BTreeSet<PointId>) =
-            (observed.iter().collect(), now.observes.iter().collect());
-        self.points.forget(session, old.difference(&new).copied(), seq);
-        self.points.observe(session, new.difference(&old).copied(), seq);
-        let sharing = self.covisibility().counted(seq);
-        self.lists.relist(seq, &before, &sharing);
-        self.retrack(seq);
-        for (other, points) in &now.declared {
-            let theirs = self.keyframe(*other).into_iter().flat_map(|other| other.declared.iter());
-            let theirs = theirs.filter(|(back, _)| *back == seq).map(|(_, points)| *points).max();
-            self.lists.redeclare(seq, *other, theirs.unwrap_or(0).max(*points));
-        }
-    }
-
-    fn set_points_of_detection(
-        &mut self,
-        seq: AnchorSeq,
-        at: (KeyframeSeq, u16),
-        points: &[PointId],
-        touched: &mut Touched,
-    ) {
-        let observation =
-            self.anchors.get_mut(seq.index()).and_then(|anchor| anchor.observations.get_mut(&at));
-        let Some(observation) = observation else { return };
-        self.tally.remove_observation(observation);
-        observation.map_points = points.into();
-        self.tally.add_observation(observation);
-        touched.stale.insert(seq);
     }
 
     fn set_position(

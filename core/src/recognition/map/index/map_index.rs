@@ -8,6 +8,7 @@ use super::globals::Globals;
 use super::holders::Holders;
 use super::objects::{Judging, MergedAnchor, Objects};
 use super::odometer::Odometer;
+use super::open_merges::OpenMerges;
 use super::points::Points;
 use super::priors::Priors;
 use super::readings::Readings;
@@ -62,6 +63,7 @@ pub struct MapIndex {
     pub(super) changed_signs: ChangedSigns,
     pub(super) sign_grid: SignGrid,
     pub(super) priors: Priors,
+    pub(super) open_merges: OpenMerges,
     /// Counts for [`Self::memory_bytes`].
     pub(super) tally: Tally,
 }
@@ -329,6 +331,11 @@ impl MapIndex {
     pub fn anchor_name(&self, seq: AnchorSeq) -> String {
         let prior = self.anchor(seq).and_then(|anchor| anchor.prior.as_ref());
         prior.map_or_else(|| seq.public(), |prior| prior.id.to_string())
+    }
+
+    /// Returns the merges of sessions that can be revoked.
+    pub fn open_merges(&self) -> &OpenMerges {
+        &self.open_merges
     }
 
     /// Returns the signs by place.

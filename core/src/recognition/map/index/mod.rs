@@ -6,6 +6,7 @@
 
 mod anchor;
 mod apply;
+mod changed_observations;
 mod changed_signs;
 mod covisibility;
 mod globals;
@@ -15,6 +16,7 @@ mod map_index;
 mod memory;
 mod objects;
 mod odometer;
+mod open_merges;
 mod points;
 mod priors;
 mod readings;
@@ -33,6 +35,7 @@ pub use holders::Holders;
 pub use map_index::MapIndex;
 pub use objects::{Certainty, Description, MergedAnchor, Objects};
 pub use odometer::{Milestone, Odometer, UM_PER_M};
+pub use open_merges::{OpenMerge, OpenMerges};
 pub use points::{POINT_BYTES, Points};
 pub use priors::Priors;
 pub use readings::Readings;

@@ -37,6 +37,6 @@ impl Tally {
 }
 
 fn observed_bytes(keyframe: &Keyframe) -> u64 {
-    let renamed = keyframe.renamed.as_ref().map_or(0, |renamed| size_of_val(&**renamed));
+    let renamed = keyframe.renamed.as_ref().map_or(0, |renamed| size_of_val(&*renamed.pairs));
     (keyframe.observes.heap_bytes() + renamed) as u64
 }

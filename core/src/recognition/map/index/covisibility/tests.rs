@@ -1,5 +1,6 @@
 //! The letter: every pair of keyframes is compared, point by point.
 
+use crate::domain::observation_update::Renamed;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -90,7 +91,7 @@ fn change_of(index: &MapIndex, step: &Step) -> Option<Change> {
                 keyframe: keyframe.seq,
                 observes: observes.iter().copied().collect(),
                 declared: all.into(),
-                renamed: [].into(),
+                renamed: Renamed::default(),
                 bytes: 1,
             };
             Some(Change::PointsOfKeyframeSet(Box::new(points)))

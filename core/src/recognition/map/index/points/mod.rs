@@ -85,6 +85,15 @@ impl Points {
         by_page(ids).into_iter().map(of_page).sum()
     }
 
+    /// Returns the points of a session that have a position, ascending.
+    pub fn placed(&self, session: SessionSeq) -> Vec<(PointId, Point3)> {
+        let of_session = self.pages.iter().filter(|((of, _), _)| *of == session);
+        let mut placed: Vec<(PointId, Point3)> =
+            of_session.flat_map(|((_, number), page)| page.placed(*number)).collect();
+        placed.sort_unstable_by_key(|(id, _)| *id);
+        placed
+    }
+
     /// Sets the point's position.
     pub fn set_position(&mut self, session: SessionSeq, id: PointId, position_in_session: Point3) {
         let is_new =

@@ -65,6 +65,12 @@ impl Page {
         had
     }
 
+    /// Returns the points of this page, which has a number, that have a position, ascending.
+    pub(super) fn placed(&self, number: i64) -> impl Iterator<Item = (PointId, Point3)> {
+        let ids = bits(self.placed).map(move |bit| number * POINTS + PointId::from(bit.trailing_zeros()));
+        ids.zip(self.positions.iter().copied())
+    }
+
     /// Whether a point has observers.
     pub(super) fn is_observed(&self, bit: u64) -> bool {
         self.observed & bit != 0

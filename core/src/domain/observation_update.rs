@@ -1,0 +1,53 @@
+//! What a client's map did to the points and edges of keyframes that it had sent (M57).
+
+use super::ids::{KeyframeSeq, PointId, SessionSeq};
+use super::point_list::PointList;
+
+/// The map points that a keyframe's features were sent with and that are others now.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Renamed {
+    /// Ascending, each with the present one.
+    pub pairs: Box<[(PointId, PointId)]>,
+    /// Whether a feature sent with a point that is not listed observes none. Otherwise that point is the one it was sent as.
+    /// Complete after a merge of sessions gave the points other numbers, for a new number may be an old one of another point.
+    pub is_complete: bool,
+}
+
+/// What a client's map did to the points and edges of keyframes that it had sent, by dense number.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ObservationUpdate {
+    /// The session whose numbers the map points have.
+    pub session: SessionSeq,
+    /// Map points that were fused into others, each with the one that stays.
+    pub replaced: Vec<(PointId, PointId)>,
+    /// Map points that were culled.
+    pub removed: Vec<PointId>,
+    /// Keyframes of the session of which the client says more.
+    pub keyframes: Vec<KeyframeUpdate>,
+}
+
+/// What a keyframe observes, and which keyframes it is covisible with, as the client's map has it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct KeyframeUpdate {
+    /// The keyframe.
+    pub keyframe: KeyframeSeq,
+    /// All map points that it observes, ascending; `None` where the client does not say.
+    pub observes: Option<Vec<PointId>>,
+    /// Covisible keyframes that are declared besides those declared before, or with another number of shared points.
+    pub covisible: Vec<(KeyframeSeq, u32)>,
+}
+
+/// What a keyframe observes from now on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PointsOfKeyframe {
+    /// The keyframe.
+    pub keyframe: KeyframeSeq,
+    /// As `Keyframe::observes`.
+    pub observes: PointList,
+    /// As `Keyframe::declared`.
+    pub declared: Box<[(KeyframeSeq, u32)]>,
+    /// As `Keyframe::renamed`.
+    pub renamed: Renamed,
+    /// As `Keyframe::bytes`.
+    pub bytes: u64,
+}
