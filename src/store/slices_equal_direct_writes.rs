@@ -15,7 +15,7 @@ use super::slices::{deferred, deletion, fold};
 use super::test_database::database;
 use crate::domain::anchor::Outcome;
 use crate::domain::bow::BowVector;
-use crate::domain::change::{Change, Keyframe, PointsOfKeyframe};
+use crate::domain::change::{Change, Keyframe, PointsOfKeyframe, Renamed};
 use crate::domain::event::{Event, EventKind};
 use crate::domain::former::FormerValues;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
@@ -104,7 +104,7 @@ fn map_jobs(map: MapKey) -> Vec<Job> {
         // Points that no step forgets.
         observes: vec![43, 45].into(),
         declared: [].into(),
-        renamed: [(44, 45)].into(),
+        renamed: Renamed { pairs: [(44, 45)].into(), is_complete: false },
         bytes: 100,
     };
     let changes = vec![
@@ -236,6 +236,8 @@ fn jobs_of(steps: &[(bool, Step)]) -> Vec<Job> {
             candidate: None,
             loop_id: None,
             query: None,
+            session: None,
+            into: None,
             detail: None,
         };
         let query = |kept: i64| Job::KeepQuery {

@@ -156,7 +156,8 @@ impl<'j> Additions<'j> {
 }
 
 async fn add_events(db: &mut SqliteConnection, events: &[(MapKey, &Event)]) -> Result<(), StoreError> {
-    let head = "insert into events (map_key, seq, kind, map_version, anchor, other, keyframe, candidate, loop_id, query, detail) ";
+    let head = "insert into events (map_key, seq, kind, map_version, anchor, other, keyframe, candidate, loop_id, query, session,
+        into_session, detail) ";
     let push = |row: &mut Row<'_>, (map, event): &(MapKey, &Event)| {
         let id = |id: &KeyframeId| id.as_str().to_owned();
         row.push_bind(*map).push_bind(event.seq as i64).push_bind(event.kind.as_str());
@@ -164,7 +165,10 @@ async fn add_events(db: &mut SqliteConnection, events: &[(MapKey, &Event)]) -> R
         row.push_bind(event.anchor.map(|anchor| anchor.0)).push_bind(event.other.map(|anchor| anchor.0));
         row.push_bind(event.keyframe.as_ref().map(id)).push_bind(event.candidate.as_ref().map(id));
         row.push_bind(event.loop_id.as_ref().map(LoopId::as_str).map(str::to_owned));
-        row.push_bind(event.query.clone()).push_bind(event.detail.clone());
+        let session = |id: &SessionId| id.as_str().to_owned();
+        row.push_bind(event.query.clone());
+        row.push_bind(event.session.as_ref().map(session)).push_bind(event.into.as_ref().map(session));
+        row.push_bind(event.detail.clone());
     };
     write_rows(db, head, "", events, push).await?;
     for (map, event) in events.iter().filter(|(_, event)| event.seq.is_multiple_of(EVENTS_SWEPT_EVERY)) {

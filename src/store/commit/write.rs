@@ -4,7 +4,7 @@ use sqlx::SqliteConnection;
 
 use super::additions::{Additions, KeptQuery};
 use super::job::{Batch, Job, MapKey};
-use crate::domain::change::{Change, Loop, Merge, MergeCause};
+use crate::domain::change::{Change, Loop, Merge, MergeCause, MergeUndo};
 use crate::store::StoreError;
 use crate::store::rows::blob::pack;
 use crate::store::rows::keyframe_rows::{detections, pose_blob};
@@ -12,7 +12,7 @@ use crate::store::rows::operation_rows::Operation;
 use crate::store::rows::statement::run;
 use crate::store::rows::{
     changed_sign_rows, former_value_rows, judgement_rows, key_rows, map_rows, model_rows, observation_rows,
-    operation_rows, point_blocks, prior_rows, twin_rows,
+    operation_rows, point_blocks, prior_rows, session_merge_rows, twin_rows,
 };
 use crate::store::slices::{deferred, deletion};
 
@@ -167,6 +167,14 @@ async fn apply(
             operation_rows::add(db, (map, version), &operation_rows::described(*seq, text.as_deref())).await
         }
         Change::Merged(merge) => add_merge(db, map, merge).await,
+        Change::Parted(merge) => remove_merge(db, map, merge).await,
+        Change::SessionsMerged(merge) => {
+            session_merge_rows::add(db, (map, version), merge).await?;
+            operation_rows::add(db, (map, version), &Operation::from(&**merge)).await
+        }
+        Change::MergeKept(undo) => session_merge_rows::keep_undo(db, (map, version), undo).await,
+        Change::MergeSettled(session) => session_merge_rows::settle(db, map, *session).await,
+        Change::MergeRevoked(undo) => revoke_merge(db, (map, version), undo).await,
         Change::LoopAdded(closed) => {
             add_loop(db, map, closed).await?;
             operation_rows::add(db, (map, version), &Operation::from(closed)).await
@@ -209,6 +217,24 @@ async fn add_merge(db: &mut SqliteConnection, map: MapKey, merge: &Merge) -> Res
         "insert into anchor_merges (map_key, into_anchor, from_anchor, loop_id) values ($1, $2, $3, $4)
         on conflict do nothing";
     run(db, sqlx::query(insert).bind(map).bind(merge.into.0).bind(merge.from.0).bind(by)).await
+}
+
+/// Removes the merge of two anchors that no loop made.
+async fn remove_merge(db: &mut SqliteConnection, map: MapKey, merge: &Merge) -> Result<(), StoreError> {
+    let delete = "delete from anchor_merges
+        where map_key = $1 and into_anchor = $2 and from_anchor = $3 and loop_id = ''";
+    run(db, sqlx::query(delete).bind(map).bind(merge.into.0).bind(merge.from.0)).await
+}
+
+/// Removes a merge of sessions; its operation says that it was revoked.
+async fn revoke_merge(
+    db: &mut SqliteConnection,
+    (map, version): (MapKey, u64),
+    undo: &MergeUndo,
+) -> Result<(), StoreError> {
+    let revoked = session_merge_rows::remove(db, map, undo).await?;
+    operation_rows::revoke_merge(db, (map, revoked)).await?;
+    operation_rows::add(db, (map, version), &Operation::MergeRevoked {}).await
 }
 
 async fn add_loop(db: &mut SqliteConnection, map: MapKey, closed: &Loop) -> Result<(), StoreError> {

@@ -6,6 +6,7 @@ use futures_util::TryStreamExt as _;
 use sqlx::{Row as _, SqliteConnection};
 
 use crate::domain::ids::{PointId, SessionSeq};
+use crate::domain::session_merge::Renumbering;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
 use crate::store::rows::read;
@@ -45,6 +46,14 @@ impl Introduced {
         if self.are_counted {
             self.brought.extend(points.map(|id| (session, id)));
         }
+    }
+
+    /// Takes a merge of sessions: points that were brought to one are the other's by now.
+    pub(super) fn merge(&mut self, session: SessionSeq, into: SessionSeq, numbers: &Renumbering) {
+        let of_session = self.sent.iter().chain(&self.brought).filter(|(of, _)| *of == session);
+        let number = numbers.number();
+        let moved: Vec<PointId> = of_session.map(|(_, id)| number(*id)).collect();
+        self.brought.extend(moved.into_iter().map(|id| (into, id)));
     }
 
     /// Of the points that a keyframe names, those that nobody else has brought or will bring. It brings them now.

@@ -11,6 +11,7 @@
 mod history;
 mod introduced;
 mod keyframe;
+mod merge;
 mod operation_reader;
 
 pub use operation_reader::Export;

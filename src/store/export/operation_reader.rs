@@ -19,6 +19,7 @@ use crate::store::files::lock::DatabaseLock;
 use crate::store::files::paths::DatabaseFiles;
 use crate::store::files::schema;
 use crate::store::rows::operation_rows::{self, Operation};
+use crate::store::rows::session_merge_rows::{MergedSession, session_after};
 use crate::store::rows::{decode, map_rows, model_rows, prior_rows};
 use crate::store::{Store, StoreError};
 
@@ -38,6 +39,8 @@ pub struct Export {
     pub(super) models: VecDeque<(u64, Recorded)>,
     pub(super) properties: MapProperties,
     pub(super) introduced: Introduced,
+    /// The merges of sessions that were exported, in their order.
+    pub(super) merges: Vec<MergedSession>,
     /// Sessions of which a keyframe was exported.
     pub(super) begun: HashSet<SessionSeq>,
     /// Loops that were exported and not revoked.
@@ -95,6 +98,7 @@ impl Export {
             models: model_rows::by_version(&mut db, map).await?.into(),
             properties,
             introduced: Introduced::of(&mut db, map).await?,
+            merges: Vec::new(),
             begun: HashSet::new(),
             loops: HashSet::new(),
             pending: VecDeque::new(),
@@ -131,11 +135,18 @@ impl Export {
         };
         if values == Some(version) {
             let new = self.history.advance()?;
-            // A keyframe says its own points, and what changes observations moves none; what else sets values is a correction.
-            let changes_observations = matches!(
-                self.operations.front(), Some((of, Operation::ObservationsUnread)) if *of == version
-            );
-            return if keyframe == Some(version) || changes_observations {
+            // A keyframe says its own points, what changes observations moves none, and a merge says how it moves them; what else
+            // sets values is a correction.
+            let says_it_itself = self.operations.front().is_some_and(|(of, operation)| {
+                *of == version
+                    && matches!(
+                        operation,
+                        Operation::ObservationsUnread
+                            | Operation::MergeSessions { .. }
+                            | Operation::MergeRevoked {}
+                    )
+            });
+            return if keyframe == Some(version) || says_it_itself {
                 Ok(Step::LeftOut)
             } else {
                 self.correction(new).await
@@ -217,6 +228,8 @@ impl Export {
                 let said = operation_rows::observations(&mut self.db, (self.map, version)).await?;
                 self.observations(said).await?
             }
+            merge @ Operation::MergeSessions { .. } => self.merge(merge)?,
+            Operation::MergeRevoked {} => Step::LeftOut,
             Operation::Loop { id, keyframe, candidate, query } => {
                 let keyframe = self.named(KeyframeSeq(keyframe)).await?;
                 let candidate = self.named(KeyframeSeq(candidate)).await?;
@@ -288,7 +301,10 @@ impl Export {
         let select = "select session, id from keyframes where map_key = $1 and keyframe = $2";
         let query = sqlx::query_as(select).bind(self.map).bind(keyframe.0);
         let found: Option<(u32, String)> = query.fetch_optional(&mut *self.db).await?;
-        found.map(|(session, id)| Ok((SessionSeq(session), decode::id(&id)?))).transpose()
+        let named = |(session, id): (u32, String)| {
+            Ok((session_after(&self.merges, keyframe, SessionSeq(session)), decode::id(&id)?))
+        };
+        found.map(named).transpose()
     }
 
     pub(super) fn session(&self, session: SessionSeq) -> Result<&SessionId, StoreError> {

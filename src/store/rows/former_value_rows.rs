@@ -78,6 +78,30 @@ pub(in crate::store) fn unpacked(kind: Kind, entries: &[u8]) -> Result<FormerVal
     Ok(former)
 }
 
+/// Returns the values that a version replaced, in their rows or staged still.
+pub(in crate::store) async fn of_version(
+    db: &mut SqliteConnection,
+    map: MapKey,
+    version: i64,
+) -> Result<FormerValues, StoreError> {
+    let select = "select part, kind, entries from former_values where map_key = $1 and version = $2
+        union all select p.part, p.kind, p.entries from deferred_parts p
+            join deferred_changes c on c.map_key = p.map_key and c.version = p.version and p.part >= c.part
+            where p.map_key = $1 and p.version = $2 and p.kind like 'former_%'
+        order by 1";
+    let parts: Vec<(u32, String, Vec<u8>)> =
+        sqlx::query_as(select).bind(map).bind(version).fetch_all(db).await?;
+    let mut all = FormerValues::default();
+    for (_, kind, entries) in parts {
+        let part = unpacked(Kind::from_name(&kind)?, &entries)?;
+        all.poses.extend(part.poses);
+        all.points.extend(part.points);
+        all.forgotten.extend(part.forgotten);
+        all.positions.extend(part.positions);
+    }
+    Ok(all)
+}
+
 /// Adds the former values of a batch that is not staged.
 pub(in crate::store) async fn add(db: &mut SqliteConnection, batch: &Batch) -> Result<(), StoreError> {
     for (number, part) in (0_u32..).zip(packed(&batch.former)) {

@@ -11,7 +11,9 @@ use sqlx::{AssertSqlSafe, Row};
 use super::decode;
 use super::point_blocks::points_of;
 use super::validate::{self, Known, KnownAnchor};
-use super::{changed_sign_rows, map_rows, model_rows, observation_rows, prior_rows, twin_rows};
+use super::{
+    changed_sign_rows, map_rows, model_rows, observation_rows, prior_rows, session_merge_rows, twin_rows,
+};
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Change, Keyframe, Merge, MergeCause};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId, SessionSeq};
@@ -64,7 +66,8 @@ async fn load_rows(
         take(&[Change::VocabularySet(vocabulary.into())]);
     }
     let sessions = sessions(db, key).await?;
-    let mut known = Known::of_sessions(sessions.len());
+    let merges_of_sessions = session_merge_rows::all(db, key).await?;
+    let mut known = Known::of_sessions(sessions.len(), merges_of_sessions);
     let next = (row.try_get("next_keyframe")?, row.try_get("next_anchor")?);
     match order {
         Order::Forwards => {
@@ -100,6 +103,7 @@ async fn load_rows(
     }
     take(&twin_rows::all(db, key).await?);
     take(&changed_sign_rows::all(db, key).await?);
+    take(&session_merge_rows::open(&known.merges));
     // On top of the rows, in their order.
     deferred::apply(db, key, &mut known, &mut take).await?;
     let next_kept =
@@ -244,6 +248,7 @@ fn keyframe(row: &SqliteRow, known: &Known) -> Result<(Keyframe, BowVector), Sto
     let of_row = |error: StoreError| error.of_row(format!("keyframe number {number}"));
     let (mut keyframe, bow) = decode::keyframe(row).map_err(of_row)?;
     observation_rows::bring_up_to_date(&mut keyframe, row).map_err(of_row)?;
+    keyframe.session = session_merge_rows::session_after(&known.merges, keyframe.seq, keyframe.session);
     validate::keyframe(&keyframe, known)?;
     Ok((keyframe, bow))
 }

@@ -19,6 +19,7 @@ pub(super) mod point_blocks;
 pub(super) mod prior_rows;
 pub(super) mod read;
 pub(super) mod replaced_rows;
+pub(super) mod session_merge_rows;
 pub(super) mod statement;
 pub(super) mod twin_rows;
 pub(super) mod unpacks;

@@ -8,14 +8,14 @@ use sqlx::{Row as _, SqliteConnection};
 use super::blob::{pack, unpack};
 use super::column::{integers, integers_of};
 use super::statement::run;
-use crate::domain::change::{Keyframe, PointsOfKeyframe};
+use crate::domain::change::{Keyframe, PointsOfKeyframe, Renamed};
 use crate::domain::ids::{KeyframeSeq, PointId};
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
 
 /// The columns of a keyframe's points beside those of its own row, for a select that joins the two.
 pub(in crate::store) const JOINED: &str =
-    "keyframe_points.observes as observes_now, renamed_from, renamed_to,
+    "keyframe_points.observes as observes_now, renamed_from, renamed_to, renames_all,
     keyframe_points.declared as declared_now, keyframe_points.bytes as bytes_now";
 
 /// Sets what a keyframe observes.
@@ -25,12 +25,14 @@ pub(in crate::store) async fn set_points_of_keyframe(
     points: &PointsOfKeyframe,
 ) -> Result<(), StoreError> {
     let insert = "insert or replace into keyframe_points
-        (map_key, keyframe, observes, renamed_from, renamed_to, declared, bytes) values ($1, $2, $3, $4, $5, $6, $7)";
-    let (from, to): (Vec<PointId>, Vec<PointId>) = points.renamed.iter().copied().unzip();
+        (map_key, keyframe, observes, renamed_from, renamed_to, renames_all, declared, bytes)
+        values ($1, $2, $3, $4, $5, $6, $7, $8)";
+    let (from, to): (Vec<PointId>, Vec<PointId>) = points.renamed.pairs.iter().copied().unzip();
     let query =
         sqlx::query(insert).bind(map).bind(points.keyframe.0).bind(integers(&points.observes.to_vec()));
     let declared = pack(points.declared.iter().map(|(other, shared)| (other.0, *shared)));
-    run(db, query.bind(integers(&from)).bind(integers(&to)).bind(declared).bind(points.bytes as i64)).await
+    let query = query.bind(integers(&from)).bind(integers(&to)).bind(points.renamed.is_complete);
+    run(db, query.bind(declared).bind(points.bytes as i64)).await
 }
 
 /// Sets the map points of a detection.
@@ -56,7 +58,8 @@ pub(in crate::store) fn bring_up_to_date(keyframe: &mut Keyframe, row: &SqliteRo
     }
     keyframe.observes = integers_of::<PointId>(observes)?.into();
     keyframe.declared = declared.into_iter().map(|(other, shared)| (KeyframeSeq(other), shared)).collect();
-    keyframe.renamed = Some(from.into_iter().zip(to).collect());
+    let (pairs, is_complete) = (from.into_iter().zip(to).collect(), row.try_get("renames_all")?);
+    keyframe.renamed = Some(Renamed { pairs, is_complete });
     keyframe.bytes = row.try_get::<i64, _>("bytes_now")? as u64;
     Ok(())
 }

@@ -7,10 +7,11 @@ use sqlx::SqliteConnection;
 
 use super::map_rows;
 use super::statement::run;
-use crate::domain::change::{KeyframeUpdate, Loop, ObservationUpdate};
+use crate::domain::change::{KeyframeUpdate, Loop, ObservationUpdate, SessionMerge};
 use crate::domain::ids::{AnchorSeq, LoopId};
 use crate::domain::map::MapProperties;
 use crate::domain::prior::Prior;
+use crate::domain::session_merge::Renumbering;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
 
@@ -37,6 +38,24 @@ pub(in crate::store) enum Operation {
     /// The same, not read yet: a map has thousands, and some are large.
     #[serde(skip)]
     ObservationsUnread,
+    /// A session merged into another one.
+    MergeSessions {
+        session: u32,
+        into: u32,
+        next_keyframe: u32,
+        scale: f64,
+        translation: [f64; 3],
+        rotation: [f64; 4],
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        offset: Option<i64>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        listed: Option<Vec<(i64, i64)>>,
+        /// Whether it was revoked: nobody hears of it.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        is_revoked: bool,
+    },
+    /// A merge of sessions was revoked.
+    MergeRevoked {},
     /// A loop was confirmed between two keyframes.
     Loop { id: String, keyframe: u32, candidate: u32, query: Option<String> },
     /// A loop was revoked.
@@ -73,6 +92,8 @@ impl Operation {
         match self {
             Self::Map { .. } => "map",
             Self::Observations { .. } | Self::ObservationsUnread => OBSERVATIONS,
+            Self::MergeSessions { .. } => MERGE_SESSIONS,
+            Self::MergeRevoked {} => "merge_revoked",
             Self::Loop { .. } => "loop",
             Self::LoopRevoked { .. } => "loop_revoked",
             Self::Description { .. } => "description",
@@ -113,6 +134,27 @@ impl From<&ObservationUpdate> for Operation {
     }
 }
 
+impl From<&SessionMerge> for Operation {
+    fn from(merge: &SessionMerge) -> Self {
+        let (offset, listed) = match &merge.map_points {
+            Renumbering::Same => (None, None),
+            Renumbering::Offset(offset) => (Some(*offset), None),
+            Renumbering::Listed(pairs) => (None, Some(pairs.clone())),
+        };
+        Self::MergeSessions {
+            session: merge.session.0,
+            into: merge.into.0,
+            next_keyframe: merge.next_keyframe.0,
+            scale: merge.into_from_session.scale(),
+            translation: merge.into_from_session.translation_m(),
+            rotation: merge.into_from_session.rotation_xyzw(),
+            offset,
+            listed,
+            is_revoked: false,
+        }
+    }
+}
+
 impl From<&Loop> for Operation {
     fn from(closed: &Loop) -> Self {
         Self::Loop {
@@ -146,6 +188,19 @@ pub(in crate::store) fn prior(class: String, prior: &Prior) -> Operation {
         normal: prior.normal_in_frame,
         source: prior.source.as_ref().map(ToString::to_string),
     }
+}
+
+/// The name of a merge of sessions.
+const MERGE_SESSIONS: &str = "merge_sessions";
+
+/// Notes that the merge of a version was revoked.
+pub(in crate::store) async fn revoke_merge(
+    db: &mut SqliteConnection,
+    (map, version): (MapKey, u64),
+) -> Result<(), StoreError> {
+    let update = "update operations set body = json_set(body, '$.is_revoked', json('true'))
+        where map_key = $1 and version = $2 and operation = $3";
+    run(db, sqlx::query(update).bind(map).bind(version as i64).bind(MERGE_SESSIONS)).await
 }
 
 /// The name of what changes observations.

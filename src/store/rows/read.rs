@@ -8,12 +8,15 @@ use sqlx::sqlite::SqliteRow;
 use super::blob::{unpack, unpack_array};
 use super::decode::{self, point};
 use super::packing::Packing;
+use super::session_merge_rows;
 use crate::domain::anchor::{IgnoredReason, Outcome};
 use crate::domain::bow::BowVector;
 use crate::domain::event::{Event, EventKind};
-use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId, PointId};
+use crate::domain::former::FormerValues;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId, PointId, SessionSeq};
 use crate::domain::keyframe::{Crop, Detection, Features};
 use crate::domain::request::KeyframeDigest;
+use crate::domain::session_merge::MergeUndo;
 use crate::store::commit::job::MapKey;
 use crate::store::slices::deferred;
 use crate::store::{Store, StoreError};
@@ -134,6 +137,18 @@ impl Store {
             found => Ok(found),
         };
         self.of_map(map, whole).await
+    }
+
+    /// Returns what revokes the merge of a session, with the values that it replaced; `None` if none can be revoked.
+    pub async fn merge_undo(
+        &self,
+        map: MapKey,
+        session: SessionSeq,
+    ) -> Result<Option<(MergeUndo, FormerValues)>, StoreError> {
+        let mut db = self.snapshot().await?;
+        let found = session_merge_rows::undo(&mut db, map, session).await;
+        db.commit().await?;
+        self.of_map(map, found).await
     }
 
     /// Returns the numbers of the events that are kept of a map, up to the one given next; `None` if there is no such map.
@@ -269,6 +284,8 @@ pub(in crate::store) fn event(row: &SqliteRow) -> Result<Event, StoreError> {
         candidate: id("candidate")?.map(decode::id).transpose()?,
         loop_id: id("loop_id")?.map(decode::id).transpose()?,
         query: row.try_get("query")?,
+        session: id("session")?.map(decode::id).transpose()?,
+        into: id("into_session")?.map(decode::id).transpose()?,
         detail: row.try_get("detail")?,
     })
 }

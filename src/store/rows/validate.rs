@@ -5,6 +5,7 @@
 
 use std::collections::{HashMap, HashSet};
 
+use super::session_merge_rows::MergedSession;
 use crate::domain::anchor::Observation;
 use crate::domain::change::{Change, Keyframe, MergeCause};
 use crate::domain::global_descriptor::{GlobalDescriptor, GlobalForm};
@@ -20,6 +21,8 @@ const MAX_ROTATION_ERROR: f64 = 1e-6;
 #[derive(Debug, Default)]
 pub(in crate::store) struct Known {
     sessions: usize,
+    /// The sessions that became one with another, in that order.
+    pub merges: Vec<MergedSession>,
     /// The keyframes that stand.
     pub keyframes: HashSet<KeyframeSeq>,
     /// The form of the global descriptors, once there is one.
@@ -37,8 +40,8 @@ pub(in crate::store) struct KnownAnchor {
 
 impl Known {
     /// Returns what is known of a map when its sessions are read.
-    pub fn of_sessions(sessions: usize) -> Self {
-        Self { sessions, ..Self::default() }
+    pub fn of_sessions(sessions: usize, merges: Vec<MergedSession>) -> Self {
+        Self { sessions, merges, ..Self::default() }
     }
 }
 

@@ -53,6 +53,7 @@ const TABLES: &[Table] = &[
         "length(descriptors) + length(keypoints) + length(map_points)",
     ),
     without_rowid("keyframe_points", "keyframe"),
+    without_rowid("session_merges", "version"),
     with_blobs(
         "keyframes",
         "keyframe",

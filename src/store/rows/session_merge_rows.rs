@@ -1,0 +1,192 @@
+//! Merges of sessions, as rows. A keyframe's row keeps the session that was sent; these say which it is of by now.
+
+use serde::{Deserialize, Serialize};
+use sqlx::SqliteConnection;
+
+use super::former_value_rows;
+use super::statement::run;
+use crate::domain::change::{Change, PointsOfKeyframe, Renamed, SessionMerge};
+use crate::domain::former::FormerValues;
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
+use crate::domain::session_merge::MergeUndo;
+use crate::store::StoreError;
+use crate::store::commit::job::MapKey;
+
+/// A merge as far as it says which session a keyframe is of.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::store) struct MergedSession {
+    pub session: SessionSeq,
+    pub into: SessionSeq,
+    pub next_keyframe: KeyframeSeq,
+    /// Whether it can be revoked.
+    pub is_open: bool,
+}
+
+/// Returns the session that a keyframe is of after these merges, in their order.
+pub(in crate::store) fn session_after(
+    merges: &[MergedSession],
+    keyframe: KeyframeSeq,
+    sent: SessionSeq,
+) -> SessionSeq {
+    merges.iter().fold(sent, |session, merge| {
+        if session == merge.session && keyframe < merge.next_keyframe { merge.into } else { session }
+    })
+}
+
+/// Adds a merge.
+pub(in crate::store) async fn add(
+    db: &mut SqliteConnection,
+    (map, version): (MapKey, u64),
+    merge: &SessionMerge,
+) -> Result<(), StoreError> {
+    let insert = "insert into session_merges (map_key, version, session, into_session, next_keyframe)
+        values ($1, $2, $3, $4, $5)";
+    let query = sqlx::query(insert).bind(map).bind(version as i64).bind(merge.session.0);
+    run(db, query.bind(merge.into.0).bind(merge.next_keyframe.0)).await
+}
+
+/// Keeps what revokes a merge.
+pub(in crate::store) async fn keep_undo(
+    db: &mut SqliteConnection,
+    (map, version): (MapKey, u64),
+    undo: &MergeUndo,
+) -> Result<(), StoreError> {
+    let body = serde_json::to_string(&UndoRow::from(undo))
+        .map_err(|error| StoreError::Database(error.to_string()))?;
+    let update = "update session_merges set undo = $3 where map_key = $1 and version = $2";
+    run(db, sqlx::query(update).bind(map).bind(version as i64).bind(body)).await
+}
+
+/// The merge of a session can be revoked no more.
+pub(in crate::store) async fn settle(
+    db: &mut SqliteConnection,
+    map: MapKey,
+    session: SessionSeq,
+) -> Result<(), StoreError> {
+    let update = "update session_merges set undo = null
+        where map_key = $1 and session = $2 and undo is not null";
+    run(db, sqlx::query(update).bind(map).bind(session.0)).await
+}
+
+/// Removes a merge that was revoked, and returns its version.
+pub(in crate::store) async fn remove(
+    db: &mut SqliteConnection,
+    map: MapKey,
+    undo: &MergeUndo,
+) -> Result<u64, StoreError> {
+    let delete = "delete from session_merges where map_key = $1 and session = $2 and next_keyframe = $3
+        and undo is not null returning version";
+    let query = sqlx::query_scalar(delete).bind(map).bind(undo.session.0).bind(undo.next_keyframe.0);
+    let version: i64 = query.fetch_one(db).await?;
+    Ok(version as u64)
+}
+
+/// Returns the merges of a map, in their order.
+pub(in crate::store) async fn all(
+    db: &mut SqliteConnection,
+    map: MapKey,
+) -> Result<Vec<MergedSession>, StoreError> {
+    let select = "select session, into_session, next_keyframe, undo is not null from session_merges
+        where map_key = $1 order by version";
+    let rows: Vec<(u32, u32, u32, bool)> = sqlx::query_as(select).bind(map).fetch_all(db).await?;
+    let merge = |(session, into, next, is_open)| MergedSession {
+        session: SessionSeq(session),
+        into: SessionSeq(into),
+        next_keyframe: KeyframeSeq(next),
+        is_open,
+    };
+    Ok(rows.into_iter().map(merge).collect())
+}
+
+/// Returns the changes that tell an index which of these merges can be revoked.
+pub(in crate::store) fn open(merges: &[MergedSession]) -> Vec<Change> {
+    let kept = merges.iter().filter(|merge| merge.is_open).map(|merge| MergeUndo {
+        session: merge.session,
+        into: merge.into,
+        next_keyframe: merge.next_keyframe,
+        keyframes: Vec::new(),
+        points: Vec::new(),
+        detections: Vec::new(),
+        merges: Vec::new(),
+    });
+    kept.map(|undo| Change::MergeKept(Box::new(undo))).collect()
+}
+
+/// Returns what revokes the merge of a session, with the values that it replaced; `None` if none can be revoked.
+pub(in crate::store) async fn undo(
+    db: &mut SqliteConnection,
+    map: MapKey,
+    session: SessionSeq,
+) -> Result<Option<(MergeUndo, FormerValues)>, StoreError> {
+    let select = "select version, into_session, next_keyframe, undo from session_merges
+        where map_key = $1 and session = $2 and undo is not null";
+    let query = sqlx::query_as(select).bind(map).bind(session.0);
+    let found: Option<(i64, u32, u32, String)> = query.fetch_optional(&mut *db).await?;
+    let Some((version, into, next_keyframe, body)) = found else { return Ok(None) };
+    let row: UndoRow = serde_json::from_str(&body)
+        .map_err(|error| StoreError::corrupt(format!("the merge of version {version}: {error}")))?;
+    let former = former_value_rows::of_version(db, map, version).await?;
+    Ok(Some((row.undo(session, SessionSeq(into), KeyframeSeq(next_keyframe)), former)))
+}
+
+/// What revokes a merge, as JSON.
+#[derive(Serialize, Deserialize)]
+struct UndoRow {
+    keyframes: Vec<u32>,
+    points: Vec<PointsRow>,
+    detections: Vec<(u32, u16, Vec<i64>)>,
+    merges: Vec<(u32, u32)>,
+}
+
+/// What a keyframe observed.
+#[derive(Serialize, Deserialize)]
+struct PointsRow {
+    keyframe: u32,
+    observes: Vec<i64>,
+    declared: Vec<(u32, u32)>,
+    renamed: Vec<(i64, i64)>,
+    renames_all: bool,
+    bytes: u64,
+}
+
+impl From<&MergeUndo> for UndoRow {
+    fn from(undo: &MergeUndo) -> Self {
+        let points = |of: &PointsOfKeyframe| PointsRow {
+            keyframe: of.keyframe.0,
+            observes: of.observes.to_vec(),
+            declared: of.declared.iter().map(|(other, shared)| (other.0, *shared)).collect(),
+            renamed: of.renamed.pairs.to_vec(),
+            renames_all: of.renamed.is_complete,
+            bytes: of.bytes,
+        };
+        let detections = undo.detections.iter();
+        Self {
+            keyframes: undo.keyframes.iter().map(|keyframe| keyframe.0).collect(),
+            points: undo.points.iter().map(points).collect(),
+            detections: detections.map(|(keyframe, n, points)| (keyframe.0, *n, points.to_vec())).collect(),
+            merges: undo.merges.iter().map(|(into, from)| (into.0, from.0)).collect(),
+        }
+    }
+}
+
+impl UndoRow {
+    fn undo(self, session: SessionSeq, into: SessionSeq, next_keyframe: KeyframeSeq) -> MergeUndo {
+        let points = |row: PointsRow| PointsOfKeyframe {
+            keyframe: KeyframeSeq(row.keyframe),
+            observes: row.observes.into(),
+            declared: row.declared.into_iter().map(|(other, shared)| (KeyframeSeq(other), shared)).collect(),
+            renamed: Renamed { pairs: row.renamed.into(), is_complete: row.renames_all },
+            bytes: row.bytes,
+        };
+        let detections = self.detections.into_iter();
+        MergeUndo {
+            session,
+            into,
+            next_keyframe,
+            keyframes: self.keyframes.into_iter().map(KeyframeSeq).collect(),
+            points: self.points.into_iter().map(points).collect(),
+            detections: detections.map(|(seq, n, points)| (KeyframeSeq(seq), n, points.into())).collect(),
+            merges: self.merges.into_iter().map(|(into, from)| (AnchorSeq(into), AnchorSeq(from))).collect(),
+        }
+    }
+}
