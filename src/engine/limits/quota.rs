@@ -2,9 +2,10 @@
 
 use crate::config::quotas::Quotas;
 use crate::domain::change::{KeyframeUpdate, Loop, ObservationUpdate};
-use crate::domain::ids::{PointId, SessionSeq};
+use crate::domain::ids::{KeyframeSeq, PointId, SessionSeq};
 use crate::domain::keyframe::NewKeyframe;
 use crate::domain::prior::NewPrior;
+use crate::domain::session_merge::{Renumbering, SessionMergeRequest};
 use crate::engine::ServiceError;
 use crate::geometry::Point3;
 use crate::recognition::map::index::{MapIndex, POINT_BYTES};
@@ -64,6 +65,20 @@ pub(in crate::engine) fn check_observations(
     };
     let numbers: usize = update.keyframes.iter().map(more).sum();
     check_bytes(quotas, index, (numbers * size_of::<PointId>()) as u64)
+}
+
+/// Refuses a merge of sessions that would take its map beyond a quota: other numbers of map points are kept beside those sent.
+pub(in crate::engine) fn check_merge(
+    quotas: &Quotas,
+    index: &MapIndex,
+    request: &SessionMergeRequest,
+    keyframes: &[KeyframeSeq],
+) -> Result<(), ServiceError> {
+    if request.map_points == Renumbering::Same {
+        return Ok(());
+    }
+    let observed = keyframes.iter().filter_map(|seq| index.keyframe(*seq)).map(|of| of.observes.len());
+    check_bytes(quotas, index, (2 * observed.sum::<usize>() * size_of::<PointId>()) as u64)
 }
 
 /// Refuses a prior anchor that would take its map beyond a quota.

@@ -19,6 +19,7 @@ mod observations;
 pub(super) mod poses;
 pub(super) mod priors;
 pub(super) mod queries;
+pub(super) mod session_merges;
 pub(super) mod sessions;
 pub(super) mod stats;
 pub(super) mod text_functions;

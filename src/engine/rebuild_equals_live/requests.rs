@@ -38,6 +38,13 @@ pub(super) enum Request {
         removed: Option<i64>,
         keyframe: Option<(u8, Option<Vec<i64>>, Option<u8>)>,
     },
+    /// The client's maps of two sessions became one: by an offset, by single numbers, or with the numbers as they are.
+    Merge {
+        session: u8,
+        numbers: Option<Result<i64, Vec<(i64, i64)>>>,
+        turned: bool,
+    },
+    RevokeMerge(u8),
     Confirm {
         name: u8,
         keyframe: u8,
@@ -176,6 +183,8 @@ pub(super) fn any_request() -> impl Strategy<Value = Request> {
         keyframe,
         candidate,
     });
+    let listed = prop::collection::vec((0i64..12, 0i64..20), 0..4);
+    let numbers = prop::option::of(prop_oneof![(0i64..9).prop_map(Ok), listed.prop_map(Err)]);
     prop_oneof![
         10 => put,
         3 => (0u8..14, 0u8..4, prop::collection::vec(any::<u8>(), 3..5))
@@ -184,6 +193,9 @@ pub(super) fn any_request() -> impl Strategy<Value = Request> {
         2 => (0u8..14).prop_map(Request::Cull),
         2 => correct,
         4 => observe,
+        2 => (0u8..2, numbers, any::<bool>())
+            .prop_map(|(session, numbers, turned)| Request::Merge { session, numbers, turned }),
+        2 => (0u8..2).prop_map(Request::RevokeMerge),
         3 => confirm,
         1 => (0u8..4).prop_map(Request::Revoke),
         1 => (0u32..10, prop::option::of(0u8..11)).prop_map(|(anchor, text)| Request::Describe(anchor, text)),

@@ -10,9 +10,10 @@ use crate::domain::judgement::{JudgementProgress, Tally};
 use crate::domain::keyframe::{CLIENTS_VOCABULARY, NewKeyframe};
 use crate::domain::prior::{AnchorKey, NewPrior};
 use crate::domain::request::{ChangedKeyframe, ChangedObservations, MapPatch, NewLoop, PoseCorrection};
+use crate::domain::session_merge::{Renumbering, SessionMergeRequest};
 use crate::engine::maps::live::Decision;
 use crate::engine::{Service, ServiceError};
-use crate::geometry::{Gravity, Point3, Pose};
+use crate::geometry::{Gravity, Point3, Pose, Sim3};
 use crate::recognition::anchors::apply_model_answer::{learn_away, learn_reading, learn_verdict};
 use crate::recognition::anchors::rejudging::rejudge;
 use crate::recognition::map::index::MapIndex;
@@ -108,6 +109,28 @@ pub(super) async fn send(service: &Service, map: &MapId, request: Request) -> Re
                 removed,
             };
             service.change_observations(map, changed).await.map(drop)
+        }
+        Request::Merge { session, numbers, turned } => {
+            let name = |session: u8| format!("robot-{session}").parse().unwrap();
+            let pose = Pose::new([3.0, -1.0, 0.5], [0.0, 0.0, 0.6, 0.8]).unwrap();
+            let merge = SessionMergeRequest {
+                session: name(session),
+                into: name(1 - session),
+                into_from_session: if turned { Sim3::scaled(pose, 1.5) } else { Sim3::identity() },
+                map_points: match numbers {
+                    None => Renumbering::Same,
+                    Some(Ok(offset)) => Renumbering::Offset(offset),
+                    Some(Err(mut pairs)) => {
+                        pairs.sort_by_key(|(old, _)| *old);
+                        pairs.dedup_by_key(|(old, _)| *old);
+                        Renumbering::Listed(pairs)
+                    }
+                },
+            };
+            service.merge_sessions(map, merge).await.map(drop)
+        }
+        Request::RevokeMerge(session) => {
+            service.revoke_merge(map, format!("robot-{session}").parse().unwrap()).await.map(drop)
         }
         Request::Confirm { name, keyframe, candidate } => {
             let new = NewLoop {

@@ -1,0 +1,101 @@
+//! Merges of sessions: two maps of a client became one, and two again.
+
+use crate::domain::ids::{MapId, SessionId, SessionSeq};
+use crate::domain::invalid::FieldError;
+use crate::domain::session_merge::{Renumbering, SessionMergeRequest};
+use crate::engine::limits::quota::check_merge;
+use crate::engine::maps::live::Decision;
+use crate::engine::{Service, ServiceError};
+use crate::recognition::anchors::session_merge::{
+    is_open, keyframes_of_session, merge_faults, merge_sessions, revoke_merge,
+};
+use crate::recognition::map::index::MapIndex;
+
+/// Keyframes of a session that may merge: all are held and moved at once.
+pub const MERGED_KEYFRAMES_MAX: usize = 100_000;
+
+/// Keyframes of one whose map points get other numbers: each is a row, and all are written in one transaction.
+pub const RENUMBERED_KEYFRAMES_MAX: usize = 10_000;
+
+/// What a merge of sessions made of a map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MergedCounts {
+    /// Keyframes that moved.
+    pub keyframes: usize,
+    /// Map points with a position that moved.
+    pub map_points: usize,
+    /// Anchors that turned out to be one with another.
+    pub merged: usize,
+}
+
+impl Service {
+    /// Merges a session into another one, all of it or nothing. One without keyframes is left as it is: it was merged before.
+    pub async fn merge_sessions(
+        &self,
+        map: &MapId,
+        request: SessionMergeRequest,
+    ) -> Result<(MergedCounts, u64), ServiceError> {
+        let live = self.live(map).await?;
+        let quotas = self.quotas;
+        let decide = move |index: &mut MapIndex| {
+            let session = driven(index, &request.session)?;
+            let faults = merge_faults(index, &request);
+            if !faults.is_empty() {
+                return Err(ServiceError::Invalid(faults));
+            }
+            let keyframes = keyframes_of_session(index, session);
+            if keyframes.is_empty() {
+                return Ok(Decision::Unchanged(MergedCounts::default()));
+            }
+            let (limit, what) = match request.map_points {
+                Renumbering::Same => (MERGED_KEYFRAMES_MAX, "keyframes"),
+                _ => (RENUMBERED_KEYFRAMES_MAX, "keyframes whose map points get other numbers"),
+            };
+            if keyframes.len() > limit {
+                let detail = format!("the session has {} {what}", keyframes.len());
+                return Err(ServiceError::TooLarge {
+                    detail: format!("{detail}, and at most {limit} may merge"),
+                });
+            }
+            check_merge(&quotas, index, &request, &keyframes)?;
+            let merged = merge_sessions(index, session, &request);
+            let counts = MergedCounts {
+                keyframes: merged.keyframes,
+                map_points: merged.map_points,
+                merged: merged.merged,
+            };
+            Ok(Decision::Changed(counts, merged.decided, None))
+        };
+        self.change(&live, decide).await
+    }
+
+    /// Takes the merge of a session back, and returns how many keyframes moved.
+    pub async fn revoke_merge(&self, map: &MapId, session: SessionId) -> Result<(usize, u64), ServiceError> {
+        let live = self.live(map).await?;
+        let wanted = session.clone();
+        let (_, found) = self.read(&live, move |state| driven(&state.index, &wanted)).await?;
+        let kept = self.store.merge_undo(live.key, found).await?;
+        let decide = move |index: &mut MapIndex| {
+            let Some((undo, former)) = kept.filter(|(undo, _)| is_open(index, undo)) else {
+                let detail = format!(
+                    "no merge of session {session} can be revoked: it was not merged, or one of the two sessions was written since"
+                );
+                return Err(ServiceError::Conflict { code: "no_open_merge", detail });
+            };
+            let keyframes = undo.keyframes.len();
+            Ok(Decision::Changed(keyframes, revoke_merge(index, undo, &former), None))
+        };
+        self.change(&live, decide).await
+    }
+}
+
+/// Returns the number of a session that robots drive or drove.
+fn driven(index: &MapIndex, id: &SessionId) -> Result<SessionSeq, ServiceError> {
+    let missing = || ServiceError::NotFound(format!("there is no session {id} in this map"));
+    let session = index.session(id).ok_or_else(missing)?;
+    if index.priors().is_frame(session) {
+        let detail = "this session is the frame of a plan, and no robot drives it";
+        return Err(ServiceError::Invalid(vec![FieldError::new("{session}", detail).got(id)]));
+    }
+    Ok(session)
+}
