@@ -5,13 +5,14 @@ use libfuzzer_sys::fuzz_target;
 use revisit::domain::map::MapProperties;
 use revisit::domain::request::{ChangedObservations, LoopQuery, MapPatch, NewLoop, NewVerdict, PoseCorrection};
 use revisit::api::anchor::AnchorPatch;
+use revisit::api::session_merge::MergeFields;
 use revisit::api::semantics::{OneText, TextPair};
 use revisit::api::decoding::{read, syntax};
 
 fuzz_target!(|bytes: &[u8]| {
     let Some((kind, bytes)) = bytes.split_first() else { return };
     let Ok(body) = syntax::parse(bytes) else { return };
-    let faults = match kind % 9 {
+    let faults = match kind % 10 {
         _ if *kind >= 0x80 => read::decode::<NewVerdict>(&body).err(),
         0 => read::decode::<MapProperties>(&body).err(),
         1 => read::decode::<MapPatch>(&body).err(),
@@ -21,6 +22,7 @@ fuzz_target!(|bytes: &[u8]| {
         5 => read::decode::<AnchorPatch>(&body).err(),
         6 => read::decode::<TextPair>(&body).err(),
         7 => read::decode::<ChangedObservations>(&body).err(),
+        8 => read::decode::<MergeFields>(&body).err(),
         _ => read::decode::<OneText>(&body).err(),
     };
     assert!(faults.is_none_or(|faults| !faults.is_empty()));

@@ -35,6 +35,12 @@ pub struct EventView {
     /// The loop query that found it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub query: Option<String>,
+    /// The session that merged into another one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub session: Option<String>,
+    /// The session that it merged into.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub into: Option<String>,
     /// The description, or one sentence for a person.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub detail: Option<String>,
@@ -52,6 +58,8 @@ impl From<Event> for EventView {
             candidate: event.candidate.map(|id| id.to_string()),
             loop_id: event.loop_id.map(|id| id.to_string()),
             query: event.query,
+            session: event.session.map(|id| id.to_string()),
+            into: event.into.map(|id| id.to_string()),
             detail: event.detail,
         }
     }

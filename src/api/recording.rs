@@ -10,6 +10,7 @@ use super::model_verdict::ModelVerdictBody;
 use super::observations::ObservationsBody;
 use super::poses::PosesBody;
 use super::prior::PriorBody;
+use super::session_merge::MergeBody;
 use crate::domain::ids::MapId;
 use crate::domain::recorded::{NamedDetection, Recorded};
 
@@ -23,6 +24,8 @@ struct Line<B> {
     keyframe: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     detection: Option<u16>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    session: Option<String>,
     #[serde(rename = "loop", skip_serializing_if = "Option::is_none")]
     closed: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -33,7 +36,8 @@ struct Line<B> {
 
 impl<B: Serialize> Line<B> {
     fn of(op: &'static str, body: impl Into<Option<B>>) -> Self {
-        Self { op, id: None, keyframe: None, detection: None, closed: None, anchor: None, body: body.into() }
+        let (keyframe, session, detection, closed, anchor) = (None, None, None, None, None);
+        Self { op, id: None, keyframe, session, detection, closed, anchor, body: body.into() }
     }
 
     fn at(self, detection: NamedDetection) -> Self {
@@ -61,6 +65,10 @@ pub fn write_line(map: &MapId, recorded: Recorded, to: &mut Vec<u8>) -> Result<(
         Recorded::Poses(correction) => Line::of("poses", PosesBody::from(correction)).write(to),
         Recorded::Observations(changed) => {
             Line::of("observations", ObservationsBody::from(changed)).write(to)
+        }
+        Recorded::SessionsMerged(merge) => {
+            let session = Some(merge.session.to_string());
+            Line { session, ..Line::of("merge_sessions", MergeBody::from(merge)) }.write(to)
         }
         Recorded::Loop(closed) => Line::of("loop", LoopBody::from(closed)).write(to),
         Recorded::LoopRevoked(id) => {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::decoding::read::{Decode, Node};
+use super::decoding::read::{Decode, Node, Object};
 use super::limits;
 use crate::domain::keyframe::Stamp;
 use crate::geometry::{Gravity, Point3, Pose};
@@ -65,29 +65,32 @@ pub struct Time {
 
 impl Decode for Pose {
     fn decode(node: &Node<'_>) -> Option<Self> {
-        let transform = node.object(&["translation", "rotation"])?;
-        let translation = transform.required("translation", |node| {
-            let vector = node.object(&["x", "y", "z"])?;
-            let [x, y, z] =
-                ["x", "y", "z"].map(|axis| vector.required(axis, |n| n.number(limits::COORDINATE_M)));
-            Some([x?, y?, z?])
-        });
-        let rotation = transform.required("rotation", |node| {
-            let quaternion = node.object(&["x", "y", "z", "w"])?;
-            let parts = ["x", "y", "z", "w"];
-            let [x, y, z, w] = parts.map(|part| quaternion.required(part, |n| n.number(limits::QUATERNION)));
-            // The norm of a quaternion with a part that is too large tells what is wrong with it: it was not normalised.
-            if let [Some(x), Some(y), Some(z), Some(w)] = parts.map(|part| node.value().get(part)?.as_f64())
-                && Self::new([0.0; 3], [x, y, z, w]).is_none()
-            {
-                let norm = rounded((x * x + y * y + z * z + w * w).sqrt());
-                let detail = format!("not a unit quaternion: its norm is {norm}");
-                return node.refuse_as(detail, format!("a norm of {norm}"), "a norm of 1, within 1 %");
-            }
-            Some([x?, y?, z?, w?])
-        });
-        Self::new(translation?, rotation?)
+        rigid(&node.object(&["translation", "rotation"])?)
     }
+}
+
+/// Reads the two parts of a rigid transformation.
+pub(super) fn rigid(transform: &Object<'_>) -> Option<Pose> {
+    let translation = transform.required("translation", |node| {
+        let vector = node.object(&["x", "y", "z"])?;
+        let [x, y, z] = ["x", "y", "z"].map(|axis| vector.required(axis, |n| n.number(limits::COORDINATE_M)));
+        Some([x?, y?, z?])
+    });
+    let rotation = transform.required("rotation", |node| {
+        let quaternion = node.object(&["x", "y", "z", "w"])?;
+        let parts = ["x", "y", "z", "w"];
+        let [x, y, z, w] = parts.map(|part| quaternion.required(part, |n| n.number(limits::QUATERNION)));
+        // The norm of a quaternion with a part that is too large tells what is wrong with it: it was not normalised.
+        if let [Some(x), Some(y), Some(z), Some(w)] = parts.map(|part| node.value().get(part)?.as_f64())
+            && Pose::new([0.0; 3], [x, y, z, w]).is_none()
+        {
+            let norm = rounded((x * x + y * y + z * z + w * w).sqrt());
+            let detail = format!("not a unit quaternion: its norm is {norm}");
+            return node.refuse_as(detail, format!("a norm of {norm}"), "a norm of 1, within 1 %");
+        }
+        Some([x?, y?, z?, w?])
+    });
+    Pose::new(translation?, rotation?)
 }
 
 impl Decode for Stamp {

@@ -17,6 +17,7 @@ use super::loops::{LoopBody, LoopClosed, LoopRevoked};
 use super::map::{MapBody, MapPatchBody, MapView};
 use super::observations::{ObservationsAnswer, ObservationsBody};
 use super::poses::{PosesAnswer, PosesBody};
+use super::session_merge::{MergeBody, MergeFields, MergeRevokedAnswer, SessionsMergedAnswer};
 use super::{bulk, event, examples, keyframe, problem, semantics, usage, verdict};
 use crate::domain::invalid::FieldError;
 use crate::domain::map::MapProperties;
@@ -41,6 +42,7 @@ fn the_example_of_each_body_is_of_its_shape_and_is_read() {
     is_body::<LoopBody, NewLoop>(&examples::loop_body());
     is_body::<PosesBody, PoseCorrection>(&examples::poses_body());
     is_body::<ObservationsBody, ChangedObservations>(&examples::observations_body());
+    is_body::<MergeBody, MergeFields>(&examples::merge_body());
     is_body::<AnchorPatchBody, AnchorPatch>(&examples::anchor_patch());
     is_body::<semantics::TextPair, semantics::TextPair>(&examples::text_pair());
     is_body::<semantics::OneText, semantics::OneText>(&examples::one_text());
@@ -67,6 +69,8 @@ fn the_example_of_each_answer_is_of_its_shape() {
     is_shape::<LocalAnchorMap>(&examples::local_anchor_map());
     is_shape::<PosesAnswer>(&examples::poses_answer());
     is_shape::<ObservationsAnswer>(&examples::observations_answer());
+    is_shape::<SessionsMergedAnswer>(&examples::sessions_merged());
+    is_shape::<MergeRevokedAnswer>(&examples::merge_revoked());
     is_shape::<AnchorView>(&examples::anchor());
     is_shape::<AnchorList>(&examples::anchors());
     is_shape::<verdict::LoopAnswer>(&examples::loop_answer());

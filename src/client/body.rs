@@ -17,6 +17,7 @@ use crate::api::observations::ObservationsBody;
 use crate::api::poses::PosesBody;
 use crate::api::prior::PriorBody;
 use crate::api::semantics::{OneText, TextPair};
+use crate::api::session_merge::MergeBody;
 
 /// A body for an operation that takes `Shape`.
 pub trait Body<Shape>: Serialize {}
@@ -47,6 +48,7 @@ bodies! {
     MapPatchBody,
     ModelVerdictBody,
     ObservationsBody,
+    MergeBody,
     OneText,
     PosesBody,
     PriorBody,

@@ -13,6 +13,7 @@ use crate::api::list::{MapList, SessionList};
 use crate::api::map::{MapBody, MapPatchBody, MapView};
 use crate::api::observations::{ObservationsAnswer, ObservationsBody};
 use crate::api::poses::{PosesAnswer, PosesBody};
+use crate::api::session_merge::{MergeBody, SessionsMergedAnswer};
 
 /// A map of a million keyframes is exported within this time.
 const EXPORT_TIMEOUT: Duration = Duration::from_hours(12);
@@ -91,6 +92,17 @@ impl Client {
         body: &impl Body<ObservationsBody>,
     ) -> Result<ObservationsAnswer, ClientError> {
         Ok(self.write(Method::POST, &["v1", "maps", map, "observations"], &[], body).await?.answer)
+    }
+
+    /// Merges a session into another one.
+    pub async fn merge_sessions(
+        &self,
+        map: &str,
+        session: &str,
+        body: &impl Body<MergeBody>,
+    ) -> Result<SessionsMergedAnswer, ClientError> {
+        let path = ["v1", "maps", map, "sessions", session, "merge"];
+        Ok(self.write(Method::POST, &path, &[], body).await?.answer)
     }
 
     /// Reads a map as a recording; `take` receives it piece by piece.

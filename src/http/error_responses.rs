@@ -53,8 +53,8 @@ refusals! {
     ];
     /// Of operations that delete.
     OfDelete = [BAD_REQUEST, NOT_FOUND, INVALID, UNAVAILABLE];
-    /// Of the operation that revokes a key.
-    OfKeyDelete = [BAD_REQUEST, NOT_FOUND, CONFLICT, INVALID, UNAVAILABLE];
+    /// Of operations that revoke what others may rest on: a key, a merge of sessions.
+    OfRevocation = [BAD_REQUEST, NOT_FOUND, CONFLICT, INVALID, UNAVAILABLE];
     /// Of operations that delete a given version.
     OfVersionedDelete = [BAD_REQUEST, NOT_FOUND, PRECONDITION_FAILED, INVALID, UNAVAILABLE];
     /// Of the readiness check.

@@ -98,6 +98,10 @@ class EventKind(OpenEnum):
     """A client closed a loop."""
     LOOP_REVOKED = "loop_revoked"
     """A client took a loop back."""
+    SESSIONS_MERGED = "sessions_merged"
+    """The keyframes of a session are of another one now."""
+    MERGE_REVOKED = "merge_revoked"
+    """A merge of sessions was taken back."""
 
 
 class GeometryModel(OpenEnum):
@@ -878,6 +882,10 @@ class Event(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The loop it is about."""
     query: str | None = None
     """The loop query that found it."""
+    session: str | None = None
+    """The session that merged into another one."""
+    into: str | None = None
+    """The session that it merged into."""
     detail: str | None = None
     """The description, or one sentence for a person."""
 
@@ -1593,6 +1601,26 @@ class MergeAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Whether the built-in judge stood in because a model was away."""
 
 
+class MergeBody(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """The session that another one merges into, and how; all of it is taken over, or nothing."""
+
+    into: str
+    """The session that the keyframes are of from now on. One that is not there yet is begun."""
+    into_from_session: SentSimilarity
+    """Maps points of the session's frame into the frame of `into`."""
+    map_points: Renumbering | None = None
+    """The numbers that its map points get; left out, they keep theirs."""
+
+
+class MergeRevokedAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """The sessions are two again."""
+
+    map_version: int
+    """The map's version after it."""
+    keyframes: int
+    """Number of keyframes that moved back."""
+
+
 class ModelVerdict(msgspec.Struct, kw_only=True, omit_defaults=True):
     """A verdict of a model: a level or a merged text of texts of one class, or a description of a
     detection's crop.
@@ -1859,6 +1887,17 @@ class Reason(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The value that it was compared with."""
 
 
+class Renumbering(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """The numbers that the map points of a session get: by `offset` or by `ids`. A point whose new number
+    is taken is that point, which keeps its position.
+    """
+
+    offset: int | None = None
+    """This is added to the number of each."""
+    ids: list[list[int]] | None = None
+    """`[old, new]` for each that gets another number, no old one twice; the others keep theirs."""
+
+
 class ReplacedVerdict(msgspec.Struct, kw_only=True, omit_defaults=True):
     """A verdict that was replaced, beside the one that stands now."""
 
@@ -1935,6 +1974,17 @@ class SentMapPoints(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The positions, packed: base64 of little-endian 64-bit floats, x, y and z of each."""
 
 
+class SentSimilarity(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A similarity transformation: scaled, rotated, then moved."""
+
+    translation: Vector3
+    """In metres."""
+    rotation: Quaternion
+    """A unit quaternion."""
+    scale: float | None = None
+    """How much longer a length is in the outer frame; 1 if left out."""
+
+
 class Session(msgspec.Struct, kw_only=True, omit_defaults=True):
     """A session of a map."""
 
@@ -1967,6 +2017,19 @@ class SessionList(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The items of this part."""
     next_cursor: str | None
     """The cursor of the next part; null after the last one."""
+
+
+class SessionsMergedAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Two sessions are one."""
+
+    map_version: int
+    """The map's version after it."""
+    keyframes: int
+    """Number of keyframes that moved; 0 where the session has none, as after the same request."""
+    map_points: int
+    """Number of map points with a position that moved."""
+    anchors_merged: int
+    """Number of anchors that turned out to be one with another."""
 
 
 class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):

@@ -259,6 +259,22 @@ class Operations:
         """
         return self._call(Call("GET", f"/v1/maps/{segment(map)}/sessions", query={"limit": limit, "cursor": cursor}, answer=models.SessionList))
 
+    def merge_sessions(self, map: str, session: str, body: models.MergeBody | Mapping[str, Any]) -> models.SessionsMergedAnswer:
+        """Merge a session into another one. For use when two maps of a robot became one, as ORB-SLAM3's
+        Atlas merges them. Keyframes keep their ids; they, their map points and anchors move into the
+        frame of `into`, in one transaction. Covisibility and association follow (`docs/method.md`,
+        M59). Keyframes sent later name `into`; one that names the session still begins it anew, in its
+        own frame. Can be revoked until something is written in one of the two sessions.
+        """
+        return self._call(Call("POST", f"/v1/maps/{segment(map)}/sessions/{segment(session)}/merge", body=body, answer=models.SessionsMergedAnswer))
+
+    def revoke_merge(self, map: str, session: str) -> models.MergeRevokedAnswer:
+        """Revoke a merge of sessions. For a merge that was wrong: everything is as before it, to the bit.
+        Not possible once a keyframe, pose, map point or observation was written in one of the two
+        sessions.
+        """
+        return self._call(Call("DELETE", f"/v1/maps/{segment(map)}/sessions/{segment(session)}/merge", answer=models.MergeRevokedAnswer))
+
     def get_trajectory(self, map: str, *, format: str, session: str | None = None) -> str:
         """Read a trajectory. Poses (`map_from_camera`) as last corrected, by stamp. `tum`: lines of
         `seconds x y z qx qy qz qw`. `kitti`: lines of twelve numbers, the upper rows of the pose.
@@ -541,6 +557,22 @@ class AsyncOperations:
         computed anew as more signs are read.
         """
         return await self._call(Call("GET", f"/v1/maps/{segment(map)}/sessions", query={"limit": limit, "cursor": cursor}, answer=models.SessionList))
+
+    async def merge_sessions(self, map: str, session: str, body: models.MergeBody | Mapping[str, Any]) -> models.SessionsMergedAnswer:
+        """Merge a session into another one. For use when two maps of a robot became one, as ORB-SLAM3's
+        Atlas merges them. Keyframes keep their ids; they, their map points and anchors move into the
+        frame of `into`, in one transaction. Covisibility and association follow (`docs/method.md`,
+        M59). Keyframes sent later name `into`; one that names the session still begins it anew, in its
+        own frame. Can be revoked until something is written in one of the two sessions.
+        """
+        return await self._call(Call("POST", f"/v1/maps/{segment(map)}/sessions/{segment(session)}/merge", body=body, answer=models.SessionsMergedAnswer))
+
+    async def revoke_merge(self, map: str, session: str) -> models.MergeRevokedAnswer:
+        """Revoke a merge of sessions. For a merge that was wrong: everything is as before it, to the bit.
+        Not possible once a keyframe, pose, map point or observation was written in one of the two
+        sessions.
+        """
+        return await self._call(Call("DELETE", f"/v1/maps/{segment(map)}/sessions/{segment(session)}/merge", answer=models.MergeRevokedAnswer))
 
     async def get_trajectory(self, map: str, *, format: str, session: str | None = None) -> str:
         """Read a trajectory. Poses (`map_from_camera`) as last corrected, by stamp. `tum`: lines of

@@ -158,6 +158,28 @@ pub fn observations_answer() -> Value {
     json!({"map_version": 413, "keyframes": 2, "map_points": 2, "anchors_merged": 1})
 }
 
+/// A merge of sessions.
+pub fn merge_body() -> Value {
+    json!({
+        "into": "robot-3",
+        "into_from_session": {
+            "translation": {"x": 12.5, "y": -3.25, "z": 0.0},
+            "rotation": {"x": 0.0, "y": 0.0, "z": 0.6, "w": 0.8}
+        },
+        "map_points": {"offset": 100_000}
+    })
+}
+
+/// The sessions are one.
+pub fn sessions_merged() -> Value {
+    json!({"map_version": 414, "keyframes": 120, "map_points": 8412, "anchors_merged": 3})
+}
+
+/// The sessions are two again.
+pub fn merge_revoked() -> Value {
+    json!({"map_version": 415, "keyframes": 120})
+}
+
 /// Corrected poses.
 pub fn poses_body() -> Value {
     json!({

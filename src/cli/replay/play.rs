@@ -47,6 +47,8 @@ pub(super) struct Played {
     pub poses: u64,
     /// Changes of what keyframes observe.
     pub observations: u64,
+    /// Merges of sessions.
+    pub session_merges: u64,
     /// Prior anchors put.
     pub priors: u64,
     /// Anchors described by hand.
@@ -132,6 +134,10 @@ impl Player {
             Op::Observations { body } => {
                 self.client.post_observations(map, &Recorded(body)).await?;
                 self.played.observations += 1;
+            }
+            Op::MergeSessions { session, body } => {
+                self.client.merge_sessions(map, &session, &Recorded(body)).await?;
+                self.played.session_merges += 1;
             }
             Op::Anchor { id, body } => {
                 self.client.put_prior_anchor(map, &id, &Recorded(body)).await?;
@@ -250,6 +256,7 @@ fn describe(map: &str, op: &Op) -> String {
         Op::Loop { .. } => format!("loop in {map}"),
         Op::Poses { .. } => format!("poses of {map}"),
         Op::Observations { .. } => format!("observations of {map}"),
+        Op::MergeSessions { session, .. } => format!("merge of session {session} of {map}"),
         Op::Anchor { id, .. } => format!("prior anchor {id} of {map}"),
         Op::Description { keyframe, detection, .. } => {
             format!("description of detection {detection} of {keyframe} of {map}")

@@ -47,7 +47,10 @@ pub(super) enum Op {
         body: Body,
     },
     /// Store a keyframe.
-    Keyframe { id: String, body: Body },
+    Keyframe {
+        id: String,
+        body: Body,
+    },
     /// Ask whether a keyframe is a loop.
     Query {
         keyframe: String,
@@ -60,17 +63,36 @@ pub(super) enum Op {
         ignore: Vec<String>,
     },
     /// Close a loop.
-    Loop { body: Body },
+    Loop {
+        body: Body,
+    },
     /// Correct poses.
-    Poses { body: Body },
+    Poses {
+        body: Body,
+    },
     /// Change what keyframes observe.
-    Observations { body: Body },
+    Observations {
+        body: Body,
+    },
+    MergeSessions {
+        session: String,
+        body: Body,
+    },
     /// Put a prior anchor.
-    Anchor { id: String, body: Body },
+    Anchor {
+        id: String,
+        body: Body,
+    },
     /// Describe the anchor of a detection by hand.
-    Description { keyframe: String, detection: usize, body: Body },
+    Description {
+        keyframe: String,
+        detection: usize,
+        body: Body,
+    },
     /// Import a model verdict.
-    Judgement { body: Body },
+    Judgement {
+        body: Body,
+    },
     /// Remove a keyframe, the anchor of one of its detections, a prior anchor, or a loop.
     Delete(Deleted),
 }

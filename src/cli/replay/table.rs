@@ -27,6 +27,7 @@ fn write_recording(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
         (report.closed_loops, "closed loop", "closed loops"),
         (report.pose_corrections, "pose correction", "pose corrections"),
         (report.observation_changes, "change of observations", "changes of observations"),
+        (report.session_merges, "merge of sessions", "merges of sessions"),
         (report.priors, "prior anchor", "prior anchors"),
         (report.descriptions, "description by hand", "descriptions by hand"),
         (report.judgements, "model verdict", "model verdicts"),

@@ -63,6 +63,7 @@ fn answer(request: &str, body: &Value) -> Response {
         }
         request if request.contains("/bad-") => problem(StatusCode::UNPROCESSABLE_ENTITY, "Bad keyframe"),
         request if request.ends_with("/loop-queries") => Json(loop_answer(body)).into_response(),
+        request if request.ends_with("/merge") => Json(examples::sessions_merged()).into_response(),
         request if request.ends_with("/observations") => {
             Json(examples::observations_answer()).into_response()
         }
@@ -117,6 +118,7 @@ const RECORDING: &str = r#"{"op":"map","id":"m","body":{"settings":{"candidates_
 {"op":"loop","body":{"id":"l1","keyframe":"right","candidate":"k1"}}
 {"op":"poses","body":{"session":"default"}}
 {"op":"observations","body":{"removed":[3]}}
+{"op":"merge_sessions","session":"r2","body":{"into":"r1"}}
 "#;
 
 /// Replays `recording` with these flags; returns the requests and the result.
@@ -142,7 +144,7 @@ async fn every_line_is_one_request_in_the_order_recorded() {
     let (requests, report) = play(RECORDING, &["--max-wait-ms", "7"]).await;
     report.expect("a score");
     let asked = |request: &str, body: Value| (request.to_owned(), body);
-    assert_eq!(requests.len(), 11);
+    assert_eq!(requests.len(), 12);
     assert_eq!(requests[0], asked("PUT /v1/maps/m", json!({"settings": {"candidates_max": 3}})));
     assert_eq!(requests[1], asked("PUT /v1/maps/m/keyframes/k1", json!({"stamp": 1})));
     let query = json!({"keyframe": "right", "verify": "auto", "max_wait_ms": 7});
@@ -150,6 +152,7 @@ async fn every_line_is_one_request_in_the_order_recorded() {
     assert_eq!(requests[8].0, "POST /v1/maps/m/loops");
     assert_eq!(requests[9], asked("POST /v1/maps/m/poses", json!({"session": "default"})));
     assert_eq!(requests[10], asked("POST /v1/maps/m/observations", json!({"removed": [3]})));
+    assert_eq!(requests[11], asked("POST /v1/maps/m/sessions/r2/merge", json!({"into": "r1"})));
 }
 
 #[tokio::test]
@@ -193,7 +196,7 @@ async fn the_table_shows_the_same_to_a_person() {
     report.latency_ms = time(1.25, 3.0);
     report.keyframe_latency_ms = time(2.0, 4.0);
     let expected = "\
-tower.ndjson: 1 map, 1 keyframe, 1 closed loop, 1 pose correction, 1 change of observations, 6 queries (3 with a true loop)
+tower.ndjson: 1 map, 1 keyframe, 1 closed loop, 1 pose correction, 1 change of observations, 1 merge of sessions, 6 queries (3 with a true loop)
 with candidates_max=5
 1 not scored: best is neither correct nor wrong
 1 not scored: the ground truth is unknown

@@ -6,7 +6,7 @@ use axum::extract::{FromRequestParts, RawPathParams};
 use axum::http::request::Parts;
 use utoipa::IntoParams;
 
-use crate::domain::ids::{ID_FORM, IdError, JudgementId, KeyframeId, LoopId, MapId, PriorId};
+use crate::domain::ids::{ID_FORM, IdError, JudgementId, KeyframeId, LoopId, MapId, PriorId, SessionId};
 use crate::domain::invalid::FieldError;
 use crate::domain::prior::AnchorKey;
 use crate::http::problem::{Kind, Problem};
@@ -44,6 +44,14 @@ pub struct LoopPath {
     pub map: MapId,
     /// The loop.
     pub id: LoopId,
+}
+
+/// A session of a map.
+pub struct SessionPath {
+    /// The map.
+    pub map: MapId,
+    /// The session.
+    pub session: SessionId,
 }
 
 /// A job that re-evaluates a map's verdicts.
@@ -103,6 +111,12 @@ documented! {
         map,
         /// The loop's id, chosen by its client.
         r#loop,
+    }
+    SessionPathParams {
+        /// The map's id, chosen by its client.
+        map,
+        /// The session's id, chosen by its client.
+        session,
     }
     JudgementPathParams {
         /// The map's id, chosen by its client.
@@ -192,6 +206,15 @@ impl<S: Send + Sync> FromRequestParts<S> for LoopPath {
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
         let (map, id) = Named::of(parts, state).await?.ids("map", "loop")?;
         Ok(Self { map, id })
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for SessionPath {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let (map, session) = Named::of(parts, state).await?.ids("map", "session")?;
+        Ok(Self { map, session })
     }
 }
 

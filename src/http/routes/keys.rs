@@ -9,7 +9,7 @@ use crate::api::list::KeyList;
 use crate::domain::key::KeyProperties;
 use crate::engine::Service;
 use crate::engine::keys::lockout::Lockout;
-use crate::http::error_responses::{OfKeyDelete, OfList, OfWrite};
+use crate::http::error_responses::{OfList, OfRevocation, OfWrite};
 use crate::http::extract::body::Body;
 use crate::http::extract::path::{KeyPath, KeyPathParams};
 use crate::http::extract::query::{LastAdmin, Paging, Query};
@@ -58,7 +58,7 @@ pub async fn create_key(
 /// key is revoked only with `last_admin=true` (else 409).
 #[utoipa::path(
     delete, path = "/v1/keys/{id}", tag = "keys", params(KeyPathParams, LastAdmin), security(("key" = ["admin"])),
-    responses((status = 204, description = "The key is revoked"), OfKeyDelete)
+    responses((status = 204, description = "The key is revoked"), OfRevocation)
 )]
 pub async fn revoke_key(
     State(service): State<Service>,

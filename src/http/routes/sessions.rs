@@ -1,13 +1,15 @@
-//! Sessions: the robots' runs and the plans' frames of a map.
+//! Sessions: the robots' runs and the plans' frames of a map, and their merges.
 
 use axum::Json;
 use axum::extract::State;
 
 use crate::api::examples;
 use crate::api::list::SessionList;
+use crate::api::session_merge::{MergeBody, MergeFields, MergeRevokedAnswer, SessionsMergedAnswer};
 use crate::engine::Service;
-use crate::http::error_responses::ReadErrors;
-use crate::http::extract::path::{MapPath, MapPathParams};
+use crate::http::error_responses::{OfRevocation, OfWrite, ReadErrors};
+use crate::http::extract::body::Body;
+use crate::http::extract::path::{MapPath, MapPathParams, SessionPath, SessionPathParams};
 use crate::http::extract::query::{Paging, Query};
 use crate::http::problem::Problem;
 
@@ -26,4 +28,51 @@ pub async fn list_sessions(
 ) -> Result<Json<SessionList>, Problem> {
     let (version, sessions) = service.list_sessions(&map, page.cursor.as_deref(), page.limit).await?;
     Ok(Json(SessionList::of(version, sessions)))
+}
+
+/// Merge a session into another one
+///
+/// For use when two maps of a robot became one, as ORB-SLAM3's Atlas merges them. Keyframes keep their ids; they, their map points
+/// and anchors move into the frame of `into`, in one transaction. Covisibility and association follow (`docs/method.md`, M59).
+/// Keyframes sent later name `into`; one that names the session still begins it anew, in its own frame. Can be revoked until
+/// something is written in one of the two sessions.
+#[utoipa::path(
+    post, path = "/v1/maps/{map}/sessions/{session}/merge", tag = "loops", params(SessionPathParams), security(("key" = ["write"])),
+    request_body(content = MergeBody, example = examples::merge_body),
+    responses(
+        (status = 200, description = "The sessions are one", body = SessionsMergedAnswer, example = examples::sessions_merged),
+        OfWrite
+    )
+)]
+pub async fn merge_sessions(
+    State(service): State<Service>,
+    SessionPath { map, session }: SessionPath,
+    Body(merge): Body<MergeFields>,
+) -> Result<Json<SessionsMergedAnswer>, Problem> {
+    let (counts, map_version) = service.merge_sessions(&map, merge.of(session)).await?;
+    Ok(Json(SessionsMergedAnswer {
+        map_version,
+        keyframes: counts.keyframes,
+        map_points: counts.map_points,
+        anchors_merged: counts.merged,
+    }))
+}
+
+/// Revoke a merge of sessions
+///
+/// For a merge that was wrong: everything is as before it, to the bit. Not possible once a keyframe, pose, map point or
+/// observation was written in one of the two sessions.
+#[utoipa::path(
+    delete, path = "/v1/maps/{map}/sessions/{session}/merge", tag = "loops", params(SessionPathParams), security(("key" = ["write"])),
+    responses(
+        (status = 200, description = "The sessions are two again", body = MergeRevokedAnswer, example = examples::merge_revoked),
+        OfRevocation
+    )
+)]
+pub async fn revoke_merge(
+    State(service): State<Service>,
+    SessionPath { map, session }: SessionPath,
+) -> Result<Json<MergeRevokedAnswer>, Problem> {
+    let (keyframes, map_version) = service.revoke_merge(&map, session).await?;
+    Ok(Json(MergeRevokedAnswer { map_version, keyframes }))
 }
