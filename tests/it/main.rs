@@ -33,6 +33,7 @@ mod raw;
 mod readme;
 mod recordings;
 mod replayed;
+mod session_merges;
 mod settings;
 mod support;
 mod tidy;
