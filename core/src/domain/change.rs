@@ -14,7 +14,7 @@ pub use super::observation_update::{KeyframeUpdate, ObservationUpdate, PointsOfK
 use super::point_list::PointList;
 use super::prior::Prior;
 pub use super::session_merge::{MergeUndo, SessionMerge};
-use crate::geometry::{Gravity, Point3, Pose};
+use crate::geometry::{Gravity, Point3, Pose, Sim3};
 
 /// A keyframe as the index keeps it: everything but the heavy parts (bag of words, features, crops).
 #[derive(Clone, Debug, PartialEq)]
@@ -80,6 +80,9 @@ pub struct Loop {
     pub candidate_id: KeyframeId,
     /// The query that found it, if the client told.
     pub query: Option<String>,
+    /// Maps points of the keyframe's camera frame into the candidate's, if that query verified it by geometry and its answer is
+    /// still kept.
+    pub candidate_from_query: Option<Sim3>,
 }
 
 /// Two keyframes of one view, by geometry, around which different signs hang (M16).

@@ -33,6 +33,7 @@ pub mod channel;
 pub mod counted;
 pub mod difference;
 pub mod event;
+pub mod fleet_frames;
 pub mod former;
 pub mod global_descriptor;
 pub mod ids;

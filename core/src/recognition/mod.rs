@@ -36,6 +36,7 @@
 //! | ours: one view in two places (M16) | [`extensions::twins`] | [`extensions::twins::suspects`] |
 //! | ours: signs that change (M18) | [`extensions::changed_signs`] | [`extensions::changed_signs::passages_ended_by`] |
 //! | ours: sessions aligned to a plan (M55) | [`plans`], [`anchors::prior_anchors`] | [`plans::plan_alignment::plan_alignment`] |
+//! | ours: one frame for all sessions, and loops that contradict the rest (M60) | [`frames`] | [`frames::fleet::fleet_frames`] |
 //! | ours: odometry where loops tie the way together | [`extensions::way_by_loops`] | [`extensions::way_by_loops::way_by_loops_um`] |
 //! | ours: odometry against a transformation (M15) | [`extensions::tracked_path`] | [`extensions::tracked_path::TrackedPath`] |
 //! | ours: "where am I?" | [`mod@locate`] | [`locate::locate()`] |
@@ -48,6 +49,7 @@
 pub mod anchors;
 pub mod constants;
 pub mod extensions;
+pub mod frames;
 pub mod locate;
 pub mod loops;
 pub mod map;

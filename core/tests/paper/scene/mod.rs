@@ -139,6 +139,7 @@ impl Scene {
             keyframe_id: keyframe_id(keyframe),
             candidate_id: keyframe_id(candidate),
             query: None,
+            candidate_from_query: None,
         };
         close_loop(&mut self.map, closed)
     }

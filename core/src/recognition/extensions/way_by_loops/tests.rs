@@ -42,6 +42,7 @@ fn closed(number: usize, a: u32, b: u32) -> Change {
         keyframe_id: name(a),
         candidate_id: name(b),
         query: None,
+        candidate_from_query: None,
     })
 }
 

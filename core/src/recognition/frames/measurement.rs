@@ -1,0 +1,102 @@
+//! A measurement: what a confirmed loop, or a plan, says of where two sessions lie to each other.
+
+use crate::domain::change::Loop;
+use crate::domain::ids::{KeyframeSeq, LoopId, SessionSeq};
+use crate::domain::settings::Settings;
+use crate::geometry::{Point3, Pose, Sim3};
+use crate::recognition::extensions::tracked_path::{TURN_PER_DRIFT_SHARE, drift_m};
+use crate::recognition::map::index::MapIndex;
+
+/// How far a verified transformation may be off where nothing was driven, in metres: several times what those of the recordings are.
+pub const LOOP_SLACK_M: f64 = 0.3;
+/// And in rotation, in radians.
+pub const LOOP_SLACK_RAD: f64 = 0.1;
+
+/// What one loop or one alignment to a plan says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// The loop; none for a plan.
+    pub loop_id: Option<LoopId>,
+    /// The session of the candidate, or the plan's frame.
+    pub a: SessionSeq,
+    /// The session of the keyframe.
+    pub b: SessionSeq,
+    /// Maps points of b's frame into a's.
+    pub a_from_b: Pose,
+    /// Where it was measured: in the frame of a.
+    pub at_a: Place,
+    /// And in the frame of b.
+    pub at_b: Place,
+    /// How far it may be off where nothing was driven, in metres.
+    pub slack_m: f64,
+    /// How far it may be off in rotation, in radians.
+    pub slack_rad: f64,
+}
+
+/// A place in a session: the camera of a keyframe, or the middle of what a plan aligns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// The keyframe; none for a plan.
+    pub keyframe: Option<KeyframeSeq>,
+    /// The place, in the session's frame.
+    pub at: Point3,
+}
+
+impl Measurement {
+    /// Returns what a loop between two sessions, or within one, says; none if a keyframe is gone.
+    pub fn of_loop(index: &MapIndex, closed: &Loop, candidate_from_query: &Sim3) -> Option<Self> {
+        let settings = &index.properties().settings;
+        let (query, candidate) = (index.keyframe(closed.keyframe)?, index.keyframe(closed.candidate)?);
+        let [a, b] = [candidate, query].map(|keyframe| keyframe.map_from_camera);
+        let place = |pose: &Pose, seq| Place { keyframe: Some(seq), at: pose.centre() };
+        Some(Self {
+            loop_id: Some(closed.id.clone()),
+            a: candidate.session,
+            b: query.session,
+            a_from_b: a.after(&candidate_from_query.without_scale()).after(&b.inverse()),
+            at_a: place(&a, candidate.seq),
+            at_b: place(&b, query.seq),
+            slack_m: LOOP_SLACK_M,
+            slack_rad: TURN_PER_DRIFT_SHARE.mul_add(settings.odometry_max_drift_share, LOOP_SLACK_RAD),
+        })
+    }
+
+    /// Returns the same the other way round.
+    pub fn reversed(&self) -> Self {
+        Self {
+            a: self.b,
+            b: self.a,
+            a_from_b: self.a_from_b.inverse(),
+            at_a: self.at_b,
+            at_b: self.at_a,
+            ..self.clone()
+        }
+    }
+
+    /// Returns how far another transformation between the two sessions has it elsewhere, in metres at the place where it was
+    /// measured, and in radians.
+    pub fn off(&self, a_from_b: &Pose) -> (f64, f64) {
+        let off_m = (self.a_from_b.transform(&self.at_b.at) - a_from_b.transform(&self.at_b.at)).norm();
+        (off_m, self.a_from_b.isometry().rotation.angle_to(&a_from_b.isometry().rotation))
+    }
+
+    /// Returns how far two of the same two sessions may be off from each other, in metres.
+    pub fn allowed_m(&self, other: &Self, index: &MapIndex) -> f64 {
+        let way_m = way_m(index, &self.at_a, &other.at_a) + way_m(index, &self.at_b, &other.at_b);
+        drift_m(way_m, self.slack_m.max(other.slack_m), &index.properties().settings)
+    }
+
+    /// Whether two of the same two sessions can both be right.
+    pub fn agrees(&self, other: &Self, index: &MapIndex) -> bool {
+        let allowed_m = self.allowed_m(other, index);
+        let (there, back) = (self.off(&other.a_from_b), other.off(&self.a_from_b));
+        there.0.max(back.0) <= allowed_m && there.1 <= self.slack_rad.max(other.slack_rad)
+    }
+}
+
+/// Returns the way between two places of a session, in metres: as it was driven, or straight where tracking was lost on it.
+pub fn way_m(index: &MapIndex, from: &Place, to: &Place) -> f64 {
+    let milestone = |place: &Place| index.milestone(place.keyframe?);
+    let driven = milestone(from).zip(milestone(to)).and_then(|(from, to)| from.way_to_m(&to));
+    driven.unwrap_or_else(|| (from.at - to.at).norm())
+}
