@@ -10,7 +10,7 @@
 //! | [`limits`] | how much one request may bring |
 //! | [`decoding::digest`] | what made two bodies the same for earlier versions |
 //! | [`space`], [`decoding::base64`] | vectors, poses, times; bytes inside JSON |
-//! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`observations`], [`anchor`], [`prior`], [`session`], [`session_merge`], [`transcript`], [`loops`], [`event`] | resources |
+//! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`observations`], [`anchor`], [`prior`], [`session`], [`session_merge`], [`frames`], [`transcript`], [`loops`], [`event`] | resources |
 //! | [`names`], [`words`] | the model's named values, with their meanings; the same for the viewer |
 //! | [`loop_query`], [`verdict`], [`geometry`], [`difference`] | "is this keyframe a loop?" and its answer |
 //! | [`location`] | "where am I?" and its answer |
@@ -28,6 +28,7 @@ pub mod decoding;
 pub mod difference;
 pub mod event;
 pub mod examples;
+pub mod frames;
 pub mod geometry;
 pub mod judgement;
 pub mod key;

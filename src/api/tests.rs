@@ -17,6 +17,7 @@ use super::loops::{LoopBody, LoopClosed, LoopRevoked};
 use super::map::{MapBody, MapPatchBody, MapView};
 use super::observations::{ObservationsAnswer, ObservationsBody};
 use super::poses::{PosesAnswer, PosesBody};
+use super::frames::FramesView;
 use super::session_merge::{MergeBody, MergeFields, MergeRevokedAnswer, SessionsMergedAnswer};
 use super::{bulk, event, examples, keyframe, problem, semantics, usage, verdict};
 use crate::domain::invalid::FieldError;
@@ -70,6 +71,7 @@ fn the_example_of_each_answer_is_of_its_shape() {
     is_shape::<PosesAnswer>(&examples::poses_answer());
     is_shape::<ObservationsAnswer>(&examples::observations_answer());
     is_shape::<SessionsMergedAnswer>(&examples::sessions_merged());
+    is_shape::<FramesView>(&examples::frames());
     is_shape::<MergeRevokedAnswer>(&examples::merge_revoked());
     is_shape::<AnchorView>(&examples::anchor());
     is_shape::<AnchorList>(&examples::anchors());

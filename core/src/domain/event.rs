@@ -20,6 +20,8 @@ named! {
         LoopConfirmed = "loop_confirmed",
         /// A client took a loop back.
         LoopRevoked = "loop_revoked",
+        /// A confirmed loop contradicts the others.
+        LoopSuspected = "loop_suspected",
         /// The keyframes of a session are of another one now.
         SessionsMerged = "sessions_merged",
         /// A merge of sessions was taken back.

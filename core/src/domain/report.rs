@@ -1,6 +1,7 @@
 //! What a reader is shown of a map: derived views, never facts.
 
 use super::anchor::{AnchorState, Outcome};
+use super::fleet_frames::Suspect;
 use super::ids::{AnchorSeq, BackupId, JudgementId, KeyframeId, LoopId, MapId, SessionId};
 use super::judgement::{Asks, Estimate, JobState, Replaced, Tally};
 use super::keyframe::{NewKeyframe, Stamp};
@@ -168,6 +169,36 @@ pub struct AlignmentReport {
     pub position_sigma_m: f64,
     /// Standard deviation of the rotation about the vertical, in rad.
     pub yaw_sigma_rad: f64,
+}
+
+/// Where the sessions of a map lie to one of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FramesReport {
+    /// The map's version that it was computed at.
+    pub version: u64,
+    /// The session in whose frame the others are; none in a map without sessions.
+    pub reference: Option<SessionId>,
+    /// The sessions, in order of appearance.
+    pub frames: Vec<FrameReport>,
+    /// The confirmed loops that contradict the others, by name.
+    pub suspects: Vec<Suspect>,
+    /// The number of confirmed loops between sessions that count.
+    pub loops: usize,
+    /// The number of those without a transformation.
+    pub left_out: usize,
+}
+
+/// A session in the frame of the reference.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameReport {
+    /// The session.
+    pub session: SessionId,
+    /// Maps points of its frame into that of the reference; none if nothing joins the two.
+    pub reference_from_session: Option<Pose>,
+    /// How far its loops are off on the average, in metres.
+    pub residual_m: Option<f64>,
+    /// The number of its loops with other sessions that count.
+    pub loops: usize,
 }
 
 /// A pair of anchors that became one, or two again.

@@ -14,6 +14,8 @@ pub struct TrajectoryReport {
     pub sessions: Vec<SessionTrack>,
     /// The confirmed loops between these keyframes, by name.
     pub loops: Vec<Loop>,
+    /// Whether all poses are in one frame.
+    pub is_in_one_frame: bool,
 }
 
 /// One session's keyframes, by stamp; of one stamp in order of arrival.

@@ -180,6 +180,33 @@ pub fn merge_revoked() -> Value {
     json!({"map_version": 415, "keyframes": 120})
 }
 
+/// One frame for all sessions.
+pub fn frames() -> Value {
+    let rotation = json!({"x": 0.0, "y": 0.0, "z": 0.6, "w": 0.8});
+    json!({
+        "version": 416,
+        "reference": "robot-3",
+        "frames": [
+            {
+                "session": "robot-3",
+                "reference_from_session": {"translation": {"x": 0.0, "y": 0.0, "z": 0.0}, "rotation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}},
+                "residual": 0.04,
+                "loops": 12
+            },
+            {
+                "session": "robot-7",
+                "reference_from_session": {"translation": {"x": 12.5, "y": -3.25, "z": 0.0}, "rotation": rotation},
+                "residual": 0.04,
+                "loops": 12
+            },
+            {"session": "robot-9", "loops": 0}
+        ],
+        "suspects": [{"loop": "loop-17", "cycle": ["loop-3"], "residual": 6.2, "residual_rad": 0.01}],
+        "loops": 12,
+        "left_out": 2
+    })
+}
+
 /// Corrected poses.
 pub fn poses_body() -> Value {
     json!({

@@ -18,6 +18,11 @@ pub struct MeasuredLoop {
 }
 
 #[derive(Deserialize)]
+struct Asked {
+    keyframe: Option<String>,
+}
+
+#[derive(Deserialize)]
 struct Kept {
     candidates: Vec<KeptCandidate>,
 }
@@ -29,6 +34,14 @@ struct KeptCandidate {
 }
 
 impl MeasuredLoop {
+    /// Reads the transformation between these two keyframes from a kept answer; none if the answer is about another one.
+    pub fn between(answer: &[u8], keyframe: &str, candidate: &str) -> Option<Self> {
+        let asked: Asked = serde_json::from_slice(answer).ok()?;
+        // A keyframe that was asked about inline has no id yet.
+        let is_of_it = asked.keyframe.is_none_or(|asked| asked == keyframe);
+        is_of_it.then(|| Self::of(answer, candidate))?
+    }
+
     /// Reads the transformation to one candidate from a kept answer; none where geometry verified no full transformation.
     pub fn of(answer: &[u8], candidate: &str) -> Option<Self> {
         let kept: Kept = serde_json::from_slice(answer).ok()?;

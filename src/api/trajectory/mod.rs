@@ -6,10 +6,12 @@ mod measured;
 
 pub use measured::MeasuredLoop;
 
+use std::borrow::Cow;
+
 use self::g2o::g2o;
 use self::lines::{kitti, tum};
 use crate::domain::invalid::FieldError;
-use crate::domain::trajectory::{SessionTrack, TrajectoryReport};
+use crate::domain::trajectory::{SessionTrack, TrackedPose, TrajectoryReport};
 
 /// A format of trajectories.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,18 +48,24 @@ pub fn write_trajectory(
     format: TrajectoryFormat,
 ) -> Result<String, FieldError> {
     match format {
-        TrajectoryFormat::Tum => Ok(only_session(report)?.map(tum).unwrap_or_default()),
-        TrajectoryFormat::Kitti => Ok(only_session(report)?.map(kitti).unwrap_or_default()),
+        TrajectoryFormat::Tum => Ok(one_track(report)?.map(|track| tum(&track)).unwrap_or_default()),
+        TrajectoryFormat::Kitti => Ok(one_track(report)?.map(|track| kitti(&track)).unwrap_or_default()),
         TrajectoryFormat::G2o => Ok(g2o(report, measured)),
     }
 }
 
 /// Returns the one session of a trajectory: its lines say nothing of sessions, and each of these has a frame of its
-/// own.
-fn only_session(report: &TrajectoryReport) -> Result<Option<&SessionTrack>, FieldError> {
+/// own; or all of them by stamp, where they are in one frame.
+fn one_track(report: &TrajectoryReport) -> Result<Option<Cow<'_, SessionTrack>>, FieldError> {
     match report.sessions.as_slice() {
         [] => Ok(None),
-        [one] => Ok(Some(one)),
+        [one] => Ok(Some(Cow::Borrowed(one))),
+        [first, ..] if report.is_in_one_frame => {
+            let all = report.sessions.iter().flat_map(|track| track.keyframes.iter().cloned());
+            let mut keyframes: Vec<TrackedPose> = all.collect();
+            keyframes.sort_by_key(|pose| (pose.stamp.sec, pose.stamp.nanosec));
+            Ok(Some(Cow::Owned(SessionTrack { session: first.session.clone(), keyframes })))
+        }
         several => {
             let names: Vec<&str> = several.iter().take(10).map(|track| track.session.as_str()).collect();
             let detail = "the map has several sessions, each with a frame of its own: name one";

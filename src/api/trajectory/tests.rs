@@ -1,6 +1,6 @@
 //! The three formats, number by number.
 
-use super::{MeasuredLoop, TrajectoryFormat, g2o, kitti, only_session, tum, write_trajectory};
+use super::{MeasuredLoop, TrajectoryFormat, g2o, kitti, one_track, tum, write_trajectory};
 use crate::domain::change::Loop;
 use crate::domain::ids::KeyframeSeq;
 use crate::domain::keyframe::Stamp;
@@ -35,6 +35,7 @@ fn closed(id: &str, keyframe: &str, candidate: &str) -> Loop {
         keyframe_id: keyframe.parse().unwrap(),
         candidate_id: candidate.parse().unwrap(),
         query: None,
+        candidate_from_query: None,
     }
 }
 
@@ -46,6 +47,7 @@ fn two_sessions() -> TrajectoryReport {
             track("s-2", vec![at("c", 9, [5.0, 0.0, 0.0], straight())]),
         ],
         loops: vec![closed("l-1", "c", "b"), closed("l-2", "c", "a")],
+        is_in_one_frame: false,
     }
 }
 
@@ -72,10 +74,10 @@ fn twelve_numbers_are_the_rows_of_the_pose() {
 
 #[test]
 fn lines_say_nothing_of_sessions_so_one_must_be_named() {
-    let error = only_session(&two_sessions()).unwrap_err();
+    let error = one_track(&two_sessions()).unwrap_err();
     assert_eq!(error.pointer, "?session");
     let one = TrajectoryReport { sessions: two_sessions().sessions[..1].to_vec(), ..two_sessions() };
-    assert_eq!(only_session(&one).unwrap().unwrap().session.as_str(), "s-1");
+    assert_eq!(one_track(&one).unwrap().unwrap().session.as_str(), "s-1");
     let nothing = TrajectoryReport { sessions: Vec::new(), ..one };
     assert_eq!(write_trajectory(&nothing, &[], TrajectoryFormat::Tum), Ok(String::new()));
 }

@@ -10,15 +10,18 @@ use crate::domain::request::NewLoop;
 use crate::engine::limits::quota::check_loop;
 use crate::engine::maps::live::Decision;
 use crate::engine::{Service, ServiceError, Stored};
+use crate::geometry::Sim3;
 use crate::recognition::anchors::loop_closure::{close_loop, merges_of, revoke_loop};
 use crate::recognition::map::index::MapIndex;
 
 impl Service {
-    /// Confirms a loop: matched anchors merge, and the two keyframes are covisible from now on.
+    /// Confirms a loop: matched anchors merge, and the two keyframes are covisible from now on. The transformation is that of the
+    /// query that found it, if it is known.
     pub async fn confirm_loop(
         &self,
         map: &MapId,
         new: NewLoop,
+        candidate_from_query: Option<Sim3>,
     ) -> Result<Stored<ConfirmedLoop>, ServiceError> {
         let live = self.live(map).await?;
         let quotas = self.quotas;
@@ -26,13 +29,14 @@ impl Service {
             if let Some(known) = index.loops().get(&new.id) {
                 return again(index, known, &new);
             }
-            let closed = resolve(index, new)?;
+            let closed = Loop { candidate_from_query, ..resolve(index, new)? };
             check_loop(&quotas, index, &closed)?;
             let id = closed.id.clone();
             let (warning, decided) = close_loop(index, closed);
             Ok(Decision::Changed((true, confirmed(index, &id, warning)), decided, None))
         };
         let ((created, value), map_version) = self.change(&live, decide).await?;
+        self.frame_behind(map, created);
         let value =
             value.ok_or_else(|| ServiceError::Internal("a loop vanished under the lock".to_owned()))?;
         Ok(Stored { created, map_version, value })
@@ -73,6 +77,7 @@ impl Service {
             Ok(Decision::Changed(known, decided, None))
         };
         let (report, version) = self.free(&live, decide).await?;
+        self.frame_behind(map, true);
         Ok((version, report))
     }
 }
@@ -120,6 +125,7 @@ fn resolve(index: &MapIndex, new: NewLoop) -> Result<Loop, ServiceError> {
             keyframe_id: new.keyframe,
             candidate_id: new.candidate,
             query: new.query,
+            candidate_from_query: None,
         }),
         _ => Err(ServiceError::Invalid(errors)),
     }

@@ -6,6 +6,7 @@ mod backups;
 pub(super) mod changed_signs;
 pub(super) mod events;
 pub(super) mod export;
+pub(super) mod frames;
 pub(super) mod judgements;
 mod keyframe_reads;
 pub(super) mod keyframe_views;

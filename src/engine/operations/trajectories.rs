@@ -1,7 +1,9 @@
 //! Trajectories: the poses of a map's sessions, read for tools that compare and optimise them.
 
+use std::collections::HashSet;
+
 use crate::domain::change::{Keyframe, Loop};
-use crate::domain::ids::{MapId, SessionId, SessionSeq};
+use crate::domain::ids::{KeyframeId, MapId, SessionId, SessionSeq};
 use crate::domain::trajectory::{SessionTrack, TrackedPose, TrajectoryReport};
 use crate::engine::{Service, ServiceError};
 use crate::recognition::map::index::MapIndex;
@@ -27,7 +29,32 @@ impl Service {
             })
             .await?;
         let (sessions, loops) = tracks;
-        Ok(TrajectoryReport { map_version, sessions, loops })
+        Ok(TrajectoryReport { map_version, sessions, loops, is_in_one_frame: false })
+    }
+
+    /// Returns the same in the frame of one session; sessions that nothing joins with it are left out.
+    pub async fn trajectory_of_fleet(
+        &self,
+        map: &MapId,
+        session: Option<SessionId>,
+        reference: Option<SessionId>,
+    ) -> Result<TrajectoryReport, ServiceError> {
+        let frames = self.frames(map, reference).await?;
+        let mut report = self.trajectory(map, session).await?;
+        report.sessions.retain_mut(|track| {
+            let frame = frames.frames.iter().find(|frame| frame.session == track.session);
+            let Some(reference_from_session) = frame.and_then(|frame| frame.reference_from_session) else {
+                return false;
+            };
+            for pose in &mut track.keyframes {
+                pose.map_from_camera = reference_from_session.after(&pose.map_from_camera);
+            }
+            true
+        });
+        let there: HashSet<&KeyframeId> =
+            report.sessions.iter().flat_map(|track| &track.keyframes).map(|pose| &pose.keyframe).collect();
+        report.loops.retain(|of| there.contains(&of.keyframe_id) && there.contains(&of.candidate_id));
+        Ok(TrajectoryReport { is_in_one_frame: true, ..report })
     }
 }
 

@@ -139,7 +139,7 @@ pub(super) async fn send(service: &Service, map: &MapId, request: Request) -> Re
                 candidate: keyframe_id(candidate),
                 query: None,
             };
-            service.confirm_loop(map, new).await.map(drop)
+            service.confirm_loop(map, new, None).await.map(drop)
         }
         Request::Revoke(name) => {
             service.revoke_loop(map, &format!("loop-{name}").parse().unwrap()).await.map(drop)

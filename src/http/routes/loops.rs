@@ -7,8 +7,11 @@ use axum::response::Response;
 use crate::api::examples;
 use crate::api::list::LoopList;
 use crate::api::loops::{LoopBody, LoopClosed, LoopRevoked};
+use crate::api::trajectory::MeasuredLoop;
+use crate::domain::ids::MapId;
 use crate::domain::request::NewLoop;
-use crate::engine::{ConfirmedLoop, Service};
+use crate::engine::{ConfirmedLoop, Service, ServiceError};
+use crate::geometry::Sim3;
 use crate::http::answer::written;
 use crate::http::error_responses::{OfDelete, OfWrite, ReadErrors};
 use crate::http::extract::body::Body;
@@ -37,7 +40,8 @@ pub async fn confirm_loop(
     MapPath(map): MapPath,
     Body(new): Body<NewLoop>,
 ) -> Result<Response, Problem> {
-    let stored = service.confirm_loop(&map, new).await?;
+    let transform = measured(&service, &map, &new).await?;
+    let stored = service.confirm_loop(&map, new, transform).await?;
     let ConfirmedLoop { report, warnings } = stored.value;
     Ok(written(stored.created, LoopClosed::of(stored.map_version, report, warnings)))
 }
@@ -74,4 +78,16 @@ pub async fn revoke_loop(
 ) -> Result<Json<LoopRevoked>, Problem> {
     let (version, report) = service.revoke_loop(&map, &id).await?;
     Ok(Json(LoopRevoked::of(version, report)))
+}
+
+/// Returns the transformation that the query of a loop verified, if its answer is kept and about these two keyframes.
+async fn measured(service: &Service, map: &MapId, new: &NewLoop) -> Result<Option<Sim3>, Problem> {
+    let Some(query) = &new.query else { return Ok(None) };
+    match service.kept_query(map, query).await {
+        Ok(answer) => Ok(MeasuredLoop::between(&answer, new.keyframe.as_str(), new.candidate.as_str())
+            .map(|measured| Sim3::scaled(measured.candidate_from_query, measured.scale))),
+        // The number of stored answers is limited, and a client may name a query of its own.
+        Err(ServiceError::NotFound(_)) => Ok(None),
+        Err(error) => Err(error.into()),
+    }
 }

@@ -41,6 +41,7 @@ pub fn api(frame: OpenApi) -> OpenApiRouter<App> {
         .routes(routes!(observations::change_observations))
         .routes(routes!(trajectories::get_trajectory))
         .routes(routes!(sessions::list_sessions))
+        .routes(routes!(sessions::get_frames))
         .routes(routes!(sessions::merge_sessions, sessions::revoke_merge))
         .routes(routes!(export::export_map))
         .routes(routes!(loop_queries::query_loop))

@@ -1,15 +1,17 @@
-//! Sessions: the robots' runs and the plans' frames of a map, and their merges.
+//! Sessions: the robots' runs and the plans' frames of a map, their merges, and one frame for all.
 
 use axum::Json;
 use axum::extract::State;
 
 use crate::api::examples;
+use crate::api::frames::FramesView;
 use crate::api::list::SessionList;
 use crate::api::session_merge::{MergeBody, MergeFields, MergeRevokedAnswer, SessionsMergedAnswer};
 use crate::engine::Service;
 use crate::http::error_responses::{OfRevocation, OfWrite, ReadErrors};
 use crate::http::extract::body::Body;
 use crate::http::extract::path::{MapPath, MapPathParams, SessionPath, SessionPathParams};
+use crate::http::extract::frames_query::{FramesQuery, FramesSearch};
 use crate::http::extract::query::{Paging, Query};
 use crate::http::problem::Problem;
 
@@ -75,4 +77,22 @@ pub async fn revoke_merge(
 ) -> Result<Json<MergeRevokedAnswer>, Problem> {
     let (keyframes, map_version) = service.revoke_merge(&map, session).await?;
     Ok(Json(MergeRevokedAnswer { map_version, keyframes }))
+}
+
+/// Put all sessions in one frame
+///
+/// Confirmed loops between sessions, verified by geometry, and alignments to plans say where the sessions lie to each other. Loops that
+/// contradict the rest do not count, and are listed as suspects (event `loop_suspected`). Computed after a loop was confirmed or
+/// revoked, and kept: the same version is the same to the byte. Loops without a transformation (their query is not named, was not
+/// verified by geometry, or was no longer stored) are left out and counted. In a map that is not metric each session stands alone.
+#[utoipa::path(
+    get, path = "/v1/maps/{map}/frames", tag = "maps", params(MapPathParams, FramesSearch), security(("key" = ["read"])),
+    responses((status = 200, description = "The frames", body = FramesView, example = examples::frames), ReadErrors)
+)]
+pub async fn get_frames(
+    State(service): State<Service>,
+    MapPath(map): MapPath,
+    Query(asked): Query<FramesQuery>,
+) -> Result<Json<FramesView>, Problem> {
+    Ok(Json(service.frames(&map, asked.reference).await?.into()))
 }

@@ -19,7 +19,7 @@ use crate::http::problem::Problem;
 ///
 /// Poses (`map_from_camera`) as last corrected, by stamp. `tum`: lines of `seconds x y z qx qy qz qw`. `kitti`: lines
 /// of twelve numbers, the upper rows of the pose. `g2o`: a pose graph of all sessions, each in its own frame, with
-/// keyframes as vertices. Successive keyframes of a session are joined by their current relative pose. Confirmed loops
+/// keyframes as vertices. `frame=fleet` puts all sessions that loops and plans join into one frame. Successive keyframes of a session are joined by their current relative pose. Confirmed loops
 /// are joined by the transformation of their `query`, with the inverse of its `covariance` as information. A loop
 /// whose query is no longer stored, or has no full transformation, is a comment. Information is in metres and radians,
 /// as gtsam and Ceres read it.
@@ -36,7 +36,11 @@ pub async fn get_trajectory(
     MapPath(map): MapPath,
     Query(asked): Query<TrajectoryQuery>,
 ) -> Result<Response, Problem> {
-    let report = service.trajectory(&map, asked.session).await?;
+    let report = if asked.in_fleet_frame {
+        service.trajectory_of_fleet(&map, asked.session, asked.reference).await?
+    } else {
+        service.trajectory(&map, asked.session).await?
+    };
     let measured = match asked.format {
         TrajectoryFormat::G2o => measured(&service, &map, &report).await?,
         TrajectoryFormat::Tum | TrajectoryFormat::Kitti => Vec::new(),

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::domain::change::Change;
 use crate::domain::event::Event;
+use crate::domain::fleet_frames::FleetFrames;
 use crate::domain::former::FormerValues;
 use crate::domain::ids::{AnchorSeq, JudgementId, KeyframeSeq, MapId};
 use crate::domain::judgement::Judgement;
@@ -125,6 +126,15 @@ pub enum Job {
         parts: u32,
         /// Whether the request takes something away.
         frees_space: bool,
+    },
+    /// Where the sessions of a map lie to each other, at a version.
+    KeepFrames {
+        /// The map.
+        map: MapKey,
+        /// The version.
+        version: u64,
+        /// The frames.
+        frames: Arc<FleetFrames>,
     },
     /// Events that belong to no change.
     AppendEvents(MapKey, u64, Vec<Event>),

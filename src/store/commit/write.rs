@@ -11,7 +11,7 @@ use crate::store::rows::keyframe_rows::{detections, pose_blob};
 use crate::store::rows::operation_rows::Operation;
 use crate::store::rows::statement::run;
 use crate::store::rows::{
-    changed_sign_rows, former_value_rows, judgement_rows, key_rows, map_rows, model_rows, observation_rows,
+    changed_sign_rows, former_value_rows, frame_rows, judgement_rows, key_rows, map_rows, model_rows, observation_rows,
     operation_rows, point_blocks, prior_rows, session_merge_rows, twin_rows,
 };
 use crate::store::slices::{deferred, deletion};
@@ -65,6 +65,7 @@ async fn execute_alone(db: &mut SqliteConnection, job: &Job) -> Result<(), Store
         Job::Stage { map, version, number, part, .. } => {
             deferred::stage(db, *map, *version, *number, part).await
         }
+        Job::KeepFrames { map, version, frames } => frame_rows::keep(db, *map, *version, frames).await,
         Job::KeepAnswer { key, operation, model, answer } => {
             model_rows::keep_answer(db, key, operation, model, answer).await
         }
@@ -238,8 +239,13 @@ async fn revoke_merge(
 }
 
 async fn add_loop(db: &mut SqliteConnection, map: MapKey, closed: &Loop) -> Result<(), StoreError> {
-    let insert = "insert into loops (map_key, id, keyframe, candidate, keyframe_id, candidate_id, query)
-        values ($1, $2, $3, $4, $5, $6, $7)";
+    let insert =
+        "insert into loops (map_key, id, keyframe, candidate, keyframe_id, candidate_id, query, candidate_from_query)
+        values ($1, $2, $3, $4, $5, $6, $7, $8)";
+    let similarity = closed.candidate_from_query.as_ref().map(|of| {
+        let ([x, y, z], [qx, qy, qz, qw]) = (of.translation_m(), of.rotation_xyzw());
+        pack([of.scale(), x, y, z, qx, qy, qz, qw])
+    });
     let query = sqlx::query(insert)
         .bind(map)
         .bind(closed.id.as_str())
@@ -247,6 +253,7 @@ async fn add_loop(db: &mut SqliteConnection, map: MapKey, closed: &Loop) -> Resu
         .bind(closed.candidate.0)
         .bind(closed.keyframe_id.as_str())
         .bind(closed.candidate_id.as_str())
-        .bind(&closed.query);
+        .bind(&closed.query)
+        .bind(similarity);
     run(db, query).await
 }

@@ -33,6 +33,7 @@ const MIGRATIONS: &[Step] = &[
     (16, "prior_anchors", include_str!("../../../migrations/sqlite/0016_prior_anchors.sql")),
     (17, "observations", include_str!("../../../migrations/sqlite/0017_observations.sql")),
     (18, "session_merges", include_str!("../../../migrations/sqlite/0018_session_merges.sql")),
+    (19, "frames", include_str!("../../../migrations/sqlite/0019_frames.sql")),
 ];
 
 /// The schema that has map points in rows and in blocks.

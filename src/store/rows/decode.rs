@@ -12,7 +12,7 @@ use crate::domain::global_descriptor::{GlobalDescriptor, GlobalEncoding};
 use crate::domain::ids::{KeyframeSeq, LoopId, SessionSeq, StoredId};
 use crate::domain::keyframe::{Camera, Stamp};
 use crate::domain::request::{Digest, KeyframeDigest};
-use crate::geometry::{Gravity, Point3, Pose};
+use crate::geometry::{Gravity, Point3, Pose, Sim3};
 use crate::store::StoreError;
 
 /// Reads the digest of a body.
@@ -144,7 +144,14 @@ pub(in crate::store) fn closed_loop(row: &SqliteRow) -> Result<Loop, StoreError>
         keyframe_id: id(row.try_get("keyframe_id")?)?,
         candidate_id: id(row.try_get("candidate_id")?)?,
         query: row.try_get("query")?,
+        candidate_from_query: row.try_get::<Option<&[u8]>, _>("candidate_from_query")?.map(similarity).transpose()?,
     })
+}
+
+/// Reads a similarity: scale, translation, quaternion.
+fn similarity(blob: &[u8]) -> Result<Sim3, StoreError> {
+    let [scale, x, y, z, qx, qy, qz, qw] = unpack_array(blob)?;
+    Ok(Sim3::scaled(Pose::from_stored([x, y, z], [qx, qy, qz, qw]), scale))
 }
 
 /// Reads an id that was accepted once.

@@ -6,6 +6,7 @@ pub(super) mod changed_sign_rows;
 pub(super) mod column;
 pub(super) mod decode;
 pub(super) mod former_value_rows;
+pub(super) mod frame_rows;
 pub(super) mod judgement_rows;
 pub(super) mod key_rows;
 pub(super) mod keyframe_rows;

@@ -7,11 +7,13 @@ use sqlx::sqlite::SqliteRow;
 
 use super::blob::{unpack, unpack_array};
 use super::decode::{self, point};
+use super::frame_rows;
 use super::packing::Packing;
 use super::session_merge_rows;
 use crate::domain::anchor::{IgnoredReason, Outcome};
 use crate::domain::bow::BowVector;
 use crate::domain::event::{Event, EventKind};
+use crate::domain::fleet_frames::FleetFrames;
 use crate::domain::former::FormerValues;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, MapId, PointId, SessionSeq};
 use crate::domain::keyframe::{Crop, Detection, Features};
@@ -137,6 +139,14 @@ impl Store {
             found => Ok(found),
         };
         self.of_map(map, whole).await
+    }
+
+    /// Returns the frames of a map's sessions and the version that they were computed at, if any were.
+    pub async fn frames(&self, map: MapKey) -> Result<Option<(u64, FleetFrames)>, StoreError> {
+        let mut db = self.snapshot().await?;
+        let found = frame_rows::kept(&mut db, map).await;
+        db.commit().await?;
+        self.of_map(map, found).await
     }
 
     /// Returns what revokes the merge of a session, with the values that it replaced; `None` if none can be revoked.

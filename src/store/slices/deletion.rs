@@ -54,6 +54,7 @@ const TABLES: &[Table] = &[
     ),
     without_rowid("keyframe_points", "keyframe"),
     without_rowid("session_merges", "version"),
+    without_rowid("fleet_frames", "version"),
     with_blobs(
         "keyframes",
         "keyframe",

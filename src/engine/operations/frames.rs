@@ -1,0 +1,133 @@
+//! One frame for all sessions of a map: computed by the server that owns the map, and kept with its version.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use crate::domain::event::{Event, EventKind};
+use crate::domain::fleet_frames::{FleetFrames, FramedSession, Suspect};
+use crate::domain::ids::{LoopId, MapId, SessionId, SessionSeq};
+use crate::domain::invalid::FieldError;
+use crate::domain::report::{FrameReport, FramesReport};
+use crate::engine::maps::live::LiveMap;
+use crate::engine::{Service, ServiceError};
+use crate::geometry::Pose;
+use crate::recognition::frames::fleet::fleet_frames;
+use crate::recognition::map::index::MapIndex;
+use crate::store::Job;
+
+impl Service {
+    /// Returns where the sessions of a map lie to a reference, by default the oldest of those that most sessions are joined with.
+    pub async fn frames(&self, map: &MapId, reference: Option<SessionId>) -> Result<FramesReport, ServiceError> {
+        let live = self.live(map).await?;
+        let (version, frames) = self.current_frames(&live).await?;
+        let named = move |index: &MapIndex| report(index, version, &frames, reference.as_ref());
+        Ok(self.read(&live, move |state| named(&state.index)).await?.1)
+    }
+
+    /// Brings the frames of a map up to date in the background, after a loop was confirmed or revoked. Dropped under load: whoever reads
+    /// them brings them up to date.
+    pub(in crate::engine) fn frame_behind(&self, map: &MapId, is_changed: bool) {
+        if !is_changed || self.pressure.is_high() {
+            return;
+        }
+        let Some(slot) = self.triggers.slot() else { return };
+        let (service, map) = (self.clone(), map.clone());
+        tokio::spawn(async move {
+            let _slot = slot;
+            // The map may be deleted by now.
+            if let Ok(live) = service.live(&map).await
+                && let Err(error) = service.current_frames(&live).await
+            {
+                tracing::debug!(%error, "frames were not computed");
+            }
+        });
+    }
+
+    /// Returns the frames as they are kept, if they are still those of the map; else computes and keeps them, and tells of new suspects.
+    async fn current_frames(&self, live: &Arc<LiveMap>) -> Result<(u64, Arc<FleetFrames>), ServiceError> {
+        let kept = self.store.frames(live.key).await?;
+        if let Some((version, frames)) = &kept
+            && live.frames_checked() == live.newest_version()
+        {
+            return Ok((*version, Arc::new(frames.clone())));
+        }
+        let (version, computed) = self.read(live, |state| Ok(fleet_frames(&state.index))).await?;
+        let known = kept.as_ref().map_or(&[][..], |(_, frames)| &frames.suspects);
+        if let Some((kept_at, frames)) = kept.as_ref().filter(|(_, frames)| *frames == computed) {
+            live.check_frames(version);
+            return Ok((*kept_at, Arc::new(frames.clone())));
+        }
+        let known: BTreeSet<&LoopId> = known.iter().map(|suspect| &suspect.loop_id).collect();
+        let new = computed.suspects.iter().filter(|suspect| !known.contains(&suspect.loop_id));
+        let events: Vec<Event> = new.map(|suspect| suspected(suspect, version)).collect();
+        let frames = Arc::new(computed);
+        let job = Job::KeepFrames { map: live.key, version, frames: frames.clone() };
+        self.store.committer().commit(job).await?;
+        live.check_frames(version);
+        if !events.is_empty() {
+            live.tell(&self.store, events);
+        }
+        Ok((version, frames))
+    }
+}
+
+fn suspected(suspect: &Suspect, version: u64) -> Event {
+    let mut event = Event::of(EventKind::LoopSuspected);
+    event.map_version = version;
+    event.loop_id = Some(suspect.loop_id.clone());
+    let cycle: Vec<&str> = suspect.cycle.iter().map(LoopId::as_str).collect();
+    let against = if cycle.is_empty() { "the robot's own tracking".to_owned() } else { format!("loops {}", cycle.join(", ")) };
+    event.detail = Some(format!("{:.1} m and {:.2} rad off from {against}", suspect.off_m, suspect.off_rad));
+    event
+}
+
+fn report(
+    index: &MapIndex,
+    version: u64,
+    frames: &FleetFrames,
+    reference: Option<&SessionId>,
+) -> Result<FramesReport, ServiceError> {
+    let reference = match reference {
+        Some(id) => Some(chosen(index, frames, id)?),
+        None => default_reference(frames),
+    };
+    let name = |session: SessionSeq| index.sessions()[session.index()].clone();
+    let place = |of: &FramedSession| -> Option<Pose> {
+        let reference = reference.filter(|reference| reference.root == of.root)?;
+        Some(reference.root_from_session.inverse().after(&of.root_from_session))
+    };
+    let frame = |of: &FramedSession| FrameReport {
+        session: name(of.session),
+        reference_from_session: place(of),
+        residual_m: of.residual_m,
+        loops: of.loops,
+    };
+    Ok(FramesReport {
+        version,
+        reference: reference.map(|of| name(of.session)),
+        frames: frames.sessions.iter().map(frame).collect(),
+        suspects: frames.suspects.clone(),
+        loops: frames.loops,
+        left_out: frames.left_out,
+    })
+}
+
+fn chosen<'f>(
+    index: &MapIndex,
+    frames: &'f FleetFrames,
+    id: &SessionId,
+) -> Result<&'f FramedSession, ServiceError> {
+    let session = index.session(id);
+    let found = frames.sessions.iter().find(|of| Some(of.session) == session);
+    found.ok_or_else(|| {
+        let detail = "no keyframe of this session is in the map";
+        ServiceError::Invalid(vec![FieldError::new("?reference", detail).got(id)])
+    })
+}
+
+/// Returns the oldest session of those that most are joined with.
+fn default_reference(frames: &FleetFrames) -> Option<&FramedSession> {
+    let joined = |root: SessionSeq| frames.sessions.iter().filter(|of| of.root == root).count();
+    let roots = frames.sessions.iter().filter(|of| of.root == of.session);
+    roots.rev().max_by_key(|of| joined(of.session))
+}
