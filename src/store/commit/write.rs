@@ -226,15 +226,15 @@ async fn remove_merge(db: &mut SqliteConnection, map: MapKey, merge: &Merge) -> 
     run(db, sqlx::query(delete).bind(map).bind(merge.into.0).bind(merge.from.0)).await
 }
 
-/// Removes a merge of sessions; its operation says that it was revoked.
+/// Removes a merge of sessions that was revoked.
 async fn revoke_merge(
     db: &mut SqliteConnection,
     (map, version): (MapKey, u64),
     undo: &MergeUndo,
 ) -> Result<(), StoreError> {
-    let revoked = session_merge_rows::remove(db, map, undo).await?;
-    operation_rows::revoke_merge(db, (map, revoked)).await?;
-    operation_rows::add(db, (map, version), &Operation::MergeRevoked {}).await
+    session_merge_rows::remove(db, map, undo).await?;
+    let operation = Operation::MergeRevoked { session: undo.session.0 };
+    operation_rows::add(db, (map, version), &operation).await
 }
 
 async fn add_loop(db: &mut SqliteConnection, map: MapKey, closed: &Loop) -> Result<(), StoreError> {
