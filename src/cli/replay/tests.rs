@@ -299,7 +299,7 @@ async fn a_given_server_is_used_and_none_is_started() {
     let (unused, report) = play(RECORDING, &["--server", server.url()]).await;
     report.expect("a score");
     assert_eq!(unused.len(), 0);
-    assert_eq!(seen.lock().expect("no test panicked").len(), 11);
+    assert_eq!(seen.lock().expect("no test panicked").len(), 12);
 }
 
 #[tokio::test]
