@@ -17,15 +17,23 @@ const OWN_SAMPLES = {
   // A client names what a plan shows; `a-1` is a name that the server gives.
   put_prior_anchor: { anchor: "plan-901" },
   delete_anchor: { anchor: "plan-901" },
+  merge_sessions: { session: "robot-9" },
+  revoke_merge: { session: "robot-8" },
   get_judgement: { id: "prompts-2" },
   stop_judgement: { id: "prompts-2" },
 };
+/** A robot's keyframe in a session of its own, which can merge. */
+const driven = (session) => ({
+  operation: "put_keyframe", samples: { keyframe: `${session}-1` }, body: (operations) => ({ ...smallest(operations), session }),
+});
 const judged = [{ operation: "judge_again", body: { id: "prompts-2", asks: "texts" } }];
 
 /** What has to be there first: operations with bodies of their own. `keep` names the variable that keeps a member of the answer. */
 const BEFORE = {
   delete_map: [{ operation: "put_map", samples: { map: "annex" }, body: {} }],
   delete_keyframe: [{ operation: "put_keyframe", samples: { keyframe: "kf-121" }, body: smallest }],
+  merge_sessions: [driven("robot-9")],
+  revoke_merge: [driven("robot-8"), { operation: "merge_sessions", samples: { session: "robot-8" } }],
   get_judgement: judged,
   stop_judgement: judged,
   get_loop_query: [{ operation: "query_loop", body: { keyframe: "kf-120" }, keep: { QUERY: "id" } }],

@@ -70,6 +70,9 @@ pub fn write_line(map: &MapId, recorded: Recorded, to: &mut Vec<u8>) -> Result<(
             let session = Some(merge.session.to_string());
             Line { session, ..Line::of("merge_sessions", MergeBody::from(merge)) }.write(to)
         }
+        Recorded::MergeRevoked(session) => {
+            Line::<()> { session: Some(session.to_string()), ..Line::of("delete", None) }.write(to)
+        }
         Recorded::Loop(closed) => Line::of("loop", LoopBody::from(closed)).write(to),
         Recorded::LoopRevoked(id) => {
             Line::<()> { closed: Some(id.to_string()), ..Line::of("delete", None) }.write(to)

@@ -13,7 +13,7 @@ use crate::api::list::{MapList, SessionList};
 use crate::api::map::{MapBody, MapPatchBody, MapView};
 use crate::api::observations::{ObservationsAnswer, ObservationsBody};
 use crate::api::poses::{PosesAnswer, PosesBody};
-use crate::api::session_merge::{MergeBody, SessionsMergedAnswer};
+use crate::api::session_merge::{MergeBody, MergeRevokedAnswer, SessionsMergedAnswer};
 
 /// A map of a million keyframes is exported within this time.
 const EXPORT_TIMEOUT: Duration = Duration::from_hours(12);
@@ -103,6 +103,11 @@ impl Client {
     ) -> Result<SessionsMergedAnswer, ClientError> {
         let path = ["v1", "maps", map, "sessions", session, "merge"];
         Ok(self.write(Method::POST, &path, &[], body).await?.answer)
+    }
+
+    /// Takes the merge of a session back.
+    pub async fn revoke_merge(&self, map: &str, session: &str) -> Result<MergeRevokedAnswer, ClientError> {
+        self.remove(&["v1", "maps", map, "sessions", session, "merge"], &[]).await?.decode()
     }
 
     /// Reads a map as a recording; `take` receives it piece by piece.

@@ -11,6 +11,7 @@ mod crash;
 mod events;
 mod eviction;
 mod exports;
+mod frames;
 mod geometry;
 mod globals;
 #[cfg(feature = "hotel")]

@@ -1,6 +1,6 @@
 //! Recorded operations: what a map was sent, one by one, as a recording writes it.
 
-use super::ids::{LoopId, PriorId};
+use super::ids::{LoopId, PriorId, SessionId};
 use super::judged::{CropReading, ModelVerdict};
 use super::keyframe::NewKeyframe;
 pub use super::named_detection::NamedDetection;
@@ -21,6 +21,8 @@ pub enum Recorded {
     Observations(ChangedObservations),
     /// A session merged into another one.
     SessionsMerged(SessionMergeRequest),
+    /// A merge of this session was revoked.
+    MergeRevoked(SessionId),
     /// A loop was confirmed.
     Loop(NewLoop),
     /// A loop was revoked.

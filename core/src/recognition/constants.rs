@@ -5,6 +5,7 @@
 
 mod changed_signs;
 mod constant;
+mod frames;
 mod geometry;
 mod locate;
 mod plans;
@@ -20,9 +21,17 @@ use crate::semantics;
 
 /// Returns every constant, rule by rule in the order in which a query meets them.
 pub fn constants() -> impl Iterator<Item = &'static Constant> {
-    [ANCHORS, changed_signs::CHANGED_SIGNS, geometry::GEOMETRY, FOUND, locate::LOCATE, plans::PLANS]
-        .into_iter()
-        .flatten()
+    [
+        ANCHORS,
+        changed_signs::CHANGED_SIGNS,
+        geometry::GEOMETRY,
+        FOUND,
+        locate::LOCATE,
+        plans::PLANS,
+        frames::FRAMES,
+    ]
+    .into_iter()
+    .flatten()
 }
 
 const ANCHORS: &[Constant] = &[

@@ -359,6 +359,9 @@ fn a_conflict_counts_the_differing_characters() {
     assert_eq!(differing("floor 9", "room 9"), None);
     assert_eq!(differing("901", "9O1"), None);
     assert_eq!(differing("exit", "901"), None);
+    // 901 settles it, whichever of the two is asked first.
+    assert_eq!(differing("boat 901/902", "901 room a"), None);
+    assert_eq!(differing("901 room a", "boat 901/902"), None);
 }
 
 #[test]

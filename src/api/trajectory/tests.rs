@@ -78,6 +78,9 @@ fn lines_say_nothing_of_sessions_so_one_must_be_named() {
     assert_eq!(error.pointer, "?session");
     let one = TrajectoryReport { sessions: two_sessions().sessions[..1].to_vec(), ..two_sessions() };
     assert_eq!(one_track(&one).unwrap().unwrap().session.as_str(), "s-1");
+    let in_one = TrajectoryReport { is_in_one_frame: true, ..two_sessions() };
+    let all = one_track(&in_one).unwrap().unwrap();
+    assert_eq!(all.keyframes.iter().map(|pose| pose.stamp.sec).collect::<Vec<_>>(), [1, 2, 9]);
     let nothing = TrajectoryReport { sessions: Vec::new(), ..one };
     assert_eq!(write_trajectory(&nothing, &[], TrajectoryFormat::Tum), Ok(String::new()));
 }

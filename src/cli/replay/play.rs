@@ -183,6 +183,7 @@ impl Player {
                 self.client.delete_anchor(map, &anchor).await.map(drop)
             }
             Deleted::Prior(prior) => self.client.delete_anchor(map, &prior).await.map(drop),
+            Deleted::Merge(session) => self.client.revoke_merge(map, &session).await.map(drop),
             Deleted::Loop(closed) => self.client.delete_loop(map, &closed).await.map(drop),
         }
     }
@@ -268,6 +269,7 @@ fn describe(map: &str, op: &Op) -> String {
                 format!("removal of the anchor of detection {detection} of {keyframe} of {map}")
             }
             Deleted::Prior(prior) => format!("removal of prior anchor {prior} of {map}"),
+            Deleted::Merge(session) => format!("revocation of the merge of session {session} of {map}"),
             Deleted::Loop(closed) => format!("revocation of loop {closed} of {map}"),
         },
     }

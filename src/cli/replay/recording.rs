@@ -47,10 +47,7 @@ pub(super) enum Op {
         body: Body,
     },
     /// Store a keyframe.
-    Keyframe {
-        id: String,
-        body: Body,
-    },
+    Keyframe { id: String, body: Body },
     /// Ask whether a keyframe is a loop.
     Query {
         keyframe: String,
@@ -63,41 +60,24 @@ pub(super) enum Op {
         ignore: Vec<String>,
     },
     /// Close a loop.
-    Loop {
-        body: Body,
-    },
+    Loop { body: Body },
     /// Correct poses.
-    Poses {
-        body: Body,
-    },
+    Poses { body: Body },
     /// Change what keyframes observe.
-    Observations {
-        body: Body,
-    },
-    MergeSessions {
-        session: String,
-        body: Body,
-    },
+    Observations { body: Body },
+    #[serde(rename = "merge_sessions")]
+    MergeSessions { session: String, body: Body },
     /// Put a prior anchor.
-    Anchor {
-        id: String,
-        body: Body,
-    },
+    Anchor { id: String, body: Body },
     /// Describe the anchor of a detection by hand.
-    Description {
-        keyframe: String,
-        detection: usize,
-        body: Body,
-    },
+    Description { keyframe: String, detection: usize, body: Body },
     /// Import a model verdict.
-    Judgement {
-        body: Body,
-    },
+    Judgement { body: Body },
     /// Remove a keyframe, the anchor of one of its detections, a prior anchor, or a loop.
     Delete(Deleted),
 }
 
-/// The target of a `delete` line: `{"keyframe"}`, `{"keyframe","detection"}`, `{"anchor"}` or `{"loop"}`.
+/// The target of a `delete` line: `{"keyframe"}`, `{"keyframe","detection"}`, `{"anchor"}`, `{"loop"}` or `{"session"}`.
 #[derive(Debug, Deserialize, PartialEq)]
 #[serde(try_from = "DeletedAsWritten")]
 pub(super) enum Deleted {
@@ -109,6 +89,8 @@ pub(super) enum Deleted {
     Prior(String),
     /// A loop, to be revoked.
     Loop(String),
+    /// A session, whose merge is to be revoked.
+    Merge(String),
 }
 
 #[derive(Deserialize)]
@@ -118,18 +100,23 @@ struct DeletedAsWritten {
     anchor: Option<String>,
     #[serde(rename = "loop")]
     closed: Option<String>,
+    session: Option<String>,
 }
 
 impl TryFrom<DeletedAsWritten> for Deleted {
     type Error = &'static str;
 
     fn try_from(written: DeletedAsWritten) -> Result<Self, Self::Error> {
-        match (written.keyframe, written.detection, written.anchor, written.closed) {
-            (Some(keyframe), None, None, None) => Ok(Self::Keyframe(keyframe)),
-            (Some(keyframe), Some(detection), None, None) => Ok(Self::Anchor { keyframe, detection }),
-            (None, None, Some(prior), None) => Ok(Self::Prior(prior)),
-            (None, None, None, Some(closed)) => Ok(Self::Loop(closed)),
-            _ => Err("a delete line needs a keyframe, a keyframe and a detection, a prior anchor, or a loop"),
+        let DeletedAsWritten { keyframe, detection, anchor, closed, session } = written;
+        match (keyframe, detection, anchor, closed, session) {
+            (Some(keyframe), None, None, None, None) => Ok(Self::Keyframe(keyframe)),
+            (Some(keyframe), Some(detection), None, None, None) => Ok(Self::Anchor { keyframe, detection }),
+            (None, None, Some(prior), None, None) => Ok(Self::Prior(prior)),
+            (None, None, None, Some(closed), None) => Ok(Self::Loop(closed)),
+            (None, None, None, None, Some(session)) => Ok(Self::Merge(session)),
+            _ => Err(
+                "a delete line needs a keyframe, a keyframe and a detection, a prior anchor, a loop, or a session",
+            ),
         }
     }
 }

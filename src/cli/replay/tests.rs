@@ -255,7 +255,7 @@ async fn a_refused_keyframe_stops_the_replay_unless_it_is_to_keep_going() {
     assert!(error.starts_with("line 2, keyframe bad-1 of m: 422 Bad keyframe"), "{error}");
 
     let (requests, report) = play(&recording, &["--keep-going"]).await;
-    assert_eq!(requests.len(), 11);
+    assert_eq!(requests.len(), 12);
     let report = report.expect("a score");
     assert_eq!((report.failed, report.keyframes, report.queries), (1, 0, 6));
 }
@@ -299,7 +299,7 @@ async fn a_given_server_is_used_and_none_is_started() {
     let (unused, report) = play(RECORDING, &["--server", server.url()]).await;
     report.expect("a score");
     assert_eq!(unused.len(), 0);
-    assert_eq!(seen.lock().expect("no test panicked").len(), 11);
+    assert_eq!(seen.lock().expect("no test panicked").len(), 12);
 }
 
 #[tokio::test]

@@ -17,7 +17,11 @@ use crate::store::Job;
 
 impl Service {
     /// Returns where the sessions of a map lie to a reference, by default the oldest of those that most sessions are joined with.
-    pub async fn frames(&self, map: &MapId, reference: Option<SessionId>) -> Result<FramesReport, ServiceError> {
+    pub async fn frames(
+        &self,
+        map: &MapId,
+        reference: Option<SessionId>,
+    ) -> Result<FramesReport, ServiceError> {
         let live = self.live(map).await?;
         let (version, frames) = self.current_frames(&live).await?;
         let named = move |index: &MapIndex| report(index, version, &frames, reference.as_ref());
@@ -76,7 +80,11 @@ fn suspected(suspect: &Suspect, version: u64) -> Event {
     event.map_version = version;
     event.loop_id = Some(suspect.loop_id.clone());
     let cycle: Vec<&str> = suspect.cycle.iter().map(LoopId::as_str).collect();
-    let against = if cycle.is_empty() { "the robot's own tracking".to_owned() } else { format!("loops {}", cycle.join(", ")) };
+    let against = if cycle.is_empty() {
+        "the robot's own tracking".to_owned()
+    } else {
+        format!("loops {}", cycle.join(", "))
+    };
     event.detail = Some(format!("{:.1} m and {:.2} rad off from {against}", suspect.off_m, suspect.off_rad));
     event
 }

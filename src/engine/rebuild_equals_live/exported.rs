@@ -87,6 +87,7 @@ async fn play(
         Recorded::Poses(correction) => service.correct_poses(map, correction).await.map(drop),
         Recorded::Observations(changed) => service.change_observations(map, changed).await.map(drop),
         Recorded::SessionsMerged(merge) => service.merge_sessions(map, merge).await.map(drop),
+        Recorded::MergeRevoked(session) => service.revoke_merge(map, session).await.map(drop),
         Recorded::Loop(closed) => service.confirm_loop(map, closed, None).await.map(drop),
         Recorded::LoopRevoked(id) => service.revoke_loop(map, &id).await.map(drop),
         Recorded::Description { detection, text } => {

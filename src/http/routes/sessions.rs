@@ -10,8 +10,8 @@ use crate::api::session_merge::{MergeBody, MergeFields, MergeRevokedAnswer, Sess
 use crate::engine::Service;
 use crate::http::error_responses::{OfRevocation, OfWrite, ReadErrors};
 use crate::http::extract::body::Body;
-use crate::http::extract::path::{MapPath, MapPathParams, SessionPath, SessionPathParams};
 use crate::http::extract::frames_query::{FramesQuery, FramesSearch};
+use crate::http::extract::path::{MapPath, MapPathParams, SessionPath, SessionPathParams};
 use crate::http::extract::query::{Paging, Query};
 use crate::http::problem::Problem;
 

@@ -11,8 +11,8 @@ use crate::store::rows::keyframe_rows::{detections, pose_blob};
 use crate::store::rows::operation_rows::Operation;
 use crate::store::rows::statement::run;
 use crate::store::rows::{
-    changed_sign_rows, former_value_rows, frame_rows, judgement_rows, key_rows, map_rows, model_rows, observation_rows,
-    operation_rows, point_blocks, prior_rows, session_merge_rows, twin_rows,
+    changed_sign_rows, former_value_rows, frame_rows, judgement_rows, key_rows, map_rows, model_rows,
+    observation_rows, operation_rows, point_blocks, prior_rows, session_merge_rows, twin_rows,
 };
 use crate::store::slices::{deferred, deletion};
 
@@ -227,15 +227,15 @@ async fn remove_merge(db: &mut SqliteConnection, map: MapKey, merge: &Merge) -> 
     run(db, sqlx::query(delete).bind(map).bind(merge.into.0).bind(merge.from.0)).await
 }
 
-/// Removes a merge of sessions; its operation says that it was revoked.
+/// Removes a merge of sessions that was revoked.
 async fn revoke_merge(
     db: &mut SqliteConnection,
     (map, version): (MapKey, u64),
     undo: &MergeUndo,
 ) -> Result<(), StoreError> {
-    let revoked = session_merge_rows::remove(db, map, undo).await?;
-    operation_rows::revoke_merge(db, (map, revoked)).await?;
-    operation_rows::add(db, (map, version), &Operation::MergeRevoked {}).await
+    session_merge_rows::remove(db, map, undo).await?;
+    let operation = Operation::MergeRevoked { session: undo.session.0 };
+    operation_rows::add(db, (map, version), &operation).await
 }
 
 async fn add_loop(db: &mut SqliteConnection, map: MapKey, closed: &Loop) -> Result<(), StoreError> {

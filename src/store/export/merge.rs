@@ -10,8 +10,8 @@ use crate::store::rows::operation_rows::Operation;
 use crate::store::rows::session_merge_rows::MergedSession;
 
 impl Export {
-    /// Takes a merge: keyframes before it are of the other session from here on. One that was revoked is left out, as nothing was
-    /// written on top of it.
+    /// Takes a merge: keyframes before it are of the other session from here on. One of a
+    /// session whose keyframes are all deleted is left out.
     pub(super) fn merge(&mut self, operation: Operation) -> Result<Step, StoreError> {
         let Operation::MergeSessions {
             session,
@@ -22,13 +22,12 @@ impl Export {
             rotation,
             offset,
             listed,
-            is_revoked,
         } = operation
         else {
             return Ok(Step::LeftOut);
         };
         let (session, into) = (SessionSeq(session), SessionSeq(into));
-        if is_revoked || !self.begun.contains(&session) {
+        if !self.begun.contains(&session) {
             return Ok(Step::LeftOut);
         }
         let into_from_session = Sim3::scaled(Pose::from_stored(translation, rotation), scale);
@@ -48,5 +47,14 @@ impl Export {
             into_from_session,
             map_points,
         })))
+    }
+
+    /// Takes a merge back that was exported: nothing was written on top of it.
+    pub(super) fn revoke_merge(&mut self, session: SessionSeq) -> Result<Step, StoreError> {
+        let Some(at) = self.merges.iter().rposition(|merge| merge.session == session) else {
+            return Ok(Step::LeftOut);
+        };
+        self.merges.remove(at);
+        Ok(Step::of(Recorded::MergeRevoked(self.session(session)?.clone())))
     }
 }

@@ -143,7 +143,7 @@ impl Export {
                         operation,
                         Operation::ObservationsUnread
                             | Operation::MergeSessions { .. }
-                            | Operation::MergeRevoked {}
+                            | Operation::MergeRevoked { .. }
                     )
             });
             return if keyframe == Some(version) || says_it_itself {
@@ -229,7 +229,7 @@ impl Export {
                 self.observations(said).await?
             }
             merge @ Operation::MergeSessions { .. } => self.merge(merge)?,
-            Operation::MergeRevoked {} => Step::LeftOut,
+            Operation::MergeRevoked { session } => self.revoke_merge(SessionSeq(session))?,
             Operation::Loop { id, keyframe, candidate, query } => {
                 let keyframe = self.named(KeyframeSeq(keyframe)).await?;
                 let candidate = self.named(KeyframeSeq(candidate)).await?;

@@ -144,7 +144,10 @@ pub(in crate::store) fn closed_loop(row: &SqliteRow) -> Result<Loop, StoreError>
         keyframe_id: id(row.try_get("keyframe_id")?)?,
         candidate_id: id(row.try_get("candidate_id")?)?,
         query: row.try_get("query")?,
-        candidate_from_query: row.try_get::<Option<&[u8]>, _>("candidate_from_query")?.map(similarity).transpose()?,
+        candidate_from_query: row
+            .try_get::<Option<&[u8]>, _>("candidate_from_query")?
+            .map(similarity)
+            .transpose()?,
     })
 }
 

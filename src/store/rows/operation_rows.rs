@@ -50,12 +50,9 @@ pub(in crate::store) enum Operation {
         offset: Option<i64>,
         #[serde(default, skip_serializing_if = "Option::is_none")]
         listed: Option<Vec<(i64, i64)>>,
-        /// Whether it was revoked: nobody hears of it.
-        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-        is_revoked: bool,
     },
     /// A merge of sessions was revoked.
-    MergeRevoked {},
+    MergeRevoked { session: u32 },
     /// A loop was confirmed between two keyframes.
     Loop { id: String, keyframe: u32, candidate: u32, query: Option<String> },
     /// A loop was revoked.
@@ -92,8 +89,8 @@ impl Operation {
         match self {
             Self::Map { .. } => "map",
             Self::Observations { .. } | Self::ObservationsUnread => OBSERVATIONS,
-            Self::MergeSessions { .. } => MERGE_SESSIONS,
-            Self::MergeRevoked {} => "merge_revoked",
+            Self::MergeSessions { .. } => "merge_sessions",
+            Self::MergeRevoked { .. } => "merge_revoked",
             Self::Loop { .. } => "loop",
             Self::LoopRevoked { .. } => "loop_revoked",
             Self::Description { .. } => "description",
@@ -150,7 +147,6 @@ impl From<&SessionMerge> for Operation {
             rotation: merge.into_from_session.rotation_xyzw(),
             offset,
             listed,
-            is_revoked: false,
         }
     }
 }
@@ -188,19 +184,6 @@ pub(in crate::store) fn prior(class: String, prior: &Prior) -> Operation {
         normal: prior.normal_in_frame,
         source: prior.source.as_ref().map(ToString::to_string),
     }
-}
-
-/// The name of a merge of sessions.
-const MERGE_SESSIONS: &str = "merge_sessions";
-
-/// Notes that the merge of a version was revoked.
-pub(in crate::store) async fn revoke_merge(
-    db: &mut SqliteConnection,
-    (map, version): (MapKey, u64),
-) -> Result<(), StoreError> {
-    let update = "update operations set body = json_set(body, '$.is_revoked', json('true'))
-        where map_key = $1 and version = $2 and operation = $3";
-    run(db, sqlx::query(update).bind(map).bind(version as i64).bind(MERGE_SESSIONS)).await
 }
 
 /// The name of what changes observations.

@@ -68,17 +68,15 @@ pub(in crate::store) async fn settle(
     run(db, sqlx::query(update).bind(map).bind(session.0)).await
 }
 
-/// Removes a merge that was revoked, and returns its version.
+/// Removes a merge that was revoked.
 pub(in crate::store) async fn remove(
     db: &mut SqliteConnection,
     map: MapKey,
     undo: &MergeUndo,
-) -> Result<u64, StoreError> {
+) -> Result<(), StoreError> {
     let delete = "delete from session_merges where map_key = $1 and session = $2 and next_keyframe = $3
-        and undo is not null returning version";
-    let query = sqlx::query_scalar(delete).bind(map).bind(undo.session.0).bind(undo.next_keyframe.0);
-    let version: i64 = query.fetch_one(db).await?;
-    Ok(version as u64)
+        and undo is not null";
+    run(db, sqlx::query(delete).bind(map).bind(undo.session.0).bind(undo.next_keyframe.0)).await
 }
 
 /// Returns the merges of a map, in their order.

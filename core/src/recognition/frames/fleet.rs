@@ -29,8 +29,12 @@ pub fn fleet_frames(index: &MapIndex) -> FleetFrames {
     let joints: Vec<Joint<'_>> =
         decided.iter().map(|pair| joint(index, &measured, &pairs[pair], &middles)).collect();
     let weights = refine(&mut placed, &joints);
-    let holding: BTreeSet<Pair> =
-        decided.into_iter().zip(weights).filter(|(_, weight)| *weight >= WEIGHT_MIN).map(|(pair, _)| pair).collect();
+    let holding: BTreeSet<Pair> = decided
+        .into_iter()
+        .zip(weights)
+        .filter(|(_, weight)| *weight >= WEIGHT_MIN)
+        .map(|(pair, _)| pair)
+        .collect();
     let counts = counts(index, &measured, &pairs, &placed, &holding);
     let suspects = suspects(index, &measured, &within, &placed, &counts);
     let counting = || measured.iter().zip(&counts).filter(|(_, counts)| **counts).map(|(one, _)| one);
@@ -67,7 +71,8 @@ fn measurements(index: &MapIndex) -> (Vec<Measurement>, Vec<Measurement>, usize)
     let mut alignments = Alignments::of(index);
     for session in sessions(index) {
         let Some(found) = alignments.session(session) else { continue };
-        let centres = index.keyframes().filter(|of| of.session == session).map(|of| of.map_from_camera.centre());
+        let centres =
+            index.keyframes().filter(|of| of.session == session).map(|of| of.map_from_camera.centre());
         let middle = mean(centres);
         let one = Measurement {
             loop_id: None,
@@ -209,9 +214,7 @@ fn framed<'m>(
     let alone = Placed { root: session, root_from_session: Pose::identity() };
     let Placed { root, root_from_session } = placed.get(&session).copied().unwrap_or(alone);
     let own = counting.filter(|one| one.loop_id.is_some() && (one.a == session || one.b == session));
-    let squares: Vec<f64> = own
-        .filter_map(|one| Some(one.off(&between(placed, one)?).0.powi(2)))
-        .collect();
+    let squares: Vec<f64> = own.filter_map(|one| Some(one.off(&between(placed, one)?).0.powi(2))).collect();
     let loops = squares.len();
     let residual_m = (loops > 0).then(|| (squares.iter().sum::<f64>() / loops as f64).sqrt());
     FramedSession { session, root, root_from_session, residual_m, loops }

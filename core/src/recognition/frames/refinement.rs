@@ -85,11 +85,7 @@ struct Residual {
     turn_rad: Vector3<f64>,
 }
 
-fn residual(
-    placed: &BTreeMap<SessionSeq, Placed>,
-    measurement: &Measurement,
-    joint: &Joint<'_>,
-) -> Residual {
+fn residual(placed: &BTreeMap<SessionSeq, Placed>, measurement: &Measurement, joint: &Joint<'_>) -> Residual {
     let Measurement { a, b, a_from_b, at_b, .. } = measurement;
     let [a, b] = [a, b].map(|session| placed[session].root_from_session);
     let (by_a, by_b) = (a.transform(&a_from_b.transform(&at_b.at)).coords, b.transform(&at_b.at).coords);
@@ -228,9 +224,8 @@ impl System {
         let conditioned = |of: &[Vector6<f64>]| -> Vec<Vector6<f64>> {
             inverse.iter().zip(of).map(|(inverse, of)| inverse * of).collect()
         };
-        let dot = |a: &[Vector6<f64>], b: &[Vector6<f64>]| -> f64 {
-            a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
-        };
+        let dot =
+            |a: &[Vector6<f64>], b: &[Vector6<f64>]| -> f64 { a.iter().zip(b).map(|(a, b)| a.dot(b)).sum() };
         let mut solution = vec![Vector6::zeros(); count];
         let mut rest = self.right.clone();
         let mut towards = conditioned(&rest);

@@ -65,11 +65,14 @@ impl Fleet {
                 let off = drift * number as f64 * STEP_M / (robot + 1) as f64;
                 let pose = Pose::new([x + off, y, z], in_session.rotation_xyzw()).expect("a pose");
                 let first = number as i64 * 4;
-                ingest(&mut index, &NewKeyframe {
-                    session: format!("robot-{robot}").parse().unwrap(),
-                    observes: (first..first + 10).collect(),
-                    ..NewKeyframe::at(id(robot, number), Stamp { sec: number as i64, nanosec: 0 }, pose)
-                });
+                ingest(
+                    &mut index,
+                    &NewKeyframe {
+                        session: format!("robot-{robot}").parse().unwrap(),
+                        observes: (first..first + 10).collect(),
+                        ..NewKeyframe::at(id(robot, number), Stamp { sec: number as i64, nanosec: 0 }, pose)
+                    },
+                );
             }
             world_from_session.push(truth);
         }
@@ -109,7 +112,8 @@ impl Fleet {
             let root_from_session = truth(of.root).inverse().after(&truth(of.session));
             let middle = truth(of.session).inverse_transform(&crate::geometry::Point3::new(6.0, 6.0, 0.0));
             let off = of.root_from_session.transform(&middle) - root_from_session.transform(&middle);
-            let turned = of.root_from_session.isometry().rotation.angle_to(&root_from_session.isometry().rotation);
+            let turned =
+                of.root_from_session.isometry().rotation.angle_to(&root_from_session.isometry().rotation);
             worst = (worst.0.max(off.norm()), worst.1.max(turned));
         }
         worst
@@ -221,9 +225,8 @@ type AnyLoop = ((usize, usize), usize, [f64; 3]);
 fn any_loops(robots: usize) -> impl Strategy<Value = (Vec<AnyLoop>, Vec<AnyLoop>)> {
     let pair = (0..robots, 1..robots).prop_map(move |(a, by)| (a, (a + by) % robots));
     let noise = prop::array::uniform3(-0.05..0.05f64);
-    let false_by = (3.0..20.0f64, 0.0..6.3f64).prop_map(|(by, towards)| {
-        [by * towards.cos(), by * towards.sin(), 0.0]
-    });
+    let false_by =
+        (3.0..20.0f64, 0.0..6.3f64).prop_map(|(by, towards)| [by * towards.cos(), by * towards.sin(), 0.0]);
     let true_ones = prop::collection::vec((pair.clone(), 0..KEYFRAMES, noise), 40..60);
     let false_ones = prop::collection::vec((pair, 0..KEYFRAMES, false_by), 0..20);
     (true_ones, false_ones)

@@ -27,15 +27,15 @@ pub fn tree(
     measured: &[Measurement],
     pairs: &BTreeMap<Pair, Consensus>,
 ) -> BTreeMap<SessionSeq, Placed> {
-    let alone = |session: &SessionSeq| {
-        (*session, Placed { root: *session, root_from_session: Pose::identity() })
-    };
+    let alone =
+        |session: &SessionSeq| (*session, Placed { root: *session, root_from_session: Pose::identity() });
     let mut placed: BTreeMap<SessionSeq, Placed> = sessions.iter().map(alone).collect();
     let mut edges: Vec<(&Pair, &Consensus)> = pairs.iter().filter(|(_, of)| !of.is_tie).collect();
     edges.sort_by_key(|(pair, of)| (Reverse(of.agreeing.len()), **pair));
     for (_, of) in edges {
         let measurement = &measured[of.middle];
-        let (Some(a), Some(b)) = (placed.get(&measurement.a).copied(), placed.get(&measurement.b).copied()) else {
+        let (Some(a), Some(b)) = (placed.get(&measurement.a).copied(), placed.get(&measurement.b).copied())
+        else {
             continue;
         };
         if a.root == b.root {

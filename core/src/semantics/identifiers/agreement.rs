@@ -136,12 +136,12 @@ fn exclusive<'a>(
     })
 }
 
-/// Where something of this role agrees, or may, the sets are lists that overlap: what is left over is no conflict.
+/// Where something of either role agrees, or may, the sets are lists that overlap: what is left over is no conflict.
 fn is_settled(mut pairs: Paired<'_, '_>, x: &Identifier, y: &Identifier) -> bool {
     let neutral = x.role == Role::Neutral || y.role == Role::Neutral;
     pairs.any(|(p, best)| {
         best.relation > Relation::Different
-            && (neutral || best.counterpart.is_some_and(|q| stated_role(p, q) == &x.role))
+            && (neutral || best.counterpart.is_some_and(|q| [&x.role, &y.role].contains(&stated_role(p, q))))
     })
 }
 

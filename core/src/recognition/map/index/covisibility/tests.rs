@@ -101,8 +101,15 @@ fn change_of(index: &MapIndex, step: &Step) -> Option<Change> {
             let (keyframe, candidate) = (KeyframeSeq(*a), KeyframeSeq(*b));
             let both = a != b && index.keyframe(keyframe).is_some() && index.keyframe(candidate).is_some();
             let (keyframe_id, candidate_id) = (keyframe_id(keyframe), keyframe_id(candidate));
-            let closed =
-                Loop { id: loop_id(*id), keyframe, candidate, keyframe_id, candidate_id, query: None, candidate_from_query: None };
+            let closed = Loop {
+                id: loop_id(*id),
+                keyframe,
+                candidate,
+                keyframe_id,
+                candidate_id,
+                query: None,
+                candidate_from_query: None,
+            };
             (both && !index.loops().contains_key(&closed.id)).then_some(Change::LoopAdded(closed))
         }
         Step::Revoke(id) => Some(Change::LoopRemoved(loop_id(*id))),
