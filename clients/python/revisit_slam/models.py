@@ -98,6 +98,8 @@ class EventKind(OpenEnum):
     """A client closed a loop."""
     LOOP_REVOKED = "loop_revoked"
     """A client took a loop back."""
+    LOOP_SUSPECTED = "loop_suspected"
+    """A confirmed loop contradicts the others."""
     SESSIONS_MERGED = "sessions_merged"
     """The keyframes of a session are of another one now."""
     MERGE_REVOKED = "merge_revoked"
@@ -918,6 +920,40 @@ class Features(msgspec.Struct, kw_only=True, omit_defaults=True):
     """
     map_points: list[int] | None = None
     """The map point that each feature observes, -1 for none; left out if none does."""
+
+
+class Frame(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A session in the frame of the reference."""
+
+    session: str
+    """The session."""
+    loops: int
+    """Number of its loops with other sessions that count."""
+    reference_from_session: Transform | None = None
+    """Maps points of its frame into that of the reference; left out if no loop and no plan joins the two."""
+    residual: float | None = None
+    """How far its loops are off from the frames (root mean square), in metres; left out without any.
+    Frames are rigid, so that drift within a session shows here.
+    """
+
+
+class Frames(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """One frame for all sessions of a map."""
+
+    version: int
+    """The map's version that it was computed at. While what loops and plans say stays the same, so does
+    it.
+    """
+    frames: list[Frame]
+    """The sessions, in order of appearance."""
+    suspects: list[Suspect]
+    """The confirmed loops that contradict the others, by id."""
+    loops: int
+    """Number of confirmed loops between sessions that count."""
+    left_out: int
+    """Number of confirmed loops between sessions without a transformation."""
+    reference: str | None = None
+    """The session in whose frame the others are; left out in a map without sessions."""
 
 
 class Geometry(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -2202,6 +2238,23 @@ class Similarity(msgspec.Struct, kw_only=True, omit_defaults=True):
     """In metres."""
     rotation: Quaternion
     """A unit quaternion."""
+
+
+class Suspect(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A confirmed loop that contradicts the others. Nothing is revoked unasked: `DELETE
+    /v1/maps/{map}/loops/{loop}` does it.
+    """
+
+    loop: str
+    """The loop."""
+    cycle: list[str]
+    """The loops that lead from the one of its sessions to the other, and do not agree with it; empty where
+    it is within one session, whose tracking it contradicts. A plan that is passed has no id.
+    """
+    residual: float
+    """How far the cycle fails to close, in metres."""
+    residual_rad: float
+    """By how much it fails to close in rotation, in rad."""
 
 
 class TextPair(msgspec.Struct, kw_only=True, omit_defaults=True):

@@ -136,6 +136,16 @@ class Operations:
         """
         return self._call(Call("GET", f"/v1/maps/{segment(map)}/anchors/{segment(anchor)}/transcript", answer=models.TranscriptList))
 
+    def get_frames(self, map: str, *, reference: str | None = None) -> models.Frames:
+        """Put all sessions in one frame. Confirmed loops between sessions, verified by geometry, and
+        alignments to plans say where the sessions lie to each other. Loops that contradict the rest do
+        not count, and are listed as suspects (event `loop_suspected`). Computed after a loop was
+        confirmed or revoked, and kept: the same version is the same to the byte. Loops without a
+        transformation (their query is not named, was not verified by geometry, or was no longer stored)
+        are left out and counted. In a map that is not metric each session stands alone.
+        """
+        return self._call(Call("GET", f"/v1/maps/{segment(map)}/frames", query={"reference": reference}, answer=models.Frames))
+
     def judge_again(self, map: str, body: models.JudgementBody | Mapping[str, Any]) -> models.Judgement:
         """Re-evaluate verdicts with a changed model. When a model or its prompts change, a map keeps its
         verdicts until this job re-evaluates them. With `'preview': true` it only returns the number of
@@ -275,16 +285,17 @@ class Operations:
         """
         return self._call(Call("DELETE", f"/v1/maps/{segment(map)}/sessions/{segment(session)}/merge", answer=models.MergeRevokedAnswer))
 
-    def get_trajectory(self, map: str, *, format: str, session: str | None = None) -> str:
+    def get_trajectory(self, map: str, *, format: str, session: str | None = None, frame: str | None = None, reference: str | None = None) -> str:
         """Read a trajectory. Poses (`map_from_camera`) as last corrected, by stamp. `tum`: lines of
         `seconds x y z qx qy qz qw`. `kitti`: lines of twelve numbers, the upper rows of the pose.
         `g2o`: a pose graph of all sessions, each in its own frame, with keyframes as vertices.
-        Successive keyframes of a session are joined by their current relative pose. Confirmed loops are
-        joined by the transformation of their `query`, with the inverse of its `covariance` as
-        information. A loop whose query is no longer stored, or has no full transformation, is a
-        comment. Information is in metres and radians, as gtsam and Ceres read it.
+        `frame=fleet` puts all sessions that loops and plans join into one frame. Successive keyframes
+        of a session are joined by their current relative pose. Confirmed loops are joined by the
+        transformation of their `query`, with the inverse of its `covariance` as information. A loop
+        whose query is no longer stored, or has no full transformation, is a comment. Information is in
+        metres and radians, as gtsam and Ceres read it.
         """
-        return self._call(Call("GET", f"/v1/maps/{segment(map)}/trajectory", query={"format": format, "session": session}, answer=str))
+        return self._call(Call("GET", f"/v1/maps/{segment(map)}/trajectory", query={"format": format, "session": session, "frame": frame, "reference": reference}, answer=str))
 
     def information(self, body: models.OneText | Mapping[str, Any]) -> models.LevelAnswer:
         """InformationLevel of a description. From 1, no information, to 5, an identifier in context."""
@@ -435,6 +446,16 @@ class AsyncOperations:
         """
         return await self._call(Call("GET", f"/v1/maps/{segment(map)}/anchors/{segment(anchor)}/transcript", answer=models.TranscriptList))
 
+    async def get_frames(self, map: str, *, reference: str | None = None) -> models.Frames:
+        """Put all sessions in one frame. Confirmed loops between sessions, verified by geometry, and
+        alignments to plans say where the sessions lie to each other. Loops that contradict the rest do
+        not count, and are listed as suspects (event `loop_suspected`). Computed after a loop was
+        confirmed or revoked, and kept: the same version is the same to the byte. Loops without a
+        transformation (their query is not named, was not verified by geometry, or was no longer stored)
+        are left out and counted. In a map that is not metric each session stands alone.
+        """
+        return await self._call(Call("GET", f"/v1/maps/{segment(map)}/frames", query={"reference": reference}, answer=models.Frames))
+
     async def judge_again(self, map: str, body: models.JudgementBody | Mapping[str, Any]) -> models.Judgement:
         """Re-evaluate verdicts with a changed model. When a model or its prompts change, a map keeps its
         verdicts until this job re-evaluates them. With `'preview': true` it only returns the number of
@@ -574,16 +595,17 @@ class AsyncOperations:
         """
         return await self._call(Call("DELETE", f"/v1/maps/{segment(map)}/sessions/{segment(session)}/merge", answer=models.MergeRevokedAnswer))
 
-    async def get_trajectory(self, map: str, *, format: str, session: str | None = None) -> str:
+    async def get_trajectory(self, map: str, *, format: str, session: str | None = None, frame: str | None = None, reference: str | None = None) -> str:
         """Read a trajectory. Poses (`map_from_camera`) as last corrected, by stamp. `tum`: lines of
         `seconds x y z qx qy qz qw`. `kitti`: lines of twelve numbers, the upper rows of the pose.
         `g2o`: a pose graph of all sessions, each in its own frame, with keyframes as vertices.
-        Successive keyframes of a session are joined by their current relative pose. Confirmed loops are
-        joined by the transformation of their `query`, with the inverse of its `covariance` as
-        information. A loop whose query is no longer stored, or has no full transformation, is a
-        comment. Information is in metres and radians, as gtsam and Ceres read it.
+        `frame=fleet` puts all sessions that loops and plans join into one frame. Successive keyframes
+        of a session are joined by their current relative pose. Confirmed loops are joined by the
+        transformation of their `query`, with the inverse of its `covariance` as information. A loop
+        whose query is no longer stored, or has no full transformation, is a comment. Information is in
+        metres and radians, as gtsam and Ceres read it.
         """
-        return await self._call(Call("GET", f"/v1/maps/{segment(map)}/trajectory", query={"format": format, "session": session}, answer=str))
+        return await self._call(Call("GET", f"/v1/maps/{segment(map)}/trajectory", query={"format": format, "session": session, "frame": frame, "reference": reference}, answer=str))
 
     async def information(self, body: models.OneText | Mapping[str, Any]) -> models.LevelAnswer:
         """InformationLevel of a description. From 1, no information, to 5, an identifier in context."""

@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::consensus::{Consensus, consensus};
-use super::cycle::cycle;
+use super::consensus::{COMPARED_MAX, Consensus, consensus};
+use super::cycle::Joined;
 use super::measurement::{Measurement, Place, way_m};
 use super::refinement::{Joint, WEIGHT_MIN, refine};
 use super::tree::{Pair, Placed, tree};
@@ -173,22 +173,22 @@ fn suspects(
     placed: &BTreeMap<SessionSeq, Placed>,
     counts: &[bool],
 ) -> Vec<Suspect> {
-    let counting: Vec<&Measurement> =
-        measured.iter().zip(counts).filter(|(_, counts)| **counts).map(|(one, _)| one).collect();
+    let joined = Joined::of(measured.iter().zip(counts).filter(|(_, counts)| **counts).map(|(one, _)| one));
+    let doubtful: Vec<&Measurement> =
+        measured.iter().zip(counts).filter(|(_, counts)| !**counts).map(|(one, _)| one).collect();
     let mut suspects = Vec::new();
-    for (number, one) in measured.iter().enumerate().filter(|(number, _)| !counts[*number]) {
+    for one in &doubtful {
         let Some(loop_id) = one.loop_id.clone() else { continue };
-        let (cycle, (off_m, off_rad)) = match between(placed, one) {
-            Some(a_from_b) => (cycle(index, one, &counting), one.off(&a_from_b)),
-            None => {
-                // Nothing joins the two: it contradicts another between them, and that one it.
-                let rival = measured.iter().enumerate().find(|(other, rival)| {
-                    *other != number && (rival.a, rival.b) == (one.a, one.b) && !rival.agrees(one, index)
-                });
-                let off = rival.map_or((0.0, 0.0), |(_, rival)| one.off(&rival.a_from_b));
-                (rival.and_then(|(_, rival)| rival.loop_id.clone()).into_iter().collect(), off)
-            }
-        };
+        if let Some(a_from_b) = between(placed, one) {
+            let (off_m, off_rad) = one.off(&a_from_b);
+            suspects.push(Suspect { loop_id, cycle: joined.cycle(index, one), off_m, off_rad });
+            continue;
+        }
+        // Nothing joins the two: it contradicts another between them, and that one it.
+        let others = doubtful.iter().filter(|rival| (rival.a, rival.b) == (one.a, one.b)).take(COMPARED_MAX);
+        let rival = others.copied().find(|rival| rival.loop_id != one.loop_id && !rival.agrees(one, index));
+        let (off_m, off_rad) = rival.map_or((0.0, 0.0), |rival| one.off(&rival.a_from_b));
+        let cycle = rival.and_then(|rival| rival.loop_id.clone()).into_iter().collect();
         suspects.push(Suspect { loop_id, cycle, off_m, off_rad });
     }
     suspects.extend(within.iter().filter_map(|one| contradicts_tracking(index, one)));

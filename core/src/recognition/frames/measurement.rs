@@ -2,7 +2,6 @@
 
 use crate::domain::change::Loop;
 use crate::domain::ids::{KeyframeSeq, LoopId, SessionSeq};
-use crate::domain::settings::Settings;
 use crate::geometry::{Point3, Pose, Sim3};
 use crate::recognition::extensions::tracked_path::{TURN_PER_DRIFT_SHARE, drift_m};
 use crate::recognition::map::index::MapIndex;
