@@ -16,6 +16,12 @@ async fn meet(server: &Server, room: u64, b_from_world: Pose) {
     for (robot, shot) in ["a", "b"].into_iter().zip(&shots) {
         let mut body = shot.body(robot, true);
         body["stamp"] = json!({"sec": room, "nanosec": 0});
+        // Each room has points of its own.
+        for path in ["/map_points/ids", "/features/map_points"] {
+            for id in body.pointer_mut(path).and_then(Value::as_array_mut).expect("points") {
+                *id = json!(id.as_u64().expect("a number") + 1000 * room);
+            }
+        }
         store(server, &format!("{robot}-{room}"), &body).await;
     }
     let asked = json!({"keyframe": format!("b-{room}"), "verify": "geometry"});

@@ -78,7 +78,8 @@ async fn rejects_queries_that_cannot_be_meant() {
         ("", 422, "?format"),
         ("?format=gpx", 422, "?format"),
         ("?format=tum&session=a%20b", 422, "?session"),
-        ("?format=tum&frame=fleet", 422, "?frame"),
+        ("?format=tum&frame=moon", 422, "?frame"),
+        ("?format=tum&frame=fleet&reference=nobody", 422, "?reference"),
     ] {
         let refused = server.get(&format!("/v1/maps/m/trajectory{query}")).await;
         assert_eq!(

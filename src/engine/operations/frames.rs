@@ -102,6 +102,9 @@ fn report(
     let name = |session: SessionSeq| index.sessions()[session.index()].clone();
     let place = |of: &FramedSession| -> Option<Pose> {
         let reference = reference.filter(|reference| reference.root == of.root)?;
+        if reference.session == of.session {
+            return Some(Pose::identity());
+        }
         Some(reference.root_from_session.inverse().after(&of.root_from_session))
     };
     let frame = |of: &FramedSession| FrameReport {
