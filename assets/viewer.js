@@ -21,7 +21,7 @@ const at = (id) => document.getElementById(id);
 /** What is known and chosen when a map is opened: nothing. */
 const FRESH = {
   map: null, meta: null, version: 0, scene: NOTHING,
-  choice: null, apart: true, plane: null, selection: null, marks: {}, found: null,
+  choice: null, apart: true, fleet: true, plane: null, selection: null, marks: {}, found: null,
 };
 /** The answer to "where am I?" stays: its places lead from map to map. */
 const state = { ...FRESH, answer: null };
@@ -75,7 +75,7 @@ function choose(selection, reveal = true) {
 }
 
 function showAll() {
-  Object.assign(state, { choice: null, apart: true });
+  Object.assign(state, { choice: null, apart: true, fleet: true });
   lay();
   canvas.fit();
 }
@@ -285,11 +285,12 @@ function redraw() {
 /** Lays the chosen sessions out in the chosen plane. */
 function lay() {
   const { scene, choice, apart } = state;
+  const fleet = state.fleet && scene.joined > 1;
   if (choice !== null && !scene.sessions.some(({ name }) => name === choice)) state.choice = null;
-  const plane = state.plane ?? widestPlane(scene);
+  const plane = state.plane ?? widestPlane(scene, fleet);
   const { width, height } = canvas.size;
-  canvas.show(scene, arrange(scene, { plane, choice: state.choice, apart, aspect: width / height }));
-  const value = state.choice !== null ? `=${state.choice}` : apart ? "apart" : "over";
+  canvas.show(scene, arrange(scene, { plane, choice: state.choice, apart, fleet, aspect: width / height }));
+  const value = state.choice !== null ? `=${state.choice}` : fleet ? "fleet" : apart ? "apart" : "over";
   at("sessions").value = value;
   if (at("sessions").selectedIndex < 0) at("sessions").selectedIndex = 0;
   fill(at("planes"), PLANES.map((each) => el("button", {
@@ -314,7 +315,7 @@ function hover(hit, x, y) {
 const lists = {
   anchors: () => anchors.refresh(),
   keyframes: () => keyframes.refresh(),
-  loops: () => fillLoops(at("loops"), world, refs),
+  loops: () => fillLoops(at("loops"), world, refs, refreshSoon),
   where: () => where.refresh(),
 };
 
@@ -363,7 +364,7 @@ at("fit").addEventListener("click", () => canvas.fit());
 at("labels").addEventListener("change", ({ target }) => canvas.showLabels(target.checked));
 at("maps").addEventListener("change", ({ target }) => open(target.value, null, true));
 at("sessions").addEventListener("change", ({ target: { value } }) => {
-  Object.assign(state, { choice: value.startsWith("=") ? value.slice(1) : null, apart: value === "apart" });
+  Object.assign(state, { choice: value.startsWith("=") ? value.slice(1) : null, apart: value !== "over", fleet: value === "fleet" });
   canvas.moved = false;
   lay();
 });

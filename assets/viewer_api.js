@@ -51,6 +51,11 @@ export async function post(address, body, signal) {
   return (await send(address, { method: "POST", headers, body: JSON.stringify(body), signal })).json();
 }
 
+/** Deletes something. */
+export async function remove(address) {
+  return (await send(address, { method: "DELETE" })).json();
+}
+
 /** A whole list, part by part. `version` is the map's when the first part was read. */
 export async function list(address, { signal, most = Infinity, parameters = {} } = {}) {
   const items = [];
@@ -69,12 +74,13 @@ export async function list(address, { signal, most = Infinity, parameters = {} }
 
 /** Everything that the top view shows of a map. */
 export async function everything(map, signal) {
-  const [meta, keyframes, anchors, loops] = await Promise.all([
+  const [meta, keyframes, anchors, loops, frames] = await Promise.all([
     get(path("maps", map), signal),
     list(path("maps", map, "keyframes"), { signal }),
     list(path("maps", map, "anchors"), { signal }),
     list(path("maps", map, "loops"), { signal }),
+    get(path("maps", map, "frames"), signal),
   ]);
   const version = Math.min(meta.map_version, keyframes.version, anchors.version, loops.version);
-  return { meta, version, keyframes: keyframes.items, anchors: anchors.items, loops: loops.items };
+  return { meta, version, keyframes: keyframes.items, anchors: anchors.items, loops: loops.items, frames };
 }

@@ -1,6 +1,6 @@
 // Canvas: the top view. It knows points on a page and what is marked among them; what they mean is the panel's affair.
 
-import { shifted } from "./viewer_scene.js";
+import { moved, shifted, turned } from "./viewer_scene.js";
 import { drawScene } from "./viewer_draw.js";
 
 const PICK_PX = 9;
@@ -36,11 +36,14 @@ export class MapCanvas {
     const [u, v] = layout.plane;
     this.bySession = new Map();
     this.anchors = [];
-    for (const { session, du, dv } of layout.groups) {
-      this.bySession.set(session, session.keyframes.map(({ id, place, forward }) =>
-        ({ kind: "keyframe", id, u: place[u] + du, v: place[v] + dv, ahead: [forward[u], forward[v]], session })));
+    for (const { session, placed, du, dv } of layout.groups) {
+      this.bySession.set(session, session.keyframes.map(({ id, place, forward }) => {
+        const [at, ahead] = [moved(placed, place), turned(placed, forward)];
+        return { kind: "keyframe", id, u: at[u] + du, v: at[v] + dv, ahead: [ahead[u], ahead[v]], session };
+      }));
       for (const { anchor, place } of session.anchors) {
-        this.anchors.push({ kind: "anchor", id: anchor.id, u: place[u] + du, v: place[v] + dv, anchor, session });
+        const at = moved(placed, place);
+        this.anchors.push({ kind: "anchor", id: anchor.id, u: at[u] + du, v: at[v] + dv, anchor, session });
       }
     }
     this.keyframes = [...this.bySession.values()].flat();
@@ -66,7 +69,8 @@ export class MapCanvas {
     const group = this.layout?.groups.find(({ session }) => session.name === sessionName);
     if (!group) return null;
     const [u, v] = this.layout.plane;
-    return { u: place[u] + group.du, v: place[v] + group.dv, session: group.session };
+    const at = moved(group.placed, place);
+    return { u: at[u] + group.du, v: at[v] + group.dv, session: group.session };
   }
 
   /** Shows everything. */
@@ -91,9 +95,9 @@ export class MapCanvas {
   /** Brings a point of a session into view. */
   bring(point) {
     const { width, height } = this.size;
-    const group = this.layout.framed && this.layout.groups.find(({ session }) => session === point.session);
-    if (group) {
-      const { u0, u1, v0, v1 } = shifted(group);
+    const frame = this.layout.framed && this.layout.frames.find(({ members }) => members.includes(point.session));
+    if (frame) {
+      const { u0, u1, v0, v1 } = shifted(frame);
       const side = Math.max(u1 - u0, v1 - v0);
       if (side * this.view.scale < FRAME_PX / 4) {
         this.view = { u: point.u, v: point.v, scale: FRAME_PX / side };

@@ -7,6 +7,7 @@ const LABELS = 400;
 const LABEL_CHARACTERS = 28;
 const CLASS_HUES = [45, 330, 110, 200, 285, 10, 150, 240];
 const CROWD = 120;
+const MANY_LOOPS = 60;
 
 /** The colours of the page, read anew when it is drawn: day and night change them. */
 function themed(canvas) {
@@ -54,8 +55,8 @@ function drawFrames({ map, context, theme }) {
   context.font = "12px system-ui, sans-serif";
   context.textBaseline = "bottom";
   context.lineWidth = 1;
-  for (const group of map.layout.groups) {
-    const box = shifted(group);
+  for (const frame of map.layout.frames) {
+    const box = shifted(frame);
     const [start, end] = [map.onScreen({ u: box.u0, v: box.v1 }), map.onScreen({ u: box.u1, v: box.v0 })];
     const [width, height] = [end.x - start.x, end.y - start.y];
     if (end.x < 0 || end.y < 0 || start.x > map.size.width || start.y > map.size.height) continue;
@@ -65,7 +66,7 @@ function drawFrames({ map, context, theme }) {
     context.roundRect(start.x, start.y, width, height, 6);
     context.fill();
     context.stroke();
-    const title = width > 30 ? fitted(context, group.session.name, width) : "";
+    const title = width > 30 ? fitted(context, frame.title, width) : "";
     context.fillStyle = theme.muted;
     context.fillText(title, start.x + 2, start.y - 2);
   }
@@ -81,12 +82,11 @@ function fitted(context, text, width) {
 function drawPaths({ map, context }) {
   context.lineWidth = 1.5;
   context.globalAlpha = 0.55;
-  const { groups, plane: [u, v] } = map.layout;
-  for (const { session, du, dv } of groups) {
+  for (const [session, points] of map.bySession) {
     context.strokeStyle = sessionColour(session.index);
     context.beginPath();
-    for (const { place } of session.keyframes) {
-      const { x, y } = map.onScreen({ u: place[u] + du, v: place[v] + dv });
+    for (const point of points) {
+      const { x, y } = map.onScreen(point);
       context.lineTo(x, y);
     }
     context.stroke();
@@ -94,15 +94,18 @@ function drawPaths({ map, context }) {
   context.globalAlpha = 1;
 }
 
+/** Wider than the paths, so that they are seen; one that contradicts the others is dashed. */
 function drawLoops({ map, context, theme }) {
-  context.strokeStyle = theme.good;
-  context.lineWidth = 2;
-  context.setLineDash([7, 4]);
-  context.beginPath();
-  for (const { keyframe, candidate } of map.scene.loops) {
-    segment(map, context, map.byId.get(keyframe), map.byId.get(candidate));
+  for (const isSuspect of [false, true]) {
+    context.strokeStyle = isSuspect ? theme.bad : theme.good;
+    context.lineWidth = map.scene.loops.length > MANY_LOOPS && !isSuspect ? 2 : 3.5;
+    context.setLineDash(isSuspect ? [9, 6] : []);
+    context.beginPath();
+    for (const { id, keyframe, candidate } of map.scene.loops) {
+      if (map.scene.suspects.has(id) === isSuspect) segment(map, context, map.byId.get(keyframe), map.byId.get(candidate));
+    }
+    context.stroke();
   }
-  context.stroke();
   context.setLineDash([]);
 }
 

@@ -6,16 +6,17 @@ import { count, el, number, sign } from "./dom.js";
 const SESSIONS = 6;
 const CLASSES = 8;
 
-/** The choices of sessions: all of them, in two ways, or one by its name. */
-export function sessionOptions({ sessions }) {
+/** The choices of sessions: all of them, in up to three ways, or one by its name. */
+export function sessionOptions({ sessions, joined }) {
   const one = sessions.map(({ name, keyframes: { length } }) => el("option", { value: `=${name}` }, `${name} (${length})`));
   if (sessions.length < 2) return one;
-  return [el("option", { value: "apart" }, `${sessions.length} sessions, side by side`),
+  return [joined > 1 && el("option", { value: "fleet" }, joined === sessions.length ? `${joined} sessions, in one frame`
+    : `${joined} of ${sessions.length} sessions in one frame`), el("option", { value: "apart" }, `${sessions.length} sessions, side by side`),
     el("option", { value: "over" }, `${sessions.length} sessions, overlaid`), el("optgroup", { label: "One session" }, one)];
 }
 
 /** The colours and glyphs that are on the canvas. */
-export function legend({ classes, sessions, loops, anchors: all }) {
+export function legend({ classes, sessions, loops, suspects, anchors: all }) {
   const glyph = (kind, colour) => {
     const mark = el("span", { class: `glyph ${kind}` });
     if (colour) mark.style.background = colour;
@@ -29,7 +30,8 @@ export function legend({ classes, sessions, loops, anchors: all }) {
       el("div", {}, glyph("", classColour(index)), sign(name), ` ${number(size, 0)}`)),
     classes.length > CLASSES && el("div", {}, `and ${count(classes.length - CLASSES, "more class", "more classes")}`),
     pending > 0 && el("div", {}, glyph("hollow"), `not described yet ${number(pending, 0)}`),
-    loops.length > 0 && el("div", {}, glyph("dash"), "confirmed loop"),
+    loops.length > suspects.size && el("div", {}, glyph("dash"), "confirmed loop"),
+    suspects.size > 0 && el("div", {}, glyph("dash suspect"), `loop that contradicts the others ${number(suspects.size, 0)}`),
   ];
 }
 

@@ -4,9 +4,9 @@ export const AXES = ["x", "y", "z"];
 /** The planes one can look at, as pairs of axes: to the right, and up. */
 export const PLANES = [[0, 1], [0, 2], [1, 2]];
 
-/** Keyframes, anchors and loops, ordered by session. Each session is a frame of its own. */
-export function buildScene({ keyframes, anchors, loops }) {
-  const scene = { sessions: [], keyframes: new Map(), anchors: new Map(), loops, classes: [] };
+/** Keyframes, anchors and loops, ordered by session. Each session is a frame of its own, and may have a place in that of the fleet. */
+export function buildScene({ keyframes, anchors, loops, frames = null }) {
+  const scene = { sessions: [], keyframes: new Map(), anchors: new Map(), loops, classes: [], suspects: new Map() };
   const named = new Map();
   const session = (name) => {
     if (!named.has(name)) {
@@ -26,6 +26,11 @@ export function buildScene({ keyframes, anchors, loops }) {
     scene.anchors.set(anchor.id, anchor);
     for (const frame of anchor.frames) session(frame.session).anchors.push({ anchor, place: frame.center });
   }
+  for (const { session: name, reference_from_session: placed } of frames?.frames ?? []) {
+    if (placed && named.has(name)) named.get(name).placed = placed;
+  }
+  scene.joined = scene.sessions.filter(({ placed }) => placed).length;
+  for (const suspect of frames?.suspects ?? []) scene.suspects.set(suspect.loop, suspect);
   const classes = new Map();
   for (const anchor of anchors) classes.set(anchor.class, (classes.get(anchor.class) ?? 0) + 1);
   scene.classes = [...classes].sort().map(([name, size], index) => ({ name, size, index }));
@@ -54,12 +59,25 @@ function rotated({ x, y, z, w }, [a, b, c]) {
   return [a + w * u + y * t - z * v, b + w * v + z * u - x * t, c + w * t + x * v - y * u];
 }
 
+/** A place of a session where its frame lies in the fleet's; `null` is its own frame. */
+export function moved(placed, place) {
+  if (!placed) return place;
+  const { translation: { x, y, z }, rotation } = placed;
+  return rotated(rotation, place).map((metres, axis) => metres + [x, y, z][axis]);
+}
+
+/** A direction, likewise. */
+export function turned(placed, direction) {
+  return placed ? rotated(placed.rotation, direction) : direction;
+}
+
 /** The plane along which things are spread most: the floor, whatever the frame calls it. */
-export function widestPlane(scene) {
+export function widestPlane(scene, fleet = false) {
   const spread = [0, 0, 0];
-  for (const { keyframes, anchors } of scene.sessions) {
+  for (const { keyframes, anchors, placed } of scene.sessions) {
+    const places = [...keyframes, ...anchors].map(({ place }) => moved(fleet ? placed : null, place));
     for (const axis of [0, 1, 2]) {
-      const [least, most] = range([...keyframes, ...anchors].map((item) => item.place[axis]));
+      const [least, most] = range(places.map((place) => place[axis]));
       spread[axis] += most - least;
     }
   }
@@ -69,15 +87,30 @@ export function widestPlane(scene) {
 }
 
 /**
- * Which sessions are shown, and by how much each is shifted. `choice` is a session's name, or `null` for all of them:
- * `apart` beside each other, else each at its own origin.
+ * Which sessions are shown, where, and by how much each is shifted. `choice` is a session's name, or `null` for all of them: in the
+ * `fleet`'s frame where one is known, the others `apart` beside it and each other, else each at its own origin.
  */
-export function arrange(scene, { plane, choice, apart, aspect }) {
+export function arrange(scene, { plane, choice, apart, fleet, aspect }) {
   const shown = scene.sessions.filter((session) => choice === null || session.name === choice);
-  const groups = shown.map((session) => ({ session, du: 0, dv: 0, box: boxOf(session, plane) }));
-  const framed = apart && groups.length > 1;
-  if (framed) shelveBest(groups, aspect);
-  return { plane, groups, framed, bounds: union(groups.map(shifted)) };
+  const groups = shown.map((session) => {
+    const placed = fleet && choice === null ? session.placed ?? null : null;
+    return { session, placed, du: 0, dv: 0, box: boxOf(session, plane, placed) };
+  });
+  const joined = groups.filter(({ placed }) => placed);
+  const alone = groups.filter(({ placed }) => !placed);
+  const one = ({ session, box }) => ({ title: session.name, members: [session], du: 0, dv: 0, box });
+  const together = {
+    title: `${joined.length} sessions in one frame`, members: joined.map(({ session }) => session), du: 0, dv: 0,
+    box: union(joined.map(({ box }) => box)),
+  };
+  const frames = joined.length > 0 ? [together, ...alone.map(one)] : alone.map(one);
+  const framed = (apart || joined.length > 0) && frames.length > 1;
+  if (framed) shelveBest(frames, aspect);
+  for (const group of groups) {
+    const { du, dv } = frames.find(({ members }) => members.includes(group.session));
+    Object.assign(group, { du, dv });
+  }
+  return { plane, groups, frames, framed, bounds: union(frames.map(shifted)) };
 }
 
 /** A group's box where it stands on the page. */
@@ -85,18 +118,19 @@ export function shifted({ box, du, dv }) {
   return { u0: box.u0 + du, u1: box.u1 + du, v0: box.v0 + dv, v1: box.v1 + dv };
 }
 
-function boxOf(session, [u, v]) {
-  const own = boxAround(session.keyframes, u, v);
+function boxOf(session, [u, v], placed) {
+  const [keyframes, anchors] = [session.keyframes, session.anchors].map((all) => all.map(({ place }) => moved(placed, place)));
+  const own = boxAround(keyframes, u, v);
   const reach = 20 + 3 * Math.max(own.u1 - own.u0, own.v1 - own.v0);
   // An anchor placed kilometres away by one bad point must not shrink everything else to a dot.
-  const near = session.anchors.filter(({ place }) =>
+  const near = anchors.filter((place) =>
     place[u] > own.u0 - reach && place[u] < own.u1 + reach && place[v] > own.v0 - reach && place[v] < own.v1 + reach);
-  return boxAround([...session.keyframes, ...(session.keyframes.length ? near : session.anchors)], u, v);
+  return boxAround([...keyframes, ...(keyframes.length ? near : anchors)], u, v);
 }
 
-function boxAround(items, u, v) {
-  const [u0, u1] = range(items.map((item) => item.place[u]));
-  const [v0, v1] = range(items.map((item) => item.place[v]));
+function boxAround(places, u, v) {
+  const [u0, u1] = range(places.map((place) => place[u]));
+  const [v0, v1] = range(places.map((place) => place[v]));
   return { u0, u1, v0, v1 };
 }
 
