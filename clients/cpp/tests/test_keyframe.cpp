@@ -149,13 +149,23 @@ static void numbers_are_written_as_they_are_meant() {
     CHECK_EQUAL(Stamp::of_seconds(-0.25).nanosec, 750'000'000u);
 }
 
+using Points = std::vector<std::int64_t>;
+
 static void bad_updates_are_refused_with_their_field() {
     CHECK_EQUAL(check(PoseCorrections{"s", {"a"}, {}, {}}).error().field, "/keyframes/poses");
     CHECK_EQUAL(check(PoseCorrections{"s", {"a"}, {Pose{{0, nan_value, 0}, {}}}, {}}).error().field, "/keyframes/poses/0/translation");
     CHECK_EQUAL(check(PoseCorrections{"s", {}, {}, {{7}, {{0, 0, infinite}}}}).error().field, "/map_points/positions/0");
     CHECK_EQUAL(check(Observations{"s", {{3, 3}}, {}, {}}).error().field, "/replaced/0");
     CHECK_EQUAL(check(Observations{"s", {}, {1, -1}, {}}).error().field, "/removed/1");
+    CHECK_EQUAL(check(Observations{"s", {{1, 2}, {1, 3}}, {}, {}}).error().field, "/replaced/1");
+    CHECK_EQUAL(check(Observations{"s", {{1, 2}, {2, 4}, {4, 1}}, {}, {}}).error().field, "/replaced/2");
+    CHECK_EQUAL(check(Observations{"s", {{1, 2}}, {1}, {}}).error().field, "/removed/0");
+    CHECK_EQUAL(check(Observations{"s", {}, {3, 3}, {}}).error().field, "/removed/1");
     CHECK_EQUAL(check(Observations{"s", {}, {}, {{"a b", {}, {}}}}).error().field, "/keyframes/0/keyframe");
+    CHECK_EQUAL(check(Observations{"s", {}, {}, {{"a", {}, {}}, {"a", {}, {}}}}).error().field, "/keyframes/1/keyframe");
+    CHECK_EQUAL(check(Observations{"s", {{1, 2}}, {3}, {{"a", Points{2, 3}, {}}}}).error().field, "/keyframes/0/observes/1");
+    CHECK_EQUAL(check(Observations{"s", {}, {}, {{"a", {}, std::vector<Covisible>{{"a", 9}}}}}).error().field, "/keyframes/0/covisible/0/keyframe");
+    CHECK_OK(check(Observations{"s", {{1, 2}, {2, 3}}, {3}, {{"a", Points{}, {}}}}));
     CHECK_EQUAL(check(SessionMerge{"s", "s", {}, {}, {}}).error().field, "/into");
     CHECK_EQUAL(check(SessionMerge{"s", "t", {0, {}, {}}, {}, {}}).error().field, "/into_from_session/scale");
     CHECK_EQUAL(check(Loop{"l", "k", "", ""}).error().field, "/candidate");

@@ -480,7 +480,7 @@ private:
                 break;
             }
             case Outcome::Kind::observations: {
-                operation = "update_observations";
+                operation = "change_observations";
                 auto& observations = std::get<Observations>(item.payload);
                 missing_.leave_out_of(observations);
                 is_nothing_left = observations.keyframes.empty() && observations.replaced.empty() && observations.removed.empty();
