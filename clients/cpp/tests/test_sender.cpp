@@ -184,7 +184,33 @@ static void what_the_server_refuses_is_reported_and_left_out_of_corrections() {
     CHECK_EQUAL(update.dump(), R"({"keyframes":[{"covisible":[{"keyframe":"robot-7-1","shared":30}],"keyframe":"robot-7-3","observes":[5,6]}],"removed":[9],"replaced":[[1,2]],"session":"robot-7"})");
 }
 
-// Written by the contract: the server's own endpoints are not there yet.
+// Another thread of the host may name a keyframe that was just removed: the server would refuse the whole of it.
+static void a_removed_keyframe_is_left_out_of_what_follows() {
+    Server server;
+    auto options = options_for(server.url());
+    options.makes_map = true;
+    auto sender = sender_of(std::move(options));
+    for (unsigned i = 1; i <= 2; ++i) CHECK_OK(sender->send(samples::keyframe(i, 20, 10, 5)));
+    CHECK_OK(sender->remove("robot-7-2"));
+    const auto tell = [&](std::int64_t culled, double x) {
+        CHECK_OK(sender->update({"robot-7", {}, {culled}, {{"robot-7-1", std::vector<std::int64_t>{1}, {}}, {"robot-7-2", std::vector<std::int64_t>{1}, {}}}}));
+        CHECK_OK(sender->correct({"robot-7", {"robot-7-1", "robot-7-2"}, {Pose{{x, 0, 0}, {}}, Pose{{x, 0, 0}, {}}}, {}}));
+        CHECK(sender->flush(forever));
+        CHECK_EQUAL(sender->stats().refused, 0u);
+    };
+    tell(301, 5);
+    // Sent again, it is there again.
+    CHECK_OK(sender->send(samples::keyframe(2, 20, 10, 5)));
+    tell(302, 6);
+    Endpoint endpoint;
+    endpoint.url = server.url();
+    auto client = Client::open(endpoint);
+    CHECK_OK(client);
+    for (const char* keyframe : {"robot-7-1", "robot-7-2"})
+        CHECK_EQUAL(client->call("get_keyframe", {{{"map", "tower"}, {"keyframe", keyframe}}, {}, {}, {}})->json["pose"]["translation"]["x"].number(), 6.0);
+}
+
+// Written by the contract: the server's own endpoint is not there yet.
 static void a_merge_is_written_as_the_contract_says() {
     StandIn stand_in([](const HeardRequest&) { return GivenAnswer{200, "{}", "", false, false}; });
     auto sender = sender_of(options_for(stand_in.url()));
@@ -394,6 +420,7 @@ int main() {
     TEST(bytes_bound_the_queue_too);
     TEST(everything_arrives_in_the_order_of_the_calls);
     TEST(what_the_server_refuses_is_reported_and_left_out_of_corrections);
+    TEST(a_removed_keyframe_is_left_out_of_what_follows);
     TEST(a_merge_is_written_as_the_contract_says);
     TEST(a_faulty_callback_ends_nothing);
     TEST(a_lasting_fault_of_the_server_does_not_hold_the_queue);

@@ -27,7 +27,7 @@ namespace revisit {
 ///
 /// A call checks, copies and enqueues. The lock that it takes is never held during input, output, encoding or a callback.
 /// A full queue refuses the new item: the call returns `queue_full`, and `on_dropped` is called.
-/// Corrections and observations of keyframes that never reached the server leave these out, since the server would refuse all of it.
+/// Corrections and observations leave out keyframes that the server does not have, since it would refuse all of it.
 class Sender {
 public:
     static Result<std::unique_ptr<Sender>> open(SenderOptions options) noexcept {
@@ -351,13 +351,20 @@ private:
             const auto status = static_cast<int>((*line)["status"].integer());
             if (status == 429 || status >= 500) continue;
             auto outcome = outcome_of(status, std::move(*line));
-            if (!outcome && status != stored_otherwise) {
-                (void)detail::guarded([&]() -> Status { return missing_.note(current->id), Status(); });
-            }
+            note_presence(current->id, outcome.ok() || status == stored_otherwise);
             finish(current->kind, current->id, std::move(outcome));
             settle(flying, current);
         }
         return carry_out_each(flying);
+    }
+
+    /// Notes whether the server has a keyframe.
+    void note_presence(const std::string& id, bool is_there) noexcept {
+        (void)detail::guarded([&]() -> Status {
+            if (is_there) missing_.clear(id);
+            else missing_.note(id);
+            return Status();
+        });
     }
 
     /// The result of one line of a batch.
@@ -407,9 +414,9 @@ private:
         auto answer = deliver(operation, std::move(call));
         if (!answer) return false;
         const bool is_stored = answer->ok();
-        if (!is_stored && item.kind == Outcome::Kind::keyframe && answer->error().status != stored_otherwise) {
-            (void)detail::guarded([&]() -> Status { return missing_.note(item.id), Status(); });
-        }
+        if (item.kind == Outcome::Kind::keyframe) note_presence(item.id, is_stored || answer->error().status == stored_otherwise);
+        // Another thread of the host may name it in what it sends after.
+        if (item.kind == Outcome::Kind::removal && is_stored) note_presence(item.id, false);
         const bool asks_next = is_stored && item.kind == Outcome::Kind::keyframe && item.question && !item.question->is_plain();
         const bool has_verdict = is_stored && item.question && !asks_next;
         Json verdict;
