@@ -17,6 +17,7 @@
 #include <variant>
 #include <vector>
 
+#include "background_thread.hpp"
 #include "client.hpp"
 #include "missing_keyframes.hpp"
 #include "sender_options.hpp"
@@ -145,6 +146,7 @@ public:
             const std::lock_guard<std::mutex> lock(mutex_);
             abandoned_.store(true);
         }
+        arrived_.notify_all();
         changed_.notify_all();
         if (!thread_.joinable()) return 0;
         thread_.join();
@@ -211,6 +213,7 @@ private:
             const std::size_t items = options_.queue_items - (is_keyframe ? options_.reserved_items : 0);
             const std::size_t bytes = options_.queue_bytes - (is_keyframe ? options_.reserved_bytes : 0);
             Code refused = Code::ok;
+            bool wakes = false;
             {
                 const std::lock_guard<std::mutex> lock(mutex_);
                 if (closing_) {
@@ -220,11 +223,13 @@ private:
                 } else {
                     bytes_ += item.bytes;
                     queue_.splice(queue_.end(), one);
+                    wakes = is_idle_;
                 }
                 if (refused != Code::ok) ++stats_.dropped;
             }
             if (refused == Code::ok) {
-                changed_.notify_all();
+                // Not while it waits for a server that is away: each waking may cost the caller its processor.
+                if (wakes) arrived_.notify_one();
                 return Status();
             }
             if (kind == Outcome::Kind::keyframe) missing_.note(item.id);
@@ -258,12 +263,15 @@ private:
     }
 
     void run() noexcept {
+        detail::yield_to_callers();
         bool map_is_there = !options_.makes_map;
         while (true) {
             std::list<Item> flying;
             {
                 std::unique_lock<std::mutex> lock(mutex_);
-                changed_.wait(lock, [&] { return abandoned_.load() || !queue_.empty(); });
+                is_idle_ = true;
+                arrived_.wait(lock, [&] { return abandoned_.load() || !queue_.empty(); });
+                is_idle_ = false;
                 if (abandoned_.load()) return;
                 take_batch(flying);
                 flying_since_ = flying.front().since;
@@ -608,7 +616,11 @@ private:
 
     // Held for a few instructions at a time, never over input or output.
     mutable std::mutex mutex_;
+    /// Something to send, or the end; only the sender's thread waits for it.
+    std::condition_variable arrived_;
+    /// Something was sent, or the end.
     std::condition_variable changed_;
+    bool is_idle_ = false;
     std::list<Item> queue_;
     std::size_t bytes_ = 0;
     std::optional<Clock::time_point> flying_since_;
