@@ -378,6 +378,39 @@ static void a_line_that_fails_for_the_moment_is_sent_again() {
     CHECK_EQUAL(ids.size(), 200u);
 }
 
+// A server that does not get through with more than four keyframes in time, and one that it does not get through with at first.
+static void a_batch_that_takes_too_long_is_sent_in_parts() {
+    std::atomic<std::size_t> largest_answered{0};
+    std::atomic<bool> is_slow{true};
+    StandIn stand_in([&](const HeardRequest& request) {
+        if (request.method == "PUT") return GivenAnswer{201, "{}", "", false, false};
+        std::string lines;
+        std::size_t number = 0;
+        for (std::size_t at = 0; at < request.body.size(); at = request.body.find('\n', at) + 1) {
+            const auto keyframe = nlohmann::json::parse(request.body.substr(at, request.body.find('\n', at) - at));
+            lines += nlohmann::json{{"line", ++number}, {"id", keyframe["id"]}, {"status", 201}}.dump() + "\n";
+        }
+        if (is_slow && number > 4) return GivenAnswer{200, "", "", true, false};
+        largest_answered = std::max(largest_answered.load(), number);
+        return GivenAnswer{207, lines, "", false, false};
+    });
+    Heard heard;
+    auto options = options_for(stand_in.url());
+    options.endpoint.timeout_ms = 500;
+    heard.listen(options);
+    auto sender = sender_of(std::move(options));
+    for (unsigned i = 1; i <= 100; ++i) CHECK_OK(sender->send(samples::keyframe(i, 20, 10, 5)));
+    while (sender->stats().sent < 30) std::this_thread::sleep_for(1ms);
+    is_slow = false;
+    CHECK(sender->flush(forever));
+    CHECK_EQUAL(sender->stats().sent, 100u);
+    CHECK_EQUAL(heard.outcomes.size(), 100u);
+    // In the order of the calls, each once.
+    for (unsigned i = 1; i <= 100; ++i) CHECK_EQUAL(heard.outcomes[i - 1].id, "robot-7-" + std::to_string(i));
+    CHECK(largest_answered > 1);
+    CHECK_EQUAL(sender->stats().queued_bytes, 0u);
+}
+
 static void many_callers_share_a_sender() {
     StandIn stand_in([](const HeardRequest&) { return GivenAnswer{201, "{}", "", false, false}; });
     auto sender = sender_of(options_for(stand_in.url()));
@@ -428,6 +461,7 @@ int main() {
     TEST(verdicts_come_back_however_the_question_is_asked);
     TEST(a_backlog_shares_requests);
     TEST(a_line_that_fails_for_the_moment_is_sent_again);
+    TEST(a_batch_that_takes_too_long_is_sent_in_parts);
     TEST(many_callers_share_a_sender);
     TEST(bad_options_are_refused);
 }

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <functional>
+#include <iterator>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -175,7 +176,7 @@ private:
 
     // A conflict: the keyframe is there, as it was sent first.
     static constexpr int stored_otherwise = 409;
-    // A batch is one write of the server: large enough to catch up after an outage, small enough to be sent again.
+    // Keyframes of one request: enough to catch up after an outage, few enough to be sent again.
     static constexpr std::size_t max_batch = 64;
     static constexpr std::size_t max_batch_bytes = std::size_t{4} << 20;
 
@@ -301,7 +302,7 @@ private:
         do {
             bytes += queue_.front().bytes;
             flying.splice(flying.end(), queue_, queue_.begin());
-        } while (can_be_batched(flying.back()) && !queue_.empty() && can_be_batched(queue_.front()) && flying.size() < max_batch && bytes + queue_.front().bytes <= max_batch_bytes);
+        } while (can_be_batched(flying.back()) && !queue_.empty() && can_be_batched(queue_.front()) && flying.size() < batch_limit_ && bytes + queue_.front().bytes <= max_batch_bytes);
     }
 
     /// Whether a keyframe may share a request: a question has its own, and declared edges may name one that the same batch loses.
@@ -328,7 +329,8 @@ private:
     }
 
     /// Sends keyframes in one request: a backlog costs one sync of the server's disk for each batch, not for each keyframe.
-    /// What the server could not store at this moment is sent again by itself. False if the sender is closing.
+    /// What the server could not store at this moment is sent again by itself. A server that does not get through with a batch in time
+    /// gets half of it: the same one again would never end. False if the sender is closing.
     bool carry_out_batch(std::list<Item>& flying) noexcept {
         Call call;
         const Status prepared = detail::guarded([&]() -> Status {
@@ -345,9 +347,14 @@ private:
             return Status();
         });
         if (!prepared) return carry_out_each(flying);
-        auto answer = deliver("put_keyframes", std::move(call));
+        auto answer = deliver("put_keyframes", std::move(call), true);
         if (!answer) return false;
+        if (!*answer && answer->error().is_timeout) {
+            halve(flying);
+            return flying.size() > 1 ? carry_out_batch(flying) : carry_out_each(flying);
+        }
         if (!*answer) return carry_out_each(flying);
+        batch_limit_ = std::min(2 * batch_limit_, max_batch);
         const std::string& text = (**answer).text;
         auto item = flying.begin();
         for (std::size_t at = 0; at < text.size() && item != flying.end();) {
@@ -364,6 +371,14 @@ private:
             settle(flying, current);
         }
         return carry_out_each(flying);
+    }
+
+    /// Puts the younger half of a batch back, and takes no larger ones until one was answered.
+    void halve(std::list<Item>& flying) noexcept {
+        batch_limit_ = std::max<std::size_t>(flying.size() / 2, 1);
+        const std::lock_guard<std::mutex> lock(mutex_);
+        queue_.splice(queue_.begin(), flying, std::next(flying.begin(), static_cast<std::ptrdiff_t>(batch_limit_)), flying.end());
+        flying_count_ = flying.size();
     }
 
     /// Notes whether the server has a keyframe.
@@ -523,8 +538,8 @@ private:
         }
     }
 
-    /// Tries until the server has decided; nothing if the sender is closing.
-    std::optional<Result<Answer>> deliver(const std::string& operation, Call call) noexcept {
+    /// Tries until the server has decided, or `ends_at_timeout`; nothing if the sender is closing.
+    std::optional<Result<Answer>> deliver(const std::string& operation, Call call, bool ends_at_timeout = false) noexcept {
         Result<detail::Request> request = detail::guarded([&]() -> Result<detail::Request> { return detail::request_of(operation, std::move(call)); });
         if (!request) return Result<Answer>(request.error());
         bool is_compressed = false;
@@ -545,7 +560,7 @@ private:
             // The first try removed it, and its answer was lost.
             const bool was_removed = !answer && attempt > 0 && request->method == "DELETE" && answer.error().status == 404;
             if (was_removed) return Result<Answer>(Answer{404, {}, {}, true});
-            if (!again) return answer;
+            if (!again || (ends_at_timeout && answer.error().is_timeout)) return answer;
             if (!wait(attempt, answer.error().retry_after_s)) return std::nullopt;
         }
     }
@@ -613,6 +628,8 @@ private:
     SenderOptions options_;
     std::unique_ptr<detail::Connection> connection_;
     std::minstd_rand random_;
+    // Of the sender's thread alone.
+    std::size_t batch_limit_ = max_batch;
 
     // Held for a few instructions at a time, never over input or output.
     mutable std::mutex mutex_;
