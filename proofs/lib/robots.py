@@ -285,6 +285,9 @@ def same(sent, kept):
         return isinstance(kept, dict) and all(name in kept and same(value, kept[name]) for name, value in sent.items())
     if isinstance(sent, list):
         return isinstance(kept, list) and len(sent) == len(kept) and all(map(same, sent, kept))
+    if isinstance(sent, int) and isinstance(kept, int):
+        # Numbers of points are large, and near one another.
+        return sent == kept
     if isinstance(sent, float | int) and not isinstance(sent, bool):
         return isinstance(kept, float | int) and abs(sent - kept) <= 1e-6 * max(1.0, abs(sent))
     return sent == kept
