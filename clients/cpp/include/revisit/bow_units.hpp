@@ -23,8 +23,8 @@ inline std::vector<std::int64_t> bow_units(const Bow& bow) {
     order.erase(std::remove_if(order.begin(), order.end(), [&](std::size_t i) { return !(weights[i] > 0); }), order.end());
     if (order.empty()) return units;
     // By word, as the server adds them up: another order rounds otherwise.
-    const auto by_word = [&](std::size_t a, std::size_t b) { return bow.words[a] < bow.words[b]; };
-    if (!std::is_sorted(order.begin(), order.end(), by_word)) std::stable_sort(order.begin(), order.end(), by_word);
+    const auto by_word = [&](std::size_t a, std::size_t b) { return bow.words[a] != bow.words[b] ? bow.words[a] < bow.words[b] : a < b; };
+    if (!std::is_sorted(order.begin(), order.end(), by_word)) std::sort(order.begin(), order.end(), by_word);
     double largest = 0, sum = 0;
     for (const auto i : order) largest = std::max(largest, weights[i]);
     for (const auto i : order) sum += weights[i] / largest;
@@ -35,7 +35,7 @@ inline std::vector<std::int64_t> bow_units(const Bow& bow) {
     }
     if (left_over == 0) return units;
     // What rounding leaves over goes, unit by unit, to the largest.
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return weights[a] > weights[b]; });
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return weights[a] != weights[b] ? weights[a] > weights[b] : by_word(a, b); });
     for (std::size_t next = 0; left_over != 0;) {
         std::int64_t& one = units[order[next]];
         next = (next + 1) % order.size();
