@@ -1,4 +1,6 @@
-// The ORB-SLAM3 adapter on stand-ins, against the real server; observations and merges against a stand-in for it, by the contract.
+// The ORB-SLAM3 adapter on stand-ins, against the real server; merges against a stand-in for it, by the contract.
+#include <atomic>
+#include <future>
 #include <random>
 
 #include <nlohmann/json.hpp>
@@ -77,12 +79,17 @@ struct Host {
     }
 };
 
-static std::unique_ptr<Adapter> adapter_of(Host& host, const std::string& url) {
+static std::unique_ptr<Adapter> adapter_of(Host& host, const std::string& url, std::size_t places = 0) {
     Options options;
     options.sender.endpoint.url = url;
     options.sender.map = "tower";
     options.sender.closing_ms = 0;
     options.sender.first_wait_ms = 1;
+    if (places > 0) {
+        options.sender.makes_map = false;
+        options.sender.queue_items = places;
+        options.sender.reserved_items = 0;
+    }
     options.robot = "robot-7";
     // As long as a slow machine needs: the test is about what comes, not when.
     options.longest_wait = 250s;
@@ -198,6 +205,90 @@ static void fused_and_culled_points_follow_with_the_next_keyframe() {
     CHECK_EQUAL(nlohmann::json::parse(merge)["into"], "robot-7.m0");
 }
 
+// Local mapping finds that the second keyframe's points are the first one's: the server sees one place, and no loop.
+static void what_the_host_fused_is_no_loop_on_the_server() {
+    Server server;
+    Host host;
+    auto adapter = adapter_of(host, server.url());
+    auto& first = host.add(0, 1, "901");
+    auto& second = host.add(0.5, 2, "901");
+    CHECK_OK(adapter->insert(&first));
+    CHECK_OK(adapter->insert(&second));
+    std::vector<standin::KeyFrame*> loops, merges;
+    CHECK(adapter->candidates(&second, loops, merges, 3));
+    CHECK_EQUAL(loops.size(), 1u);
+    for (std::size_t i = 0; i < second.matches.size(); ++i) {
+        auto *old = second.matches[i], *by = first.matches[i];
+        if (old == nullptr) continue;
+        adapter->fused(old, by);
+        // As ORB-SLAM3 may: a bad point is made bad again.
+        adapter->culled(old);
+        old->bad = true;
+        second.matches[i] = by;
+    }
+    auto& culled = *first.matches[0];
+    adapter->culled(&culled);
+    adapter->culled(&culled);
+    culled.bad = true;
+    first.matches[0] = second.matches[0] = nullptr;
+    auto& third = host.add(40, 60, "910");
+    third.covisible = {&second, &first};
+    CHECK_OK(adapter->insert(&third));
+    CHECK(adapter->sender().flush(forever));
+    CHECK_EQUAL(adapter->sender().stats().refused, 0u);
+    Endpoint endpoint;
+    endpoint.url = server.url();
+    auto client = Client::open(endpoint);
+    CHECK_OK(client);
+    const auto listed = client->call("list_covisible", {{{"map", "tower"}, {"keyframe", "robot-7.m0-2"}}, {}, {}, {}});
+    CHECK_OK(listed);
+    CHECK_EQUAL(listed->json["items"].items().size(), 1u);
+    CHECK_EQUAL(listed->json["items"].items()[0]["keyframe"].text(), "robot-7.m0-1");
+    CHECK_EQUAL(listed->json["items"].items()[0]["shared"].integer(), 19);
+    const auto verdict = client->query_loop("tower", "robot-7.m0-2");
+    CHECK_OK(verdict);
+    CHECK(verdict->decision == Decision::no_loop);
+    const auto read = client->call("get_keyframe", {{{"map", "tower"}, {"keyframe", "robot-7.m0-1"}}, {}, {}, {}});
+    CHECK_OK(read);
+    const auto& observes = read->json["observes"].items();
+    CHECK_EQUAL(observes.size(), 19u);
+    for (const auto& point : observes) CHECK(point.integer() != static_cast<std::int64_t>(culled.mnId));
+}
+
+static void changes_that_a_full_queue_refused_come_with_the_next_keyframe() {
+    std::promise<void> begun, release;
+    auto released = release.get_future().share();
+    std::atomic<bool> is_first{true};
+    StandIn stand_in([&](const HeardRequest&) {
+        if (is_first.exchange(false)) begun.set_value();
+        released.wait();
+        return GivenAnswer{200, R"({"verdict":"no_loop"})", "", false, false};
+    });
+    Host host;
+    auto adapter = adapter_of(host, stand_in.url(), 1);
+    auto& first = host.add(0, 1, "901", 6);
+    CHECK_OK(adapter->insert(&first));
+    begun.get_future().wait();
+    auto& second = host.add(0, 2, "901", 6);
+    second.covisible = {&first};
+    adapter->fused(host.points[0].get(), host.points[4].get());
+    first.matches[0] = host.points[4].get();
+    // It takes the one place.
+    CHECK(adapter->insert(&second).error().code == Code::queue_full);
+    release.set_value();
+    CHECK(adapter->sender().flush(forever));
+    adapter->culled(host.points[1].get());
+    auto& third = host.add(0, 3, "901", 6);
+    third.covisible = {&first};
+    while (!adapter->insert(&third)) CHECK(adapter->sender().flush(forever));
+    CHECK(adapter->sender().flush(forever));
+    std::vector<std::string> updates;
+    for (const auto& request : stand_in.heard())
+        if (request.target == "/v1/maps/tower/observations") updates.push_back(nlohmann::json::parse(request.body).dump());
+    CHECK(!updates.empty());
+    CHECK_EQUAL(updates[0], R"({"keyframes":[{"keyframe":"robot-7.m0-1","observes":[3,4,5]}],"removed":[2],"replaced":[[1,5]],"session":"robot-7.m0"})");
+}
+
 // A fisheye's keypoints, taken through the adapter, are where a pinhole of the same focal length sees the same rays.
 static void a_fisheye_becomes_a_pinhole() {
     Host host;
@@ -299,6 +390,8 @@ int main() {
     TEST(a_candidate_of_another_map_is_offered_for_a_merge);
     TEST(the_host_decides_where_no_verdict_comes);
     TEST(fused_and_culled_points_follow_with_the_next_keyframe);
+    TEST(what_the_host_fused_is_no_loop_on_the_server);
+    TEST(changes_that_a_full_queue_refused_come_with_the_next_keyframe);
     TEST(a_fisheye_becomes_a_pinhole);
     TEST(gravity_points_down_in_the_camera);
     TEST(g2o_scw_is_composed_as_the_host_composes_it);

@@ -184,7 +184,33 @@ static void what_the_server_refuses_is_reported_and_left_out_of_corrections() {
     CHECK_EQUAL(update.dump(), R"({"keyframes":[{"covisible":[{"keyframe":"robot-7-1","shared":30}],"keyframe":"robot-7-3","observes":[5,6]}],"removed":[9],"replaced":[[1,2]],"session":"robot-7"})");
 }
 
-// Written by the contract: the server's own endpoints are not there yet.
+// Another thread of the host may name a keyframe that was just removed: the server would refuse the whole of it.
+static void a_removed_keyframe_is_left_out_of_what_follows() {
+    Server server;
+    auto options = options_for(server.url());
+    options.makes_map = true;
+    auto sender = sender_of(std::move(options));
+    for (unsigned i = 1; i <= 2; ++i) CHECK_OK(sender->send(samples::keyframe(i, 20, 10, 5)));
+    CHECK_OK(sender->remove("robot-7-2"));
+    const auto tell = [&](std::int64_t culled, double x) {
+        CHECK_OK(sender->update({"robot-7", {}, {culled}, {{"robot-7-1", std::vector<std::int64_t>{1}, {}}, {"robot-7-2", std::vector<std::int64_t>{1}, {}}}}));
+        CHECK_OK(sender->correct({"robot-7", {"robot-7-1", "robot-7-2"}, {Pose{{x, 0, 0}, {}}, Pose{{x, 0, 0}, {}}}, {}}));
+        CHECK(sender->flush(forever));
+        CHECK_EQUAL(sender->stats().refused, 0u);
+    };
+    tell(301, 5);
+    // Sent again, it is there again.
+    CHECK_OK(sender->send(samples::keyframe(2, 20, 10, 5)));
+    tell(302, 6);
+    Endpoint endpoint;
+    endpoint.url = server.url();
+    auto client = Client::open(endpoint);
+    CHECK_OK(client);
+    for (const char* keyframe : {"robot-7-1", "robot-7-2"})
+        CHECK_EQUAL(client->call("get_keyframe", {{{"map", "tower"}, {"keyframe", keyframe}}, {}, {}, {}})->json["pose"]["translation"]["x"].number(), 6.0);
+}
+
+// Written by the contract: the server's own endpoint is not there yet.
 static void a_merge_is_written_as_the_contract_says() {
     StandIn stand_in([](const HeardRequest&) { return GivenAnswer{200, "{}", "", false, false}; });
     auto sender = sender_of(options_for(stand_in.url()));
@@ -352,6 +378,39 @@ static void a_line_that_fails_for_the_moment_is_sent_again() {
     CHECK_EQUAL(ids.size(), 200u);
 }
 
+// A server that does not get through with more than four keyframes in time, and one that it does not get through with at first.
+static void a_batch_that_takes_too_long_is_sent_in_parts() {
+    std::atomic<std::size_t> largest_answered{0};
+    std::atomic<bool> is_slow{true};
+    StandIn stand_in([&](const HeardRequest& request) {
+        if (request.method == "PUT") return GivenAnswer{201, "{}", "", false, false};
+        std::string lines;
+        std::size_t number = 0;
+        for (std::size_t at = 0; at < request.body.size(); at = request.body.find('\n', at) + 1) {
+            const auto keyframe = nlohmann::json::parse(request.body.substr(at, request.body.find('\n', at) - at));
+            lines += nlohmann::json{{"line", ++number}, {"id", keyframe["id"]}, {"status", 201}}.dump() + "\n";
+        }
+        if (is_slow && number > 4) return GivenAnswer{200, "", "", true, false};
+        largest_answered = std::max(largest_answered.load(), number);
+        return GivenAnswer{207, lines, "", false, false};
+    });
+    Heard heard;
+    auto options = options_for(stand_in.url());
+    options.endpoint.timeout_ms = 500;
+    heard.listen(options);
+    auto sender = sender_of(std::move(options));
+    for (unsigned i = 1; i <= 100; ++i) CHECK_OK(sender->send(samples::keyframe(i, 20, 10, 5)));
+    while (sender->stats().sent < 30) std::this_thread::sleep_for(1ms);
+    is_slow = false;
+    CHECK(sender->flush(forever));
+    CHECK_EQUAL(sender->stats().sent, 100u);
+    CHECK_EQUAL(heard.outcomes.size(), 100u);
+    // In the order of the calls, each once.
+    for (unsigned i = 1; i <= 100; ++i) CHECK_EQUAL(heard.outcomes[i - 1].id, "robot-7-" + std::to_string(i));
+    CHECK(largest_answered > 1);
+    CHECK_EQUAL(sender->stats().queued_bytes, 0u);
+}
+
 static void many_callers_share_a_sender() {
     StandIn stand_in([](const HeardRequest&) { return GivenAnswer{201, "{}", "", false, false}; });
     auto sender = sender_of(options_for(stand_in.url()));
@@ -394,6 +453,7 @@ int main() {
     TEST(bytes_bound_the_queue_too);
     TEST(everything_arrives_in_the_order_of_the_calls);
     TEST(what_the_server_refuses_is_reported_and_left_out_of_corrections);
+    TEST(a_removed_keyframe_is_left_out_of_what_follows);
     TEST(a_merge_is_written_as_the_contract_says);
     TEST(a_faulty_callback_ends_nothing);
     TEST(a_lasting_fault_of_the_server_does_not_hold_the_queue);
@@ -401,6 +461,7 @@ int main() {
     TEST(verdicts_come_back_however_the_question_is_asked);
     TEST(a_backlog_shares_requests);
     TEST(a_line_that_fails_for_the_moment_is_sent_again);
+    TEST(a_batch_that_takes_too_long_is_sent_in_parts);
     TEST(many_callers_share_a_sender);
     TEST(bad_options_are_refused);
 }

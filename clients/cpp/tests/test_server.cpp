@@ -1,4 +1,6 @@
 // The client against the real server: what is packed is what is listed, loops are found, confirmed and revoked.
+#include <random>
+
 #include <revisit/revisit.hpp>
 
 #include <nlohmann/json.hpp>
@@ -47,6 +49,31 @@ static void packed_columns_make_the_same_facts_as_lists() {
         const auto again = client.call("put_keyframe", {{{"map", "tower"}, {"keyframe", keyframe.id}}, {}, {}, unpacked(keyframe)});
         CHECK_OK(again);
         CHECK_EQUAL(again->status, 200);
+        CHECK(again->is_replayed);
+    }
+}
+
+// The client writes units where they are shorter: the server must make the same vector of them as of the weights themselves.
+static void weights_in_units_make_the_same_vector() {
+    Server server;
+    auto client = client_of(server);
+    CHECK_OK(client.put_map("tower"));
+    std::mt19937 chance(77);
+    for (unsigned round = 0; round < 100; ++round) {
+        Keyframe keyframe = samples::plate("k-" + std::to_string(round), 0, round, "1");
+        keyframe.bow = {};
+        const std::size_t words = 1 + chance() % (round % 10 == 0 ? 5'000 : 300);
+        for (std::size_t i = 0; i < words; ++i) {
+            keyframe.bow.words.push_back(static_cast<std::uint32_t>((i * 104'729) % 1'000'003));
+            const double exponent = std::uniform_real_distribution<double>(round % 3 == 0 ? -12 : -3, 0)(chance);
+            // Repeated weights too, whose order decides who gets what is left over.
+            keyframe.bow.weights.push_back(chance() % 9 == 0 ? 0 : round % 2 == 0 ? std::pow(10, exponent) : static_cast<double>(1 + chance() % 3) / 7);
+        }
+        CHECK_OK(client.put_keyframe("tower", keyframe));
+        auto json = nlohmann::json::parse(*to_json(keyframe));
+        json["bow"] = {{"words", keyframe.bow.words}, {"weights", keyframe.bow.weights}};
+        const auto again = client.call("put_keyframe", {{{"map", "tower"}, {"keyframe", keyframe.id}}, {}, {}, json.dump()});
+        CHECK_OK(again);
         CHECK(again->is_replayed);
     }
 }
@@ -134,6 +161,7 @@ static void a_problem_is_an_error_with_its_faults() {
 
 int main() {
     TEST(packed_columns_make_the_same_facts_as_lists);
+    TEST(weights_in_units_make_the_same_vector);
     TEST(a_loop_is_found_confirmed_and_revoked);
     TEST(what_the_check_accepts_the_server_accepts);
     TEST(a_problem_is_an_error_with_its_faults);

@@ -185,9 +185,9 @@ public:
         return made("correct_poses", [&] { return Call{{{"map", map}}, {}, {}, detail::body_of(corrections, precision)}; });
     }
 
-    Result<Answer> update_observations(const std::string& map, const Observations& observations) noexcept {
+    Result<Answer> change_observations(const std::string& map, const Observations& observations) noexcept {
         if (auto status = check(observations); !status) return status.error();
-        return made("update_observations", [&] { return Call{{{"map", map}}, {}, {}, detail::body_of(observations)}; });
+        return made("change_observations", [&] { return Call{{{"map", map}}, {}, {}, detail::body_of(observations)}; });
     }
 
     Result<Answer> merge_sessions(const std::string& map, const SessionMerge& merge) noexcept {

@@ -153,7 +153,11 @@ public:
             if (transfer.is_out_of_memory || code == CURLE_OUT_OF_MEMORY) return Error(Code::out_of_memory);
             if (code == CURLE_ABORTED_BY_CALLBACK) return Error(Code::abandoned, "the sender is closing");
             if (code == CURLE_WRITE_ERROR) return Error(Code::malformed_answer, "the answer is longer than max_answer_bytes");
-            if (code != CURLE_OK) return Error(Code::unreachable, reason[0] != '\0' ? reason : curl_easy_strerror(code));
+            if (code != CURLE_OK) {
+                Error error(Code::unreachable, reason[0] != '\0' ? reason : curl_easy_strerror(code));
+                error.is_timeout = code == CURLE_OPERATION_TIMEDOUT;
+                return error;
+            }
             long status = 0;
             curl_easy_getinfo(curl_, CURLINFO_RESPONSE_CODE, &status);
             transfer.response.status = static_cast<int>(status);

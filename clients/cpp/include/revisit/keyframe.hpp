@@ -111,6 +111,9 @@ constexpr std::size_t map_points = 100'000;
 constexpr std::size_t covisible = 10'000;
 constexpr std::size_t detections = 500;
 constexpr std::size_t corrections = 100'000;
+/// Of one change of observations: fused points, and as many culled ones.
+constexpr std::size_t gone_points = 10'000;
+constexpr std::size_t changed_keyframes = 1'000;
 constexpr std::size_t text_chars = 4096;
 constexpr std::size_t class_chars = 64;
 constexpr std::size_t crop_bytes = std::size_t{4} << 20;

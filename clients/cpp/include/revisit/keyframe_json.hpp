@@ -1,4 +1,4 @@
-// A keyframe's body. Each long column is written as the list or packed, whichever is shorter: the server makes the same facts.
+// A keyframe's body. Each long column is written in its shortest form, as a list or packed: the server makes the same facts of all.
 #pragma once
 
 #include <cmath>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base64.hpp"
+#include "bow_units.hpp"
 #include "keyframe.hpp"
 #include "number_text.hpp"
 
@@ -41,9 +42,20 @@ private:
     bool first_ = true;
 };
 
+/// Writes integers always as a list: for lists that have no packed form, or never a shorter one.
+inline void append_id_list(std::string& out, const std::vector<std::int64_t>& ids) {
+    out += '[';
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+        if (i > 0) out += ',';
+        append_integer(out, ids[i]);
+    }
+    out += ']';
+}
+
 /// Writes a column of integers as `name`, or packed as `packed`.
 template <class T>
 void append_integers(ObjectWriter& object, const char* name, const char* packed, const std::vector<T>& values) {
+    // With a comma or bracket for each.
     std::size_t listed = values.size();
     for (const T value : values) listed += integer_chars(static_cast<std::int64_t>(value));
     if (listed <= base64_chars(values.size() * sizeof(T))) {
@@ -108,15 +120,23 @@ inline void append_pose(std::string& out, const Pose& pose) {
     out += "}}";
 }
 
+/// Writes weights as they are, or in the server's units, whichever is shorter: it normalises both to the same vector.
+inline void append_weights(std::string& out, const Bow& bow) {
+    const std::size_t begin = out.size();
+    append_id_list(out, bow_units(bow));
+    const std::size_t longest = out.size() - begin;
+    std::string listed = "[";
+    for (std::size_t i = 0; i < bow.weights.size() && listed.size() < longest; ++i) {
+        if (i > 0) listed += ',';
+        append_number(listed, bow.weights[i]);
+    }
+    if ((listed += ']').size() < longest) out.replace(begin, longest, listed);
+}
+
 inline void append_bow(std::string& out, const Bow& bow) {
     ObjectWriter object(out);
     append_integers(object, "words", "words_u32", bow.words);
-    // A computed weight has 17 digits, so that packed is shorter; it comes back exactly.
-    object.name("weights_f64") += '"';
-    Base64Writer writer(out);
-    for (const double weight : bow.weights) writer.number(weight);
-    writer.finish();
-    out += '"';
+    append_weights(object.name("weights"), bow);
     if (!bow.vocabulary.empty()) object.text("vocabulary", bow.vocabulary);
     object.close();
 }
@@ -159,16 +179,6 @@ inline void append_covisible(std::string& out, const std::vector<Covisible>& cov
         object.text("keyframe", covisible[i].keyframe);
         append_integer(object.name("shared"), covisible[i].shared);
         object.close();
-    }
-    out += ']';
-}
-
-/// Writes ids always as a list: for lists that have no packed form.
-inline void append_id_list(std::string& out, const std::vector<std::int64_t>& ids) {
-    out += '[';
-    for (std::size_t i = 0; i < ids.size(); ++i) {
-        if (i > 0) out += ',';
-        append_integer(out, ids[i]);
     }
     out += ']';
 }

@@ -1,4 +1,4 @@
-// Keyframes that never reached the server, and what must not name them: the server would refuse all of it.
+// Keyframes that the server does not have, and what must not name them: the server would refuse all of it.
 #pragma once
 
 #include <algorithm>
@@ -21,6 +21,12 @@ public:
     void note(const std::string& id) {
         const std::lock_guard<std::mutex> lock(mutex_);
         if (ids_.size() < max_ids) ids_.insert(id);
+    }
+
+    /// Forgets one that the server has after all.
+    void clear(const std::string& id) {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        ids_.erase(id);
     }
 
     void leave_out_of(std::vector<Covisible>& covisible) const {

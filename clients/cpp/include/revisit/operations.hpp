@@ -14,6 +14,7 @@ struct Operation {
 
 constexpr Operation operations[] = {
     {"bring_model_verdict", "POST", "/v1/maps/{map}/model-verdicts"},
+    {"change_observations", "POST", "/v1/maps/{map}/observations"},
     {"confirm_loop", "POST", "/v1/maps/{map}/loops"},
     {"correct_poses", "POST", "/v1/maps/{map}/poses"},
     {"create_key", "POST", "/v1/keys"},
@@ -66,7 +67,6 @@ constexpr Operation operations[] = {
 /// Operations that the API document does not have yet; written by the contract.
 constexpr Operation planned_operations[] = {
     {"merge_sessions", "POST", "/v1/maps/{map}/sessions/{session}/merge"},
-    {"update_observations", "POST", "/v1/maps/{map}/observations"},
 };
 
 inline const Operation* find_operation(std::string_view id) noexcept {

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "host.hpp"
+#include "point_changes.hpp"
 
 namespace revisit::orb_slam3 {
 
@@ -143,11 +144,9 @@ public:
     /// Notes that a point was fused into another. From `MapPoint::Replace`. Sent with the next keyframe.
     void fused(MapPoint* old, MapPoint* by) noexcept {
         (void)revisit::detail::guarded([&]() -> Status {
-            if (old->mnId == by->mnId) return Status();
             const std::string session = session_of(old->GetMap()->GetId());
             const std::lock_guard<std::mutex> lock(mutex_);
-            auto& waiting = waiting_[session];
-            if (waiting.replaced.size() < limits::corrections) waiting.replaced.emplace_back(old->mnId, by->mnId);
+            waiting_[session].fused(static_cast<std::int64_t>(old->mnId), static_cast<std::int64_t>(by->mnId));
             return Status();
         });
     }
@@ -157,8 +156,7 @@ public:
         (void)revisit::detail::guarded([&]() -> Status {
             const std::string session = session_of(point->GetMap()->GetId());
             const std::lock_guard<std::mutex> lock(mutex_);
-            auto& waiting = waiting_[session];
-            if (waiting.removed.size() < limits::corrections) waiting.removed.push_back(static_cast<std::int64_t>(point->mnId));
+            waiting_[session].culled(static_cast<std::int64_t>(point->mnId));
             return Status();
         });
     }
@@ -270,11 +268,6 @@ private:
         std::uint64_t points = 0;
     };
 
-    struct Waiting {
-        std::vector<std::pair<std::int64_t, std::int64_t>> replaced;
-        std::vector<std::int64_t> removed;
-    };
-
     // `GeometricCamera::GetType()` of a Kannala-Brandt camera.
     static constexpr unsigned fisheye = 1;
 
@@ -310,8 +303,8 @@ private:
     /// Sends what fusing and culling did to keyframes that were sent before.
     template <class KeyFrames>
     Status update(const KeyFrames& neighbours, const std::string& session) {
-        Observations observations;
-        observations.session = session;
+        std::vector<KeyframeObservations> changed;
+        std::vector<unsigned long> numbers;
         for (KeyFrame* neighbour : neighbours) {
             if (neighbour == nullptr || neighbour->isBad() || session_of(neighbour->GetMap()->GetId()) != session) continue;
             std::vector<std::int64_t> points;
@@ -323,19 +316,22 @@ private:
             const auto known = known_.find(neighbour->mnId);
             if (known == known_.end() || known->second.points == print) continue;
             known->second.points = print;
-            observations.keyframes.push_back({known->second.id, std::move(points), std::nullopt});
+            changed.push_back({known->second.id, std::move(points), std::nullopt});
+            numbers.push_back(neighbour->mnId);
         }
+        host::PointChanges changes, refused;
         {
             const std::lock_guard<std::mutex> lock(mutex_);
-            const auto waiting = waiting_.find(session);
-            if (waiting != waiting_.end()) {
-                observations.replaced = std::move(waiting->second.replaced);
-                observations.removed = std::move(waiting->second.removed);
-                waiting_.erase(waiting);
-            }
+            std::swap(changes, waiting_[session]);
         }
-        if (observations.keyframes.empty() && observations.replaced.empty() && observations.removed.empty()) return Status();
-        return sender_->update(std::move(observations));
+        const Status status = host::send_changes(*sender_, session, std::move(changes), std::move(changed), refused);
+        if (status) return status;
+        // With the next keyframe again.
+        const std::lock_guard<std::mutex> lock(mutex_);
+        waiting_[session].put_back(std::move(refused));
+        for (const unsigned long number : numbers)
+            if (const auto known = known_.find(number); known != known_.end()) known->second.points = 0;
+        return status;
     }
 
     /// Sends corrections within the bound of one request.
@@ -393,7 +389,7 @@ private:
     mutable std::mutex mutex_;
     std::unordered_map<unsigned long, Known> known_;
     std::unordered_map<std::string, KeyFrame*> by_id_;
-    std::unordered_map<std::string, Waiting> waiting_;
+    std::unordered_map<std::string, host::PointChanges> waiting_;
     Stats stats_;
 
     std::unique_ptr<Sender> sender_;

@@ -51,6 +51,8 @@ struct Error {
     std::vector<Fault> faults;
     /// Seconds that the server asked to wait; negative if it did not.
     double retry_after_s = -1;
+    /// Whether the server was there, perhaps, but did not answer in time.
+    bool is_timeout = false;
 
     Error() noexcept = default;
     explicit Error(Code code_) noexcept : code(code_) {}

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <functional>
+#include <iterator>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -17,6 +18,7 @@
 #include <variant>
 #include <vector>
 
+#include "background_thread.hpp"
 #include "client.hpp"
 #include "missing_keyframes.hpp"
 #include "sender_options.hpp"
@@ -27,7 +29,7 @@ namespace revisit {
 ///
 /// A call checks, copies and enqueues. The lock that it takes is never held during input, output, encoding or a callback.
 /// A full queue refuses the new item: the call returns `queue_full`, and `on_dropped` is called.
-/// Corrections and observations of keyframes that never reached the server leave these out, since the server would refuse all of it.
+/// Corrections and observations leave out keyframes that the server does not have, since it would refuse all of it.
 class Sender {
 public:
     static Result<std::unique_ptr<Sender>> open(SenderOptions options) noexcept {
@@ -145,6 +147,7 @@ public:
             const std::lock_guard<std::mutex> lock(mutex_);
             abandoned_.store(true);
         }
+        arrived_.notify_all();
         changed_.notify_all();
         if (!thread_.joinable()) return 0;
         thread_.join();
@@ -173,7 +176,7 @@ private:
 
     // A conflict: the keyframe is there, as it was sent first.
     static constexpr int stored_otherwise = 409;
-    // A batch is one write of the server: large enough to catch up after an outage, small enough to be sent again.
+    // Keyframes of one request: enough to catch up after an outage, few enough to be sent again.
     static constexpr std::size_t max_batch = 64;
     static constexpr std::size_t max_batch_bytes = std::size_t{4} << 20;
 
@@ -211,6 +214,7 @@ private:
             const std::size_t items = options_.queue_items - (is_keyframe ? options_.reserved_items : 0);
             const std::size_t bytes = options_.queue_bytes - (is_keyframe ? options_.reserved_bytes : 0);
             Code refused = Code::ok;
+            bool wakes = false;
             {
                 const std::lock_guard<std::mutex> lock(mutex_);
                 if (closing_) {
@@ -220,11 +224,13 @@ private:
                 } else {
                     bytes_ += item.bytes;
                     queue_.splice(queue_.end(), one);
+                    wakes = is_idle_;
                 }
                 if (refused != Code::ok) ++stats_.dropped;
             }
             if (refused == Code::ok) {
-                changed_.notify_all();
+                // Not while it waits for a server that is away: each waking may cost the caller its processor.
+                if (wakes) arrived_.notify_one();
                 return Status();
             }
             if (kind == Outcome::Kind::keyframe) missing_.note(item.id);
@@ -258,12 +264,15 @@ private:
     }
 
     void run() noexcept {
+        detail::yield_to_callers();
         bool map_is_there = !options_.makes_map;
         while (true) {
             std::list<Item> flying;
             {
                 std::unique_lock<std::mutex> lock(mutex_);
-                changed_.wait(lock, [&] { return abandoned_.load() || !queue_.empty(); });
+                is_idle_ = true;
+                arrived_.wait(lock, [&] { return abandoned_.load() || !queue_.empty(); });
+                is_idle_ = false;
                 if (abandoned_.load()) return;
                 take_batch(flying);
                 flying_since_ = flying.front().since;
@@ -293,7 +302,7 @@ private:
         do {
             bytes += queue_.front().bytes;
             flying.splice(flying.end(), queue_, queue_.begin());
-        } while (can_be_batched(flying.back()) && !queue_.empty() && can_be_batched(queue_.front()) && flying.size() < max_batch && bytes + queue_.front().bytes <= max_batch_bytes);
+        } while (can_be_batched(flying.back()) && !queue_.empty() && can_be_batched(queue_.front()) && flying.size() < batch_limit_ && bytes + queue_.front().bytes <= max_batch_bytes);
     }
 
     /// Whether a keyframe may share a request: a question has its own, and declared edges may name one that the same batch loses.
@@ -320,7 +329,8 @@ private:
     }
 
     /// Sends keyframes in one request: a backlog costs one sync of the server's disk for each batch, not for each keyframe.
-    /// What the server could not store at this moment is sent again by itself. False if the sender is closing.
+    /// What the server could not store at this moment is sent again by itself. A server that does not get through with a batch in time
+    /// gets half of it: the same one again would never end. False if the sender is closing.
     bool carry_out_batch(std::list<Item>& flying) noexcept {
         Call call;
         const Status prepared = detail::guarded([&]() -> Status {
@@ -337,9 +347,14 @@ private:
             return Status();
         });
         if (!prepared) return carry_out_each(flying);
-        auto answer = deliver("put_keyframes", std::move(call));
+        auto answer = deliver("put_keyframes", std::move(call), true);
         if (!answer) return false;
+        if (!*answer && answer->error().is_timeout) {
+            halve(flying);
+            return flying.size() > 1 ? carry_out_batch(flying) : carry_out_each(flying);
+        }
         if (!*answer) return carry_out_each(flying);
+        batch_limit_ = std::min(2 * batch_limit_, max_batch);
         const std::string& text = (**answer).text;
         auto item = flying.begin();
         for (std::size_t at = 0; at < text.size() && item != flying.end();) {
@@ -351,13 +366,28 @@ private:
             const auto status = static_cast<int>((*line)["status"].integer());
             if (status == 429 || status >= 500) continue;
             auto outcome = outcome_of(status, std::move(*line));
-            if (!outcome && status != stored_otherwise) {
-                (void)detail::guarded([&]() -> Status { return missing_.note(current->id), Status(); });
-            }
+            note_presence(current->id, outcome.ok() || status == stored_otherwise);
             finish(current->kind, current->id, std::move(outcome));
             settle(flying, current);
         }
         return carry_out_each(flying);
+    }
+
+    /// Puts the younger half of a batch back, and takes no larger ones until one was answered.
+    void halve(std::list<Item>& flying) noexcept {
+        batch_limit_ = std::max<std::size_t>(flying.size() / 2, 1);
+        const std::lock_guard<std::mutex> lock(mutex_);
+        queue_.splice(queue_.begin(), flying, std::next(flying.begin(), static_cast<std::ptrdiff_t>(batch_limit_)), flying.end());
+        flying_count_ = flying.size();
+    }
+
+    /// Notes whether the server has a keyframe.
+    void note_presence(const std::string& id, bool is_there) noexcept {
+        (void)detail::guarded([&]() -> Status {
+            if (is_there) missing_.clear(id);
+            else missing_.note(id);
+            return Status();
+        });
     }
 
     /// The result of one line of a batch.
@@ -407,9 +437,9 @@ private:
         auto answer = deliver(operation, std::move(call));
         if (!answer) return false;
         const bool is_stored = answer->ok();
-        if (!is_stored && item.kind == Outcome::Kind::keyframe && answer->error().status != stored_otherwise) {
-            (void)detail::guarded([&]() -> Status { return missing_.note(item.id), Status(); });
-        }
+        if (item.kind == Outcome::Kind::keyframe) note_presence(item.id, is_stored || answer->error().status == stored_otherwise);
+        // Another thread of the host may name it in what it sends after.
+        if (item.kind == Outcome::Kind::removal && is_stored) note_presence(item.id, false);
         const bool asks_next = is_stored && item.kind == Outcome::Kind::keyframe && item.question && !item.question->is_plain();
         const bool has_verdict = is_stored && item.question && !asks_next;
         Json verdict;
@@ -480,7 +510,7 @@ private:
                 break;
             }
             case Outcome::Kind::observations: {
-                operation = "update_observations";
+                operation = "change_observations";
                 auto& observations = std::get<Observations>(item.payload);
                 missing_.leave_out_of(observations);
                 is_nothing_left = observations.keyframes.empty() && observations.replaced.empty() && observations.removed.empty();
@@ -508,8 +538,8 @@ private:
         }
     }
 
-    /// Tries until the server has decided; nothing if the sender is closing.
-    std::optional<Result<Answer>> deliver(const std::string& operation, Call call) noexcept {
+    /// Tries until the server has decided, or `ends_at_timeout`; nothing if the sender is closing.
+    std::optional<Result<Answer>> deliver(const std::string& operation, Call call, bool ends_at_timeout = false) noexcept {
         Result<detail::Request> request = detail::guarded([&]() -> Result<detail::Request> { return detail::request_of(operation, std::move(call)); });
         if (!request) return Result<Answer>(request.error());
         bool is_compressed = false;
@@ -530,7 +560,7 @@ private:
             // The first try removed it, and its answer was lost.
             const bool was_removed = !answer && attempt > 0 && request->method == "DELETE" && answer.error().status == 404;
             if (was_removed) return Result<Answer>(Answer{404, {}, {}, true});
-            if (!again) return answer;
+            if (!again || (ends_at_timeout && answer.error().is_timeout)) return answer;
             if (!wait(attempt, answer.error().retry_after_s)) return std::nullopt;
         }
     }
@@ -598,10 +628,16 @@ private:
     SenderOptions options_;
     std::unique_ptr<detail::Connection> connection_;
     std::minstd_rand random_;
+    // Of the sender's thread alone.
+    std::size_t batch_limit_ = max_batch;
 
     // Held for a few instructions at a time, never over input or output.
     mutable std::mutex mutex_;
+    /// Something to send, or the end; only the sender's thread waits for it.
+    std::condition_variable arrived_;
+    /// Something was sent, or the end.
     std::condition_variable changed_;
+    bool is_idle_ = false;
     std::list<Item> queue_;
     std::size_t bytes_ = 0;
     std::optional<Clock::time_point> flying_since_;

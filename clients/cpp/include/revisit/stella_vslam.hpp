@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "host.hpp"
+#include "point_changes.hpp"
 
 namespace revisit::stella_vslam {
 
@@ -146,7 +147,7 @@ public:
     void fused(unsigned old, unsigned by) noexcept {
         (void)revisit::detail::guarded([&]() -> Status {
             const std::lock_guard<std::mutex> lock(mutex_);
-            if (old != by && waiting_.replaced.size() < limits::corrections) waiting_.replaced.emplace_back(old, by);
+            waiting_.fused(old, by);
             return Status();
         });
     }
@@ -155,7 +156,7 @@ public:
     void culled_landmark(unsigned landmark) noexcept {
         (void)revisit::detail::guarded([&]() -> Status {
             const std::lock_guard<std::mutex> lock(mutex_);
-            if (waiting_.removed.size() < limits::corrections) waiting_.removed.push_back(landmark);
+            waiting_.culled(landmark);
             return Status();
         });
     }
@@ -225,11 +226,6 @@ private:
         std::uint64_t points = 0;
     };
 
-    struct Waiting {
-        std::vector<std::pair<std::int64_t, std::int64_t>> replaced;
-        std::vector<std::int64_t> removed;
-    };
-
     using Pair = std::pair<unsigned, unsigned>;
 
     // The host closes one loop at a time, and a new one makes older ones stale.
@@ -276,8 +272,8 @@ private:
 
     template <class Keyframes>
     Status update(const Keyframes& neighbours) {
-        Observations observations;
-        observations.session = options_.session;
+        std::vector<KeyframeObservations> changed;
+        std::vector<unsigned> numbers;
         for (const auto& neighbour : neighbours) {
             if (!neighbour || neighbour->will_be_erased()) continue;
             std::vector<std::int64_t> points;
@@ -289,15 +285,22 @@ private:
             const auto known = known_.find(neighbour->id_);
             if (known == known_.end() || known->second.points == print) continue;
             known->second.points = print;
-            observations.keyframes.push_back({id_of(neighbour->id_), std::move(points), std::nullopt});
+            changed.push_back({id_of(neighbour->id_), std::move(points), std::nullopt});
+            numbers.push_back(neighbour->id_);
         }
+        host::PointChanges changes, refused;
         {
             const std::lock_guard<std::mutex> lock(mutex_);
-            observations.replaced.swap(waiting_.replaced);
-            observations.removed.swap(waiting_.removed);
+            std::swap(changes, waiting_);
         }
-        if (observations.keyframes.empty() && observations.replaced.empty() && observations.removed.empty()) return Status();
-        return sender_->update(std::move(observations));
+        const Status status = host::send_changes(*sender_, options_.session, std::move(changes), std::move(changed), refused);
+        if (status) return status;
+        // With the next keyframe again.
+        const std::lock_guard<std::mutex> lock(mutex_);
+        waiting_.put_back(std::move(refused));
+        for (const unsigned number : numbers)
+            if (const auto known = known_.find(number); known != known_.end()) known->second.points = 0;
+        return status;
     }
 
     /// Takes a verified loop from a verdict. In the sender's thread.
@@ -367,7 +370,7 @@ private:
     // Never held over a call of the host or of the sender.
     mutable std::mutex mutex_;
     std::unordered_map<unsigned, Known> known_;
-    Waiting waiting_;
+    host::PointChanges waiting_;
     std::deque<Pair> loops_;
     std::set<Pair> tried_;
     bool is_requested_ = false;

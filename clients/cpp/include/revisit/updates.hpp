@@ -3,9 +3,12 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
+#include "gone_points.hpp"
 #include "keyframe.hpp"
 #include "keyframe_json.hpp"
 
@@ -68,22 +71,52 @@ inline Status check(const PoseCorrections& corrections) noexcept {
     });
 }
 
+namespace detail {
+
+inline bool check_gone_points(Checker& checker, const Observations& observations, GonePoints& gone) {
+    if (!checker.count(observations.replaced.size(), limits::gone_points, "/replaced")) return false;
+    for (std::size_t i = 0; i < observations.replaced.size(); ++i) {
+        const auto [old, by] = observations.replaced[i];
+        if (old < 0 || by < 0) return checker.refuse("a point's number is not negative", "/replaced/", i);
+        if (gone.has(old)) return checker.refuse("this point is replaced twice", "/replaced/", i);
+        if (!gone.fuse(old, by)) return checker.refuse("a point is not replaced by itself", "/replaced/", i);
+    }
+    if (!checker.points(observations.removed, limits::gone_points, 0, "/removed")) return false;
+    for (std::size_t i = 0; i < observations.removed.size(); ++i)
+        if (!gone.cull(observations.removed[i])) return checker.refuse("this point is gone already", "/removed/", i);
+    return true;
+}
+
+inline bool check_keyframe_observations(Checker& checker, const KeyframeObservations& keyframe, std::size_t i, const GonePoints& gone) {
+    const char* at = "/keyframes/";
+    if (!checker.id(keyframe.keyframe, at, i, "/keyframe")) return false;
+    if (keyframe.observes) {
+        if (!checker.points(*keyframe.observes, limits::map_points, 0, at, i, "/observes")) return false;
+        for (std::size_t k = 0; k < keyframe.observes->size(); ++k)
+            if (gone.has((*keyframe.observes)[k])) return checker.refuse("this request replaces or removes this point", at, i, "/observes/", k);
+    }
+    if (!keyframe.covisible) return true;
+    if (!checker.count(keyframe.covisible->size(), limits::covisible, at, i, "/covisible")) return false;
+    for (std::size_t k = 0; k < keyframe.covisible->size(); ++k) {
+        const auto& other = (*keyframe.covisible)[k].keyframe;
+        if (!checker.id(other, at, i, "/covisible/", k, "/keyframe")) return false;
+        if (other == keyframe.keyframe) return checker.refuse("a keyframe is not declared covisible with itself", at, i, "/covisible/", k, "/keyframe");
+    }
+    return true;
+}
+
+}  // namespace detail
+
 inline Status check(const Observations& observations) noexcept {
     return detail::guarded([&]() -> Status {
         detail::Checker checker;
-        bool good = checker.id(observations.session, "/session") && checker.count(observations.replaced.size(), limits::corrections, "/replaced");
-        for (std::size_t i = 0; good && i < observations.replaced.size(); ++i) {
-            if (observations.replaced[i].first < 0 || observations.replaced[i].second < 0) good = checker.refuse("a point's number is not negative", "/replaced/", i);
-            else if (observations.replaced[i].first == observations.replaced[i].second) good = checker.refuse("a point is not replaced by itself", "/replaced/", i);
-        }
-        good = good && checker.points(observations.removed, limits::corrections, 0, "/removed") && checker.count(observations.keyframes.size(), limits::corrections, "/keyframes");
+        detail::GonePoints gone;
+        bool good = checker.id(observations.session, "/session") && detail::check_gone_points(checker, observations, gone) &&
+                    checker.count(observations.keyframes.size(), limits::changed_keyframes, "/keyframes");
+        std::unordered_set<std::string_view> named;
         for (std::size_t i = 0; good && i < observations.keyframes.size(); ++i) {
-            const auto& keyframe = observations.keyframes[i];
-            good = checker.id(keyframe.keyframe, "/keyframes/", i, "/keyframe");
-            if (good && keyframe.observes) good = checker.points(*keyframe.observes, limits::map_points, 0, "/keyframes/", i, "/observes");
-            if (good && keyframe.covisible) good = checker.count(keyframe.covisible->size(), limits::covisible, "/keyframes/", i, "/covisible");
-            for (std::size_t k = 0; good && keyframe.covisible && k < keyframe.covisible->size(); ++k)
-                good = checker.id((*keyframe.covisible)[k].keyframe, "/keyframes/", i, "/covisible/", k, "/keyframe");
+            good = detail::check_keyframe_observations(checker, observations.keyframes[i], i, gone);
+            if (good && !named.insert(observations.keyframes[i].keyframe).second) good = checker.refuse("the keyframe is listed twice", "/keyframes/", i, "/keyframe");
         }
         return checker.status();
     });
@@ -164,7 +197,7 @@ inline std::string body_of(const Observations& observations) {
             if (i > 0) out += ',';
             ObjectWriter one(out);
             one.text("keyframe", keyframe.keyframe);
-            if (keyframe.observes) append_id_list(one.name("observes"), *keyframe.observes);
+            if (keyframe.observes) append_integers(one, "observes", "observes_i64", *keyframe.observes);
             if (keyframe.covisible) append_covisible(one.name("covisible"), *keyframe.covisible);
             one.close();
         }
