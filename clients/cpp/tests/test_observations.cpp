@@ -1,4 +1,5 @@
-// Changes of observations, against the real server: what is fused is covisible and no loop, what is culled is gone, a fault is named.
+// Changes of observations and merges, against the real server: what is fused is covisible and no loop, what is culled is gone, a fault
+// is named.
 #include <numeric>
 
 #include <revisit/revisit.hpp>
@@ -90,6 +91,41 @@ static void what_is_fused_is_covisible_and_no_loop() {
     CHECK_EQUAL(client.change_observations("m", fused)->json["map_points"].integer(), 0);
 }
 
+// Two maps of the host became one: by the client, whose answer is read, and once more by the sender's queue.
+static void merged_sessions_are_one_and_can_be_parted() {
+    Server server;
+    auto client = client_of(server);
+    CHECK_OK(client.put_keyframe("m", seeing("kf-1", 1, range(0, 20), "901")));
+    auto second = seeing("kf-2", 2, range(100, 120), "901");
+    second.session = "robot-8";
+    CHECK_OK(client.put_keyframe("m", second));
+    SessionMerge merge{"robot-8", "robot-7", {2, {1, 0, 0}, {}}, {}, {}};
+    for (std::int64_t point = 100; point < 120; ++point) merge.points.emplace_back(point, point - 100);
+    const auto merged = client.merge_sessions("m", merge);
+    CHECK_OK(merged);
+    CHECK_EQUAL(merged->json["keyframes"].integer(), 1);
+    CHECK_EQUAL(merged->json["map_points"].integer(), 20);
+    CHECK_EQUAL(covisible_with(client, "kf-2"), R"([{"keyframe":"kf-1","shared":20}])");
+    const auto moved = client.call("get_keyframe", {{{"map", "m"}, {"keyframe", "kf-2"}}, {}, {}, {}});
+    CHECK_OK(moved);
+    CHECK_EQUAL(moved->json["session"].text(), "robot-7");
+    CHECK_OK(client.call("revoke_merge", {{{"map", "m"}, {"session", "robot-8"}}, {}, {}, {}}));
+    CHECK_EQUAL(covisible_with(client, "kf-2"), "[]");
+    SenderOptions options;
+    options.endpoint.url = server.url();
+    options.map = "m";
+    auto sender = Sender::open(options);
+    CHECK_OK(sender);
+    merge.points.clear();
+    merge.point_offset = 1000;
+    CHECK_OK((*sender)->merge(merge));
+    CHECK((*sender)->flush(std::chrono::seconds(60)));
+    CHECK_EQUAL(observed_by(client, "kf-2").substr(0, 11), "[1100,1101,");
+    // A faulty one names its field.
+    merge.into = "robot-8";
+    CHECK(!client.merge_sessions("m", merge));
+}
+
 static void what_is_culled_is_observed_no_more() {
     Server server;
     auto client = client_of(server);
@@ -168,6 +204,7 @@ static void the_limits_are_the_servers() {
 
 int main() {
     TEST(what_is_fused_is_covisible_and_no_loop);
+    TEST(merged_sessions_are_one_and_can_be_parted);
     TEST(what_is_culled_is_observed_no_more);
     TEST(a_fault_is_named_by_client_and_server_alike);
     TEST(the_limits_are_the_servers);

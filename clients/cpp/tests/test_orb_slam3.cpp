@@ -1,4 +1,4 @@
-// The ORB-SLAM3 adapter on stand-ins, against the real server; merges against a stand-in for it, by the contract.
+// The ORB-SLAM3 adapter on stand-ins, against the real server; what it sends of a merge, against a stand-in for it.
 #include <atomic>
 #include <future>
 #include <random>

@@ -25,6 +25,7 @@ constexpr Operation operations[] = {
     {"get_anchor", "GET", "/v1/maps/{map}/anchors/{anchor}"},
     {"get_crop", "GET", "/v1/maps/{map}/anchors/{anchor}/crop"},
     {"get_document", "GET", "/openapi.json"},
+    {"get_frames", "GET", "/v1/maps/{map}/frames"},
     {"get_judgement", "GET", "/v1/maps/{map}/judgements/{id}"},
     {"get_keyframe", "GET", "/v1/maps/{map}/keyframes/{keyframe}"},
     {"get_local_anchor_map", "GET", "/v1/maps/{map}/keyframes/{keyframe}/local-anchor-map"},
@@ -48,6 +49,7 @@ constexpr Operation operations[] = {
     {"list_sessions", "GET", "/v1/maps/{map}/sessions"},
     {"listen", "GET", "/v1/maps/{map}/events"},
     {"locate", "POST", "/v1/locate"},
+    {"merge_sessions", "POST", "/v1/maps/{map}/sessions/{session}/merge"},
     {"merge_text", "POST", "/v1/semantics/merge"},
     {"patch_anchor", "PATCH", "/v1/maps/{map}/anchors/{anchor}"},
     {"patch_map", "PATCH", "/v1/maps/{map}"},
@@ -59,20 +61,14 @@ constexpr Operation operations[] = {
     {"readyz", "GET", "/readyz"},
     {"revoke_key", "DELETE", "/v1/keys/{id}"},
     {"revoke_loop", "DELETE", "/v1/maps/{map}/loops/{loop}"},
+    {"revoke_merge", "DELETE", "/v1/maps/{map}/sessions/{session}/merge"},
     {"similarity", "POST", "/v1/semantics/similarity"},
     {"stop_judgement", "DELETE", "/v1/maps/{map}/judgements/{id}"},
     {"take_backup", "POST", "/v1/backups"},
 };
 
-/// Operations that the API document does not have yet; written by the contract.
-constexpr Operation planned_operations[] = {
-    {"merge_sessions", "POST", "/v1/maps/{map}/sessions/{session}/merge"},
-};
-
 inline const Operation* find_operation(std::string_view id) noexcept {
     for (const auto& operation : operations)
-        if (operation.id == id) return &operation;
-    for (const auto& operation : planned_operations)
         if (operation.id == id) return &operation;
     return nullptr;
 }
