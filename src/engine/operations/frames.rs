@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use tokio::task::spawn_blocking;
+
 use crate::domain::event::{Event, EventKind};
 use crate::domain::fleet_frames::{FleetFrames, FramedSession, Suspect};
 use crate::domain::ids::{LoopId, MapId, SessionId, SessionSeq};
@@ -11,7 +13,7 @@ use crate::domain::report::{FrameReport, FramesReport};
 use crate::engine::maps::live::LiveMap;
 use crate::engine::{Service, ServiceError};
 use crate::geometry::Pose;
-use crate::recognition::frames::fleet::fleet_frames;
+use crate::recognition::frames::fleet::{fleet_frames, measured};
 use crate::recognition::map::index::MapIndex;
 use crate::store::Job;
 
@@ -55,7 +57,9 @@ impl Service {
         {
             return Ok((*version, Arc::new(frames.clone())));
         }
-        let (version, computed) = self.read(live, |state| Ok(fleet_frames(&state.index))).await?;
+        // Nobody who writes waits for more than the reading.
+        let (version, facts) = self.read(live, |state| Ok(measured(&state.index))).await?;
+        let computed = spawn_blocking(move || fleet_frames(&facts)).await.map_err(ServiceError::panicked)?;
         let known = kept.as_ref().map_or(&[][..], |(_, frames)| &frames.suspects);
         if let Some((kept_at, frames)) = kept.as_ref().filter(|(_, frames)| *frames == computed) {
             live.check_frames(version);

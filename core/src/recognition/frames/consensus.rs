@@ -1,10 +1,9 @@
 //! Consensus between two sessions: the largest set of their loops of which each agrees with each.
 
 use super::measurement::Measurement;
-use crate::recognition::map::index::MapIndex;
 
 /// Loops between two sessions that are compared each with each; of more, some spread over all.
-pub const COMPARED_MAX: usize = 512;
+pub const COMPARED_MAX: usize = 256;
 
 /// Sets that are begun, each with another of the loops that agree with most.
 const BEGUN_MAX: usize = 16;
@@ -23,14 +22,14 @@ pub struct Consensus {
 /// Finds the largest agreeing set among measurements of the same two sessions, by their numbers in `all`. Finding the very largest is
 /// hard in general (it is a clique); this begins with each of the loops that agree with most, and adds those that agree with
 /// all so far, the most agreeing first.
-pub fn consensus(index: &MapIndex, all: &[Measurement], numbers: &[usize]) -> Option<Consensus> {
+pub fn consensus(all: &[Measurement], numbers: &[usize]) -> Option<Consensus> {
     let step = numbers.len().div_ceil(COMPARED_MAX).max(1);
     let compared: Vec<usize> = numbers.iter().copied().step_by(step).collect();
     let count = compared.len();
     let mut agrees = vec![vec![false; count]; count];
     for i in 0..count {
         for j in 0..i {
-            let both = all[compared[i]].agrees(&all[compared[j]], index);
+            let both = all[compared[i]].agrees(&all[compared[j]]);
             (agrees[i][j], agrees[j][i]) = (both, both);
         }
     }
@@ -46,7 +45,7 @@ pub fn consensus(index: &MapIndex, all: &[Measurement], numbers: &[usize]) -> Op
     let mut agreeing: Vec<usize> = best.iter().map(|i| compared[*i]).collect();
     let known: Vec<usize> = agreeing.clone();
     let others = numbers.iter().filter(|number| !compared.contains(number));
-    agreeing.extend(others.filter(|number| known.iter().all(|one| all[**number].agrees(&all[*one], index))));
+    agreeing.extend(others.filter(|number| known.iter().all(|one| all[**number].agrees(&all[*one]))));
     agreeing.sort_unstable();
     let middle = middle(all, &agreeing)?;
     Some(Consensus { agreeing, middle, is_tie })

@@ -1,10 +1,10 @@
 //! A measurement: what a confirmed loop, or a plan, says of where two sessions lie to each other.
 
 use crate::domain::change::Loop;
-use crate::domain::ids::{KeyframeSeq, LoopId, SessionSeq};
+use crate::domain::ids::{LoopId, SessionSeq};
 use crate::geometry::{Point3, Pose, Sim3};
-use crate::recognition::extensions::tracked_path::{TURN_PER_DRIFT_SHARE, drift_m};
-use crate::recognition::map::index::MapIndex;
+use crate::recognition::extensions::tracked_path::TURN_PER_DRIFT_SHARE;
+use crate::recognition::map::index::{MapIndex, Milestone};
 
 /// How far a verified transformation may be off where nothing was driven, in metres: several times what those of the recordings are.
 pub const LOOP_SLACK_M: f64 = 0.3;
@@ -30,15 +30,17 @@ pub struct Measurement {
     pub slack_m: f64,
     /// How far it may be off in rotation, in radians.
     pub slack_rad: f64,
+    /// The share of a way that tracking may drift on it.
+    pub drift_share: f64,
 }
 
 /// A place in a session: the camera of a keyframe, or the middle of what a plan aligns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// The keyframe; none for a plan.
-    pub keyframe: Option<KeyframeSeq>,
     /// The place, in the session's frame.
     pub at: Point3,
+    /// Where it is on the session's way; none for a plan.
+    pub milestone: Option<Milestone>,
 }
 
 impl Measurement {
@@ -47,7 +49,7 @@ impl Measurement {
         let settings = &index.properties().settings;
         let (query, candidate) = (index.keyframe(closed.keyframe)?, index.keyframe(closed.candidate)?);
         let [a, b] = [candidate, query].map(|keyframe| keyframe.map_from_camera);
-        let place = |pose: &Pose, seq| Place { keyframe: Some(seq), at: pose.centre() };
+        let place = |pose: &Pose, seq| Place { at: pose.centre(), milestone: index.milestone(seq) };
         Some(Self {
             loop_id: Some(closed.id.clone()),
             a: candidate.session,
@@ -57,6 +59,7 @@ impl Measurement {
             at_b: place(&b, query.seq),
             slack_m: LOOP_SLACK_M,
             slack_rad: TURN_PER_DRIFT_SHARE.mul_add(settings.odometry_max_drift_share, LOOP_SLACK_RAD),
+            drift_share: settings.odometry_max_drift_share,
         })
     }
 
@@ -80,22 +83,23 @@ impl Measurement {
     }
 
     /// Returns how far two of the same two sessions may be off from each other, in metres.
-    pub fn allowed_m(&self, other: &Self, index: &MapIndex) -> f64 {
-        let way_m = way_m(index, &self.at_a, &other.at_a) + way_m(index, &self.at_b, &other.at_b);
-        drift_m(way_m, self.slack_m.max(other.slack_m), &index.properties().settings)
+    pub fn allowed_m(&self, other: &Self) -> f64 {
+        let way_m = self.at_a.way_to_m(&other.at_a) + self.at_b.way_to_m(&other.at_b);
+        self.drift_share.mul_add(way_m, self.slack_m.max(other.slack_m))
     }
 
     /// Whether two of the same two sessions can both be right.
-    pub fn agrees(&self, other: &Self, index: &MapIndex) -> bool {
-        let allowed_m = self.allowed_m(other, index);
+    pub fn agrees(&self, other: &Self) -> bool {
+        let allowed_m = self.allowed_m(other);
         let (there, back) = (self.off(&other.a_from_b), other.off(&self.a_from_b));
         there.0.max(back.0) <= allowed_m && there.1 <= self.slack_rad.max(other.slack_rad)
     }
 }
 
-/// Returns the way between two places of a session, in metres: as it was driven, or straight where tracking was lost on it.
-pub fn way_m(index: &MapIndex, from: &Place, to: &Place) -> f64 {
-    let milestone = |place: &Place| index.milestone(place.keyframe?);
-    let driven = milestone(from).zip(milestone(to)).and_then(|(from, to)| from.way_to_m(&to));
-    driven.unwrap_or_else(|| (from.at - to.at).norm())
+impl Place {
+    /// Returns the way to another place of the session, in metres: as it was driven, or straight where tracking was lost on it.
+    pub fn way_to_m(&self, other: &Self) -> f64 {
+        let driven = self.milestone.zip(other.milestone).and_then(|(from, to)| from.way_to_m(&to));
+        driven.unwrap_or_else(|| (self.at - other.at).norm())
+    }
 }

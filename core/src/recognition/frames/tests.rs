@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use proptest::prelude::*;
 
-use super::fleet::fleet_frames;
+use super::fleet;
 use crate::domain::change::{Change, Loop};
 use crate::domain::fleet_frames::FleetFrames;
 use crate::domain::ids::{KeyframeId, LoopId, SessionSeq};
@@ -118,6 +118,11 @@ impl Fleet {
         }
         worst
     }
+}
+
+/// The frames of a map.
+fn fleet_frames(index: &MapIndex) -> FleetFrames {
+    fleet::fleet_frames(&fleet::measured(index))
 }
 
 fn suspected(frames: &FleetFrames) -> BTreeSet<LoopId> {

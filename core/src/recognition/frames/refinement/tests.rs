@@ -30,10 +30,10 @@ proptest! {
         end in 0..2_usize,
         unknown in 0..6_usize,
     ) {
-        let place = Place { keyframe: None, at: Point3::from(at) };
+        let place = Place { at: Point3::from(at), milestone: None };
         let [first, second] = SESSIONS;
         let measurement = Measurement {
-            loop_id: None, a: first, b: second, a_from_b, at_a: place, at_b: place, slack_m: 1.0, slack_rad: 0.4,
+            loop_id: None, a: first, b: second, a_from_b, at_a: place, at_b: place, slack_m: 1.0, slack_rad: 0.4, drift_share: 0.05,
         };
         let joint = Joint { measurements: vec![&measurement], allowed_m: 1.5, allowed_rad: 0.4 };
         let residual_of = |poses: [Pose; 2]| {
