@@ -211,6 +211,59 @@ static void what_the_host_cannot_close_is_not_requested() {
     all[3]->graph_node_->root.reset();
 }
 
+// The host tries older candidates again, and its own detector closes loops meanwhile.
+static void what_the_host_really_closed_is_confirmed_and_the_next_loop_comes_later() {
+    StandIn stand_in(Answers{{{"robot-20", {"robot-1", "verified"}}, {"robot-25", {"robot-2", "verified"}}, {"robot-31", {"robot-3", "verified"}}}});
+    standin::Host host;
+    auto adapter = adapter_of(stand_in.url(), host);
+    std::map<unsigned, Shared> all;
+    const auto insert = [&](unsigned id) {
+        all[id] = keyframe(id, all.empty() ? nullptr : all.begin()->second);
+        if (id == 1) all[1]->graph_node_->root = all[1];
+        CHECK_OK(adapter->insert(all[id]));
+        CHECK(adapter->sender().flush(forever));
+    };
+    for (const unsigned id : {1u, 2u, 3u, 20u}) insert(id);
+    const auto finish = [&] { host.finish(); };
+    CHECK(host.requested.back() == std::make_pair(20u, 1u));
+    const auto close = [&](const standin::Request&) {
+        all[20]->graph_node_->loops.insert(all[2]);
+        host.finish();
+        return true;
+    };
+    CHECK(adapter->resolve(*host.current(), close, finish));
+    CHECK(adapter->sender().flush(forever));
+    CHECK_EQUAL(nlohmann::json::parse(stand_in.heard().back().body)["candidate"], "robot-2");
+    // Five keyframes after it is too soon.
+    insert(25);
+    CHECK_EQUAL(host.requested.size(), 1u);
+    insert(31);
+    CHECK(host.requested.back() == std::make_pair(31u, 3u));
+    // Its own detector was faster: it is not closed once more, and confirmed.
+    all[31]->graph_node_->loops.insert(all[3]);
+    CHECK(!adapter->resolve(*host.current(), [](const standin::Request&) -> bool { throw std::runtime_error("closed twice"); }, finish));
+    CHECK(!host.current());
+    CHECK(adapter->sender().flush(forever));
+    CHECK_EQUAL(nlohmann::json::parse(stand_in.heard().back().body)["id"], "robot-loop-31-3");
+    CHECK_EQUAL(adapter->stats().closed, 2u);
+    for (auto& [id, one] : all) one->graph_node_->root.reset(), one->graph_node_->loops.clear();
+}
+
+static void a_candidate_that_is_no_loop_is_not_allowed_and_without_a_verdict_the_host_decides() {
+    StandIn stand_in(Answers{{{"robot-4", {"robot-1", "verified"}}}});
+    standin::Host host;
+    auto adapter = adapter_of(stand_in.url(), host);
+    auto loop = keyframe(1, nullptr), beside = keyframe(2, nullptr), twin = keyframe(3, nullptr), query = keyframe(4, nullptr), later = keyframe(5, nullptr);
+    beside->graph_node_->covisible = {loop};
+    for (const auto& one : {loop, beside, twin, query}) CHECK_OK(adapter->insert(one));
+    CHECK(adapter->sender().flush(forever));
+    CHECK(adapter->allows(query, loop));
+    CHECK(adapter->allows(query, beside));
+    CHECK(!adapter->allows(query, twin));
+    CHECK(adapter->allows(later, twin));
+    beside->graph_node_->covisible.clear();
+}
+
 static void keypoints_come_from_bearings_where_the_camera_is_no_pinhole() {
     standin::Host host;
     stella_vslam::Options<standin::StellaKeyframe> options;
@@ -261,6 +314,8 @@ static void fused_landmarks_and_corrections_follow() {
 int main() {
     TEST(a_rejected_request_is_finished_and_the_next_one_made);
     TEST(what_the_host_cannot_close_is_not_requested);
+    TEST(what_the_host_really_closed_is_confirmed_and_the_next_loop_comes_later);
+    TEST(a_candidate_that_is_no_loop_is_not_allowed_and_without_a_verdict_the_host_decides);
     TEST(keypoints_come_from_bearings_where_the_camera_is_no_pinhole);
     TEST(fused_landmarks_and_corrections_follow);
 }

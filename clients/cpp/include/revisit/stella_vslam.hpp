@@ -1,16 +1,19 @@
 // stella_vslam: what it knows of a keyframe goes to Revisit, and verified loops come back by `system::request_loop_closure`.
 //
 // A request that stella_vslam rejects is never finished there: it is tried again every 5 ms for ever, and blocks every later one.
-// `resolve` is the guard, in place of one call in `global_optimization_module::run`. docs/integrate.md has all hooks.
+// `resolve` is the guard, in place of one call in `global_optimization_module::run`. docs/integrate.md has all hooks. C++17, while
+// stella_vslam compiles as C++14: include this in a file of your own, with functions that its files call.
 //
 // Templates over the host's own classes: nothing of stella_vslam is needed to compile this.
 #pragma once
 
+#include <chrono>
 #include <cmath>
 #include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <unordered_map>
@@ -34,6 +37,10 @@ struct Options {
     /// Bearings beyond this angle from the axis are left out of the pinhole, where a pixel's error grows with 1/cos^2.
     double max_ray_angle_rad = 1.2217;
     unsigned neighbours = 10;
+    /// Keyframes between two loops that are closed, as the host's own detector leaves between them. Sooner, it works at the last one still.
+    unsigned loops_apart = 10;
+    /// How long `allows` waits for a verdict.
+    std::chrono::milliseconds longest_wait{200};
     /// `[&](unsigned a, unsigned b) { return slam->request_loop_closure(a, b); }`
     std::function<bool(unsigned, unsigned)> request_loop_closure;
     /// The signs that a keyframe sees: door numbers, plates.
@@ -62,6 +69,7 @@ public:
                 raw->consider(verdict);
                 if (next) next(verdict);
             };
+            host::listen(sender_options, adapter->verdicts_);
             auto sender = Sender::open(std::move(sender_options));
             if (!sender) return sender.error();
             adapter->sender_ = std::move(*sender);
@@ -87,24 +95,66 @@ public:
 
     /// The guard, in `global_optimization_module::run`, in place of `loop_closure(get_loop_closure_request())`:
     /// `resolve(get_loop_closure_request(), [&](const auto& request) { return loop_closure(request); }, [&] { finish_loop_closure_request(); })`.
-    /// A rejected request is finished, and its pair is not requested again. A closed one is confirmed.
+    /// A rejected request is finished, and its pair is not requested again; so is one that the host's own detector closed meanwhile.
+    /// What was closed is confirmed: the host may close the loop with another keyframe than was requested.
     template <class Request, class Close, class Finish>
     bool resolve(const Request& request, Close&& close, Finish&& finish) {
         const Request made = request;
-        const bool is_closed = close(made);
+        const auto query = std::max(made.keyfrm1_id_, made.keyfrm2_id_), candidate = std::min(made.keyfrm1_id_, made.keyfrm2_id_);
+        std::set<unsigned> before;
+        (void)revisit::detail::guarded([&]() -> Status {
+            before = loops_of(query);
+            return Status();
+        });
+        const bool was_closed = before.count(candidate) != 0;
+        const bool is_closed = !was_closed && close(made);
         if (!is_closed) finish();
         (void)revisit::detail::guarded([&]() -> Status {
-            const auto query = std::max(made.keyfrm1_id_, made.keyfrm2_id_), candidate = std::min(made.keyfrm1_id_, made.keyfrm2_id_);
+            auto closed = loops_of(query);
+            for (const unsigned known : before) closed.erase(known);
+            if (was_closed || (is_closed && closed.empty())) closed.insert(candidate);
             {
                 const std::lock_guard<std::mutex> lock(mutex_);
-                ++(is_closed ? stats_.closed : stats_.rejected);
+                ++(is_closed || was_closed ? stats_.closed : stats_.rejected);
                 is_requested_ = false;
             }
-            if (is_closed) (void)sender_->confirm({loop_id(query, candidate), id_of(query), id_of(candidate), ""});
+            if (is_closed || was_closed)
+                for (const unsigned with : closed) confirm(query, with);
             request_next();
             return Status();
         });
         return is_closed;
+    }
+
+    /// Whether the host may close a loop between these two, by its own detector: asked before it verifies a candidate, and with no lock
+    /// that tracking or mapping wait for. Without a verdict in time the host decides, as it did.
+    bool allows(const Shared& query, const Shared& candidate) noexcept {
+        bool is_allowed = true;
+        (void)revisit::detail::guarded([&]() -> Status {
+            if (sender_->stats().unreachable) return Status();
+            const auto verdict = verdicts_.wait(id_of(query->id_), options_.longest_wait);
+            if (!verdict) return Status();
+            if (const auto* listed = verdict->find(id_of(candidate->id_))) {
+                is_allowed = listed->decision != Decision::no_loop;
+                return Status();
+            }
+            // Of a place the best keyframe alone is listed.
+            is_allowed = false;
+            for (const auto& neighbour : candidate->graph_node_->get_top_n_covisibilities(options_.neighbours)) {
+                const auto* listed = neighbour ? verdict->find(id_of(neighbour->id_)) : nullptr;
+                is_allowed = is_allowed || (listed != nullptr && listed->decision != Decision::no_loop);
+            }
+            return Status();
+        });
+        return is_allowed;
+    }
+
+    /// Confirms a loop that the host's own detector closed: at the end of `correct_loop`.
+    void closed(unsigned query, unsigned candidate) noexcept {
+        (void)revisit::detail::guarded([&]() -> Status {
+            confirm(std::max(query, candidate), std::min(query, candidate));
+            return Status();
+        });
     }
 
     /// Takes back a loop that turned out wrong.
@@ -239,6 +289,28 @@ private:
         return options_.session + "-loop-" + std::to_string(query) + "-" + std::to_string(candidate);
     }
 
+    /// The keyframes that a keyframe has a loop edge with.
+    std::set<unsigned> loops_of(unsigned keyframe) const {
+        Shared host;
+        {
+            const std::lock_guard<std::mutex> lock(mutex_);
+            if (const auto known = known_.find(keyframe); known != known_.end()) host = known->second.keyframe.lock();
+        }
+        std::set<unsigned> loops;
+        if (host)
+            for (const auto& other : host->graph_node_->get_loop_edges()) loops.insert(other->id_);
+        return loops;
+    }
+
+    void confirm(unsigned query, unsigned candidate) {
+        {
+            const std::lock_guard<std::mutex> lock(mutex_);
+            if (tried_.size() < max_tried) tried_.insert({query, candidate});
+            last_closed_ = std::max(query, last_closed_.value_or(0));
+        }
+        (void)sender_->confirm({loop_id(query, candidate), id_of(query), id_of(candidate), ""});
+    }
+
     bool is_known(unsigned keyframe) const {
         const std::lock_guard<std::mutex> lock(mutex_);
         return known_.count(keyframe) != 0;
@@ -331,7 +403,8 @@ private:
                 if (is_requested_ || loops_.empty()) return;
                 pair = loops_.back();
                 loops_.pop_back();
-                if (tried_.count(pair) != 0 || tried_.size() == max_tried) {
+                const bool is_too_soon = last_closed_ && pair.first < *last_closed_ + options_.loops_apart;
+                if (is_too_soon || tried_.count(pair) != 0 || tried_.size() == max_tried) {
                     ++stats_.left_out;
                     continue;
                 }
@@ -373,6 +446,8 @@ private:
     host::PointChanges waiting_;
     std::deque<Pair> loops_;
     std::set<Pair> tried_;
+    std::optional<unsigned> last_closed_;
+    host::Verdicts verdicts_;
     bool is_requested_ = false;
     Stats stats_;
 
