@@ -62,7 +62,8 @@ async fn two_robots_that_met_are_in_one_frame_and_a_false_loop_is_a_suspect() {
     assert!((number(&suspect["residual"]) - 5.0).abs() < 0.1, "{suspect:#}");
     let (metres, _) = off(&contradicted["frames"][1]["reference_from_session"], &b_from_world.inverse());
     assert!(metres < 0.05, "{metres} m: {contradicted:#}");
-    expect_event(&server, "loop_suspected", "loop-3").await;
+    let is_told = |event: &Value| event["event"] == "loop_suspected" && event["loop"] == "loop-3";
+    server.event(&format!("{MAP}/events?since=0"), is_told).await;
 
     // The same bytes again, and after a restart.
     let text =
@@ -105,20 +106,4 @@ async fn the_trajectory_of_the_fleet_has_both_robots_in_the_frame_of_one() {
     }
     let from_b = tum("&frame=fleet&reference=b&session=b").await;
     assert_eq!(from_b, tum("&session=b").await);
-}
-
-/// Waits for an event of a kind about a loop.
-async fn expect_event(server: &Server, kind: &str, of_loop: &str) {
-    let request = server.request(Method::GET, &format!("{MAP}/events?since=0"));
-    let mut stream = request.send().await.expect("an answer");
-    let mut text = String::new();
-    loop {
-        let whole = text.rsplit_once("\n\n").map_or("", |(whole, _)| whole);
-        let data = whole.lines().filter_map(|line| line.strip_prefix("data: "));
-        let mut events = data.map(|data| serde_json::from_str::<Value>(data).expect("JSON"));
-        if events.any(|event| event["event"] == kind && event["loop"] == of_loop) {
-            return;
-        }
-        text += &String::from_utf8_lossy(&stream.chunk().await.expect("a stream").expect("more events"));
-    }
 }

@@ -64,22 +64,6 @@ async fn read(server: &Server) -> Value {
     read
 }
 
-/// The first event of a kind.
-async fn first_event(server: &Server, kind: &str) -> Value {
-    let request = server.request(Method::GET, &format!("{MAP}/events?since=0"));
-    let mut stream = request.send().await.expect("an answer");
-    let mut text = String::new();
-    loop {
-        let whole = text.rsplit_once("\n\n").map_or("", |(whole, _)| whole);
-        let data = whole.lines().filter_map(|line| line.strip_prefix("data: "));
-        let mut events = data.map(|data| serde_json::from_str::<Value>(data).expect("JSON"));
-        if let Some(event) = events.find(|event| event["event"] == kind) {
-            return event;
-        }
-        text += &String::from_utf8_lossy(&stream.chunk().await.expect("a stream").expect("more events"));
-    }
-}
-
 #[tokio::test]
 async fn a_merged_session_is_in_the_others_frame_and_a_revoked_merge_leaves_nothing() {
     let server = two_maps().await;
@@ -103,7 +87,7 @@ async fn a_merged_session_is_in_the_others_frame_and_a_revoked_merge_leaves_noth
     assert_eq!(read(&server).await, before);
     assert_eq!(server.delete(&path).await.expect(409)["code"], "no_open_merge");
     for kind in ["sessions_merged", "merge_revoked"] {
-        let event = first_event(&server, kind).await;
+        let event = server.event(&format!("{MAP}/events?since=0"), |event| event["event"] == kind).await;
         assert_eq!((&event["session"], &event["into"]), (&json!("robot-2"), &json!("robot-1")), "{event:#}");
     }
 }

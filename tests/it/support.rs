@@ -164,6 +164,21 @@ impl Server {
         Answer::of(self.request(Method::DELETE, path)).await
     }
 
+    /// The first event of a stream that is meant; waits for it.
+    pub async fn event(&self, path: &str, is_meant: impl Fn(&Value) -> bool) -> Value {
+        let mut stream = self.request(Method::GET, path).send().await.expect("an answer");
+        let mut text = String::new();
+        loop {
+            let whole = text.rsplit_once("\n\n").map_or("", |(whole, _)| whole);
+            let data = whole.lines().filter_map(|line| line.strip_prefix("data: "));
+            let mut events = data.map(|data| serde_json::from_str::<Value>(data).expect("JSON"));
+            if let Some(event) = events.find(|event| is_meant(event)) {
+                return event;
+            }
+            text += &String::from_utf8_lossy(&stream.chunk().await.expect("a stream").expect("more events"));
+        }
+    }
+
     /// A body sent byte by byte as it is.
     pub async fn send(
         &self,

@@ -70,7 +70,11 @@ impl Service {
         let events: Vec<Event> = new.map(|suspect| suspected(suspect, version)).collect();
         let frames = Arc::new(computed);
         let job = Job::KeepFrames { map: live.key, version, frames: frames.clone() };
-        self.store.committer().commit(job).await?;
+        if let Err(error) = self.store.committer().commit(job).await {
+            // As on a full disk: reads go on, and the next one tries to keep them again.
+            tracing::warn!(%error, "the frames of a map were not kept");
+            return Ok((version, frames));
+        }
         live.check_frames(version);
         if !events.is_empty() {
             live.tell(&self.store, events);
