@@ -1,4 +1,4 @@
-//! Frames: where the sessions of a map lie to each other, and the loops that contradict it (`openapi/openapi.yaml`).
+//! Frames: the places of a map's sessions relative to each other, and the loops that contradict it (`openapi/openapi.yaml`).
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -36,7 +36,7 @@ pub struct FrameView {
     /// Maps points of its frame into that of the reference; left out if no loop and no plan joins the two.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_from_session: Option<Transform>,
-    /// How far its loops are off from the frames (root mean square), in metres; left out without any. Frames are rigid, so that drift
+    /// Root mean square of what its loops are off from the frames, in metres; left out without any. Frames are rigid, so that drift
     /// within a session shows here.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub residual: Option<f64>,
@@ -54,9 +54,9 @@ pub struct SuspectView {
     /// The loops that lead from the one of its sessions to the other, and do not agree with it; empty where it is within one session,
     /// whose tracking it contradicts. A plan that is passed has no id.
     pub cycle: Vec<String>,
-    /// How far the cycle fails to close, in metres.
+    /// The gap of the cycle, in metres.
     pub residual: f64,
-    /// By how much it fails to close in rotation, in rad.
+    /// Its gap in rotation, in rad.
     pub residual_rad: f64,
 }
 

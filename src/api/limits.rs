@@ -68,9 +68,9 @@ pub const DESCRIPTOR_BYTES: RangeInclusive<i64> = 8..=512;
 pub const MAP_POINTS: usize = 100_000;
 /// A map point's number; ORB-SLAM counts in `unsigned long`, of which nobody has used the upper half.
 pub const POINT: RangeInclusive<i64> = 0..=i64::MAX;
-/// What is added to the numbers of map points.
+/// An offset of the numbers of map points.
 pub const POINT_OFFSET: RangeInclusive<i64> = -i64::MAX..=i64::MAX;
-/// How much longer a length is in one frame than in another, as a client says it.
+/// The ratio of a length in one frame to the same in another, as a client says it.
 pub const SCALE: RangeInclusive<f64> = 1e-6..=1e6;
 /// A feature's map point: as [`POINT`], and -1 for none.
 pub const POINT_OR_NONE: RangeInclusive<i64> = -1..=i64::MAX;

@@ -11,7 +11,7 @@ use super::limits;
 use crate::domain::ids::{KeyframeId, PointId, SessionId};
 use crate::domain::request::{ChangedKeyframe, ChangedObservations};
 
-/// What a robot's map did to its points and edges; all of it is taken over, or nothing. Everything in it is of one session.
+/// Changes that a robot's map made to its points and edges; all of it is taken over, or nothing. Everything in it is of one session.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ObservationsBody {
@@ -48,7 +48,7 @@ pub struct FusedPoints(
     Vec<PointNumber>,
 );
 
-/// What a keyframe observes, and which keyframes it is covisible with, as the robot's map has it now.
+/// The map points and covisible keyframes of a keyframe, as the robot's map has them now.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[schema(as = ChangedKeyframe)]
@@ -135,7 +135,7 @@ fn replaced(node: &Node<'_>) -> Option<Vec<(PointId, PointId)>> {
     })
 }
 
-/// Where replaced points end. Each search shortens the ways that it went, so that no chain is followed again and again.
+/// The ends of replaced points. Each search shortens the ways that it went, so that no chain is followed again and again.
 #[derive(Default)]
 struct Ends {
     after: HashMap<PointId, PointId>,

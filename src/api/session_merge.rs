@@ -34,7 +34,7 @@ pub struct SimilarityShape {
     pub translation: Vector3,
     /// A unit quaternion.
     pub rotation: Quaternion,
-    /// How much longer a length is in the outer frame; 1 if left out.
+    /// Ratio of a length in the outer frame to the same in the inner one; 1 if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 1e-6, maximum = 1e6, default = 1.0)]
     pub scale: Option<f64>,

@@ -63,7 +63,7 @@ async fn exported(server: &Server, map: &str) -> Vec<Value> {
     text.lines().map(|line| serde_json::from_str(line).expect("a line of JSON")).collect()
 }
 
-/// What the client's map did to its points and edges.
+/// Changes that the client's map made to its points and edges.
 fn observations() -> Value {
     json!({"session": "robot-1", "replaced": [[23, 24], [910, 30]], "removed": [31],
         "keyframes": [{"keyframe": "kf-0", "observes": [0, 1, 2, 24], "covisible": [{"keyframe": "kf-3", "shared": 20}]}]})

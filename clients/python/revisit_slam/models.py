@@ -704,7 +704,7 @@ class Candidate(msgspec.Struct, kw_only=True, omit_defaults=True):
 
 
 class ChangedKeyframe(msgspec.Struct, kw_only=True, omit_defaults=True):
-    """What a keyframe observes, and which keyframes it is covisible with, as the robot's map has it now."""
+    """The map points and covisible keyframes of a keyframe, as the robot's map has them now."""
 
     keyframe: str
     """The keyframe."""
@@ -932,8 +932,8 @@ class Frame(msgspec.Struct, kw_only=True, omit_defaults=True):
     reference_from_session: Transform | None = None
     """Maps points of its frame into that of the reference; left out if no loop and no plan joins the two."""
     residual: float | None = None
-    """How far its loops are off from the frames (root mean square), in metres; left out without any.
-    Frames are rigid, so that drift within a session shows here.
+    """Root mean square of what its loops are off from the frames, in metres; left out without any. Frames
+    are rigid, so that drift within a session shows here.
     """
 
 
@@ -1709,8 +1709,8 @@ class ObservationsAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
 
 
 class ObservationsBody(msgspec.Struct, kw_only=True, omit_defaults=True):
-    """What a robot's map did to its points and edges; all of it is taken over, or nothing. Everything in
-    it is of one session.
+    """Changes that a robot's map made to its points and edges; all of it is taken over, or nothing.
+    Everything in it is of one session.
     """
 
     session: str | None = None
@@ -2018,7 +2018,7 @@ class SentSimilarity(msgspec.Struct, kw_only=True, omit_defaults=True):
     rotation: Quaternion
     """A unit quaternion."""
     scale: float | None = None
-    """How much longer a length is in the outer frame; 1 if left out."""
+    """Ratio of a length in the outer frame to the same in the inner one; 1 if left out."""
 
 
 class Session(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -2252,9 +2252,9 @@ class Suspect(msgspec.Struct, kw_only=True, omit_defaults=True):
     it is within one session, whose tracking it contradicts. A plan that is passed has no id.
     """
     residual: float
-    """How far the cycle fails to close, in metres."""
+    """The gap of the cycle, in metres."""
     residual_rad: float
-    """By how much it fails to close in rotation, in rad."""
+    """Its gap in rotation, in rad."""
 
 
 class TextPair(msgspec.Struct, kw_only=True, omit_defaults=True):

@@ -1,9 +1,9 @@
-//! Frames of a fleet: where the sessions of a map lie to each other (M60).
+//! Frames of a fleet: the places of a map's sessions relative to each other (M60).
 
 use super::ids::{LoopId, SessionSeq};
 use crate::geometry::Pose;
 
-/// Where the sessions of a map lie to each other, at one version of the map.
+/// The places of a map's sessions relative to each other, at one version of the map.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FleetFrames {
     /// The sessions that have keyframes or are a plan's frame, in order of appearance.
@@ -25,7 +25,7 @@ pub struct FramedSession {
     pub root: SessionSeq,
     /// Maps points of its frame into the frame of the root.
     pub root_from_session: Pose,
-    /// How far its loops are off from the frames on the average (root mean square), in metres; none without loops.
+    /// The root mean square of what its loops are off from the frames, in metres; none without loops.
     pub residual_m: Option<f64>,
     /// The number of loops between it and other sessions that count.
     pub loops: usize,
@@ -39,8 +39,8 @@ pub struct Suspect {
     /// The loops that lead back from its candidate's session to its keyframe's and do not agree with it, in this order; a plan
     /// that is passed has no name. Empty where the loop is within one session, whose tracking it contradicts.
     pub cycle: Vec<LoopId>,
-    /// How far the cycle fails to close where the loop was, in metres.
+    /// The gap of the cycle where the loop was, in metres.
     pub off_m: f64,
-    /// By how much it fails to close in rotation, in radians.
+    /// Its gap in rotation, in radians.
     pub off_rad: f64,
 }

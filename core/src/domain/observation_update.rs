@@ -1,4 +1,4 @@
-//! What a client's map did to the points and edges of keyframes that it had sent (M57).
+//! Changes that a client's map made to the points and edges of keyframes that it had sent (M57).
 
 use super::ids::{KeyframeSeq, PointId, SessionSeq};
 use super::point_list::PointList;
@@ -13,7 +13,7 @@ pub struct Renamed {
     pub is_complete: bool,
 }
 
-/// What a client's map did to the points and edges of keyframes that it had sent, by dense number.
+/// Changes that a client's map made to the points and edges of keyframes that it had sent, by dense number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ObservationUpdate {
     /// The session whose numbers the map points have.
@@ -26,7 +26,7 @@ pub struct ObservationUpdate {
     pub keyframes: Vec<KeyframeUpdate>,
 }
 
-/// What a keyframe observes, and which keyframes it is covisible with, as the client's map has it.
+/// The map points and covisible keyframes of a keyframe, as the client's map has them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct KeyframeUpdate {
     /// The keyframe.
@@ -37,7 +37,7 @@ pub struct KeyframeUpdate {
     pub covisible: Vec<(KeyframeSeq, u32)>,
 }
 
-/// What a keyframe observes from now on.
+/// The map points that a keyframe observes from now on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PointsOfKeyframe {
     /// The keyframe.

@@ -171,7 +171,7 @@ pub struct AlignmentReport {
     pub yaw_sigma_rad: f64,
 }
 
-/// Where the sessions of a map lie to one of them.
+/// The places of a map's sessions relative to one of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FramesReport {
     /// The map's version that it was computed at.
@@ -195,7 +195,7 @@ pub struct FrameReport {
     pub session: SessionId,
     /// Maps points of its frame into that of the reference; none if nothing joins the two.
     pub reference_from_session: Option<Pose>,
-    /// How far its loops are off on the average, in metres.
+    /// The root mean square of what its loops are off, in metres.
     pub residual_m: Option<f64>,
     /// The number of its loops with other sessions that count.
     pub loops: usize,

@@ -78,7 +78,7 @@ pub struct PoseCorrection {
     pub map_points: Vec<(PointId, Point3)>,
 }
 
-/// What a client's map did to the points and edges of keyframes that it had sent.
+/// Changes that a client's map made to the points and edges of keyframes that it had sent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ChangedObservations {
     /// The session.
@@ -92,7 +92,7 @@ pub struct ChangedObservations {
     pub keyframes: Vec<ChangedKeyframe>,
 }
 
-/// What a keyframe observes, and which keyframes it is covisible with, as the client's map has it.
+/// The map points and covisible keyframes of a keyframe, as the client's map has them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ChangedKeyframe {
     /// The keyframe.

@@ -39,7 +39,7 @@ pub struct SessionMergeRequest {
     pub into: SessionId,
     /// Maps the frame of the session that goes into the other's.
     pub into_from_session: Sim3,
-    /// What becomes of its map points.
+    /// The numbers that its map points get.
     pub map_points: Renumbering,
 }
 
@@ -54,11 +54,11 @@ pub struct SessionMerge {
     pub next_keyframe: KeyframeSeq,
     /// Maps the frame of the session that goes into the other's.
     pub into_from_session: Sim3,
-    /// What becomes of its map points.
+    /// The numbers that its map points get.
     pub map_points: Renumbering,
 }
 
-/// What revokes a merge of sessions, beside the former poses and positions.
+/// The values that revoke a merge of sessions, beside the former poses and positions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MergeUndo {
     /// The session that went.
@@ -69,7 +69,7 @@ pub struct MergeUndo {
     pub next_keyframe: KeyframeSeq,
     /// The keyframes that were moved.
     pub keyframes: Vec<KeyframeSeq>,
-    /// What those of them observed of which the points got other numbers.
+    /// The former points of those of them whose points got other numbers.
     pub points: Vec<PointsOfKeyframe>,
     /// The map points of their detections, likewise.
     pub detections: Vec<(KeyframeSeq, u16, Box<[PointId]>)>,

@@ -18,12 +18,8 @@ pub struct MeasuredLoop {
 }
 
 #[derive(Deserialize)]
-struct Asked {
-    keyframe: Option<String>,
-}
-
-#[derive(Deserialize)]
 struct Kept {
+    keyframe: Option<String>,
     candidates: Vec<KeptCandidate>,
 }
 
@@ -36,15 +32,18 @@ struct KeptCandidate {
 impl MeasuredLoop {
     /// Reads the transformation between these two keyframes from a kept answer; none if the answer is about another one.
     pub fn between(answer: &[u8], keyframe: &str, candidate: &str) -> Option<Self> {
-        let asked: Asked = serde_json::from_slice(answer).ok()?;
+        let kept: Kept = serde_json::from_slice(answer).ok()?;
         // A keyframe that was asked about inline has no id yet.
-        let is_of_it = asked.keyframe.is_none_or(|asked| asked == keyframe);
-        is_of_it.then(|| Self::of(answer, candidate))?
+        let is_of_it = kept.keyframe.as_deref().is_none_or(|asked| asked == keyframe);
+        is_of_it.then(|| Self::to(kept, candidate))?
     }
 
     /// Reads the transformation to one candidate from a kept answer; none where geometry verified no full transformation.
     pub fn of(answer: &[u8], candidate: &str) -> Option<Self> {
-        let kept: Kept = serde_json::from_slice(answer).ok()?;
+        Self::to(serde_json::from_slice(answer).ok()?, candidate)
+    }
+
+    fn to(kept: Kept, candidate: &str) -> Option<Self> {
         let geometry = kept.candidates.into_iter().find(|it| it.keyframe == candidate)?.geometry?;
         let full = matches!(geometry.model, Some(GeometryModel::Sim3 | GeometryModel::Se3));
         if geometry.status.0 != GeometryStatus::Verified || !full {

@@ -32,8 +32,8 @@ impl Service {
 
     /// Brings the frames of a map up to date in the background, after a loop was confirmed or revoked. Dropped under load: whoever reads
     /// them brings them up to date.
-    pub(in crate::engine) fn frame_behind(&self, map: &MapId, is_changed: bool) {
-        if !is_changed || self.pressure.is_high() {
+    pub(in crate::engine) fn frame_behind(&self, map: &MapId) {
+        if self.pressure.is_high() {
             return;
         }
         let Some(slot) = self.triggers.slot() else { return };

@@ -36,7 +36,9 @@ impl Service {
             Ok(Decision::Changed((true, confirmed(index, &id, warning)), decided, None))
         };
         let ((created, value), map_version) = self.change(&live, decide).await?;
-        self.frame_behind(map, created);
+        if created {
+            self.frame_behind(map);
+        }
         let value =
             value.ok_or_else(|| ServiceError::Internal("a loop vanished under the lock".to_owned()))?;
         Ok(Stored { created, map_version, value })
@@ -77,7 +79,7 @@ impl Service {
             Ok(Decision::Changed(known, decided, None))
         };
         let (report, version) = self.free(&live, decide).await?;
-        self.frame_behind(map, true);
+        self.frame_behind(map);
         Ok((version, report))
     }
 }

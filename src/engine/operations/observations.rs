@@ -13,7 +13,7 @@ use crate::recognition::map::index::MapIndex;
 /// Keyframes of which one request may change what they observe: each is a row, and all are written in one transaction.
 pub const CHANGED_KEYFRAMES_MAX: usize = 10_000;
 
-/// What changed observations made of a map.
+/// The effect of changed observations on a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ChangedCounts {
     /// Keyframes that observe other points now, or have other declared neighbours.

@@ -17,7 +17,7 @@ pub const MERGED_KEYFRAMES_MAX: usize = 100_000;
 /// Keyframes of one whose map points get other numbers: each is a row, and all are written in one transaction.
 pub const RENUMBERED_KEYFRAMES_MAX: usize = 10_000;
 
-/// What a merge of sessions made of a map.
+/// The effect of a merge of sessions on a map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MergedCounts {
     /// Keyframes that moved.

@@ -127,7 +127,7 @@ pub enum Job {
         /// Whether the request takes something away.
         frees_space: bool,
     },
-    /// Where the sessions of a map lie to each other, at a version.
+    /// The frames of a map's sessions, at a version.
     KeepFrames {
         /// The map.
         map: MapKey,

@@ -1,4 +1,4 @@
-//! Where the sessions of a map lie to each other, as a row.
+//! Frames of a map's sessions, as a row.
 
 use serde::{Deserialize, Serialize};
 use sqlx::SqliteConnection;

@@ -75,7 +75,7 @@ pub(in crate::store) enum Operation {
     PriorDeleted { id: String },
 }
 
-/// What a client said of a keyframe: what it observes, if it said so, and whom it is covisible with, by how many shared points.
+/// A keyframe as a client changed it: what it observes, if it said so, and whom it is covisible with, by how many shared points.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub(in crate::store) struct ChangedKeyframeRow {
     pub keyframe: u32,

@@ -127,7 +127,7 @@ pub(in crate::store) async fn undo(
     Ok(Some((row.undo(session, SessionSeq(into), KeyframeSeq(next_keyframe)), former)))
 }
 
-/// What revokes a merge, as JSON.
+/// The values that revoke a merge, as JSON.
 #[derive(Serialize, Deserialize)]
 struct UndoRow {
     keyframes: Vec<u32>,
@@ -136,7 +136,7 @@ struct UndoRow {
     merges: Vec<(u32, u32)>,
 }
 
-/// What a keyframe observed.
+/// The points that a keyframe observed.
 #[derive(Serialize, Deserialize)]
 struct PointsRow {
     keyframe: u32,

@@ -24,7 +24,7 @@ pub struct MapOutline {
     pub has_anchors: bool,
     /// Whether a keyframe has a global descriptor.
     pub has_globals: bool,
-    /// What its index took in memory when it was last written to, in bytes.
+    /// The memory that its index took when it was last written to, in bytes.
     pub memory_bytes: u64,
 }
 

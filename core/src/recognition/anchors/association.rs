@@ -158,7 +158,7 @@ pub fn late_sight(index: &MapIndex, keyframe: KeyframeSeq) -> Option<Merge> {
     best.map(|(_, _, a, b)| Merge { into: a.min(b), from: a.max(b), cause: MergeCause::Covisible })
 }
 
-/// Where a detection is.
+/// The place of a detection.
 struct Sight<'d> {
     points: &'d [PointId],
     /// In the frame of its keyframe's session.

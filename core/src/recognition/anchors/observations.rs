@@ -1,6 +1,6 @@
 //! Observations that change: the client's map fused or culled points, or found edges, after it had sent the keyframes (M57).
 //!
-//! What keyframes and detections observe, covisibility, boxes and positions are afterwards what they were had the keyframes
+//! Observed points, covisibility, boxes and positions are afterwards what they were had the keyframes
 //! been sent so, in whatever order keyframes and changes came. Anchors are told apart on arrival, so association follows
 //! as far as it can:
 //!
@@ -25,7 +25,7 @@ use crate::recognition::map::recorder::{Decided, Recorder};
 /// Bytes of a number on disk, as a map's quota counts them.
 const NUMBER: usize = size_of::<f64>();
 
-/// What changed observations made of a map.
+/// The effect of changed observations on a map.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObservationsChanged {
     /// The keyframes that observe other points now, or have other declared neighbours.
@@ -38,7 +38,7 @@ pub struct ObservationsChanged {
     pub decided: Decided,
 }
 
-/// What becomes of the map points that go: each with the one that stays, or none.
+/// The map points that go, each with the one that it becomes, if any.
 pub(super) type Becomes = HashMap<PointId, Option<PointId>>;
 
 /// Applies what the client's map did to its points and edges.

@@ -17,7 +17,7 @@ use crate::geometry::Sim3;
 use crate::recognition::map::index::{MapIndex, OpenMerge};
 use crate::recognition::map::recorder::{Decided, Recorder};
 
-/// What a merge of sessions made of a map.
+/// The effect of a merge of sessions on a map.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SessionsMerged {
     /// The keyframes that moved.

@@ -16,13 +16,13 @@ use crate::recognition::plans::alignments::Alignments;
 /// Standard deviations that an alignment to a plan may be off.
 const PLAN_SIGMAS: f64 = 3.0;
 
-/// What the frames of a map's sessions follow from.
+/// The facts that the frames of a map's sessions follow from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
     sessions: Vec<SessionSeq>,
-    /// What loops and plans say between two sessions, the older session first.
+    /// Measurements between two sessions, by loops and plans, the older session first.
     between: Vec<Measurement>,
-    /// What loops within one session say.
+    /// Measurements within one session.
     within: Vec<Measurement>,
     /// Loops between two sessions that say nothing.
     left_out: usize,

@@ -24,16 +24,16 @@ const ROUNDS_MAX: usize = 80;
 pub const WEIGHT_MIN: f64 = 0.25;
 /// The share of its length to which the gradient of a linear system is brought.
 const GRADIENT_SHARE: f64 = 1e-12;
-/// How much each unknown is held in place, so that each system has one solution.
+/// The weight that holds each unknown in place, so that each system has one solution.
 const DAMPING: f64 = 1e-9;
 
 /// The agreeing loops between two sessions. They hold together: what pulls them apart is drift, and what is off in all of them is the
 /// pair.
 #[derive(Clone, Debug)]
 pub struct Joint<'m> {
-    /// What they say.
+    /// The loops.
     pub measurements: Vec<&'m Measurement>,
-    /// How far they may be off from rigid frames in common, in metres.
+    /// The error from rigid frames that they may have in common, in metres.
     pub allowed_m: f64,
     /// And in radians.
     pub allowed_rad: f64,
@@ -74,12 +74,12 @@ fn off(placed: &BTreeMap<SessionSeq, Placed>, joint: &Joint<'_>) -> f64 {
     (common.0 / count).norm_squared() + (common.1 / count).norm_squared()
 }
 
-/// How far a loop is off, in units of what it may be off: in place, and in rotation.
+/// The error of a loop in units of what it may be: in place, and in rotation.
 #[derive(Clone, Copy, Debug)]
 struct Residual {
     place: Vector3<f64>,
     turn: Vector3<f64>,
-    /// Where the loop is in the root's frame, as the one session has it, and as the other.
+    /// The place of the loop in the root's frame, as the one session has it, and as the other.
     at: [Vector3<f64>; 2],
     /// The rotation that remains, in radians.
     turn_rad: Vector3<f64>,

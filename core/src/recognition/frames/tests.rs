@@ -31,7 +31,7 @@ fn yaw(rad: f64, at: [f64; 3]) -> Pose {
     Pose::new(at, [0.0, 0.0, (rad / 2.0).sin(), (rad / 2.0).cos()]).expect("a pose")
 }
 
-/// Where a robot stands: a square of four sides, and it turns at each corner.
+/// The place of a robot: a square of four sides, and it turns at each corner.
 fn on_the_way(number: usize) -> Pose {
     let side = KEYFRAMES / 4;
     let (corner, along) = (number / side, (number % side) as f64 * STEP_M);

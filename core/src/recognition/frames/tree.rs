@@ -11,7 +11,7 @@ use crate::geometry::Pose;
 /// Two sessions, the older first.
 pub type Pair = (SessionSeq, SessionSeq);
 
-/// Where a session lies in the frame of its tree's oldest session.
+/// The place of a session in the frame of its tree's oldest session.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placed {
     /// The oldest session of the tree.

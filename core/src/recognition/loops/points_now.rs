@@ -1,11 +1,11 @@
-//! What became of a keyframe's map points since it was sent: others by now, or gone (M57).
+//! Map points of a keyframe since it was sent: others by now, or gone (M57).
 
 use std::sync::Arc;
 
 use crate::domain::change::{Keyframe, Renamed};
 use crate::domain::ids::PointId;
 
-/// What became of the map points that a keyframe's features were sent with, at one version of its map.
+/// The present map points of those that a keyframe's features were sent with, at one version of its map.
 #[derive(Clone, Debug)]
 pub struct PointsNow {
     renamed: Renamed,

@@ -31,7 +31,7 @@ pub struct Recorder<'a> {
     keeps_former: bool,
     /// Sessions that a change writes in.
     written: BTreeSet<SessionSeq>,
-    /// What revokes the merge of sessions that this request is.
+    /// The values that revoke the merge of sessions that this request is.
     undo: Option<Box<MergeUndo>>,
 }
 

@@ -136,7 +136,7 @@ fn exclusive<'a>(
     })
 }
 
-/// Where something of either role agrees, or may, the sets are lists that overlap: what is left over is no conflict.
+/// Whether something of either role agrees, or may: then the sets are lists that overlap, and what is left over is no conflict.
 fn is_settled(mut pairs: Paired<'_, '_>, x: &Identifier, y: &Identifier) -> bool {
     let neutral = x.role == Role::Neutral || y.role == Role::Neutral;
     pairs.any(|(p, best)| {

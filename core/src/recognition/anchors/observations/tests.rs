@@ -35,7 +35,7 @@ fn keyframe(number: usize, observes: BTreeSet<PointId>, position: impl Fn(PointI
     }
 }
 
-/// What a client reads of the graph: of each keyframe what it observes, and whom it is covisible with.
+/// The graph as a client reads it: of each keyframe what it observes, and whom it is covisible with.
 type Graph = BTreeMap<KeyframeId, (Vec<PointId>, Vec<(KeyframeId, u32)>)>;
 
 fn graph(index: &MapIndex) -> Graph {
@@ -44,7 +44,7 @@ fn graph(index: &MapIndex) -> Graph {
     index.keyframes().map(|k| (k.id.clone(), (k.observes.to_vec(), of(k.seq)))).collect()
 }
 
-/// What a client reads of an object.
+/// An object as a client reads it.
 type Shown = (BTreeSet<(KeyframeId, u16)>, Option<String>, AnchorState, BTreeSet<PointId>, Option<Aabb>);
 
 fn objects(index: &MapIndex) -> Vec<Shown> {
@@ -194,7 +194,7 @@ const ROOMS: usize = 2;
 const SIGNS: usize = 2;
 /// Points of a sign; the first is in every detection of it.
 const POINTS: usize = 3;
-/// What a point is called until it is fused: its number and this.
+/// The offset of a point's number until it is fused.
 const ALIAS: PointId = 1_000;
 
 fn point(room: usize, sign: usize, number: usize) -> PointId {

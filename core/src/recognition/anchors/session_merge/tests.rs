@@ -84,7 +84,7 @@ fn keyframe(number: usize, sent: &Sent, moved: Option<(&Sim3, &Renumbering)>) ->
     }
 }
 
-/// What is read of keyframes: the session, the pose, the points, and whom it is covisible with.
+/// Keyframes as they are read: the session, the pose, the points, and whom it is covisible with.
 type Graph = BTreeMap<KeyframeId, (SessionId, Pose, Vec<PointId>, Vec<(KeyframeId, u32)>)>;
 
 fn graph(index: &MapIndex) -> Graph {
@@ -101,7 +101,7 @@ fn points(index: &MapIndex) -> Vec<Vec<(PointId, Point3)>> {
     (0..index.sessions().len()).map(|number| index.points().placed(SessionSeq(number as u32))).collect()
 }
 
-/// What is read of an object: the detections, the text, and the box in each session's frame.
+/// An object as it is read: the detections, the text, and the box in each session's frame.
 type Shown = (BTreeSet<(KeyframeId, u16)>, Option<String>, BTreeMap<SessionSeq, Option<Aabb>>);
 
 fn objects(index: &MapIndex) -> Vec<Shown> {
@@ -136,7 +136,7 @@ fn merge(index: &mut MapIndex, request: &SessionMergeRequest) -> Option<Decided>
     Some(merge_sessions(index, session, request).decided)
 }
 
-/// What revokes a merge, as the store gives it back.
+/// The values that revoke a merge, as the store gives them back.
 fn kept(decided: &Decided) -> (MergeUndo, FormerValues) {
     let undo = decided.changes.iter().find_map(|change| match change {
         Change::MergeKept(undo) => Some((**undo).clone()),
