@@ -9,11 +9,13 @@ const KEY = "REVISIT_KEY";
 const KEYS = "keys";
 
 /** What the examples of the document speak of. */
-const SAMPLES = { map: "tower", keyframe: "kf-120", anchor: "a-1", loop: "loop-1", id: "key-2", query: "$QUERY" };
+const SAMPLES = { map: "tower", keyframe: "kf-120", anchor: "a-1", loop: "loop-1", release: "2026-11", erasure: "e-1", id: "key-2", query: "$QUERY" };
 /** What is deleted is made for it, so that the rest of the page still finds what it speaks of. */
 const OWN_SAMPLES = {
   delete_map: { map: "annex" },
   delete_keyframe: { keyframe: "kf-121" },
+  delete_release: { release: "2026-10" },
+  get_changes: { since: "2026-11" },
   // A client names what a plan shows; `a-1` is a name that the server gives.
   put_prior_anchor: { anchor: "plan-901" },
   delete_anchor: { anchor: "plan-901" },
@@ -32,6 +34,7 @@ const judged = [{ operation: "judge_again", body: { id: "prompts-2", asks: "text
 const BEFORE = {
   delete_map: [{ operation: "put_map", samples: { map: "annex" }, body: {} }],
   delete_keyframe: [{ operation: "put_keyframe", samples: { keyframe: "kf-121" }, body: smallest }],
+  delete_release: [{ operation: "publish_release", samples: { release: "2026-10" }, body: {} }],
   merge_sessions: [driven("robot-9")],
   revoke_merge: [driven("robot-8"), { operation: "merge_sessions", samples: { session: "robot-8" } }],
   get_judgement: judged,

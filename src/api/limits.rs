@@ -112,6 +112,12 @@ pub const FUSED_POINTS: usize = 10_000;
 pub const CHANGED_KEYFRAMES: usize = 1_000;
 /// Time that a loop query may wait for models, in milliseconds.
 pub const MAX_WAIT_MS: RangeInclusive<i64> = 0..=60_000;
+/// The version of a map; 63 bits, as [`SEED`].
+pub const MAP_VERSION: RangeInclusive<i64> = 1..=i64::MAX;
+/// Keyframes that one request erases.
+pub const ERASED_KEYFRAMES: usize = 10_000;
+/// Sessions that one request erases.
+pub const ERASED_SESSIONS: usize = 1_000;
 /// The seed of a query; 63 bits, because JSON readers in Java and C++ have signed numbers.
 pub const SEED: RangeInclusive<i64> = 0..=i64::MAX;
 /// Places of an answer to "where am I?".

@@ -9,6 +9,7 @@ use super::key::KeyView;
 use super::keyframe::{CovisibleView, KeyframeLine};
 use super::loops::LoopView;
 use super::map::MapView;
+use super::release::ReleaseView;
 use super::session::SessionView;
 use crate::domain::report::Page;
 
@@ -82,6 +83,10 @@ macro_rules! plain_list {
 plain_list!(
     /// Maps, by id.
     MapList of MapView
+);
+plain_list!(
+    /// Releases of a map, by name.
+    ReleaseList of ReleaseView
 );
 plain_list!(
     /// Keys, in order of creation, revoked ones among them.

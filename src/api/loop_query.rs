@@ -21,6 +21,10 @@ pub struct LoopQueryBody {
     /// A keyframe that is not stored.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inline: Option<KeyframeBody>,
+    /// The release of the map that is asked; left out: the map as it stands. A stored keyframe must be one of the release.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
+    pub release: Option<String>,
     /// The checks that must run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub verify: Option<VerifyName>,
@@ -36,9 +40,10 @@ pub struct LoopQueryBody {
 
 impl Decode for LoopQuery {
     fn decode(node: &Node<'_>) -> Option<Self> {
-        let body = node.object(&["keyframe", "inline", "verify", "max_wait_ms", "seed"])?;
+        let body = node.object(&["keyframe", "inline", "release", "verify", "max_wait_ms", "seed"])?;
         let stored = body.optional("keyframe", read::id);
         let inline = body.optional("inline", keyframe::unnamed);
+        let release = body.optional("release", read::id);
         let verify = body.optional("verify", |node| node.choice(Verify::NAMES, Verify::from_name));
         let max_wait_ms = body.optional("max_wait_ms", |node| node.whole(limits::MAX_WAIT_MS));
         let seed = body.optional("seed", |node| node.whole(limits::SEED));
@@ -51,6 +56,7 @@ impl Decode for LoopQuery {
         };
         Some(Self {
             subject,
+            release: release?,
             verify: verify?.unwrap_or_default(),
             max_wait_ms: max_wait_ms?.unwrap_or(0).unsigned_abs(),
             seed: seed?.unwrap_or(0).unsigned_abs(),

@@ -5,14 +5,14 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::decoding::read::{self, Decode, Node};
+use super::decoding::read::{self, Decode, Node, Object};
 use super::keyframe::Direction;
 use super::limits;
 use super::settings::{ChosenSettings, MapSettings};
-use crate::domain::map::{MapProperties, NamedTwins};
+use crate::domain::map::NamedTwins;
+use crate::domain::release::MapBase;
 use crate::domain::report::MapReport;
-use crate::domain::request::MapPatch;
-use crate::domain::settings::Settings;
+use crate::domain::request::{MapPatch, NewMap};
 use crate::geometry::Gravity;
 
 /// A map to be made.
@@ -40,6 +40,24 @@ pub struct MapBody {
     /// The settings that differ from their defaults.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub settings: Option<MapSettings>,
+    /// What the map begins as: a copy of a release, or of a map as it stands, with its keyframes, anchors and loops. The other
+    /// members then change what it has from there. The copy and the map go different ways from then on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub base: Option<MapBaseShape>,
+}
+
+/// The map that a new one begins as.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+#[schema(as = MapBase)]
+pub struct MapBaseShape {
+    /// The map.
+    #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
+    pub map: String,
+    /// Its release; left out: the map as it stands.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
+    pub release: Option<String>,
 }
 
 /// Changes of a map; a field that is left out stays as it is.
@@ -138,39 +156,41 @@ pub struct MapVersion {
 
 const FIELDS: [&str; 5] = ["description", "metric", "gravity", "anchor_classes", "settings"];
 
-impl Decode for MapProperties {
+impl Decode for NewMap {
     fn decode(node: &Node<'_>) -> Option<Self> {
-        let patch = MapPatch::decode(node)?;
-        let mut settings = Settings::default();
-        for (name, value) in patch.settings {
-            settings.set(&name, value).ok()?;
-        }
-        Some(Self {
-            description: patch.description.unwrap_or_default(),
-            metric: patch.metric.unwrap_or(true),
-            gravity: patch.gravity,
-            anchor_classes: patch.anchor_classes.unwrap_or_default(),
-            settings,
-        })
+        let map = node.object(&[&FIELDS[..], &["base"]].concat())?;
+        let base = map.optional("base", base);
+        let patch = patch(&map)?;
+        Some(Self { patch, base: base? })
     }
+}
+
+fn base(node: &Node<'_>) -> Option<MapBase> {
+    let body = node.object(&["map", "release"])?;
+    let map = body.required("map", read::id);
+    let release = body.optional("release", read::id);
+    Some(MapBase { map: map?, release: release? })
 }
 
 impl Decode for MapPatch {
     fn decode(node: &Node<'_>) -> Option<Self> {
-        let map = node.object(&FIELDS)?;
-        let description = map.optional("description", |node| node.text(limits::TEXT_CHARS));
-        let metric = map.optional("metric", read::switch);
-        let gravity = map.optional("gravity", Gravity::decode);
-        let anchor_classes = map.optional("anchor_classes", classes);
-        let settings = map.optional("settings", ChosenSettings::decode);
-        Some(Self {
-            description: description?,
-            anchor_classes: anchor_classes?,
-            metric: metric?,
-            gravity: gravity?,
-            settings: settings?.unwrap_or_default().0,
-        })
+        patch(&node.object(&FIELDS)?)
     }
+}
+
+fn patch(map: &Object<'_>) -> Option<MapPatch> {
+    let description = map.optional("description", |node| node.text(limits::TEXT_CHARS));
+    let metric = map.optional("metric", read::switch);
+    let gravity = map.optional("gravity", Gravity::decode);
+    let anchor_classes = map.optional("anchor_classes", classes);
+    let settings = map.optional("settings", ChosenSettings::decode);
+    Some(MapPatch {
+        description: description?,
+        anchor_classes: anchor_classes?,
+        metric: metric?,
+        gravity: gravity?,
+        settings: settings?.unwrap_or_default().0,
+    })
 }
 
 impl From<MapPatch> for MapPatchBody {

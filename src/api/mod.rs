@@ -10,7 +10,7 @@
 //! | [`limits`] | how much one request may bring |
 //! | [`decoding::digest`] | what made two bodies the same for earlier versions |
 //! | [`space`], [`decoding::base64`] | vectors, poses, times; bytes inside JSON |
-//! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`observations`], [`anchor`], [`prior`], [`session`], [`session_merge`], [`frames`], [`transcript`], [`loops`], [`event`] | resources |
+//! | [`map`], [`settings`], [`keyframe`], [`bulk`], [`poses`], [`observations`], [`anchor`], [`prior`], [`session`], [`session_merge`], [`frames`], [`release`], [`erasure`], [`transcript`], [`loops`], [`event`] | resources |
 //! | [`names`], [`words`] | the model's named values, with their meanings; the same for the viewer |
 //! | [`loop_query`], [`verdict`], [`geometry`], [`difference`] | "is this keyframe a loop?" and its answer |
 //! | [`location`] | "where am I?" and its answer |
@@ -26,6 +26,7 @@ pub mod backup;
 pub mod bulk;
 pub mod decoding;
 pub mod difference;
+pub mod erasure;
 pub mod event;
 pub mod examples;
 pub mod frames;
@@ -46,6 +47,7 @@ pub mod poses;
 pub mod prior;
 pub mod problem;
 pub mod recording;
+pub mod release;
 pub mod semantics;
 pub mod service;
 pub mod session;

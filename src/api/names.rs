@@ -13,6 +13,7 @@ use utoipa::{PartialSchema, ToSchema};
 use crate::domain::anchor::{AnchorState, IgnoredReason};
 use crate::domain::channel::Channel;
 use crate::domain::difference::DifferenceReason;
+use crate::domain::erasure::ErasureState;
 use crate::domain::event::EventKind;
 use crate::domain::global_descriptor::GlobalEncoding;
 use crate::domain::judgement::Asks;
@@ -57,6 +58,7 @@ names! {
     ActionName = Action as "ActionName";
     AnchorStateName = AnchorState as "AnchorState";
     AsksName = Asks as "JudgementAsks";
+    ErasureStateName = ErasureState as "ErasureState";
     AssumptionName = Assumption as "Assumption";
     CandidateVerdictName = CandidateDecision as "CandidateVerdict";
     ChannelName = Channel as "Channel";

@@ -10,6 +10,7 @@ use super::anchor::{AnchorPatch, AnchorPatchBody, AnchorView, LocalAnchorMap};
 use super::decoding::base64;
 use super::decoding::document::Document;
 use super::decoding::read::{self, Decode};
+use super::erasure::{ErasureBody, ErasureView};
 use super::frames::FramesView;
 use super::keyframe::{KeyframeAnswer, KeyframeBody, KeyframeView};
 use super::list::{AnchorList, CovisibleList, KeyframeList, LoopList, MapList};
@@ -18,11 +19,13 @@ use super::loops::{LoopBody, LoopClosed, LoopRevoked};
 use super::map::{MapBody, MapPatchBody, MapView};
 use super::observations::{ObservationsAnswer, ObservationsBody};
 use super::poses::{PosesAnswer, PosesBody};
+use super::release::{ReleaseBody, ReleaseChangesView, ReleaseView};
 use super::session_merge::{MergeBody, MergeFields, MergeRevokedAnswer, SessionsMergedAnswer};
 use super::{bulk, event, examples, keyframe, problem, semantics, usage, verdict};
+use crate::domain::erasure::NewErasure;
 use crate::domain::invalid::FieldError;
-use crate::domain::map::MapProperties;
-use crate::domain::request::{ChangedObservations, LoopQuery, MapPatch, NewLoop, PoseCorrection};
+use crate::domain::release::NewRelease;
+use crate::domain::request::{ChangedObservations, LoopQuery, MapPatch, NewLoop, NewMap, PoseCorrection};
 
 fn is_shape<T: Serialize + DeserializeOwned>(example: &Value) {
     let shape: T =
@@ -37,7 +40,9 @@ fn is_body<Shape: Serialize + DeserializeOwned, Model: Decode + Debug>(example: 
 
 #[test]
 fn the_example_of_each_body_is_of_its_shape_and_is_read() {
-    is_body::<MapBody, MapProperties>(&examples::map_body());
+    is_body::<MapBody, NewMap>(&examples::map_body());
+    is_body::<ErasureBody, NewErasure>(&examples::erasure_body());
+    is_body::<ReleaseBody, NewRelease>(&examples::release_body());
     is_body::<MapPatchBody, MapPatch>(&examples::map_patch());
     is_body::<LoopQueryBody, LoopQuery>(&examples::loop_query());
     is_body::<LoopBody, NewLoop>(&examples::loop_body());
@@ -71,6 +76,9 @@ fn the_example_of_each_answer_is_of_its_shape() {
     is_shape::<PosesAnswer>(&examples::poses_answer());
     is_shape::<ObservationsAnswer>(&examples::observations_answer());
     is_shape::<SessionsMergedAnswer>(&examples::sessions_merged());
+    is_shape::<ErasureView>(&examples::erasure());
+    is_shape::<ReleaseView>(&examples::release());
+    is_shape::<ReleaseChangesView>(&examples::release_changes());
     is_shape::<FramesView>(&examples::frames());
     is_shape::<MergeRevokedAnswer>(&examples::merge_revoked());
     is_shape::<AnchorView>(&examples::anchor());

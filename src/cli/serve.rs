@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::Args;
 use tokio::net::TcpListener;
@@ -48,6 +49,10 @@ pub struct ServeArgs {
     #[arg(long, env = "REVISIT_BACKUPS_KEPT", value_name = "N", default_value_t = 7,
         value_parser = clap::value_parser!(u16).range(1..=1000))]
     backups_kept: u16,
+    /// Seconds between two looks for crops, descriptors and keyframes that the maps' settings let go of (`keep_...`)
+    #[arg(long, env = "REVISIT_RETENTION_EVERY_S", value_name = "SECONDS", default_value_t = 600,
+        value_parser = clap::value_parser!(u32).range(1..=86_400))]
+    retention_every_s: u32,
     #[command(flatten)]
     limits: limits::LimitArgs,
     #[command(flatten)]
@@ -86,6 +91,7 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
         keys_required: !args.listen.ip().is_loopback(),
         quotas: args.quotas,
         map_memory: args.memory.map_memory_bytes(),
+        retention_every: Duration::from_secs(args.retention_every_s.into()),
         write_answer: LoopAnswer::bytes,
     })
     .await?;

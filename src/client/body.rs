@@ -5,6 +5,7 @@ use serde_json::{Map, Value};
 
 use crate::api::anchor::AnchorPatchBody;
 use crate::api::backup::BackupBody;
+use crate::api::erasure::ErasureBody;
 use crate::api::judgement::JudgementBody;
 use crate::api::key::KeyBody;
 use crate::api::keyframe::KeyframeBody;
@@ -16,6 +17,7 @@ use crate::api::model_verdict::ModelVerdictBody;
 use crate::api::observations::ObservationsBody;
 use crate::api::poses::PosesBody;
 use crate::api::prior::PriorBody;
+use crate::api::release::ReleaseBody;
 use crate::api::semantics::{OneText, TextPair};
 use crate::api::session_merge::MergeBody;
 
@@ -38,6 +40,7 @@ macro_rules! bodies {
 bodies! {
     AnchorPatchBody,
     BackupBody,
+    ErasureBody,
     JudgementBody,
     KeyBody,
     KeyframeBody,
@@ -52,5 +55,6 @@ bodies! {
     OneText,
     PosesBody,
     PriorBody,
+    ReleaseBody,
     TextPair,
 }

@@ -9,6 +9,7 @@ use reqwest::Method;
 use super::body::Body;
 use super::connection::{Client, Written};
 use super::error::ClientError;
+use crate::api::frames::FramesView;
 use crate::api::list::{MapList, SessionList};
 use crate::api::map::{MapBody, MapPatchBody, MapView};
 use crate::api::observations::{ObservationsAnswer, ObservationsBody};
@@ -45,6 +46,12 @@ impl Client {
     /// Lists the sessions of a map, and their alignments to a plan.
     pub async fn list_sessions(&self, map: &str, page: &Page) -> Result<SessionList, ClientError> {
         self.read(&["v1", "maps", map, "sessions"], &borrowed(&page.parameters())).await
+    }
+
+    /// Reads where the sessions of a map lie to a reference.
+    pub async fn frames(&self, map: &str, reference: Option<&str>) -> Result<FramesView, ClientError> {
+        let query: Vec<(&str, &str)> = reference.map(|session| ("reference", session)).into_iter().collect();
+        self.read(&["v1", "maps", map, "frames"], &query).await
     }
 
     /// Lists the maps, by id.

@@ -5,7 +5,7 @@
 //! | `connection` | one request and its answer |
 //! | `address` | ids and queries become URLs |
 //! | `body` | a request's body: its shape, or one that was recorded |
-//! | `maps`, `keyframes`, `anchors`, `loops`, `events`, `semantics`, `service` | one function for each operation of the API |
+//! | `maps`, `keyframes`, `anchors`, `loops`, `releases`, `events`, `semantics`, `service` | one function for each operation of the API |
 //! | `answers` | figures of an answer that several readers need |
 //! | `error` | the reasons for no answer, in one line each |
 
@@ -19,6 +19,7 @@ mod events;
 mod keyframes;
 mod loops;
 mod maps;
+mod releases;
 mod semantics;
 mod service;
 #[cfg(test)]

@@ -9,6 +9,7 @@
 //! | [`limits`] | concurrency limits, load shedding, quotas |
 //! | [`keys`] | API keys and their permissions |
 //! | [`backups`] | the folder of backups |
+//! | [`erasures`], [`retention`] | keyframes that leave for good; what settings let go of |
 //!
 //! For every write: the map's lock, a pure decision of [`crate::recognition`], its changes applied to
 //! the index and queued for the store, and the answer when they are on disk. Reads look at the
@@ -17,6 +18,7 @@
 mod backups;
 mod bow;
 mod descriptions;
+mod erasures;
 mod error;
 mod global_descriptors;
 pub mod keys;
@@ -28,6 +30,7 @@ mod operations;
 mod options;
 #[cfg(test)]
 mod rebuild_equals_live;
+mod retention;
 mod sent_digest;
 mod service;
 mod stored;

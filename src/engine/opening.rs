@@ -40,6 +40,8 @@ impl Service {
             keys: Keyring::open(store.clone(), options.keys_required).await?,
             quotas: options.quotas,
             exports: ExportLimit::default(),
+            erasing: Arc::default(),
+            asking: Arc::default(),
             closing: CancellationToken::new(),
             store,
             registry,
@@ -53,6 +55,8 @@ impl Service {
         }));
         service.poll_key_changes();
         service.start_triggers();
+        service.erase_in_background();
+        service.start_retention(options.retention_every);
         if let Some(models) = models {
             service.worker.start(Round::new(service.clone(), models.clone()).run());
             service.rejudging.start(JudgementRunner::new(service.clone(), models).run());

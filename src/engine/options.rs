@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
 use crate::config::memory::MemoryArgs;
 use crate::config::models::ModelArgs;
@@ -9,6 +10,9 @@ use crate::config::quotas::Quotas;
 use crate::domain::ids::KeyframeId;
 use crate::domain::verdict::Verdict;
 use crate::llm::port::Model;
+
+/// The time between two looks for what settings let go of, unless an operator says otherwise.
+pub const RETENTION_EVERY: Duration = Duration::from_mins(10);
 
 /// Writes the answer of a loop query, by its id, keyframe and verdict, as clients receive it. This is the engine's port to
 /// the shapes of the API: it records the very bytes, and does not know the shapes.
@@ -29,6 +33,8 @@ pub struct ServiceOptions {
     pub quotas: Quotas,
     /// What the maps in memory may take together, in bytes; idle ones leave when it is exceeded.
     pub map_memory: u64,
+    /// The time between two looks for what settings let go of.
+    pub retention_every: Duration,
     /// Writes the answers of loop queries.
     pub write_answer: WriteAnswer,
 }
@@ -56,6 +62,7 @@ impl ServiceOptions {
             keys_required: false,
             quotas: Quotas::default(),
             map_memory: MemoryArgs::default().map_memory_bytes(),
+            retention_every: RETENTION_EVERY,
             write_answer,
         }
     }

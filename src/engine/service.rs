@@ -52,6 +52,10 @@ pub struct Parts {
     pub(super) keys: Keyring,
     pub(super) quotas: Quotas,
     pub(super) exports: ExportLimit,
+    /// Held by the one that works on erasures, and ...
+    pub(super) erasing: Arc<tokio::sync::Mutex<()>>,
+    /// ... while one is given its number.
+    pub(super) asking: Arc<tokio::sync::Mutex<()>>,
     /// Ends background tasks.
     pub(super) closing: CancellationToken,
     pub(super) backups: Option<Arc<BackupFolder>>,

@@ -31,6 +31,7 @@ use crate::recognition::constants::{self, Constant};
     ),
     tags(
         (name = "maps", description = "A map and its settings"),
+        (name = "releases", description = "Named versions of a map that stay as they are, for robots to ask"),
         (name = "keyframes", description = "Store keyframes, individually or in bulk"),
         (name = "loops", description = "Loop queries and confirmed loops. A verdict does not close a \
             loop: nothing changes until the client confirms one"),

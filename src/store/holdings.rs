@@ -13,9 +13,9 @@ pub struct Holdings {
     pub schema: i64,
     /// Maps.
     pub maps: u64,
-    /// Keyframes of all maps.
+    /// Keyframes of all maps and their releases.
     pub keyframes: u64,
-    /// Anchors of all maps, merged ones too.
+    /// Anchors of all maps and their releases, merged ones too.
     pub anchors: u64,
 }
 
@@ -36,9 +36,9 @@ pub(super) async fn holdings(db: &mut SqliteConnection) -> Result<Holdings, Stor
     let count = if knows_deleted == 0 {
         "select (select count(*) from maps), (select count(*) from keyframes), (select count(*) from anchors)"
     } else {
-        "select (select count(*) from maps where deleted = 0),
-            (select count(*) from keyframes where map_key not in (select map_key from maps where deleted = 1)),
-            (select count(*) from anchors where map_key not in (select map_key from maps where deleted = 1))"
+        "select (select count(*) from maps where deleted = 0 and instr(id, '/') = 0),
+            (select count(*) from keyframes where map_key in (select map_key from maps where deleted = 0)),
+            (select count(*) from anchors where map_key in (select map_key from maps where deleted = 0))"
     };
     let (maps, keyframes, anchors): (i64, i64, i64) = sqlx::query_as(count).fetch_one(&mut *db).await?;
     Ok(Holdings { schema, maps: maps as u64, keyframes: keyframes as u64, anchors: anchors as u64 })

@@ -11,6 +11,8 @@
 //! | from rows to changes, when a map is first asked for | [`facts`], [`rows::load`], [`rows::decode`], [`rows::validate`] |
 //! | what models said, and what it cost | [`rows::model_rows`] |
 //! | jobs that ask models again, and the verdicts they replaced | [`rows::judgement_rows`], [`rows::replaced_rows`] |
+//! | releases, and copies of maps | [`map_copy`], [`rows::copied_rows`], [`rows::release_rows`], [`rows::map_tables`] |
+//! | what leaves for good | [`rows::erasure_rows`], [`rows::traces`], [`commit::renewal`] |
 //! | API keys | [`rows::key_rows`] |
 //! | reads of one row | [`rows::read`] |
 //! | the words of a map that is not in memory | [`rows::words_of_map`] |
@@ -27,6 +29,7 @@ mod facts;
 pub mod files;
 mod holdings;
 mod inspection;
+mod map_copy;
 mod opening;
 mod rows;
 mod slices;
@@ -38,8 +41,9 @@ mod store;
 mod test_database;
 
 pub use commit::commit_queue::{CommitStats, Committer};
-pub use commit::job::{Batch, Job, MapKey, NewKeyRow, NewKeyframeRows, Spent};
+pub use commit::job::{Batch, CopiedAs, ErasureStep, Job, MapKey, NewKeyRow, NewKeyframeRows, Spent};
 pub use commit::queue::PoisonFlag;
+pub use commit::row_block::{Cell, RowBlock};
 pub use error::StoreError;
 pub use export::Export;
 pub use facts::{FactSource, MapFacts, Order};
@@ -48,11 +52,14 @@ pub use files::log::LogFindings;
 pub use files::schema::newest as newest_schema;
 pub use holdings::Holdings;
 pub use inspection::{Inspected, Inspection, RowFindings};
+pub use map_copy::MapCopy;
+pub use rows::erasure_rows::OpenErasure;
 pub use rows::judgement_rows::Fingerprints;
 pub use rows::key_rows::{KeyTable, standing_keys};
 pub use rows::map_rows::MapRow;
 pub use rows::model_rows::UsageRow;
 pub use rows::read::{DetectionRow, KeyframeRow};
+pub use rows::release_rows::RELEASE_USES_MAX;
 pub use rows::unpacks::unpacks;
 pub use rows::words_of_map::MapOutline;
 pub use store::Store;

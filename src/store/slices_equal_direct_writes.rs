@@ -265,11 +265,11 @@ fn jobs_of(steps: &[(bool, Step)]) -> Vec<Job> {
     jobs
 }
 
-/// Every row of every table that has rows of maps.
+/// Every row of every table that has rows of maps, but for when it was written.
 async fn dump(db: &mut SqliteConnection) -> Vec<String> {
     let select = r#"select 'select ' || group_concat('quote(' || c.name || ')', ' || " " || ') || ' from ' || m.name
         from sqlite_schema m join pragma_table_info(m.name) c
-        where m.type = 'table' and exists (select 1 from pragma_table_info(m.name) k where k.name = 'map_key')
+        where m.type = 'table' and c.name <> 'stored_sec' and exists (select 1 from pragma_table_info(m.name) k where k.name = 'map_key')
         group by m.name order by m.name"#;
     let selects: Vec<String> = sqlx::query_scalar(select).fetch_all(&mut *db).await.unwrap();
     let mut rows = Vec::new();

@@ -7,8 +7,7 @@ use revisit::api::semantics::{OneText, TextPair};
 use revisit::api::settings::MapSettings;
 use revisit::api::{examples, keyframe};
 use revisit::domain::invalid::FieldError;
-use revisit::domain::map::MapProperties;
-use revisit::domain::request::{ChangedObservations, LoopQuery, MapPatch, NewLoop, PoseCorrection};
+use revisit::domain::request::{ChangedObservations, LoopQuery, MapPatch, NewLoop, NewMap, PoseCorrection};
 use revisit::domain::settings::Settings;
 use revisit::http::document;
 use serde_json::{Value, json};
@@ -150,7 +149,7 @@ fn a_map_is_held_to_the_document_with_every_setting() {
     let mut body = examples::map_body();
     body["settings"] = json!(MapSettings::from(&Settings::default()));
     body["settings"]["identifier_patterns"] = json!(["[0-9]+"]);
-    check("MapBody", &body, &faults::<MapProperties>);
+    check("MapBody", &body, &faults::<NewMap>);
     check("MapPatchBody", &body, &faults::<MapPatch>);
 }
 

@@ -13,10 +13,7 @@ const EVENTS: &str = "/v1/maps/m/events";
 async fn make(server: &Server, keyframes: u32) {
     server.put(MAP, &json!({})).await.expect(201);
     for number in 0..keyframes {
-        let mut body = keyframe();
-        body["detections"] = json!([{"class": "door_number", "confidence": 0.9, "box": [0, 0, 9, 9],
-            "position": [10 * number, 0, 2], "text": (901 + number).to_string()}]);
-        server.put(&format!("{MAP}/keyframes/kf-{number}"), &body).await.expect(201);
+        server.put(&format!("{MAP}/keyframes/kf-{number}"), &keyframe()).await.expect(201);
     }
 }
 

@@ -19,7 +19,7 @@ fn expect_success(output: &Output) -> String {
 }
 
 /// A keyframe at `x` of a corridor that sees points from 10 * x on, a plate among them, and a picture with a crop.
-fn keyframe(session: &str, seconds: u32, x: f64, plate: &str) -> Value {
+pub fn keyframe(session: &str, seconds: u32, x: f64, plate: &str) -> Value {
     let first = 10 * x as i64;
     let ids: Vec<i64> = (first..first + 24).collect();
     let positions: Vec<[f64; 3]> = ids.iter().map(|id| [*id as f64 * 0.1, 0.3, 3.0 + x * 0.01]).collect();
@@ -58,7 +58,7 @@ async fn copy(map: &str, from: &Server, to: &Server, file: &str) {
     expect_success(&run(&["replay", file, "--server", &to.url("")]).await);
 }
 
-async fn exported(server: &Server, map: &str) -> Vec<Value> {
+pub async fn exported(server: &Server, map: &str) -> Vec<Value> {
     let text = Answer::text(server.request(Method::GET, &format!("/v1/maps/{map}/export"))).await;
     text.lines().map(|line| serde_json::from_str(line).expect("a line of JSON")).collect()
 }
@@ -70,7 +70,7 @@ fn observations() -> Value {
 }
 
 /// A map to which everything has happened that a client can do.
-async fn lived(server: &Server) {
+pub async fn lived(server: &Server) {
     server
         .put("/v1/maps/m", &json!({"description": "two floors", "settings": {"candidates_max": 9}}))
         .await
@@ -123,7 +123,7 @@ async fn lived(server: &Server) {
 }
 
 /// The verdict about every keyframe of a map, without what a copy has of its own.
-async fn verdicts(server: &Server, map: &str) -> Vec<Value> {
+pub async fn verdicts(server: &Server, map: &str) -> Vec<Value> {
     let page = server.get(&format!("/v1/maps/{map}/keyframes?limit=1000")).await.expect(200);
     let mut verdicts = Vec::new();
     for keyframe in page["items"].as_array().unwrap() {

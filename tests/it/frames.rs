@@ -107,3 +107,20 @@ async fn the_trajectory_of_the_fleet_has_both_robots_in_the_frame_of_one() {
     let from_b = tum("&frame=fleet&reference=b&session=b").await;
     assert_eq!(from_b, tum("&session=b").await);
 }
+
+#[tokio::test]
+async fn a_suspect_is_revoked_where_the_map_says_so() {
+    let server = Server::start().await;
+    let settings = json!({"without_anchors": "geometry", "revoke_suspects": true});
+    server.put(MAP, &json!({"settings": settings})).await.expect(201);
+    let b_from_world = pose([10.0, -3.0, 2.0], 70.0);
+    meet(&server, 1, b_from_world).await;
+    meet(&server, 2, b_from_world).await;
+    meet(&server, 3, pose([15.0, -3.0, 2.0], 70.0)).await;
+    let is_told = |event: &Value| event["event"] == "loop_revoked" && event["loop"] == "loop-3";
+    server.event(&format!("{MAP}/events?since=0"), is_told).await;
+    let left = server.get(&format!("{MAP}/loops")).await.expect(200);
+    let ids: Vec<&Value> = left["items"].as_array().unwrap().iter().map(|of| &of["id"]).collect();
+    assert_eq!(ids, ["loop-1", "loop-2"]);
+    assert_eq!(frames(&server).await["suspects"], json!([]));
+}

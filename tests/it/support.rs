@@ -2,6 +2,7 @@
 
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use reqwest::header::{CONTENT_TYPE, HeaderMap};
 use reqwest::{Method, RequestBuilder, StatusCode};
@@ -68,6 +69,11 @@ impl Server {
     #[cfg(feature = "llm")]
     pub async fn with_models_and_map_memory(directory: &Path, models: ModelChoice, bytes: u64) -> Self {
         Self::on_with(directory, |options| (options.models, options.map_memory) = (models, bytes)).await
+    }
+
+    /// Starts a server on a directory that outlives it, which looks for what settings let go of as often as this.
+    pub async fn with_retention_every(directory: &Path, every: Duration) -> Self {
+        Self::on_with(directory, |options| options.retention_every = every).await
     }
 
     /// One figure of the metrics page.

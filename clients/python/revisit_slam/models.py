@@ -9,6 +9,16 @@ import msgspec
 from .open_enum import OpenEnum
 
 
+class AnchorChangeKind(OpenEnum):
+    """A change of an anchor."""
+
+    ADDED = "added"
+    REMOVED = "removed"
+    DESCRIBED = "described"
+    RETIRED = "retired"
+    RETURNED = "returned"
+
+
 class AnchorState(OpenEnum):
     """The progress of an anchor's description."""
 
@@ -81,9 +91,26 @@ class DifferenceReason(OpenEnum):
     """The map's settings leave contradictions out."""
 
 
+class ErasureState(OpenEnum):
+    """The state of an erasure."""
+
+    REMOVING = "removing"
+    """What is to be erased is being removed from the map and its releases."""
+    REWRITING = "rewriting"
+    """It is removed, and the database's file is being rewritten without it."""
+    DONE = "done"
+    """No byte of it is left in the database and its log."""
+
+
 class EventKind(OpenEnum):
     """The kinds of events."""
 
+    KEYFRAME_STORED = "keyframe_stored"
+    """A keyframe arrived."""
+    KEYFRAME_REMOVED = "keyframe_removed"
+    """A keyframe was deleted."""
+    POSES_CORRECTED = "poses_corrected"
+    """A client corrected poses or map points of a session."""
     ANCHOR_DESCRIBED = "anchor_described"
     """An anchor has a description, or another one than before."""
     ANCHORS_MATCHED = "anchors_matched"
@@ -104,6 +131,8 @@ class EventKind(OpenEnum):
     """The keyframes of a session are of another one now."""
     MERGE_REVOKED = "merge_revoked"
     """A merge of sessions was taken back."""
+    RELEASE_PUBLISHED = "release_published"
+    """The map was published under a name."""
 
 
 class GeometryModel(OpenEnum):
@@ -181,6 +210,14 @@ class KeyBodyActions(OpenEnum):
     """Ask: loop queries, and the three functions about texts."""
     ADMIN = "admin"
     """Keys and backups."""
+
+
+class KeyframeChangeKind(OpenEnum):
+    """A change of a keyframe."""
+
+    ADDED = "added"
+    REMOVED = "removed"
+    MOVED = "moved"
 
 
 class LocationVerdict(OpenEnum):
@@ -455,6 +492,21 @@ class Anchor(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Its place in a plan's frame; left out where no plan shows it and no session that saw it is aligned
     to one.
     """
+
+
+class AnchorChange(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """An anchor that changed."""
+
+    change: AnchorChangeKind
+    """The change."""
+    anchor: str
+    """The anchor."""
+    class_: str = msgspec.field(name="class")
+    """Its class."""
+    before: str | None = None
+    """Its description in the release; left out where it has none."""
+    after: str | None = None
+    """Its description in the later version; left out where it has none."""
 
 
 class AnchorFigures(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -861,6 +913,38 @@ class Difference(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The value that it was compared with, in the same unit."""
 
 
+class Erasure(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """An erasure, as far as it has come."""
+
+    id: str
+    """Its id."""
+    state: ErasureState
+    """Its state. It goes on after a restart, until it is `done`."""
+    keyframes: int
+    """Number of keyframes that were removed from the map."""
+    releases: int
+    """Number of releases that keyframes were removed from."""
+    begun: Time
+    """When it was asked for."""
+    older_backups: list[str]
+    """The backups in the server's folder that were taken before it was done, and still hold what it
+    erased.
+    """
+    ended: Time | None = None
+    """When it was done; left out before that."""
+
+
+class ErasureBody(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """What is to be erased. Exactly one of `keyframes` and `sessions`."""
+
+    keyframes: list[str] | None = None
+    """Keyframes, by id. One that the map does not have any more is erased from its releases, and from what
+    is left of it.
+    """
+    sessions: list[str] | None = None
+    """Whole sessions, by name."""
+
+
 class Event(msgspec.Struct, kw_only=True, omit_defaults=True):
     """One event: the `data` of a server-sent event whose `id` is `seq`. It is flat; what a kind does not
     speak of is left out.
@@ -1175,6 +1259,17 @@ class KeyframeAnswer(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The answer to the loop query, if the request asked it."""
 
 
+class KeyframeChange(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A keyframe that changed."""
+
+    change: KeyframeChangeKind
+    """The change."""
+    keyframe: str
+    """The keyframe."""
+    moved_m: float | None = None
+    """How far it moved, in metres; left out where it did not."""
+
+
 class KeyframeLine(msgspec.Struct, kw_only=True, omit_defaults=True):
     """A line of the list of keyframes."""
 
@@ -1317,6 +1412,10 @@ class LocateBody(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The maps to ask, as ids in which `*` stands for any characters; at most 64 maps. Left out: every map
     that the key may query.
     """
+    release: str | None = None
+    """The release of each map that is asked; maps without a release of this name are left out, and one
+    that `maps` names must have it. Left out: the maps as they stand.
+    """
     hint: LocateHint | None = None
     """A guess. It decides what is looked at first, and never what the answer is."""
     exclude: LocateExclude | None = None
@@ -1445,6 +1544,10 @@ class LoopQueryBody(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The id of a stored keyframe."""
     inline: Keyframe | None = None
     """A keyframe that is not stored."""
+    release: str | None = None
+    """The release of the map that is asked; left out: the map as it stands. A stored keyframe must be one
+    of the release.
+    """
     verify: Verify | None = None
     """The checks that must run."""
     max_wait_ms: int | None = None
@@ -1488,6 +1591,15 @@ class LoopWarning(msgspec.Struct, kw_only=True, omit_defaults=True):
     """One sentence for a person."""
 
 
+class MapBase(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """The map that a new one begins as."""
+
+    map: str
+    """The map."""
+    release: str | None = None
+    """Its release; left out: the map as it stands."""
+
+
 class MapBody(msgspec.Struct, kw_only=True, omit_defaults=True):
     """A map to be made."""
 
@@ -1506,6 +1618,11 @@ class MapBody(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The classes of which anchors are made; empty means every class."""
     settings: Settings | None = None
     """The settings that differ from their defaults."""
+    base: MapBase | None = None
+    """What the map begins as: a copy of a release, or of a map as it stands, with its keyframes, anchors
+    and loops. The other members then change what it has from there. The copy and the map go different
+    ways from then on.
+    """
 
 
 class MapList(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -1923,6 +2040,93 @@ class Reason(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The value that it was compared with."""
 
 
+class Release(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A release."""
+
+    name: str
+    """Its name."""
+    description: str
+    """Free text for people."""
+    map_version: int
+    """The map's version that it holds."""
+    published: Time
+    """When it was published."""
+    keyframes: int
+    """Number of its keyframes."""
+    anchors: int
+    """Number of its anchors, merged ones counted once."""
+    sessions: int
+    """Number of its sessions."""
+    loops: int
+    """Number of its confirmed loops."""
+    bytes: int
+    """Size of its facts on disk, in bytes: a release takes as much room as the map did."""
+    erasures: int
+    """How often something was erased from it for good. Else nothing changes it."""
+    asked_by: list[ReleaseUse]
+    """The robots whose loop queries it answered, the latest first. Written behind: a crash may lose the
+    last few.
+    """
+
+
+class ReleaseBody(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A release to be published."""
+
+    description: str | None = None
+    """Free text for people."""
+    map_version: int | None = None
+    """The version that the map must have, if it matters: another one is a conflict."""
+
+
+class ReleaseChanges(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """The changes of a map from a release on. Each list has at most `limit` items; the numbers are of all."""
+
+    since_version: int
+    """The version of the release."""
+    until_version: int
+    """The version that it is compared with."""
+    keyframes_added: int
+    """Number of keyframes that were added."""
+    keyframes_removed: int
+    """Number of keyframes that were removed."""
+    keyframes_moved: int
+    """Number of keyframes that have another pose."""
+    anchors_added: int
+    """Number of anchors that were added."""
+    anchors_removed: int
+    """Number of anchors that were removed; one that merged into another was not."""
+    anchors_described: int
+    """Number of anchors that have another description."""
+    anchors_retired: int
+    """Number of signs that hang there no longer."""
+    anchors_returned: int
+    """Number of signs that hang there again."""
+    keyframes: list[KeyframeChange]
+    """The keyframes concerned."""
+    anchors: list[AnchorChange]
+    """The anchors concerned; one may be listed for two changes."""
+
+
+class ReleaseList(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Releases of a map, by name."""
+
+    items: list[Release]
+    """The items of this part."""
+    next_cursor: str | None
+    """The cursor of the next part; null after the last one."""
+
+
+class ReleaseUse(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A robot that asked a release."""
+
+    session: str
+    """The session of the keyframes that it asked about."""
+    queries: int
+    """Number of its queries."""
+    last: Time
+    """When it asked last."""
+
+
 class Renumbering(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The numbers that the map points of a session get: by `offset` or by `ids`. A point whose new number
     is taken is that point, which keeps its position.
@@ -2215,6 +2419,26 @@ class Settings(msgspec.Struct, kw_only=True, omit_defaults=True):
     keep_history: bool | None = None
     """storage: keeps what corrections replace, so that export gives what was sent; decides no verdict.
     Off, a corrected map takes less room on disk, and export gives poses and points as last corrected
+    """
+    revoke_suspects: bool | None = None
+    """ours: revokes a confirmed loop as soon as it contradicts the others (GET .../frames): its anchors
+    part again. Off, it is listed, and a person decides
+    """
+    keep_crops: bool | None = None
+    """storage: keeps the image crops of detections. Off, a crop goes once it was read, or at once where no
+    model of this server reads crops; its text stays
+    """
+    keep_readings: bool | None = None
+    """storage: keeps the record of what models said: their dialogues, and the verdicts and readings that
+    later ones replaced. Off, only what is in force stays; decides no verdict
+    """
+    keep_descriptors_days: int | None = None
+    """storage: after so many days a keyframe's features and global descriptor go: it is found by its words
+    and anchors then, and geometry is not verified with it; 0 = for ever
+    """
+    keep_keyframes_days: int | None = None
+    """storage: after so many days keyframes are thinned: those go of whose map points others see nine in
+    ten, and every anchor (redundant=true), so that no place is forgotten; 0 = for ever
     """
     geometry_models: SettingsGeometryModels | None = None
     """ours: auto verifies by a similarity where enough points are triangulated, else by an essential

@@ -85,7 +85,8 @@ class Operations:
 
     def put_map(self, map: str, body: models.MapBody | Mapping[str, Any]) -> models.MapView:
         """Create a map. Sending the same body again changes nothing and returns 200; a different body
-        under the same id is a conflict.
+        under the same id is a conflict. With a `base` the map begins as a copy of a release or of
+        another map, and the answer comes when all of it is on disk.
         """
         return self._call(Call("PUT", f"/v1/maps/{segment(map)}", body=body, answer=models.MapView))
 
@@ -135,6 +136,27 @@ class Operations:
         about its crops, newest first; empty if no model has read one.
         """
         return self._call(Call("GET", f"/v1/maps/{segment(map)}/anchors/{segment(anchor)}/transcript", answer=models.TranscriptList))
+
+    def get_changes(self, map: str, *, since: str, until: str | None = None, limit: int | None = None) -> models.ReleaseChanges:
+        """Compare a release with a later one. Keyframes, anchors and retired signs: what changed from
+        `since` to `until`, or to the map as it stands. Tells whether robots need a newer release.
+        """
+        return self._call(Call("GET", f"/v1/maps/{segment(map)}/changes", query={"since": since, "until": until, "limit": limit}, answer=models.ReleaseChanges))
+
+    def erase(self, map: str, body: models.ErasureBody | Mapping[str, Any]) -> models.Erasure:
+        """Erase keyframes or sessions for good. A job: it deletes the keyframes from the map and from each
+        of its releases, revokes the loops that name them, empties the map's events and stored verdicts
+        and the cache of models' answers, and then writes the database's file anew, so that no byte of
+        them is left in it, in its log or in the next backup. While the file is written, writes to any
+        map wait: seconds for each gigabyte. It needs as much free disk as the database has. Poll the
+        job until it is `done`; it survives restarts. Backups that were taken before still hold what was
+        erased, and so does what other systems were sent.
+        """
+        return self._call(Call("POST", f"/v1/maps/{segment(map)}/erase", body=body, answer=models.Erasure))
+
+    def get_erasure(self, map: str, erasure: str) -> models.Erasure:
+        """Read an erasure. Tells how far it is, and which backups still hold what it erased."""
+        return self._call(Call("GET", f"/v1/maps/{segment(map)}/erase/{segment(erasure)}", answer=models.Erasure))
 
     def get_frames(self, map: str, *, reference: str | None = None) -> models.Frames:
         """Put all sessions in one frame. Confirmed loops between sessions, verified by geometry, and
@@ -261,6 +283,29 @@ class Operations:
         All corrections are one transaction. Boxes of anchors follow their points.
         """
         return self._call(Call("POST", f"/v1/maps/{segment(map)}/poses", body=body, answer=models.PosesAnswer))
+
+    def list_releases(self, map: str, *, limit: int | None = None, cursor: str | None = None) -> models.ReleaseList:
+        """List the releases of a map. Sorted by name, paged; each with the robots whose loop queries it
+        answered.
+        """
+        return self._call(Call("GET", f"/v1/maps/{segment(map)}/releases", query={"limit": limit, "cursor": cursor}, answer=models.ReleaseList))
+
+    def get_release(self, map: str, release: str) -> models.Release:
+        """Read a release. Includes the robots whose loop queries it answered."""
+        return self._call(Call("GET", f"/v1/maps/{segment(map)}/releases/{segment(release)}", answer=models.Release))
+
+    def publish_release(self, map: str, release: str, body: models.ReleaseBody | Mapping[str, Any]) -> models.Release:
+        """Publish a release of a map. The map as it stands, under a name: an immutable version that loop
+        queries and `locate` may name, while robots go on writing to the map. It answers when all of it
+        is on disk, which takes seconds for each gigabyte; writes to the map do not wait for it. A
+        release takes as much disk as the map; a map has at most 64. Sending the same request again
+        changes nothing and returns 200.
+        """
+        return self._call(Call("PUT", f"/v1/maps/{segment(map)}/releases/{segment(release)}", body=body, answer=models.Release))
+
+    def delete_release(self, map: str, release: str) -> None:
+        """Delete a release. Queries that name it answer 404 from then on. The map stays as it is."""
+        return self._call(Call("DELETE", f"/v1/maps/{segment(map)}/releases/{segment(release)}"))
 
     def list_sessions(self, map: str, *, limit: int | None = None, cursor: str | None = None) -> models.SessionList:
         """List sessions. In order of appearance, paged. A session is aligned to a plan once two
@@ -395,7 +440,8 @@ class AsyncOperations:
 
     async def put_map(self, map: str, body: models.MapBody | Mapping[str, Any]) -> models.MapView:
         """Create a map. Sending the same body again changes nothing and returns 200; a different body
-        under the same id is a conflict.
+        under the same id is a conflict. With a `base` the map begins as a copy of a release or of
+        another map, and the answer comes when all of it is on disk.
         """
         return await self._call(Call("PUT", f"/v1/maps/{segment(map)}", body=body, answer=models.MapView))
 
@@ -445,6 +491,27 @@ class AsyncOperations:
         about its crops, newest first; empty if no model has read one.
         """
         return await self._call(Call("GET", f"/v1/maps/{segment(map)}/anchors/{segment(anchor)}/transcript", answer=models.TranscriptList))
+
+    async def get_changes(self, map: str, *, since: str, until: str | None = None, limit: int | None = None) -> models.ReleaseChanges:
+        """Compare a release with a later one. Keyframes, anchors and retired signs: what changed from
+        `since` to `until`, or to the map as it stands. Tells whether robots need a newer release.
+        """
+        return await self._call(Call("GET", f"/v1/maps/{segment(map)}/changes", query={"since": since, "until": until, "limit": limit}, answer=models.ReleaseChanges))
+
+    async def erase(self, map: str, body: models.ErasureBody | Mapping[str, Any]) -> models.Erasure:
+        """Erase keyframes or sessions for good. A job: it deletes the keyframes from the map and from each
+        of its releases, revokes the loops that name them, empties the map's events and stored verdicts
+        and the cache of models' answers, and then writes the database's file anew, so that no byte of
+        them is left in it, in its log or in the next backup. While the file is written, writes to any
+        map wait: seconds for each gigabyte. It needs as much free disk as the database has. Poll the
+        job until it is `done`; it survives restarts. Backups that were taken before still hold what was
+        erased, and so does what other systems were sent.
+        """
+        return await self._call(Call("POST", f"/v1/maps/{segment(map)}/erase", body=body, answer=models.Erasure))
+
+    async def get_erasure(self, map: str, erasure: str) -> models.Erasure:
+        """Read an erasure. Tells how far it is, and which backups still hold what it erased."""
+        return await self._call(Call("GET", f"/v1/maps/{segment(map)}/erase/{segment(erasure)}", answer=models.Erasure))
 
     async def get_frames(self, map: str, *, reference: str | None = None) -> models.Frames:
         """Put all sessions in one frame. Confirmed loops between sessions, verified by geometry, and
@@ -571,6 +638,29 @@ class AsyncOperations:
         All corrections are one transaction. Boxes of anchors follow their points.
         """
         return await self._call(Call("POST", f"/v1/maps/{segment(map)}/poses", body=body, answer=models.PosesAnswer))
+
+    async def list_releases(self, map: str, *, limit: int | None = None, cursor: str | None = None) -> models.ReleaseList:
+        """List the releases of a map. Sorted by name, paged; each with the robots whose loop queries it
+        answered.
+        """
+        return await self._call(Call("GET", f"/v1/maps/{segment(map)}/releases", query={"limit": limit, "cursor": cursor}, answer=models.ReleaseList))
+
+    async def get_release(self, map: str, release: str) -> models.Release:
+        """Read a release. Includes the robots whose loop queries it answered."""
+        return await self._call(Call("GET", f"/v1/maps/{segment(map)}/releases/{segment(release)}", answer=models.Release))
+
+    async def publish_release(self, map: str, release: str, body: models.ReleaseBody | Mapping[str, Any]) -> models.Release:
+        """Publish a release of a map. The map as it stands, under a name: an immutable version that loop
+        queries and `locate` may name, while robots go on writing to the map. It answers when all of it
+        is on disk, which takes seconds for each gigabyte; writes to the map do not wait for it. A
+        release takes as much disk as the map; a map has at most 64. Sending the same request again
+        changes nothing and returns 200.
+        """
+        return await self._call(Call("PUT", f"/v1/maps/{segment(map)}/releases/{segment(release)}", body=body, answer=models.Release))
+
+    async def delete_release(self, map: str, release: str) -> None:
+        """Delete a release. Queries that name it answer 404 from then on. The map stays as it is."""
+        return await self._call(Call("DELETE", f"/v1/maps/{segment(map)}/releases/{segment(release)}"))
 
     async def list_sessions(self, map: str, *, limit: int | None = None, cursor: str | None = None) -> models.SessionList:
         """List sessions. In order of appearance, paged. A session is aligned to a plan once two

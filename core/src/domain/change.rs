@@ -143,6 +143,21 @@ impl Loop {
     }
 }
 
+/// Parts of a keyframe that are not kept any longer. What was decided with them stays.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ForgottenParts {
+    /// The keyframe.
+    pub keyframe: KeyframeSeq,
+    /// Its features: geometry can be verified with it no more.
+    pub features: bool,
+    /// The vector of its whole image.
+    pub global_descriptor: bool,
+    /// The detections whose crops go, with the anchors that they feed.
+    pub crops: Vec<(u16, Option<AnchorSeq>)>,
+    /// What they took on disk, in bytes.
+    pub bytes: u64,
+}
+
 /// One fact more, or one fact less. A request's changes are committed together, and applied
 /// to the index in this order.
 #[derive(Clone, Debug, PartialEq)]
@@ -155,6 +170,8 @@ pub enum Change {
     SessionAdded(SessionSeq, SessionId),
     /// A keyframe arrived, with its bag of words. Features and crops travel to the store beside the change.
     KeyframeAdded(Box<Keyframe>, Arc<BowVector>),
+    /// Parts of a keyframe are not kept any longer.
+    PartsForgotten(Box<ForgottenParts>),
     /// The keyframe that arrived has this vector of its whole image, in the form of the map's others.
     GlobalDescriptorSet(KeyframeSeq, Box<GlobalDescriptor>),
     /// A keyframe was culled, with its observations; its bag of words says which postings go.

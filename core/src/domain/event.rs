@@ -6,6 +6,12 @@ use super::named::named;
 named! {
     /// The kinds of events.
     EventKind {
+        /// A keyframe arrived.
+        KeyframeStored = "keyframe_stored",
+        /// A keyframe was deleted.
+        KeyframeRemoved = "keyframe_removed",
+        /// A client corrected poses or map points of a session.
+        PosesCorrected = "poses_corrected",
         /// An anchor has a description, or another one than before.
         AnchorDescribed = "anchor_described",
         /// Two anchors match though their keyframes are not covisible: the robot has come back (§III).
@@ -26,6 +32,8 @@ named! {
         SessionsMerged = "sessions_merged",
         /// A merge of sessions was taken back.
         MergeRevoked = "merge_revoked",
+        /// The map was published under a name.
+        ReleasePublished = "release_published",
     }
 }
 

@@ -59,6 +59,9 @@ pub trait StoredId: Sized {
 
 macro_rules! text_id {
     ($(#[$doc:meta])* $name:ident) => {
+        text_id!($(#[$doc])* $name, check_characters);
+    };
+    ($(#[$doc:meta])* $name:ident, $check_stored:ident) => {
         $(#[$doc])*
         #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
         pub struct $name(Box<str>);
@@ -81,7 +84,7 @@ macro_rules! text_id {
 
         impl StoredId for $name {
             fn stored(text: &str) -> Result<Self, IdError> {
-                check_characters(text)?;
+                $check_stored(text)?;
                 Ok(Self(text.into()))
             }
         }
@@ -95,9 +98,36 @@ macro_rules! text_id {
 }
 
 text_id!(
-    /// A map, named by its client.
-    MapId
+    /// A map, named by its client; or a release of one, named by the map, a slash and the release.
+    MapId,
+    check_stored_map
 );
+text_id!(
+    /// A release of a map, named by who published it.
+    ReleaseName
+);
+
+/// Between the names of a map and its release. No id that a client gives has one.
+const RELEASE_MARK: char = '/';
+
+fn check_stored_map(text: &str) -> Result<(), IdError> {
+    let Some((map, release)) = text.split_once(RELEASE_MARK) else { return check_characters(text) };
+    check_characters(map)?;
+    check_characters(release)
+}
+
+impl MapId {
+    /// Returns the id of the map that holds a release of this one.
+    pub fn of_release(&self, name: &ReleaseName) -> Self {
+        Self(format!("{self}{RELEASE_MARK}{name}").into())
+    }
+
+    /// Returns the id as its clients know it, and the release's name if it holds one.
+    pub fn parts(&self) -> (&str, Option<&str>) {
+        let parts = self.0.split_once(RELEASE_MARK);
+        parts.map_or((&*self.0, None), |(map, release)| (map, Some(release)))
+    }
+}
 text_id!(
     /// A keyframe, named by the robot that made it.
     KeyframeId
@@ -205,6 +235,16 @@ mod tests {
             assert!(id.parse::<SessionId>().is_ok(), "{id}");
         }
         assert_eq!(SessionId::stored("a/b"), Err(IdError::Character('/')));
+    }
+
+    #[test]
+    fn a_release_is_stored_under_an_id_that_no_client_can_give() {
+        let tower: MapId = "tower".parse().unwrap();
+        let id = tower.of_release(&"2026-11".parse().unwrap());
+        assert_eq!((id.parts(), tower.parts()), (("tower", Some("2026-11")), ("tower", None)));
+        assert_eq!(MapId::stored(id.as_str()), Ok(id.clone()));
+        assert!(id.as_str().parse::<MapId>().is_err());
+        assert!(MapId::stored("a/b/c").is_err() && MapId::stored("a/").is_err());
     }
 
     #[test]

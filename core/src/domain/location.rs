@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::ids::{KeyframeId, MapId, SessionId};
+use super::ids::{KeyframeId, MapId, ReleaseName, SessionId};
 use super::key::MapPattern;
 use super::keyframe::NewKeyframe;
 use super::named::named;
@@ -40,6 +40,8 @@ pub struct LocateRequest {
     pub keyframes: Vec<AskedKeyframe>,
     /// The maps that are asked; all that exist for the caller if there are none.
     pub maps: Vec<MapPattern>,
+    /// The release of each map that is asked; the maps as they stand if none is named.
+    pub release: Option<ReleaseName>,
     /// A guess.
     pub hint: LocationHint,
     /// Keyframes that are no candidates, in any map.

@@ -21,6 +21,8 @@
 //! | which models a server has | [`roles`] |
 //! | what a client asks for | [`request`] |
 //! | views for readers | [`report`], [`trajectory`], [`recorded`] |
+//! | named versions of a map that stay as they are | [`release`] |
+//! | keyframes that leave for good | [`erasure`] |
 //! | API keys and what they may do | [`key`] |
 //! | what is wrong with a body | [`invalid`] |
 //! | a number with its noun | [`mod@counted`] |
@@ -32,6 +34,7 @@ pub mod change;
 pub mod channel;
 pub mod counted;
 pub mod difference;
+pub mod erasure;
 pub mod event;
 pub mod fleet_frames;
 pub mod former;
@@ -53,6 +56,7 @@ pub mod point_list;
 pub mod prior;
 pub mod reason;
 pub mod recorded;
+pub mod release;
 pub mod report;
 pub mod request;
 pub mod roles;

@@ -1,12 +1,13 @@
 //! What a client asks for, checked: the requests that are more than an id.
 
 use super::anchor::AnchorState;
-use super::ids::{BackupId, JudgementId, KeyframeId, LoopId, PointId, SessionId};
+use super::ids::{BackupId, JudgementId, KeyframeId, LoopId, PointId, ReleaseName, SessionId};
 use super::judged::{CropReading, ModelVerdict};
 use super::judgement::Asks;
 use super::keyframe::NewKeyframe;
 use super::named::named;
 use super::named_detection::NamedDetection;
+use super::release::MapBase;
 use super::settings::SettingValue;
 use super::verdict::Verify;
 use crate::geometry::{Gravity, Point3, Pose};
@@ -36,6 +37,15 @@ pub struct MapPatch {
     pub gravity: Option<Gravity>,
     /// Settings to change, by name.
     pub settings: Vec<(String, SettingValue)>,
+}
+
+/// A map to be made.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct NewMap {
+    /// What differs from the defaults, or from the base.
+    pub patch: MapPatch,
+    /// What it begins as; empty if there is none.
+    pub base: Option<MapBase>,
 }
 
 /// A verdict of a model, brought from elsewhere.
@@ -127,6 +137,8 @@ named! {
 pub struct LoopQuery {
     /// The keyframe that is asked about.
     pub subject: Subject,
+    /// The release of the map that is asked; the map as it stands if none is named.
+    pub release: Option<ReleaseName>,
     /// The checks to run.
     pub verify: Verify,
     /// Maximum wait for descriptions that are still missing, in milliseconds.

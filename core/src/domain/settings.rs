@@ -203,6 +203,16 @@ settings! {
         "a sign that three separate passages of a session that has read it had in view and did not see, or read otherwise, is retired: it neither agrees nor contradicts, until one passage reads it twice as before";
     keep_history: bool = Switch { true }, Storage,
         "keeps what corrections replace, so that export gives what was sent; decides no verdict. Off, a corrected map takes less room on disk, and export gives poses and points as last corrected";
+    revoke_suspects: bool = Switch { false }, Ours,
+        "revokes a confirmed loop as soon as it contradicts the others (GET .../frames): its anchors part again. Off, it is listed, and a person decides";
+    keep_crops: bool = Switch { true }, Storage,
+        "keeps the image crops of detections. Off, a crop goes once it was read, or at once where no model of this server reads crops; its text stays";
+    keep_readings: bool = Switch { true }, Storage,
+        "keeps the record of what models said: their dialogues, and the verdicts and readings that later ones replaced. Off, only what is in force stays; decides no verdict";
+    keep_descriptors_days: u32 = Count { 0, 0, 36_500, "d" }, Storage,
+        "after so many days a keyframe's features and global descriptor go: it is found by its words and anchors then, and geometry is not verified with it; 0 = for ever";
+    keep_keyframes_days: u32 = Count { 0, 0, 36_500, "d" }, Storage,
+        "after so many days keyframes are thinned: those go of whose map points others see nine in ten, and every anchor (redundant=true), so that no place is forgotten; 0 = for ever";
     geometry_models: GeometryModels = Choice { GeometryModels::Auto; paper: GeometryModels::Sim3 }, Ours,
         "auto verifies by a similarity where enough points are triangulated, else by an essential matrix, a homography or a rotation, whichever the two images allow; sim3 is the letter: a similarity or nothing";
     geometry_acceptance: GeometryAcceptance = Choice { GeometryAcceptance::Significance; paper: GeometryAcceptance::Count }, Ours,
@@ -227,7 +237,7 @@ mod tests {
     #[test]
     fn every_row_has_the_unit_of_its_name_a_source_and_a_meaning() {
         for row in Settings::TABLE {
-            let units = [("_rad", "rad"), ("_area_px", "px^2"), ("_px", "px"), ("_m", "m"), ("_s", "s")];
+            let units = [("_days", "d"), ("_rad", "rad"), ("_area_px", "px^2"), ("_px", "px"), ("_m", "m"), ("_s", "s")];
             let of_name = units.into_iter().find(|(suffix, _)| row.name.ends_with(suffix));
             let is_number = matches!(row.kind, SettingKind::Number { .. } | SettingKind::Count { .. });
             assert_eq!(row.unit, is_number.then(|| of_name.map_or("1", |(_, unit)| unit)), "{}", row.name);

@@ -70,3 +70,56 @@ pub fn sessions() -> Value {
         "next_cursor": null
     })
 }
+
+/// Returns a release to be published.
+pub fn release_body() -> Value {
+    json!({"description": "After the November survey"})
+}
+
+/// Returns a release.
+pub fn release() -> Value {
+    json!({
+        "name": "2026-11",
+        "description": "After the November survey",
+        "map_version": 412,
+        "published": {"sec": 1_763_800_000, "nanosec": 0},
+        "keyframes": 120, "anchors": 24, "sessions": 2, "loops": 1,
+        "bytes": 5_242_880, "erasures": 0,
+        "asked_by": [{"session": "robot-7", "queries": 311, "last": {"sec": 1_764_000_000, "nanosec": 0}}]
+    })
+}
+
+/// Releases of a map.
+pub fn releases() -> Value {
+    json!({"items": [release()], "next_cursor": null})
+}
+
+/// Returns what changed since a release.
+pub fn release_changes() -> Value {
+    json!({
+        "since_version": 412, "until_version": 431,
+        "keyframes_added": 1, "keyframes_removed": 0, "keyframes_moved": 1,
+        "anchors_added": 0, "anchors_removed": 0, "anchors_described": 0, "anchors_retired": 1, "anchors_returned": 0,
+        "keyframes": [
+            {"change": "added", "keyframe": "kf-121"},
+            {"change": "moved", "keyframe": "kf-7", "moved_m": 0.12}
+        ],
+        "anchors": [
+            {"change": "retired", "anchor": "a-12", "class": "door_number", "before": "901", "after": "901"}
+        ]
+    })
+}
+
+/// Returns what is to be erased.
+pub fn erasure_body() -> Value {
+    json!({"sessions": ["robot-7"]})
+}
+
+/// Returns an erasure.
+pub fn erasure() -> Value {
+    json!({
+        "id": "e-1", "state": "done", "keyframes": 120, "releases": 1,
+        "begun": {"sec": 1_764_000_000, "nanosec": 0}, "ended": {"sec": 1_764_000_007, "nanosec": 0},
+        "older_backups": ["nightly-2026-11-24"]
+    })
+}

@@ -168,7 +168,8 @@ impl LocateAnswerView {
 impl AskedMapView {
     /// Returns a map that was asked.
     pub fn of(map: &MapId, map_version: u64, words_compared: bool) -> Self {
-        Self { map: map.to_string(), map_version, words_compared }
+        // One that holds a release goes by the name of the map.
+        Self { map: map.parts().0.to_owned(), map_version, words_compared }
     }
 }
 

@@ -34,6 +34,11 @@ pub struct LocateBody {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 100)]
     pub maps: Option<Vec<String>>,
+    /// The release of each map that is asked; maps without a release of this name are left out, and one that `maps` names must have
+    /// it. Left out: the maps as they stand.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(min_length = 1, max_length = 128, pattern = r"^(\.{0,2}[A-Za-z0-9_:-]|\.{3})[A-Za-z0-9._:-]*$")]
+    pub release: Option<String>,
     /// A guess. It decides what is looked at first, and never what the answer is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hint: Option<LocateHintBody>,
@@ -148,7 +153,8 @@ const PLACES: i64 = 5;
 
 impl Decode for LocateRequest {
     fn decode(node: &Node<'_>) -> Option<Self> {
-        let body = node.object(&["keyframe", "keyframes", "maps", "hint", "exclude", "max", "seed"])?;
+        let body =
+            node.object(&["keyframe", "keyframes", "maps", "release", "hint", "exclude", "max", "seed"])?;
         let one = body.optional("keyframe", unplaced);
         let several = body.optional("keyframes", |node| {
             let keyframes = node.list(ASKED_KEYFRAMES_MAX, unplaced)?;
@@ -158,6 +164,7 @@ impl Decode for LocateRequest {
             Some(keyframes)
         });
         let maps = body.optional("maps", |node| node.list(limits::KEY_PATTERNS, pattern));
+        let release = body.optional("release", read::id);
         let hint = body.optional("hint", hint);
         let exclude = body.optional("exclude", exclude);
         let max = body.optional("max", |node| node.whole(limits::LOCATE_PLACES));
@@ -173,6 +180,7 @@ impl Decode for LocateRequest {
         Some(Self {
             keyframes,
             maps: maps?.unwrap_or_default(),
+            release: release?,
             hint: hint?.unwrap_or_default(),
             without_keyframes,
             without_sessions,

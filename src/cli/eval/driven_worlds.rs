@@ -126,6 +126,7 @@ mod tests {
             seed,
             keyframes: 7,
             arms: Vec::new(),
+            fleet: None,
             rounds: Vec::new(),
             signs: None,
         }

@@ -15,6 +15,7 @@ use crate::hotel::method::Method;
 use crate::hotel::run::drive;
 use crate::hotel::scenario::Scenario;
 use crate::hotel::scoring::explain::Narrator;
+use crate::hotel::scoring::fleet::{self, FleetResult};
 use crate::hotel::scoring::results::{ArmResult, WorldResult};
 use crate::hotel::scoring::score::Outcome;
 use crate::hotel::scoring::tables::{self, pooled_worlds};
@@ -50,8 +51,9 @@ pub(super) async fn run(args: &HotelArgs, client: &Client, count: u64) -> Result
     let failures = tables::failures(&results, args.held_out);
     let losses = tables::losses(pooled_worlds(&results).map(|result| result.arms.as_slice()));
     let rounds = tables::rounds(&results);
+    let fleets = fleet::table(results.iter().filter_map(|result| result.fleet.as_ref()));
     Ok(write_out(&format!(
-        "{count} {name} worlds for each kind of noise\n\n{table}{monocular}\n{failures}\n{losses}{rounds}"
+        "{count} {name} worlds for each kind of noise\n\n{table}{monocular}\n{failures}\n{losses}{rounds}{fleets}"
     ))?)
 }
 
@@ -72,7 +74,7 @@ async fn drive_world(
     progress: &Progress,
 ) -> Result<WorldResult, Failure> {
     let scenario = world(kind, seed).await?;
-    let (mut arms, mut rounds, mut signs) = (Vec::new(), Vec::new(), None);
+    let (mut arms, mut fleet, mut rounds, mut signs) = (Vec::new(), None, Vec::new(), None);
     for arm in arms_of(kind).iter().copied() {
         let name = format!("world {seed}, {}, {}", kind.title(), arm.title());
         let mut shown = progress.drive(name, scenario.course.order.len());
@@ -80,13 +82,16 @@ async fn drive_world(
         let driven = drive(client, &map, arm, &scenario.course, |_| shown.keyframe()).await?;
         shown.end();
         arms.push(ArmResult::of(&driven));
+        if arm == Method::Ours && scenario.course.journeys.len() > 1 {
+            fleet = Some(FleetResult::of(&client.frames(&map, None).await?, &scenario.course, &driven));
+        }
         if arm == Method::Ours && kind == NoiseKind::Renumbered {
             rounds = by_round(&driven, &scenario.course.journeys[0], &scenario.world, &scenario.eras);
             signs = Some(count_signs(client, &map, &scenario).await?);
         }
         client.delete_map(&map).await?;
     }
-    Ok(WorldResult { noise: kind, seed, keyframes: scenario.course.order.len(), arms, rounds, signs })
+    Ok(WorldResult { noise: kind, seed, keyframes: scenario.course.order.len(), arms, fleet, rounds, signs })
 }
 
 /// Counts the final states of the signs of a map.

@@ -16,6 +16,7 @@ use super::feeds::Feed;
 pub(in crate::engine) use super::live_state::State;
 use super::live_state::{free, number};
 use super::map_memory::{MapMemory, MemoryShare};
+use super::release_uses::ReleaseUses;
 use crate::domain::event::Event;
 use crate::domain::ids::MapId;
 use crate::domain::key::KeySeq;
@@ -64,6 +65,10 @@ pub(in crate::engine) struct LiveMap {
     next_kept: AtomicI64,
     /// As they were when somebody looked last.
     figures: Mutex<Figures>,
+    /// Held while a release of it is published: one at a time.
+    pub publishing: tokio::sync::Mutex<()>,
+    /// Who asked it, if it holds a release.
+    pub(super) uses: ReleaseUses,
 }
 
 /// How large a map is in memory.
@@ -120,8 +125,15 @@ impl LiveMap {
             kept: Mutex::default(),
             next_kept: AtomicI64::new(facts.next_kept),
             figures: Mutex::default(),
+            publishing: tokio::sync::Mutex::default(),
+            uses: ReleaseUses::default(),
             state: RwLock::new(State { index, version: facts.version, next_event: facts.next_event }),
         })
+    }
+
+    /// Whether it holds a release of another map, and stays as it is.
+    pub fn is_release(&self) -> bool {
+        self.id.parts().1.is_some()
     }
 
     /// Whether a write has failed. Then what is in memory is ahead of the disk, and must be loaded anew.
@@ -151,6 +163,11 @@ impl LiveMap {
 
     fn exists(&self) -> Result<(), ServiceError> {
         if self.gone.load(Ordering::Acquire) { Err(ServiceError::no_map(&self.id)) } else { Ok(()) }
+    }
+
+    /// The rows were changed beside the index: the next request loads the map anew.
+    pub fn load_anew(&self) {
+        self.line.store(true, Ordering::Release);
     }
 
     fn broke(&self) -> ServiceError {
@@ -333,6 +350,11 @@ impl LiveMap {
     fn lock_kept(&self) -> std::sync::MutexGuard<'_, HashMap<String, Bytes>> {
         // A map of answers is whole after each of its operations.
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Nobody reads or writes the map from here on; its rows are deleted with those of another one.
+    pub(super) fn end(&self) {
+        self.gone.store(true, Ordering::Release);
     }
 
     /// Nobody reads or writes the map from here on; queues its deletion.

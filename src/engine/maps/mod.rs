@@ -10,4 +10,6 @@ pub(super) mod loads;
 pub(super) mod map_memory;
 pub(super) mod pinned;
 pub(super) mod registry;
+mod release_uses;
+mod use_counting;
 pub(super) mod write_path;

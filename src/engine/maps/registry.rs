@@ -82,6 +82,23 @@ impl Registry {
         }
     }
 
+    /// Takes the releases of a deleted map from the table: they decide and answer nothing any more. What is being loaded is thrown away.
+    /// Returns those that were in memory.
+    pub fn forget_releases(&self, of: &MapId) -> Vec<Arc<LiveMap>> {
+        let is_release = |id: &MapId| matches!(id.parts(), (map, Some(_)) if map == of.as_str());
+        let mut ended = Vec::new();
+        self.lock().retain(|id, cell| {
+            if is_release(id) {
+                ended.extend(cell.get().cloned());
+            }
+            !is_release(id)
+        });
+        for live in &ended {
+            live.end();
+        }
+        ended
+    }
+
     /// Whether the table holds this cell for the map.
     pub(super) fn holds(&self, id: &MapId, cell: &Cell) -> bool {
         self.lock().get(id).is_some_and(|current| Arc::ptr_eq(current, cell))

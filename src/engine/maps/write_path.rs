@@ -24,6 +24,8 @@ pub(in crate::engine) enum Manner {
     Patient,
     /// As [`Self::Prompt`], and it frees space: it goes on when the disk is full.
     Freeing,
+    /// As [`Self::Freeing`], and releases are written to, too: what is erased stays in none.
+    Erasing,
 }
 
 impl Service {
@@ -35,10 +37,13 @@ impl Service {
         manner: Manner,
         decide: impl FnOnce(&mut MapIndex) -> Result<Decision<T>, ServiceError> + Send + 'static,
     ) -> Result<Begun<T>, ServiceError> {
-        self.disk_takes(manner == Manner::Freeing)?;
+        if live.is_release() && manner != Manner::Erasing {
+            return Err(ServiceError::Internal(format!("{} is a release, to which nobody writes", live.id)));
+        }
+        self.disk_takes(matches!(manner, Manner::Freeing | Manner::Erasing))?;
         let permit = match manner {
             Manner::Patient => self.writes.acquire_unbounded().await?,
-            Manner::Prompt | Manner::Freeing => self.writes.enter().await?,
+            Manner::Prompt | Manner::Freeing | Manner::Erasing => self.writes.enter().await?,
         };
         // One at a time takes a thread to wait for the map's lock; the others wait here, where waiting costs nothing.
         let _lane = live.lane.lock().await;

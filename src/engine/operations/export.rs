@@ -2,7 +2,8 @@
 
 use tokio::sync::OwnedSemaphorePermit;
 
-use crate::domain::ids::MapId;
+use super::releases::no_release;
+use crate::domain::ids::{MapId, ReleaseName};
 use crate::domain::recorded::Recorded;
 use crate::engine::{Service, ServiceError};
 use crate::store::Export;
@@ -21,10 +22,20 @@ impl MapExport {
 }
 
 impl Service {
-    /// Begins to export a map.
-    pub async fn export(&self, map: &MapId) -> Result<MapExport, ServiceError> {
+    /// Begins to export a map, or a release of it.
+    pub async fn export(
+        &self,
+        map: &MapId,
+        release: Option<&ReleaseName>,
+    ) -> Result<MapExport, ServiceError> {
         let permit = self.exports.enter()?;
-        let export = self.store.export(map).await?.ok_or_else(|| ServiceError::no_map(map))?;
+        let export = match release {
+            Some(name) => {
+                let found = self.store.export(&map.of_release(name)).await?;
+                found.ok_or_else(|| no_release(map, name))?
+            }
+            None => self.store.export(map).await?.ok_or_else(|| ServiceError::no_map(map))?,
+        };
         Ok(MapExport { export, _permit: permit })
     }
 }

@@ -10,7 +10,7 @@ use crate::domain::fleet_frames::{FleetFrames, FramedSession, Suspect};
 use crate::domain::ids::{LoopId, MapId, SessionId, SessionSeq};
 use crate::domain::invalid::FieldError;
 use crate::domain::report::{FrameReport, FramesReport};
-use crate::engine::maps::live::LiveMap;
+use crate::engine::maps::live::{LiveMap, State};
 use crate::engine::{Service, ServiceError};
 use crate::geometry::Pose;
 use crate::recognition::frames::fleet::{fleet_frames, measured};
@@ -41,12 +41,32 @@ impl Service {
         tokio::spawn(async move {
             let _slot = slot;
             // The map may be deleted by now.
-            if let Ok(live) = service.live(&map).await
-                && let Err(error) = service.current_frames(&live).await
-            {
+            let Ok(live) = service.live(&map).await else { return };
+            let framed = async {
+                let (_, frames) = service.current_frames(&live).await?;
+                service.revoke_suspects(&live, &frames.suspects).await
+            };
+            if let Err(error) = framed.await {
                 tracing::debug!(%error, "frames were not computed");
             }
         });
+    }
+
+    /// Revokes the loops that contradict the others, where the map's settings say so. What follows from it is computed again.
+    async fn revoke_suspects(&self, live: &Arc<LiveMap>, suspects: &[Suspect]) -> Result<(), ServiceError> {
+        let is_set = |state: &State| Ok(state.index.properties().settings.revoke_suspects);
+        if suspects.is_empty() || !self.read(live, is_set).await?.1 {
+            return Ok(());
+        }
+        for suspect in suspects {
+            match Box::pin(self.revoke_loop(&live.id, &suspect.loop_id)).await {
+                Ok(_) => tracing::info!(map = %live.id, id = %suspect.loop_id, "a suspect was revoked"),
+                // Its client was faster.
+                Err(ServiceError::NotFound(_)) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(())
     }
 
     /// Returns the frames as they are kept, if they are still those of the map; else computes and keeps them, and tells of new suspects.

@@ -43,6 +43,10 @@ impl Service {
         reaches: impl Fn(&MapId) -> bool,
     ) -> Result<LocateAnswer, ServiceError> {
         let ids = self.maps_to_ask(&request.maps, reaches).await?;
+        let ids = match &request.release {
+            Some(name) => self.releases_to_ask(ids, name, &request.maps).await?,
+            None => ids,
+        };
         let mut keyframes = Vec::new();
         for AskedKeyframe { keyframe, has_pose } in request.keyframes {
             keyframes.push(AskedKeyframe { keyframe: self.compute_bow(keyframe).await?, has_pose });
@@ -57,7 +61,11 @@ impl Service {
             seed: request.seed,
         });
         let mut timings = Timings::default();
-        let hinted = request.hint.map.as_ref();
+        let hinted = match (request.hint.map, &request.release) {
+            (Some(map), Some(name)) => Some(map.of_release(name)),
+            (map, _) => map,
+        };
+        let hinted = hinted.as_ref();
         let (mut maps, mut searches) = self.search_maps(ids, &question, hinted, &mut timings).await?;
         let hinted_map = hinted.and_then(|hinted| maps.iter().position(|map| map.asked.id == *hinted));
         let mut chosen = select(&searches, hinted_map);

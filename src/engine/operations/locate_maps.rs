@@ -10,9 +10,10 @@ use tokio::task::spawn_blocking;
 use tokio::time::Instant;
 
 use super::queries::{Timings, timed};
+use super::releases::no_release;
 use crate::config::logging::in_part;
 use crate::domain::bow::{BowVector, Score};
-use crate::domain::ids::MapId;
+use crate::domain::ids::{MapId, ReleaseName};
 use crate::domain::invalid::FieldError;
 use crate::domain::key::MapPattern;
 use crate::domain::keyframe::Detection;
@@ -95,6 +96,25 @@ impl Service {
             ]));
         }
         Ok(ids.into_iter().collect())
+    }
+
+    /// Returns the releases of this name of the maps to ask. A map that was named without a star must have one.
+    pub(super) async fn releases_to_ask(
+        &self,
+        ids: Vec<MapId>,
+        name: &ReleaseName,
+        patterns: &[MapPattern],
+    ) -> Result<Vec<MapId>, ServiceError> {
+        let mut releases = Vec::new();
+        for id in ids {
+            let release = id.of_release(name);
+            if self.store.map_key(&release).await?.is_some() {
+                releases.push(release);
+            } else if patterns.iter().any(|pattern| pattern.only_map().as_ref() == Some(&id)) {
+                return Err(no_release(&id, name));
+            }
+        }
+        Ok(releases)
     }
 
     /// Searches these maps; those that were deleted meanwhile are left out. In the order of their names, and the same whichever

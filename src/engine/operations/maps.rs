@@ -11,7 +11,7 @@ use crate::domain::invalid::FieldError;
 use crate::domain::key::KeySeq;
 use crate::domain::map::MapProperties;
 use crate::domain::report::{MapReport, Page};
-use crate::domain::request::{Digest, MapPatch};
+use crate::domain::request::{Digest, MapPatch, NewMap};
 use crate::domain::settings::Settings;
 use crate::engine::maps::live::Decision;
 use crate::engine::{Service, ServiceError, Stored};
@@ -49,6 +49,23 @@ impl Service {
         Ok(Page { items, next_cursor })
     }
 
+    /// Makes a map, by itself or as a copy, or finds that this very request had made it.
+    pub async fn put_new_map(
+        &self,
+        id: MapId,
+        new: NewMap,
+        owner: Option<KeySeq>,
+    ) -> Result<Stored<MapReport>, ServiceError> {
+        let NewMap { patch, base } = new;
+        match base {
+            Some(base) => self.put_copy(id, base, patch, owner).await,
+            None => {
+                let defaults = MapProperties { metric: true, ..MapProperties::default() };
+                self.put_map(id, patched(&defaults, patch)?, owner).await
+            }
+        }
+    }
+
     /// Makes a map, or finds that this very request had made it.
     pub async fn put_map(
         &self,
@@ -58,23 +75,35 @@ impl Service {
     ) -> Result<Stored<MapReport>, ServiceError> {
         let digest = fingerprint(&properties);
         let _birth = self.registry.births.lock().await;
-        let mut row = self.map_row(&id).await?;
-        if row.is_none() {
-            // It may be on its way to the disk for a client that went away.
-            self.store.committer().settled().await;
-            row = self.map_row(&id).await?;
-        }
-        if let Some(MapRow { report: value, digest: made_by }) = row {
-            if made_by == digest {
-                return Ok(Stored { created: false, map_version: value.version, value });
-            }
-            let detail = format!("map {id} exists and was made by another body; change it with PATCH");
-            return Err(ServiceError::Conflict { code: "map_exists", detail });
+        if let Some(value) = self.made_before(&id, &digest).await? {
+            return Ok(Stored { created: false, map_version: value.version, value });
         }
         self.disk_takes(false)?;
         let job = Job::CreateMap { id: id.clone(), properties: Box::new(properties), digest, owner };
         self.store.committer().commit(job).instrument(traces::part("commit")).await?;
         Ok(Stored { created: true, map_version: FIRST_VERSION, value: self.get_map(&id).await? })
+    }
+
+    /// Returns the map of this name if this very request had made it; fails if another one had.
+    pub(super) async fn made_before(
+        &self,
+        id: &MapId,
+        digest: &Digest,
+    ) -> Result<Option<MapReport>, ServiceError> {
+        let mut row = self.map_row(id).await?;
+        if row.is_none() {
+            // It may be on its way to the disk for a client that went away.
+            self.store.committer().settled().await;
+            row = self.map_row(id).await?;
+        }
+        match row {
+            Some(MapRow { report, digest: made_by }) if made_by == *digest => Ok(Some(report)),
+            Some(_) => {
+                let detail = format!("map {id} exists and was made by another body; change it with PATCH");
+                Err(ServiceError::Conflict { code: "map_exists", detail })
+            }
+            None => Ok(None),
+        }
     }
 
     /// Returns a map as committed: from its row, so that it need not be in memory.
@@ -119,6 +148,9 @@ impl Service {
             let deleted = queued.await.map_err(|_| StoreError::Closed)?;
             service.features.forget_map(live.key).await;
             service.registry.forget_over(&live.id);
+            for release in service.registry.forget_releases(&live.id) {
+                service.features.forget_map(release.key).await;
+            }
             drop(birth);
             deleted?;
             tracing::info!(map = %live.id, "a map was deleted");
@@ -132,6 +164,7 @@ impl Service {
         self.disk_takes(true)?;
         let key = self.key_of(id).await?;
         self.store.committer().commit(Job::DeleteMap(key)).await?;
+        self.registry.forget_releases(id);
         tracing::info!(map = %id, "a damaged map was deleted");
         Ok(())
     }
@@ -152,7 +185,7 @@ fn fingerprint(properties: &MapProperties) -> Digest {
     Sha256::digest(format!("{said:?}{gravity}")).into()
 }
 
-fn patched(before: &MapProperties, patch: MapPatch) -> Result<MapProperties, ServiceError> {
+pub(super) fn patched(before: &MapProperties, patch: MapPatch) -> Result<MapProperties, ServiceError> {
     let mut properties = before.clone();
     if let Some(description) = patch.description {
         properties.description = description;

@@ -4,17 +4,44 @@ use std::sync::Arc;
 
 use bytes::Bytes;
 
-use crate::domain::ids::{KeyframeId, MapId};
+use super::keyframe_views::find;
+use crate::domain::ids::{KeyframeId, MapId, SessionId};
 use crate::domain::request::{LoopQuery, Subject};
 use crate::domain::verdict::{Decision, Verify};
-use crate::engine::maps::live::LiveMap;
+use crate::engine::keys::keyring::now;
+use crate::engine::maps::live::{LiveMap, State};
 use crate::engine::{QueryAnswer, Service, ServiceError};
 
 impl Service {
     /// Answers a loop query, and records the answer. Changes nothing else, and calls no model.
     pub async fn loop_query(&self, map: &MapId, query: LoopQuery) -> Result<QueryAnswer, ServiceError> {
-        let live = self.live(map).await?;
-        self.answer_and_record(&live, query).await
+        let live = match &query.release {
+            Some(name) => self.live_release(map, name).await?,
+            None => self.live(map).await?,
+        };
+        let session = if live.is_release() { self.session_of(&live, &query.subject).await? } else { None };
+        let answer = self.answer_and_record(&live, query).await?;
+        if let Some(session) = session {
+            live.count_use(&self.store, session, now());
+        }
+        Ok(answer)
+    }
+
+    /// Returns the session of the keyframe that is asked about.
+    async fn session_of(
+        &self,
+        live: &Arc<LiveMap>,
+        subject: &Subject,
+    ) -> Result<Option<SessionId>, ServiceError> {
+        let keyframe = match subject {
+            Subject::Inline(keyframe, _) => return Ok(Some(keyframe.session.clone())),
+            Subject::Stored(id) => id.clone(),
+        };
+        let look = move |state: &State| {
+            let known = state.index.keyframe(find(&state.index, &keyframe)?);
+            Ok(known.map(|known| state.index.sessions()[known.session.index()].clone()))
+        };
+        Ok(self.glance(live, look).await?.1)
     }
 
     async fn answer_and_record(
@@ -60,6 +87,11 @@ impl Service {
         if let Some(body) = live.and_then(|live| live.query_under_way(id)) {
             return Ok(body);
         }
+        let of_map = |live: &LiveMap| live.id.parts() == (map.as_str(), live.id.parts().1);
+        let releases = self.registry.in_memory(|live| live.is_release() && of_map(live));
+        if let Some(body) = releases.iter().find_map(|live| live.query_under_way(id)) {
+            return Ok(body);
+        }
         let found = self.store.kept_query(self.key_of(map).await?, id).await?;
         found
             .map(Bytes::from)
@@ -68,5 +100,11 @@ impl Service {
 }
 
 fn about(keyframe: KeyframeId) -> LoopQuery {
-    LoopQuery { subject: Subject::Stored(keyframe), verify: Verify::default(), max_wait_ms: 0, seed: 0 }
+    LoopQuery {
+        subject: Subject::Stored(keyframe),
+        release: None,
+        verify: Verify::default(),
+        max_wait_ms: 0,
+        seed: 0,
+    }
 }

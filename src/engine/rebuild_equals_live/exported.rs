@@ -38,7 +38,7 @@ fn any_exported() -> impl Strategy<Value = Vec<Request>> {
 }
 
 async fn exported(service: &Service, map: &MapId) -> Vec<Recorded> {
-    let mut export = service.export(map).await.unwrap();
+    let mut export = service.export(map, None).await.unwrap();
     let mut all = Vec::new();
     while let Some(recorded) = export.next().await.unwrap() {
         all.push(recorded);

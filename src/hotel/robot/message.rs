@@ -27,6 +27,7 @@ pub fn map(arm: Method, description: &str) -> MapBody {
         gravity: None,
         anchor_classes: None,
         settings: Some(arm.settings()),
+        base: None,
     }
 }
 
@@ -99,6 +100,12 @@ pub fn poses(session: &str, keyframes: &[(String, Pose)], moved_points: &[(u64, 
 pub fn similarity(said: &Similarity) -> Option<Sim3> {
     let (t, q) = (said.translation, said.rotation);
     Sim3::new(said.scale, [t.x, t.y, t.z], [q.x, q.y, q.z, q.w])
+}
+
+/// Returns a rigid transformation of an answer; none if its rotation is no unit quaternion.
+pub fn rigid(said: &Transform) -> Option<Sim3> {
+    let (t, q) = (said.translation, said.rotation);
+    Sim3::new(1.0, [t.x, t.y, t.z], [q.x, q.y, q.z, q.w])
 }
 
 /// Returns the signs that a keyframe sees.

@@ -3,6 +3,7 @@
 pub mod absolute_pose_error;
 pub mod curve;
 pub mod explain;
+pub mod fleet;
 pub mod paper;
 pub mod results;
 pub mod score;

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::fleet::FleetResult;
 use super::paper::PrintedSequence;
 use super::score::{Counts, Outcome, by_query, by_visit, confidence_interval};
 use crate::hotel::building::renumbering::{Round, Signs};
@@ -110,6 +111,9 @@ pub struct WorldResult {
     pub keyframes: usize,
     /// The arms.
     pub arms: Vec<ArmResult>,
+    /// Our robots in one frame, if there are several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fleet: Option<FleetResult>,
     /// Our results by round, if door numbers change.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rounds: Vec<Round>,

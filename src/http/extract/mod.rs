@@ -3,9 +3,11 @@
 mod arriving_body;
 pub mod body;
 pub mod body_errors;
+pub mod changes_query;
 pub mod decompression;
 pub mod frames_query;
 pub mod if_match;
 pub mod path;
 pub mod query;
+pub mod release_query;
 pub mod trajectory_query;

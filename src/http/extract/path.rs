@@ -6,9 +6,12 @@ use axum::extract::{FromRequestParts, RawPathParams};
 use axum::http::request::Parts;
 use utoipa::IntoParams;
 
-use crate::domain::ids::{ID_FORM, IdError, JudgementId, KeyframeId, LoopId, MapId, PriorId, SessionId};
+use crate::domain::ids::{
+    ID_FORM, IdError, JudgementId, KeyframeId, LoopId, MapId, PriorId, ReleaseName, SessionId,
+};
 use crate::domain::invalid::FieldError;
 use crate::domain::prior::AnchorKey;
+use crate::engine::ServiceError;
 use crate::http::problem::{Kind, Problem};
 
 /// A map.
@@ -52,6 +55,22 @@ pub struct SessionPath {
     pub map: MapId,
     /// The session.
     pub session: SessionId,
+}
+
+/// A release of a map.
+pub struct ReleasePath {
+    /// The map.
+    pub map: MapId,
+    /// The release.
+    pub release: ReleaseName,
+}
+
+/// An erasure of a map.
+pub struct ErasurePath {
+    /// The map.
+    pub map: MapId,
+    /// Its number.
+    pub number: u64,
 }
 
 /// A job that re-evaluates a map's verdicts.
@@ -117,6 +136,18 @@ documented! {
         map,
         /// The session's id, chosen by its client.
         session,
+    }
+    ErasurePathParams {
+        /// The map's id, chosen by its client.
+        map,
+        /// The erasure's id, such as `e-1`, assigned by the service.
+        erasure,
+    }
+    ReleasePathParams {
+        /// The map's id, chosen by its client.
+        map,
+        /// The release's name, chosen by who publishes it.
+        release,
     }
     JudgementPathParams {
         /// The map's id, chosen by its client.
@@ -215,6 +246,26 @@ impl<S: Send + Sync> FromRequestParts<S> for SessionPath {
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
         let (map, session) = Named::of(parts, state).await?.ids("map", "session")?;
         Ok(Self { map, session })
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for ReleasePath {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let (map, release) = Named::of(parts, state).await?.ids("map", "release")?;
+        Ok(Self { map, release })
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for ErasurePath {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let (map, erasure): (MapId, KeyframeId) = Named::of(parts, state).await?.ids("map", "erasure")?;
+        let number = erasure.as_str().strip_prefix("e-").and_then(|number| number.parse().ok());
+        let missing = || ServiceError::NotFound(format!("there is no erasure {erasure} of map {map}"));
+        Ok(Self { number: number.ok_or_else(missing)?, map })
     }
 }
 

@@ -14,6 +14,8 @@ use crate::engine::{MapExport, ServiceError};
 use crate::http::App;
 use crate::http::error_responses::ReadErrors;
 use crate::http::extract::path::{MapPath, MapPathParams};
+use crate::http::extract::query::Query;
+use crate::http::extract::release_query::{ReleaseQuery, ReleaseSearch};
 use crate::http::guards::access::Caller;
 use crate::http::problem::Problem;
 
@@ -28,7 +30,7 @@ const PIECE_BYTES: usize = 64 << 10;
 /// server computed them. Replaying it gives a map with the same verdicts, but other ids of anchors and queries. An
 /// aborted response is incomplete. At most two exports run at once.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/export", tag = "maps", params(MapPathParams), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/export", tag = "maps", params(MapPathParams, ReleaseSearch), security(("key" = ["read"])),
     responses(
         (status = 200, description = "The recording", body = String, content_type = "application/x-ndjson",
             example = "{\"op\":\"map\",\"id\":\"hotel\",\"body\":{}}\n"),
@@ -39,8 +41,9 @@ pub async fn export_map(
     State(app): State<App>,
     caller: Caller,
     MapPath(map): MapPath,
+    Query(ReleaseQuery { release }): Query<ReleaseQuery>,
 ) -> Result<Response, Problem> {
-    let export = app.service.export(&map).await?;
+    let export = app.service.export(&map, release.as_ref()).await?;
     let headers = [
         (CONTENT_TYPE, NDJSON.to_owned()),
         (CONTENT_DISPOSITION, format!("attachment; filename=\"{map}.ndjson\"")),

@@ -8,9 +8,8 @@ use axum::response::Response;
 use crate::api::examples;
 use crate::api::list::MapList;
 use crate::api::map::{MapBody, MapPatchBody, MapView};
-use crate::domain::map::MapProperties;
-use crate::domain::request::MapPatch;
-use crate::engine::Service;
+use crate::domain::request::{MapPatch, NewMap};
+use crate::engine::{Service, ServiceError};
 use crate::http::answer::written;
 use crate::http::error_responses::{OfDelete, OfList, OfWrite, ReadErrors};
 use crate::http::extract::body::Body;
@@ -37,7 +36,8 @@ pub async fn list_maps(
 
 /// Create a map
 ///
-/// Sending the same body again changes nothing and returns 200; a different body under the same id is a conflict.
+/// Sending the same body again changes nothing and returns 200; a different body under the same id is a conflict. With a `base` the map
+/// begins as a copy of a release or of another map, and the answer comes when all of it is on disk.
 #[utoipa::path(
     put, path = "/v1/maps/{map}", tag = "maps", params(MapPathParams), security(("key" = ["write"])),
     request_body(content = MapBody, example = examples::map_body),
@@ -52,9 +52,12 @@ pub async fn put_map(
     State(service): State<Service>,
     caller: Caller,
     MapPath(map): MapPath,
-    Body(properties): Body<MapProperties>,
+    Body(new): Body<NewMap>,
 ) -> Result<Response, Problem> {
-    let stored = service.put_map(map, properties, caller.0.key()).await?;
+    if let Some(base) = new.base.as_ref().filter(|base| !caller.reaches(&base.map)) {
+        return Err(ServiceError::no_map(&base.map).into());
+    }
+    let stored = service.put_new_map(map, new, caller.0.key()).await?;
     Ok(written(stored.created, MapView::from(stored.value)))
 }
 

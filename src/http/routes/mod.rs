@@ -3,6 +3,7 @@
 mod anchors;
 mod backups;
 mod bulk;
+mod erasures;
 mod events;
 mod export;
 mod judgements;
@@ -16,6 +17,7 @@ mod maps;
 mod model_verdicts;
 mod observations;
 mod poses;
+mod releases;
 mod semantics;
 mod service;
 mod sessions;
@@ -43,6 +45,11 @@ pub fn api(frame: OpenApi) -> OpenApiRouter<App> {
         .routes(routes!(sessions::list_sessions))
         .routes(routes!(sessions::get_frames))
         .routes(routes!(sessions::merge_sessions, sessions::revoke_merge))
+        .routes(routes!(releases::list_releases))
+        .routes(routes!(releases::publish_release, releases::get_release, releases::delete_release))
+        .routes(routes!(releases::get_changes))
+        .routes(routes!(erasures::erase))
+        .routes(routes!(erasures::get_erasure))
         .routes(routes!(export::export_map))
         .routes(routes!(loop_queries::query_loop))
         .routes(routes!(loop_queries::get_loop_query))

@@ -13,7 +13,7 @@ use tokio::sync::{mpsc, oneshot};
 use super::health::Health;
 use super::held::Held;
 use super::job::Job;
-use super::queue::{Counters, Message, PoisonFlag, Queued};
+use super::queue::{Counters, Message, PoisonFlag, Queued, Renewal};
 use crate::store::StoreError;
 use crate::store::slices::deferred;
 
@@ -57,6 +57,24 @@ impl Committer {
         if self.held.send_message(Message::Settle(settled)) {
             let _ = heard.await;
         }
+    }
+
+    /// Writes the database's file anew, without what was deleted from it. Jobs wait meanwhile: seconds for each gigabyte.
+    pub async fn renew_file(&self) -> Result<(), StoreError> {
+        self.renew(Renewal::File).await
+    }
+
+    /// Brings the write-ahead log into the file and cuts it to nothing; [`StoreError::Busy`] while somebody reads an older version.
+    pub async fn renew_log(&self) -> Result<(), StoreError> {
+        self.renew(Renewal::Log).await
+    }
+
+    async fn renew(&self, renewal: Renewal) -> Result<(), StoreError> {
+        let (renewed, heard) = oneshot::channel();
+        if !self.held.send_message(Message::Renew(renewal, renewed)) {
+            return Err(StoreError::Closed);
+        }
+        heard.await.unwrap_or(Err(StoreError::Closed))
     }
 
     /// Queues a job behind those of its line, a large one in parts. `done` hears when it is on disk.

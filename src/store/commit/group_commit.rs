@@ -18,6 +18,7 @@ use super::health::{Disk, Health};
 use super::job::Job;
 use super::lanes::Lanes;
 use super::queue::{Counters, Message, Queued};
+use super::renewal::renew;
 use super::transaction::Transaction;
 use super::write;
 use crate::store::StoreError;
@@ -71,7 +72,7 @@ impl Writer {
     async fn run(self, mut queue: mpsc::UnboundedReceiver<Message>) {
         self.keep_reserve(self.reserve.bytes()).await;
         let mut slices = if self.serves { Slices::resume(&self.pool).await } else { Slices::none() };
-        let (mut lanes, mut closing) = (Lanes::default(), None);
+        let (mut lanes, mut renewals, mut closing) = (Lanes::default(), Vec::new(), None);
         let mut tried = Instant::now();
         loop {
             let mut next = if lanes.is_empty() && closing.is_none() {
@@ -95,6 +96,7 @@ impl Writer {
                         }
                     }
                     Some(Message::Settle(settled)) => lanes.settle(settled),
+                    Some(Message::Renew(renewal, renewed)) => renewals.push((renewal, renewed)),
                     Some(Message::Close(closed)) => closing = Some(closed),
                     None => break,
                 }
@@ -108,6 +110,11 @@ impl Writer {
                 slices.beside_client();
             }
             lanes.answer_settled();
+            if lanes.is_empty() {
+                for (renewal, renewed) in renewals.drain(..) {
+                    let _ = renewed.send(renew(&self.pool, renewal).await);
+                }
+            }
             if lanes.is_empty()
                 && let Some(closed) = closing.take()
             {

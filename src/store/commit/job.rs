@@ -2,15 +2,18 @@
 
 use std::sync::Arc;
 
+use super::row_block::RowBlock;
 use crate::domain::change::Change;
+use crate::domain::erasure::NewErasure;
 use crate::domain::event::Event;
 use crate::domain::fleet_frames::FleetFrames;
 use crate::domain::former::FormerValues;
-use crate::domain::ids::{AnchorSeq, JudgementId, KeyframeSeq, MapId};
+use crate::domain::ids::{AnchorSeq, JudgementId, KeyframeSeq, MapId, ReleaseName, SessionId};
 use crate::domain::judgement::Judgement;
 use crate::domain::key::{Key, KeySeq, SecretHash};
-use crate::domain::keyframe::NewKeyframe;
+use crate::domain::keyframe::{NewKeyframe, Stamp};
 use crate::domain::map::{Learned, MapFigures, MapProperties};
+use crate::domain::release::ReleaseUse;
 use crate::domain::request::{Digest, KeyframeDigest};
 use crate::store::slices::parts::Part;
 
@@ -87,6 +90,61 @@ pub struct Spent {
     pub key: Option<KeySeq>,
 }
 
+/// A step of an erasure.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ErasureStep {
+    /// It is asked for, at this time.
+    Begin(NewErasure, Stamp),
+    /// So many keyframes were removed from the map, and keyframes from so many releases.
+    Count {
+        /// Of the map.
+        keyframes: u64,
+        /// Of releases.
+        releases: u64,
+    },
+    /// Nothing in this map, or this release of it, names what is gone any more.
+    RemoveTraces(MapKey, Vec<SessionId>),
+    /// All is removed.
+    Removed,
+    /// The file was rewritten, at this time.
+    Done(Stamp),
+}
+
+/// What a copy of a map is from then on.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CopiedAs {
+    /// A release of the map that was copied.
+    Release {
+        /// The map.
+        map: MapKey,
+        /// Its name.
+        of: MapId,
+        /// The release's name.
+        name: ReleaseName,
+        /// The version that it holds.
+        version: u64,
+        /// Free text for people.
+        description: String,
+        /// When it was published.
+        published: Stamp,
+        /// The digest of the request.
+        digest: Digest,
+    },
+    /// A map of its own.
+    Map {
+        /// Its name.
+        id: MapId,
+        /// Its properties.
+        properties: Box<MapProperties>,
+        /// Its first version, which sets the properties.
+        version: u64,
+        /// The digest of the body that made it.
+        digest: Digest,
+        /// The key that made it.
+        owner: Option<KeySeq>,
+    },
+}
+
 /// What the writer is asked to do in one piece.
 #[derive(Debug)]
 pub enum Job {
@@ -103,6 +161,38 @@ pub enum Job {
     },
     /// A map is deleted; its rows are removed in slices.
     DeleteMap(MapKey),
+    /// A copy of a map begins: its row, under an id by which no client finds it.
+    BeginCopy {
+        /// The row.
+        row: Box<RowBlock>,
+        /// The id.
+        id: String,
+    },
+    /// Rows of a copy.
+    CopyRows {
+        /// The copy.
+        map: MapKey,
+        /// The rows.
+        block: Box<RowBlock>,
+    },
+    /// A copy has all of its rows, and gets its name.
+    FinishCopy {
+        /// The copy.
+        map: MapKey,
+        /// Its name.
+        copied_as: Box<CopiedAs>,
+    },
+    /// The record of what models said of a map goes, beside what is in force.
+    ForgetDialogues(MapKey),
+    /// A step of an erasure of this number in its map.
+    Erase(MapKey, u64, ErasureStep),
+    /// Queries that a release answered.
+    CountUses {
+        /// The map that holds its rows.
+        release: MapKey,
+        /// The robots that asked.
+        uses: Vec<ReleaseUse>,
+    },
     /// A request's changes.
     Change(Box<Batch>),
     /// A part of a request's changes, which counts for nothing until the last of them is committed.
@@ -179,7 +269,7 @@ impl Job {
     pub(in crate::store) fn frees_space(&self) -> bool {
         match self {
             // A key must be revocable whatever the disk holds, and takes no space.
-            Self::DeleteMap(_) | Self::RevokeKey(..) => true,
+            Self::DeleteMap(_) | Self::RevokeKey(..) | Self::Erase(..) => true,
             Self::Change(batch) => Self::batch_frees_space(batch),
             Self::Stage { frees_space, .. } | Self::ChangeStaged { frees_space, .. } => *frees_space,
             _ => false,
@@ -198,14 +288,20 @@ impl Job {
 
     /// Whether later jobs of its map rest on it. A verdict that is not kept, or an event not told, is missed by none of them.
     pub(in crate::store) fn is_planned_upon(&self) -> bool {
-        !matches!(self, Self::KeepQuery { .. } | Self::AppendEvents(..))
+        !matches!(self, Self::KeepQuery { .. } | Self::AppendEvents(..) | Self::CountUses { .. })
     }
 }
 
 /// Whether these changes take something away.
 fn frees_space(changes: &[Change]) -> bool {
     let takes_away = |change: &Change| {
-        matches!(change, Change::KeyframeRemoved(..) | Change::AnchorRemoved(_) | Change::LoopRemoved(_))
+        matches!(
+            change,
+            Change::KeyframeRemoved(..)
+                | Change::AnchorRemoved(_)
+                | Change::LoopRemoved(_)
+                | Change::PartsForgotten(_)
+        )
     };
     changes.iter().any(takes_away)
 }

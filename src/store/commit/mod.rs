@@ -9,5 +9,7 @@ mod held;
 pub(super) mod job;
 pub(super) mod lanes;
 pub(super) mod queue;
+pub(super) mod renewal;
+pub(super) mod row_block;
 pub(super) mod transaction;
 pub(super) mod write;

@@ -29,7 +29,18 @@ pub(in crate::store) enum Message {
     Jobs(Vec<Queued>),
     /// Answered once everything queued before it is settled.
     Settle(oneshot::Sender<()>),
+    /// The database's file or its log is made anew, after everything queued before.
+    Renew(Renewal, oneshot::Sender<Result<(), StoreError>>),
     Close(oneshot::Sender<()>),
+}
+
+/// What is made anew, so that no byte of what was deleted is left in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::store) enum Renewal {
+    /// The database's file: all that it holds is written once more.
+    File,
+    /// The write-ahead log: it is brought into the file and cut to nothing.
+    Log,
 }
 
 /// The counters behind [`crate::store::CommitStats`].

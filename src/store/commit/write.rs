@@ -3,7 +3,7 @@
 use sqlx::SqliteConnection;
 
 use super::additions::{Additions, KeptQuery};
-use super::job::{Batch, Job, MapKey};
+use super::job::{Batch, ErasureStep, Job, MapKey};
 use crate::domain::change::{Change, Loop, Merge, MergeCause, MergeUndo};
 use crate::store::StoreError;
 use crate::store::rows::blob::pack;
@@ -11,8 +11,9 @@ use crate::store::rows::keyframe_rows::{detections, pose_blob};
 use crate::store::rows::operation_rows::Operation;
 use crate::store::rows::statement::run;
 use crate::store::rows::{
-    changed_sign_rows, former_value_rows, frame_rows, judgement_rows, key_rows, map_rows, model_rows,
-    observation_rows, operation_rows, point_blocks, prior_rows, session_merge_rows, twin_rows,
+    changed_sign_rows, copied_rows, erasure_rows, former_value_rows, frame_rows, judgement_rows, key_rows,
+    map_rows, model_rows, observation_rows, operation_rows, point_blocks, prior_rows, release_rows,
+    retention_rows, session_merge_rows, traces, twin_rows,
 };
 use crate::store::slices::{deferred, deletion};
 
@@ -62,6 +63,12 @@ async fn execute_alone(db: &mut SqliteConnection, job: &Job) -> Result<(), Store
             map_rows::keep_event_numbers(db, *map).await?;
             deletion::mark_deleted(db, *map).await
         }
+        Job::BeginCopy { row, id } => copied_rows::begin(db, row, id).await,
+        Job::CopyRows { map, block } => copied_rows::write_block(db, *map, block).await,
+        Job::FinishCopy { map, copied_as } => release_rows::finish_copy(db, *map, copied_as).await,
+        Job::ForgetDialogues(map) => retention_rows::forget_dialogues(db, *map).await,
+        Job::Erase(map, number, step) => erase(db, (*map, *number), step).await,
+        Job::CountUses { release, uses } => release_rows::count_uses(db, *release, uses).await,
         Job::Stage { map, version, number, part, .. } => {
             deferred::stage(db, *map, *version, *number, part).await
         }
@@ -78,6 +85,18 @@ async fn execute_alone(db: &mut SqliteConnection, job: &Job) -> Result<(), Store
         Job::Change(_) | Job::ChangeStaged { .. } | Job::AppendEvents(..) | Job::KeepQuery { .. } => {
             unreachable!("done with what is gathered")
         }
+    }
+}
+
+async fn erase(db: &mut SqliteConnection, of: (MapKey, u64), step: &ErasureStep) -> Result<(), StoreError> {
+    match step {
+        ErasureStep::Begin(asked, at) => erasure_rows::begin(db, of, asked, *at).await,
+        ErasureStep::Count { keyframes, releases } => {
+            erasure_rows::count(db, of, (*keyframes, *releases)).await
+        }
+        ErasureStep::RemoveTraces(map, sessions) => traces::remove(db, *map, sessions).await,
+        ErasureStep::Removed => erasure_rows::removed(db, of).await,
+        ErasureStep::Done(at) => erasure_rows::done(db, of, *at).await,
     }
 }
 
@@ -126,6 +145,7 @@ async fn apply(
             let delete = "delete from keyframes where map_key = $1 and keyframe = $2";
             run(db, sqlx::query(delete).bind(map).bind(seq.0)).await
         }
+        Change::PartsForgotten(parts) => retention_rows::forget_parts(db, map, parts).await,
         Change::PoseSet(seq, pose) => {
             let update = "update keyframes set pose = $3 where map_key = $1 and keyframe = $2";
             run(db, sqlx::query(update).bind(map).bind(seq.0).bind(pose_blob(pose))).await

@@ -34,6 +34,8 @@ const MIGRATIONS: &[Step] = &[
     (17, "observations", include_str!("../../../migrations/sqlite/0017_observations.sql")),
     (18, "session_merges", include_str!("../../../migrations/sqlite/0018_session_merges.sql")),
     (19, "frames", include_str!("../../../migrations/sqlite/0019_frames.sql")),
+    (20, "releases", include_str!("../../../migrations/sqlite/0020_releases.sql")),
+    (21, "erasures", include_str!("../../../migrations/sqlite/0021_erasures.sql")),
 ];
 
 /// The schema that has map points in rows and in blocks.

@@ -39,7 +39,7 @@ pub(in crate::store) async fn add_keyframes(
 ) -> Result<(), StoreError> {
     let head =
         "insert into keyframes (map_key, keyframe, id, session, stamp_sec, stamp_nanosec, pose, camera,
-            observes, sent_points, declared, bow_words, bow_weights, digest, bytes, version, packing, gravity, global_model, global_encoding, global_descriptor) ";
+            observes, sent_points, declared, bow_words, bow_weights, digest, bytes, version, packing, gravity, global_model, global_encoding, global_descriptor, stored_sec) ";
     write_rows(db, head, "", arrived, |row, Arrived { map, version, keyframe, bow, rows }| {
         row.push_bind(*map).push_bind(keyframe.seq.0).push_bind(keyframe.id.as_str().to_owned());
         row.push_bind(keyframe.session.0).push_bind(keyframe.stamp.sec).push_bind(keyframe.stamp.nanosec);
@@ -58,6 +58,7 @@ pub(in crate::store) async fn add_keyframes(
         row.push_bind(global.map(|of| of.model.as_str().to_owned()));
         row.push_bind(global.map(|of| of.encoding.as_str()));
         row.push_bind(global.map(|of| of.data.to_vec()));
+        row.push("unixepoch()");
     })
     .await?;
     let with_features = |arrived: &'_ Arrived<'_>| arrived.rows.keyframe.features.is_some();

@@ -70,9 +70,9 @@ impl Store {
         Ok(sqlx::query_as(select).bind(day).fetch_all(&self.readers).await?)
     }
 
-    /// Returns the maps that hold crops: after a start, a model may have to read some of them.
+    /// Returns the maps that hold crops: after a start, a model may have to read some of them. Releases stay as they are.
     pub async fn maps_with_crops(&self) -> Result<Vec<MapId>, StoreError> {
-        let select = "select id from maps where deleted = 0
+        let select = "select id from maps where deleted = 0 and instr(id, '/') = 0
             and exists (select 1 from crops where crops.map_key = maps.map_key) order by id";
         let ids: Vec<String> = sqlx::query_scalar(select).fetch_all(&self.readers).await?;
         ids.iter().map(|id| super::decode::id(id)).collect()
@@ -164,9 +164,13 @@ pub(in crate::store) async fn set_away(
 }
 
 pub(in crate::store) async fn forget_away(db: &mut SqliteConnection) -> Result<(), StoreError> {
-    let update = "update maps set version = version + 1 where map_key in (select map_key from models_away)";
+    // Releases stay as they are.
+    let update = "update maps set version = version + 1 where instr(id, '/') = 0
+        and map_key in (select map_key from models_away)";
     run(db, sqlx::query(update)).await?;
-    run(db, sqlx::query("delete from models_away")).await
+    let delete =
+        "delete from models_away where map_key in (select map_key from maps where instr(id, '/') = 0)";
+    run(db, sqlx::query(delete)).await
 }
 
 pub(in crate::store) async fn keep_answer(

@@ -48,9 +48,10 @@ pub struct DetectionRow {
 }
 
 impl Store {
-    /// Returns the names of the maps after one, ascending.
+    /// Returns the names of the maps after one, ascending, without their releases.
     pub async fn map_ids(&self, after: Option<&MapId>, limit: usize) -> Result<Vec<MapId>, StoreError> {
-        let select = "select id from maps where id > $1 and deleted = 0 order by id limit $2";
+        let select =
+            "select id from maps where id > $1 and deleted = 0 and instr(id, '/') = 0 order by id limit $2";
         let after = after.map_or("", MapId::as_str);
         let ids: Vec<String> =
             sqlx::query_scalar(select).bind(after).bind(limit as i64).fetch_all(&self.readers).await?;
@@ -129,7 +130,8 @@ impl Store {
 
     /// Returns the kept answer of a loop query.
     pub async fn kept_query(&self, map: MapKey, id: &str) -> Result<Option<Vec<u8>>, StoreError> {
-        let select = "select body from loop_queries where map_key = $1 and id = $2";
+        let select = "select body from loop_queries where id = $2
+            and map_key in (select $1 union all select release_key from releases where map_key = $1) limit 1";
         let found: Option<Vec<u8>> =
             sqlx::query_scalar(select).bind(map).bind(id).fetch_optional(&self.readers).await?;
         let whole = match found {

@@ -17,6 +17,7 @@ use tokio::time::Instant;
 use super::{deferred, deletion, fold};
 use crate::store::StoreError;
 use crate::store::commit::transaction::Transaction;
+use crate::store::rows::copied_rows;
 
 /// The time after which a slice begins no further step.
 const SLICE: Duration = Duration::from_millis(5);
@@ -85,7 +86,11 @@ impl Slices {
     pub(in crate::store) async fn resume(pool: &SqlitePool) -> Self {
         let cleaned = async {
             let mut transaction = Transaction::write(pool).await?;
-            let removed = deferred::remove_uncommitted(&mut transaction).await;
+            let removed = async {
+                deferred::remove_uncommitted(&mut transaction).await?;
+                copied_rows::remove_incomplete(&mut transaction).await
+            };
+            let removed = removed.await;
             transaction.commit().await?;
             removed
         };

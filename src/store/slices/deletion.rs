@@ -8,93 +8,30 @@ use sqlx::{AssertSqlSafe, SqliteConnection};
 
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
+use crate::store::rows::map_tables::{TABLES, Table};
 use crate::store::rows::statement::run;
 
 /// Bytes of blobs that one step removes; a single row may have more. Their pages are read one by one.
 const STEP_BLOB_BYTES: i64 = 4 << 20;
 
-/// A table of which a map's rows are removed in slices.
-struct Table {
-    name: &'static str,
-    /// Its primary key after `map_key`.
-    key: &'static str,
-    /// Whether its rows have a rowid, by which they are removed.
-    has_rowid: bool,
-    /// The bytes of a row's blobs, where they may be many.
-    blobs: Option<&'static str>,
-}
-
-const fn without_rowid(name: &'static str, key: &'static str) -> Table {
-    Table { name, key, has_rowid: false, blobs: None }
-}
-
-const fn with_rowid(name: &'static str, key: &'static str) -> Table {
-    Table { name, key, has_rowid: true, blobs: None }
-}
-
-const fn with_blobs(name: &'static str, key: &'static str, blobs: &'static str) -> Table {
-    Table { name, key, has_rowid: true, blobs: Some(blobs) }
-}
-
-/// Children before parents.
-const TABLES: &[Table] = &[
-    without_rowid("transcripts", "keyframe, detection, step"),
-    without_rowid("replaced_transcripts", "map_version, keyframe, detection, step"),
-    without_rowid("replaced_readings", "map_version, keyframe, detection"),
-    with_rowid("model_readings", "keyframe, detection"),
-    with_blobs("crops", "keyframe, detection", "length(bytes)"),
-    without_rowid("missed_signs", "anchor, keyframe"),
-    without_rowid("retired_signs", "anchor"),
-    without_rowid("detection_points", "keyframe, detection"),
-    with_rowid("detections", "keyframe, detection"),
-    with_blobs(
-        "keyframe_features",
-        "keyframe",
-        "length(descriptors) + length(keypoints) + length(map_points)",
-    ),
-    without_rowid("keyframe_points", "keyframe"),
-    without_rowid("session_merges", "version"),
-    without_rowid("fleet_frames", "version"),
-    with_blobs(
-        "keyframes",
-        "keyframe",
-        "length(observes) + length(sent_points) + length(bow_words) + length(bow_weights)",
-    ),
-    without_rowid("point_blocks", "session, block"),
-    without_rowid("sessions", "session"),
-    without_rowid("anchor_merges", "into_anchor, from_anchor, loop_id"),
-    without_rowid("prior_anchors", "anchor"),
-    without_rowid("anchors", "anchor"),
-    without_rowid("loops", "id"),
-    without_rowid("twins", "keyframe, candidate, anchor, candidate_anchor"),
-    without_rowid("events", "seq"),
-    with_blobs("loop_queries", "id", "length(body)"),
-    without_rowid("model_verdicts", "operation, class, a, b"),
-    without_rowid("replaced_verdicts", "map_version, operation, class, a, b"),
-    without_rowid("judgements", "id"),
-    with_blobs("deferred_parts", "version, part", "length(entries)"),
-    without_rowid("deferred_changes", "version"),
-    with_blobs("former_values", "version, part", "length(entries)"),
-    without_rowid("operations", "version, operation"),
-];
-
-impl Table {
-    /// Removes the next rows of a map.
-    fn delete(&self) -> String {
-        let Self { name, key, .. } = self;
-        let of_map = if self.has_rowid { "rowid".to_owned() } else { format!("map_key, {key}") };
-        format!(
-            "delete from {name} where ({of_map}) in
+/// Removes the next rows of a map.
+fn delete_from(table: &Table) -> String {
+    let Table { name, key, .. } = table;
+    let of_map = if table.has_rowid { "rowid".to_owned() } else { format!("map_key, {key}") };
+    format!(
+        "delete from {name} where ({of_map}) in
             (select {of_map} from {name} where map_key = $1 order by {key} limit $2)"
-        )
-    }
+    )
 }
 
-/// Deletes a map: frees its name and leaves its rows to the slices.
+/// Deletes a map and its releases: frees their names and leaves their rows to the slices.
 pub(in crate::store) async fn mark_deleted(db: &mut SqliteConnection, map: MapKey) -> Result<(), StoreError> {
-    // No client can give an id with a slash.
-    let update = "update maps set deleted = 1, id = 'deleted/' || map_key where map_key = $1";
-    run(db, sqlx::query(update).bind(map)).await
+    // No client can give an id with two slashes, nor name a map and a release so.
+    let update = "update maps set deleted = 1, id = 'deleted//' || map_key
+        where map_key = $1 or map_key in (select release_key from releases where map_key = $1)";
+    run(db, sqlx::query(update).bind(map)).await?;
+    let delete = "delete from releases where map_key = $1 or release_key = $1";
+    run(db, sqlx::query(delete).bind(map)).await
 }
 
 /// Removes about this many rows of a deleted map, in the caller's transaction. Returns whether there may be more.
@@ -126,7 +63,7 @@ async fn remove_rows_of(
         Some(blobs) => rows_within(db, map, table, blobs, left).await?,
         None => left,
     };
-    let delete = sqlx::query(AssertSqlSafe(table.delete())).bind(map).bind(within);
+    let delete = sqlx::query(AssertSqlSafe(delete_from(table))).bind(map).bind(within);
     let removed = delete.execute(&mut *db).await?.rows_affected() as i64;
     Ok(if within < left && removed > 0 { left } else { removed })
 }
@@ -155,6 +92,7 @@ async fn rows_within(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::store::rows::map_tables::SMALL_TABLES;
     use crate::store::test_database::database;
 
     #[tokio::test]
@@ -163,14 +101,15 @@ mod tests {
         let select = "select m.name from sqlite_schema m join pragma_table_info(m.name) c
             where m.type = 'table' and c.name = 'map_key' order by m.name";
         let tables: Vec<String> = sqlx::query_scalar(select).fetch_all(&pool).await.expect("tables");
-        let small = ["maps", "map_anchor_classes", "map_settings", "models_away"];
+        // A map's releases go with it, each a map of its own.
+        let small = [&SMALL_TABLES[..], &["maps", "releases"]].concat();
         let missing: Vec<_> = tables
             .iter()
             .filter(|name| !small.contains(&&***name) && !TABLES.iter().any(|table| table.name == **name))
             .collect();
         assert!(
             missing.is_empty(),
-            "add {missing:?} to TABLES of store/slices/deletion.rs, children before parents"
+            "add {missing:?} to TABLES of store/rows/map_tables.rs, children before parents"
         );
     }
 
@@ -178,7 +117,7 @@ mod tests {
     async fn slices_find_their_rows_by_a_key_and_never_scan_a_table() {
         let (_folder, pool) = database().await;
         for table in TABLES {
-            let plan = AssertSqlSafe(format!("explain query plan {}", table.delete()));
+            let plan = AssertSqlSafe(format!("explain query plan {}", delete_from(table)));
             let steps: Vec<(i64, i64, i64, String)> =
                 sqlx::query_as(plan).bind(1).bind(10).fetch_all(&pool).await.expect("a plan");
             for (.., step) in steps {

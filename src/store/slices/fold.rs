@@ -50,10 +50,10 @@ pub(in crate::store) async fn is_behind(db: &mut SqliteConnection) -> Result<boo
     Ok(count > VERSIONS_BEHIND)
 }
 
-/// Returns the oldest entries of a map that is not deleted.
+/// Returns the oldest entries of a map that is whole.
 async fn next(db: &mut SqliteConnection) -> Result<Option<Next>, StoreError> {
     let select = "select map_key, version, parts, part, entries_done from deferred_changes
-        where map_key not in (select map_key from maps where deleted = 1) order by map_key, version limit 1";
+        where map_key not in (select map_key from maps where deleted <> 0) order by map_key, version limit 1";
     let found: Option<(MapKey, i64, u32, u32, u32)> = sqlx::query_as(select).fetch_optional(db).await?;
     let next =
         |(map_key, version, parts, part, entries_done)| Next { map_key, version, parts, part, entries_done };

@@ -24,13 +24,15 @@ async fn an_anchor_that_matches_one_seen_before_is_told() {
     let [old, new] = texts(&json!(scene.anchors().await), "id").try_into().expect("two anchors");
     let events = scene.events_until("anchors_matched", 1).await;
     let expected = [
+        ["keyframe_stored", "", "", "kf-1"],
         ["anchor_described", &old, "", ""],
+        ["keyframe_stored", "", "", "kf-9"],
         ["anchor_described", &new, "", ""],
         ["anchors_matched", &new, &old, "kf-9"],
     ];
     assert_eq!(events.iter().map(told).collect::<Vec<_>>(), expected);
     let numbers: Vec<u64> = events.iter().map(|event| event["seq"].as_u64().expect("a number")).collect();
-    assert_eq!(numbers, [1, 2, 3]);
+    assert_eq!(numbers, [1, 2, 3, 4, 5]);
 }
 
 #[tokio::test]

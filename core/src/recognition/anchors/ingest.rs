@@ -98,6 +98,9 @@ fn add_keyframe(record: &mut Recorder<'_>, new: &NewKeyframe) -> (KeyframeSeq, S
     let moved = new.map_points.iter().filter(|(id, at)| index.points().position(session, *id) != Some(*at));
     changes.extend(moved.map(|(id, at)| Change::PointSet(session, *id, *at)));
     record.apply(changes);
+    let mut event = Event::of(EventKind::KeyframeStored);
+    (event.keyframe, event.session) = (Some(new.id.clone()), Some(new.session.clone()));
+    record.emit(event);
     (seq, session)
 }
 

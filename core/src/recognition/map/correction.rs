@@ -5,6 +5,8 @@ use std::collections::HashSet;
 use super::index::MapIndex;
 use super::recorder::{Decided, Recorder};
 use crate::domain::change::Change;
+use crate::domain::counted::counted;
+use crate::domain::event::{Event, EventKind};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
 use crate::geometry::{Point3, Pose};
 
@@ -31,6 +33,11 @@ pub fn correct(index: &mut MapIndex, session: SessionSeq, correction: &Correctio
         record.touch(anchor);
     }
     record.apply(changes);
+    let mut event = Event::of(EventKind::PosesCorrected);
+    event.session = record.index().sessions().get(session.index()).cloned();
+    let [poses, points] = [correction.poses.len(), correction.map_points.len()];
+    event.detail = Some(format!("{}, {}", counted(poses, "keyframe"), counted(points, "map point")));
+    record.emit(event);
     record.finish()
 }
 

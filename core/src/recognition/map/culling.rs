@@ -7,6 +7,7 @@ use super::index::MapIndex;
 use super::recorder::{Decided, Recorder};
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Change, Merge, MergeCause};
+use crate::domain::event::{Event, EventKind};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, PointId, SessionSeq};
 
 /// Culls a keyframe: its covisibility and its observations go, with the last observation the anchor, and
@@ -18,6 +19,9 @@ pub fn cull_keyframe(index: &mut MapIndex, keyframe: KeyframeSeq, bow: Arc<BowVe
     for anchor in &seen {
         record.touch(*anchor);
     }
+    let mut event = Event::of(EventKind::KeyframeRemoved);
+    event.keyframe = record.index().keyframe(keyframe).map(|culled| culled.id.clone());
+    record.emit(event);
     record.apply(vec![Change::KeyframeRemoved(keyframe, bow)]);
     for anchor in seen {
         if record.index().anchor(anchor).is_some_and(|anchor| anchor.observations.is_empty()) {

@@ -1,5 +1,6 @@
 //! Map: the index of what a map holds, and how it is changed and searched.
 
+pub mod changes_between;
 pub mod correction;
 pub mod covisibility;
 pub mod covisible_groups;

@@ -55,6 +55,9 @@ impl Round {
 
     /// Whether a map in memory has changed since the last look, or does not know yet that a model is away or back.
     pub(super) fn wants_look(&self, live: &LiveMap, now: Instant) -> bool {
+        if live.is_release() {
+            return false;
+        }
         let Some(board) = self.boards.get(&live.key) else { return true };
         if !board.found.is_empty() || !board.may_look(now) {
             return false;

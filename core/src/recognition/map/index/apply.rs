@@ -9,7 +9,7 @@ use super::objects::MergedAnchor;
 use super::texts::TextIndex;
 use crate::domain::anchor::{AnchorState, Observation};
 use crate::domain::bow::BowVector;
-use crate::domain::change::{Change, Keyframe, Loop, Merge, MergeCause, MovedObservation};
+use crate::domain::change::{Change, ForgottenParts, Keyframe, Loop, Merge, MergeCause, MovedObservation};
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, LoopId, SessionSeq};
 use crate::domain::judged::{Finding, ModelVerdict};
 use crate::domain::map::MapProperties;
@@ -58,6 +58,7 @@ impl MapIndex {
             }
             Change::KeyframeAdded(keyframe, bow) => self.add_keyframe(keyframe, bow),
             Change::GlobalDescriptorSet(seq, descriptor) => self.globals.insert(*seq, descriptor),
+            Change::PartsForgotten(parts) => self.forget_parts(parts, touched),
             Change::KeyframeRemoved(seq, bow) => self.remove_keyframe(*seq, bow, touched),
             Change::PoseSet(seq, pose) => {
                 if let Some(keyframe) = self.keyframes.get_mut(seq.index()) {
@@ -269,6 +270,26 @@ impl MapIndex {
         self.track(keyframe.seq);
         for (other, points) in &keyframe.declared {
             self.lists.declare(keyframe.seq, *other, *points);
+        }
+    }
+
+    fn forget_parts(&mut self, parts: &ForgottenParts, touched: &mut Touched) {
+        let Some(keyframe) = self.keyframes.get_mut(parts.keyframe.index()) else { return };
+        self.tally.remove_keyframe(keyframe);
+        self.bytes -= keyframe.bytes;
+        keyframe.bytes = keyframe.bytes.saturating_sub(parts.bytes);
+        self.bytes += keyframe.bytes;
+        self.tally.add_keyframe(keyframe);
+        if parts.global_descriptor {
+            self.globals.remove(parts.keyframe);
+        }
+        for (detection, anchor) in &parts.crops {
+            let anchor = anchor.and_then(|anchor| Some((anchor, self.anchors.get_mut(anchor.index())?)));
+            let Some((seq, anchor)) = anchor else { continue };
+            if let Some(observation) = anchor.observations.get_mut(&(parts.keyframe, *detection)) {
+                observation.crop_area_px = None;
+                touched.stale.insert(seq);
+            }
         }
     }
 

@@ -1,0 +1,196 @@
+//! Erasures: keyframes leave their map, its releases and the disk for good. A job for each, one at a time, which survives restarts.
+//!
+//! 1. The keyframes are deleted from the map and from each release, with the loops that name them.
+//! 2. What rows still say of them is removed ([`crate::store`], traces), and the maps are loaded anew.
+//! 3. The database's file is written anew, and its log is cut to nothing.
+//!
+//! A step that fails is tried again; a step that is repeated does no harm.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::time::sleep;
+
+use crate::domain::erasure::NewErasure;
+use crate::domain::ids::{KeyframeId, KeyframeSeq, LoopId, SessionId};
+use crate::engine::keys::keyring::now;
+use crate::engine::maps::live::{Decision, LiveMap, State};
+use crate::engine::maps::write_path::Manner;
+use crate::engine::{Service, ServiceError};
+use crate::recognition::anchors::loop_closure::revoke_loop;
+use crate::recognition::map::culling::cull_keyframe;
+use crate::recognition::map::index::MapIndex;
+use crate::store::{ErasureStep, Job, OpenErasure, StoreError};
+
+/// A failed attempt is repeated after this time, and after twice as long the next time, ...
+const RETRY_FIRST: Duration = Duration::from_secs(1);
+
+/// ... up to this.
+const RETRY_LAST: Duration = Duration::from_mins(1);
+
+/// The time after which it is looked again whether older versions are read still, or changes wait for their rows.
+const LOOK_AGAIN: Duration = Duration::from_millis(100);
+
+/// Keyframes of a session that one look finds.
+const FOUND_AT_ONCE: usize = 1000;
+
+impl Service {
+    /// Works on the erasures that are not done, until there is none.
+    pub(in crate::engine) fn erase_in_background(&self) {
+        let (service, closing) = (self.clone(), self.closing.clone());
+        tokio::spawn(closing.run_until_cancelled_owned(async move {
+            let _turn = service.erasing.lock().await;
+            let mut rest = RETRY_FIRST;
+            loop {
+                match service.erase_next().await {
+                    Ok(true) => rest = RETRY_FIRST,
+                    Ok(false) => break,
+                    Err(error) => {
+                        tracing::warn!(%error, "an erasure did not go on; it is tried again");
+                        sleep(rest).await;
+                        rest = (2 * rest).min(RETRY_LAST);
+                    }
+                }
+            }
+        }));
+    }
+
+    /// Does all that is asked for by now, and rewrites the file once. Returns whether there was anything.
+    async fn erase_next(&self) -> Result<bool, ServiceError> {
+        let open = self.store.open_erasures().await?;
+        if open.is_empty() {
+            return Ok(false);
+        }
+        for erasure in &open {
+            if let Some(asked) = &erasure.asked {
+                match self.remove(erasure, asked).await {
+                    // The map was deleted meanwhile.
+                    Err(ServiceError::NotFound(_)) => {}
+                    removed => removed?,
+                }
+            }
+        }
+        self.store.committer().renew_file().await?;
+        loop {
+            match self.store.committer().renew_log().await {
+                Err(StoreError::Busy) => sleep(LOOK_AGAIN).await,
+                renewed => break renewed?,
+            }
+        }
+        for erasure in &open {
+            self.step(erasure, ErasureStep::Done(now())).await?;
+            tracing::info!(map = %erasure.map, number = erasure.number, "an erasure is done");
+        }
+        Ok(true)
+    }
+
+    /// Removes what is asked from the map and its releases, and every trace of it.
+    async fn remove(&self, erasure: &OpenErasure, asked: &NewErasure) -> Result<(), ServiceError> {
+        let live = self.live(&erasure.map).await?;
+        if live.key != erasure.key {
+            return Err(ServiceError::no_map(&erasure.map));
+        }
+        let keyframes = self.remove_from(&live, asked).await?;
+        self.step(erasure, ErasureStep::Count { keyframes, releases: 0 }).await?;
+        let mut maps = vec![live.clone()];
+        for (id, key) in self.store.release_maps(live.key).await? {
+            let release = match self.live(&id).await {
+                // It was deleted meanwhile.
+                Err(ServiceError::NotFound(_)) => continue,
+                release => release?,
+            };
+            if release.key == key {
+                if self.remove_from(&release, asked).await? > 0 {
+                    self.step(erasure, ErasureStep::Count { keyframes: 0, releases: 1 }).await?;
+                }
+                maps.push(release);
+            }
+        }
+        let sessions = match asked {
+            NewErasure::Keyframes(_) => Vec::new(),
+            NewErasure::Sessions(sessions) => sessions.clone(),
+        };
+        for live in maps {
+            while self.store.has_deferred_changes(live.key).await? {
+                sleep(LOOK_AGAIN).await;
+            }
+            self.step(erasure, ErasureStep::RemoveTraces(live.key, sessions.clone())).await?;
+            // It still knows what the rows know no more.
+            live.load_anew();
+            self.registry.forget_over(&live.id);
+        }
+        self.step(erasure, ErasureStep::Removed).await
+    }
+
+    async fn step(&self, erasure: &OpenErasure, step: ErasureStep) -> Result<(), ServiceError> {
+        Ok(self.store.committer().commit(Job::Erase(erasure.key, erasure.number, step)).await?)
+    }
+
+    /// Deletes the keyframes, and the loops that name them. Returns how many keyframes there were.
+    async fn remove_from(&self, live: &Arc<LiveMap>, asked: &NewErasure) -> Result<u64, ServiceError> {
+        let mut removed = 0;
+        loop {
+            let wanted = asked.clone();
+            let found = self.read(live, move |state: &State| Ok(Found::of(&state.index, &wanted)));
+            let Found { keyframes, loops } = found.await?.1;
+            if keyframes.is_empty() && loops.is_empty() {
+                return Ok(removed);
+            }
+            for id in loops {
+                let revoke = move |index: &mut MapIndex| {
+                    if !index.loops().contains_key(&id) {
+                        return Ok(Decision::Unchanged(()));
+                    }
+                    Ok(Decision::Changed((), revoke_loop(index, &id).1, None))
+                };
+                self.begin(live, Manner::Erasing, revoke).await?.committed().await?;
+            }
+            for (seq, id) in keyframes {
+                let Some(bow) = self.store.bow(live.key, seq).await? else { continue };
+                let cull = move |index: &mut MapIndex| {
+                    // Somebody else may have deleted it meanwhile, and given its name to another.
+                    if index.keyframe_seq(&id) != Some(seq) {
+                        return Ok(Decision::Unchanged(0));
+                    }
+                    Ok(Decision::Changed(1, cull_keyframe(index, seq, Arc::new(bow)), None))
+                };
+                removed += self.begin(live, Manner::Erasing, cull).await?.committed().await?.0;
+                self.features.forget(live.key, seq).await;
+            }
+        }
+    }
+}
+
+/// What is to be deleted from a map.
+struct Found {
+    keyframes: Vec<(KeyframeSeq, KeyframeId)>,
+    loops: Vec<LoopId>,
+}
+
+impl Found {
+    fn of(index: &MapIndex, asked: &NewErasure) -> Self {
+        let keyframes: Vec<(KeyframeSeq, KeyframeId)> = match asked {
+            NewErasure::Keyframes(ids) => {
+                let seq = |id: &KeyframeId| Some((index.keyframe_seq(id)?, id.clone()));
+                ids.iter().filter_map(seq).collect()
+            }
+            NewErasure::Sessions(ids) => {
+                let sessions: BTreeSet<_> =
+                    ids.iter().filter_map(|id: &SessionId| index.session(id)).collect();
+                let of_session = index.keyframes().filter(|keyframe| sessions.contains(&keyframe.session));
+                of_session.take(FOUND_AT_ONCE).map(|keyframe| (keyframe.seq, keyframe.id.clone())).collect()
+            }
+        };
+        let named: BTreeSet<&KeyframeId> = match asked {
+            // A loop keeps the names of keyframes that were deleted before.
+            NewErasure::Keyframes(ids) => ids.iter().collect(),
+            NewErasure::Sessions(_) => keyframes.iter().map(|(_, id)| id).collect(),
+        };
+        let names = |of: &crate::domain::change::Loop| {
+            named.contains(&of.keyframe_id) || named.contains(&of.candidate_id)
+        };
+        let loops = index.loops().values().filter(|of| names(of)).map(|of| of.id.clone()).collect();
+        Self { keyframes, loops }
+    }
+}

@@ -1,0 +1,44 @@
+//! Erasures: asked for, and read. [`crate::engine::erasures`] does them.
+
+use crate::domain::erasure::{Erasure, NewErasure};
+use crate::domain::ids::{BackupId, MapId};
+use crate::engine::keys::keyring::now;
+use crate::engine::{Service, ServiceError};
+use crate::store::{ErasureStep, Job};
+
+impl Service {
+    /// Asks for an erasure, which begins at once in the background. What is asked for is on disk when this returns.
+    pub async fn erase(&self, map: &MapId, asked: NewErasure) -> Result<Erasure, ServiceError> {
+        let key = self.key_of(map).await?;
+        let number = {
+            let _asking = self.asking.lock().await;
+            let number = self.store.next_erasure(key).await?;
+            let job = Job::Erase(key, number, ErasureStep::Begin(asked, now()));
+            self.store.committer().commit(job).await?;
+            number
+        };
+        tracing::info!(%map, number, "an erasure was asked for");
+        self.erase_in_background();
+        self.erasure_of(map, key, number).await
+    }
+
+    /// Returns an erasure, and the backups that were taken before it was done: they still hold what it erased.
+    pub async fn erasure(&self, map: &MapId, number: u64) -> Result<(Erasure, Vec<BackupId>), ServiceError> {
+        let erasure = self.erasure_of(map, self.key_of(map).await?, number).await?;
+        let backups = self.backups.as_ref().map(|folder| folder.list()).transpose()?.unwrap_or_default();
+        let is_older = |created| erasure.ended.is_none_or(|ended| created <= ended);
+        let older = backups.into_iter().filter(|backup| is_older(backup.created)).map(|backup| backup.id);
+        let older = older.collect();
+        Ok((erasure, older))
+    }
+
+    async fn erasure_of(
+        &self,
+        map: &MapId,
+        key: crate::store::MapKey,
+        number: u64,
+    ) -> Result<Erasure, ServiceError> {
+        let found = self.store.erasure(key, number).await?;
+        found.ok_or_else(|| ServiceError::NotFound(format!("there is no erasure e-{number} of map {map}")))
+    }
+}

@@ -1,0 +1,93 @@
+//! A map that begins as a copy of a release, or of another map as it stands.
+
+use sha2::{Digest as _, Sha256};
+use tracing::Instrument as _;
+
+use super::maps::patched;
+use super::releases::no_release;
+use crate::domain::ids::MapId;
+use crate::domain::invalid::FieldError;
+use crate::domain::key::KeySeq;
+use crate::domain::release::MapBase;
+use crate::domain::report::MapReport;
+use crate::domain::request::{Digest, MapPatch};
+use crate::engine::{Service, ServiceError, Stored};
+use crate::store::CopiedAs;
+
+impl Service {
+    /// Makes a map as a copy, or finds that this very request had made it. Returns when all of it is on disk, and goes to its end when its
+    /// client has gone.
+    pub(super) async fn put_copy(
+        &self,
+        id: MapId,
+        base: MapBase,
+        patch: MapPatch,
+        owner: Option<KeySeq>,
+    ) -> Result<Stored<MapReport>, ServiceError> {
+        let service = self.clone();
+        let copying = async move { service.copy_whole(id, base, patch, owner).await };
+        tokio::spawn(copying.in_current_span()).await.map_err(ServiceError::panicked)?
+    }
+
+    async fn copy_whole(
+        &self,
+        id: MapId,
+        base: MapBase,
+        patch: MapPatch,
+        owner: Option<KeySeq>,
+    ) -> Result<Stored<MapReport>, ServiceError> {
+        let digest = fingerprint(&base, &patch);
+        if let Some(value) = self.made_before(&id, &digest).await? {
+            return Ok(Stored { created: false, map_version: value.version, value });
+        }
+        let from = base.id();
+        let no_base = || match &base.release {
+            Some(name) => no_release(&base.map, name),
+            None => ServiceError::no_map(&base.map),
+        };
+        if from == id {
+            let fault = FieldError::new("/base/map", "a map cannot begin as itself").got(&id);
+            return Err(ServiceError::Invalid(vec![fault]));
+        }
+        self.disk_takes(false)?;
+        let _reading = self.exports.enter()?;
+        if let Some(live) = self.registry.in_memory_now(&from) {
+            // What was answered is copied.
+            live.on_disk(&self.store, live.newest_version()).await?;
+        }
+        let before = self.get_map(&from).await.map_err(|error| match error {
+            ServiceError::NotFound(_) => no_base(),
+            error => error,
+        })?;
+        let properties = patched(&before.properties, patch)?;
+        let copy = self.store.copy_map(&from).await?.ok_or_else(no_base)?;
+        // The same name was free before; another request may have taken it meanwhile.
+        let _birth = self.registry.births.lock().await;
+        match self.made_before(&id, &digest).await {
+            Ok(None) => {}
+            Ok(Some(value)) => {
+                copy.discard();
+                return Ok(Stored { created: false, map_version: value.version, value });
+            }
+            Err(error) => {
+                copy.discard();
+                return Err(error);
+            }
+        }
+        let version = copy.version + 1;
+        let properties = Box::new(properties);
+        copy.finish(CopiedAs::Map { id: id.clone(), properties, version, digest, owner }).await?;
+        tracing::info!(map = %id, base = %from, "a map was copied");
+        Ok(Stored { created: true, map_version: version, value: self.get_map(&id).await? })
+    }
+}
+
+fn fingerprint(base: &MapBase, patch: &MapPatch) -> Digest {
+    let MapPatch { description, anchor_classes, metric, gravity, settings } = patch;
+    let gravity = gravity.map(|gravity| gravity.as_given());
+    let mut settings: Vec<_> = settings.iter().collect();
+    settings.sort_by_key(|(name, _)| name);
+    let said = (base.map.as_str(), base.release.as_ref().map(|name| name.as_str()));
+    Sha256::digest(format!("{said:?}{description:?}{anchor_classes:?}{metric:?}{gravity:?}{settings:?}"))
+        .into()
+}

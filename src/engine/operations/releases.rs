@@ -1,0 +1,166 @@
+//! Releases: published, listed, deleted. Each is a map that holds one version of another one, and that nobody writes to.
+
+use std::sync::Arc;
+
+use sha2::{Digest as _, Sha256};
+use tokio::task::spawn_blocking;
+use tracing::Instrument as _;
+
+use crate::domain::event::{Event, EventKind};
+use crate::domain::ids::{MapId, ReleaseName};
+use crate::domain::release::{NewRelease, Release};
+use crate::domain::report::Page;
+use crate::domain::request::Digest;
+use crate::engine::keys::keyring::now;
+use crate::engine::maps::live::LiveMap;
+use crate::engine::maps::loads::Used;
+use crate::engine::{Service, ServiceError, Stored};
+use crate::store::CopiedAs;
+
+/// Releases of a map, at most: each takes as much disk as the map.
+pub const RELEASES_MAX: u64 = 64;
+
+impl Service {
+    /// Publishes the map as it stands, or finds that this very request had published it. Returns when all of it is on disk; what is
+    /// written to the map meanwhile waits for nothing. It goes to its end when its client has gone.
+    pub async fn publish(
+        &self,
+        map: &MapId,
+        name: ReleaseName,
+        wanted: NewRelease,
+    ) -> Result<Stored<Release>, ServiceError> {
+        let live = self.live(map).await?;
+        let service = self.clone();
+        let publication = async move { service.publish_live(&live, name, wanted).await };
+        tokio::spawn(publication.in_current_span()).await.map_err(ServiceError::panicked)?
+    }
+
+    async fn publish_live(
+        &self,
+        live: &Arc<LiveMap>,
+        name: ReleaseName,
+        wanted: NewRelease,
+    ) -> Result<Stored<Release>, ServiceError> {
+        // Who asks for the same release again waits for the one that is under way.
+        let _publishing = live.publishing.lock().await;
+        let digest = fingerprint(&wanted);
+        if let Some((release, made_by)) = self.store.release(live.key, &name).await? {
+            if made_by == digest {
+                return Ok(Stored { created: false, map_version: release.version, value: release });
+            }
+            let detail =
+                format!("release {name} of map {} exists and was published by another request", live.id);
+            return Err(ServiceError::Conflict { code: "release_exists", detail });
+        }
+        if self.store.release_count(live.key).await? >= RELEASES_MAX {
+            let detail = format!("a map has at most {RELEASES_MAX} releases; delete some");
+            return Err(ServiceError::TooLarge { detail });
+        }
+        self.disk_takes(false)?;
+        let _reading = self.exports.enter()?;
+        // What was answered is published.
+        live.on_disk(&self.store, live.newest_version()).await?;
+        if let Some(version) = wanted.version.filter(|version| *version != live.newest_version()) {
+            return Err(moved(live, version));
+        }
+        let copy = self.store.copy_map(&live.id).await?.ok_or_else(|| ServiceError::no_map(&live.id))?;
+        if let Some(version) = wanted.version.filter(|version| *version != copy.version) {
+            copy.discard();
+            return Err(moved(live, version));
+        }
+        let version = copy.version;
+        let copied_as = CopiedAs::Release {
+            map: live.key,
+            of: live.id.clone(),
+            name: name.clone(),
+            version,
+            description: wanted.description,
+            published: now(),
+            digest,
+        };
+        // The map is not deleted meanwhile.
+        let birth = self.registry.births.lock().await;
+        if live.is_over() && self.key_of(&live.id).await.ok() != Some(live.key) {
+            copy.discard();
+            return Err(ServiceError::no_map(&live.id));
+        }
+        copy.finish(copied_as).await?;
+        drop(birth);
+        tracing::info!(map = %live.id, release = %name, version, "a release was published");
+        let mut event = Event::of(EventKind::ReleasePublished);
+        event.detail = Some(format!("release {name} of version {version}"));
+        let (telling, store) = (live.clone(), self.store.clone());
+        drop(spawn_blocking(move || telling.tell(&store, vec![event])));
+        let value = self.release_of(live, &name).await?;
+        Ok(Stored { created: true, map_version: version, value })
+    }
+
+    /// Returns the releases of a map by name.
+    pub async fn list_releases(
+        &self,
+        map: &MapId,
+        cursor: Option<&str>,
+        limit: usize,
+    ) -> Result<Page<Release>, ServiceError> {
+        let after =
+            cursor.map(|cursor| cursor.parse().map_err(|_| ServiceError::bad_cursor(cursor))).transpose()?;
+        let key = self.key_of(map).await?;
+        let mut items = self.store.releases(key, after.as_ref(), limit + 1).await?;
+        let more = items.len() > limit;
+        items.truncate(limit);
+        let next_cursor = items.last().filter(|_| more).map(|release| release.name.to_string());
+        Ok(Page { items, next_cursor })
+    }
+
+    /// Returns a release of a map.
+    pub async fn get_release(&self, map: &MapId, name: &ReleaseName) -> Result<Release, ServiceError> {
+        let key = self.key_of(map).await?;
+        let found = self.store.release(key, name).await?;
+        found.map(|(release, _)| release).ok_or_else(|| no_release(map, name))
+    }
+
+    async fn release_of(&self, live: &LiveMap, name: &ReleaseName) -> Result<Release, ServiceError> {
+        let found = self.store.release(live.key, name).await?;
+        found.map(|(release, _)| release).ok_or_else(|| no_release(&live.id, name))
+    }
+
+    /// Deletes a release; robots that ask it hear that it is not there.
+    pub async fn delete_release(&self, map: &MapId, name: &ReleaseName) -> Result<(), ServiceError> {
+        self.get_release(map, name).await?;
+        self.delete_map(&map.of_release(name)).await.map_err(|error| match error {
+            ServiceError::NotFound(_) => no_release(map, name),
+            error => error,
+        })
+    }
+
+    /// Returns the map that holds a release, loaded if it was not in memory.
+    pub(in crate::engine) async fn live_release(
+        &self,
+        map: &MapId,
+        name: &ReleaseName,
+    ) -> Result<Arc<LiveMap>, ServiceError> {
+        match self.registry.get(&self.store, &map.of_release(name), Used::ByClient).await {
+            Err(ServiceError::NotFound(_)) => {
+                self.key_of(map).await?;
+                Err(no_release(map, name))
+            }
+            live => live,
+        }
+    }
+}
+
+/// Says that a release is not there.
+pub(in crate::engine) fn no_release(map: &MapId, name: &ReleaseName) -> ServiceError {
+    ServiceError::NotFound(format!(
+        "there is no release {name} of map {map}; `GET /v1/maps/{map}/releases` lists them"
+    ))
+}
+
+fn moved(live: &LiveMap, wanted: u64) -> ServiceError {
+    let detail = format!("map {} is not at version {wanted} but at {}", live.id, live.newest_version());
+    ServiceError::Conflict { code: "map_version_differs", detail }
+}
+
+fn fingerprint(wanted: &NewRelease) -> Digest {
+    Sha256::digest(format!("{:?}", (&wanted.description, wanted.version))).into()
+}

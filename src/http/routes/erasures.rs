@@ -1,0 +1,51 @@
+//! Erasures: keyframes and sessions that leave for good.
+
+use axum::Json;
+use axum::extract::State;
+use axum::http::StatusCode;
+
+use crate::api::erasure::{ErasureBody, ErasureView};
+use crate::api::examples;
+use crate::domain::erasure::NewErasure;
+use crate::engine::Service;
+use crate::http::error_responses::{OfWrite, ReadErrors};
+use crate::http::extract::body::Body;
+use crate::http::extract::path::{ErasurePath, ErasurePathParams, MapPath, MapPathParams};
+use crate::http::problem::Problem;
+
+/// Erase keyframes or sessions for good
+///
+/// A job: it deletes the keyframes from the map and from each of its releases, revokes the loops that name them, empties the map's
+/// events and stored verdicts and the cache of models' answers, and then writes the database's file anew, so that no byte of them is left in
+/// it, in its log or in the next backup. While the file is written, writes to any map wait: seconds for each gigabyte. It needs as much
+/// free disk as the database has. Poll the job until it is `done`; it survives restarts. Backups that were taken before still hold
+/// what was erased, and so does what other systems were sent.
+#[utoipa::path(
+    post, path = "/v1/maps/{map}/erase", tag = "maps", params(MapPathParams), security(("key" = ["admin"])),
+    request_body(content = ErasureBody, example = examples::erasure_body),
+    responses((status = 202, description = "The erasure is on record, and begins", body = ErasureView, example = examples::erasure), OfWrite)
+)]
+pub async fn erase(
+    State(service): State<Service>,
+    MapPath(map): MapPath,
+    Body(asked): Body<NewErasure>,
+) -> Result<(StatusCode, Json<ErasureView>), Problem> {
+    let erasure = service.erase(&map, asked).await?;
+    let (erasure, older) = service.erasure(&map, erasure.number).await?;
+    Ok((StatusCode::ACCEPTED, Json(ErasureView::of(erasure, older))))
+}
+
+/// Read an erasure
+///
+/// Tells how far it is, and which backups still hold what it erased.
+#[utoipa::path(
+    get, path = "/v1/maps/{map}/erase/{erasure}", tag = "maps", params(ErasurePathParams), security(("key" = ["read"])),
+    responses((status = 200, description = "The erasure", body = ErasureView, example = examples::erasure), ReadErrors)
+)]
+pub async fn get_erasure(
+    State(service): State<Service>,
+    ErasurePath { map, number }: ErasurePath,
+) -> Result<Json<ErasureView>, Problem> {
+    let (erasure, older) = service.erasure(&map, number).await?;
+    Ok(Json(ErasureView::of(erasure, older)))
+}

@@ -1,0 +1,77 @@
+//! Copies of maps: all rows of one version of a map under another key.
+//!
+//! The rows are read in one read transaction and written in short jobs between those of other maps. Until the last one, which
+//! names it, the copy is no map (`maps.deleted` is 2); the next start deletes one that was not completed. Nobody waits for a
+//! copy but who asked for it. Meanwhile the write-ahead log grows by what is written, as it does during an export.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::commit::job::{CopiedAs, Job, MapKey};
+use super::commit::transaction::Transaction;
+use super::rows::copied_rows::{map_row, read_blocks};
+use super::{Store, StoreError};
+use crate::domain::ids::MapId;
+
+/// Numbers the copies of this process.
+static NEXT_COPY: AtomicU64 = AtomicU64::new(0);
+
+/// A copy of a map that has all rows and no name yet.
+#[derive(Debug)]
+#[must_use]
+pub struct MapCopy {
+    store: Store,
+    key: MapKey,
+    /// The version that was copied.
+    pub version: u64,
+}
+
+impl Store {
+    /// Copies the rows of a map as they are on disk; `None` if there is no such map.
+    pub async fn copy_map(&self, id: &MapId) -> Result<Option<MapCopy>, StoreError> {
+        let mut db = self.snapshot().await?;
+        let select = "select map_key, version from maps where id = $1 and deleted = 0";
+        let found: Option<(MapKey, i64)> =
+            sqlx::query_as(select).bind(id.as_str()).fetch_optional(&mut *db).await?;
+        let Some((map, version)) = found else {
+            db.commit().await?;
+            return Ok(None);
+        };
+        let result = self.copy_rows(&mut db, map).await;
+        db.commit().await?;
+        Ok(Some(MapCopy { store: self.clone(), key: result?, version: version.unsigned_abs() }))
+    }
+
+    async fn copy_rows(&self, db: &mut Transaction, map: MapKey) -> Result<MapKey, StoreError> {
+        // No client can give an id with a slash, and no release has two.
+        let id = format!("copying//{map}-{}", NEXT_COPY.fetch_add(1, Ordering::Relaxed));
+        let row = map_row(db, map).await?;
+        self.committer.commit(Job::BeginCopy { row: Box::new(row), id: id.clone() }).await?;
+        let select = "select map_key from maps where id = $1";
+        let key: MapKey = sqlx::query_scalar(select).bind(&id).fetch_one(&self.readers).await?;
+        let copied = read_blocks(db, map, |block| {
+            self.committer.commit(Job::CopyRows { map: key, block: Box::new(block) })
+        });
+        if let Err(error) = copied.await {
+            self.committer.submit_alone(Job::DeleteMap(key));
+            return Err(error);
+        }
+        Ok(key)
+    }
+}
+
+impl MapCopy {
+    /// Gives it its name: from then on it is a map.
+    pub async fn finish(self, copied_as: CopiedAs) -> Result<(), StoreError> {
+        let job = Job::FinishCopy { map: self.key, copied_as: Box::new(copied_as) };
+        let finished = self.store.committer.commit(job).await;
+        if finished.is_err() {
+            self.store.committer.submit_alone(Job::DeleteMap(self.key));
+        }
+        finished
+    }
+
+    /// Throws it away.
+    pub fn discard(self) {
+        self.store.committer.submit_alone(Job::DeleteMap(self.key));
+    }
+}

@@ -1,0 +1,119 @@
+//! Rows of a map on their way to a copy of it, as they are: no index is built for that.
+
+use futures_util::TryStreamExt as _;
+use sqlx::{AssertSqlSafe, QueryBuilder, Sqlite, SqliteConnection};
+
+use super::map_tables::{SMALL_TABLES, TABLES, Table};
+use super::statement::run;
+use crate::store::StoreError;
+use crate::store::commit::job::MapKey;
+use crate::store::commit::row_block::{Cell, RowBlock};
+
+/// Rows of a statement.
+const ROWS_AT_ONCE: usize = 16;
+
+/// Tables that a copy begins without: what happened to the map and who asked it.
+const NOT_COPIED: [&str; 5] = ["events", "loop_queries", "judgements", "release_uses", "erasures"];
+
+/// Reads the row of a map, without its key.
+pub(in crate::store) async fn map_row(
+    db: &mut SqliteConnection,
+    map: MapKey,
+) -> Result<RowBlock, StoreError> {
+    let mut block = RowBlock::of("maps");
+    let row = sqlx::query("select * from maps where map_key = $1").bind(map).fetch_one(db).await?;
+    block.add(&row)?;
+    Ok(block)
+}
+
+/// Reads all rows of a map that a copy has, parents before children, and gives them away in blocks.
+pub(in crate::store) async fn read_blocks<F: Future<Output = Result<(), StoreError>>>(
+    db: &mut SqliteConnection,
+    map: MapKey,
+    mut take: impl FnMut(RowBlock) -> F,
+) -> Result<(), StoreError> {
+    let small = SMALL_TABLES.iter().map(|name| (*name, "rowid", ""));
+    let large = TABLES.iter().rev().filter(|table| !NOT_COPIED.contains(&table.name)).map(|table| {
+        let Table { name, key, .. } = table;
+        (*name, *key, only_committed(name))
+    });
+    for (table, key, condition) in small.chain(large) {
+        // The small ones have no rowid to be read by, and few rows.
+        let order = if key == "rowid" { String::new() } else { format!("order by {key}") };
+        let select = format!("select * from {table} where map_key = $1 {condition} {order}");
+        let mut rows = sqlx::query(AssertSqlSafe(select)).bind(map).fetch(&mut *db);
+        let mut block = RowBlock::of(table);
+        while let Some(row) = rows.try_next().await? {
+            block.add(&row)?;
+            if block.is_full() {
+                take(std::mem::replace(&mut block, RowBlock::of(table))).await?;
+            }
+        }
+        if !block.is_empty() {
+            take(block).await?;
+        }
+    }
+    Ok(())
+}
+
+/// Leaves out the parts of a correction that is not committed yet: no version is made of them.
+fn only_committed(table: &str) -> &'static str {
+    if table == "deferred_parts" {
+        "and version in (select d.version from deferred_changes d where d.map_key = deferred_parts.map_key)"
+    } else {
+        ""
+    }
+}
+
+/// Adds the row of a map that is a copy of another one, under an id by which no client finds it, and not complete yet.
+pub(in crate::store) async fn begin(
+    db: &mut SqliteConnection,
+    row: &RowBlock,
+    id: &str,
+) -> Result<(), StoreError> {
+    let give = "update map_keys set last = last + 1 returning last";
+    let key: MapKey = sqlx::query_scalar(give).fetch_one(&mut *db).await?;
+    let replaced = |column: &str| match column {
+        "id" => Some(Cell::Text(id.to_owned())),
+        "deleted" => Some(Cell::Integer(2)),
+        _ => None,
+    };
+    let of_copy = |cells: &Vec<Cell>| {
+        let cell = |(column, cell): (&String, &Cell)| replaced(column).unwrap_or_else(|| cell.clone());
+        row.columns.iter().zip(cells).map(cell).collect()
+    };
+    let rows = row.rows.iter().map(of_copy).collect();
+    let block = RowBlock { table: "maps", columns: row.columns.clone(), rows, bytes: row.bytes };
+    write_block(db, key, &block).await
+}
+
+/// Writes rows to a copy.
+pub(in crate::store) async fn write_block(
+    db: &mut SqliteConnection,
+    map: MapKey,
+    block: &RowBlock,
+) -> Result<(), StoreError> {
+    let head = format!("insert into {} (map_key, {}) ", block.table, block.columns.join(", "));
+    for rows in block.rows.chunks(ROWS_AT_ONCE) {
+        let mut query = QueryBuilder::<Sqlite>::new(head.as_str());
+        query.push_values(rows, |mut row, cells| {
+            row.push_bind(map);
+            for cell in cells {
+                match cell {
+                    Cell::Null => row.push_bind(None::<i64>),
+                    Cell::Integer(number) => row.push_bind(*number),
+                    Cell::Real(number) => row.push_bind(*number),
+                    Cell::Text(text) => row.push_bind(text.clone()),
+                    Cell::Blob(bytes) => row.push_bind(bytes.clone()),
+                };
+            }
+        });
+        query.build().execute(&mut *db).await?;
+    }
+    Ok(())
+}
+
+/// Deletes the copies that an earlier process did not complete.
+pub(in crate::store) async fn remove_incomplete(db: &mut SqliteConnection) -> Result<(), StoreError> {
+    run(db, sqlx::query("update maps set deleted = 1 where deleted = 2")).await
+}

@@ -1,0 +1,158 @@
+//! Erasures, as rows.
+
+use serde::{Deserialize, Serialize};
+use sqlx::sqlite::SqliteRow;
+use sqlx::{Row as _, SqliteConnection};
+
+use super::decode;
+use super::statement::run;
+use crate::domain::erasure::{Erasure, ErasureState, NewErasure};
+use crate::domain::ids::{KeyframeId, MapId, SessionId};
+use crate::domain::keyframe::Stamp;
+use crate::store::commit::job::MapKey;
+use crate::store::{Store, StoreError};
+
+/// Erasures of a map that are kept on record, oldest out first.
+const ERASURES_KEPT: i64 = 1000;
+
+#[derive(Serialize, Deserialize)]
+struct AskedRow {
+    keyframes: Vec<String>,
+    sessions: Vec<String>,
+}
+
+/// An erasure that was not done when the process ended, or is under way.
+#[derive(Clone, Debug)]
+pub struct OpenErasure {
+    /// The map.
+    pub map: MapId,
+    /// Its key.
+    pub key: MapKey,
+    /// Its number in the map.
+    pub number: u64,
+    /// What is to be removed; `None` once it is.
+    pub asked: Option<NewErasure>,
+}
+
+/// Writes an erasure that begins.
+pub(in crate::store) async fn begin(
+    db: &mut SqliteConnection,
+    (map, number): (MapKey, u64),
+    asked: &NewErasure,
+    at: Stamp,
+) -> Result<(), StoreError> {
+    let names = |ids: &[KeyframeId]| ids.iter().map(ToString::to_string).collect();
+    let row = match asked {
+        NewErasure::Keyframes(ids) => AskedRow { keyframes: names(ids), sessions: Vec::new() },
+        NewErasure::Sessions(ids) => {
+            AskedRow { keyframes: Vec::new(), sessions: ids.iter().map(ToString::to_string).collect() }
+        }
+    };
+    let body = serde_json::to_string(&row).map_err(|error| StoreError::Database(error.to_string()))?;
+    let insert =
+        "insert into erasures (map_key, number, state, asked, keyframes, releases, begun_sec, begun_nanosec)
+        values ($1, $2, $3, $4, 0, 0, $5, $6)";
+    let query = sqlx::query(insert).bind(map).bind(number as i64).bind(ErasureState::Removing.as_str());
+    run(db, query.bind(body).bind(at.sec).bind(at.nanosec)).await?;
+    let sweep = "delete from erasures where map_key = $1 and state = 'done' and number <= $2";
+    run(db, sqlx::query(sweep).bind(map).bind(number as i64 - ERASURES_KEPT)).await
+}
+
+/// Counts what was removed from the map, and from one more release of it.
+pub(in crate::store) async fn count(
+    db: &mut SqliteConnection,
+    (map, number): (MapKey, u64),
+    (keyframes, releases): (u64, u64),
+) -> Result<(), StoreError> {
+    let update = "update erasures set keyframes = keyframes + $3, releases = releases + $4
+        where map_key = $1 and number = $2";
+    let query = sqlx::query(update).bind(map).bind(number as i64);
+    run(db, query.bind(keyframes as i64).bind(releases as i64)).await
+}
+
+/// All is removed: from here on nothing names it.
+pub(in crate::store) async fn removed(
+    db: &mut SqliteConnection,
+    (map, number): (MapKey, u64),
+) -> Result<(), StoreError> {
+    let update = "update erasures set state = $3, asked = null where map_key = $1 and number = $2";
+    run(db, sqlx::query(update).bind(map).bind(number as i64).bind(ErasureState::Rewriting.as_str())).await
+}
+
+/// The file was rewritten.
+pub(in crate::store) async fn done(
+    db: &mut SqliteConnection,
+    (map, number): (MapKey, u64),
+    at: Stamp,
+) -> Result<(), StoreError> {
+    let update = "update erasures set state = $3, ended_sec = $4, ended_nanosec = $5
+        where map_key = $1 and number = $2";
+    let query = sqlx::query(update).bind(map).bind(number as i64).bind(ErasureState::Done.as_str());
+    run(db, query.bind(at.sec).bind(at.nanosec)).await
+}
+
+impl Store {
+    /// Returns an erasure of a map.
+    pub async fn erasure(&self, map: MapKey, number: u64) -> Result<Option<Erasure>, StoreError> {
+        let select = "select * from erasures where map_key = $1 and number = $2";
+        let number = i64::try_from(number).unwrap_or(i64::MAX);
+        let row = sqlx::query(select).bind(map).bind(number).fetch_optional(&self.readers).await?;
+        row.as_ref().map(erasure).transpose()
+    }
+
+    /// Returns the number of the next erasure of a map.
+    pub async fn next_erasure(&self, map: MapKey) -> Result<u64, StoreError> {
+        let select = "select coalesce(max(number), 0) + 1 from erasures where map_key = $1";
+        let number: i64 = sqlx::query_scalar(select).bind(map).fetch_one(&self.readers).await?;
+        Ok(number.unsigned_abs())
+    }
+
+    /// Returns the erasures that are not done, by map and number.
+    pub async fn open_erasures(&self) -> Result<Vec<OpenErasure>, StoreError> {
+        let select = "select m.id, e.map_key, e.number, e.asked from erasures e join maps m using (map_key)
+            where e.state <> 'done' and m.deleted = 0 order by e.map_key, e.number";
+        let rows: Vec<(String, MapKey, i64, Option<String>)> =
+            sqlx::query_as(select).fetch_all(&self.readers).await?;
+        let open = |(map, key, number, asked): (String, MapKey, i64, Option<String>)| {
+            let asked = asked.as_deref().map(read_asked).transpose()?;
+            Ok(OpenErasure { map: decode::id(&map)?, key, number: number.unsigned_abs(), asked })
+        };
+        rows.into_iter().map(open).collect()
+    }
+
+    /// Whether changes of the map wait to be brought into their rows.
+    pub async fn has_deferred_changes(&self, map: MapKey) -> Result<bool, StoreError> {
+        let select = "select exists (select 1 from deferred_changes where map_key = $1)";
+        Ok(sqlx::query_scalar(select).bind(map).fetch_one(&self.readers).await?)
+    }
+}
+
+fn read_asked(text: &str) -> Result<NewErasure, StoreError> {
+    let row: AskedRow =
+        serde_json::from_str(text).map_err(|error| StoreError::corrupt(format!("an erasure: {error}")))?;
+    Ok(if row.sessions.is_empty() {
+        NewErasure::Keyframes(row.keyframes.iter().map(|id| decode::id(id)).collect::<Result<_, _>>()?)
+    } else {
+        let sessions: Result<Vec<SessionId>, StoreError> =
+            row.sessions.iter().map(|id| decode::id(id)).collect();
+        NewErasure::Sessions(sessions?)
+    })
+}
+
+fn erasure(row: &SqliteRow) -> Result<Erasure, StoreError> {
+    let number = |name: &str| Ok::<_, StoreError>(row.try_get::<i64, _>(name)?.unsigned_abs());
+    let state: &str = row.try_get("state")?;
+    let state = ErasureState::from_name(state)
+        .ok_or_else(|| StoreError::corrupt(format!("an erasure that is {state}")))?;
+    let ended: Option<i64> = row.try_get("ended_sec")?;
+    Ok(Erasure {
+        number: number("number")?,
+        state,
+        keyframes: number("keyframes")?,
+        releases: number("releases")?,
+        begun: Stamp { sec: row.try_get("begun_sec")?, nanosec: row.try_get("begun_nanosec")? },
+        ended: ended
+            .map(|sec| Ok::<_, StoreError>(Stamp { sec, nanosec: row.try_get("ended_nanosec")? }))
+            .transpose()?,
+    })
+}
