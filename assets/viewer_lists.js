@@ -16,11 +16,33 @@ export class AnchorList {
     Object.assign(this, { place, world, refs, found, turn: new AbortController(), filters: { text: "", class: "", state: "" } });
     const later = debounced(() => this.search(), SEARCH_WAIT_MS);
     this.text = searchBox("Search what the signs say", later);
+    this.text.addEventListener("keydown", (event) => this.pressed(event));
     this.classes = el("select", { "aria-label": "Class", change: () => this.search() });
     this.states = el("select", { "aria-label": "State", change: () => this.search() },
       el("option", { value: "" }, "every state"), ANCHOR_STATES.map((state) => el("option", {}, state)));
     this.results = el("div", {});
     fill(place, el("div", { class: "filters" }, this.text, el("div", { class: "row" }, this.classes, this.states)), this.results);
+  }
+
+  /** The keyboard goes to the search box. */
+  focus() {
+    this.text.focus();
+    this.text.select();
+  }
+
+  /** Enter and the arrow down lead into what was found, Escape takes the search off. */
+  pressed(event) {
+    if (event.key === "Enter" || event.key === "ArrowDown") {
+      const first = this.results.querySelector("button.ref");
+      if (!first) return;
+      event.preventDefault();
+      if (event.key === "Enter") first.click();
+      else first.focus();
+    } else if (event.key === "Escape" && this.text.value !== "") {
+      event.preventDefault();
+      this.text.value = "";
+      this.search();
+    }
   }
 
   /** Another map: no search is on. */
