@@ -11,6 +11,9 @@ const FAMILY = "12px system-ui, sans-serif";
 /** What is written first, and so has room before the others. */
 const RANKS = ["selected", "marked", "identifier", "figure", "described", "rest", "plan"];
 
+const KNOWN_WIDTHS = 20_000;
+const widths = new Map();
+
 /** Collects labels while the rest is drawn; `write()` finds places for them and writes them on top. */
 export class Labels {
   constructor(context, { width, height }) {
@@ -63,13 +66,23 @@ export class Labels {
 
   /** The first free place around the point. What is selected is written whatever happens, once. */
   place({ text, x, y, gap, bold, centred, order }, isFirst) {
-    this.context.font = font(bold);
-    const width = this.context.measureText(text).width;
+    const width = this.widthOf(text, bold);
     const boxes = spots(x, y, width, gap, centred).map(([left, top]) => ({ text, left, top, width, height: HEIGHT_PX }));
     const free = boxes.find((box) => this.isInside(box) && !this.isTaken(box));
     if (free || order > 0 || !isFirst) return free ?? null;
     const [{ left, top }] = boxes;
     return { text, left: Math.max(Math.min(left, this.width - width), 0), top: Math.max(Math.min(top, this.height - HEIGHT_PX), 0), width, height: HEIGHT_PX };
+  }
+
+  /** Measured once: thousands of labels are looked at for each drawing. */
+  widthOf(text, bold) {
+    const key = `${bold ? "b" : ""} ${text}`;
+    if (!widths.has(key)) {
+      if (widths.size > KNOWN_WIDTHS) widths.clear();
+      this.context.font = font(bold);
+      widths.set(key, this.context.measureText(text).width);
+    }
+    return widths.get(key);
   }
 
   isInside({ left, top, width, height }) {

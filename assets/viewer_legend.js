@@ -50,7 +50,7 @@ export function inBrief({ kind, id }, { keyframes, anchors }) {
     return [el("div", { class: "mono" }, id), el("div", { class: "muted" }, sign(session)),
       el("div", { class: "muted" }, `${covisible} covisible, ${count(seen.length, "anchor")}`)];
   }
-  const { description, class: name, state, keyframes: seen } = anchors.get(id);
+  const { description, class: name, state, prior, keyframes: seen } = anchors.get(id);
   return [el("div", {}, el("span", { class: "mono" }, id), " ", description && sign(description)),
-    el("div", { class: "muted" }, sign(name), `, ${state}, seen by ${seen.length}`)];
+    el("div", { class: "muted" }, sign(name), `, ${state}, ${prior ? "on a plan, " : ""}seen by ${seen.length}`)];
 }

@@ -8,6 +8,8 @@ import { ANCHOR_STATES } from "./words.js";
 const SEARCH_WAIT_MS = 250;
 const FILTER_WAIT_MS = 120;
 const TEXT_CHARACTERS = 4096;
+/** Among the states: what a plan says, whatever its state. */
+const PLANNED = "prior";
 
 /** The tab of anchors: a search box, a class, a state, and what they find. */
 export class AnchorList {
@@ -19,7 +21,7 @@ export class AnchorList {
     this.text.addEventListener("keydown", (event) => this.pressed(event));
     this.classes = el("select", { "aria-label": "Class", change: () => this.search() });
     this.states = el("select", { "aria-label": "State", change: () => this.search() },
-      el("option", { value: "" }, "every state"), ANCHOR_STATES.map((state) => el("option", {}, state)));
+      el("option", { value: "" }, "every state"), el("option", { value: PLANNED }, "on a plan"), ANCHOR_STATES.map((state) => el("option", {}, state)));
     this.results = el("div", {});
     fill(place, el("div", { class: "filters" }, this.text, el("div", { class: "row" }, this.classes, this.states)), this.results);
   }
@@ -72,6 +74,7 @@ export class AnchorList {
     this.turn = new AbortController();
     const { signal } = this.turn;
     const wanted = { text: this.text.value.trim(), class: this.classes.value, state: this.states.value };
+    if (wanted.state === PLANNED) Object.assign(wanted, { state: "", prior: "true" });
     const parameters = Object.fromEntries(Object.entries(wanted).filter(([, value]) => value !== ""));
     if (Object.keys(parameters).length === 0) {
       this.found(null);

@@ -45,6 +45,9 @@ export const map = {
     // robot-3 is on another floor, and the plan can be looked at alone.
     assert.ok(!texts(await chosen(page, "=robot-3")).some((text) => text.startsWith("90")));
     assert.equal(texts(await chosen(page, "=plan:9")).filter((text) => text.startsWith("90")).length, 8);
+    await page.click("#tab-anchors");
+    await page.selectOption("#anchors [aria-label=State]", "prior");
+    await page.waitForFunction(() => document.getElementById("anchors").textContent.includes("8 anchors found"));
     await page.close();
     await server.stop();
   },
