@@ -13,6 +13,7 @@ import { AnchorList, KeyframeList, fillLoops } from "./viewer_lists.js";
 import { marksOf, marksOfAnswer } from "./viewer_marks.js";
 import { PictureForm } from "./viewer_picture.js";
 import { AXES, PLANES, arrange, buildScene, widestPlane } from "./viewer_scene.js";
+import { Sweep } from "./viewer_sweep.js";
 import { tabList } from "./viewer_tabs.js";
 import { Where } from "./viewer_where.js";
 import { el, fill, number } from "./dom.js";
@@ -58,6 +59,7 @@ const picture = new PictureForm(at("picture"), world, (one) => canvas.showPictur
 const anchors = new AnchorList(at("anchors"), world, refs, foundOnMap);
 const keyframes = new KeyframeList(at("keyframes"), world, refs);
 const events = new EventList(at("events"), at("tab-events"), refs);
+const sweep = new Sweep(at("sweep"), world, refs);
 const where = new Where(at("where"), world, refs, { opened: () => openTab("where"), answered });
 
 function ref(id, click) {
@@ -180,6 +182,7 @@ async function open(map, selection = null, push = false) {
   events.clear();
   anchors.reset();
   keyframes.reset();
+  sweep.reset();
   where.refresh();
   details.clear();
   if (!await load()) return;
@@ -353,7 +356,7 @@ function hover(hit, x, y) {
 const lists = {
   anchors: () => anchors.refresh(),
   keyframes: () => keyframes.refresh(),
-  loops: () => fillLoops(at("loops"), world, refs, refreshSoon),
+  loops: () => { fillLoops(at("loop-list"), world, refs, refreshSoon); sweep.refresh(); },
   where: () => where.refresh(),
 };
 

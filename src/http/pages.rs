@@ -67,6 +67,7 @@ const ASSETS: &[Asset] = assets![
     "viewer_place.js"
     "viewer_plans.js"
     "viewer_scene.js"
+    "viewer_sweep.js"
     "viewer_tabs.js"
     "viewer_verdict.js"
     "viewer_views.js"

@@ -90,6 +90,29 @@ export const comparing = {
     await server.stop();
   },
 
+  async "a session is asked why its keyframes are no loops, near misses first, and each answer can be read"() {
+    const server = await tower(await serve("sweep"));
+    const page = await open(`${server.url}/?map=tower`);
+    await page.waitForSelector("#live[data-state=live]");
+    await page.click("#tab-loops");
+    await page.selectOption("#sweep [aria-label='Session to ask about']", "robot-3");
+    await page.click("text=Ask about them");
+    await page.waitForFunction(() => /^7 of 7 keyframes asked about/.test(document.querySelector("#sweep [role=status]").textContent)
+      && document.querySelector("#sweep li"));
+    const verdicts = await Promise.all(Array.from({ length: 7 }, (_, step) => ask(server, `robot-3-${step}`)));
+    const stopped = verdicts.filter(({ verdict }) => verdict !== "loop");
+    assert.ok(stopped.length > 0);
+    assert.equal(await page.locator("#sweep li").count(), stopped.length);
+    const [, code] = await page.$$eval("#sweep [aria-label=Reason] option", (options) => options.map(({ value }) => value));
+    await page.selectOption("#sweep [aria-label=Reason]", code);
+    const few = await page.locator("#sweep li").count();
+    assert.ok(few > 0 && few <= stopped.length);
+    await page.locator("#sweep li >> text=why").first().click();
+    await page.waitForSelector("#details h2:has-text('Loop query')");
+    await page.close();
+    await server.stop();
+  },
+
   async "candidates are chosen by the reason that stopped them"() {
     const server = await tower(await serve("why-not"));
     for (const { id, body } of drive("robot-4", { reads: (index) => String(701 + index), begins: 4000 })) {
