@@ -311,9 +311,11 @@ function learned({ numbering, twins }) {
 
 function redraw() {
   const { meta, scene } = state;
-  fill(at("figures"), [[meta.keyframes, "keyframe"], [meta.anchors, "anchor"], [meta.sessions - scene.plans.length, "session"],
-    ...(scene.plans.length > 0 ? [[scene.plans.length, "plan"]] : []), [meta.loops, "loop"]].map(([n, one]) => el("span", {}, el("b", {}, number(n, 0)), ` ${n === 1 ? one : `${one}s`}`)),
-  el("span", {}, "version ", el("b", {}, meta.map_version)), learned(meta));
+  const { plans } = scene;
+  const counts = [[meta.keyframes, "keyframe"], [meta.anchors, "anchor"], [meta.sessions - plans.length, "session"], [meta.loops, "loop"]];
+  if (plans.length > 0) counts.splice(3, 0, [plans.length, "plan"]);
+  fill(at("figures"), counts.map(([n, one]) => el("span", {}, el("b", {}, number(n, 0)), ` ${n === 1 ? one : `${one}s`}`)),
+    el("span", {}, "version ", el("b", {}, meta.map_version)), learned(meta));
   at("figures").title = meta.description;
   fill(at("sessions"), sessionOptions(scene));
   lay();

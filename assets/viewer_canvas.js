@@ -138,7 +138,8 @@ export class MapCanvas {
     if (points.length === 0 || points.some(isInView)) return;
     const [us, vs] = [points.map(({ u }) => u), points.map(({ v }) => v)];
     const [u0, u1, v0, v1] = [Math.min(...us), Math.max(...us), Math.min(...vs), Math.max(...vs)];
-    const scale = Math.min((width - 2 * MARGIN_PX) / Math.max(u1 - u0, 1e-9), (height - 2 * MARGIN_PX) / Math.max(v1 - v0, 1e-9), this.view.scale);
+    const room = (pixels, length) => Math.max(pixels - 2 * MARGIN_PX, 40) / Math.max(length, 1e-9);
+    const scale = Math.min(room(width, u1 - u0), room(height, v1 - v0), this.view.scale);
     this.view = { u: (u0 + u1) / 2, v: (v0 + v1) / 2, scale };
     this.moved = true;
     this.draw();

@@ -76,8 +76,10 @@ export class Compare {
       el("p", {}, candidate.reason ? why(candidate.reason) : "It passed every check that could run."),
       checksInFigures(candidate, settings),
       twoViews(maps, [query ?? "not stored", candidate.keyframe], pairs, NARROW.matches),
-      el("p", { class: "muted small" }, "From above, ahead is up. Pairs have one number and one colour; a dashed ring on the right is where "
-        + "the left one would be if this were one place.", hasMoved && ` Drawn as the map is now, version ${this.world.version()}; the verdict is of version ${answer.map_version}.`),
+      el("p", { class: "muted small" },
+        "From above, ahead is up. Pairs have one number and one colour; a dashed ring in the candidate's view is where the query's ",
+        "anchor would be if this were one place.",
+        hasMoved && ` Drawn as the map is now, version ${this.world.version()}; the verdict is of version ${answer.map_version}.`),
       pairs.length === 0 && el("p", { class: "hint" }, "No anchor of the one is set against an anchor of the other."),
       el("ol", { class: "compared" }, pairs.map((pair) => this.pair(pair, settings, scene))),
       this.lone("Only here", unpaired(maps[0], pairs, "query")),
@@ -93,7 +95,8 @@ export class Compare {
       el("div", { class: "compared-head" }, badge, el("b", {}, KINDS[kind]), el("span", { class: "muted small" }, sign(note))),
       el("div", { class: "plates" },
         this.plate(ids[0], query, texts[0], scene, "here"), this.plate(ids[1], candidate, texts[1], scene, "there")),
-      angle === null || distance === null ? el("p", { class: "muted small" }, "Not both are around their keyframes now: nothing to measure.")
+      angle === null || distance === null
+        ? el("p", { class: "muted small" }, "Not both are around their keyframes now: nothing to measure.")
         : el("div", { class: "gauges" },
           gauge("angle apart", angle, mostAngle, degrees),
           gauge("distance apart", distance, mostDistance, (metres) => `${number(metres)} m`)));

@@ -11,7 +11,10 @@ const QUESTION = "Is it a loop?";
 
 /** Fills a place with what is selected. A newer selection wins over the answers to an older one. */
 export class Details {
-  /** `world` gives `map()`, `scene()`, `version()`, and hears `mark(kind, id, marks)`, `locate(id)` and `compare(answer, candidate)`; `refs` makes references. */
+  /**
+   * `world` gives `map()`, `scene()`, `version()`, and hears `mark(kind, id, marks)`, `locate(id)` and `compare(answer, candidate)`;
+   * `refs` makes references.
+   */
   constructor(place, world, refs) {
     Object.assign(this, { place, world, refs, turn: new AbortController() });
   }

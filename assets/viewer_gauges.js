@@ -30,7 +30,8 @@ function row(name, measured, limit, isWell, words) {
 
 /** The three checks of a candidate in figures. */
 export function checksInFigures({ bow, global, anchors, geometry, reason }, settings) {
-  return el("div", { class: "gauges figures-of" }, appearance(bow, global, settings), similarity(anchors), inliers(geometry, reason, settings));
+  return el("div", { class: "gauges figures-of" },
+    appearance(bow, global, settings), similarity(anchors), inliers(geometry, reason, settings));
 }
 
 function plain(name, words) {
@@ -54,10 +55,11 @@ function similarity(anchors) {
 function inliers({ status, reason: skipped, inliers: found, log10_false_alarms: alarms }, reason, settings) {
   if (status === "skipped") return plain("geometry", `did not run${skipped ? `: ${skipped}` : ""}`);
   if (typeof found !== "number") return plain("geometry", status);
-  const isJudged = REASONS[reason?.code]?.check === "geometry" && typeof reason.limit === "number" && typeof reason.measured === "number";
-  if (isJudged && reason.measured === found) return least("inliers", found, reason.limit, found >= reason.limit, `${found}, ${number(reason.limit, 0)} needed`);
+  const isJudged = REASONS[reason?.code]?.check === "geometry" && typeof reason.limit === "number" && reason.measured === found;
+  if (isJudged) return least("inliers", found, reason.limit, found >= reason.limit, `${found}, ${number(reason.limit, 0)} needed`);
   if (settings.geometry_acceptance === "significance" && typeof alarms === "number") {
-    return least("geometry, inliers by chance", -alarms, -SIGNIFICANT, alarms <= SIGNIFICANT, `${found}; 1 in 10^${number(-alarms, 0)}, 10^6 needed`);
+    const words = `1 in 10^${number(-alarms, 0)}, 10^${-SIGNIFICANT} needed`;
+    return least(`${number(found, 0)} inliers by chance`, -alarms, -SIGNIFICANT, alarms <= SIGNIFICANT, words);
   }
   const needed = settings.geometry_min_inliers;
   return least("inliers", found, needed, status === "verified", `${found}, ${needed} needed`);

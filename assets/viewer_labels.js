@@ -71,7 +71,8 @@ export class Labels {
     const free = boxes.find((box) => this.isInside(box) && !this.isTaken(box));
     if (free || order > 0 || !isFirst) return free ?? null;
     const [{ left, top }] = boxes;
-    return { text, left: Math.max(Math.min(left, this.width - width), 0), top: Math.max(Math.min(top, this.height - HEIGHT_PX), 0), width, height: HEIGHT_PX };
+    const within = (at, most) => Math.max(Math.min(at, most), 0);
+    return { text, left: within(left, this.width - width), top: within(top, this.height - HEIGHT_PX), width, height: HEIGHT_PX };
   }
 
   /** Measured once: thousands of labels are looked at for each drawing. */
@@ -123,7 +124,8 @@ function spots(x, y, width, gap, centred) {
 }
 
 function overlap(a, b) {
-  return a.left < b.left + b.width + APART_PX && b.left < a.left + a.width + APART_PX && a.top < b.top + b.height && b.top < a.top + a.height;
+  return a.left < b.left + b.width + APART_PX && b.left < a.left + a.width + APART_PX
+    && a.top < b.top + b.height && b.top < a.top + a.height;
 }
 
 function cellsOf({ left, top, width, height }) {

@@ -21,7 +21,8 @@ export class AnchorList {
     this.text.addEventListener("keydown", (event) => this.pressed(event));
     this.classes = el("select", { "aria-label": "Class", change: () => this.search() });
     this.states = el("select", { "aria-label": "State", change: () => this.search() },
-      el("option", { value: "" }, "every state"), el("option", { value: PLANNED }, "on a plan"), ANCHOR_STATES.map((state) => el("option", {}, state)));
+      el("option", { value: "" }, "every state"), el("option", { value: PLANNED }, "on a plan"),
+      ANCHOR_STATES.map((state) => el("option", {}, state)));
     this.results = el("div", {});
     fill(place, el("div", { class: "filters" }, this.text, el("div", { class: "row" }, this.classes, this.states)), this.results);
   }

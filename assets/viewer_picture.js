@@ -57,7 +57,8 @@ export class PictureForm {
       panel.open = false;
       panel.querySelector("summary").focus();
     });
-    fill(place, el("p", { class: "muted small" }, "Lays a picture of a floor plan under the map. It stays in this tab and is not uploaded."),
+    fill(place,
+      el("p", { class: "muted small" }, "Lays a picture of a floor plan under the map. It stays in this tab and is not uploaded."),
       field(this.file, el("span", {}, "Picture")), this.fault, this.settled);
   }
 

@@ -90,7 +90,8 @@ export class Sweep {
     const shown = this.found.filter(({ reason }) => this.reason.value === "" || reason?.code === this.reason.value)
       .toSorted((a, b) => shortfall(a) - shortfall(b) || 0);
     fill(this.results, shown.length > 0 && longList(shown, "lines", ({ keyframe, candidate, query, reason }) => [
-      el("div", {}, this.refs.keyframe(keyframe), candidate && [" against ", this.refs.keyframe(candidate)], " (", this.refs.query(query, keyframe), ")"),
+      el("div", {}, this.refs.keyframe(keyframe), candidate && [" against ", this.refs.keyframe(candidate)],
+        " (", this.refs.query(query, keyframe), ")"),
       reason && el("div", { class: "muted small" }, why(reason))]));
   }
 }

@@ -71,8 +71,8 @@ function ground([x, y], name, map, metres, colours, labels) {
     parts.push(svg("path", { d: `M ${x} ${y - 11} l 7 16 l -7 -4 l -7 4 z`, fill: text, stroke: paper }));
     labels.reserve("camera", x - 8, y - 12, 16, 18);
   } else {
-    const lines = ["This keyframe was asked about", "and not stored."];
-    lines.forEach((one, index) => parts.push(svg("text", { x, y: y + 16 * index, fill: muted, "text-anchor": "middle", class: "ring" }, one)));
+    const line = (text, down) => svg("text", { x, y: y + down, fill: muted, "text-anchor": "middle", class: "ring" }, text);
+    parts.push(line("This keyframe was asked about", 0), line("and not stored.", 16));
   }
   return svg("g", {}, ...parts);
 }
@@ -100,7 +100,8 @@ function tie({ query, candidate, colour, kind }, place, { ground: paper }, bow) 
 function pairMark({ x, y, isBeyond }, { number, colour, kind, ...pair }, side, { ground: paper, text }, labels) {
   const anchor = pair[side];
   labels.reserve(String(number), x - MARK, y - MARK, 2 * MARK, 2 * MARK);
-  labels.beside(named(anchor, isBeyond), { x, y }, MARK + 3, { rank: kind === "contradicts" ? "marked" : "identifier", colour: text, bold: true });
+  const rank = kind === "contradicts" ? "marked" : "identifier";
+  labels.beside(named(anchor, isBeyond), { x, y }, MARK + 3, { rank, colour: text, bold: true });
   return svg("g", { "data-pair": number, "data-kind": kind }, svg("circle", { cx: x, cy: y, r: MARK, fill: colour, stroke: paper }),
     svg("text", { x, y: y + 4, fill: paper, "text-anchor": "middle", class: "number" }, number), svg("title", {}, named(anchor, true)));
 }
