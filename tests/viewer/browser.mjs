@@ -26,14 +26,18 @@ export async function serve(name, ...options) {
     url = line.match(/http:\/\/\S+/)?.[0].replace(/\/$/, "");
     if (url) break;
   }
-  const ask = async (method, path, body, headers = {}) => {
-    const sent = typeof body === "string" ? body : JSON.stringify(body);
-    const kind = typeof body === "string" ? "application/x-ndjson" : "application/json";
-    const answer = await fetch(`${url}${path}`, { method, body: sent, headers: { "content-type": kind, ...headers } });
+  const ask = async (method, path, body) => {
+    const answer = await fetch(`${url}${path}`, { method, body: JSON.stringify(body), headers: { "content-type": "application/json" } });
     assert.ok(answer.ok, `${method} ${path}: ${answer.status} ${await answer.clone().text()}`);
     return answer.json();
   };
-  return { url, ask, stop: () => new Promise((gone) => { server.on("exit", gone); server.kill("SIGTERM"); }) };
+  /** Many keyframes at once, each `{ id, body }`. */
+  const send = async (map, keyframes) => {
+    const body = keyframes.map(({ id, body: one }) => `${JSON.stringify({ id, ...one })}\n`).join("");
+    const answer = await fetch(`${url}/v1/maps/${map}/keyframes`, { method: "POST", body, headers: { "content-type": "application/x-ndjson" } });
+    assert.equal(answer.status, 200, await answer.text());
+  };
+  return { url, ask, send, stop: () => new Promise((gone) => { server.on("exit", gone); server.kill("SIGTERM"); }) };
 }
 
 const browser = await chromium.launch({ executablePath, args: ["--no-sandbox", "--disable-gpu"] });
@@ -48,13 +52,15 @@ export async function open(url, { scheme = "light", expected = /(?!)/, width = 1
   return page;
 }
 
+const policies = new Map();
+
 /** The file of the folder, under the policy that the program gives its own. */
 async function fromFolder(route) {
   const { pathname, origin } = new URL(route.request().url());
   const name = pathname === "/" ? "viewer.html" : pathname.slice("/assets/".length);
-  const policy = (await fetch(origin)).headers.get("content-security-policy");
+  if (!policies.has(origin)) policies.set(origin, (await fetch(origin)).headers.get("content-security-policy"));
   const body = readFileSync(join(ASSETS, name));
-  await route.fulfill({ body, headers: { "content-type": KINDS[name.split(".").pop()], "content-security-policy": policy } });
+  await route.fulfill({ body, headers: { "content-type": KINDS[name.split(".").pop()], "content-security-policy": policies.get(origin) } });
 }
 
 /** The boxes of the texts on the canvas, drawn once more after an act. */

@@ -115,9 +115,7 @@ export const comparing = {
 
   async "candidates are chosen by the reason that stopped them"() {
     const server = await tower(await serve("why-not"));
-    for (const { id, body } of drive("robot-4", { reads: (index) => String(701 + index), begins: 4000 })) {
-      await server.ask("PUT", `/v1/maps/tower/keyframes/${id}`, body);
-    }
+    await server.send("tower", drive("robot-4", { reads: (index) => String(701 + index), begins: 4000 }));
     const page = await open(`${server.url}/?map=tower&keyframe=${MISREAD}`);
     await page.click("text=Is it a loop?");
     await page.waitForSelector(".why-not select");

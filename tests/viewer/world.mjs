@@ -87,14 +87,13 @@ function checksum(bytes) {
  * `robot-3` drives on the floor below, which has no plan and no pictures.
  */
 export async function tower(server) {
-  const put = async (kind, items) => {
-    for (const { id, body } of items) await server.ask("PUT", `/v1/maps/tower/${kind}/${id}`, body);
-  };
   await server.ask("PUT", "/v1/maps/tower", {});
-  await put("anchors", plan(9));
-  await put("keyframes", drive("robot-1", { reads: (index) => doorNumber(9, index), crops: true }));
+  for (const { id, body } of plan(9)) await server.ask("PUT", `/v1/maps/tower/anchors/${id}`, body);
   const misread = (index) => (index === 2 ? "930" : doorNumber(9, index));
-  await put("keyframes", drive("robot-2", { reads: misread, offset: [20, 5, 0], begins: 1000, crops: true }));
-  await put("keyframes", drive("robot-3", { reads: (index) => doorNumber(8, index), offset: [0, 20, 0], begins: 2000 }));
+  await server.send("tower", [
+    ...drive("robot-1", { reads: (index) => doorNumber(9, index), crops: true }),
+    ...drive("robot-2", { reads: misread, offset: [20, 5, 0], begins: 1000, crops: true }),
+    ...drive("robot-3", { reads: (index) => doorNumber(8, index), offset: [0, 20, 0], begins: 2000 }),
+  ]);
   return server;
 }
