@@ -71,6 +71,28 @@ export const comparing = {
     await server.stop();
   },
 
+  async "the inliers of geometry stand against what was needed"() {
+    const server = await serve("inliers");
+    const page = await open(`${server.url}/`);
+    const figures = (geometry, reason, settings) => page.evaluate(async ([one, two, three]) => {
+      const { checksInFigures } = await import(new URL("assets/viewer_gauges.js", document.baseURI).href);
+      const shown = checksInFigures({ bow: { score: 0.2, reference_score: 0.3 }, geometry: one, reason: two }, three);
+      return [...shown.children].map((row) => `${row.className}: ${[...row.children].map(({ textContent }) => textContent).join(" ").trim()}`);
+    }, [geometry, reason, settings]);
+    const [counted, significant] = ["count", "significance"].map((how) =>
+      ({ geometry_acceptance: how, geometry_min_inliers: 20, candidates_min_score_ratio: 0.8 }));
+    // The reason's own limit comes first, then the map's way to accept.
+    const few = { code: "too_few_inliers", measured: 12, limit: 31 };
+    assert.deepEqual(await figures({ status: "failed", inliers: 12, log10_false_alarms: -3 }, few, significant),
+      ["gauge off: appearance ✕ 0.2, 0.24 needed", "gauge: anchors, S not reached", "gauge off: inliers ✕ 12, 31 needed"]);
+    assert.equal((await figures({ status: "verified", inliers: 143, log10_false_alarms: -80 }, undefined, significant)).at(-1),
+      "gauge: 143 inliers by chance 1 in 10^80, 10^6 needed");
+    assert.equal((await figures({ status: "verified", inliers: 25, log10_false_alarms: -8 }, undefined, counted)).at(-1), "gauge: inliers 25, 20 needed");
+    assert.equal((await figures({ status: "skipped", reason: "no camera" }, undefined, counted)).at(-1), "gauge: geometry did not run: no camera");
+    await page.close();
+    await server.stop();
+  },
+
   async "a query that was sent along and not stored shows what there is"() {
     const server = await tower(await serve("inline"));
     const { id, body } = drive("robot-9", { steps: 2, reads: (index) => String(901 + index) })[1];
