@@ -2,13 +2,19 @@
 
 import { everything, get, key, list, path } from "./viewer_api.js";
 import { MapCanvas } from "./viewer_canvas.js";
+import { onChange } from "./viewer_colours.js";
+import { Compare } from "./viewer_compare.js";
 import { Details } from "./viewer_details.js";
 import { keyWanted, noKeyframes, noMaps, noSuchMap, unreachable } from "./viewer_empty.js";
 import { EventList, listen } from "./viewer_events.js";
+import { listenToKeys } from "./viewer_keys.js";
 import { inBrief, legend, sessionOptions } from "./viewer_legend.js";
 import { AnchorList, KeyframeList, fillLoops } from "./viewer_lists.js";
 import { marksOf, marksOfAnswer } from "./viewer_marks.js";
+import { PictureForm } from "./viewer_picture.js";
 import { AXES, PLANES, arrange, buildScene, widestPlane } from "./viewer_scene.js";
+import { Sweep } from "./viewer_sweep.js";
+import { tabList } from "./viewer_tabs.js";
 import { Where } from "./viewer_where.js";
 import { el, fill, number } from "./dom.js";
 
@@ -38,16 +44,22 @@ const refs = {
   query: (id, keyframe) => ref("why", () => {
     choose(keyframe ? { kind: "keyframe", id: keyframe } : null);
     openTab("details");
-    details.query(id, keyframe);
+    details.query(id);
   }),
   place: (map, id) => ref(id, () => (map === state.map ? select("keyframe", id) : open(map, { kind: "keyframe", id }, true))),
 };
-const world = { map: () => state.map, scene: () => state.scene, version: () => state.meta?.map_version ?? 0, mark, locate };
+const world = {
+  map: () => state.map, scene: () => state.scene, version: () => state.meta?.map_version ?? 0, settings: () => state.meta?.settings ?? {},
+  plane: () => canvas.layout.plane, mark, locate, compare: (answer, candidate) => compare.open(answer, candidate),
+};
 const canvas = new MapCanvas(at("canvas"), { pick: (hit) => (hit ? select(hit.kind, hit.id, false) : letGo()), hover });
 const details = new Details(at("details"), world, refs);
-const anchors = new AnchorList(at("anchors"), world, refs, (found) => { state.found = found; remark(); });
+const compare = new Compare(world, refs);
+const picture = new PictureForm(at("picture"), world, (one) => canvas.showPicture(one));
+const anchors = new AnchorList(at("anchors"), world, refs, foundOnMap);
 const keyframes = new KeyframeList(at("keyframes"), world, refs);
 const events = new EventList(at("events"), at("tab-events"), refs);
+const sweep = new Sweep(at("sweep"), world, refs);
 const where = new Where(at("where"), world, refs, { opened: () => openTab("where"), answered });
 
 function ref(id, click) {
@@ -93,6 +105,20 @@ function answered(answer) {
   if (best && canvas.marks.places.length > 0) canvas.bring(canvas.marks.places[0]);
 }
 
+/** Shows what a search found, all of it if nothing of it is in view. */
+function foundOnMap(ids) {
+  state.found = ids;
+  remark();
+  if (ids?.size > 0) canvas.bringAll([...canvas.anchors].filter(({ id }) => ids.has(id)));
+}
+
+/** Finds signs by their text, from wherever one is. */
+function find() {
+  if (document.body.classList.contains("covered")) return;
+  openTab("anchors");
+  anchors.focus();
+}
+
 function letGo() {
   choose(null);
   details.clear();
@@ -127,6 +153,19 @@ function step(by) {
   select("keyframe", shown[next].id);
 }
 
+/** Steps within the session of the selected keyframe, and stops at its ends; at first, to the first keyframe. */
+function stepInSession(by) {
+  const { selection } = state;
+  const session = selection?.kind === "keyframe" && canvas.point("keyframe", selection.id)?.session;
+  if (!session) {
+    step(by);
+    return;
+  }
+  const points = canvas.bySession.get(session);
+  const next = points[points.findIndex(({ id }) => id === selection.id) + by];
+  if (next) select("keyframe", next.id);
+}
+
 // --- The map and its data ---------------------------------------------------------------------------------------------
 
 async function open(map, selection = null, push = false) {
@@ -143,6 +182,7 @@ async function open(map, selection = null, push = false) {
   events.clear();
   anchors.reset();
   keyframes.reset();
+  sweep.reset();
   where.refresh();
   details.clear();
   if (!await load()) return;
@@ -150,7 +190,7 @@ async function open(map, selection = null, push = false) {
   if (selection) select(selection.kind, selection.id);
 }
 
-/** Reads the map anew; false if that failed or another map was opened meanwhile. */
+/** Reads the map again; false if that failed or another map was opened meanwhile. */
 async function load() {
   loading?.abort();
   const turn = new AbortController();
@@ -271,13 +311,16 @@ function learned({ numbering, twins }) {
 
 function redraw() {
   const { meta, scene } = state;
-  fill(at("figures"), [[meta.keyframes, "keyframe"], [meta.anchors, "anchor"], [meta.sessions, "session"], [meta.loops, "loop"]]
-    .map(([n, one]) => el("span", {}, el("b", {}, number(n, 0)), ` ${n === 1 ? one : `${one}s`}`)),
-  el("span", {}, "version ", el("b", {}, meta.map_version)), learned(meta));
+  const { plans } = scene;
+  const counts = [[meta.keyframes, "keyframe"], [meta.anchors, "anchor"], [meta.sessions - plans.length, "session"], [meta.loops, "loop"]];
+  if (plans.length > 0) counts.splice(3, 0, [plans.length, "plan"]);
+  fill(at("figures"), counts.map(([n, one]) => el("span", {}, el("b", {}, number(n, 0)), ` ${n === 1 ? one : `${one}s`}`)),
+    el("span", {}, "version ", el("b", {}, meta.map_version)), learned(meta));
   at("figures").title = meta.description;
   fill(at("sessions"), sessionOptions(scene));
   lay();
   fill(at("legend"), legend(scene));
+  picture.refresh();
   for (const panel of Object.keys(lists)) if (!at(panel).hidden && !isRead(at(panel))) lists[panel]();
   at("tab-loops").textContent = meta.loops > 0 ? `Loops ${meta.loops}` : "Loops";
 }
@@ -286,7 +329,7 @@ function redraw() {
 function lay() {
   const { scene, choice, apart } = state;
   const fleet = state.fleet && scene.joined > 1;
-  if (choice !== null && !scene.sessions.some(({ name }) => name === choice)) state.choice = null;
+  if (choice !== null && ![...scene.sessions, ...scene.plans].some(({ name }) => name === choice)) state.choice = null;
   const plane = state.plane ?? widestPlane(scene, fleet);
   const { width, height } = canvas.size;
   canvas.show(scene, arrange(scene, { plane, choice: state.choice, apart, fleet, aspect: width / height }));
@@ -315,7 +358,7 @@ function hover(hit, x, y) {
 const lists = {
   anchors: () => anchors.refresh(),
   keyframes: () => keyframes.refresh(),
-  loops: () => fillLoops(at("loops"), world, refs, refreshSoon),
+  loops: () => { fillLoops(at("loop-list"), world, refs, refreshSoon); sweep.refresh(); },
   where: () => where.refresh(),
 };
 
@@ -323,44 +366,14 @@ function isRead(panel) {
   return panel.scrollTop > 40 || panel.getBoundingClientRect().top < 0 || Boolean(document.activeElement?.closest("aside li"));
 }
 
-const tabs = [...document.querySelectorAll("[role=tab]")];
+const openTab = tabList([...document.querySelectorAll("[role=tab]")], (panel) => lists[panel]?.());
 
-function openTab(panel) {
-  for (const tab of tabs) {
-    const chosen = tab.getAttribute("aria-controls") === panel;
-    tab.setAttribute("aria-selected", String(chosen));
-    tab.tabIndex = chosen ? 0 : -1;
-    at(tab.getAttribute("aria-controls")).hidden = !chosen;
-  }
-  at(panel).scrollTop = 0;
-  lists[panel]?.();
-}
-
-tabs.forEach((tab, index) => {
-  tab.addEventListener("click", () => openTab(tab.getAttribute("aria-controls")));
-  tab.addEventListener("keydown", ({ key: pressed }) => {
-    const by = { ArrowRight: 1, ArrowLeft: -1 }[pressed];
-    if (!by) return;
-    const next = tabs[(index + by + tabs.length) % tabs.length];
-    openTab(next.getAttribute("aria-controls"));
-    next.focus();
-  });
-});
-
-const KEYS = {
-  ArrowLeft: () => canvas.pan(60, 0), ArrowRight: () => canvas.pan(-60, 0),
-  ArrowUp: () => canvas.pan(0, 60), ArrowDown: () => canvas.pan(0, -60),
-  "+": () => canvas.zoom(1.4), "=": () => canvas.zoom(1.4), "-": () => canvas.zoom(1 / 1.4), 0: () => canvas.fit(),
-  n: () => step(1), p: () => step(-1), Escape: letGo,
-};
-at("canvas").addEventListener("keydown", (event) => {
-  if (event.ctrlKey || event.metaKey || event.altKey || !KEYS[event.key]) return;
-  event.preventDefault();
-  KEYS[event.key]();
-});
+listenToKeys(canvas, { step: stepInSession, stepAll: step, letGo, find });
 at("in").addEventListener("click", () => canvas.zoom(1.4));
 at("out").addEventListener("click", () => canvas.zoom(1 / 1.4));
 at("fit").addEventListener("click", () => canvas.fit());
+at("find").addEventListener("click", find);
+onChange(() => fill(at("legend"), legend(state.scene)));
 at("labels").addEventListener("change", ({ target }) => canvas.showLabels(target.checked));
 at("maps").addEventListener("change", ({ target }) => open(target.value, null, true));
 at("sessions").addEventListener("change", ({ target: { value } }) => {

@@ -74,14 +74,17 @@ export async function list(address, { signal, most = Infinity, parameters = {} }
 
 /** Everything that the top view shows of a map. */
 export async function everything(map, signal) {
-  const [meta, keyframes, anchors, loops, frames] = await Promise.all([
+  const [meta, keyframes, anchors, loops, sessions, frames] = await Promise.all([
     get(path("maps", map), signal),
     list(path("maps", map, "keyframes"), { signal }),
     list(path("maps", map, "anchors"), { signal }),
     list(path("maps", map, "loops"), { signal }),
+    list(path("maps", map, "sessions"), { signal }),
     // Without them each session stands in its own frame.
     get(path("maps", map, "frames"), signal).catch(() => null),
   ]);
   const version = Math.min(meta.map_version, keyframes.version, anchors.version, loops.version);
-  return { meta, version, keyframes: keyframes.items, anchors: anchors.items, loops: loops.items, frames };
+  return {
+    meta, version, keyframes: keyframes.items, anchors: anchors.items, loops: loops.items, sessions: sessions.items, frames,
+  };
 }

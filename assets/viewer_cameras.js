@@ -69,9 +69,9 @@ function drawSign({ map, context, theme, labels }, { text, ...point }) {
   context.arc(x, y, 11, 0, 2 * Math.PI);
   context.stroke();
   context.setLineDash([]);
-  labels.beside(`look for ${text}`, { x, y: y + 16 }, 6, { colour: theme.accent, halo: theme.ground, always: true, bold: true });
+  labels.beside(`look for ${text}`, { x, y }, 14, { rank: "marked", colour: theme.accent, halo: theme.ground, bold: true });
 }
 
 function label(labels, theme, { text, tone, best }, { x, y }) {
-  labels.beside(text, { x, y: y - 14 }, 12, { colour: theme[tone], halo: theme.ground, always: best, bold: best });
+  labels.beside(text, { x, y }, 16, { rank: best ? "marked" : "identifier", colour: theme[tone], halo: theme.ground, bold: best });
 }

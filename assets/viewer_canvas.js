@@ -1,5 +1,7 @@
 // Canvas: the top view. It knows points on a page and what is marked among them; what they mean is the panel's affair.
 
+import { onChange } from "./viewer_colours.js";
+import { planPoints } from "./viewer_plans.js";
 import { moved, shifted, turned } from "./viewer_scene.js";
 import { drawScene } from "./viewer_draw.js";
 
@@ -18,6 +20,7 @@ export class MapCanvas {
   constructor(canvas, on) {
     Object.assign(this, { canvas, on, scene: null, layout: null, marks: NO_MARKS, labels: true, step: 0 });
     this.view = { u: 0, v: 0, scale: 1 };
+    this.picture = null;
     this.moved = false;
     this.keyframes = [];
     this.anchors = [];
@@ -26,7 +29,7 @@ export class MapCanvas {
     this.pointers = new Map();
     this.size = { width: 1, height: 1 };
     new ResizeObserver(() => this.resize()).observe(canvas);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
+    onChange(() => this.draw());
     this.listen();
   }
 
@@ -36,7 +39,7 @@ export class MapCanvas {
     const [u, v] = layout.plane;
     this.bySession = new Map();
     this.anchors = [];
-    for (const { session, placed, du, dv } of layout.groups) {
+    for (const { session, placed, du, dv } of layout.groups.filter((group) => !group.session.isPlan)) {
       this.bySession.set(session, session.keyframes.map(({ id, place, forward }) => {
         const [at, ahead] = [moved(placed, place), turned(placed, forward)];
         return { kind: "keyframe", id, u: at[u] + du, v: at[v] + dv, ahead: [ahead[u], ahead[v]], session };
@@ -46,6 +49,7 @@ export class MapCanvas {
         this.anchors.push({ kind: "anchor", id: anchor.id, u: at[u] + du, v: at[v] + dv, anchor, session });
       }
     }
+    this.anchors.push(...planPoints(layout));
     this.keyframes = [...this.bySession.values()].flat();
     this.byId = new Map(this.keyframes.map((point) => [point.id, point]));
     this.step = usualStep([...this.bySession.values()]);
@@ -59,6 +63,12 @@ export class MapCanvas {
     this.draw();
   }
 
+  /** Lays a picture under everything; `null` takes it away. */
+  showPicture(picture) {
+    this.picture = picture;
+    this.draw();
+  }
+
   showLabels(labels) {
     this.labels = labels;
     this.draw();
@@ -66,11 +76,18 @@ export class MapCanvas {
 
   /** Where a place of a session's frame is on the page; null if that session is not shown. */
   project(sessionName, place) {
-    const group = this.layout?.groups.find(({ session }) => session.name === sessionName);
-    if (!group) return null;
-    const [u, v] = this.layout.plane;
-    const at = moved(group.placed, place);
-    return { u: at[u] + group.du, v: at[v] + group.dv, session: group.session };
+    return this.framesOf(sessionName)[0]?.(place) ?? null;
+  }
+
+  /** Ways from a session's or a plan's frame to the page; a plan may lie under several sessions. */
+  framesOf(name) {
+    const { groups, beneath, plane: [u, v] } = this.layout ?? { groups: [], beneath: [], plane: [0, 1] };
+    const under = beneath.filter(({ plan }) => plan.name === name).map(({ placed, group }) => ({ ...group, placed }));
+    const all = under.length > 0 ? under : groups.filter(({ session }) => session.name === name);
+    return all.map(({ placed, du, dv, session }) => (place) => {
+      const at = moved(placed, place);
+      return { u: at[u] + du, v: at[v] + dv, session };
+    });
   }
 
   /** Shows everything. */
@@ -108,6 +125,23 @@ export class MapCanvas {
     const outside = (at, most) => Math.max(EDGE_PX - at, 0) - Math.max(at - most + EDGE_PX, 0);
     const [dx, dy] = [outside(x, width), outside(y, height)];
     if (dx !== 0 || dy !== 0) this.pan(dx, dy);
+    this.draw();
+  }
+
+  /** Shows all of some points, unless one of them is in view already. */
+  bringAll(points) {
+    const { width, height } = this.size;
+    const isInView = (point) => {
+      const { x, y } = this.onScreen(point);
+      return x > 0 && y > 0 && x < width && y < height;
+    };
+    if (points.length === 0 || points.some(isInView)) return;
+    const [us, vs] = [points.map(({ u }) => u), points.map(({ v }) => v)];
+    const [u0, u1, v0, v1] = [Math.min(...us), Math.max(...us), Math.min(...vs), Math.max(...vs)];
+    const room = (pixels, length) => Math.max(pixels - 2 * MARGIN_PX, 40) / Math.max(length, 1e-9);
+    const scale = Math.min(room(width, u1 - u0), room(height, v1 - v0), this.view.scale);
+    this.view = { u: (u0 + u1) / 2, v: (v0 + v1) / 2, scale };
+    this.moved = true;
     this.draw();
   }
 
@@ -194,7 +228,9 @@ export class MapCanvas {
   drawNow() {
     cancelAnimationFrame(this.waiting);
     this.waiting = null;
-    if (this.layout) drawScene(this);
+    if (!this.layout) return;
+    const labels = drawScene(this);
+    this.canvas.dispatchEvent(new CustomEvent("drawn", { detail: { labels } }));
   }
 
   listen() {

@@ -1,6 +1,7 @@
 // Details: all that is known about the selected keyframe or anchor.
 
-import { get, path, post, send } from "./viewer_api.js";
+import { get, path, post } from "./viewer_api.js";
+import { cropOf } from "./viewer_crop.js";
 import { copyable, count, el, fill, number, sign } from "./dom.js";
 import { explain, judge } from "./viewer_verdict.js";
 
@@ -10,7 +11,10 @@ const QUESTION = "Is it a loop?";
 
 /** Fills a place with what is selected. A newer selection wins over the answers to an older one. */
 export class Details {
-  /** `world` gives `map()`, `scene()`, `version()`, and hears `mark(kind, id, marks)` and `locate(id)`; `refs` makes references. */
+  /**
+   * `world` gives `map()`, `scene()`, `version()`, and hears `mark(kind, id, marks)`, `locate(id)` and `compare(answer, candidate)`;
+   * `refs` makes references.
+   */
   constructor(place, world, refs) {
     Object.assign(this, { place, world, refs, turn: new AbortController() });
   }
@@ -92,16 +96,21 @@ export class Details {
   verdict(id, verdict, curl) {
     this.world.mark("keyframe", id, { verdict });
     const described = (anchor) => this.world.scene().anchors.get(anchor)?.description;
-    return explain(verdict, { refs: this.refs, described, curl, version: this.world.version() });
+    const compare = (candidate) => this.world.compare(verdict, candidate);
+    return explain(verdict, { refs: this.refs, described, curl, version: this.world.version(), compare });
   }
 
-  /** A verdict that was kept. It does not say which keyframe was asked about; events and loops do. */
-  query(query, keyframe) {
+  /** A verdict that was kept. */
+  query(query) {
     const signal = this.begin();
     const answer = el("div", {});
-    fill(this.place, el("h2", {}, "Loop query ", el("code", {}, query)),
-      keyframe && el("p", {}, "Asked about ", this.refs.keyframe(keyframe)), answer);
-    shown(answer, signal, async () => this.verdict(keyframe, await get(this.address("loop-queries", query), signal)));
+    fill(this.place, el("h2", {}, "Loop query ", el("code", {}, query)), answer);
+    shown(answer, signal, async () => {
+      const verdict = await get(this.address("loop-queries", query), signal);
+      const asked = verdict.keyframe ?? null;
+      return [el("p", {}, asked ? ["Asked about ", this.refs.keyframe(asked)] : "Asked about a keyframe that is not stored."),
+        this.verdict(asked, verdict)];
+    });
   }
 
   neighbours(id, place, signal) {
@@ -171,7 +180,7 @@ export class Details {
     return [
       el("p", { class: "reads" }, anchor.description ? sign(anchor.description) : "not described yet"),
       el("p", {}, el("span", { class: "chip" }, anchor.class), " ", chip(anchor.state, STATES)),
-      anchor.has_crop && this.crop(anchor.id, signal),
+      anchor.has_crop && el("figure", {}, cropOf(this.address("anchors", anchor.id, "crop"), signal)),
       facts(["Described", anchor.description && source],
         ["Identifiers", anchor.identifiers.length > 0 && anchor.identifiers.map((text) => [sign(text), " "])],
         ["Tells", anchor.description && `level ${anchor.information_level} of 5: ${anchor.information_reason ?? ""}`],
@@ -199,20 +208,6 @@ export class Details {
   reads(id) {
     const text = this.world.scene().anchors.get(id)?.description;
     return text ? sign(`“${text}”`) : "";
-  }
-
-  /** Drawn on a canvas rather than linked, so that a key can be sent along. */
-  crop(id, signal) {
-    const figure = el("figure", { class: "crop" });
-    (async () => {
-      const response = await send(this.address("anchors", id, "crop"), { signal });
-      const image = await createImageBitmap(await response.blob());
-      const { width, height } = image;
-      const canvas = el("canvas", { width, height, role: "img", "aria-label": "The best image of the anchor" });
-      canvas.getContext("2d").drawImage(image, 0, 0);
-      figure.append(canvas);
-    })().catch(() => fill(figure, el("p", { class: "muted small" }, "The image cannot be shown.")));
-    return figure;
   }
 }
 

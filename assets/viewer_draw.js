@@ -1,45 +1,26 @@
-// Draw: the marks on the canvas, from the ground up: frames, paths, loops, keyframes, anchors, places, the scale.
+// Draw: the marks on the canvas, from the ground up: frames, plans, paths, loops, keyframes, anchors, places, the scale.
 
 import { drawPlaces } from "./viewer_cameras.js";
+import { classColour, sessionColour, theme } from "./viewer_colours.js";
+import { Labels, textOf } from "./viewer_labels.js";
+import { drawPicture } from "./viewer_picture.js";
+import { drawPlans } from "./viewer_plans.js";
 import { AXES, shifted } from "./viewer_scene.js";
 
-const LABELS = 400;
-const LABEL_CHARACTERS = 28;
-const CLASS_HUES = [45, 330, 110, 200, 285, 10, 150, 240];
 const CROWD = 120;
 const MANY_LOOPS = 60;
 
-/** The colours of the page, read anew when it is drawn: day and night change them. */
-function themed(canvas) {
-  const style = getComputedStyle(canvas);
-  const colour = (name) => style.getPropertyValue(`--${name}`).trim();
-  const names = ["ground", "panel", "line", "strong-line", "text", "muted", "accent", "good", "bad", "open"];
-  return { ...Object.fromEntries(names.map((name) => [name, colour(name)])), dark: isDark() };
-}
-
-function isDark() {
-  return matchMedia("(prefers-color-scheme: dark)").matches;
-}
-
-/** A session's colour: neighbours in the list get hues far apart. */
-export function sessionColour(index) {
-  return `oklch(${isDark() ? 0.72 : 0.58} 0.12 ${(250 + index * 137.508) % 360})`;
-}
-
-/** The colour of a class of anchors. */
-export function classColour(index) {
-  return `oklch(${isDark() ? 0.8 : 0.52} 0.17 ${CLASS_HUES[index % CLASS_HUES.length]})`;
-}
-
-/** Draws everything that a `MapCanvas` shows. */
+/** Draws everything that a `MapCanvas` shows; gives the boxes of its texts. */
 export function drawScene(map) {
   const context = map.canvas.getContext("2d");
   const ratio = window.devicePixelRatio || 1;
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   context.clearRect(0, 0, map.size.width, map.size.height);
   context.lineJoin = context.lineCap = "round";
-  const brush = { map, context, theme: themed(map.canvas), labels: new Labels(context, map.size.width) };
+  const brush = { map, context, theme: theme(), labels: new Labels(context, map.size) };
   if (map.layout.framed) drawFrames(brush);
+  drawPicture(brush);
+  drawPlans(brush);
   drawPaths(brush);
   drawLoops(brush);
   drawKeyframes(brush);
@@ -47,11 +28,11 @@ export function drawScene(map) {
   drawRings(brush);
   drawAnchors(brush);
   drawPlaces(brush);
-  brush.labels.write();
   drawScale(brush);
+  return brush.labels.write();
 }
 
-function drawFrames({ map, context, theme }) {
+function drawFrames({ map, context, theme, labels }) {
   context.font = "12px system-ui, sans-serif";
   context.textBaseline = "bottom";
   context.lineWidth = 1;
@@ -69,6 +50,7 @@ function drawFrames({ map, context, theme }) {
     const title = width > 30 ? fitted(context, frame.title, width) : "";
     context.fillStyle = theme.muted;
     context.fillText(title, start.x + 2, start.y - 2);
+    if (title) labels.reserve(title, start.x + 2, start.y - 16, context.measureText(title).width, 14);
   }
 }
 
@@ -80,8 +62,7 @@ function fitted(context, text, width) {
 }
 
 function drawPaths({ map, context }) {
-  context.lineWidth = 1.5;
-  context.globalAlpha = 0.55;
+  context.lineWidth = 1.4;
   for (const [session, points] of map.bySession) {
     context.strokeStyle = sessionColour(session.index);
     context.beginPath();
@@ -91,7 +72,6 @@ function drawPaths({ map, context }) {
     }
     context.stroke();
   }
-  context.globalAlpha = 1;
 }
 
 /** Wider than the paths, so that they are seen; one that contradicts the others is dashed. */
@@ -151,7 +131,8 @@ function drawLines({ map, context, theme, labels }) {
     if (!text) continue;
     const [a, b] = [map.onScreen(from), map.onScreen(to)];
     if (Math.hypot(a.x - b.x, a.y - b.y) > 24) {
-      labels.put(text, (a.x + b.x) / 2, (a.y + b.y) / 2, { colour: theme[tone], halo: theme.ground, centred: true });
+      const middle = { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 };
+      labels.beside(text, middle, 0, { rank: "figure", colour: theme[tone], halo: theme.ground, centred: true });
     }
   }
   context.setLineDash([]);
@@ -181,14 +162,14 @@ function drawRings({ map, context, theme, labels }) {
   context.lineTo(x + selected.ahead[0] * 20, y - selected.ahead[1] * 20);
   context.stroke();
   ring(selected, "accent", 8, 3);
-  labels.beside(selected.id, { x, y: y - 12 }, 12, { colour: theme.accent, halo: theme.ground, always: true, bold: true });
+  labels.beside(selected.id, { x, y }, 14, { rank: "selected", colour: theme.accent, halo: theme.ground, bold: true });
 }
 
 function drawAnchors({ map, context, theme, labels }) {
   const { marks: { anchor: selected, found }, size: { width, height }, scene } = map;
   const classes = new Map(scene.classes.map(({ name, index }) => [name, index]));
   const rank = ({ id, anchor }) => (id === selected ? 0 : found?.has(id) ? 1 : anchor.state === "valid" ? 2 : 3);
-  const points = map.anchors.slice().sort((a, b) => rank(a) - rank(b));
+  const points = map.anchors.filter((point) => !point.plan).sort((a, b) => rank(a) - rank(b));
   const shown = [];
   for (const point of points) {
     const at = map.onScreen(point);
@@ -205,9 +186,13 @@ function drawAnchors({ map, context, theme, labels }) {
   for (const { point: { id, anchor }, at } of shown) {
     const marked = id === selected || found?.has(id);
     if (!marked && (!map.labels || found)) continue;
-    const text = shortened(anchor.description ?? (anchor.state === "pending" ? "…" : anchor.class));
-    labels.beside(text, at, 9, { colour: theme.text, halo: theme.ground, always: id === selected, bold: marked });
+    const rank = id === selected ? "selected" : marked ? "marked" : rankOf(anchor);
+    labels.beside(textOf(anchor), at, 9, { rank, colour: theme.text, halo: theme.ground, bold: marked });
   }
+}
+
+function rankOf({ identifiers, description }) {
+  return identifiers.length > 0 ? "identifier" : description ? "described" : "rest";
 }
 
 /** Filled: described. Hollow: not described yet. Small: says too little to be matched. Small and hollow: retired. */
@@ -227,60 +212,8 @@ function diamond(context, theme, { x, y }, colour, state, selected, size) {
   context.stroke();
 }
 
-function shortened(text) {
-  const line = text.replace(/[\p{C}\s]+/gu, " ").trim();
-  const characters = [...line];
-  return characters.length > LABEL_CHARACTERS ? `${characters.slice(0, LABEL_CHARACTERS - 1).join("")}…` : line;
-}
-
-/** Labels where there is room left: the first to come gets it. They are written last, on top of everything. */
-class Labels {
-  constructor(context, most) {
-    Object.assign(this, { context, most, taken: new Set(), kept: [] });
-  }
-
-  /** Right of a point, beside a mark of some size; left of it where the page ends. */
-  beside(text, { x, y }, gap, style) {
-    this.put(text, x + gap, y, { ...style, back: 2 * gap });
-  }
-
-  put(text, x, y, { colour, halo, always = false, bold = false, centred = false, back = 0 }) {
-    if (!always && this.kept.length >= LABELS) return;
-    const { context } = this;
-    const font = context.font = `${bold ? "600 " : ""}12px system-ui, sans-serif`;
-    const width = context.measureText(text).width;
-    const left = centred ? x - width / 2 : back > 0 && x + width > this.most ? x - back - width : x;
-    if (!this.take(left, y - 7, width, 14) && !always) return;
-    this.kept.push({ text, left, y, font, colour, halo });
-  }
-
-  write() {
-    const { context } = this;
-    context.textBaseline = "middle";
-    context.lineWidth = 3.5;
-    for (const { text, left, y, font, colour, halo } of this.kept.reverse()) {
-      context.font = font;
-      context.strokeStyle = halo;
-      context.strokeText(text, left, y);
-      context.fillStyle = colour;
-      context.fillText(text, left, y);
-    }
-  }
-
-  /** Takes the cells of a grid under a box, if all of them are free. */
-  take(x, y, width, height) {
-    const cells = [];
-    for (let i = Math.floor(x / 8); i <= Math.floor((x + width) / 8); i += 1) {
-      for (let j = Math.floor(y / 8); j <= Math.floor((y + height) / 8); j += 1) cells.push(`${i},${j}`);
-    }
-    if (cells.some((cell) => this.taken.has(cell))) return false;
-    cells.forEach((cell) => this.taken.add(cell));
-    return true;
-  }
-}
-
 /** A bar of a round length, and which axes the page shows. */
-function drawScale({ map, context, theme }) {
+function drawScale({ map, context, theme, labels }) {
   const { width, height } = map.size;
   const about = 110 / map.view.scale;
   const step = 10 ** Math.floor(Math.log10(about));
@@ -298,7 +231,9 @@ function drawScale({ map, context, theme }) {
   context.textBaseline = "bottom";
   const [right, up] = map.layout.plane.map((axis) => AXES[axis]);
   const text = `${right} →  ${up} ↑   ${metric(length)}`;
-  context.fillText(text, x - context.measureText(text).width, y - 8);
+  const across = context.measureText(text).width;
+  context.fillText(text, x - across, y - 8);
+  labels.reserve(text, x - Math.max(across, length * map.view.scale), y - 22, Math.max(across, length * map.view.scale), 24);
 }
 
 function metric(metres) {

@@ -53,20 +53,32 @@ export function unreachable(message) {
     el("p", { class: "fault" }, message), el("p", { class: "muted" }, "This page tries again every few seconds."));
 }
 
+/** What this server is, for somebody who comes to it without a key. */
+function introduction() {
+  return el("p", {}, "Revisit keeps the maps of robots and answers one question about each picture: has this place been seen before? "
+    + "This page shows the maps, and why an answer was given. ", el("a", { href: "docs" }, "The API reference"), " needs no key.");
+}
+
 /** The server wants a key, or another one: `refused` is its answer to the present one. */
 export function keyWanted(retry, refused = null) {
-  const input = el("input", { type: "password", autocomplete: "off", "aria-label": "API key", required: true });
+  const input = el("input", {
+    type: "password", autocomplete: "off", "aria-label": "API key", required: true,
+    "aria-invalid": refused ? "true" : null, "aria-describedby": refused ? "key-fault" : null,
+  });
   const submit = (event) => {
     event.preventDefault();
     setKey(input.value.trim());
     retry();
   };
+  // The form that was submitted is gone: the keyboard stays where somebody was typing.
+  if (refused) requestAnimationFrame(() => input.focus());
   return el("div", { class: "empty" },
-    el("h2", {}, refused ? "This server wants another API key" : "This server wants an API key"),
-    refused && el("p", { class: "fault", role: "alert" }, refused),
+    el("h2", {}, "This server wants an API key"),
+    introduction(),
+    el("form", { class: "row", submit }, input, el("button", { type: "submit", class: "main" }, "Use it")),
+    refused && el("p", { class: "fault", id: "key-fault", role: "alert" }, "This key does not open it: ", refused),
     el("p", {}, "It must be good for ", el("code", {}, "read"), ", and for ", el("code", {}, "query"),
       " to ask about loops. It is kept in this browser tab only."),
-    el("form", { class: "row", submit }, input, el("button", { type: "submit", class: "main" }, "Use it")),
     el("p", {}, "No key at hand? On the server's machine, whoever may open its database makes one at any time, without "
       + "stopping the server:"),
     copyable("revisit keys create --name viewer --actions read,query --database sqlite://revisit.db"),

@@ -1,37 +1,45 @@
 // Legend: what is on the canvas, in words: the choice of sessions, the colours, and the thing under the pointer.
 
-import { classColour, sessionColour } from "./viewer_draw.js";
+import { classColour, sessionColour, theme } from "./viewer_colours.js";
 import { count, el, number, sign } from "./dom.js";
 
 const SESSIONS = 6;
 const CLASSES = 8;
 
 /** The choices of sessions: all of them, in up to three ways, or one by its name. */
-export function sessionOptions({ sessions, joined }) {
+export function sessionOptions({ sessions, plans, joined }) {
   const one = sessions.map(({ name, keyframes: { length } }) => el("option", { value: `=${name}` }, `${name} (${length})`));
-  if (sessions.length < 2) return one;
+  const planned = plans.map(({ name, anchors: { length } }) =>
+    el("option", { value: `=${name}` }, `${name} (${count(length, "sign")})`));
+  const ofPlans = plans.length > 0 && el("optgroup", { label: "One plan" }, planned);
+  if (sessions.length === 0) return planned;
+  if (sessions.length === 1) return [one, ofPlans];
   return [joined > 1 && el("option", { value: "fleet" }, joined === sessions.length ? `${joined} sessions, in one frame`
     : `${joined} of ${sessions.length} sessions in one frame`), el("option", { value: "apart" }, `${sessions.length} sessions, side by side`),
-    el("option", { value: "over" }, `${sessions.length} sessions, overlaid`), el("optgroup", { label: "One session" }, one)];
+    el("option", { value: "over" }, `${sessions.length} sessions, overlaid`), el("optgroup", { label: "One session" }, one), ofPlans];
 }
 
-/** The colours and glyphs that are on the canvas. */
-export function legend({ classes, sessions, loops, suspects, anchors: all }) {
+/** The glyphs that are on the canvas, in the colours in which they are drawn. */
+export function legend({ classes, sessions, plans, loops, suspects, anchors: all }) {
+  const tones = theme();
   const glyph = (kind, colour) => {
     const mark = el("span", { class: `glyph ${kind}` });
-    if (colour) mark.style.background = colour;
+    mark.style.color = colour;
     return mark;
   };
-  const pending = [...all.values()].filter((anchor) => anchor.state === "pending").length;
+  const pending = [...all.values()].filter((anchor) => anchor.state === "pending");
+  const ofPending = classes.find(({ name }) => name === pending[0]?.class)?.index ?? 0;
+  const signs = plans.reduce((sum, { anchors }) => sum + anchors.length, 0);
   return [
     sessions.length <= SESSIONS
       && sessions.map(({ name, index }) => el("div", {}, glyph("round", sessionColour(index)), sign(name))),
     classes.slice(0, CLASSES).map(({ name, size, index }) =>
       el("div", {}, glyph("", classColour(index)), sign(name), ` ${number(size, 0)}`)),
     classes.length > CLASSES && el("div", {}, `and ${count(classes.length - CLASSES, "more class", "more classes")}`),
-    pending > 0 && el("div", {}, glyph("hollow"), `not described yet ${number(pending, 0)}`),
-    loops.length > suspects.size && el("div", {}, glyph("dash"), "confirmed loop"),
-    suspects.size > 0 && el("div", {}, glyph("dash suspect"), `loop that contradicts the others ${number(suspects.size, 0)}`),
+    pending.length > 0 && el("div", {}, glyph("hollow", classColour(ofPending)), `not described yet ${number(pending.length, 0)}`),
+    signs > 0 && el("div", {}, glyph("square", tones["strong-line"]), `sign of a plan ${number(signs, 0)}`),
+    loops.length > suspects.size && el("div", {}, glyph("dash", tones.good), "confirmed loop"),
+    suspects.size > 0 && el("div", {}, glyph("dash suspect", tones.bad), `loop that contradicts the others ${number(suspects.size, 0)}`),
   ];
 }
 
@@ -42,7 +50,7 @@ export function inBrief({ kind, id }, { keyframes, anchors }) {
     return [el("div", { class: "mono" }, id), el("div", { class: "muted" }, sign(session)),
       el("div", { class: "muted" }, `${covisible} covisible, ${count(seen.length, "anchor")}`)];
   }
-  const { description, class: name, state, keyframes: seen } = anchors.get(id);
+  const { description, class: name, state, prior, keyframes: seen } = anchors.get(id);
   return [el("div", {}, el("span", { class: "mono" }, id), " ", description && sign(description)),
-    el("div", { class: "muted" }, sign(name), `, ${state}, seen by ${seen.length}`)];
+    el("div", { class: "muted" }, sign(name), `, ${state}, ${prior ? "on a plan, " : ""}seen by ${seen.length}`)];
 }

@@ -8,6 +8,8 @@ import { ANCHOR_STATES } from "./words.js";
 const SEARCH_WAIT_MS = 250;
 const FILTER_WAIT_MS = 120;
 const TEXT_CHARACTERS = 4096;
+/** Among the states: what a plan says, whatever its state. */
+const PLANNED = "prior";
 
 /** The tab of anchors: a search box, a class, a state, and what they find. */
 export class AnchorList {
@@ -16,11 +18,34 @@ export class AnchorList {
     Object.assign(this, { place, world, refs, found, turn: new AbortController(), filters: { text: "", class: "", state: "" } });
     const later = debounced(() => this.search(), SEARCH_WAIT_MS);
     this.text = searchBox("Search what the signs say", later);
+    this.text.addEventListener("keydown", (event) => this.pressed(event));
     this.classes = el("select", { "aria-label": "Class", change: () => this.search() });
     this.states = el("select", { "aria-label": "State", change: () => this.search() },
-      el("option", { value: "" }, "every state"), ANCHOR_STATES.map((state) => el("option", {}, state)));
+      el("option", { value: "" }, "every state"), el("option", { value: PLANNED }, "on a plan"),
+      ANCHOR_STATES.map((state) => el("option", {}, state)));
     this.results = el("div", {});
     fill(place, el("div", { class: "filters" }, this.text, el("div", { class: "row" }, this.classes, this.states)), this.results);
+  }
+
+  /** The keyboard goes to the search box. */
+  focus() {
+    this.text.focus();
+    this.text.select();
+  }
+
+  /** Enter and the arrow down lead into what was found, Escape takes the search off. */
+  pressed(event) {
+    if (event.key === "Enter" || event.key === "ArrowDown") {
+      const first = this.results.querySelector("button.ref");
+      if (!first) return;
+      event.preventDefault();
+      if (event.key === "Enter") first.click();
+      else first.focus();
+    } else if (event.key === "Escape" && this.text.value !== "") {
+      event.preventDefault();
+      this.text.value = "";
+      this.search();
+    }
   }
 
   /** Another map: no search is on. */
@@ -50,6 +75,7 @@ export class AnchorList {
     this.turn = new AbortController();
     const { signal } = this.turn;
     const wanted = { text: this.text.value.trim(), class: this.classes.value, state: this.states.value };
+    if (wanted.state === PLANNED) Object.assign(wanted, { state: "", prior: "true" });
     const parameters = Object.fromEntries(Object.entries(wanted).filter(([, value]) => value !== ""));
     if (Object.keys(parameters).length === 0) {
       this.found(null);

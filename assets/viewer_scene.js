@@ -1,17 +1,24 @@
 // Scene: the lists of the API as points in frames, and how the frames of several sessions are laid out on the page.
 
+import { count } from "./dom.js";
+
 export const AXES = ["x", "y", "z"];
 /** The planes one can look at, as pairs of axes: to the right, and up. */
 export const PLANES = [[0, 1], [0, 2], [1, 2]];
 
-/** Keyframes, anchors and loops, ordered by session. Each session is a frame of its own, and may have a place in that of the fleet. */
-export function buildScene({ keyframes, anchors, loops, frames = null }) {
-  const scene = { sessions: [], keyframes: new Map(), anchors: new Map(), loops, classes: [], suspects: new Map() };
+/**
+ * Keyframes, anchors and loops, ordered by session. Each session is a frame of its own, and may have a place in that of the fleet.
+ * Plans are frames too, with signs that nobody needs to have seen.
+ */
+export function buildScene({ keyframes, anchors, loops, sessions = [], frames = null }) {
+  const scene = { sessions: [], plans: [], keyframes: new Map(), anchors: new Map(), loops, classes: [], suspects: new Map() };
   const named = new Map();
+  const planned = new Set(anchors.filter(({ prior }) => prior).map(({ prior }) => prior.frame));
   const session = (name) => {
     if (!named.has(name)) {
-      named.set(name, { name, index: named.size, keyframes: [], anchors: [] });
-      scene.sessions.push(named.get(name));
+      const list = planned.has(name) ? scene.plans : scene.sessions;
+      named.set(name, { name, index: list.length, keyframes: [], anchors: [], isPlan: planned.has(name) });
+      list.push(named.get(name));
     }
     return named.get(name);
   };
@@ -28,6 +35,9 @@ export function buildScene({ keyframes, anchors, loops, frames = null }) {
   }
   for (const { session: name, reference_from_session: placed } of frames?.frames ?? []) {
     if (placed && named.has(name)) named.get(name).placed = placed;
+  }
+  for (const { session: name, frame, plan_from_session: planFromSession, inliers } of sessions) {
+    if (frame && named.has(name)) named.get(name).aligned = { plan: named.get(frame), planFromSession, inliers };
   }
   scene.joined = scene.sessions.filter(({ placed }) => placed).length;
   for (const suspect of frames?.suspects ?? []) scene.suspects.set(suspect.loop, suspect);
@@ -66,6 +76,13 @@ export function moved(placed, place) {
   return rotated(rotation, place).map((metres, axis) => metres + [x, y, z][axis]);
 }
 
+/** The other way round: where a place of the outer frame lies in the inner one. */
+export function inverse({ translation: { x, y, z }, rotation }) {
+  const back = { x: -rotation.x, y: -rotation.y, z: -rotation.z, w: rotation.w };
+  const [a, b, c] = rotated(back, [-x, -y, -z]);
+  return { translation: { x: a, y: b, z: c }, rotation: back };
+}
+
 /** A direction, likewise. */
 export function turned(placed, direction) {
   return placed ? rotated(placed.rotation, direction) : direction;
@@ -74,7 +91,7 @@ export function turned(placed, direction) {
 /** The plane along which things are spread most: the floor, whatever the frame calls it. */
 export function widestPlane(scene, fleet = false) {
   const spread = [0, 0, 0];
-  for (const { keyframes, anchors, placed } of scene.sessions) {
+  for (const { keyframes, anchors, placed } of scene.sessions.length > 0 ? scene.sessions : scene.plans) {
     const places = [...keyframes, ...anchors].map(({ place }) => moved(fleet ? placed : null, place));
     for (const axis of [0, 1, 2]) {
       const [least, most] = range(places.map((place) => place[axis]));
@@ -91,16 +108,20 @@ export function widestPlane(scene, fleet = false) {
  * `fleet`'s frame where one is known, the others `apart` beside it and each other, else each at its own origin.
  */
 export function arrange(scene, { plane, choice, apart, fleet, aspect }) {
-  const shown = scene.sessions.filter((session) => choice === null || session.name === choice);
-  const groups = shown.map((session) => {
+  const shown = [...scene.sessions, ...scene.plans].filter((session) => choice === null || session.name === choice);
+  const all = shown.map((session) => {
     const placed = fleet && choice === null ? session.placed ?? null : null;
     return { session, placed, du: 0, dv: 0, box: boxOf(session, plane, placed) };
   });
+  const { groups, beneath } = layPlans(all, apart || choice !== null);
+  const isWhole = groups.length === 1;
+  for (const { plan, placed, group } of isWhole ? beneath : []) group.box = union([group.box, boxOf(plan, plane, placed)]);
   const joined = groups.filter(({ placed }) => placed);
   const alone = groups.filter(({ placed }) => !placed);
   const one = ({ session, box }) => ({ title: session.name, members: [session], du: 0, dv: 0, box });
   const together = {
-    title: `${joined.length} sessions in one frame`, members: joined.map(({ session }) => session), du: 0, dv: 0,
+    title: `${count(joined.filter(({ session }) => !session.isPlan).length, "session")} in one frame`,
+    members: joined.map(({ session }) => session), du: 0, dv: 0,
     box: union(joined.map(({ box }) => box)),
   };
   const frames = joined.length > 0 ? [together, ...alone.map(one)] : alone.map(one);
@@ -110,7 +131,25 @@ export function arrange(scene, { plane, choice, apart, fleet, aspect }) {
     const { du, dv } = frames.find(({ members }) => members.includes(group.session));
     Object.assign(group, { du, dv });
   }
-  return { plane, groups, frames, framed, bounds: union(frames.map(shifted)) };
+  return { plane, groups, beneath, frames, framed, bounds: union(frames.map(shifted)) };
+}
+
+/**
+ * Which plans lie beneath which groups, and where. `beneath` has `placed`, from the plan's frame to the group's. In the fleet's frame
+ * a plan is a group like a session; a plan that lies under a session needs no group of its own.
+ */
+function layPlans(all, mayLieUnder) {
+  const beneath = [];
+  const isUnder = new Set();
+  for (const group of all) {
+    const { session: { isPlan, aligned }, placed } = group;
+    if (isPlan || placed || !aligned?.plan || !mayLieUnder) continue;
+    beneath.push({ plan: aligned.plan, placed: inverse(aligned.planFromSession), group });
+    isUnder.add(aligned.plan);
+  }
+  const groups = all.filter(({ session, placed }) => !session.isPlan || placed || !isUnder.has(session));
+  for (const group of groups.filter(({ session }) => session.isPlan)) beneath.push({ plan: group.session, placed: group.placed, group });
+  return { groups, beneath };
 }
 
 /** A group's box where it stands on the page. */

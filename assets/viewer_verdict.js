@@ -1,12 +1,18 @@
 // Verdict: the answer to a loop query, told as one person would tell another.
 
 import { el, number, copyable, count, sign } from "./dom.js";
+import { whyNot } from "./viewer_why_not.js";
 import { DIFFERENCES, REASONS } from "./words.js";
 
 const TONES = { loop: "good", verified: "good", rejected: "bad", no_loop: "bad", failed: "bad", undecided: "open" };
 const NAMES = { loop: "loop", no_loop: "no loop", undecided: "undecided", rejected: "rejected" };
 const MARKS = { pass: "✓", fail: "✕", open: "?", none: "–" };
 const SPOKEN = { pass: "passed", fail: "failed", open: "open", none: "not run" };
+
+/** A candidate's verdict in its colour. */
+export function chipOf(verdict) {
+  return el("span", { class: `chip ${toneOf(verdict)}` }, NAMES[verdict] ?? verdict);
+}
 
 /** The colour in which a candidate's verdict is drawn. */
 export function toneOf(verdict) {
@@ -15,11 +21,12 @@ export function toneOf(verdict) {
 
 /**
  * The whole answer. `refs` makes references to keyframes and anchors, `described(id)` gives an anchor's description;
- * `curl` is the request it answers.
+ * `curl` is the request it answers, `compare(candidate)` sets one beside the query.
  */
-export function explain(answer, { refs, described, curl, version }) {
+export function explain(answer, { refs, described, curl, version, compare }) {
   const { candidates, excluded_covisible: excluded = 0 } = answer;
-  const context = { refs, described };
+  const context = { refs, described, compare };
+  const cards = candidates.map((candidate, index) => card(candidate, index === 0, context));
   const stale = version > answer.map_version && `The map has moved on to version ${version} since.`;
   return el("section", { class: `verdict ${toneOf(answer.verdict)}` },
     el("h3", {}, headline(answer, refs)),
@@ -33,7 +40,8 @@ export function explain(answer, { refs, described, curl, version }) {
       excluded > 0 && `${count(excluded, "keyframe")} left out because ${excluded === 1 ? "it sees" : "they see"} the same `,
       excluded > 0 && "points as this one: that is the present place, not a return. ",
       stale),
-    el("ol", { class: "candidates" }, candidates.map((candidate, index) => card(candidate, index === 0, context))),
+    whyNot(candidates, cards),
+    el("ol", { class: "candidates" }, cards),
     curl && el("details", { class: "small" }, el("summary", {}, "The same with curl"), copyable(curl)),
     el("details", { class: "small" }, el("summary", {}, "The answer as JSON"), copyable(JSON.stringify(answer, null, 2))));
 }
@@ -56,8 +64,8 @@ function card(candidate, open, context) {
   const { keyframe, verdict, reason } = candidate;
   return el("li", {}, el("details", { class: "candidate", open },
     el("summary", {}, el("code", {}, keyframe), " ",
-      el("span", { class: `chip ${toneOf(verdict)}` }, NAMES[verdict] ?? verdict), " ",
-      el("span", { class: "muted small" }, brief(candidate))),
+      chipOf(verdict), " ", el("span", { class: "muted small" }, brief(candidate))),
+    el("button", { type: "button", class: "compare-it", click: () => context.compare(candidate) }, "Compare side by side"),
     el("p", {}, context.refs.keyframe(keyframe), ": ", reason ? why(reason) : "it passed every check that could run."),
     el("ol", { class: "checks" }, appearance(candidate), anchors(candidate, context), geometry(candidate))));
 }

@@ -1,169 +1,27 @@
 // The viewer in a real browser: what a mapper does, and what must not happen. Takes the server's program and, if it is not
-// /usr/bin/chromium, the browser's. Figures of speed are printed, and judge nothing.
+// /usr/bin/chromium, the browser's; further words choose the stories whose names hold them. Figures of speed are printed, and judge nothing.
 
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
-import { mkdtempSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
-import { join } from "node:path";
-import { createInterface } from "node:readline";
-import { chromium } from "playwright-core";
+import { finish, said } from "./browser.mjs";
+import { comparing } from "./stories_compare.mjs";
+import { daily } from "./stories_daily.mjs";
+import { map } from "./stories_map.mjs";
+import { reaching } from "./stories_reach.mjs";
 
-const [program, executablePath = "/usr/bin/chromium"] = process.argv.slice(2);
-const MANY = 10_000;
-/** Servers that run: whatever becomes of a story, none is left behind. */
-const servers = new Set();
-const folder = mkdtempSync(join(tmpdir(), "viewer-"));
-
-/** A server of its own, and how to ask it. */
-async function serve(name, ...options) {
-  const server = spawn(program, ["serve", "--listen", "127.0.0.1:0", "--database", `sqlite://${join(folder, name)}.db`, "--log", "error", ...options],
-    { stdio: ["ignore", "pipe", "inherit"] });
-  servers.add(server);
-  let url;
-  for await (const line of createInterface({ input: server.stdout })) {
-    url = line.match(/http:\/\/\S+/)?.[0].replace(/\/$/, "");
-    if (url) break;
-  }
-  const ask = async (method, path, body, headers = {}) => {
-    const sent = typeof body === "string" ? body : JSON.stringify(body);
-    const kind = typeof body === "string" ? "application/x-ndjson" : "application/json";
-    const answer = await fetch(`${url}${path}`, { method, body: sent, headers: { "content-type": kind, ...headers } });
-    assert.ok(answer.ok, `${method} ${path}: ${answer.status} ${await answer.clone().text()}`);
-    return answer.json();
-  };
-  return { url, ask, stop: () => new Promise((gone) => { server.on("exit", gone); server.kill("SIGTERM"); }) };
-}
-
-function keyframe(session, number, text) {
-  return {
-    session, stamp: { sec: number, nanosec: 0 }, bow: { words: [number % 7, 10 + number % 5], weights: [0.5, 0.5] },
-    pose: { translation: { x: (number % 100) * 0.5, y: Math.floor(number / 100) * 0.5, z: 0 }, rotation: { x: 0, y: 0, z: 0, w: 1 } },
-    detections: text ? [{ class: "door_number", confidence: 0.9, box: [0, 0, 20, 10], text, position: [(number % 100) * 0.5, Math.floor(number / 100) * 0.5, 2] }] : [],
-  };
-}
-
-const browser = await chromium.launch({ executablePath, args: ["--no-sandbox", "--disable-gpu"] });
-/** What a page says on its console, which is nothing, but for refused requests that are part of the story. */
-const said = [];
-async function open(url, { scheme = "light", expected = /(?!)/ } = {}) {
-  const page = await browser.newPage({ viewport: { width: 1300, height: 850 }, colorScheme: scheme });
-  page.on("console", (message) => { if (!expected.test(message.text())) said.push(message.text()); });
-  page.on("pageerror", (error) => said.push(String(error)));
-  await page.goto(url);
-  return page;
-}
-
-const stories = {
-  async "a keyframe is found, selected and shown, and names are in the order of their numbers"() {
-    const server = await serve("select");
-    await server.ask("PUT", "/v1/maps/m", {});
-    for (const number of [10, 2, 1]) await server.ask("PUT", `/v1/maps/m/keyframes/kf-${number}`, keyframe("robot-1", number, `90${number}`));
-    const page = await open(`${server.url}/?map=m`);
-    await page.click("#tab-keyframes");
-    await page.waitForSelector("#keyframes .ref");
-    assert.deepEqual(await page.locator("#keyframes .ref").allTextContents(), ["kf-1", "kf-2", "kf-10"]);
-    await page.click("#keyframes .ref >> text=kf-10");
-    await page.waitForSelector("#details:not([hidden]) >> text=kf-10");
-    assert.match(page.url(), /keyframe=kf-10/);
-    // By the keyboard alone: the next one.
-    await page.focus("#canvas");
-    await page.keyboard.press("n");
-    await page.waitForFunction(() => !location.search.includes("kf-10"));
-    await page.close();
-    await server.stop();
-  },
-
-  async "a loop appears by itself, is revoked from the page after a second question, and is gone"() {
-    const server = await serve("revoke");
-    await server.ask("PUT", "/v1/maps/m", {});
-    await server.ask("PUT", "/v1/maps/m/keyframes/a", keyframe("robot-1", 1, "901"));
-    await server.ask("PUT", "/v1/maps/m/keyframes/b", keyframe("robot-2", 2, "901"));
-    const page = await open(`${server.url}/?map=m`, { scheme: "dark" });
-    await page.waitForSelector("#live[data-state=live]");
-    await server.ask("POST", "/v1/maps/m/loops", { id: "loop-1", keyframe: "b", candidate: "a" });
-    await page.waitForFunction(() => document.getElementById("tab-loops").textContent === "Loops 1");
-    await page.click("#tab-loops");
-    await page.click("#loops >> text=Revoke…");
-    assert.match(await page.textContent("#loops"), /1 pair of anchors parts? again|No anchors part/);
-    await page.click("#loops >> text=Keep it");
-    assert.equal((await server.ask("GET", "/v1/maps/m/loops")).items.length, 1);
-    await page.click("#loops >> text=Revoke…");
-    await page.click("#loops >> text=Revoke the loop");
-    await page.waitForFunction(() => document.getElementById("tab-loops").textContent === "Loops");
-    assert.equal((await server.ask("GET", "/v1/maps/m/loops")).items.length, 0);
-    await page.close();
-    await server.stop();
-  },
-
-  async "a server that wants a key asks for it, refuses a wrong one in place, and shows the map with the right one"() {
-    const server = await serve("key");
-    await server.ask("PUT", "/v1/maps/m", {});
-    await server.ask("PUT", "/v1/maps/m/keyframes/a", keyframe("robot-1", 1, "901"));
-    const { secret } = await server.ask("POST", "/v1/keys", { name: "page", actions: ["read", "admin"], maps: ["*"] });
-    const page = await open(`${server.url}/?map=m`, { expected: /401/ });
-    await page.waitForSelector("#empty form");
-    await page.fill("#empty input", "revisit_nonsense");
-    await page.keyboard.press("Enter");
-    await page.waitForSelector("#empty [role=alert]");
-    await page.fill("#empty input", secret);
-    await page.keyboard.press("Enter");
-    await page.waitForFunction(() => document.getElementById("figures").textContent.includes("1 keyframe"));
-    await page.close();
-    await server.stop();
-  },
-
-  async "a server that goes away is said, and what was read stays"() {
-    const server = await serve("gone");
-    await server.ask("PUT", "/v1/maps/m", {});
-    await server.ask("PUT", "/v1/maps/m/keyframes/a", keyframe("robot-1", 1, "901"));
-    const page = await open(`${server.url}/?map=m`, { expected: /ERR_|Failed to load/ });
-    await page.waitForSelector("#live[data-state=live]");
-    await server.stop();
-    await page.waitForSelector("#live[data-state=away]", { timeout: 60_000 });
-    assert.match(await page.textContent("#figures"), /1 keyframe/);
-    await page.close();
-  },
-
-  async "ten thousand keyframes"() {
-    const server = await serve("many");
-    await server.ask("PUT", "/v1/maps/m", {});
-    const lines = Array.from({ length: MANY }, (_, number) => JSON.stringify({ id: `kf-${number}`, ...keyframe(`robot-${Math.floor(number / 2500)}`, number) }));
-    const put = await fetch(`${server.url}/v1/maps/m/keyframes`, { method: "POST", body: `${lines.join("\n")}\n`, headers: { "content-type": "application/x-ndjson" } });
-    assert.equal(put.status, 200);
-    await put.text();
-    const begun = Date.now();
-    const page = await open(`${server.url}/?map=m`);
-    await page.waitForFunction((many) => document.getElementById("figures").textContent.replace(/\D*keyframe.*/s, "").replace(/\D/g, "") === String(many), MANY, { timeout: 60_000 });
-    const shown = Date.now() - begun;
-    const { frames, long } = await page.evaluate(async () => {
-      let long = 0;
-      new PerformanceObserver((list) => { long += list.getEntries().length; }).observe({ type: "longtask" });
-      const canvas = document.getElementById("canvas");
-      canvas.focus();
-      let frames = 0;
-      const until = performance.now() + 3000;
-      while (performance.now() < until) {
-        canvas.dispatchEvent(new KeyboardEvent("keydown", { key: frames % 2 ? "ArrowLeft" : "ArrowRight", bubbles: true }));
-        await new Promise(requestAnimationFrame);
-        frames += 1;
-      }
-      return { frames, long };
-    });
-    console.log(`   ${MANY} keyframes: shown after ${shown} ms, ${(frames / 3).toFixed(0)} frames a second while panning, ${long} long tasks in 3 s`);
-    await page.close();
-    await server.stop();
-  },
-};
+const [, , ...chosen] = process.argv.slice(2);
+const stories = Object.entries({ ...daily, ...comparing, ...map, ...reaching });
 
 try {
-  for (const [name, story] of Object.entries(stories)) {
-    await story();
+  for (const [name, story] of stories.filter(([name]) => chosen.length === 0 || chosen.some((word) => name.includes(word)))) {
+    try {
+      await story();
+    } catch (error) {
+      error.message = `${name}: ${error.message}`;
+      throw error;
+    }
     assert.deepEqual(said, [], `${name}: the console says nothing`);
     console.log(`ok ${name}`);
   }
 } finally {
-  for (const server of servers) server.kill("SIGKILL");
-  await browser.close();
-  rmSync(folder, { recursive: true, force: true });
+  await finish();
 }

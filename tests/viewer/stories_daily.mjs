@@ -1,0 +1,121 @@
+// Daily: a keyframe, a loop, a key, a server that goes away, and a large map.
+
+import assert from "node:assert/strict";
+import { open, serve } from "./browser.mjs";
+
+const MANY = 10_000;
+
+function keyframe(session, number, text) {
+  return {
+    session, stamp: { sec: number, nanosec: 0 }, bow: { words: [number % 7, 10 + number % 5], weights: [0.5, 0.5] },
+    pose: { translation: { x: (number % 100) * 0.5, y: Math.floor(number / 100) * 0.5, z: 0 }, rotation: { x: 0, y: 0, z: 0, w: 1 } },
+    detections: text ? [{ class: "door_number", confidence: 0.9, box: [0, 0, 20, 10], text, position: [(number % 100) * 0.5, Math.floor(number / 100) * 0.5, 2] }] : [],
+  };
+}
+
+/** What a mapper does from day to day. */
+export const daily = {
+  async "a keyframe is found, selected and shown, and names are in the order of their numbers"() {
+    const server = await serve("select");
+    await server.ask("PUT", "/v1/maps/m", {});
+    for (const number of [10, 2, 1]) await server.ask("PUT", `/v1/maps/m/keyframes/kf-${number}`, keyframe("robot-1", number, `90${number}`));
+    const page = await open(`${server.url}/?map=m`);
+    await page.click("#tab-keyframes");
+    await page.waitForSelector("#keyframes .ref");
+    assert.deepEqual(await page.locator("#keyframes .ref").allTextContents(), ["kf-1", "kf-2", "kf-10"]);
+    await page.click("#keyframes .ref >> text=kf-10");
+    await page.waitForSelector("#details:not([hidden]) >> text=kf-10");
+    assert.match(page.url(), /keyframe=kf-10/);
+    // By the keyboard alone: the next one.
+    await page.focus("#canvas");
+    await page.keyboard.press("n");
+    await page.waitForFunction(() => !location.search.includes("kf-10"));
+    await page.close();
+    await server.stop();
+  },
+
+  async "a loop appears by itself, is revoked from the page after a second question, and is gone"() {
+    const server = await serve("revoke");
+    await server.ask("PUT", "/v1/maps/m", {});
+    await server.ask("PUT", "/v1/maps/m/keyframes/a", keyframe("robot-1", 1, "901"));
+    await server.ask("PUT", "/v1/maps/m/keyframes/b", keyframe("robot-2", 2, "901"));
+    const page = await open(`${server.url}/?map=m`, { scheme: "dark" });
+    await page.waitForSelector("#live[data-state=live]");
+    await server.ask("POST", "/v1/maps/m/loops", { id: "loop-1", keyframe: "b", candidate: "a" });
+    await page.waitForFunction(() => document.getElementById("tab-loops").textContent === "Loops 1");
+    await page.click("#tab-loops");
+    await page.click("#loops >> text=Revoke…");
+    assert.match(await page.textContent("#loops"), /1 pair of anchors parts? again|No anchors part/);
+    await page.click("#loops >> text=Keep it");
+    assert.equal((await server.ask("GET", "/v1/maps/m/loops")).items.length, 1);
+    await page.click("#loops >> text=Revoke…");
+    await page.click("#loops >> text=Revoke the loop");
+    await page.waitForFunction(() => document.getElementById("tab-loops").textContent === "Loops");
+    assert.equal((await server.ask("GET", "/v1/maps/m/loops")).items.length, 0);
+    await page.close();
+    await server.stop();
+  },
+
+  async "a server that wants a key asks for it, refuses a wrong one in place, and shows the map with the right one"() {
+    const server = await serve("key");
+    await server.ask("PUT", "/v1/maps/m", {});
+    await server.ask("PUT", "/v1/maps/m/keyframes/a", keyframe("robot-1", 1, "901"));
+    const { secret } = await server.ask("POST", "/v1/keys", { name: "page", actions: ["read", "admin"], maps: ["*"] });
+    const page = await open(`${server.url}/?map=m`, { expected: /401/ });
+    await page.waitForSelector("#empty form");
+    // What this is, and where to read on, needs no key.
+    assert.match(await page.textContent("#empty"), /maps of robots.*API reference/s);
+    assert.equal(await page.getAttribute("#empty a", "href"), "docs");
+    assert.equal((await fetch(`${server.url}/docs`)).status, 200);
+    await page.fill("#empty input", "revisit_nonsense");
+    await page.keyboard.press("Enter");
+    assert.match(await page.textContent("#empty [role=alert]"), /does not open it/);
+    // The keyboard is still in the field.
+    await page.waitForFunction(() => document.activeElement?.matches("#empty input[aria-invalid=true]"));
+    await page.keyboard.type(secret);
+    await page.keyboard.press("Enter");
+    await page.waitForFunction(() => document.getElementById("figures").textContent.includes("1 keyframe"));
+    await page.close();
+    await server.stop();
+  },
+
+  async "a server that goes away is said, and what was read stays"() {
+    const server = await serve("gone");
+    await server.ask("PUT", "/v1/maps/m", {});
+    await server.ask("PUT", "/v1/maps/m/keyframes/a", keyframe("robot-1", 1, "901"));
+    const page = await open(`${server.url}/?map=m`, { expected: /ERR_|Failed to load/ });
+    await page.waitForSelector("#live[data-state=live]");
+    await server.stop();
+    await page.waitForSelector("#live[data-state=away]", { timeout: 60_000 });
+    assert.match(await page.textContent("#figures"), /1 keyframe/);
+    await page.close();
+  },
+
+  async "ten thousand keyframes"() {
+    const server = await serve("many");
+    await server.ask("PUT", "/v1/maps/m", {});
+    const robot = (number) => `robot-${Math.floor(number / 2500)}`;
+    await server.send("m", Array.from({ length: MANY }, (_, number) => ({ id: `kf-${number}`, body: keyframe(robot(number), number) })));
+    const begun = Date.now();
+    const page = await open(`${server.url}/?map=m`);
+    await page.waitForFunction((many) => document.getElementById("figures").textContent.replace(/\D*keyframe.*/s, "").replace(/\D/g, "") === String(many), MANY, { timeout: 60_000 });
+    const shown = Date.now() - begun;
+    const { frames, long } = await page.evaluate(async () => {
+      let long = 0;
+      new PerformanceObserver((list) => { long += list.getEntries().length; }).observe({ type: "longtask" });
+      const canvas = document.getElementById("canvas");
+      canvas.focus();
+      let frames = 0;
+      const until = performance.now() + 3000;
+      while (performance.now() < until) {
+        canvas.dispatchEvent(new KeyboardEvent("keydown", { key: frames % 2 ? "ArrowLeft" : "ArrowRight", shiftKey: true, bubbles: true }));
+        await new Promise(requestAnimationFrame);
+        frames += 1;
+      }
+      return { frames, long };
+    });
+    console.log(`   ${MANY} keyframes: shown after ${shown} ms, ${(frames / 3).toFixed(0)} frames a second while panning, ${long} long tasks in 3 s`);
+    await page.close();
+    await server.stop();
+  },
+};
