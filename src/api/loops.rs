@@ -6,12 +6,13 @@ use utoipa::ToSchema;
 use super::decoding::read::{self, Decode, Node};
 use super::limits;
 use super::names::LoopWarningCodeName;
+use super::space::{SimilarityShape, similarity};
 use crate::domain::loop_warning::LoopWarning;
 use crate::domain::report::{LoopReport, MergeReport};
 use crate::domain::request::NewLoop;
 
 /// A loop that the client closed.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LoopBody {
     /// Its id.
@@ -27,6 +28,10 @@ pub struct LoopBody {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(min_length = 1, max_length = 128)]
     pub query: Option<String>,
+    /// The pose of the keyframe in the candidate's camera frame, as the client closed it; left out: what the query verified, if its
+    /// answer is still stored. It joins the frames of two robots.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub candidate_from_query: Option<SimilarityShape>,
 }
 
 /// A loop is closed.
@@ -93,15 +98,16 @@ pub struct MergeView {
 
 impl From<NewLoop> for LoopBody {
     fn from(new: NewLoop) -> Self {
-        let NewLoop { id, keyframe, candidate, query } = new;
+        let NewLoop { id, keyframe, candidate, query, candidate_from_query } = new;
         let (keyframe, candidate) = (keyframe.to_string(), candidate.to_string());
-        Self { id: id.to_string(), keyframe, candidate, query }
+        let candidate_from_query = candidate_from_query.as_ref().map(SimilarityShape::from);
+        Self { id: id.to_string(), keyframe, candidate, query, candidate_from_query }
     }
 }
 
 impl Decode for NewLoop {
     fn decode(node: &Node<'_>) -> Option<Self> {
-        let body = node.object(&["id", "keyframe", "candidate", "query"])?;
+        let body = node.object(&["id", "keyframe", "candidate", "query", "candidate_from_query"])?;
         let id = body.required("id", read::id);
         let keyframe = body.required("keyframe", read::id);
         let candidate = body.required("candidate", |candidate| {
@@ -112,7 +118,14 @@ impl Decode for NewLoop {
             Some(id)
         });
         let query = body.optional("query", |node| node.name(limits::ID_CHARS));
-        Some(Self { id: id?, candidate: candidate?, keyframe: keyframe?, query: query? })
+        let candidate_from_query = body.optional("candidate_from_query", similarity);
+        Some(Self {
+            id: id?,
+            candidate: candidate?,
+            keyframe: keyframe?,
+            query: query?,
+            candidate_from_query: candidate_from_query?,
+        })
     }
 }
 

@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 use super::decoding::read::{self, Decode, Node};
 use super::limits;
 use super::observations::FusedPoints;
-use super::space::{Quaternion, Transform, Vector3, rigid};
+use super::space::{SimilarityShape, similarity};
 use crate::domain::ids::{PointId, SessionId};
 use crate::domain::session_merge::{Renumbering, SessionMergeRequest};
 use crate::geometry::Sim3;
@@ -23,21 +23,6 @@ pub struct MergeBody {
     /// The numbers that its map points get; left out, they keep theirs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_points: Option<RenumberingShape>,
-}
-
-/// A similarity transformation: scaled, rotated, then moved.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-#[schema(as = SentSimilarity)]
-pub struct SimilarityShape {
-    /// In metres.
-    pub translation: Vector3,
-    /// A unit quaternion.
-    pub rotation: Quaternion,
-    /// Ratio of a length in the outer frame to the same in the inner one; 1 if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(minimum = 1e-6, maximum = 1e6, default = 1.0)]
-    pub scale: Option<f64>,
 }
 
 /// The numbers that the map points of a session get: by `offset` or by `ids`. A point whose new number is taken is that point,
@@ -107,13 +92,6 @@ impl Decode for MergeFields {
     }
 }
 
-fn similarity(node: &Node<'_>) -> Option<Sim3> {
-    let body = node.object(&["translation", "rotation", "scale"])?;
-    let scale = body.optional("scale", |node| node.number(limits::SCALE));
-    let pose = rigid(&body);
-    Some(Sim3::scaled(pose?, scale?.unwrap_or(1.0)))
-}
-
 fn renumbering(node: &Node<'_>) -> Option<Renumbering> {
     let body = node.object(&["offset", "ids"])?;
     let offset = body.optional("offset", |node| node.whole(limits::POINT_OFFSET));
@@ -142,8 +120,6 @@ fn pairs(node: &Node<'_>) -> Option<Vec<(PointId, PointId)>> {
 
 impl From<SessionMergeRequest> for MergeBody {
     fn from(merge: SessionMergeRequest) -> Self {
-        let Transform { translation, rotation } = merge.into_from_session.without_scale().into();
-        let scale = merge.into_from_session.scale();
         let map_points = match merge.map_points {
             Renumbering::Same => None,
             Renumbering::Offset(offset) => Some(RenumberingShape { offset: Some(offset), ids: None }),
@@ -154,7 +130,7 @@ impl From<SessionMergeRequest> for MergeBody {
         };
         Self {
             into: merge.into.to_string(),
-            into_from_session: SimilarityShape { translation, rotation, scale: Some(scale) },
+            into_from_session: (&merge.into_from_session).into(),
             map_points,
         }
     }

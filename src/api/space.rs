@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 use super::decoding::read::{Decode, Node, Object};
 use super::limits;
 use crate::domain::keyframe::Stamp;
-use crate::geometry::{Gravity, Point3, Pose};
+use crate::geometry::{Gravity, Point3, Pose, Sim3};
 
 /// A vector, in metres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -140,6 +140,36 @@ pub fn rounded(number: f64) -> f64 {
     let scaled = (number * DECIMALS).round();
     // Beyond 2^53 there are no such decimals; and -0 is written "-0.0", which puzzles readers.
     if scaled.abs() < 9e15 { scaled / DECIMALS + 0.0 } else { number }
+}
+
+/// A similarity transformation: scaled, rotated, then moved.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+#[schema(as = SentSimilarity)]
+pub struct SimilarityShape {
+    /// In metres.
+    pub translation: Vector3,
+    /// A unit quaternion.
+    pub rotation: Quaternion,
+    /// Ratio of a length in the outer frame to the same in the inner one; 1 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(minimum = 1e-6, maximum = 1e6, default = 1.0)]
+    pub scale: Option<f64>,
+}
+
+impl From<&Sim3> for SimilarityShape {
+    fn from(sim3: &Sim3) -> Self {
+        let Transform { translation, rotation } = sim3.without_scale().into();
+        Self { translation, rotation, scale: Some(sim3.scale()) }
+    }
+}
+
+/// Reads a similarity transformation.
+pub fn similarity(node: &Node<'_>) -> Option<Sim3> {
+    let body = node.object(&["translation", "rotation", "scale"])?;
+    let scale = body.optional("scale", |node| node.number(limits::SCALE));
+    let pose = rigid(&body);
+    Some(Sim3::scaled(pose?, scale?.unwrap_or(1.0)))
 }
 
 #[cfg(test)]

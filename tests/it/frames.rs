@@ -124,3 +124,44 @@ async fn a_suspect_is_revoked_where_the_map_says_so() {
     assert_eq!(ids, ["loop-1", "loop-2"]);
     assert_eq!(frames(&server).await["suspects"], json!([]));
 }
+
+#[tokio::test]
+async fn a_loop_with_the_clients_own_transformation_joins_robots_and_goes_with_an_export() {
+    let server = Server::start().await;
+    server.put(MAP, &json!({})).await.expect(201);
+    for (robot, sec) in [("a", 1), ("b", 2)] {
+        let mut body = crate::support::keyframe();
+        (body["session"], body["stamp"]["sec"]) = (json!(robot), json!(sec));
+        server.put(&format!("{MAP}/keyframes/{robot}-1"), &body).await.expect(201);
+    }
+    let planted = pose([1.0, 2.0, 3.0], 30.0);
+    let ([x, y, z], [qx, qy, qz, qw]) = (planted.translation_m(), planted.rotation_xyzw());
+    let said =
+        json!({"translation": {"x": x, "y": y, "z": z}, "rotation": {"x": qx, "y": qy, "z": qz, "w": qw}});
+    let mut closed =
+        json!({"id": "own", "keyframe": "b-1", "candidate": "a-1", "candidate_from_query": said});
+    server.post(&format!("{MAP}/loops"), &closed).await.expect(201);
+    server.post(&format!("{MAP}/loops"), &closed).await.expect(200);
+    closed["candidate_from_query"]["translation"]["x"] = json!(2.0);
+    server.post(&format!("{MAP}/loops"), &closed).await.expect(409);
+    let joined = frames(&server).await;
+    assert_eq!((&joined["loops"], &joined["left_out"]), (&json!(1), &json!(0)), "{joined:#}");
+    let (metres, degrees) = off(&joined["frames"][1]["reference_from_session"], &planted);
+    assert!(metres < 1e-6 && degrees < 1e-6, "{metres} m, {degrees} degrees: {joined:#}");
+
+    // A copy of the map is joined alike.
+    let lines = crate::exports::exported(&server, "m").await;
+    let of_loop = lines.iter().find(|line| line["op"] == "loop").unwrap();
+    let copy = Server::start().await;
+    copy.put(MAP, &json!({})).await.expect(201);
+    for line in lines.iter().filter(|line| line["op"] == "keyframe") {
+        let path = format!("{MAP}/keyframes/{}", line["id"].as_str().unwrap());
+        copy.put(&path, &line["body"]).await.expect(201);
+    }
+    copy.post(&format!("{MAP}/loops"), &of_loop["body"]).await.expect(201);
+    assert_eq!(frames(&copy).await["frames"], joined["frames"]);
+    closed["candidate_from_query"]["rotation"]["w"] = json!(7.0);
+    closed["id"] = json!("bent");
+    let refused = server.post(&format!("{MAP}/loops"), &closed).await;
+    assert_eq!(refused.pointers(), ["/candidate_from_query/rotation"]);
+}

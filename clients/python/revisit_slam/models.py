@@ -1507,6 +1507,10 @@ class LoopBody(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The keyframe it came back to."""
     query: str | None = None
     """The id of the loop query that found it."""
+    candidate_from_query: SentSimilarity | None = None
+    """The pose of the keyframe in the candidate's camera frame, as the client closed it; left out: what
+    the query verified, if its answer is still stored. It joins the frames of two robots.
+    """
 
 
 class LoopClosed(msgspec.Struct, kw_only=True, omit_defaults=True):

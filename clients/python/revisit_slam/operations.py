@@ -163,8 +163,9 @@ class Operations:
         alignments to plans say where the sessions lie to each other. Loops that contradict the rest do
         not count, and are listed as suspects (event `loop_suspected`). Computed after a loop was
         confirmed or revoked, and kept: the same version is the same to the byte. Loops without a
-        transformation (their query is not named, was not verified by geometry, or was no longer stored)
-        are left out and counted. In a map that is not metric each session stands alone.
+        transformation (the client sent none, and their query is not named, was not verified by
+        geometry, or was no longer stored) are left out and counted. In a map that is not metric each
+        session stands alone.
         """
         return self._call(Call("GET", f"/v1/maps/{segment(map)}/frames", query={"reference": reference}, answer=models.Frames))
 
@@ -518,8 +519,9 @@ class AsyncOperations:
         alignments to plans say where the sessions lie to each other. Loops that contradict the rest do
         not count, and are listed as suspects (event `loop_suspected`). Computed after a loop was
         confirmed or revoked, and kept: the same version is the same to the byte. Loops without a
-        transformation (their query is not named, was not verified by geometry, or was no longer stored)
-        are left out and counted. In a map that is not metric each session stands alone.
+        transformation (the client sent none, and their query is not named, was not verified by
+        geometry, or was no longer stored) are left out and counted. In a map that is not metric each
+        session stands alone.
         """
         return await self._call(Call("GET", f"/v1/maps/{segment(map)}/frames", query={"reference": reference}, answer=models.Frames))
 

@@ -10,7 +10,7 @@ use super::named_detection::NamedDetection;
 use super::release::MapBase;
 use super::settings::SettingValue;
 use super::verdict::Verify;
-use crate::geometry::{Gravity, Point3, Pose};
+use crate::geometry::{Gravity, Point3, Pose, Sim3};
 
 /// Digest of a request: tells a retry from another request under the same id.
 pub type Digest = [u8; 32];
@@ -58,7 +58,7 @@ pub enum NewVerdict {
 }
 
 /// A loop that a client has closed in its own map.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct NewLoop {
     /// Its name.
     pub id: LoopId,
@@ -68,6 +68,8 @@ pub struct NewLoop {
     pub candidate: KeyframeId,
     /// The query that found it.
     pub query: Option<String>,
+    /// Maps points of the keyframe's camera frame into that of the candidate, as the client closed it.
+    pub candidate_from_query: Option<Sim3>,
 }
 
 /// A backup that is to be taken.

@@ -237,7 +237,14 @@ mod tests {
     #[test]
     fn every_row_has_the_unit_of_its_name_a_source_and_a_meaning() {
         for row in Settings::TABLE {
-            let units = [("_days", "d"), ("_rad", "rad"), ("_area_px", "px^2"), ("_px", "px"), ("_m", "m"), ("_s", "s")];
+            let units = [
+                ("_days", "d"),
+                ("_rad", "rad"),
+                ("_area_px", "px^2"),
+                ("_px", "px"),
+                ("_m", "m"),
+                ("_s", "s"),
+            ];
             let of_name = units.into_iter().find(|(suffix, _)| row.name.ends_with(suffix));
             let is_number = matches!(row.kind, SettingKind::Number { .. } | SettingKind::Count { .. });
             assert_eq!(row.unit, is_number.then(|| of_name.map_or("1", |(_, unit)| unit)), "{}", row.name);

@@ -15,8 +15,8 @@ use crate::recognition::anchors::loop_closure::{close_loop, merges_of, revoke_lo
 use crate::recognition::map::index::MapIndex;
 
 impl Service {
-    /// Confirms a loop: matched anchors merge, and the two keyframes are covisible from now on. The transformation is that of the
-    /// query that found it, if it is known.
+    /// Confirms a loop: matched anchors merge, and the two keyframes are covisible from now on. The transformation is the client's, else
+    /// that of the query that found it, if it is known.
     pub async fn confirm_loop(
         &self,
         map: &MapId,
@@ -29,6 +29,7 @@ impl Service {
             if let Some(known) = index.loops().get(&new.id) {
                 return again(index, known, &new);
             }
+            let candidate_from_query = new.candidate_from_query.clone().or(candidate_from_query);
             let closed = Loop { candidate_from_query, ..resolve(index, new)? };
             check_loop(&quotas, index, &closed)?;
             let id = closed.id.clone();
@@ -100,8 +101,12 @@ fn confirmed(index: &MapIndex, id: &LoopId, warning: Option<LoopWarning>) -> Opt
 }
 
 fn again(index: &MapIndex, known: &Loop, new: &NewLoop) -> Result<Decision<Confirmed>, ServiceError> {
-    let same =
-        known.keyframe_id == new.keyframe && known.candidate_id == new.candidate && known.query == new.query;
+    let closed_alike =
+        new.candidate_from_query.is_none() || new.candidate_from_query == known.candidate_from_query;
+    let same = known.keyframe_id == new.keyframe
+        && known.candidate_id == new.candidate
+        && known.query == new.query
+        && closed_alike;
     if same {
         // What spoke against it was judged without it. Now the two maps overlap, and would agree with themselves.
         return Ok(Decision::Unchanged((false, confirmed(index, &new.id, None))));

@@ -138,6 +138,9 @@ pub(super) async fn send(service: &Service, map: &MapId, request: Request) -> Re
                 keyframe: keyframe_id(keyframe),
                 candidate: keyframe_id(candidate),
                 query: None,
+                candidate_from_query: Pose::new([f64::from(name), 0.5, 0.0], [0.0, 0.6, 0.0, 0.8])
+                    .filter(|_| name % 2 == 0)
+                    .map(Sim3::from),
             };
             service.confirm_loop(map, new, None).await.map(drop)
         }

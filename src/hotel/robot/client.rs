@@ -205,6 +205,7 @@ impl<'a> Robot<'a> {
                 keyframe: closing.keyframe,
                 candidate: closing.closed_with.candidate,
                 query: Some(closing.closed_with.answer),
+                candidate_from_query: None,
             };
             self.client.post_loop(self.map, &body).await?;
         }

@@ -82,7 +82,9 @@ pub async fn revoke_loop(
 
 /// Returns the transformation that the query of a loop verified, if its answer is kept and about these two keyframes.
 async fn measured(service: &Service, map: &MapId, new: &NewLoop) -> Result<Option<Sim3>, Problem> {
-    let Some(query) = &new.query else { return Ok(None) };
+    let Some(query) = new.query.as_ref().filter(|_| new.candidate_from_query.is_none()) else {
+        return Ok(None);
+    };
     match service.kept_query(map, query).await {
         Ok(answer) => Ok(MeasuredLoop::between(&answer, new.keyframe.as_str(), new.candidate.as_str())
             .map(|measured| Sim3::scaled(measured.candidate_from_query, measured.scale))),

@@ -83,8 +83,8 @@ pub async fn revoke_merge(
 ///
 /// Confirmed loops between sessions, verified by geometry, and alignments to plans say where the sessions lie to each other. Loops that
 /// contradict the rest do not count, and are listed as suspects (event `loop_suspected`). Computed after a loop was confirmed or
-/// revoked, and kept: the same version is the same to the byte. Loops without a transformation (their query is not named, was not
-/// verified by geometry, or was no longer stored) are left out and counted. In a map that is not metric each session stands alone.
+/// revoked, and kept: the same version is the same to the byte. Loops without a transformation (the client sent none, and their query is
+/// not named, was not verified by geometry, or was no longer stored) are left out and counted. In a map that is not metric each session stands alone.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/frames", tag = "maps", params(MapPathParams, FramesSearch), security(("key" = ["read"])),
     responses((status = 200, description = "The frames", body = FramesView, example = examples::frames), ReadErrors)

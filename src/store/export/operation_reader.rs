@@ -13,6 +13,7 @@ use crate::domain::map::MapProperties;
 use crate::domain::recorded::{NamedDetection, Recorded};
 use crate::domain::request::{ChangedKeyframe, ChangedObservations, MapPatch, NewLoop, PoseCorrection};
 use crate::domain::settings::Settings;
+use crate::geometry::Sim3;
 use crate::store::commit::job::MapKey;
 use crate::store::commit::transaction::Transaction;
 use crate::store::files::lock::DatabaseLock;
@@ -108,6 +109,15 @@ impl Export {
         };
         export.keyframe = export.keyframe_after(-1).await?;
         Ok(Some(export))
+    }
+
+    /// Returns the transformation of a loop that is still closed, if it has one.
+    async fn measured(&mut self, id: &LoopId) -> Result<Option<Sim3>, StoreError> {
+        let select = "select * from loops where map_key = $1 and id = $2";
+        let query = sqlx::query(select).bind(self.map).bind(id.as_str());
+        let row = query.fetch_optional(&mut *self.db).await?;
+        let closed = row.map(|row| decode::closed_loop(&row)).transpose()?;
+        Ok(closed.and_then(|closed| closed.candidate_from_query))
     }
 
     /// Reads the next operation; `None` after the last.
@@ -238,7 +248,8 @@ impl Export {
                 };
                 let id: LoopId = decode::id(&id)?;
                 self.loops.insert(id.clone());
-                Step::of(Recorded::Loop(NewLoop { id, keyframe, candidate, query }))
+                let candidate_from_query = self.measured(&id).await?;
+                Step::of(Recorded::Loop(NewLoop { id, keyframe, candidate, query, candidate_from_query }))
             }
             Operation::LoopRevoked { id } => {
                 let id: LoopId = decode::id(&id)?;
