@@ -127,6 +127,7 @@ async fn of_server(sends: Sends, keyframes: u32) {
         for query in 0..QUERIES {
             let keyframe = Robot::id(query * (sent / QUERIES));
             let query = LoopQuery {
+                release: None,
                 subject: Subject::Stored(keyframe),
                 verify: Verify::Auto,
                 max_wait_ms: 0,

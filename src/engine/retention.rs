@@ -59,7 +59,7 @@ impl Service {
                     Ok(()) | Err(ServiceError::NotFound(_)) => {}
                     // A damaged map keeps none of the others from their turn.
                     Err(error) => {
-                        tracing::warn!(map = %row.report.id, %error, "what its settings let go of stays")
+                        tracing::warn!(map = %row.report.id, %error, "what its settings let go of stays");
                     }
                 }
             }

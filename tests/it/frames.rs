@@ -160,7 +160,7 @@ async fn a_loop_with_the_clients_own_transformation_joins_robots_and_goes_with_a
     }
     copy.post(&format!("{MAP}/loops"), &of_loop["body"]).await.expect(201);
     assert_eq!(frames(&copy).await["frames"], joined["frames"]);
-    closed["candidate_from_query"]["rotation"]["w"] = json!(7.0);
+    closed["candidate_from_query"]["rotation"]["w"] = json!(0.5);
     closed["id"] = json!("bent");
     let refused = server.post(&format!("{MAP}/loops"), &closed).await;
     assert_eq!(refused.pointers(), ["/candidate_from_query/rotation"]);

@@ -29,7 +29,7 @@ impl Service {
             if let Some(known) = index.loops().get(&new.id) {
                 return again(index, known, &new);
             }
-            let candidate_from_query = new.candidate_from_query.clone().or(candidate_from_query);
+            let candidate_from_query = new.candidate_from_query.or(candidate_from_query);
             let closed = Loop { candidate_from_query, ..resolve(index, new)? };
             check_loop(&quotas, index, &closed)?;
             let id = closed.id.clone();

@@ -5,7 +5,7 @@ use tracing::Instrument as _;
 
 use super::maps::patched;
 use super::releases::no_release;
-use crate::domain::ids::MapId;
+use crate::domain::ids::{MapId, ReleaseName};
 use crate::domain::invalid::FieldError;
 use crate::domain::key::KeySeq;
 use crate::domain::release::MapBase;
@@ -87,7 +87,7 @@ fn fingerprint(base: &MapBase, patch: &MapPatch) -> Digest {
     let gravity = gravity.map(|gravity| gravity.as_given());
     let mut settings: Vec<_> = settings.iter().collect();
     settings.sort_by_key(|(name, _)| name);
-    let said = (base.map.as_str(), base.release.as_ref().map(|name| name.as_str()));
+    let said = (base.map.as_str(), base.release.as_ref().map(ReleaseName::as_str));
     Sha256::digest(format!("{said:?}{description:?}{anchor_classes:?}{metric:?}{gravity:?}{settings:?}"))
         .into()
 }

@@ -57,13 +57,11 @@ impl Service {
         owner: Option<KeySeq>,
     ) -> Result<Stored<MapReport>, ServiceError> {
         let NewMap { patch, base } = new;
-        match base {
-            Some(base) => self.put_copy(id, base, patch, owner).await,
-            None => {
-                let defaults = MapProperties { metric: true, ..MapProperties::default() };
-                self.put_map(id, patched(&defaults, patch)?, owner).await
-            }
+        if let Some(base) = base {
+            return self.put_copy(id, base, patch, owner).await;
         }
+        let defaults = MapProperties { metric: true, ..MapProperties::default() };
+        self.put_map(id, patched(&defaults, patch)?, owner).await
     }
 
     /// Makes a map, or finds that this very request had made it.

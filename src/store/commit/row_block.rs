@@ -58,7 +58,8 @@ impl RowBlock {
         self.rows.len()
     }
 
-    pub(in crate::store) fn is_empty(&self) -> bool {
+    /// Whether it has none.
+    pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 }
