@@ -7,6 +7,7 @@ import { Compare } from "./viewer_compare.js";
 import { Details } from "./viewer_details.js";
 import { keyWanted, noKeyframes, noMaps, noSuchMap, unreachable } from "./viewer_empty.js";
 import { EventList, listen } from "./viewer_events.js";
+import { Follower } from "./viewer_follow.js";
 import { listenToKeys } from "./viewer_keys.js";
 import { inBrief, legend, sessionOptions } from "./viewer_legend.js";
 import { AnchorList, KeyframeList, fillLoops } from "./viewer_lists.js";
@@ -19,8 +20,7 @@ import { Where } from "./viewer_where.js";
 import { el, fill, number } from "./dom.js";
 
 const LOOK_AGAIN_MS = 4000;
-const REFRESH_MS = 500;
-const MAPS_EVERY = 8;
+const SELDOM = 8;
 
 const NOTHING = buildScene({ keyframes: [], anchors: [], loops: [] });
 const at = (id) => document.getElementById(id);
@@ -33,8 +33,6 @@ const FRESH = {
 const state = { ...FRESH, answer: null };
 let stream = null;
 let loading = null;
-let planned = null;
-let tookMs = 0;
 let looks = 0;
 
 const refs = {
@@ -59,6 +57,7 @@ const picture = new PictureForm(at("picture"), world, (one) => canvas.showPictur
 const anchors = new AnchorList(at("anchors"), world, refs, foundOnMap);
 const keyframes = new KeyframeList(at("keyframes"), world, refs);
 const events = new EventList(at("events"), at("tab-events"), refs);
+const follower = new Follower({ version: () => state.version, isReading: () => loading !== null, read: load });
 const sweep = new Sweep(at("sweep"), world, refs);
 const where = new Where(at("where"), world, refs, { opened: () => openTab("where"), answered });
 
@@ -171,8 +170,8 @@ function stepInSession(by) {
 async function open(map, selection = null, push = false) {
   stream?.stop();
   loading?.abort();
-  clearTimeout(planned);
-  planned = loading = null;
+  loading = null;
+  follower.stop();
   Object.assign(state, { ...FRESH, map, selection });
   lay();
   document.title = `${map} – Revisit`;
@@ -207,8 +206,10 @@ async function load() {
     if (!turn.signal.aborted) failed(error);
     return false;
   } finally {
-    tookMs = performance.now() - begun;
-    if (loading === turn) loading = null;
+    if (loading === turn) {
+      follower.ranFor(performance.now() - begun);
+      loading = null;
+    }
   }
 }
 
@@ -233,29 +234,25 @@ function gone() {
 /** An event: history is only listed, news also refresh the map. */
 function happened(event) {
   events.add(event);
-  if (event.map_version > state.version) refreshSoon();
+  follower.told(event.map_version);
+  // Found by a reading of the frames, which changes no version.
+  if (event.event === "loop_suspected" && event.map_version >= state.version && !state.scene.suspects.has(event.loop)) follower.soon();
 }
 
-/** A large map is read less often. */
-function refreshSoon() {
-  planned ??= setTimeout(async () => {
-    if (loading === null) await load();
-    planned = null;
-  }, Math.max(REFRESH_MS, 3 * tookMs));
-}
-
-/** Keyframes make no events, and maps come and go: look now and then. */
+/** Maps come and go, and settings change without an event: look now and then; often only while no events come. */
 async function lookAgain() {
   // Whoever types a key is not disturbed; an old one would be refused again and again.
   if (document.hidden || loading !== null || (!at("empty").hidden && at("empty").querySelector("form"))) return;
   looks += 1;
+  const isTime = looks % SELDOM === 0;
+  if (isLive() && !isTime) return;
   try {
-    if (state.map === null || looks % MAPS_EVERY === 0) await readMaps();
+    if (state.map === null || isTime) await readMaps();
     if (state.map === null) return;
     const meta = await get(path("maps", state.map));
     if (meta.id !== state.map) return;
     if (stream === null || state.meta === null) await open(state.map, state.selection);
-    else if (meta.map_version !== state.version) refreshSoon();
+    else follower.told(meta.map_version);
   } catch (error) {
     failed(error);
   }
@@ -283,6 +280,10 @@ async function start() {
   } catch (error) {
     failed(error);
   }
+}
+
+function isLive() {
+  return at("live").dataset.state === "live";
 }
 
 function connected(how) {
@@ -358,7 +359,7 @@ function hover(hit, x, y) {
 const lists = {
   anchors: () => anchors.refresh(),
   keyframes: () => keyframes.refresh(),
-  loops: () => { fillLoops(at("loop-list"), world, refs, refreshSoon); sweep.refresh(); },
+  loops: () => { fillLoops(at("loop-list"), world, refs, () => follower.soon()); sweep.refresh(); },
   where: () => where.refresh(),
 };
 

@@ -56,6 +56,7 @@ const ASSETS: &[Asset] = assets![
     "viewer_draw.js"
     "viewer_empty.js"
     "viewer_events.js"
+    "viewer_follow.js"
     "viewer_gauges.js"
     "viewer_keys.js"
     "viewer_labels.js"
