@@ -13,21 +13,23 @@ import { inBrief, legend, sessionOptions } from "./viewer_legend.js";
 import { AnchorList, KeyframeList, fillLoops } from "./viewer_lists.js";
 import { marksOf, marksOfAnswer } from "./viewer_marks.js";
 import { PictureForm } from "./viewer_picture.js";
+import { Releases } from "./viewer_releases.js";
 import { AXES, PLANES, arrange, buildScene, widestPlane } from "./viewer_scene.js";
 import { Sweep } from "./viewer_sweep.js";
 import { tabList } from "./viewer_tabs.js";
 import { Where } from "./viewer_where.js";
-import { el, fill, number } from "./dom.js";
+import { debounced, el, fill, number } from "./dom.js";
 
 const LOOK_AGAIN_MS = 4000;
 const SELDOM = 8;
+const PUBLISHED_WAIT_MS = 300;
 
 const NOTHING = buildScene({ keyframes: [], anchors: [], loops: [] });
 const at = (id) => document.getElementById(id);
 /** What is known and chosen when a map is opened: nothing. */
 const FRESH = {
   map: null, meta: null, version: 0, scene: NOTHING,
-  choice: null, apart: true, fleet: true, plane: null, selection: null, marks: {}, found: null,
+  choice: null, apart: true, fleet: true, plane: null, selection: null, marks: {}, found: null, changes: null,
 };
 /** The answer to "where am I?" stays: its places lead from map to map. */
 const state = { ...FRESH, answer: null };
@@ -59,6 +61,7 @@ const keyframes = new KeyframeList(at("keyframes"), world, refs);
 const events = new EventList(at("events"), at("tab-events"), refs);
 const follower = new Follower({ version: () => state.version, isReading: () => loading !== null, read: load });
 const sweep = new Sweep(at("sweep"), world, refs);
+const releases = new Releases(at("releases"), world, refs, changedOnMap);
 const where = new Where(at("where"), world, refs, { opened: () => openTab("where"), answered });
 
 function ref(id, click) {
@@ -111,6 +114,15 @@ function foundOnMap(ids) {
   if (ids?.size > 0) canvas.bringAll([...canvas.anchors].filter(({ id }) => ids.has(id)));
 }
 
+/** Marks what a comparison of releases found, all of it if nothing of it is in view. */
+function changedOnMap(changes) {
+  if (state.changes === changes) return;
+  state.changes = changes;
+  remark();
+  fill(at("legend"), legend(state.scene, changes));
+  if (changes) canvas.bringAll([...canvas.keyframes.filter(({ id }) => changes.keyframes.has(id)), ...canvas.anchors.filter(({ id }) => changes.anchors.has(id))]);
+}
+
 /** Finds signs by their text, from wherever one is. */
 function find() {
   if (document.body.classList.contains("covered")) return;
@@ -131,7 +143,7 @@ function mark(kind, id, more) {
 }
 
 function remark() {
-  canvas.mark({ ...marksOf(canvas, state), ...marksOfAnswer(canvas, state), found: state.found });
+  canvas.mark({ ...marksOf(canvas, state), ...marksOfAnswer(canvas, state), found: state.found, changes: state.changes });
 }
 
 /** The address names the map and the selection, so that it can be sent to somebody. */
@@ -182,6 +194,7 @@ async function open(map, selection = null, push = false) {
   anchors.reset();
   keyframes.reset();
   sweep.reset();
+  releases.reset();
   where.refresh();
   details.clear();
   if (!await load()) return;
@@ -235,8 +248,10 @@ function gone() {
 function happened(event) {
   events.add(event);
   follower.told(event.map_version);
-  // Found by a reading of the frames, which changes no version.
-  if (event.event === "loop_suspected" && event.map_version >= state.version && !state.scene.suspects.has(event.loop)) follower.soon();
+  // The others change no version: a release, and a loop that a reading of the frames found.
+  if (event.map_version < state.version) return;
+  if (event.event === "release_published") published();
+  else if (event.event === "loop_suspected" && !state.scene.suspects.has(event.loop)) follower.soon();
 }
 
 /** Maps come and go, and settings change without an event: look now and then; often only while no events come. */
@@ -320,9 +335,9 @@ function redraw() {
   at("figures").title = meta.description;
   fill(at("sessions"), sessionOptions(scene));
   lay();
-  fill(at("legend"), legend(scene));
+  fill(at("legend"), legend(scene, state.changes));
   picture.refresh();
-  for (const panel of Object.keys(lists)) if (!at(panel).hidden && !isRead(at(panel))) lists[panel]();
+  Object.keys(lists).forEach(refreshList);
   at("tab-loops").textContent = meta.loops > 0 ? `Loops ${meta.loops}` : "Loops";
 }
 
@@ -361,7 +376,13 @@ const lists = {
   keyframes: () => keyframes.refresh(),
   loops: () => { fillLoops(at("loop-list"), world, refs, () => follower.soon()); sweep.refresh(); },
   where: () => where.refresh(),
+  releases: () => releases.refresh(),
 };
+const published = debounced(() => refreshList("releases"), PUBLISHED_WAIT_MS);
+
+function refreshList(panel) {
+  if (!at(panel).hidden && !isRead(at(panel))) lists[panel]();
+}
 
 function isRead(panel) {
   return panel.scrollTop > 40 || panel.getBoundingClientRect().top < 0 || Boolean(document.activeElement?.closest("aside li"));
@@ -374,7 +395,7 @@ at("in").addEventListener("click", () => canvas.zoom(1.4));
 at("out").addEventListener("click", () => canvas.zoom(1 / 1.4));
 at("fit").addEventListener("click", () => canvas.fit());
 at("find").addEventListener("click", find);
-onChange(() => fill(at("legend"), legend(state.scene)));
+onChange(() => fill(at("legend"), legend(state.scene, state.changes)));
 at("labels").addEventListener("change", ({ target }) => canvas.showLabels(target.checked));
 at("maps").addEventListener("change", ({ target }) => open(target.value, null, true));
 at("sessions").addEventListener("change", ({ target: { value } }) => {
