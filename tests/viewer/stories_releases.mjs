@@ -249,4 +249,23 @@ export const releasing = {
     await page.close();
     await server.stop();
   },
+
+  async "a keyframe says which features and pictures its map let go of, and how it is erased"() {
+    const server = await serve("kept", "--retention-every-s", "1");
+    await server.ask("PUT", MAP, { settings: { keep_crops: false, keep_descriptors_days: 30 } });
+    await server.send("m", drive("robot-1", { steps: 2, reads: (index) => String(901 + index), crops: true }));
+    while ((await server.ask("GET", `${MAP}/anchors`)).items.some(({ has_crop: has }) => has)) await new Promise((resume) => { setTimeout(resume, 100); });
+    const page = await open(`${server.url}/?map=m&keyframe=robot-1-1`);
+    await page.click("#details >> text=Its detections and features");
+    await page.waitForSelector("#details >> text=It has no features: this map keeps them for 30 days.");
+    await page.waitForSelector("#details li >> text=no picture: this map keeps none");
+    await page.click("#details >> text=How to erase it for good");
+    const commands = await page.locator("#details pre").allTextContents();
+    assert.match(commands[0], new RegExp(`POST ${server.url}${MAP}/erase .*'{"keyframes":\\["robot-1-1"\\]}'`, "s"));
+    assert.match(commands[1], /'{"sessions":\["robot-1"\]}'/);
+    await page.goto(`${server.url}/?map=m&anchor=a-0`);
+    await page.waitForSelector("#details >> text=No picture: this map keeps none.");
+    await page.close();
+    await server.stop();
+  },
 };
