@@ -120,7 +120,9 @@ function changedOnMap(changes) {
   state.changes = changes;
   remark();
   fill(at("legend"), legend(state.scene, changes));
-  if (changes) canvas.bringAll([...canvas.keyframes.filter(({ id }) => changes.keyframes.has(id)), ...canvas.anchors.filter(({ id }) => changes.anchors.has(id))]);
+  if (!changes) return;
+  const changed = (kind) => canvas[kind].filter(({ id }) => changes[kind].has(id));
+  canvas.bringAll([...changed("anchors"), ...changed("keyframes")]);
 }
 
 /** Finds signs by their text, from wherever one is. */

@@ -131,7 +131,8 @@ export class Changes {
     if (kind === "moved") items.sort((a, b) => b.moved_m - a.moved_m);
     const all = changes[`${of}_${kind}`];
     return el("section", { "data-change": `${of}-${kind}` },
-      el("h3", {}, title), all > items.length && el("p", { class: "muted small" }, `The first ${number(items.length, 0)} of ${number(all, 0)}.`),
+      el("h3", {}, title),
+      all > items.length && el("p", { class: "muted small" }, `The first ${number(items.length, 0)} of ${number(all, 0)}.`),
       longList(items, kind === "added" && of === "keyframes" ? "flow" : "lines", line));
   }
 

@@ -12,8 +12,8 @@ const QUESTION = "Is it a loop?";
 /** Fills a place with what is selected. A newer selection wins over the answers to an older one. */
 export class Details {
   /**
-   * `world` gives `map()`, `scene()`, `version()`, `settings()`, and hears `mark(kind, id, marks)`, `locate(id)` and `compare(answer, candidate)`;
-   * `refs` makes references.
+   * `world` gives `map()`, `scene()`, `version()` and `settings()`, and hears `mark(kind, id, marks)`, `locate(id)` and
+   * `compare(answer, candidate)`; `refs` makes references.
    */
   constructor(place, world, refs) {
     Object.assign(this, { place, world, refs, turn: new AbortController() });
@@ -151,7 +151,8 @@ export class Details {
           detection.reason && `, ignored: ${detection.reason.replaceAll("_", " ")}`,
           detection.has_crop ? ", with a picture" : keepsCrops === false && ", no picture: this map keeps none"));
       const both = `${count(detections.length, "detection")}; it observes ${count(observes.length, "map point")}.`;
-      return [el("p", { class: "muted" }, both), el("p", { class: "muted" }, this.features(features)), el("ul", { class: "lines" }, detections.map(line))];
+      return [el("p", { class: "muted" }, both), el("p", { class: "muted" }, this.features(features)),
+        el("ul", { class: "lines" }, detections.map(line))];
     });
     return el("details", { toggle: ({ target }) => target.open && place.childElementCount === 0 && read() },
       el("summary", {}, "Its detections and features"), place);
@@ -169,7 +170,8 @@ export class Details {
   erasing(keyframe, session) {
     const address = this.address("erase");
     return el("details", {}, el("summary", {}, "How to erase it for good"),
-      el("p", { class: "small" }, "With a key for ", el("code", {}, "admin"), ". It goes from the map, its releases and the database's file, and nothing brings it back. ",
+      el("p", { class: "small" }, "With a key for ", el("code", {}, "admin"),
+        ". It goes from the map, its releases and the database's file, and nothing brings it back. ",
         "The answer names a job; ", el("code", {}, `GET ${address}/ID`), " tells when it is done, and which backups still hold it."),
       el("h4", {}, "This keyframe"), copyable(curlOf(address, { keyframes: [keyframe] })),
       el("h4", {}, "Its whole session"), copyable(curlOf(address, { sessions: [session] })));

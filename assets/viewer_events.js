@@ -128,8 +128,8 @@ export class EventList {
 
   sentenceOfRun({ kind, keyframes, sessions, keyframe }) {
     const last = keyframe ? this.refs.keyframe(keyframe) : "?";
-    const of = sessions.size === 0 ? null
-      : [" of ", sessions.size > SESSIONS ? `${sessions.size} sessions` : [...sessions].map((name, index) => [index > 0 && ", ", sign(name)])];
+    const names = [...sessions].map((name, index) => [index > 0 && ", ", sign(name)]);
+    const of = sessions.size > 0 && [" of ", sessions.size > SESSIONS ? `${sessions.size} sessions` : names];
     if (keyframes === 1) return ["Keyframe ", last, of, ` ${RUNS[kind]}`];
     return [`${number(keyframes, 0)} keyframes`, of, ` ${RUNS[kind]}, the last `, last];
   }

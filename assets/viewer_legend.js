@@ -47,8 +47,9 @@ export function legend({ classes, sessions, plans, loops, suspects, anchors: all
 /** What a comparison marks on the map. */
 function changed({ keyframes, anchors }) {
   const marks = [...keyframes.values(), ...[...anchors.values()].map(({ tone }) => tone)];
-  return [["ring", "good", "new or back since the release"], ["ring", "open", "moved or read otherwise since"], ["cross", "bad", "hangs there no longer"]]
-    .filter(([, tone]) => marks.includes(tone));
+  const kinds = [["cross", "bad", "hangs there no longer"], ["ring", "open", "moved or read otherwise since the release"],
+    ["ring", "good", "new or back since"]];
+  return kinds.filter(([, tone]) => marks.includes(tone));
 }
 
 /** A keyframe or an anchor in two lines. */

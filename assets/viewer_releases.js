@@ -11,13 +11,17 @@ const UNITS = ["bytes", "kB", "MB", "GB", "TB"];
 
 /** The tab of releases. */
 export class Releases {
-  /** `world` gives `map()` and `version()`; `refs` makes references; `marked(changes)` hears what to mark on the map, `null` when nothing. */
+  /**
+   * `world` gives `map()` and `version()`, `refs` makes references, and `marked(changes)` hears what to mark on the map: `null`,
+   * nothing.
+   */
   constructor(place, world, refs, marked) {
     Object.assign(this, { place, world, turn: new AbortController(), items: [], barred: null });
     this.form = this.publication();
     this.told = el("p", { role: "status" });
     this.list = el("div", {});
-    const hint = "A release is the map as it stood, under a name. A loop query that names it is answered from it, whatever robots write to the map.";
+    const hint = "A release is the map as it stood, under a name. A loop query that names it is answered from it, whatever robots "
+      + "write to the map.";
     this.overview = el("div", {}, el("p", { class: "hint" }, hint), this.form, this.told, this.list);
     this.changes = new Changes(world, refs, { marked, back: (name) => this.back(name) });
     fill(place, this.overview, this.changes.place);
@@ -103,8 +107,8 @@ export class Releases {
       this.name.value = this.description.value = "";
     } catch (error) {
       if (map !== this.world.map()) return;
-      this.fault(error.code === "release_exists" ? "There is a release of this name already, and a release cannot be changed. Choose another name."
-        : error.message);
+      const taken = "There is a release of this name already, and a release cannot be changed. Choose another name.";
+      this.fault(error.code === "release_exists" ? taken : error.message);
     } finally {
       this.button.disabled = false;
       if (document.activeElement === document.body) this.button.focus();
@@ -128,8 +132,9 @@ export class Releases {
   }
 
   draw() {
+    const lines = () => el("ul", { class: "lines releases" }, this.items.map((one) => this.line(one)));
     if (this.items.length === 0) fill(this.list, el("p", { class: "hint" }, "No release is published yet."));
-    else fill(this.list, el("h3", {}, count(this.items.length, "release")), el("ul", { class: "lines releases" }, this.items.map((one) => this.line(one))));
+    else fill(this.list, el("h3", {}, count(this.items.length, "release")), lines());
   }
 
   line(release) {
@@ -137,37 +142,41 @@ export class Releases {
     const isLatest = version === this.world.version();
     const sizes = [count(release.keyframes, "keyframe"), count(release.anchors, "anchor"), count(release.sessions, "session"),
       count(release.loops, "loop"), inUnits(release.bytes)];
-    const compare = el("button", { type: "button", "data-compare": name, "aria-label": `Compare ${name}`, click: () => this.compare(name) }, "Compare…");
-    const line = el("li", {},
-      el("div", {}, el("b", { class: "mono" }, name), ` version ${number(version, 0)} `, isLatest && el("span", { class: "chip good" }, "as the map stands")),
+    const erased = `Something was erased from it ${erasures === 1 ? "once" : `${number(erasures, 0)} times`}.`;
+    return el("li", {},
+      el("div", {}, el("b", { class: "mono" }, name), ` version ${number(version, 0)} `,
+        isLatest && el("span", { class: "chip good" }, "as the map stands")),
       description && el("div", {}, sign(description)),
       el("div", { class: "muted small" }, `published ${day(release.published)}; `, sizes.join(", ")),
-      erasures > 0 && el("div", { class: "muted small" }, `Something was erased from it ${erasures === 1 ? "once" : `${number(erasures, 0)} times`}.`),
-      this.askers(release));
-    line.append(this.acts(release, compare));
-    return line;
+      erasures > 0 && el("div", { class: "muted small" }, erased),
+      this.askers(release), this.acts(release));
   }
 
   askers({ asked_by: askers }) {
     if (askers.length === 0) return el("div", { class: "small muted" }, "No robot has asked it.");
-    const one = ({ session, queries, last }) => el("li", {}, sign(session), `: ${count(queries, "query", "queries")}, the last ${day(last)}`);
+    const one = ({ session, queries, last }) =>
+      el("li", {}, sign(session), `: ${count(queries, "query", "queries")}, the last ${day(last)}`);
     return el("div", { class: "small" }, "Asked by", el("ul", { class: "askers" }, askers.slice(0, ASKERS).map(one)),
       askers.length > ASKERS && el("details", {}, el("summary", {}, `${number(askers.length - ASKERS, 0)} more`),
         el("ul", { class: "askers" }, askers.slice(ASKERS).map(one))));
   }
 
   /** Compare, and delete after a second question. */
-  acts(release, compare) {
+  acts({ name, asked_by: askers }) {
     const place = el("div", { class: "row small" });
-    const { name, asked_by: askers } = release;
+    const compare = el("button", {
+      type: "button", "data-compare": name, "aria-label": `Compare ${name}`, click: () => this.compare(name),
+    }, "Compare…");
     const first = () => {
-      const ask = el("button", { type: "button", disabled: this.barred !== null, "aria-label": `Delete ${name}`, click: sure }, "Delete…");
+      const isBarred = this.barred !== null;
+      const ask = el("button", { type: "button", disabled: isBarred, "aria-label": `Delete ${name}`, click: sure }, "Delete…");
       fill(place, compare, ask);
       return ask;
     };
     const sure = () => {
       const robots = askers.length === 0 ? "No robot has asked it; one that does hears that it is not there (404)."
-        : `${count(askers.length, "robot has", "robots have")} asked it, the last on ${day(askers[0].last)}. From then on they hear that it is not there (404).`;
+        : `${count(askers.length, "robot has", "robots have")} asked it, the last on ${day(askers[0].last)}. `
+          + "From then on they hear that it is not there (404).";
       const keep = el("button", { type: "button", click: () => first().focus() }, "Keep it");
       fill(place, el("span", {}, "Nothing brings it back. ", robots),
         el("button", { type: "button", class: "danger", click: () => this.remove(name, place) }, "Delete the release"), keep);
