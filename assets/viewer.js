@@ -7,34 +7,34 @@ import { Compare } from "./viewer_compare.js";
 import { Details } from "./viewer_details.js";
 import { keyWanted, noKeyframes, noMaps, noSuchMap, unreachable } from "./viewer_empty.js";
 import { EventList, listen } from "./viewer_events.js";
+import { Follower } from "./viewer_follow.js";
 import { listenToKeys } from "./viewer_keys.js";
 import { inBrief, legend, sessionOptions } from "./viewer_legend.js";
 import { AnchorList, KeyframeList, fillLoops } from "./viewer_lists.js";
 import { marksOf, marksOfAnswer } from "./viewer_marks.js";
 import { PictureForm } from "./viewer_picture.js";
+import { Releases } from "./viewer_releases.js";
 import { AXES, PLANES, arrange, buildScene, widestPlane } from "./viewer_scene.js";
 import { Sweep } from "./viewer_sweep.js";
 import { tabList } from "./viewer_tabs.js";
 import { Where } from "./viewer_where.js";
-import { el, fill, number } from "./dom.js";
+import { debounced, el, fill, number } from "./dom.js";
 
 const LOOK_AGAIN_MS = 4000;
-const REFRESH_MS = 500;
-const MAPS_EVERY = 8;
+const SELDOM = 8;
+const PUBLISHED_WAIT_MS = 300;
 
 const NOTHING = buildScene({ keyframes: [], anchors: [], loops: [] });
 const at = (id) => document.getElementById(id);
 /** What is known and chosen when a map is opened: nothing. */
 const FRESH = {
   map: null, meta: null, version: 0, scene: NOTHING,
-  choice: null, apart: true, fleet: true, plane: null, selection: null, marks: {}, found: null,
+  choice: null, apart: true, fleet: true, plane: null, selection: null, marks: {}, found: null, changes: null,
 };
 /** The answer to "where am I?" stays: its places lead from map to map. */
 const state = { ...FRESH, answer: null };
 let stream = null;
 let loading = null;
-let planned = null;
-let tookMs = 0;
 let looks = 0;
 
 const refs = {
@@ -59,7 +59,9 @@ const picture = new PictureForm(at("picture"), world, (one) => canvas.showPictur
 const anchors = new AnchorList(at("anchors"), world, refs, foundOnMap);
 const keyframes = new KeyframeList(at("keyframes"), world, refs);
 const events = new EventList(at("events"), at("tab-events"), refs);
+const follower = new Follower({ version: () => state.version, isReading: () => loading !== null, read: load });
 const sweep = new Sweep(at("sweep"), world, refs);
+const releases = new Releases(at("releases"), world, refs, changedOnMap);
 const where = new Where(at("where"), world, refs, { opened: () => openTab("where"), answered });
 
 function ref(id, click) {
@@ -112,6 +114,17 @@ function foundOnMap(ids) {
   if (ids?.size > 0) canvas.bringAll([...canvas.anchors].filter(({ id }) => ids.has(id)));
 }
 
+/** Marks what a comparison of releases found, all of it if nothing of it is in view. */
+function changedOnMap(changes) {
+  if (state.changes === changes) return;
+  state.changes = changes;
+  remark();
+  fill(at("legend"), legend(state.scene, changes));
+  if (!changes) return;
+  const changed = (kind) => canvas[kind].filter(({ id }) => changes[kind].has(id));
+  canvas.bringAll([...changed("anchors"), ...changed("keyframes")]);
+}
+
 /** Finds signs by their text, from wherever one is. */
 function find() {
   if (document.body.classList.contains("covered")) return;
@@ -132,7 +145,7 @@ function mark(kind, id, more) {
 }
 
 function remark() {
-  canvas.mark({ ...marksOf(canvas, state), ...marksOfAnswer(canvas, state), found: state.found });
+  canvas.mark({ ...marksOf(canvas, state), ...marksOfAnswer(canvas, state), found: state.found, changes: state.changes });
 }
 
 /** The address names the map and the selection, so that it can be sent to somebody. */
@@ -171,8 +184,8 @@ function stepInSession(by) {
 async function open(map, selection = null, push = false) {
   stream?.stop();
   loading?.abort();
-  clearTimeout(planned);
-  planned = loading = null;
+  loading = null;
+  follower.stop();
   Object.assign(state, { ...FRESH, map, selection });
   lay();
   document.title = `${map} – Revisit`;
@@ -183,6 +196,7 @@ async function open(map, selection = null, push = false) {
   anchors.reset();
   keyframes.reset();
   sweep.reset();
+  releases.reset();
   where.refresh();
   details.clear();
   if (!await load()) return;
@@ -207,8 +221,10 @@ async function load() {
     if (!turn.signal.aborted) failed(error);
     return false;
   } finally {
-    tookMs = performance.now() - begun;
-    if (loading === turn) loading = null;
+    if (loading === turn) {
+      follower.ranFor(performance.now() - begun);
+      loading = null;
+    }
   }
 }
 
@@ -233,29 +249,27 @@ function gone() {
 /** An event: history is only listed, news also refresh the map. */
 function happened(event) {
   events.add(event);
-  if (event.map_version > state.version) refreshSoon();
+  follower.told(event.map_version);
+  // The others change no version: a release, and a loop that a reading of the frames found.
+  if (event.map_version < state.version) return;
+  if (event.event === "release_published") published();
+  else if (event.event === "loop_suspected" && !state.scene.suspects.has(event.loop)) follower.soon();
 }
 
-/** A large map is read less often. */
-function refreshSoon() {
-  planned ??= setTimeout(async () => {
-    if (loading === null) await load();
-    planned = null;
-  }, Math.max(REFRESH_MS, 3 * tookMs));
-}
-
-/** Keyframes make no events, and maps come and go: look now and then. */
+/** Maps come and go, and settings change without an event: look now and then; often only while no events come. */
 async function lookAgain() {
   // Whoever types a key is not disturbed; an old one would be refused again and again.
   if (document.hidden || loading !== null || (!at("empty").hidden && at("empty").querySelector("form"))) return;
   looks += 1;
+  const isTime = looks % SELDOM === 0;
+  if (isLive() && !isTime) return;
   try {
-    if (state.map === null || looks % MAPS_EVERY === 0) await readMaps();
+    if (state.map === null || isTime) await readMaps();
     if (state.map === null) return;
     const meta = await get(path("maps", state.map));
     if (meta.id !== state.map) return;
     if (stream === null || state.meta === null) await open(state.map, state.selection);
-    else if (meta.map_version !== state.version) refreshSoon();
+    else follower.told(meta.map_version);
   } catch (error) {
     failed(error);
   }
@@ -283,6 +297,10 @@ async function start() {
   } catch (error) {
     failed(error);
   }
+}
+
+function isLive() {
+  return at("live").dataset.state === "live";
 }
 
 function connected(how) {
@@ -319,9 +337,9 @@ function redraw() {
   at("figures").title = meta.description;
   fill(at("sessions"), sessionOptions(scene));
   lay();
-  fill(at("legend"), legend(scene));
+  fill(at("legend"), legend(scene, state.changes));
   picture.refresh();
-  for (const panel of Object.keys(lists)) if (!at(panel).hidden && !isRead(at(panel))) lists[panel]();
+  Object.keys(lists).forEach(refreshList);
   at("tab-loops").textContent = meta.loops > 0 ? `Loops ${meta.loops}` : "Loops";
 }
 
@@ -358,9 +376,15 @@ function hover(hit, x, y) {
 const lists = {
   anchors: () => anchors.refresh(),
   keyframes: () => keyframes.refresh(),
-  loops: () => { fillLoops(at("loop-list"), world, refs, refreshSoon); sweep.refresh(); },
+  loops: () => { fillLoops(at("loop-list"), world, refs, () => follower.soon()); sweep.refresh(); },
   where: () => where.refresh(),
+  releases: () => releases.refresh(),
 };
+const published = debounced(() => refreshList("releases"), PUBLISHED_WAIT_MS);
+
+function refreshList(panel) {
+  if (!at(panel).hidden && !isRead(at(panel))) lists[panel]();
+}
 
 function isRead(panel) {
   return panel.scrollTop > 40 || panel.getBoundingClientRect().top < 0 || Boolean(document.activeElement?.closest("aside li"));
@@ -373,7 +397,7 @@ at("in").addEventListener("click", () => canvas.zoom(1.4));
 at("out").addEventListener("click", () => canvas.zoom(1 / 1.4));
 at("fit").addEventListener("click", () => canvas.fit());
 at("find").addEventListener("click", find);
-onChange(() => fill(at("legend"), legend(state.scene)));
+onChange(() => fill(at("legend"), legend(state.scene, state.changes)));
 at("labels").addEventListener("change", ({ target }) => canvas.showLabels(target.checked));
 at("maps").addEventListener("change", ({ target }) => open(target.value, null, true));
 at("sessions").addEventListener("change", ({ target: { value } }) => {

@@ -51,9 +51,32 @@ export async function post(address, body, signal) {
   return (await send(address, { method: "POST", headers, body: JSON.stringify(body), signal })).json();
 }
 
-/** Deletes something. */
+/** Puts JSON; `created` is false where this very request was sent before. */
+export async function put(address, body) {
+  const headers = { "content-type": "application/json" };
+  const response = await send(address, { method: "PUT", headers, body: JSON.stringify(body) });
+  return { created: response.status === 201, value: await response.json() };
+}
+
+/** Deletes something; null where that leaves nothing to tell. */
 export async function remove(address) {
-  return (await send(address, { method: "DELETE" })).json();
+  const response = await send(address, { method: "DELETE" });
+  return response.status === 204 ? null : response.json();
+}
+
+/**
+ * Why the key of this tab may not write to a map; null if it may. No request tells what a key may do, so this one uploads
+ * no keyframe at all.
+ */
+export async function whyNotWrite(map) {
+  if (!key()) return null;
+  const headers = { "content-type": "application/x-ndjson" };
+  try {
+    await send(path("maps", map, "keyframes"), { method: "POST", headers, body: "" });
+    return null;
+  } catch (error) {
+    return error.status === 403 ? error.message : null;
+  }
 }
 
 /** A whole list, part by part. `version` is the map's when the first part was read. */

@@ -11,8 +11,8 @@ const MARGIN_PX = 36;
 const EDGE_PX = 28;
 const FRAME_PX = 220;
 
-/** Nothing is marked. `lines` are drawn from place to place, `rings` around keyframes, `places` and `signs` are an answer's. */
-export const NO_MARKS = { keyframe: null, anchor: null, rings: new Map(), lines: [], found: null, places: [], signs: [] };
+/** Nothing is marked. `lines` are drawn from place to place, `rings` around keyframes, `places` and `signs` are an answer's, `changes` a comparison's. */
+export const NO_MARKS = { keyframe: null, anchor: null, rings: new Map(), lines: [], found: null, places: [], signs: [], changes: null };
 
 /** Draws a scene, moves over it, and tells what is under the pointer. */
 export class MapCanvas {

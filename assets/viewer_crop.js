@@ -13,6 +13,7 @@ export function cropOf(address, signal) {
     const canvas = el("canvas", { width, height, role: "img", "aria-label": "The best image of the anchor" });
     canvas.getContext("2d").drawImage(image, 0, 0);
     figure.append(canvas);
-  })().catch(() => fill(figure, el("p", { class: "muted small" }, "The image cannot be shown.")));
+  })().catch(({ status }) => fill(figure, el("p", { class: "muted small" },
+    status === 404 ? "The image is gone: the map keeps none, or it was erased." : "The image cannot be shown.")));
   return figure;
 }

@@ -1,6 +1,6 @@
 // Details: all that is known about the selected keyframe or anchor.
 
-import { get, path, post } from "./viewer_api.js";
+import { get, key, path, post } from "./viewer_api.js";
 import { cropOf } from "./viewer_crop.js";
 import { copyable, count, el, fill, number, sign } from "./dom.js";
 import { explain, judge } from "./viewer_verdict.js";
@@ -12,8 +12,8 @@ const QUESTION = "Is it a loop?";
 /** Fills a place with what is selected. A newer selection wins over the answers to an older one. */
 export class Details {
   /**
-   * `world` gives `map()`, `scene()`, `version()`, and hears `mark(kind, id, marks)`, `locate(id)` and `compare(answer, candidate)`;
-   * `refs` makes references.
+   * `world` gives `map()`, `scene()`, `version()` and `settings()`, and hears `mark(kind, id, marks)`, `locate(id)` and
+   * `compare(answer, candidate)`; `refs` makes references.
    */
   constructor(place, world, refs) {
     Object.assign(this, { place, world, refs, turn: new AbortController() });
@@ -53,7 +53,7 @@ export class Details {
       this.question(id, signal),
       el("h3", {}, "Anchors around it"), around,
       el("h3", {}, "Covisible keyframes"), neighbours,
-      this.detections(id, signal));
+      this.detections(id, signal), this.erasing(id, line.session));
     this.neighbours(id, neighbours, signal);
     this.around(id, around, signal);
   }
@@ -140,19 +140,41 @@ export class Details {
   /** Read only when it is opened: the answer carries every feature of the keyframe. */
   detections(id, signal) {
     const place = el("div", {});
+    const { keep_crops: keepsCrops } = this.world.settings();
     const read = () => shown(place, signal, async () => {
-      const { detections, observes } = await get(this.address("keyframes", id), signal);
+      const { detections, observes, features } = await get(this.address("keyframes", id), signal);
       const line = (detection) => el("li", {},
         el("div", {}, detection.class, " ", chip(detection.outcome, { created: "good", observed: "good" }), " ",
           detection.anchor && this.refs.anchor(detection.anchor)),
         (detection.description ?? detection.text) && el("div", {}, sign(detection.description ?? detection.text)),
         el("div", { class: "muted small" }, `confidence ${number(detection.confidence)}`,
-          detection.reason && `, ignored: ${detection.reason.replaceAll("_", " ")}`));
+          detection.reason && `, ignored: ${detection.reason.replaceAll("_", " ")}`,
+          detection.has_crop ? ", with a picture" : keepsCrops === false && ", no picture: this map keeps none"));
       const both = `${count(detections.length, "detection")}; it observes ${count(observes.length, "map point")}.`;
-      return [el("p", { class: "muted" }, both), el("ul", { class: "lines" }, detections.map(line))];
+      return [el("p", { class: "muted" }, both), el("p", { class: "muted" }, this.features(features)),
+        el("ul", { class: "lines" }, detections.map(line))];
     });
     return el("details", { toggle: ({ target }) => target.open && place.childElementCount === 0 && read() },
-      el("summary", {}, "What was detected in it"), place);
+      el("summary", {}, "Its detections and features"), place);
+  }
+
+  /** A map may let go of features, and then what it cannot do is said. */
+  features(features) {
+    if (features) return `It has ${count(features.keypoints.length, "feature")}.`;
+    const { keep_descriptors_days: days } = this.world.settings();
+    const kept = days > 0 ? `: this map keeps them for ${count(days, "day")}` : "";
+    return `It has no features${kept}. Geometry is not verified with it; its words and anchors still find it.`;
+  }
+
+  /** Told, and not offered: nothing brings back what was erased. */
+  erasing(keyframe, session) {
+    const address = this.address("erase");
+    return el("details", {}, el("summary", {}, "How to erase it for good"),
+      el("p", { class: "small" }, "With a key for ", el("code", {}, "admin"),
+        ". It goes from the map, its releases and the database's file, and nothing brings it back. ",
+        "The answer names a job; ", el("code", {}, `GET ${address}/ID`), " tells when it is done, and which backups still hold it."),
+      el("h4", {}, "This keyframe"), copyable(curlOf(address, { keyframes: [keyframe] })),
+      el("h4", {}, "Its whole session"), copyable(curlOf(address, { sessions: [session] })));
   }
 
   anchor(id) {
@@ -180,7 +202,8 @@ export class Details {
     return [
       el("p", { class: "reads" }, anchor.description ? sign(anchor.description) : "not described yet"),
       el("p", {}, el("span", { class: "chip" }, anchor.class), " ", chip(anchor.state, STATES)),
-      anchor.has_crop && el("figure", {}, cropOf(this.address("anchors", anchor.id, "crop"), signal)),
+      anchor.has_crop ? el("figure", {}, cropOf(this.address("anchors", anchor.id, "crop"), signal))
+        : this.world.settings().keep_crops === false && el("p", { class: "muted small" }, "No picture: this map keeps none."),
       facts(["Described", anchor.description && source],
         ["Identifiers", anchor.identifiers.length > 0 && anchor.identifiers.map((text) => [sign(text), " "])],
         ["Tells", anchor.description && `level ${anchor.information_level} of 5: ${anchor.information_reason ?? ""}`],
@@ -261,5 +284,6 @@ function time({ sec, nanosec }) {
 
 function curlOf(address, body) {
   const url = new URL(address, document.baseURI).href;
-  return `curl -X POST ${url} \\\n  -H 'content-type: application/json' \\\n  -d '${JSON.stringify(body)}'`;
+  const withKey = key() ? " \\\n  -H \"authorization: Bearer $REVISIT_KEY\"" : "";
+  return `curl -X POST ${url}${withKey} \\\n  -H 'content-type: application/json' \\\n  -d '${JSON.stringify(body)}'`;
 }

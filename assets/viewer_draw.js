@@ -27,6 +27,7 @@ export function drawScene(map) {
   drawLines(brush);
   drawRings(brush);
   drawAnchors(brush);
+  drawChanges(brush);
   drawPlaces(brush);
   drawScale(brush);
   return brush.labels.write();
@@ -166,7 +167,7 @@ function drawRings({ map, context, theme, labels }) {
 }
 
 function drawAnchors({ map, context, theme, labels }) {
-  const { marks: { anchor: selected, found }, size: { width, height }, scene } = map;
+  const { marks: { anchor: selected, found, changes }, size: { width, height }, scene } = map;
   const classes = new Map(scene.classes.map(({ name, index }) => [name, index]));
   const rank = ({ id, anchor }) => (id === selected ? 0 : found?.has(id) ? 1 : anchor.state === "valid" ? 2 : 3);
   const points = map.anchors.filter((point) => !point.plan).sort((a, b) => rank(a) - rank(b));
@@ -184,10 +185,49 @@ function drawAnchors({ map, context, theme, labels }) {
   }
   context.globalAlpha = 1;
   for (const { point: { id, anchor }, at } of shown) {
-    const marked = id === selected || found?.has(id);
+    const change = changes?.anchors.get(id);
+    const marked = id === selected || found?.has(id) || change;
     if (!marked && (!map.labels || found)) continue;
     const rank = id === selected ? "selected" : marked ? "marked" : rankOf(anchor);
-    labels.beside(textOf(anchor), at, 9, { rank, colour: theme.text, halo: theme.ground, bold: marked });
+    labels.beside(textOf(anchor), at, change ? 13 : 9, { rank, colour: theme[change?.tone ?? "text"], halo: theme.ground, bold: marked });
+  }
+}
+
+/** What a comparison found: a ring around what is new or other than before, a cross through a sign that hangs there no longer. */
+function drawChanges({ map, context, theme }) {
+  const { changes } = map.marks;
+  if (!changes) return;
+  const ring = ({ x, y }, tone, radius) => {
+    context.strokeStyle = theme[tone];
+    context.lineWidth = 2;
+    context.beginPath();
+    context.arc(x, y, radius, 0, 2 * Math.PI);
+    context.stroke();
+  };
+  for (const [id, tone] of changes.keyframes) {
+    const point = map.byId.get(id);
+    if (point) ring(map.onScreen(point), tone, 6.5);
+  }
+  for (const point of map.anchors) {
+    const change = changes.anchors.get(point.id);
+    if (!change) continue;
+    const at = map.onScreen(point);
+    if (change.isCrossed) cross(context, at, theme);
+    else ring(at, change.tone, 9);
+  }
+}
+
+function cross(context, { x, y }, theme) {
+  const arm = 7;
+  for (const [colour, width] of [[theme.ground, 6], [theme.bad, 3]]) {
+    context.strokeStyle = colour;
+    context.lineWidth = width;
+    context.beginPath();
+    for (const way of [1, -1]) {
+      context.moveTo(x - arm, y - way * arm);
+      context.lineTo(x + arm, y + way * arm);
+    }
+    context.stroke();
   }
 }
 

@@ -20,7 +20,7 @@ export function sessionOptions({ sessions, plans, joined }) {
 }
 
 /** The glyphs that are on the canvas, in the colours in which they are drawn. */
-export function legend({ classes, sessions, plans, loops, suspects, anchors: all }) {
+export function legend({ classes, sessions, plans, loops, suspects, anchors: all }, changes = null) {
   const tones = theme();
   const glyph = (kind, colour) => {
     const mark = el("span", { class: `glyph ${kind}` });
@@ -31,6 +31,7 @@ export function legend({ classes, sessions, plans, loops, suspects, anchors: all
   const ofPending = classes.find(({ name }) => name === pending[0]?.class)?.index ?? 0;
   const signs = plans.reduce((sum, { anchors }) => sum + anchors.length, 0);
   return [
+    changes && changed(changes).map(([kind, tone, text]) => el("div", {}, glyph(kind, tones[tone]), text)),
     sessions.length <= SESSIONS
       && sessions.map(({ name, index }) => el("div", {}, glyph("round", sessionColour(index)), sign(name))),
     classes.slice(0, CLASSES).map(({ name, size, index }) =>
@@ -41,6 +42,14 @@ export function legend({ classes, sessions, plans, loops, suspects, anchors: all
     loops.length > suspects.size && el("div", {}, glyph("dash", tones.good), "confirmed loop"),
     suspects.size > 0 && el("div", {}, glyph("dash suspect", tones.bad), `loop that contradicts the others ${number(suspects.size, 0)}`),
   ];
+}
+
+/** What a comparison marks on the map. */
+function changed({ keyframes, anchors }) {
+  const marks = [...keyframes.values(), ...[...anchors.values()].map(({ tone }) => tone)];
+  const kinds = [["cross", "bad", "hangs there no longer"], ["ring", "open", "moved or read otherwise since the release"],
+    ["ring", "good", "new or back since"]];
+  return kinds.filter(([, tone]) => marks.includes(tone));
 }
 
 /** A keyframe or an anchor in two lines. */

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { labels, open, serve } from "./browser.mjs";
 import { tower } from "./world.mjs";
 
-const PANELS = ["details", "anchors", "keyframes", "loops", "events", "where"];
+const PANELS = ["details", "anchors", "keyframes", "loops", "events", "where", "releases"];
 const LEAST_CONTRAST = 4.5;
 
 /** How many texts the page shows, and those whose contrast with what is behind them is too low. */
@@ -51,6 +51,21 @@ const faint = (page) => page.evaluate((least) => {
 async function asked(page) {
   await page.click("text=Is it a loop?");
   await page.waitForSelector(".candidates");
+}
+
+/** Publishes the tower, and closes a loop and stores a keyframe in it afterwards. */
+async function goOn(server) {
+  await server.ask("PUT", "/v1/maps/tower/releases/2026-10", { description: "after the survey" });
+  await server.ask("POST", "/v1/maps/tower/loops", { id: "loop-1", keyframe: "robot-2-1", candidate: "robot-1-1" });
+  const pose = { translation: { x: 3, y: 0, z: 1.2 }, rotation: { x: 0, y: 0, z: 0, w: 1 } };
+  await server.ask("PUT", "/v1/maps/tower/keyframes/late", { session: "robot-1", stamp: { sec: 50, nanosec: 0 }, pose });
+}
+
+/** Compares a release with the map. */
+async function openChanges(page) {
+  await page.click("#tab-releases");
+  await page.click("#releases >> text=Compare…");
+  await page.waitForSelector("#releases .counts");
 }
 
 async function openCompare(page) {
@@ -140,7 +155,7 @@ export const reaching = {
 
   async "a telephone shows everything without scrolling sideways"() {
     const server = await tower(await serve("phone"));
-    await server.ask("POST", "/v1/maps/tower/loops", { id: "loop-1", keyframe: "robot-2-1", candidate: "robot-1-1" });
+    await goOn(server);
     const page = await open(`${server.url}/?map=tower&keyframe=robot-2-2`, { width: 360, height: 740 });
     const fits = async (what) => {
       const width = await page.evaluate(() => Math.max(document.documentElement.scrollWidth, document.querySelector("dialog").scrollWidth));
@@ -158,6 +173,8 @@ export const reaching = {
       await page.click(`#tab-${panel}`);
       await fits(panel);
     }
+    await openChanges(page);
+    await fits("what changed since a release");
     await server.ask("PUT", "/v1/maps/empty", {});
     await page.goto(`${server.url}/?map=empty`);
     await page.waitForSelector("#empty:not([hidden])");
@@ -168,7 +185,7 @@ export const reaching = {
 
   async "every text can be told from its ground, by day and by night, and nothing moves for those who want rest"() {
     const server = await tower(await serve("contrast"));
-    await server.ask("POST", "/v1/maps/tower/loops", { id: "loop-1", keyframe: "robot-2-1", candidate: "robot-1-1" });
+    await goOn(server);
     for (const scheme of ["light", "dark"]) {
       const page = await open(`${server.url}/?map=tower&keyframe=robot-2-2`, { scheme });
       const clear = async (what) => {
@@ -190,6 +207,8 @@ export const reaching = {
         await page.click(`#tab-${panel}`);
         await clear(panel);
       }
+      await openChanges(page);
+      await clear("what changed since a release");
       assert.equal(await page.evaluate(() => document.getAnimations().length), 0);
       await page.close();
     }
