@@ -50,8 +50,14 @@ async fn crops_and_old_descriptors_go_and_words_and_signs_stay() {
     let signs = server.get(&format!("{MAP}/anchors")).await.expect(200)["items"].clone();
     assert_eq!((count(folder, "crops").await, count(folder, "keyframe_features").await), (7, 7));
 
+    let has_crop = async |server: &Server| {
+        let read = server.get(&format!("{MAP}/keyframes/kf-0")).await.expect(200);
+        [0, 1].map(|number| read["detections"][number]["has_crop"].clone())
+    };
+    assert_eq!(has_crop(&server).await, [json!(false), json!(true)]);
     set(&server, json!({"keep_crops": false})).await;
     becomes(folder, "crops", 0).await;
+    assert_eq!(has_crop(&server).await, [json!(false), json!(false)]);
     server.stop().await;
     age(folder, 3).await;
     let server = Server::with_retention_every(folder, OFTEN).await;

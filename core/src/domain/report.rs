@@ -312,6 +312,8 @@ pub struct KeyframeRecord {
     pub keyframe: NewKeyframe,
     /// The outcomes of its detections, in their order, each with its anchor's state.
     pub detections: Vec<(Outcome, Option<AnchorState>)>,
+    /// Whether the crop of each is kept.
+    pub has_crop: Vec<bool>,
     /// Number of keyframes covisible with it.
     pub covisible: usize,
 }

@@ -192,7 +192,7 @@ impl From<(Outcome, Option<AnchorState>)> for OutcomeView {
 impl KeyframeView {
     /// A keyframe at a version of its map.
     pub fn of(map_version: u64, record: KeyframeRecord) -> Self {
-        let KeyframeRecord { keyframe, detections: outcomes, covisible } = record;
+        let KeyframeRecord { keyframe, detections: outcomes, has_crop, covisible } = record;
         let numbers = |(id, point): (PointId, Point3)| (id, [point.x, point.y, point.z]);
         let (ids, positions) = keyframe.map_points.into_iter().map(numbers).unzip();
         Self {
@@ -210,7 +210,9 @@ impl KeyframeView {
             observes: keyframe.observes,
             covisible: keyframe.covisible.into_iter().map(CovisibleShape::from).collect(),
             covisible_total: covisible,
-            detections: keyframe.detections.into_iter().zip(outcomes).map(DetectionView::from).collect(),
+            detections: (keyframe.detections.into_iter().zip(outcomes).zip(has_crop))
+                .map(|(detection, has_crop)| DetectionView { has_crop, ..detection.into() })
+                .collect(),
         }
     }
 }

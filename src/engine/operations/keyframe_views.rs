@@ -65,6 +65,7 @@ pub(super) fn record(
     let position = |id: i64| Some((id, index.points().position(stored.session, id)?));
     let named = |(other, shared): &(KeyframeSeq, u32)| Some((index.keyframe(*other)?.id.clone(), *shared));
     let outcomes: Vec<Outcome> = row.detections.iter().map(|detection| detection.outcome).collect();
+    let has_crop = row.detections.iter().map(|detection| detection.has_crop).collect();
     let mut detections: Vec<Detection> =
         row.detections.into_iter().map(|detection| detection.detection).collect();
     for anchor in index.anchors_seen_by(seq).filter_map(|anchor| index.anchor(anchor)) {
@@ -96,6 +97,7 @@ pub(super) fn record(
             detections,
         },
         detections: outcomes.into_iter().map(|outcome| current(index, outcome)).collect(),
+        has_crop,
         covisible: index.covisibility().degree(seq),
     })
 }

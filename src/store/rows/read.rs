@@ -41,6 +41,8 @@ pub struct KeyframeRow {
 /// A detection and what became of it.
 #[derive(Clone, Debug)]
 pub struct DetectionRow {
+    /// Whether its crop is kept.
+    pub has_crop: bool,
     /// As sent; its position as last corrected, without the crop.
     pub detection: Detection,
     /// What became of it.
@@ -91,7 +93,9 @@ impl Store {
         };
         let select = "select * from keyframe_features where map_key = $1 and keyframe = $2";
         let features_row = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&mut *db).await?;
-        let select = "select * from detections where map_key = $1 and keyframe = $2 order by detection";
+        let select = "select d.*, exists (select 1 from crops c where c.map_key = d.map_key and c.keyframe = d.keyframe
+                and c.detection = d.detection) as has_crop
+            from detections d where d.map_key = $1 and d.keyframe = $2 order by d.detection";
         let detections = sqlx::query(select).bind(map).bind(keyframe.0).fetch_all(&mut *db).await?;
         let moved = deferred::positions(&mut db, map, keyframe).await?;
         db.commit().await?;
@@ -220,7 +224,8 @@ fn keyframe_row(
             return Err(StoreError::corrupt(format!("detection {expected} is not there")));
         }
         let of_row = |error: StoreError| error.of_row(format!("detection {expected}"));
-        detections.push(detection(row).map_err(of_row)?);
+        let found = detection(row).map_err(of_row)?;
+        detections.push(DetectionRow { has_crop: row.try_get("has_crop")?, ..found });
     }
     Ok(KeyframeRow {
         bow: decode::bow(row)?,
@@ -258,6 +263,7 @@ pub(in crate::store) fn features(row: &SqliteRow) -> Result<Features, StoreError
     })
 }
 
+/// Reads a detection; its crop has rows of its own.
 pub(in crate::store) fn detection(row: &SqliteRow) -> Result<DetectionRow, StoreError> {
     let outcome: &str = row.try_get("outcome")?;
     let anchor = row.try_get::<Option<u32>, _>("anchor")?.map(AnchorSeq);
@@ -280,7 +286,7 @@ pub(in crate::store) fn detection(row: &SqliteRow) -> Result<DetectionRow, Store
         description: row.try_get("description")?,
         crop: None,
     };
-    Ok(DetectionRow { detection, outcome })
+    Ok(DetectionRow { has_crop: false, detection, outcome })
 }
 
 pub(in crate::store) fn event(row: &SqliteRow) -> Result<Event, StoreError> {
