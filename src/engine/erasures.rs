@@ -12,6 +12,7 @@ use std::time::Duration;
 
 use tokio::time::sleep;
 
+use crate::domain::change::{Keyframe, Loop};
 use crate::domain::erasure::NewErasure;
 use crate::domain::ids::{KeyframeId, KeyframeSeq, LoopId, SessionId};
 use crate::engine::keys::keyring::now;
@@ -129,10 +130,12 @@ impl Service {
 
     /// Deletes the keyframes, and the loops that name them. Returns how many keyframes there were.
     async fn remove_from(&self, live: &Arc<LiveMap>, asked: &NewErasure) -> Result<u64, ServiceError> {
+        // What a robot sends meanwhile stays, so that there is an end.
+        let end = self.read(live, |state: &State| Ok(state.index.next_keyframe())).await?.1;
         let mut removed = 0;
         loop {
             let wanted = asked.clone();
-            let found = self.read(live, move |state: &State| Ok(Found::of(&state.index, &wanted)));
+            let found = self.read(live, move |state: &State| Ok(Found::of(&state.index, &wanted, end)));
             let Found { keyframes, loops } = found.await?.1;
             if keyframes.is_empty() && loops.is_empty() {
                 return Ok(removed);
@@ -169,16 +172,18 @@ struct Found {
 }
 
 impl Found {
-    fn of(index: &MapIndex, asked: &NewErasure) -> Self {
+    /// Looks among the keyframes before one.
+    fn of(index: &MapIndex, asked: &NewErasure, end: KeyframeSeq) -> Self {
         let keyframes: Vec<(KeyframeSeq, KeyframeId)> = match asked {
             NewErasure::Keyframes(ids) => {
                 let seq = |id: &KeyframeId| Some((index.keyframe_seq(id)?, id.clone()));
-                ids.iter().filter_map(seq).collect()
+                ids.iter().filter_map(seq).filter(|(seq, _)| *seq < end).collect()
             }
             NewErasure::Sessions(ids) => {
                 let sessions: BTreeSet<_> =
                     ids.iter().filter_map(|id: &SessionId| index.session(id)).collect();
-                let of_session = index.keyframes().filter(|keyframe| sessions.contains(&keyframe.session));
+                let is_of = |keyframe: &&Keyframe| keyframe.seq < end && sessions.contains(&keyframe.session);
+                let of_session = index.keyframes().filter(is_of);
                 of_session.take(FOUND_AT_ONCE).map(|keyframe| (keyframe.seq, keyframe.id.clone())).collect()
             }
         };
@@ -187,9 +192,7 @@ impl Found {
             NewErasure::Keyframes(ids) => ids.iter().collect(),
             NewErasure::Sessions(_) => keyframes.iter().map(|(_, id)| id).collect(),
         };
-        let names = |of: &crate::domain::change::Loop| {
-            named.contains(&of.keyframe_id) || named.contains(&of.candidate_id)
-        };
+        let names = |of: &Loop| named.contains(&of.keyframe_id) || named.contains(&of.candidate_id);
         let loops = index.loops().values().filter(|of| names(of)).map(|of| of.id.clone()).collect();
         Self { keyframes, loops }
     }
