@@ -4,8 +4,10 @@ create table releases (
     map_key integer not null,
     name text not null,
     release_key integer not null,
-    -- The map's version that it holds. The version of its own map is higher by the number of erasures.
+    -- The map's version that it holds. That of its own map is higher once something was erased from it.
     map_version integer not null,
+    -- How often something was erased from it for good.
+    erasures integer not null default 0,
     description text not null,
     published_sec integer not null,
     published_nanosec integer not null,

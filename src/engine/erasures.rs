@@ -10,8 +10,11 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
+use tokio::runtime::Handle;
+use tokio::task::spawn_blocking;
 use tokio::time::sleep;
 
+use crate::config::logging::in_part;
 use crate::domain::change::{Keyframe, Loop};
 use crate::domain::erasure::NewErasure;
 use crate::domain::ids::{KeyframeId, KeyframeSeq, LoopId, SessionId};
@@ -28,7 +31,7 @@ use crate::store::{ErasureStep, Job, OpenErasure, StoreError};
 const RETRY_FIRST: Duration = Duration::from_secs(1);
 
 /// ... up to this.
-const RETRY_LAST: Duration = Duration::from_mins(1);
+const RETRY_LAST: Duration = Duration::from_mins(10);
 
 /// The time after which it is looked again whether older versions are read still, or changes wait for their rows.
 const LOOK_AGAIN: Duration = Duration::from_millis(100);
@@ -63,37 +66,55 @@ impl Service {
         if open.is_empty() {
             return Ok(false);
         }
-        for erasure in &open {
-            if let Some(asked) = &erasure.asked {
-                match self.remove(erasure, asked).await {
-                    // The map was deleted meanwhile.
-                    Err(ServiceError::NotFound(_)) => {}
-                    removed => removed?,
-                }
+        let (mut removed, mut failed) = (Vec::new(), None);
+        for erasure in open {
+            let result = match &erasure.asked {
+                Some(asked) => self.remove(&erasure, asked).await,
+                None => Ok(()),
+            };
+            match result {
+                // The map was deleted meanwhile.
+                Ok(()) | Err(ServiceError::NotFound(_)) => removed.push(erasure),
+                // A damaged map keeps none of the others from their turn.
+                Err(error) => failed = Some(error),
             }
+        }
+        if !removed.is_empty() {
+            self.rewrite().await?;
+        }
+        for erasure in &removed {
+            self.step(erasure, ErasureStep::Done(now())).await?;
+            tracing::info!(map = %erasure.map, number = erasure.number, "an erasure is done");
+        }
+        failed.map_or(Ok(true), Err)
+    }
+
+    /// Makes the database's file and its log anew, without what was deleted from them.
+    async fn rewrite(&self) -> Result<(), ServiceError> {
+        // Rows of deleted maps go in slices; those of later ones have no end.
+        let deleted = self.store.deleted_maps().await?;
+        while self.store.deleted_maps().await?.iter().any(|key| deleted.contains(key)) {
+            sleep(LOOK_AGAIN).await;
         }
         self.store.committer().renew_file().await?;
         loop {
             match self.store.committer().renew_log().await {
                 Err(StoreError::Busy) => sleep(LOOK_AGAIN).await,
-                renewed => break renewed?,
+                renewed => return Ok(renewed?),
             }
         }
-        for erasure in &open {
-            self.step(erasure, ErasureStep::Done(now())).await?;
-            tracing::info!(map = %erasure.map, number = erasure.number, "an erasure is done");
-        }
-        Ok(true)
     }
 
     /// Removes what is asked from the map and its releases, and every trace of it.
     async fn remove(&self, erasure: &OpenErasure, asked: &NewErasure) -> Result<(), ServiceError> {
+        // A copy under way would have it from its snapshot.
+        let _no_copy = self.copying.write().await;
         let live = self.live(&erasure.map).await?;
         if live.key != erasure.key {
             return Err(ServiceError::no_map(&erasure.map));
         }
         let keyframes = self.remove_from(&live, asked).await?;
-        self.step(erasure, ErasureStep::Count { keyframes, releases: 0 }).await?;
+        self.step(erasure, ErasureStep::Count(keyframes)).await?;
         let mut maps = vec![live.clone()];
         for (id, key) in self.store.release_maps(live.key).await? {
             let release = match self.live(&id).await {
@@ -103,7 +124,7 @@ impl Service {
             };
             if release.key == key {
                 if self.remove_from(&release, asked).await? > 0 {
-                    self.step(erasure, ErasureStep::Count { keyframes: 0, releases: 1 }).await?;
+                    self.step(erasure, ErasureStep::CountRelease(key)).await?;
                 }
                 maps.push(release);
             }
@@ -116,9 +137,11 @@ impl Service {
             while self.store.has_deferred_changes(live.key).await? {
                 sleep(LOOK_AGAIN).await;
             }
-            self.step(erasure, ErasureStep::RemoveTraces(live.key, sessions.clone())).await?;
-            // It still knows what the rows know no more.
-            live.load_anew();
+            let step = ErasureStep::RemoveTraces(live.key, sessions.clone());
+            let job = Job::Erase(erasure.key, erasure.number, step);
+            let (changing, store, runtime) = (live.clone(), self.store.clone(), Handle::current());
+            let change = move || changing.change_rows(&store, &runtime, job);
+            spawn_blocking(in_part("erase", change)).await.map_err(ServiceError::panicked)??;
             self.registry.forget_over(&live.id);
         }
         self.step(erasure, ErasureStep::Removed).await

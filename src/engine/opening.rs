@@ -41,6 +41,7 @@ impl Service {
             quotas: options.quotas,
             exports: ExportLimit::default(),
             erasing: Arc::default(),
+            copying: Arc::default(),
             asking: Arc::default(),
             closing: CancellationToken::new(),
             store,

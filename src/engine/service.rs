@@ -52,9 +52,12 @@ pub struct Parts {
     pub(super) keys: Keyring,
     pub(super) quotas: Quotas,
     pub(super) exports: ExportLimit,
-    /// Held by the one that works on erasures, and ...
+    /// Held by the one that works on erasures.
     pub(super) erasing: Arc<tokio::sync::Mutex<()>>,
-    /// ... while one is given its number.
+    /// Held for reading while a map is copied, and for writing while keyframes are erased: none is erased between the snapshot of
+    /// a copy and its name.
+    pub(super) copying: Arc<tokio::sync::RwLock<()>>,
+    /// Held while an erasure is given its number.
     pub(super) asking: Arc<tokio::sync::Mutex<()>>,
     /// Ends background tasks.
     pub(super) closing: CancellationToken,

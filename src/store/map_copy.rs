@@ -9,8 +9,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use super::commit::job::{CopiedAs, Job, MapKey};
 use super::commit::transaction::Transaction;
 use super::rows::copied_rows::{map_row, read_blocks};
+use super::rows::map_rows;
 use super::{Store, StoreError};
 use crate::domain::ids::MapId;
+use crate::domain::map::MapProperties;
 
 /// Numbers the copies of this process.
 static NEXT_COPY: AtomicU64 = AtomicU64::new(0);
@@ -68,6 +70,16 @@ impl MapCopy {
             self.store.committer.submit_alone(Job::DeleteMap(self.key));
         }
         finished
+    }
+
+    /// Returns the properties that were copied.
+    pub async fn properties(&self) -> Result<MapProperties, StoreError> {
+        let mut db = self.store.snapshot().await?;
+        let select = "select * from maps where map_key = $1";
+        let row = sqlx::query(select).bind(self.key).fetch_one(&mut *db).await?;
+        let properties = map_rows::properties(&mut db, self.key, &row).await;
+        db.commit().await?;
+        properties
     }
 
     /// Throws it away.

@@ -148,9 +148,10 @@ class Operations:
         of its releases, revokes the loops that name them, empties the map's events and stored verdicts
         and the cache of models' answers, and then writes the database's file anew, so that no byte of
         them is left in it, in its log or in the next backup. While the file is written, writes to any
-        map wait: seconds for each gigabyte. It needs as much free disk as the database has. Poll the
-        job until it is `done`; it survives restarts. Backups that were taken before still hold what was
-        erased, and so does what other systems were sent.
+        map wait: seconds for each gigabyte. It needs as much free disk as the database has twice: in
+        the log beside it, and in `SQLITE_TMPDIR` (else `/var/tmp`). Maps that began as copies are maps
+        of their own. Poll the job until it is `done`; it survives restarts. Backups that were taken
+        before still hold what was erased, and so does what other systems were sent.
         """
         return self._call(Call("POST", f"/v1/maps/{segment(map)}/erase", body=body, answer=models.Erasure))
 
@@ -504,9 +505,10 @@ class AsyncOperations:
         of its releases, revokes the loops that name them, empties the map's events and stored verdicts
         and the cache of models' answers, and then writes the database's file anew, so that no byte of
         them is left in it, in its log or in the next backup. While the file is written, writes to any
-        map wait: seconds for each gigabyte. It needs as much free disk as the database has. Poll the
-        job until it is `done`; it survives restarts. Backups that were taken before still hold what was
-        erased, and so does what other systems were sent.
+        map wait: seconds for each gigabyte. It needs as much free disk as the database has twice: in
+        the log beside it, and in `SQLITE_TMPDIR` (else `/var/tmp`). Maps that began as copies are maps
+        of their own. Poll the job until it is `done`; it survives restarts. Backups that were taken
+        before still hold what was erased, and so does what other systems were sent.
         """
         return await self._call(Call("POST", f"/v1/maps/{segment(map)}/erase", body=body, answer=models.Erasure))
 

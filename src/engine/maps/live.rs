@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard};
 
 use bytes::Bytes;
+use tokio::runtime::Handle;
 use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 
 use super::feeds::Feed;
@@ -165,9 +166,22 @@ impl LiveMap {
         if self.gone.load(Ordering::Acquire) { Err(ServiceError::no_map(&self.id)) } else { Ok(()) }
     }
 
-    /// The rows were changed beside the index: the next request loads the map anew.
-    pub fn load_anew(&self) {
+    /// Changes rows beside the index, after all that is decided is on disk. Nobody decides or reads meanwhile, and the next request
+    /// loads the map anew. Blocks: not for async threads.
+    pub fn change_rows(&self, store: &Store, runtime: &Handle, job: Job) -> Result<(), ServiceError> {
+        let _state = self.state.write().map_err(|_| self.broke())?;
+        self.exists()?;
+        let changed = runtime.block_on(async {
+            store.committer().settled().await;
+            if self.is_poisoned() { Err(StoreError::Superseded) } else { store.committer().commit(job).await }
+        });
         self.line.store(true, Ordering::Release);
+        Ok(changed?)
+    }
+
+    /// The line of its jobs.
+    pub(super) fn line(&self) -> &PoisonFlag {
+        &self.line
     }
 
     fn broke(&self) -> ServiceError {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::live::LiveMap;
 use crate::domain::ids::SessionId;
 use crate::domain::keyframe::Stamp;
-use crate::store::{Job, PoisonFlag, Store};
+use crate::store::{Job, Store};
 
 impl LiveMap {
     /// Counts a query that this release answered to a robot.
@@ -15,7 +15,7 @@ impl LiveMap {
     }
 
     fn write_uses(self: &Arc<Self>, store: Store) {
-        if store.committer().refuses(false).is_some() {
+        if store.committer().refuses(false).is_some() || self.is_over() {
             return;
         }
         let Some(uses) = self.uses.take() else { return };
@@ -25,7 +25,7 @@ impl LiveMap {
             live.uses.written();
             live.write_uses(after);
         };
-        // Nobody waits for it: it shares the sync of what comes next. Nothing rests on it.
-        store.committer().submit_held(job, &PoisonFlag::default(), done);
+        // Nobody waits for it: it shares the sync of what comes next. After an erasure it would name what was erased.
+        store.committer().submit_held(job, self.line(), done);
     }
 }

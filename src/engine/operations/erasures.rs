@@ -2,6 +2,7 @@
 
 use crate::domain::erasure::{Erasure, NewErasure};
 use crate::domain::ids::{BackupId, MapId};
+use crate::domain::invalid::FieldError;
 use crate::engine::keys::keyring::now;
 use crate::engine::{Service, ServiceError};
 use crate::store::{ErasureStep, Job};
@@ -10,6 +11,19 @@ impl Service {
     /// Asks for an erasure, which begins at once in the background. What is asked for is on disk when this returns.
     pub async fn erase(&self, map: &MapId, asked: NewErasure) -> Result<Erasure, ServiceError> {
         let key = self.key_of(map).await?;
+        if let NewErasure::Sessions(sessions) = &asked {
+            let mut errors = Vec::new();
+            for (number, session) in sessions.iter().enumerate() {
+                if let Some(into) = self.store.merged_into(key, session).await? {
+                    let detail = format!("the session is a part of session {into} by now");
+                    let fault = FieldError::new(format!("/sessions/{number}"), detail).got(session);
+                    errors.push(fault.limit(format!("{into}, which is erased with what merged into it")));
+                }
+            }
+            if !errors.is_empty() {
+                return Err(ServiceError::Invalid(errors));
+            }
+        }
         let number = {
             let _asking = self.asking.lock().await;
             let number = self.store.next_erasure(key).await?;

@@ -17,6 +17,9 @@ use crate::recognition::frames::fleet::{fleet_frames, measured};
 use crate::recognition::map::index::MapIndex;
 use crate::store::Job;
 
+/// Loops that must hold at both ends of a suspect before a server revokes it by itself.
+const VOTES_MIN: usize = 2;
+
 impl Service {
     /// Returns where the sessions of a map lie to a reference, by default the oldest of those that most sessions are joined with.
     pub async fn frames(
@@ -44,7 +47,7 @@ impl Service {
             let Ok(live) = service.live(&map).await else { return };
             let framed = async {
                 let (_, frames) = service.current_frames(&live).await?;
-                service.revoke_suspects(&live, &frames.suspects).await
+                service.revoke_suspects(&live, &frames).await
             };
             if let Err(error) = framed.await {
                 tracing::debug!(%error, "frames were not computed");
@@ -52,19 +55,26 @@ impl Service {
         });
     }
 
-    /// Revokes the loops that contradict the others, where the map's settings say so. What follows from it is computed again.
-    async fn revoke_suspects(&self, live: &Arc<LiveMap>, suspects: &[Suspect]) -> Result<(), ServiceError> {
+    /// Revokes a loop that contradicts the others, where the map's settings say so. Then the frames are computed again.
+    async fn revoke_suspects(
+        &self,
+        live: &Arc<LiveMap>,
+        frames: &Arc<FleetFrames>,
+    ) -> Result<(), ServiceError> {
+        let suspects = &frames.suspects;
         let is_set = |state: &State| Ok(state.index.properties().settings.revoke_suspects);
         if suspects.is_empty() || !self.read(live, is_set).await?.1 {
             return Ok(());
         }
-        for suspect in suspects {
-            match Box::pin(self.revoke_loop(&live.id, &suspect.loop_id)).await {
-                Ok(_) => tracing::info!(map = %live.id, id = %suspect.loop_id, "a suspect was revoked"),
-                // Its client was faster.
-                Err(ServiceError::NotFound(_)) => {}
-                Err(error) => return Err(error),
-            }
+        let (contradicted, known) = (suspects.to_vec(), frames.clone());
+        let first = move |state: &State| Ok(outvoted(&state.index, &contradicted, &known));
+        // One at a time: without it the others may agree.
+        let Some(id) = self.read(live, first).await?.1 else { return Ok(()) };
+        match Box::pin(self.revoke_loop(&live.id, &id)).await {
+            Ok(_) => tracing::info!(map = %live.id, %id, "a suspect was revoked"),
+            // Its client was faster.
+            Err(ServiceError::NotFound(_)) => {}
+            Err(error) => return Err(error),
         }
         Ok(())
     }
@@ -101,6 +111,23 @@ impl Service {
         }
         Ok((version, frames))
     }
+}
+
+/// Returns the first suspect that two loops or more speak against: where one stands against one, nobody can tell which is wrong.
+fn outvoted(index: &MapIndex, suspects: &[Suspect], frames: &FleetFrames) -> Option<LoopId> {
+    let votes = |keyframe| {
+        let session = index.keyframe(keyframe)?.session;
+        let framed = frames.sessions.iter().find(|of| of.session == session)?;
+        Some((framed.root, framed.loops))
+    };
+    let is_outvoted = |suspect: &&Suspect| {
+        let Some(closed) = index.loops().get(&suspect.loop_id) else { return false };
+        // Within one session the robot's own tracking speaks against it.
+        let ends = votes(closed.keyframe).zip(votes(closed.candidate));
+        suspect.cycle.is_empty()
+            || ends.is_some_and(|(one, other)| one.0 == other.0 && one.1.min(other.1) >= VOTES_MIN)
+    };
+    suspects.iter().find(is_outvoted).map(|suspect| suspect.loop_id.clone())
 }
 
 fn suspected(suspect: &Suspect, version: u64) -> Event {

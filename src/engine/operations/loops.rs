@@ -14,6 +14,9 @@ use crate::geometry::Sim3;
 use crate::recognition::anchors::loop_closure::{close_loop, merges_of, revoke_loop};
 use crate::recognition::map::index::MapIndex;
 
+/// A scale this near 1 is one that was computed to be 1.
+const SCALE_TOLERANCE: f64 = 1e-6;
+
 impl Service {
     /// Confirms a loop: matched anchors merge, and the two keyframes are covisible from now on. The transformation is the client's, else
     /// that of the query that found it, if it is known.
@@ -28,6 +31,11 @@ impl Service {
         let decide = move |index: &mut MapIndex| {
             if let Some(known) = index.loops().get(&new.id) {
                 return again(index, known, &new);
+            }
+            let scale = new.candidate_from_query.as_ref().map_or(1.0, Sim3::scale);
+            if index.properties().metric && (scale - 1.0).abs() > SCALE_TOLERANCE {
+                let fault = FieldError::new("/candidate_from_query/scale", "the map is metric").got(scale);
+                return Err(ServiceError::Invalid(vec![fault.limit("1")]));
             }
             let candidate_from_query = new.candidate_from_query.or(candidate_from_query);
             let closed = Loop { candidate_from_query, ..resolve(index, new)? };

@@ -51,16 +51,20 @@ impl Service {
         }
         self.disk_takes(false)?;
         let _reading = self.exports.enter()?;
+        let _copying = self.copying.read().await;
         if let Some(live) = self.registry.in_memory_now(&from) {
             // What was answered is copied.
             live.on_disk(&self.store, live.newest_version()).await?;
         }
-        let before = self.get_map(&from).await.map_err(|error| match error {
-            ServiceError::NotFound(_) => no_base(),
-            error => error,
-        })?;
-        let properties = patched(&before.properties, patch)?;
         let copy = self.store.copy_map(&from).await?.ok_or_else(no_base)?;
+        let properties =
+            match copy.properties().await.map_err(ServiceError::from).and_then(|of| patched(&of, patch)) {
+                Ok(properties) => properties,
+                Err(error) => {
+                    copy.discard();
+                    return Err(error);
+                }
+            };
         // The same name was free before; another request may have taken it meanwhile.
         let _birth = self.registry.births.lock().await;
         match self.made_before(&id, &digest).await {

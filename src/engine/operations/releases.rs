@@ -44,13 +44,8 @@ impl Service {
         // Who asks for the same release again waits for the one that is under way.
         let _publishing = live.publishing.lock().await;
         let digest = fingerprint(&wanted);
-        if let Some((release, made_by)) = self.store.release(live.key, &name).await? {
-            if made_by == digest {
-                return Ok(Stored { created: false, map_version: release.version, value: release });
-            }
-            let detail =
-                format!("release {name} of map {} exists and was published by another request", live.id);
-            return Err(ServiceError::Conflict { code: "release_exists", detail });
+        if let Some(value) = self.published_before(live, &name, &digest).await? {
+            return Ok(Stored { created: false, map_version: value.version, value });
         }
         if self.store.release_count(live.key).await? >= RELEASES_MAX {
             let detail = format!("a map has at most {RELEASES_MAX} releases; delete some");
@@ -58,6 +53,7 @@ impl Service {
         }
         self.disk_takes(false)?;
         let _reading = self.exports.enter()?;
+        let _copying = self.copying.read().await;
         // What was answered is published.
         live.on_disk(&self.store, live.newest_version()).await?;
         if let Some(version) = wanted.version.filter(|version| *version != live.newest_version()) {
@@ -84,7 +80,18 @@ impl Service {
             copy.discard();
             return Err(ServiceError::no_map(&live.id));
         }
-        copy.finish(copied_as).await?;
+        // The map may have been loaded anew meanwhile, with a lock of its own.
+        match self.published_before(live, &name, &digest).await {
+            Ok(None) => copy.finish(copied_as).await?,
+            Ok(Some(value)) => {
+                copy.discard();
+                return Ok(Stored { created: false, map_version: value.version, value });
+            }
+            Err(error) => {
+                copy.discard();
+                return Err(error);
+            }
+        }
         drop(birth);
         tracing::info!(map = %live.id, release = %name, version, "a release was published");
         let mut event = Event::of(EventKind::ReleasePublished);
@@ -93,6 +100,24 @@ impl Service {
         drop(spawn_blocking(move || telling.tell(&store, vec![event])));
         let value = self.release_of(live, &name).await?;
         Ok(Stored { created: true, map_version: version, value })
+    }
+
+    /// Returns the release of this name if this very request had published it; fails if another one had.
+    async fn published_before(
+        &self,
+        live: &LiveMap,
+        name: &ReleaseName,
+        digest: &Digest,
+    ) -> Result<Option<Release>, ServiceError> {
+        match self.store.release(live.key, name).await? {
+            Some((release, made_by)) if made_by == *digest => Ok(Some(release)),
+            Some(_) => {
+                let detail =
+                    format!("release {name} of map {} exists and was published by another request", live.id);
+                Err(ServiceError::Conflict { code: "release_exists", detail })
+            }
+            None => Ok(None),
+        }
     }
 
     /// Returns the releases of a map by name.

@@ -17,8 +17,9 @@ use crate::http::problem::Problem;
 ///
 /// A job: it deletes the keyframes from the map and from each of its releases, revokes the loops that name them, empties the map's
 /// events and stored verdicts and the cache of models' answers, and then writes the database's file anew, so that no byte of them is left in
-/// it, in its log or in the next backup. While the file is written, writes to any map wait: seconds for each gigabyte. It needs as much
-/// free disk as the database has. Poll the job until it is `done`; it survives restarts. Backups that were taken before still hold
+/// it, in its log or in the next backup. While the file is written, writes to any map wait: seconds for each gigabyte. It needs
+/// as much free disk as the database has twice: in the log beside it, and in `SQLITE_TMPDIR` (else `/var/tmp`). Maps that began as copies are
+/// maps of their own. Poll the job until it is `done`; it survives restarts. Backups that were taken before still hold
 /// what was erased, and so does what other systems were sent.
 #[utoipa::path(
     post, path = "/v1/maps/{map}/erase", tag = "maps", params(MapPathParams), security(("key" = ["admin"])),
@@ -39,7 +40,7 @@ pub async fn erase(
 ///
 /// Tells how far it is, and which backups still hold what it erased.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/erase/{erasure}", tag = "maps", params(ErasurePathParams), security(("key" = ["read"])),
+    get, path = "/v1/maps/{map}/erase/{erasure}", tag = "maps", params(ErasurePathParams), security(("key" = ["admin"])),
     responses((status = 200, description = "The erasure", body = ErasureView, example = examples::erasure), ReadErrors)
 )]
 pub async fn get_erasure(

@@ -95,13 +95,10 @@ pub struct Spent {
 pub enum ErasureStep {
     /// It is asked for, at this time.
     Begin(NewErasure, Stamp),
-    /// So many keyframes were removed from the map, and keyframes from so many releases.
-    Count {
-        /// Of the map.
-        keyframes: u64,
-        /// Of releases.
-        releases: u64,
-    },
+    /// So many keyframes were removed from the map.
+    Count(u64),
+    /// Keyframes were removed from this release of it.
+    CountRelease(MapKey),
     /// Nothing in this map, or this release of it, names what is gone any more.
     RemoveTraces(MapKey, Vec<SessionId>),
     /// All is removed.
@@ -283,7 +280,7 @@ impl Job {
 
     /// Whether it leaves work that is done in slices.
     pub(in crate::store) fn leaves_slices(&self) -> bool {
-        matches!(self, Self::DeleteMap(_) | Self::ChangeStaged { .. })
+        matches!(self, Self::DeleteMap(_) | Self::ChangeStaged { .. } | Self::FinishCopy { .. })
     }
 
     /// Whether later jobs of its map rest on it. A verdict that is not kept, or an event not told, is missed by none of them.

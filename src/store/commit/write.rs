@@ -91,8 +91,10 @@ async fn execute_alone(db: &mut SqliteConnection, job: &Job) -> Result<(), Store
 async fn erase(db: &mut SqliteConnection, of: (MapKey, u64), step: &ErasureStep) -> Result<(), StoreError> {
     match step {
         ErasureStep::Begin(asked, at) => erasure_rows::begin(db, of, asked, *at).await,
-        ErasureStep::Count { keyframes, releases } => {
-            erasure_rows::count(db, of, (*keyframes, *releases)).await
+        ErasureStep::Count(keyframes) => erasure_rows::count(db, of, (*keyframes, 0)).await,
+        ErasureStep::CountRelease(release) => {
+            erasure_rows::count(db, of, (0, 1)).await?;
+            release_rows::count_erasure(db, *release).await
         }
         ErasureStep::RemoveTraces(map, sessions) => traces::remove(db, *map, sessions).await,
         ErasureStep::Removed => erasure_rows::removed(db, of).await,

@@ -115,5 +115,5 @@ pub(in crate::store) async fn write_block(
 
 /// Deletes the copies that an earlier process did not complete.
 pub(in crate::store) async fn remove_incomplete(db: &mut SqliteConnection) -> Result<(), StoreError> {
-    run(db, sqlx::query("update maps set deleted = 1 where deleted = 2")).await
+    run(db, sqlx::query("update maps set deleted = 1, id = 'deleted//' || map_key where deleted = 2")).await
 }

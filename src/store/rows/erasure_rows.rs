@@ -120,6 +120,27 @@ impl Store {
         rows.into_iter().map(open).collect()
     }
 
+    /// Returns the keys of deleted maps of which rows are left.
+    pub async fn deleted_maps(&self) -> Result<Vec<MapKey>, StoreError> {
+        let select = "select map_key from maps where deleted = 1 order by map_key";
+        Ok(sqlx::query_scalar(select).fetch_all(&self.readers).await?)
+    }
+
+    /// Returns the session that another one merged into, if it did.
+    pub async fn merged_into(
+        &self,
+        map: MapKey,
+        session: &SessionId,
+    ) -> Result<Option<SessionId>, StoreError> {
+        let select = "select i.id from session_merges m
+            join sessions s on s.map_key = m.map_key and s.session = m.session
+            join sessions i on i.map_key = m.map_key and i.session = m.into_session
+            where m.map_key = $1 and s.id = $2 order by m.version desc limit 1";
+        let query = sqlx::query_scalar(select).bind(map).bind(session.as_str());
+        let found: Option<String> = query.fetch_optional(&self.readers).await?;
+        found.map(|id| decode::id(&id)).transpose()
+    }
+
     /// Whether changes of the map wait to be brought into their rows.
     pub async fn has_deferred_changes(&self, map: MapKey) -> Result<bool, StoreError> {
         let select = "select exists (select 1 from deferred_changes where map_key = $1)";

@@ -44,7 +44,7 @@ pub(in crate::store) async fn keep_event_numbers(
     key: MapKey,
 ) -> Result<(), StoreError> {
     let select = "select next_event from maps, pragma_user_version
-        where map_key = $1 and next_event > user_version and exists (select 1 from events where map_key = $1)";
+        where map_key = $1 and next_event > user_version and (exists (select 1 from events where map_key = $1) or exists (select 1 from erasures where map_key = $1))";
     let higher: Option<i64> = sqlx::query_scalar(select).bind(key).fetch_optional(&mut *db).await?;
     if let Some(next_event) = higher {
         // SQLite keeps 32 bits of it.

@@ -71,6 +71,15 @@ pub(in crate::store) async fn count_uses(
     run(db, sqlx::query(sweep).bind(release).bind(RELEASE_USES_MAX)).await
 }
 
+/// Keyframes were erased from a release.
+pub(in crate::store) async fn count_erasure(
+    db: &mut SqliteConnection,
+    release: MapKey,
+) -> Result<(), StoreError> {
+    let update = "update releases set erasures = erasures + 1 where release_key = $1";
+    run(db, sqlx::query(update).bind(release)).await
+}
+
 impl Store {
     /// Returns the releases of a map by name, after one.
     pub async fn releases(
@@ -79,7 +88,7 @@ impl Store {
         after: Option<&ReleaseName>,
         limit: usize,
     ) -> Result<Vec<Release>, StoreError> {
-        let select = "select r.*, m.version, m.keyframes, m.anchors, m.sessions, m.loops, m.bytes
+        let select = "select r.*, m.keyframes, m.anchors, m.sessions, m.loops, m.bytes
             from releases r join maps m on m.map_key = r.release_key
             where r.map_key = $1 and r.name > $2 order by r.name limit $3";
         let after = after.map_or("", ReleaseName::as_str);
@@ -93,7 +102,7 @@ impl Store {
         map: MapKey,
         name: &ReleaseName,
     ) -> Result<Option<(Release, Digest)>, StoreError> {
-        let select = "select r.*, m.version, m.keyframes, m.anchors, m.sessions, m.loops, m.bytes
+        let select = "select r.*, m.keyframes, m.anchors, m.sessions, m.loops, m.bytes
             from releases r join maps m on m.map_key = r.release_key where r.map_key = $1 and r.name = $2";
         let query = sqlx::query(select).bind(map).bind(name.as_str());
         let Some(row) = query.fetch_optional(&self.readers).await? else { return Ok(None) };
@@ -141,7 +150,7 @@ fn release(row: &SqliteRow, uses: Vec<ReleaseUse>) -> Result<Release, StoreError
         version,
         published: Stamp { sec: row.try_get("published_sec")?, nanosec: row.try_get("published_nanosec")? },
         figures: map_rows::figures(row)?,
-        erasures: number("version")?.saturating_sub(version),
+        erasures: number("erasures")?,
         uses,
     })
 }

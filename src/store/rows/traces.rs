@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use sqlx::{Row as _, SqliteConnection};
 
+use super::decode;
 use super::former_value_rows::{packed, unpacked};
 use super::packing::Packing;
 use super::statement::run;
@@ -49,11 +50,50 @@ pub(in crate::store) async fn remove(
     }
     let mut erased = BTreeSet::new();
     for session in sessions {
-        erased.extend(forget_session(db, map, session).await?);
+        for part in with_merged(db, map, session).await? {
+            erased.extend(forget_session(db, map, &part).await?);
+        }
+    }
+    if !sessions.is_empty() {
+        forget_names_in_loops(db, map).await?;
     }
     remove_former_values(db, map, &erased).await?;
     remove_verdicts(db, map).await?;
     run(db, sqlx::query("delete from model_answers")).await
+}
+
+/// Returns a session, and those that merged into it.
+async fn with_merged(
+    db: &mut SqliteConnection,
+    map: MapKey,
+    session: &SessionId,
+) -> Result<Vec<SessionId>, StoreError> {
+    let select = "with recursive parts (session) as (
+            select session from sessions where map_key = $1 and id = $2
+            union select m.session from session_merges m join parts p on m.into_session = p.session
+            where m.map_key = $1
+        )
+        select id from sessions where map_key = $1 and session in (select session from parts) order by session";
+    let query = sqlx::query_scalar(select).bind(map).bind(session.as_str());
+    let ids: Vec<String> = query.fetch_all(db).await?;
+    ids.iter().map(|id| decode::id(id)).collect()
+}
+
+/// Takes the names of keyframes that are gone from loops: which session they were of is not known any more.
+async fn forget_names_in_loops(db: &mut SqliteConnection, map: MapKey) -> Result<(), StoreError> {
+    for (number, name) in [("keyframe", "keyframe_id"), ("candidate", "candidate_id")] {
+        let gone =
+            format!("map_key = $1 and {number} not in (select keyframe from keyframes where map_key = $1)");
+        // A map's figures count the names in its loops.
+        let update = format!(
+            "update maps set bytes = bytes - coalesce((select sum(octet_length({name}) - octet_length('erased-' || {number}))
+                from loops where {gone}), 0) where map_key = $1"
+        );
+        run(db, sqlx::query(sqlx::AssertSqlSafe(update)).bind(map)).await?;
+        let update = format!("update loops set {name} = 'erased-' || {number} where {gone}");
+        run(db, sqlx::query(sqlx::AssertSqlSafe(update)).bind(map)).await?;
+    }
+    Ok(())
 }
 
 /// Gives a session without keyframes another name, and returns its number. Its row stays, for numbers are given once.
@@ -102,9 +142,13 @@ async fn remove_former_values(
         keyframes.insert(row.try_get::<u32, _>("keyframe")?);
         points.extend(Packing::of(&row)?.wide(row.try_get("sent_points")?)?);
     }
+    let select = "select exists (select 1 from session_merges where map_key = $1)";
+    let has_merges: bool = sqlx::query_scalar(select).bind(map).fetch_one(&mut *db).await?;
     for (version, part, kind, entries) in parts {
         let mut former = unpacked(Kind::from_name(&kind)?, &entries)?;
-        let stays = |session: SessionSeq, point| !erased.contains(&session) && points.contains(&point);
+        // After a merge of sessions points have other numbers than those they were sent with.
+        let is_sent = |point| has_merges || points.contains(&point);
+        let stays = |session: SessionSeq, point| !erased.contains(&session) && is_sent(point);
         former.poses.retain(|(keyframe, _)| keyframes.contains(&keyframe.0));
         former.positions.retain(|(keyframe, ..)| keyframes.contains(&keyframe.0));
         former.points.retain(|(session, point, _)| stays(*session, *point));
