@@ -91,3 +91,24 @@ proptest! {
         runtime.block_on(holds_after(requests));
     }
 }
+
+/// What random requests found once: a detection whose point gets the number of one that was elsewhere.
+#[tokio::test]
+async fn a_session_that_merges_back_with_other_numbers_takes_no_position_from_before() {
+    let sees_3 =
+        requests::Seen { class: 0, text: None, confidence: 3, points: vec![3], position: None, crop: false };
+    holds_after(vec![
+        Request::Plates(0),
+        Request::Put {
+            name: 12,
+            session: 0,
+            words: vec![11, 19],
+            points: vec![11, 4, 10, 0, 3],
+            covisible: None,
+            detections: vec![sees_3],
+        },
+        Request::Merge { session: 0, numbers: Some(Err(vec![(1, 8), (3, 2)])), turned: false },
+        Request::Merge { session: 1, numbers: Some(Ok(2)), turned: false },
+    ])
+    .await;
+}

@@ -61,13 +61,12 @@ impl Service {
         live: &Arc<LiveMap>,
         frames: &Arc<FleetFrames>,
     ) -> Result<(), ServiceError> {
-        let suspects = &frames.suspects;
         let is_set = |state: &State| Ok(state.index.properties().settings.revoke_suspects);
-        if suspects.is_empty() || !self.read(live, is_set).await?.1 {
+        if frames.suspects.is_empty() || !self.read(live, is_set).await?.1 {
             return Ok(());
         }
-        let (contradicted, known) = (suspects.to_vec(), frames.clone());
-        let first = move |state: &State| Ok(outvoted(&state.index, &contradicted, &known));
+        let known = frames.clone();
+        let first = move |state: &State| Ok(outvoted(&state.index, &known));
         // One at a time: without it the others may agree.
         let Some(id) = self.read(live, first).await?.1 else { return Ok(()) };
         match Box::pin(self.revoke_loop(&live.id, &id)).await {
@@ -114,7 +113,7 @@ impl Service {
 }
 
 /// Returns the first suspect that two loops or more speak against: where one stands against one, nobody can tell which is wrong.
-fn outvoted(index: &MapIndex, suspects: &[Suspect], frames: &FleetFrames) -> Option<LoopId> {
+fn outvoted(index: &MapIndex, frames: &FleetFrames) -> Option<LoopId> {
     let votes = |keyframe| {
         let session = index.keyframe(keyframe)?.session;
         let framed = frames.sessions.iter().find(|of| of.session == session)?;
@@ -127,7 +126,7 @@ fn outvoted(index: &MapIndex, suspects: &[Suspect], frames: &FleetFrames) -> Opt
         suspect.cycle.is_empty()
             || ends.is_some_and(|(one, other)| one.0 == other.0 && one.1.min(other.1) >= VOTES_MIN)
     };
-    suspects.iter().find(is_outvoted).map(|suspect| suspect.loop_id.clone())
+    frames.suspects.iter().find(is_outvoted).map(|suspect| suspect.loop_id.clone())
 }
 
 fn suspected(suspect: &Suspect, version: u64) -> Event {

@@ -94,12 +94,12 @@ pub(super) enum Request {
 
 #[derive(Clone, Debug)]
 pub(super) struct Seen {
-    class: u8,
-    text: Option<u8>,
-    confidence: u8,
-    points: Vec<i64>,
-    position: Option<(i8, i8)>,
-    crop: bool,
+    pub(super) class: u8,
+    pub(super) text: Option<u8>,
+    pub(super) confidence: u8,
+    pub(super) points: Vec<i64>,
+    pub(super) position: Option<(i8, i8)>,
+    pub(super) crop: bool,
 }
 
 pub(super) const TEXTS: [&str; 12] = [
