@@ -92,7 +92,8 @@ proptest! {
     }
 }
 
-/// What random requests found once: a detection whose point gets the number of one that was elsewhere.
+/// What random requests found once: the rows of a large change are loaded as they were before it, and a detection as after it, so that
+/// the detection seems to hold a point that goes.
 #[tokio::test]
 async fn a_session_that_merges_back_with_other_numbers_takes_no_position_from_before() {
     let sees_3 =

@@ -71,8 +71,11 @@ impl MapIndex {
                 touched.stale.extend(self.holders.of(*session, *id));
             }
             Change::PointsForgotten(session, ids) => {
-                // Nobody holds them: no anchor's box follows.
-                ids.iter().for_each(|id| self.points.clear_position(*session, *id));
+                // Nobody holds them, but where a correction is loaded on top of rows that were written after it.
+                for id in ids {
+                    self.points.clear_position(*session, *id);
+                    touched.stale.extend(self.holders.of(*session, *id));
+                }
             }
             Change::AnchorAdded(seq, class) => {
                 self.reserve(0, seq.0 + 1);
