@@ -10,7 +10,7 @@ use super::texts::TextIndex;
 use crate::domain::anchor::{AnchorState, Observation};
 use crate::domain::bow::BowVector;
 use crate::domain::change::{Change, ForgottenParts, Keyframe, Loop, Merge, MergeCause, MovedObservation};
-use crate::domain::ids::{AnchorSeq, KeyframeSeq, LoopId, SessionSeq};
+use crate::domain::ids::{AnchorSeq, KeyframeSeq, LoopId, PointId, SessionSeq};
 use crate::domain::judged::{Finding, ModelVerdict};
 use crate::domain::map::MapProperties;
 use crate::domain::prior::Prior;
@@ -70,13 +70,7 @@ impl MapIndex {
                 self.points.set_position(*session, *id, *position);
                 touched.stale.extend(self.holders.of(*session, *id));
             }
-            Change::PointsForgotten(session, ids) => {
-                // Nobody holds them, but where a correction is loaded on top of rows that were written after it.
-                for id in ids {
-                    self.points.clear_position(*session, *id);
-                    touched.stale.extend(self.holders.of(*session, *id));
-                }
-            }
+            Change::PointsForgotten(session, ids) => self.forget_points(*session, ids, touched),
             Change::AnchorAdded(seq, class) => {
                 self.reserve(0, seq.0 + 1);
                 self.anchors.insert(seq.index(), Anchor::new(class.clone()));
@@ -273,6 +267,14 @@ impl MapIndex {
         self.track(keyframe.seq);
         for (other, points) in &keyframe.declared {
             self.lists.declare(keyframe.seq, *other, *points);
+        }
+    }
+
+    fn forget_points(&mut self, session: SessionSeq, ids: &[PointId], touched: &mut Touched) {
+        for id in ids {
+            self.points.clear_position(session, *id);
+            // Nobody holds it, but where a correction is loaded on top of rows that were written after it.
+            touched.stale.extend(self.holders.of(session, *id));
         }
     }
 
