@@ -188,7 +188,7 @@ impl Service {
     }
 }
 
-/// What is to be deleted from a map.
+/// Keyframes and loops that are to be deleted from a map.
 struct Found {
     keyframes: Vec<(KeyframeSeq, KeyframeId)>,
     loops: Vec<LoopId>,

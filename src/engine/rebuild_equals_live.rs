@@ -92,7 +92,7 @@ proptest! {
     }
 }
 
-/// What random requests found once: the rows of a large change are loaded as they were before it, and a detection as after it, so that
+/// A case that random requests found once: the rows of a large change are loaded as they were before it, and a detection as after it, so that
 /// the detection seems to hold a point that goes.
 #[tokio::test]
 async fn a_session_that_merges_back_with_other_numbers_takes_no_position_from_before() {

@@ -119,7 +119,7 @@ async fn exported_release(server: &Server) -> Vec<Value> {
     text.lines().map(|line| serde_json::from_str(line).expect("a line of JSON")).collect()
 }
 
-/// Who asked the release, once so many are on disk.
+/// The robots that asked the release, once so many are on disk.
 async fn asked_by(server: &Server, sessions: usize) -> Vec<Value> {
     loop {
         let listed = server.get(&format!("{MAP}/releases")).await.expect(200);

@@ -154,7 +154,7 @@ pub struct ForgottenParts {
     pub global_descriptor: bool,
     /// The detections whose crops go, with the anchors that they feed.
     pub crops: Vec<(u16, Option<AnchorSeq>)>,
-    /// What they took on disk, in bytes.
+    /// The bytes that they took on disk.
     pub bytes: u64,
 }
 

@@ -4,7 +4,7 @@ use super::ids::{KeyframeId, SessionId};
 use super::keyframe::Stamp;
 use super::named::named;
 
-/// What is to be erased: keyframes or whole sessions, never both.
+/// The request for an erasure: keyframes or whole sessions, never both.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NewErasure {
     /// These keyframes; one that was deleted before is erased from what is left of it.

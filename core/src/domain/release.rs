@@ -24,11 +24,11 @@ pub struct Release {
     pub version: u64,
     /// When it was published.
     pub published: Stamp,
-    /// How much it holds.
+    /// The size of its contents.
     pub figures: MapFigures,
-    /// How many erasures it went through: each took keyframes out of it for good.
+    /// Number of its erasures: each took keyframes out of it for good.
     pub erasures: u64,
-    /// Who asked it, the latest first.
+    /// The robots that asked it, the latest first.
     pub uses: Vec<ReleaseUse>,
 }
 

@@ -42,9 +42,9 @@ pub struct MapPatch {
 /// A map to be made.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NewMap {
-    /// What differs from the defaults, or from the base.
+    /// The differences from the defaults, or from the base.
     pub patch: MapPatch,
-    /// What it begins as; empty if there is none.
+    /// The map that it begins as, if there is one.
     pub base: Option<MapBase>,
 }
 

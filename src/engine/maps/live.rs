@@ -68,7 +68,7 @@ pub(in crate::engine) struct LiveMap {
     figures: Mutex<Figures>,
     /// Held while a release of it is published: one at a time.
     pub publishing: tokio::sync::Mutex<()>,
-    /// Who asked it, if it holds a release.
+    /// The robots that asked it, if it holds a release.
     pub(super) uses: ReleaseUses,
 }
 

@@ -43,7 +43,7 @@ impl ReleaseUses {
         Some(uses.map(|(session, (queries, last))| ReleaseUse { session, queries, last }).collect())
     }
 
-    /// What was taken is on disk, or will never be.
+    /// Notes that the uses taken are on disk, or will never be.
     pub fn written(&self) {
         self.lock().is_writing = false;
     }

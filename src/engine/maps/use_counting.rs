@@ -1,4 +1,4 @@
-//! Who asks a release: counted in memory and written behind, one job at a time.
+//! Counting of a release's uses: in memory and written behind, one job at a time.
 
 use std::sync::Arc;
 

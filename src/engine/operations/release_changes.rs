@@ -1,4 +1,4 @@
-//! What changed between two releases, or since one.
+//! Changes between two releases, or since one.
 
 use std::sync::Arc;
 

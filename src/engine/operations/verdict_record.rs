@@ -87,8 +87,7 @@ impl Service {
         if let Some(body) = live.and_then(|live| live.query_under_way(id)) {
             return Ok(body);
         }
-        let of_map = |live: &LiveMap| live.id.parts() == (map.as_str(), live.id.parts().1);
-        let releases = self.registry.in_memory(|live| live.is_release() && of_map(live));
+        let releases = self.registry.in_memory(|live| live.is_release() && live.id.parts().0 == map.as_str());
         if let Some(body) = releases.iter().find_map(|live| live.query_under_way(id)) {
             return Ok(body);
         }

@@ -107,7 +107,7 @@ pub enum ErasureStep {
     Done(Stamp),
 }
 
-/// What a copy of a map is from then on.
+/// The name and kind that a complete copy of a map gets.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CopiedAs {
     /// A release of the map that was copied.

@@ -34,7 +34,7 @@ pub(in crate::store) enum Message {
     Close(oneshot::Sender<()>),
 }
 
-/// What is made anew, so that no byte of what was deleted is left in it.
+/// A file that is made anew, so that no byte of deleted rows is left in it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::store) enum Renewal {
     /// The database's file: all that it holds is written once more.

@@ -32,7 +32,7 @@ pub struct RowBlock {
     pub(in crate::store) table: &'static str,
     pub(in crate::store) columns: Vec<String>,
     pub(in crate::store) rows: Vec<Vec<Cell>>,
-    /// What they take, about.
+    /// Their bytes, about.
     pub bytes: usize,
 }
 

@@ -30,7 +30,7 @@ pub struct OpenErasure {
     pub key: MapKey,
     /// Its number in the map.
     pub number: u64,
-    /// What is to be removed; `None` once it is.
+    /// The keyframes or sessions to be removed; `None` once they are.
     pub asked: Option<NewErasure>,
 }
 

@@ -1,4 +1,4 @@
-//! What a map's settings let go of, as rows.
+//! Rows that a map's settings let go of.
 
 use sqlx::SqliteConnection;
 
