@@ -53,8 +53,9 @@ pub(in crate::engine) struct LiveMap {
     pub reads: Arc<ConcurrencyLimit>,
     /// The version of `state`.
     newest: AtomicU64,
-    /// The version at which the kept frames were last found to be those of the map.
-    frames_checked: AtomicU64,
+    /// The version at which the kept frames were last found to be those of the map; 0 if they never were. Held while they are
+    /// read, computed and kept, so that older ones never replace newer ones.
+    pub frames_checked: tokio::sync::Mutex<u64>,
     on_disk: watch::Sender<u64>,
     feed: Arc<Feed>,
     /// What it takes of the memory for maps.
@@ -118,7 +119,7 @@ impl LiveMap {
             gone: AtomicBool::new(false),
             reads: ConcurrencyLimit::new(READS_OF_A_MAP_PER_CORE * cores(), WAITING_MAX),
             newest: AtomicU64::new(facts.version),
-            frames_checked: AtomicU64::new(0),
+            frames_checked: tokio::sync::Mutex::new(0),
             on_disk: watch::Sender::new(facts.version),
             feed,
             memory: memory.share(index.memory_bytes()),
@@ -301,16 +302,6 @@ impl LiveMap {
     /// Returns the newest version decided, which may not be on disk yet; read without the map's lock.
     pub fn newest_version(&self) -> u64 {
         self.newest.load(Ordering::Acquire)
-    }
-
-    /// Returns the version at which the kept frames were last found to be those of the map; 0 if they never were.
-    pub fn frames_checked(&self) -> u64 {
-        self.frames_checked.load(Ordering::Acquire)
-    }
-
-    /// The kept frames are those of the map at this version.
-    pub fn check_frames(&self, version: u64) {
-        self.frames_checked.store(version, Ordering::Release);
     }
 
     /// Waits until the version on disk is another one.

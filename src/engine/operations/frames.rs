@@ -79,10 +79,18 @@ impl Service {
     }
 
     /// Returns the frames as they are kept, if they are still those of the map; else computes and keeps them, and tells of new suspects.
+    /// Runs in a task of its own: a client that leaves must not unlock the frames while they are on their way to the disk.
     async fn current_frames(&self, live: &Arc<LiveMap>) -> Result<(u64, Arc<FleetFrames>), ServiceError> {
+        let (service, live) = (self.clone(), live.clone());
+        let framing = async move { service.checked_frames(&live).await };
+        tokio::spawn(framing).await.map_err(ServiceError::panicked)?
+    }
+
+    async fn checked_frames(&self, live: &Arc<LiveMap>) -> Result<(u64, Arc<FleetFrames>), ServiceError> {
+        let mut checked = live.frames_checked.lock().await;
         let kept = self.store.frames(live.key).await?;
         if let Some((version, frames)) = &kept
-            && live.frames_checked() == live.newest_version()
+            && *checked == live.newest_version()
         {
             return Ok((*version, Arc::new(frames.clone())));
         }
@@ -91,7 +99,7 @@ impl Service {
         let computed = spawn_blocking(move || fleet_frames(&facts)).await.map_err(ServiceError::panicked)?;
         let known = kept.as_ref().map_or(&[][..], |(_, frames)| &frames.suspects);
         if let Some((kept_at, frames)) = kept.as_ref().filter(|(_, frames)| *frames == computed) {
-            live.check_frames(version);
+            *checked = version;
             return Ok((*kept_at, Arc::new(frames.clone())));
         }
         let known: BTreeSet<&LoopId> = known.iter().map(|suspect| &suspect.loop_id).collect();
@@ -104,7 +112,7 @@ impl Service {
             tracing::warn!(%error, "the frames of a map were not kept");
             return Ok((version, frames));
         }
-        live.check_frames(version);
+        *checked = version;
         if !events.is_empty() {
             live.tell(&self.store, events);
         }
