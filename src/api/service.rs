@@ -26,6 +26,9 @@ pub struct Version {
     pub version: String,
     /// The version of SQLite inside it.
     pub sqlite: String,
+    /// The version of the PostgreSQL that keeps its facts; missing where SQLite does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub postgres: Option<String>,
     /// The vocabulary with which it computes bags of words; null while it has none.
     #[schema(required)]
     pub vocabulary: Option<String>,

@@ -12,8 +12,8 @@ use crate::domain::keyframe::Stamp;
 use crate::engine::ServiceError;
 use crate::engine::keys::keyring::Keyring;
 use crate::engine::keys::lockout::{Lockout, WAY_BACK};
-use crate::store::Store;
 use crate::store::files::paths::DatabaseFiles;
+use crate::store::{Store, is_server_url};
 
 /// Create, list and revoke API keys.
 ///
@@ -87,9 +87,11 @@ fn dollars(text: &str) -> Result<f64, String> {
 /// Runs `keys`.
 pub async fn run(args: KeysArgs) -> Result<(), Failure> {
     let creates = matches!(args.command, Command::Create(_));
-    let files = DatabaseFiles::of_url(&args.database)?;
-    if !creates && !files.exist() {
-        return Err(format!("there is no database {}", files.database().display()).into());
+    if !is_server_url(&args.database) {
+        let files = DatabaseFiles::of_url(&args.database)?;
+        if !creates && !files.exist() {
+            return Err(format!("there is no database {}", files.database().display()).into());
+        }
     }
     let store = Store::open_beside(&args.database).await?;
     let keys = Keyring::open(store.clone(), false).await?;

@@ -20,6 +20,7 @@ use crate::config::traces::Traces;
 use crate::config::{build, limits, listen, logging, traces};
 use crate::engine::{ModelChoice, Service, ServiceOptions};
 use crate::http::{self, RunningServer};
+use crate::store::without_password;
 use crate::vocabulary::Vocabulary;
 
 /// File descriptors reserved for the database, the runtime and the log.
@@ -35,7 +36,8 @@ pub struct ServeArgs {
     /// the database first: `revisit keys create`
     #[arg(long, env = "REVISIT_LISTEN", value_name = "ADDR", default_value = "127.0.0.1:7878", value_parser = listen::address)]
     listen: SocketAddr,
-    /// The database of all data; the file is created if it does not exist
+    /// The database of all data: a file, which is created if it does not exist, or `postgres://USER@HOST/NAME`, which several
+    /// servers may share
     #[arg(long, env = "REVISIT_DATABASE", value_name = "URL", default_value = "sqlite://revisit.db")]
     database: String,
     /// A vocabulary, to compute words where a client sends features without them, and to guide matching. DBoW2's text
@@ -112,7 +114,7 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
     }
     let addr = listener.local_addr()?;
     write_out(&format!("listening on http://{addr}\n"))?;
-    tracing::info!(%addr, database = args.database, version = build::VERSION, traces = traces.are_sent(), "serving");
+    tracing::info!(%addr, database = without_password(&args.database), version = build::VERSION, traces = traces.are_sent(), "serving");
     let served = http::serve(listener, service.clone(), args.limits, stopping).await;
     service.close().await;
     traces.flush().await;
@@ -122,6 +124,7 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
 
 /// Returns why a server that other machines can reach does not start without a key, and how to create one.
 fn keyless(listen: SocketAddr, database: &str) -> String {
+    let database = without_password(database);
     format!(
         "other machines can reach {listen}, and {database} has no API key. Create one first:\n\
          \n    revisit keys create --name admin --actions read,write,query,admin --database {database}\n\n\

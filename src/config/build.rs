@@ -5,6 +5,12 @@ pub const NAME: &str = env!("CARGO_PKG_NAME");
 /// The program's version.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
+/// The version of SQLite inside it.
+pub const SQLITE: &str = match libsqlite3_sys::SQLITE_VERSION.to_str() {
+    Ok(version) => version,
+    Err(_) => "unknown",
+};
+
 /// Environment variables of optional features: the feature, whether it is built in, and its variables.
 const OPTIONAL: [(&str, bool, &[&str]); 2] = [
     (

@@ -107,9 +107,11 @@ impl From<StoreError> for ServiceError {
     fn from(error: StoreError) -> Self {
         match error {
             StoreError::DiskFull => Self::DiskFull,
-            StoreError::Superseded | StoreError::Closed | StoreError::Busy | StoreError::Disk(_) => {
-                Self::Unavailable { detail: error.to_string(), retry_after_s: 1 }
-            }
+            StoreError::Superseded
+            | StoreError::Closed
+            | StoreError::Busy
+            | StoreError::Away(_)
+            | StoreError::Disk(_) => Self::Unavailable { detail: error.to_string(), retry_after_s: 1 },
             StoreError::Damaged { .. } => Self::Damaged(format!("{error}; other maps are not affected")),
             StoreError::Database(_)
             | StoreError::Corrupt(_)

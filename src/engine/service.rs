@@ -88,9 +88,9 @@ impl Service {
         &self.pressure
     }
 
-    /// Returns the version of SQLite.
-    pub async fn sqlite_version(&self) -> Result<String, ServiceError> {
-        Ok(self.store.sqlite_version().await?)
+    /// Returns the version of PostgreSQL, where that keeps the facts.
+    pub async fn postgres_version(&self) -> Result<Option<String>, ServiceError> {
+        Ok(self.store.postgres_version().await?)
     }
 
     /// Returns a map for a client, loaded if it was not in memory.

@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::io;
 use std::path::Path;
 
+use sqlx::sqlite::SqliteError;
 use thiserror::Error;
 
 /// Why the database did not do what it was asked.
@@ -16,6 +17,10 @@ pub enum StoreError {
     /// is not known before the next commit.
     #[error("the disk failed, or the file is damaged or not readable: {0}")]
     Disk(String),
+    /// The database server does not answer, or only reads; whether what was being written is kept is not known before the map
+    /// is loaded again.
+    #[error("the database server is away: {0}")]
+    Away(String),
     /// The database answers with an error.
     #[error("database: {0}")]
     Database(String),
@@ -130,10 +135,11 @@ impl From<sqlx::Error> for StoreError {
         /// SQLITE_IOERR, SQLITE_CANTOPEN, and SQLITE_CORRUPT: a read that fails with EIO arrives as the last, and what SQLite
         /// calls malformed must take no more writes, either.
         const FAILED: [i32; 3] = [10, 11, 14];
-        let code = error
-            .as_database_error()
-            .and_then(sqlx::error::DatabaseError::code)
-            .and_then(|code| code.parse::<i32>().ok());
+        let code = error.as_database_error().and_then(sqlx::error::DatabaseError::code);
+        if let Some(of_server) = of_server(&error, code.as_deref()) {
+            return of_server;
+        }
+        let code = code.and_then(|code| code.parse::<i32>().ok());
         match code {
             Some(code) if code & 0xff == FULL => Self::DiskFull,
             Some(code) if FAILED.contains(&(code & 0xff)) => Self::Disk(error.to_string()),
@@ -141,5 +147,31 @@ impl From<sqlx::Error> for StoreError {
             _ if matches!(error, sqlx::Error::ColumnDecode { .. }) => Self::Corrupt(error.to_string()),
             _ => Self::Database(error.to_string()),
         }
+    }
+}
+
+/// Returns what an error of a database server or of the way to it means; `None` where it means nothing special, or is SQLite's.
+fn of_server(error: &sqlx::Error, code: Option<&str>) -> Option<StoreError> {
+    let is_sqlite =
+        error.as_database_error().is_some_and(|error| error.try_downcast_ref::<SqliteError>().is_some());
+    if is_sqlite {
+        return None;
+    }
+    let code = match error {
+        sqlx::Error::Io(_) | sqlx::Error::Tls(_) | sqlx::Error::Protocol(_) => {
+            return Some(StoreError::Away(error.to_string()));
+        }
+        _ => code?,
+    };
+    match code {
+        // disk_full
+        "53100" => Some(StoreError::DiskFull),
+        // too_many_connections
+        "53300" => Some(StoreError::Busy),
+        // read_only_sql_transaction: after a fail-over the connection leads to a server that only reads. The others say that the
+        // server stops, starts or cannot be reached.
+        "25006" | "57P01" | "57P02" | "57P03" => Some(StoreError::Away(error.to_string())),
+        _ if code.starts_with("08") => Some(StoreError::Away(error.to_string())),
+        _ => None,
     }
 }

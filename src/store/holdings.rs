@@ -1,10 +1,11 @@
 //! Holdings: how much a database has in it, of whatever schema it is.
 
-use sqlx::{ConnectOptions as _, SqliteConnection};
+use sqlx::ConnectOptions as _;
 
 use super::StoreError;
 use super::files::paths::DatabaseFiles;
 use super::files::schema;
+use crate::store::sql::{self, Connection};
 
 /// The contents of a database, counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,24 +23,24 @@ pub struct Holdings {
 impl Holdings {
     /// Counts what a file holds that no process changes.
     pub async fn of_file(file: &DatabaseFiles) -> Result<Self, StoreError> {
-        holdings(&mut file.read_only().immutable(true).connect().await?).await
+        holdings(&mut Connection::Sqlite(file.read_only().immutable(true).connect().await?)).await
     }
 }
 
 /// Counts what a database holds.
-pub(super) async fn holdings(db: &mut SqliteConnection) -> Result<Holdings, StoreError> {
+pub(super) async fn holdings(db: &mut Connection) -> Result<Holdings, StoreError> {
     let schema = schema::version(&mut *db).await?;
     // An older schema knows no deleted maps.
     let column = "select count(*) from pragma_table_info('maps') where name = 'deleted'";
-    let knows_deleted: i64 = sqlx::query_scalar(column).fetch_one(&mut *db).await?;
+    let knows_deleted: i64 = sql::query_scalar(column).fetch_one(&mut *db).await?;
     // What a deleted map still has is no map's any more.
     let count = if knows_deleted == 0 {
         "select (select count(*) from maps), (select count(*) from keyframes), (select count(*) from anchors)"
     } else {
-        "select (select count(*) from maps where deleted = 0 and instr(id, '/') = 0),
+        "select (select count(*) from maps where deleted = 0 and id not like '%/%'),
             (select count(*) from keyframes where map_key in (select map_key from maps where deleted = 0)),
             (select count(*) from anchors where map_key in (select map_key from maps where deleted = 0))"
     };
-    let (maps, keyframes, anchors): (i64, i64, i64) = sqlx::query_as(count).fetch_one(&mut *db).await?;
+    let (maps, keyframes, anchors): (i64, i64, i64) = sql::query_as(count).fetch_one(&mut *db).await?;
     Ok(Holdings { schema, maps: maps as u64, keyframes: keyframes as u64, anchors: anchors as u64 })
 }

@@ -5,7 +5,7 @@ mod rows;
 use std::fs::File;
 use std::path::Path;
 
-use sqlx::{ConnectOptions as _, Connection as _, SqliteConnection};
+use sqlx::ConnectOptions as _;
 
 use super::StoreError;
 use super::facts::{FactSource, MapFacts, Order};
@@ -17,6 +17,7 @@ use super::holdings::{Holdings, holdings};
 use super::rows::load::load;
 use crate::domain::change::Change;
 use crate::domain::ids::{MapId, StoredId as _};
+use crate::store::sql::{self, Connection};
 pub use rows::RowFindings;
 
 /// The most faults that SQLite lists before it stops looking.
@@ -36,7 +37,7 @@ pub struct Inspection {
 /// The database within one read transaction.
 #[derive(Debug)]
 pub struct Inspected {
-    db: SqliteConnection,
+    db: Connection,
 }
 
 impl Inspection {
@@ -63,8 +64,8 @@ impl Inspection {
         } else {
             self.files.untouched(!self.log.faults.is_empty())
         };
-        let mut db = options.connect().await?;
-        sqlx::query("begin").execute(&mut db).await?;
+        let mut db = Connection::Sqlite(options.connect().await?);
+        sql::query("begin").execute(&mut db).await?;
         Ok(Inspected { db })
     }
 
@@ -80,7 +81,7 @@ impl Inspection {
 impl Inspected {
     /// Finds what SQLite finds wrong with pages, rows and indexes.
     pub async fn structural_faults(&mut self) -> Result<Vec<String>, StoreError> {
-        let found: Vec<String> = sqlx::query_scalar("pragma integrity_check").fetch_all(&mut self.db).await?;
+        let found: Vec<String> = sql::query_scalar("pragma integrity_check").fetch_all(&mut self.db).await?;
         Ok(found.into_iter().filter(|line| line != "ok").take(STRUCTURAL_FAULTS_MAX).collect())
     }
 
@@ -98,7 +99,7 @@ impl Inspected {
     pub async fn dangling_rows(&mut self) -> Result<Vec<String>, StoreError> {
         let select =
             "select \"table\", parent, count(*) from pragma_foreign_key_check group by 1, 2 order by 1, 2";
-        let found: Vec<(String, String, i64)> = sqlx::query_as(select).fetch_all(&mut self.db).await?;
+        let found: Vec<(String, String, i64)> = sql::query_as(select).fetch_all(&mut self.db).await?;
         let told = |(table, parent, count)| {
             format!("{count} rows of {table} refer to rows of {parent} that are not there")
         };
@@ -109,7 +110,7 @@ impl Inspected {
     pub async fn key_faults(&mut self) -> Result<Vec<String>, StoreError> {
         let select =
             "select id, map_key from maps where map_key > (select last from map_keys) order by map_key";
-        let found: Vec<(String, i64)> = sqlx::query_as(select).fetch_all(&mut self.db).await?;
+        let found: Vec<(String, i64)> = sql::query_as(select).fetch_all(&mut self.db).await?;
         let told = |(id, key)| format!("map {id} has key {key}, which would be given again");
         Ok(found.into_iter().map(told).collect())
     }
@@ -117,7 +118,7 @@ impl Inspected {
     /// Returns the maps by name; a name that is none is a fault.
     pub async fn maps(&mut self) -> Result<Vec<Result<MapId, String>>, StoreError> {
         let select = "select id from maps where deleted = 0 order by id";
-        let ids: Vec<String> = sqlx::query_scalar(select).fetch_all(&mut self.db).await?;
+        let ids: Vec<String> = sql::query_scalar(select).fetch_all(&mut self.db).await?;
         let named = |id: String| MapId::stored(&id).map_err(|error| format!("map {id:?}: {error}"));
         Ok(ids.into_iter().map(named).collect())
     }
@@ -134,7 +135,7 @@ impl Inspected {
 
     /// Ends the transaction, and closes the database.
     pub async fn close(mut self) -> Result<(), StoreError> {
-        sqlx::query("rollback").execute(&mut self.db).await?;
+        sql::query("rollback").execute(&mut self.db).await?;
         Ok(self.db.close().await?)
     }
 }
@@ -150,9 +151,9 @@ impl FactSource for &mut Inspected {
     }
 }
 
-async fn wrong_length(db: &mut SqliteConnection, file: &Path) -> Result<Vec<String>, StoreError> {
+async fn wrong_length(db: &mut Connection, file: &Path) -> Result<Vec<String>, StoreError> {
     let select = "select page_count * page_size from pragma_page_count, pragma_page_size";
-    let expected: i64 = sqlx::query_scalar(select).fetch_one(db).await?;
+    let expected: i64 = sql::query_scalar(select).fetch_one(db).await?;
     let length = std::fs::metadata(file).map_err(|error| StoreError::file(file, &error))?.len();
     let fault = format!("the file has {length} bytes, and its pages {expected}");
     Ok(if length == expected as u64 { Vec::new() } else { vec![fault] })

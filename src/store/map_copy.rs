@@ -13,6 +13,7 @@ use super::rows::map_rows;
 use super::{Store, StoreError};
 use crate::domain::ids::MapId;
 use crate::domain::map::MapProperties;
+use crate::store::sql;
 
 /// Numbers the copies of this process.
 static NEXT_COPY: AtomicU64 = AtomicU64::new(0);
@@ -33,7 +34,7 @@ impl Store {
         let mut db = self.snapshot().await?;
         let select = "select map_key, version from maps where id = $1 and deleted = 0";
         let found: Option<(MapKey, i64)> =
-            sqlx::query_as(select).bind(id.as_str()).fetch_optional(&mut *db).await?;
+            sql::query_as(select).bind(id.as_str()).fetch_optional(&mut *db).await?;
         let Some((map, version)) = found else {
             db.commit().await?;
             return Ok(None);
@@ -49,7 +50,7 @@ impl Store {
         let row = map_row(db, map).await?;
         self.committer.commit(Job::BeginCopy { row: Box::new(row), id: id.clone() }).await?;
         let select = "select map_key from maps where id = $1";
-        let key: MapKey = sqlx::query_scalar(select).bind(&id).fetch_one(&self.readers).await?;
+        let key: MapKey = sql::query_scalar(select).bind(&id).fetch_one(&self.readers).await?;
         let copied = read_blocks(db, map, |block| {
             self.committer.commit(Job::CopyRows { map: key, block: Box::new(block) })
         });
@@ -76,7 +77,7 @@ impl MapCopy {
     pub async fn properties(&self) -> Result<MapProperties, StoreError> {
         let mut db = self.store.snapshot().await?;
         let select = "select * from maps where map_key = $1";
-        let row = sqlx::query(select).bind(self.key).fetch_one(&mut *db).await?;
+        let row = sql::query(select).bind(self.key).fetch_one(&mut *db).await?;
         let properties = map_rows::properties(&mut db, self.key, &row).await;
         db.commit().await?;
         properties

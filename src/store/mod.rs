@@ -2,7 +2,8 @@
 //!
 //! | concept | file |
 //! |---|---|
-//! | the handle; opening, pragmas, migrations | [`mod@store`], [`opening`], [`files::schema`] |
+//! | the handle; opening, pragmas, migrations | [`mod@store`], [`opening`], [`files::schema`], [`postgres`] |
+//! | one SQL for SQLite and PostgreSQL | [`sql`] |
 //! | one writer in a thread of its own, group commit | [`commit::commit_queue`], [`commit::queue`], [`commit::lanes`], [`commit::group_commit`] |
 //! | large deletions and corrections, in slices | [`slices::background`], [`slices::deletion`], [`slices::deferred`], [`slices::parts`], [`slices::fold`] |
 //! | what a map was sent, and read back in order | [`rows::former_value_rows`], [`rows::operation_rows`], [`export`] |
@@ -16,12 +17,13 @@
 //! | API keys | [`rows::key_rows`] |
 //! | reads of one row | [`rows::read`] |
 //! | the words of a map that is not in memory | [`rows::words_of_map`] |
-//! | a disk that is full or fails | [`commit::health`], [`files::disk_reserve`], [`commit::transaction`], [`files::wal_recovery`] |
+//! | a disk that is full or fails | [`commit::health`], [`commit::own_disk`], [`files::disk_reserve`], [`commit::transaction`], [`files::wal_recovery`] |
 //! | packed lists in blobs | [`rows::blob`] |
-//! | where it lies, and who may write to it | [`files::paths`], [`files::lock`] |
+//! | where it lies, and who may write to it | [`address`], [`files::paths`], [`files::lock`] |
 //! | copies of it, and what it holds | [`files::copying`], [`holdings`] |
 //! | looking at it as it is | [`inspection`], [`files::log`] |
 
+mod address;
 mod commit;
 mod error;
 mod export;
@@ -31,19 +33,22 @@ mod holdings;
 mod inspection;
 mod map_copy;
 mod opening;
+mod postgres;
 mod rows;
 mod slices;
 #[cfg(test)]
 mod slices_equal_direct_writes;
+mod sql;
 #[expect(clippy::module_inception, reason = "the hub of the room, which is named after it")]
 mod store;
 #[cfg(test)]
 mod test_database;
 
+pub use address::{is_server_url, without_password};
 pub use commit::commit_queue::{CommitStats, Committer};
 pub use commit::job::{Batch, CopiedAs, ErasureStep, Job, MapKey, NewKeyRow, NewKeyframeRows, Spent};
 pub use commit::queue::PoisonFlag;
-pub use commit::row_block::{Cell, RowBlock};
+pub use commit::row_block::RowBlock;
 pub use error::StoreError;
 pub use export::Export;
 pub use facts::{FactSource, MapFacts, Order};
@@ -62,4 +67,6 @@ pub use rows::read::{DetectionRow, KeyframeRow};
 pub use rows::release_rows::RELEASE_USES_MAX;
 pub use rows::unpacks::unpacks;
 pub use rows::words_of_map::MapOutline;
+pub use sql::cell::Cell;
+pub use sql::connection::Engine;
 pub use store::Store;

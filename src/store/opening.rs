@@ -7,12 +7,14 @@ use sqlx::sqlite::{
     SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
 };
 
-use super::commit::group_commit;
+use super::address::is_server_url;
+use super::commit::group_commit::{self, Served};
+use super::commit::own_disk::OwnDisk;
 use super::files::disk_reserve::Reserve;
 use super::files::lock::{DatabaseLock, Purpose};
 use super::files::paths::{BUSY_TIMEOUT, DatabaseFiles};
 use super::files::{log, schema, wal_recovery};
-use super::{Store, StoreError};
+use super::{Store, StoreError, postgres};
 
 /// SQLite before this release can lose committed writes in WAL mode (the WAL-reset bug).
 const OLDEST_SAFE_SQLITE: &str = "3.51.3";
@@ -31,8 +33,12 @@ const READERS: u32 = 8;
 
 impl Store {
     /// Opens the database at `sqlite://PATH`, makes it if it is not there, and migrates it.
-    /// Only one process may have it open so; another is refused.
+    /// Only one process may have it open so; another is refused. That of `postgres://HOST/NAME` must be there, and others may
+    /// have it open, too.
     pub async fn open(url: &str) -> Result<Self, StoreError> {
+        if is_server_url(url) {
+            return postgres::opening::open(url).await;
+        }
         let files = DatabaseFiles::of_url(url)?;
         let lock = DatabaseLock::take(&files, Purpose::Serve)?;
         Self::open_locked(url, files, lock).await
@@ -51,6 +57,9 @@ impl Store {
     /// Returns the same, or beside the process that has it open: for short writes to tables that maps do not need, such
     /// as keys.
     pub async fn open_beside(url: &str) -> Result<Self, StoreError> {
+        if is_server_url(url) {
+            return postgres::opening::open(url).await;
+        }
         let files = DatabaseFiles::of_url(url)?;
         match DatabaseLock::take(&files, Purpose::Serve) {
             Ok(lock) => Self::open_locked(url, files, lock).await,
@@ -106,8 +115,10 @@ impl Store {
             .max_lifetime(None)
             .connect_with(options.read_only(true).pragma("cache_size", READER_CACHE))
             .await?;
-        let committer = group_commit::start(writer, reserve, lock.clone())?;
-        Ok(Self { readers, committer, files, lock })
+        let served = lock.clone().map_or(Served::Beside, |lock| Served::Alone { _lock: lock });
+        let disk = OwnDisk::of(writer.clone(), reserve);
+        let committer = group_commit::start(writer.into(), Some(disk), served)?;
+        Ok(Self { readers: readers.into(), committer, files: Some(files), lock })
     }
 }
 

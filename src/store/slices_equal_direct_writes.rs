@@ -4,8 +4,6 @@
 use std::sync::Arc;
 
 use proptest::prelude::*;
-use sqlx::SqliteConnection;
-use sqlx::sqlite::SqlitePool;
 
 use super::commit::job::{Batch, Job, MapKey, NewKeyframeRows};
 use super::commit::write;
@@ -24,6 +22,7 @@ use crate::domain::map::{Learned, MapFigures, MapProperties};
 use crate::domain::request::KeyframeDigest;
 use crate::geometry::{Point3, Pose};
 use crate::recognition::map::index::MapIndex;
+use crate::store::sql::{self, Connection, Pool};
 
 const KEYFRAMES: u32 = 6;
 
@@ -44,11 +43,11 @@ fn batch(map: MapKey, version: u64, changes: Vec<Change>) -> Batch {
     }
 }
 
-async fn execute(db: &mut SqliteConnection, job: &Job) {
+async fn execute(db: &mut Connection, job: &Job) {
     write::execute(db, std::iter::once(job)).await.unwrap();
 }
 
-async fn make_map(db: &mut SqliteConnection, map: MapKey) {
+async fn make_map(db: &mut Connection, map: MapKey) {
     for job in map_jobs(map) {
         execute(db, &job).await;
     }
@@ -175,7 +174,7 @@ fn changes_of(step: &Step, version: u64) -> Vec<Change> {
     }
 }
 
-async fn index_of(db: &mut SqliteConnection, order: Order) -> MapIndex {
+async fn index_of(db: &mut Connection, order: Order) -> MapIndex {
     let mut index = MapIndex::default();
     let id = "map-1".parse().unwrap();
     let facts = load(db, &id, order, |changes| index.apply(changes)).await.unwrap().unwrap();
@@ -184,7 +183,7 @@ async fn index_of(db: &mut SqliteConnection, order: Order) -> MapIndex {
 }
 
 /// Returns every row that a deferred change may touch, as text.
-async fn rows_of(pool: &SqlitePool) -> Vec<String> {
+async fn rows_of(pool: &Pool) -> Vec<String> {
     let select = "select 'pose ' || keyframe || ' ' || hex(pose) from keyframes
         union all select 'position ' || keyframe || ' ' || hex(position) from detections
         union all select 'anchor ' || anchor || ' ' || version from anchors
@@ -192,7 +191,7 @@ async fn rows_of(pool: &SqlitePool) -> Vec<String> {
         union all select 'left ' || version from deferred_changes
         union all select 'left ' || version || ' ' || part from deferred_parts
         order by 1";
-    sqlx::query_scalar(select).fetch_all(pool).await.unwrap()
+    sql::query_scalar(select).fetch_all(pool).await.unwrap()
 }
 
 async fn holds_after(steps: Vec<Step>) {
@@ -266,16 +265,16 @@ fn jobs_of(steps: &[(bool, Step)]) -> Vec<Job> {
 }
 
 /// Every row of every table that has rows of maps, but for when it was written.
-async fn dump(db: &mut SqliteConnection) -> Vec<String> {
+async fn dump(db: &mut Connection) -> Vec<String> {
     let select = r#"select 'select ' || group_concat('quote(' || c.name || ')', ' || " " || ') || ' from ' || m.name
         from sqlite_schema m join pragma_table_info(m.name) c
         where m.type = 'table' and c.name <> 'stored_sec' and exists (select 1 from pragma_table_info(m.name) k where k.name = 'map_key')
         group by m.name order by m.name"#;
-    let selects: Vec<String> = sqlx::query_scalar(select).fetch_all(&mut *db).await.unwrap();
+    let selects: Vec<String> = sql::query_scalar(select).fetch_all(&mut *db).await.unwrap();
     let mut rows = Vec::new();
     for select in selects {
         let select = sqlx::AssertSqlSafe(select.replace('"', "'"));
-        let mut of_table: Vec<String> = sqlx::query_scalar(select).fetch_all(&mut *db).await.unwrap();
+        let mut of_table: Vec<String> = sql::query_scalar(select).fetch_all(&mut *db).await.unwrap();
         of_table.sort();
         rows.extend(of_table);
     }
@@ -342,7 +341,7 @@ proptest! {
             // Its deferred changes reach no rows any more.
             assert!(!fold::fold_entries(&mut db, 1).await.unwrap());
             while deletion::remove_rows(&mut db, rows).await.unwrap() {}
-            sqlx::query("delete from maps where map_key = 3").execute(&mut *db).await.unwrap();
+            sql::query("delete from maps where map_key = 3").execute(&mut db).await.unwrap();
             assert_eq!(dump(&mut db).await, before);
             assert!(index_of(&mut db, Order::Forwards).await == kept);
         });

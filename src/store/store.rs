@@ -2,28 +2,33 @@
 
 use std::sync::Arc;
 
-use sqlx::sqlite::SqlitePool;
-
 use super::StoreError;
 use super::commit::commit_queue::Committer;
 use super::commit::transaction::Transaction;
 use super::files::lock::DatabaseLock;
 use super::files::paths::DatabaseFiles;
+use super::sql::{self, Engine, Pool};
 
 /// The database: one writer with group commit, and a pool of readers beside it.
 #[derive(Clone, Debug)]
 pub struct Store {
-    pub(super) readers: SqlitePool,
+    pub(super) readers: Pool,
     pub(super) committer: Committer,
-    pub(super) files: DatabaseFiles,
-    /// None where another process is the one that serves.
+    /// None of a database server, which keeps its own.
+    pub(super) files: Option<DatabaseFiles>,
+    /// None where another process is the one that serves, or others may serve beside it.
     pub(super) lock: Option<Arc<DatabaseLock>>,
 }
 
 impl Store {
-    /// Its files.
-    pub fn files(&self) -> &DatabaseFiles {
-        &self.files
+    /// Its files; none where a database server has them.
+    pub fn files(&self) -> Option<&DatabaseFiles> {
+        self.files.as_ref()
+    }
+
+    /// Which engine keeps it.
+    pub fn engine(&self) -> Engine {
+        self.readers.engine()
     }
 
     /// Returns the one writer.
@@ -51,8 +56,12 @@ impl Store {
         self.readers.is_closed()
     }
 
-    /// Returns the version of SQLite.
-    pub async fn sqlite_version(&self) -> Result<String, StoreError> {
-        Ok(sqlx::query_scalar("select sqlite_version()").fetch_one(&self.readers).await?)
+    /// Returns the version of PostgreSQL, where that keeps it.
+    pub async fn postgres_version(&self) -> Result<Option<String>, StoreError> {
+        if self.engine() == Engine::Sqlite {
+            return Ok(None);
+        }
+        let select = "select current_setting('server_version')";
+        Ok(Some(sql::query_scalar(select).fetch_one(&self.readers).await?))
     }
 }

@@ -50,7 +50,7 @@ async fn writes_sent_while_their_map_is_made_stay() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_deletion_goes_to_its_end_when_its_client_has_gone() {
     let folder = tempfile::tempdir().unwrap();
-    let database = format!("sqlite://{}", folder.path().join("test.db").display());
+    let database = crate::support::database_in(folder.path()).await;
     let service = Service::open(ServiceOptions::on(database, LoopAnswer::bytes)).await.unwrap();
     let id = revisit::domain::ids::MapId::from_str("m").unwrap();
     let mut finished = 0;

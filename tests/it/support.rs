@@ -1,5 +1,6 @@
 //! A real server in this process, on a database of its own, and the few words needed to speak to it.
 
+use std::hash::{Hash as _, Hasher as _};
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -14,6 +15,7 @@ use revisit::engine::ModelChoice;
 use revisit::engine::{Service, ServiceOptions};
 use revisit::http::RunningServer;
 use serde_json::{Value, json};
+use sqlx::{Connection as _, PgConnection};
 
 /// A server; it stops, and its database goes, when this value goes.
 pub struct Server {
@@ -29,6 +31,25 @@ pub struct Answer {
     pub headers: HeaderMap,
     /// Null where the answer is empty or no JSON.
     pub body: Value,
+}
+
+/// Returns the address of the database that belongs to a directory: a file in it or, where `REVISIT_TEST_POSTGRES` names a
+/// server, a database there, which is made if it is not there.
+pub async fn database_in(directory: &Path) -> String {
+    let Ok(server) = std::env::var("REVISIT_TEST_POSTGRES") else {
+        return format!("sqlite://{}", directory.join("test.db").display());
+    };
+    let mut hasher = std::hash::DefaultHasher::new();
+    directory.hash(&mut hasher);
+    let name = format!("test_{}_{:x}", std::process::id(), hasher.finish());
+    let mut db = PgConnection::connect(&format!("{server}/postgres")).await.expect("a PostgreSQL server");
+    let select = "select count(*) from pg_database where datname = $1";
+    let found: i64 = sqlx::query_scalar(select).bind(&name).fetch_one(&mut db).await.expect("its databases");
+    if found == 0 {
+        let create = sqlx::AssertSqlSafe(format!("create database {name}"));
+        sqlx::query(create).execute(&mut db).await.expect("a database");
+    }
+    format!("{server}/{name}")
 }
 
 impl Server {
@@ -86,7 +107,7 @@ impl Server {
     /// Starts a server within limits, and gives its service, too.
     pub async fn within(limits: &[&str]) -> (Self, Service) {
         let directory = tempfile::tempdir().expect("a temporary directory");
-        let database = format!("sqlite://{}", directory.path().join("test.db").display());
+        let database = database_in(directory.path()).await;
         let service =
             Service::open(ServiceOptions::on(database, LoopAnswer::bytes)).await.expect("a service");
         let limits = LimitArgs::of(limits).expect("limits");
@@ -117,7 +138,7 @@ impl Server {
     }
 
     async fn on_with(directory: &Path, choose: impl FnOnce(&mut ServiceOptions)) -> Self {
-        let database = format!("sqlite://{}", directory.join("test.db").display());
+        let database = database_in(directory).await;
         let mut options = ServiceOptions::on(database, LoopAnswer::bytes);
         choose(&mut options);
         let service = Service::open(options).await.expect("a service");

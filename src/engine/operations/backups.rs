@@ -26,8 +26,12 @@ impl Service {
                 `revisit backup FILE` takes one beside it";
             return Err(ServiceError::Conflict { code: "no_backup_folder", detail: detail.to_owned() });
         };
+        let Some(files) = self.store.files().cloned() else {
+            let detail =
+                "the facts are in PostgreSQL: its own tools back them up, such as pg_dump or archived logs";
+            return Err(ServiceError::Conflict { code: "no_backup_folder", detail: detail.to_owned() });
+        };
         let permit = backups.enter()?;
-        let files = self.store.files().clone();
         let made = async move {
             let made = backups.make(&files, id).await;
             drop(permit);

@@ -2,6 +2,7 @@
 //! that a request holds while it works, and nothing asks the database.
 
 use crate::engine::{Service, VerdictCounts};
+use crate::store::files::paths::DatabaseFiles;
 
 /// Figures for the metrics page.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -78,7 +79,8 @@ impl Service {
     /// Figures for the metrics page, of the maps in memory.
     pub fn stats(&self) -> Stats {
         let commits = self.store.committer().stats();
-        let (files, features) = (self.store.files().sizes(), self.features.figures());
+        let (files, features) =
+            (self.store.files().map(DatabaseFiles::sizes).unwrap_or_default(), self.features.figures());
         let (memory, loads) = (&self.registry.memory, self.registry.loads.figures());
         let mut stats = Stats {
             map_memory_bytes: memory.used(),

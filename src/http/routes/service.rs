@@ -51,11 +51,11 @@ pub async fn readyz(State(app): State<App>) -> Result<Json<Health>, Problem> {
     responses((status = 200, description = "The version", body = Version, example = examples::version), OfReadiness)
 )]
 pub async fn get_version(State(service): State<Service>) -> Result<Json<Version>, Problem> {
-    let sqlite = service.sqlite_version().await?;
     Ok(Json(Version {
         name: build::NAME.to_owned(),
         version: build::VERSION.to_owned(),
-        sqlite,
+        sqlite: build::SQLITE.to_owned(),
+        postgres: service.postgres_version().await?,
         vocabulary: service.vocabulary().map(|(name, _)| name.to_owned()),
     }))
 }

@@ -5,20 +5,19 @@
 
 use std::collections::{BTreeMap, HashSet};
 
-use sqlx::SqliteConnection;
-
 use super::job::{Batch, MapKey};
 use crate::domain::change::Change;
 use crate::domain::event::Event;
 use crate::domain::ids::{AnchorSeq, KeyframeId, LoopId, PointId, SessionId, SessionSeq};
 use crate::geometry::Point3;
 use crate::store::StoreError;
-use crate::store::rows::bulk_insert::{Row, write_rows};
+use crate::store::rows::bulk_insert::{RowValues, write_rows};
 use crate::store::rows::keyframe_rows::{self, Arrived, Detected};
 use crate::store::rows::map_rows;
 use crate::store::rows::point_blocks;
 use crate::store::rows::statement::run;
 use crate::store::slices::deferred;
+use crate::store::sql::{self, Connection};
 
 /// Events of a map are kept up to this number, oldest out first.
 const EVENTS_KEPT: u64 = 100_000;
@@ -108,7 +107,7 @@ impl<'j> Additions<'j> {
     /// Returns whether a map has deferred changes; asked once while only additions are gathered.
     pub(in crate::store) async fn defers(
         &mut self,
-        db: &mut SqliteConnection,
+        db: &mut Connection,
         map: MapKey,
     ) -> Result<bool, StoreError> {
         if self.not_deferring.contains(&map) {
@@ -122,7 +121,7 @@ impl<'j> Additions<'j> {
     }
 
     /// Writes what is gathered: each row after those that it refers to.
-    pub(in crate::store) async fn write(&mut self, db: &mut SqliteConnection) -> Result<(), StoreError> {
+    pub(in crate::store) async fn write(&mut self, db: &mut Connection) -> Result<(), StoreError> {
         let gathered = std::mem::take(self);
         if !gathered.advanced.is_empty() {
             map_rows::advance(db, gathered.advanced.into_values()).await?;
@@ -145,7 +144,7 @@ impl<'j> Additions<'j> {
         }
         let touched: Vec<_> = gathered.touched.into_iter().collect();
         let set = "update anchors set version = column3 from (";
-        let of = ") where anchors.map_key = column1 and anchors.anchor = column2";
+        let of = ") as given where anchors.map_key = column1 and anchors.anchor = column2";
         write_rows(db, set, of, &touched, |row, ((map, anchor), version)| {
             row.push_bind(*map).push_bind(anchor.0).push_bind(*version as i64);
         })
@@ -155,10 +154,10 @@ impl<'j> Additions<'j> {
     }
 }
 
-async fn add_events(db: &mut SqliteConnection, events: &[(MapKey, &Event)]) -> Result<(), StoreError> {
+async fn add_events(db: &mut Connection, events: &[(MapKey, &Event)]) -> Result<(), StoreError> {
     let head = "insert into events (map_key, seq, kind, map_version, anchor, other, keyframe, candidate, loop_id, query, session,
         into_session, detail) ";
-    let push = |row: &mut Row<'_>, (map, event): &(MapKey, &Event)| {
+    let push = |row: &mut RowValues, (map, event): &(MapKey, &Event)| {
         let id = |id: &KeyframeId| id.as_str().to_owned();
         row.push_bind(*map).push_bind(event.seq as i64).push_bind(event.kind.as_str());
         row.push_bind(event.map_version as i64);
@@ -173,16 +172,16 @@ async fn add_events(db: &mut SqliteConnection, events: &[(MapKey, &Event)]) -> R
     write_rows(db, head, "", events, push).await?;
     for (map, event) in events.iter().filter(|(_, event)| event.seq.is_multiple_of(EVENTS_SWEPT_EVERY)) {
         let sweep = "delete from events where map_key = $1 and seq <= $2";
-        run(db, sqlx::query(sweep).bind(map).bind(event.seq.saturating_sub(EVENTS_KEPT) as i64)).await?;
+        run(db, sql::query(sweep).bind(map).bind(event.seq.saturating_sub(EVENTS_KEPT) as i64)).await?;
     }
     Ok(())
 }
 
-async fn keep_queries(db: &mut SqliteConnection, queries: &[KeptQuery<'_>]) -> Result<(), StoreError> {
+async fn keep_queries(db: &mut Connection, queries: &[KeptQuery<'_>]) -> Result<(), StoreError> {
     // A map may be gone by now: then there is nothing to keep.
     let head =
         "insert into loop_queries (map_key, id, kept, body) select column1, column2, column3, column4 from (";
-    let tail = ") where exists (select 1 from maps where map_key = column1 and deleted = 0)
+    let tail = ") as given where exists (select 1 from maps where map_key = column1 and deleted = 0)
         on conflict (map_key, id) do update set kept = excluded.kept, body = excluded.body";
     write_rows(db, head, tail, queries, |row, query| {
         row.push_bind(query.map).push_bind(query.id.to_owned()).push_bind(query.kept);
@@ -192,7 +191,7 @@ async fn keep_queries(db: &mut SqliteConnection, queries: &[KeptQuery<'_>]) -> R
     for query in queries.iter().filter(|query| query.kept % QUERIES_SWEPT == 0) {
         let sweep = "delete from loop_queries where map_key = $1 and kept <= $2";
         let oldest = query.kept - QUERIES_KEPT + QUERIES_SWEPT;
-        run(db, sqlx::query(sweep).bind(query.map).bind(oldest)).await?;
+        run(db, sql::query(sweep).bind(query.map).bind(oldest)).await?;
     }
     Ok(())
 }

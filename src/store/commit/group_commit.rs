@@ -8,7 +8,6 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use sqlx::sqlite::SqlitePool;
 use tokio::sync::mpsc;
 use tokio::time::Instant;
 use tracing::{error, warn};
@@ -17,15 +16,16 @@ use super::commit_queue::Committer;
 use super::health::{Disk, Health};
 use super::job::Job;
 use super::lanes::Lanes;
-use super::queue::{Counters, Message, Queued};
+use super::own_disk::OwnDisk;
+use super::queue::{Counters, Message, Queued, Renewal};
 use super::renewal::renew;
 use super::transaction::Transaction;
 use super::write;
 use crate::store::StoreError;
-use crate::store::files::disk_reserve::Reserve;
 use crate::store::files::lock::DatabaseLock;
 use crate::store::rows::map_rows;
 use crate::store::slices::background::Slices;
+use crate::store::sql::Pool;
 
 /// How often a disk that is not well is tried.
 const TRY_AGAIN_EVERY: Duration = Duration::from_millis(500);
@@ -35,32 +35,43 @@ const TRY_AGAIN_EVERY: Duration = Duration::from_millis(500);
 /// A group is a chain of statements, each of which wakes the writer when it is done. On the runtime that answers
 /// requests each of these waits behind the requests' tasks, so that a busy server committed slowly.
 pub(in crate::store) fn start(
-    pool: SqlitePool,
-    reserve: Reserve,
-    lock: Option<Arc<DatabaseLock>>,
+    pool: Pool,
+    disk: Option<OwnDisk>,
+    served: Served,
 ) -> Result<Committer, StoreError> {
     let failed = |error: std::io::Error| StoreError::Database(format!("the writer's thread: {error}"));
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().map_err(failed)?;
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(failed)?;
     // Unbounded, because whoever plans holds the map's lock and must not wait here; the service
     // bounds how many requests plan at once.
     let (queue, jobs) = mpsc::unbounded_channel();
     let counters = Arc::new(Counters::default());
     let health = Health::default();
-    let writer =
-        Writer { pool, reserve, counters: counters.clone(), health: health.clone(), serves: lock.is_some() };
+    let serves = !matches!(served, Served::Beside);
+    let writer = Writer { pool, disk, counters: counters.clone(), health: health.clone(), serves };
     let run = move || {
         runtime.block_on(writer.run(jobs));
         // Nobody else may write before the last job has.
-        drop(lock);
+        drop(served);
     };
     std::thread::Builder::new().name("writer".to_owned()).spawn(run).map_err(failed)?;
     Ok(Committer::to(queue, counters, health))
 }
 
+/// By what right a writer writes.
+#[derive(Debug)]
+pub(in crate::store) enum Served {
+    /// The database's file is this process's, which keeps its lock.
+    Alone { _lock: Arc<DatabaseLock> },
+    /// Another process serves it: only short writes are made beside it, and no background work.
+    Beside,
+    /// The database is a server's, which other processes may write to.
+    Shared,
+}
+
 /// The writer's own side of the queue.
 struct Writer {
-    pool: SqlitePool,
-    reserve: Reserve,
+    pool: Pool,
+    disk: Option<OwnDisk>,
     counters: Arc<Counters>,
     health: Health,
     /// Whether this process is the one that serves, and does the background work.
@@ -70,7 +81,9 @@ struct Writer {
 impl Writer {
     /// Commits until the queue is closed.
     async fn run(self, mut queue: mpsc::UnboundedReceiver<Message>) {
-        self.keep_reserve(self.reserve.bytes()).await;
+        if let Some(disk) = &self.disk {
+            disk.keep_reserve().await;
+        }
         let mut slices = if self.serves { Slices::resume(&self.pool).await } else { Slices::none() };
         let (mut lanes, mut renewals, mut closing) = (Lanes::default(), Vec::new(), None);
         let mut tried = Instant::now();
@@ -112,14 +125,16 @@ impl Writer {
             lanes.answer_settled();
             if lanes.is_empty() {
                 for (renewal, renewed) in renewals.drain(..) {
-                    let _ = renewed.send(renew(&self.pool, renewal).await);
+                    let _ = renewed.send(self.renew(renewal).await);
                 }
             }
             if lanes.is_empty()
                 && let Some(closed) = closing.take()
             {
                 queue.close();
-                self.checkpoint().await;
+                if let Some(disk) = &self.disk {
+                    disk.checkpoint().await;
+                }
                 self.pool.close().await;
                 let _ = closed.send(());
                 return;
@@ -162,15 +177,17 @@ impl Writer {
         }
     }
 
-    /// Brings the log into the database, unless somebody still reads (a backup): then the next start does.
-    async fn checkpoint(&self) {
-        let Ok(mut db) = self.pool.acquire().await else { return };
-        let settled = async {
-            sqlx::query("pragma busy_timeout = 0").execute(&mut *db).await?;
-            sqlx::query("pragma wal_checkpoint(truncate)").execute(&mut *db).await
-        };
-        if let Err(error) = settled.await {
-            warn!(%error, "the write-ahead log stays beside the database until the next start");
+    /// Makes the file or the log anew; a database server does so by itself.
+    async fn renew(&self, renewal: Renewal) -> Result<(), StoreError> {
+        match &self.disk {
+            Some(disk) => renew(disk.writer(), renewal).await,
+            None => Ok(()),
+        }
+    }
+
+    async fn release_reserve(&self) {
+        if let Some(disk) = &self.disk {
+            disk.release_reserve().await;
         }
     }
 
@@ -199,7 +216,7 @@ impl Writer {
         }
         match self.commit(group.iter().map(|queued| &queued.job)).await {
             Ok(()) => self.committed(group),
-            Err(error @ StoreError::Disk(_)) => {
+            Err(error @ (StoreError::Disk(_) | StoreError::Away(_))) => {
                 error!(%error, jobs = group.len(), "the disk failed a group");
                 for queued in group {
                     queued.fail(error.clone());
@@ -261,11 +278,9 @@ impl Writer {
     /// Looks whether a disk that was full or failed is well again.
     async fn try_disk(&self) {
         if self.health.disk() == Disk::Full {
-            // Gives back to the disk what deletes left in the log.
-            self.empty_log().await;
-            // A database that has as much free within needs no more for itself: only its log must fit beside it.
-            let enough = self.reserve.bytes().saturating_sub(self.free_within().await);
-            if !self.keep_reserve(enough).await {
+            if let Some(disk) = &self.disk
+                && !disk.make_room().await
+            {
                 return;
             }
         }
@@ -286,43 +301,18 @@ impl Writer {
             }
         }
     }
-
-    /// Returns what deletes have freed within the database's file, in bytes.
-    async fn free_within(&self) -> u64 {
-        let select = "select freelist_count * page_size from pragma_freelist_count, pragma_page_size";
-        let free: Result<i64, _> = sqlx::query_scalar(select).fetch_one(&self.pool).await;
-        free.map_or(0, i64::unsigned_abs)
-    }
-
-    /// False if the disk has not got the space, or nothing beside it.
-    async fn keep_reserve(&self, enough: u64) -> bool {
-        let reserve = self.reserve.clone();
-        tokio::task::spawn_blocking(move || reserve.keep(enough)).await.unwrap_or(true)
-    }
-
-    async fn release_reserve(&self) {
-        let reserve = self.reserve.clone();
-        let _ = tokio::task::spawn_blocking(move || reserve.release()).await;
-        self.empty_log().await;
-    }
-
-    /// Brings the write-ahead log into the database's file, and frees its space.
-    async fn empty_log(&self) {
-        if let Err(error) = sqlx::query("pragma wal_checkpoint(truncate)").execute(&self.pool).await {
-            tracing::debug!(%error, "the write-ahead log stays as it is");
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
-    use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
+    use sqlx::sqlite::{SqliteConnectOptions, SqlitePool, SqlitePoolOptions};
 
     use tokio::sync::oneshot;
 
     use super::*;
     use crate::domain::map::MapProperties;
     use crate::store::commit::queue::PoisonFlag;
+    use crate::store::files::disk_reserve::Reserve;
     use crate::store::files::schema;
 
     const ROOM_FOR_ANYTHING: i64 = 1 << 30;
@@ -334,7 +324,8 @@ mod tests {
         let options = options.journal_mode(sqlx::sqlite::SqliteJournalMode::Wal);
         let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options).await.expect("a pool");
         schema::migrate(&pool).await.expect("a schema");
-        let committer = start(pool.clone(), Reserve::beside(&path), None).expect("a writer");
+        let disk = OwnDisk::of(pool.clone(), Reserve::beside(&path));
+        let committer = start(pool.clone().into(), Some(disk), Served::Beside).expect("a writer");
         (pool, committer)
     }
 
@@ -366,13 +357,14 @@ mod tests {
         assert!(matches!(committer.refuses(false), Some(StoreError::DiskFull)));
         assert!(committer.refuses(true).is_none(), "deletes are tried");
         committer.commit(Job::DeleteMap(1)).await.expect("a delete on a full disk");
-        sqlx::query("pragma user_version = 77").execute(&pool).await.expect("a pragma");
+        sqlx::query("update event_numbers set last = 77").execute(&pool).await.expect("a number");
         pages_at_most(&pool, ROOM_FOR_ANYTHING).await;
         while committer.refuses(false).is_some() {
             tokio::task::yield_now().await; // The writer tries by itself.
         }
         committer.commit(map(key)).await.expect("a write, without a restart");
-        let events: i64 = sqlx::query_scalar("pragma user_version").fetch_one(&pool).await.expect("a pragma");
+        let events: i64 =
+            sqlx::query_scalar("select last from event_numbers").fetch_one(&pool).await.expect("a number");
         assert_eq!(events, 77, "numbers of events are not given again");
     }
 

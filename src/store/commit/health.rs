@@ -44,7 +44,7 @@ impl Health {
     pub(in crate::store) fn learn(&self, error: &StoreError) {
         match error {
             StoreError::DiskFull => self.set(Disk::Full),
-            StoreError::Disk(_) => self.set(Disk::Failing),
+            StoreError::Disk(_) | StoreError::Away(_) => self.set(Disk::Failing),
             _ => {}
         }
     }

@@ -8,6 +8,7 @@ pub(super) mod health;
 mod held;
 pub(super) mod job;
 pub(super) mod lanes;
+pub(super) mod own_disk;
 pub(super) mod queue;
 pub(super) mod renewal;
 pub(super) mod row_block;

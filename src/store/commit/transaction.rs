@@ -7,37 +7,43 @@
 
 use std::ops::{Deref, DerefMut};
 
-use sqlx::pool::PoolConnection;
-use sqlx::sqlite::SqlitePool;
-use sqlx::{Sqlite, SqliteConnection};
-
 use crate::store::StoreError;
+use crate::store::sql::{self, Connection, Engine, Pool};
 
 /// A transaction on a connection of a pool. Dropped before its end, it takes the connection with it.
 pub(in crate::store) struct Transaction {
-    connection: Option<PoolConnection<Sqlite>>,
+    connection: Option<Connection>,
 }
 
 impl Transaction {
     /// Begins to write; waits for no lock in the middle.
-    pub(in crate::store) async fn write(pool: &SqlitePool) -> Result<Self, StoreError> {
-        Self::begin(pool, "begin immediate").await
+    pub(in crate::store) async fn write(pool: &Pool) -> Result<Self, StoreError> {
+        let begin = match pool.engine() {
+            Engine::Sqlite => "begin immediate",
+            // Each statement sees what is committed by then: the first of them locks what the others rely on.
+            Engine::Postgres => "begin isolation level read committed",
+        };
+        Self::begin(pool, begin).await
     }
 
     /// Begins to read one version of the database.
-    pub(in crate::store) async fn read(pool: &SqlitePool) -> Result<Self, StoreError> {
-        Self::begin(pool, "begin").await
+    pub(in crate::store) async fn read(pool: &Pool) -> Result<Self, StoreError> {
+        let begin = match pool.engine() {
+            Engine::Sqlite => "begin",
+            Engine::Postgres => "begin isolation level repeatable read read only",
+        };
+        Self::begin(pool, begin).await
     }
 
-    async fn begin(pool: &SqlitePool, begin: &'static str) -> Result<Self, StoreError> {
+    async fn begin(pool: &Pool, begin: &'static str) -> Result<Self, StoreError> {
         let mut this = Self { connection: Some(pool.acquire().await?) };
-        sqlx::query(begin).execute(&mut *this).await?;
+        sql::query(begin).execute(&mut *this).await?;
         Ok(this)
     }
 
     /// Commits; after an error nothing of it counts.
     pub(in crate::store) async fn commit(mut self) -> Result<(), StoreError> {
-        match sqlx::query("commit").execute(&mut *self).await {
+        match sql::query("commit").execute(&mut *self).await {
             Ok(_) => {
                 self.connection = None;
                 Ok(())
@@ -56,7 +62,7 @@ impl Transaction {
                 .as_database_error()
                 .is_some_and(|error| error.message().contains("no transaction is active"))
         };
-        match sqlx::query("rollback").execute(&mut *self).await {
+        match sql::query("rollback").execute(&mut *self).await {
             Ok(_) => self.connection = None,
             Err(error) if nothing_to_do(&error) => self.connection = None,
             Err(error) => tracing::warn!(%error, "a connection could not roll back; it is closed"),
@@ -65,15 +71,15 @@ impl Transaction {
 }
 
 impl Deref for Transaction {
-    type Target = SqliteConnection;
+    type Target = Connection;
 
-    fn deref(&self) -> &SqliteConnection {
+    fn deref(&self) -> &Connection {
         self.connection.as_ref().unwrap_or_else(|| unreachable!("only its end takes the connection"))
     }
 }
 
 impl DerefMut for Transaction {
-    fn deref_mut(&mut self) -> &mut SqliteConnection {
+    fn deref_mut(&mut self) -> &mut Connection {
         self.connection.as_mut().unwrap_or_else(|| unreachable!("only its end takes the connection"))
     }
 }
@@ -92,23 +98,23 @@ mod tests {
 
     use super::*;
 
-    async fn one_connection(folder: &tempfile::TempDir) -> SqlitePool {
+    async fn one_connection(folder: &tempfile::TempDir) -> Pool {
         let options =
             SqliteConnectOptions::new().filename(folder.path().join("test.db")).create_if_missing(true);
         let options = options.journal_mode(sqlx::sqlite::SqliteJournalMode::Wal);
-        SqlitePoolOptions::new().max_connections(1).connect_with(options).await.expect("a pool")
+        SqlitePoolOptions::new().max_connections(1).connect_with(options).await.expect("a pool").into()
     }
 
-    async fn count(pool: &SqlitePool) -> i64 {
+    async fn count(pool: &Pool) -> i64 {
         let mut reading = Transaction::read(pool).await.expect("a transaction");
-        let count = sqlx::query_scalar("select count(*) from t").fetch_one(&mut *reading).await;
+        let count = sql::query_scalar("select count(*) from t").fetch_one(&mut *reading).await;
         reading.commit().await.expect("its end");
         count.expect("a count")
     }
 
-    async fn add(pool: &SqlitePool) {
+    async fn add(pool: &Pool) {
         let mut writing = Transaction::write(pool).await.expect("a transaction");
-        sqlx::query("insert into t values (1)").execute(&mut *writing).await.expect("a row");
+        sql::query("insert into t values (1)").execute(&mut *writing).await.expect("a row");
         writing.commit().await.expect("its end");
     }
 
@@ -116,12 +122,12 @@ mod tests {
     async fn a_connection_that_sqlite_rolled_back_by_itself_goes_on() {
         let folder = tempfile::tempdir().expect("a folder");
         let pool = one_connection(&folder).await;
-        sqlx::query("create table t (a)").execute(&pool).await.expect("a table");
+        sql::query("create table t (a)").execute(&pool).await.expect("a table");
         for round in 0..3 {
             let mut failed = Transaction::write(&pool).await.expect("a transaction");
-            sqlx::query("insert into t values (0)").execute(&mut *failed).await.expect("a row");
+            sql::query("insert into t values (0)").execute(&mut *failed).await.expect("a row");
             // What SQLite does after an error of the disk.
-            sqlx::query("rollback").execute(&mut *failed).await.expect("a rollback");
+            sql::query("rollback").execute(&mut *failed).await.expect("a rollback");
             assert!(failed.commit().await.is_err());
             add(&pool).await;
             assert_eq!(count(&pool).await, round + 1, "nothing of the failed one, and no old snapshot");
@@ -132,9 +138,9 @@ mod tests {
     async fn a_transaction_nobody_ended_leaves_nothing() {
         let folder = tempfile::tempdir().expect("a folder");
         let pool = one_connection(&folder).await;
-        sqlx::query("create table t (a)").execute(&pool).await.expect("a table");
+        sql::query("create table t (a)").execute(&pool).await.expect("a table");
         let mut dropped = Transaction::write(&pool).await.expect("a transaction");
-        sqlx::query("insert into t values (0)").execute(&mut *dropped).await.expect("a row");
+        sql::query("insert into t values (0)").execute(&mut *dropped).await.expect("a row");
         drop(dropped);
         add(&pool).await;
         assert_eq!(count(&pool).await, 1);

@@ -1,7 +1,5 @@
 //! From changes to rows.
 
-use sqlx::SqliteConnection;
-
 use super::additions::{Additions, KeptQuery};
 use super::job::{Batch, ErasureStep, Job, MapKey};
 use crate::domain::change::{Change, Loop, Merge, MergeCause, MergeUndo};
@@ -16,13 +14,14 @@ use crate::store::rows::{
     retention_rows, session_merge_rows, traces, twin_rows,
 };
 use crate::store::slices::{deferred, deletion};
+use crate::store::sql::{self, Connection};
 
 /// The version of a map that was just made.
 const FIRST_VERSION: u64 = 1;
 
 /// Does jobs in their order, within the transaction of their group.
 pub(in crate::store) async fn execute<'j>(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     jobs: impl Iterator<Item = &'j Job>,
 ) -> Result<(), StoreError> {
     let mut additions = Additions::default();
@@ -35,7 +34,7 @@ pub(in crate::store) async fn execute<'j>(
             Job::AppendEvents(map, next_event, events) => {
                 additions.write(db).await?;
                 let update = "update maps set next_event = $2 where map_key = $1";
-                run(db, sqlx::query(update).bind(map).bind(*next_event as i64)).await?;
+                run(db, sql::query(update).bind(map).bind(*next_event as i64)).await?;
                 additions.tell(*map, events);
             }
             Job::ChangeStaged { batch, parts, .. } => {
@@ -53,7 +52,7 @@ pub(in crate::store) async fn execute<'j>(
 }
 
 /// Does a job that is no change of a map's facts.
-async fn execute_alone(db: &mut SqliteConnection, job: &Job) -> Result<(), StoreError> {
+async fn execute_alone(db: &mut Connection, job: &Job) -> Result<(), StoreError> {
     match job {
         Job::CreateMap { id, properties, digest, owner } => {
             let key = map_rows::create(db, id, properties, digest, *owner).await?;
@@ -88,7 +87,7 @@ async fn execute_alone(db: &mut SqliteConnection, job: &Job) -> Result<(), Store
     }
 }
 
-async fn erase(db: &mut SqliteConnection, of: (MapKey, u64), step: &ErasureStep) -> Result<(), StoreError> {
+async fn erase(db: &mut Connection, of: (MapKey, u64), step: &ErasureStep) -> Result<(), StoreError> {
     match step {
         ErasureStep::Begin(asked, at) => erasure_rows::begin(db, of, asked, *at).await,
         ErasureStep::Count(keyframes) => erasure_rows::count(db, of, (*keyframes, 0)).await,
@@ -103,7 +102,7 @@ async fn erase(db: &mut SqliteConnection, of: (MapKey, u64), step: &ErasureStep)
 }
 
 async fn change_map<'j>(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     additions: &mut Additions<'j>,
     batch: &'j Batch,
 ) -> Result<(), StoreError> {
@@ -130,7 +129,7 @@ async fn change_map<'j>(
 }
 
 async fn apply(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     (map, version): (MapKey, u64),
     change: &Change,
 ) -> Result<(), StoreError> {
@@ -141,16 +140,16 @@ async fn apply(
         }
         Change::VocabularySet(name) => {
             let update = "update maps set vocabulary = $2 where map_key = $1";
-            run(db, sqlx::query(update).bind(map).bind(&**name)).await
+            run(db, sql::query(update).bind(map).bind(&**name)).await
         }
         Change::KeyframeRemoved(seq, _) => {
             let delete = "delete from keyframes where map_key = $1 and keyframe = $2";
-            run(db, sqlx::query(delete).bind(map).bind(seq.0)).await
+            run(db, sql::query(delete).bind(map).bind(seq.0)).await
         }
         Change::PartsForgotten(parts) => retention_rows::forget_parts(db, map, parts).await,
         Change::PoseSet(seq, pose) => {
             let update = "update keyframes set pose = $3 where map_key = $1 and keyframe = $2";
-            run(db, sqlx::query(update).bind(map).bind(seq.0).bind(pose_blob(pose))).await
+            run(db, sql::query(update).bind(map).bind(seq.0).bind(pose_blob(pose))).await
         }
         Change::ObservationsSent(update) => {
             operation_rows::add(db, (map, version), &Operation::from(&**update)).await
@@ -168,25 +167,25 @@ async fn apply(
             let orphan =
                 "update detections set anchor = null, outcome = 'anchor_deleted', deleted_anchor = $2,
                 deleted_in = $3 where map_key = $1 and anchor = $2";
-            let orphan = sqlx::query(orphan).bind(map).bind(seq.0).bind(version as i64);
+            let orphan = sql::query(orphan).bind(map).bind(seq.0).bind(version as i64);
             // One that lost its last detection with a keyframe has none to be deleted from.
-            if orphan.execute(&mut *db).await?.rows_affected() > 0 {
+            if orphan.execute(&mut *db).await? > 0 {
                 operation_rows::add(db, (map, version), &Operation::AnchorDeleted {}).await?;
             }
             prior_rows::remove(db, (map, version), *seq).await?;
             let delete = "delete from anchors where map_key = $1 and anchor = $2";
-            run(db, sqlx::query(delete).bind(map).bind(seq.0)).await
+            run(db, sql::query(delete).bind(map).bind(seq.0)).await
         }
         Change::PriorSet(seq, prior) => prior_rows::add(db, (map, version), *seq, prior).await,
         Change::PositionSet(_, keyframe, detection, at) => {
             let update =
                 "update detections set position = $4 where map_key = $1 and keyframe = $2 and detection = $3";
             let position = pack([at.x, at.y, at.z]);
-            run(db, sqlx::query(update).bind(map).bind(keyframe.0).bind(*detection).bind(position)).await
+            run(db, sql::query(update).bind(map).bind(keyframe.0).bind(*detection).bind(position)).await
         }
         Change::DescriptionSet(seq, text) => {
             let update = "update anchors set description_by_hand = $3 where map_key = $1 and anchor = $2";
-            run(db, sqlx::query(update).bind(map).bind(seq.0).bind(text.as_deref())).await?;
+            run(db, sql::query(update).bind(map).bind(seq.0).bind(text.as_deref())).await?;
             operation_rows::add(db, (map, version), &operation_rows::described(*seq, text.as_deref())).await
         }
         Change::Merged(merge) => add_merge(db, map, merge).await,
@@ -215,9 +214,9 @@ async fn apply(
         Change::ModelAway(away) => model_rows::set_away(db, map, *away).await,
         Change::LoopRemoved(id) => {
             let merges = "delete from anchor_merges where map_key = $1 and loop_id = $2";
-            run(db, sqlx::query(merges).bind(map).bind(id.as_str())).await?;
+            run(db, sql::query(merges).bind(map).bind(id.as_str())).await?;
             let delete = "delete from loops where map_key = $1 and id = $2";
-            run(db, sqlx::query(delete).bind(map).bind(id.as_str())).await?;
+            run(db, sql::query(delete).bind(map).bind(id.as_str())).await?;
             operation_rows::add(db, (map, version), &operation_rows::revoked(id)).await
         }
         Change::SessionAdded(..)
@@ -231,7 +230,7 @@ async fn apply(
     }
 }
 
-async fn add_merge(db: &mut SqliteConnection, map: MapKey, merge: &Merge) -> Result<(), StoreError> {
+async fn add_merge(db: &mut Connection, map: MapKey, merge: &Merge) -> Result<(), StoreError> {
     let by = match &merge.cause {
         MergeCause::Covisible => "",
         MergeCause::Loop(id) => id.as_str(),
@@ -239,19 +238,19 @@ async fn add_merge(db: &mut SqliteConnection, map: MapKey, merge: &Merge) -> Res
     let insert =
         "insert into anchor_merges (map_key, into_anchor, from_anchor, loop_id) values ($1, $2, $3, $4)
         on conflict do nothing";
-    run(db, sqlx::query(insert).bind(map).bind(merge.into.0).bind(merge.from.0).bind(by)).await
+    run(db, sql::query(insert).bind(map).bind(merge.into.0).bind(merge.from.0).bind(by)).await
 }
 
 /// Removes the merge of two anchors that no loop made.
-async fn remove_merge(db: &mut SqliteConnection, map: MapKey, merge: &Merge) -> Result<(), StoreError> {
+async fn remove_merge(db: &mut Connection, map: MapKey, merge: &Merge) -> Result<(), StoreError> {
     let delete = "delete from anchor_merges
         where map_key = $1 and into_anchor = $2 and from_anchor = $3 and loop_id = ''";
-    run(db, sqlx::query(delete).bind(map).bind(merge.into.0).bind(merge.from.0)).await
+    run(db, sql::query(delete).bind(map).bind(merge.into.0).bind(merge.from.0)).await
 }
 
 /// Removes a merge of sessions that was revoked.
 async fn revoke_merge(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     (map, version): (MapKey, u64),
     undo: &MergeUndo,
 ) -> Result<(), StoreError> {
@@ -260,7 +259,7 @@ async fn revoke_merge(
     operation_rows::add(db, (map, version), &operation).await
 }
 
-async fn add_loop(db: &mut SqliteConnection, map: MapKey, closed: &Loop) -> Result<(), StoreError> {
+async fn add_loop(db: &mut Connection, map: MapKey, closed: &Loop) -> Result<(), StoreError> {
     let insert =
         "insert into loops (map_key, id, keyframe, candidate, keyframe_id, candidate_id, query, candidate_from_query)
         values ($1, $2, $3, $4, $5, $6, $7, $8)";
@@ -268,7 +267,7 @@ async fn add_loop(db: &mut SqliteConnection, map: MapKey, closed: &Loop) -> Resu
         let ([x, y, z], [qx, qy, qz, qw]) = (of.translation_m(), of.rotation_xyzw());
         pack([of.scale(), x, y, z, qx, qy, qz, qw])
     });
-    let query = sqlx::query(insert)
+    let query = sql::query(insert)
         .bind(map)
         .bind(closed.id.as_str())
         .bind(closed.keyframe.0)

@@ -9,7 +9,6 @@ use std::collections::HashMap;
 use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
 
-use sqlx::SqliteConnection;
 use tempfile::SpooledTempFile;
 
 use crate::domain::change::Change;
@@ -22,6 +21,7 @@ use crate::store::rows::point_blocks;
 use crate::store::rows::{decode, former_value_rows};
 use crate::store::slices::deferred;
 use crate::store::slices::parts::Kind;
+use crate::store::sql::{self, Connection};
 
 /// The temporary file is kept in memory up to this size.
 const SPOOLED_BYTES: usize = 4 << 20;
@@ -87,7 +87,7 @@ pub(super) struct History {
 
 impl History {
     /// Goes back to a map's first version.
-    pub(super) async fn rewind(db: &mut SqliteConnection, map: MapKey) -> Result<Self, StoreError> {
+    pub(super) async fn rewind(db: &mut Connection, map: MapKey) -> Result<Self, StoreError> {
         let mut history = Self {
             map,
             standing: CandidateStage::default(),
@@ -101,7 +101,7 @@ impl History {
                 where p.map_key = $1 and p.kind like 'former_%'
             order by 1 desc, 2 desc";
         let parts: Vec<(i64, u32, String, bool)> =
-            sqlx::query_as(select).bind(map).fetch_all(&mut *db).await?;
+            sql::query_as(select).bind(map).fetch_all(&mut *db).await?;
         for (version, part, kind, is_staged) in parts {
             let kind = Kind::from_name(&kind)?;
             let select = if is_staged {
@@ -109,7 +109,7 @@ impl History {
             } else {
                 "select entries from former_values where map_key = $1 and version = $2 and part = $3"
             };
-            let entries = sqlx::query_scalar(select).bind(map).bind(version).bind(part);
+            let entries = sql::query_scalar(select).bind(map).bind(version).bind(part);
             let entries: Vec<u8> = entries.fetch_one(&mut *db).await?;
             let former = former_value_rows::unpacked(kind, &entries)?;
             let new = history.values_for(db, &former).await?;
@@ -172,7 +172,7 @@ impl History {
     /// Returns the positions of those points of a session that are there, in the order of `ids`.
     pub(super) async fn points(
         &self,
-        db: &mut SqliteConnection,
+        db: &mut Connection,
         session: SessionSeq,
         ids: &[PointId],
     ) -> Result<Vec<(PointId, Point3)>, StoreError> {
@@ -187,11 +187,7 @@ impl History {
     }
 
     /// Returns the values that now stand in the place of former ones. What is gone since has none.
-    async fn values_for(
-        &self,
-        db: &mut SqliteConnection,
-        former: &FormerValues,
-    ) -> Result<NewValues, StoreError> {
+    async fn values_for(&self, db: &mut Connection, former: &FormerValues) -> Result<NewValues, StoreError> {
         let keyframes = former.poses.iter().map(|(keyframe, _)| *keyframe);
         let elsewhere: Vec<u32> =
             keyframes.filter(|keyframe| self.pose(*keyframe).is_none()).map(|keyframe| keyframe.0).collect();
@@ -256,7 +252,7 @@ fn list(numbers: impl IntoIterator<Item = impl Into<i64>>) -> String {
 }
 
 async fn point_rows(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     session: SessionSeq,
     ids: &[PointId],
@@ -265,7 +261,7 @@ async fn point_rows(
 }
 
 async fn pose_rows(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     keyframes: &[u32],
 ) -> Result<HashMap<u32, Pose>, StoreError> {
@@ -273,14 +269,14 @@ async fn pose_rows(
         return Ok(HashMap::new());
     }
     let select = "select keyframe, pose from keyframes
-        where map_key = $1 and keyframe in (select value from json_each($2))";
-    let query = sqlx::query_as(select).bind(map).bind(list(keyframes.iter().copied()));
+        where map_key = $1 and keyframe in (select cast(value as bigint) from json_each($2))";
+    let query = sql::query_as(select).bind(map).bind(list(keyframes.iter().copied()));
     let rows: Vec<(u32, Vec<u8>)> = query.fetch_all(db).await?;
     rows.into_iter().map(|(keyframe, pose)| Ok((keyframe, decode::pose(&pose)?))).collect()
 }
 
 async fn position_rows(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     keyframes: &[u32],
 ) -> Result<HashMap<(u32, u16), Point3>, StoreError> {
@@ -288,8 +284,8 @@ async fn position_rows(
         return Ok(HashMap::new());
     }
     let select = "select keyframe, detection, position from detections
-        where map_key = $1 and keyframe in (select value from json_each($2)) and position is not null";
-    let query = sqlx::query_as(select).bind(map).bind(list(keyframes.iter().copied()));
+        where map_key = $1 and keyframe in (select cast(value as bigint) from json_each($2)) and position is not null";
+    let query = sql::query_as(select).bind(map).bind(list(keyframes.iter().copied()));
     let rows: Vec<(u32, u16, Vec<u8>)> = query.fetch_all(db).await?;
     rows.into_iter().map(|(keyframe, n, at)| Ok(((keyframe, n), decode::point(&at)?))).collect()
 }

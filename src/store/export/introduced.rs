@@ -3,13 +3,13 @@
 use std::collections::HashSet;
 
 use futures_util::TryStreamExt as _;
-use sqlx::{Row as _, SqliteConnection};
 
 use crate::domain::ids::{PointId, SessionSeq};
 use crate::domain::session_merge::Renumbering;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
 use crate::store::rows::read;
+use crate::store::sql::{self, Connection};
 
 /// The points that exported operations have brought. In a map of which nothing is missing each keyframe brings its own,
 /// and each correction is there, so that nothing need be counted.
@@ -21,19 +21,19 @@ pub(super) struct Introduced {
 }
 
 impl Introduced {
-    pub(super) async fn of(db: &mut SqliteConnection, map: MapKey) -> Result<Self, StoreError> {
+    pub(super) async fn of(db: &mut Connection, map: MapKey) -> Result<Self, StoreError> {
         // Where a keyframe was deleted, or history was not kept once, what brought a point may not be exported.
         let select = "select next_keyframe > (select count(*) from keyframes k where k.map_key = m.map_key)
                 or exists (select 1 from operations o where o.map_key = m.map_key and o.version = 0)
                 or exists (select 1 from operations o where o.map_key = m.map_key and o.operation = 'map'
-                    and o.body ->> '$.settings.keep_history' = 'false')
+                    and json_extract(o.body, '$.settings.keep_history') = 'false')
             from maps m where map_key = $1";
-        let are_counted = sqlx::query_scalar(select).bind(map).fetch_one(&mut *db).await?;
+        let are_counted = sql::query_scalar(select).bind(map).fetch_one(&mut *db).await?;
         let mut sent = HashSet::new();
         if are_counted {
             let select =
                 "select session, sent_points, packing from keyframes where map_key = $1 order by keyframe";
-            let mut rows = sqlx::query(select).bind(map).fetch(db);
+            let mut rows = sql::query(select).bind(map).fetch(db);
             while let Some(row) = rows.try_next().await? {
                 let session = SessionSeq(row.try_get("session")?);
                 sent.extend(read::sent_points(&row)?.into_iter().map(|id| (session, id)));

@@ -1,8 +1,5 @@
 //! A keyframe as it was sent: its row, with the pose and the positions of that time.
 
-use sqlx::Row as _;
-use sqlx::sqlite::SqliteRow;
-
 use super::operation_reader::{Export, Step};
 use crate::domain::ids::{KeyframeId, KeyframeSeq, PointId};
 use crate::domain::keyframe::{Crop, Detection, NewKeyframe};
@@ -10,6 +7,7 @@ use crate::domain::recorded::Recorded;
 use crate::domain::request::PoseCorrection;
 use crate::store::StoreError;
 use crate::store::rows::{decode, read};
+use crate::store::sql::{self, Row};
 
 /// The most points of one line; a keyframe that inherits more gives the rest to a correction.
 const POINTS_MAX: usize = 100_000;
@@ -33,12 +31,12 @@ impl Export {
         Ok(Step::of(Recorded::Keyframe(Box::new(sent))))
     }
 
-    async fn as_sent(&mut self, row: &SqliteRow) -> Result<NewKeyframe, StoreError> {
+    async fn as_sent(&mut self, row: &Row) -> Result<NewKeyframe, StoreError> {
         let (keyframe, bow) = decode::keyframe(row)?;
         let (seq, session) = (keyframe.seq, keyframe.session);
         self.begun.insert(session);
         let select = "select * from keyframe_features where map_key = $1 and keyframe = $2";
-        let features = sqlx::query(select).bind(self.map).bind(seq.0).fetch_optional(&mut *self.db).await?;
+        let features = sql::query(select).bind(self.map).bind(seq.0).fetch_optional(&mut *self.db).await?;
         let observes: Vec<PointId> = keyframe.observes.iter().collect();
         let detections = self.detections(seq).await?;
         let mut points = read::sent_points(row)?;
@@ -78,7 +76,7 @@ impl Export {
 
     async fn detections(&mut self, keyframe: KeyframeSeq) -> Result<Vec<Detection>, StoreError> {
         let select = "select * from detections where map_key = $1 and keyframe = $2 order by detection";
-        let rows = sqlx::query(select).bind(self.map).bind(keyframe.0).fetch_all(&mut *self.db).await?;
+        let rows = sql::query(select).bind(self.map).bind(keyframe.0).fetch_all(&mut *self.db).await?;
         let mut detections = Vec::with_capacity(rows.len());
         for row in &rows {
             let number: u16 = row.try_get("detection")?;
@@ -92,7 +90,7 @@ impl Export {
         }
         let select = "select detection, bytes from crops where map_key = $1 and keyframe = $2";
         let crops: Vec<(u16, Vec<u8>)> =
-            sqlx::query_as(select).bind(self.map).bind(keyframe.0).fetch_all(&mut *self.db).await?;
+            sql::query_as(select).bind(self.map).bind(keyframe.0).fetch_all(&mut *self.db).await?;
         for (number, bytes) in crops {
             let unknown = || StoreError::corrupt(format!("the crop of detection {number} is no image"));
             let media_type = Crop::media_type_of(&bytes).ok_or_else(unknown)?;

@@ -3,8 +3,7 @@
 use std::collections::{BTreeMap, HashSet, VecDeque};
 use std::fs::File;
 
-use sqlx::Row as _;
-use sqlx::sqlite::{SqlitePoolOptions, SqliteRow};
+use sqlx::sqlite::SqlitePoolOptions;
 
 use super::history::{History, NewValues};
 use super::introduced::Introduced;
@@ -22,6 +21,7 @@ use crate::store::files::schema;
 use crate::store::rows::operation_rows::{self, Operation};
 use crate::store::rows::session_merge_rows::{MergedSession, session_after};
 use crate::store::rows::{decode, map_rows, model_rows, prior_rows};
+use crate::store::sql::{self, Pool, Row};
 use crate::store::{Store, StoreError};
 
 /// A map's operations, read one after the other.
@@ -34,7 +34,7 @@ pub struct Export {
     pub(super) vocabulary: Option<Box<str>>,
     pub(super) history: History,
     /// The next keyframe, and the version that it made.
-    pub(super) keyframe: Option<(u64, SqliteRow)>,
+    pub(super) keyframe: Option<(u64, Row)>,
     pub(super) operations: VecDeque<(u64, Operation)>,
     /// Verdicts and readings of models, by the version that brought them.
     pub(super) models: VecDeque<(u64, Recorded)>,
@@ -72,6 +72,7 @@ impl Export {
         let options = if is_closed { files.read_only().immutable(true) } else { files.untouched(false) };
         let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options).await?;
         schema::expect_newest(&pool).await?;
+        let pool = Pool::Sqlite(pool);
         let db = Transaction::read(&pool).await?;
         let export = Self::begin(db, id).await.map_err(|error| error.of_map(id))?;
         Ok(export.map(|export| Self { _closed: closed, ..export }))
@@ -80,13 +81,13 @@ impl Export {
     async fn begin(mut db: Transaction, id: &MapId) -> Result<Option<Self>, StoreError> {
         let select = "select map_key, vocabulary from maps where id = $1 and deleted = 0";
         let found: Option<(MapKey, Option<String>)> =
-            sqlx::query_as(select).bind(id.as_str()).fetch_optional(&mut *db).await?;
+            sql::query_as(select).bind(id.as_str()).fetch_optional(&mut *db).await?;
         let Some((map, vocabulary)) = found else {
             db.commit().await?;
             return Ok(None);
         };
         let select = "select id from sessions where map_key = $1 order by session";
-        let sessions: Vec<String> = sqlx::query_scalar(select).bind(map).fetch_all(&mut *db).await?;
+        let sessions: Vec<String> = sql::query_scalar(select).bind(map).fetch_all(&mut *db).await?;
         let properties = MapProperties { metric: true, ..MapProperties::default() };
         let mut export = Self {
             map,
@@ -114,7 +115,7 @@ impl Export {
     /// Returns the transformation of a loop that is still closed, if it has one.
     async fn measured(&mut self, id: &LoopId) -> Result<Option<Sim3>, StoreError> {
         let select = "select * from loops where map_key = $1 and id = $2";
-        let query = sqlx::query(select).bind(self.map).bind(id.as_str());
+        let query = sql::query(select).bind(self.map).bind(id.as_str());
         let row = query.fetch_optional(&mut *self.db).await?;
         let closed = row.map(|row| decode::closed_loop(&row)).transpose()?;
         Ok(closed.and_then(|closed| closed.candidate_from_query))
@@ -277,7 +278,7 @@ impl Export {
                 let select = "select k.id, d.detection from detections d
                     join keyframes k on k.map_key = d.map_key and k.keyframe = d.keyframe
                     where d.map_key = $1 and d.deleted_in = $2 order by d.keyframe, d.detection limit 1";
-                let query = sqlx::query_as(select).bind(self.map).bind(version as i64);
+                let query = sql::query_as(select).bind(self.map).bind(version as i64);
                 let found: Option<(String, u16)> = query.fetch_optional(&mut *self.db).await?;
                 named_detection(found)?
                     .map_or(Step::LeftOut, |detection| Step::of(Recorded::AnchorDeleted(detection)))
@@ -295,7 +296,7 @@ impl Export {
             join keyframes k on k.map_key = d.map_key and k.keyframe = d.keyframe
             where d.map_key = $1 and (d.anchor = $2 or d.deleted_anchor = $2)
             order by d.keyframe, d.detection limit 1";
-        let query = sqlx::query_as(select).bind(self.map).bind(anchor.0);
+        let query = sql::query_as(select).bind(self.map).bind(anchor.0);
         let found: Option<(u32, i64, String, u16)> = query.fetch_optional(&mut *self.db).await?;
         let named = |(keyframe, version, id, number): (u32, i64, String, u16)| {
             let detection = NamedDetection { keyframe: decode::id(&id)?, number };
@@ -310,7 +311,7 @@ impl Export {
         keyframe: KeyframeSeq,
     ) -> Result<Option<(SessionSeq, KeyframeId)>, StoreError> {
         let select = "select session, id from keyframes where map_key = $1 and keyframe = $2";
-        let query = sqlx::query_as(select).bind(self.map).bind(keyframe.0);
+        let query = sql::query_as(select).bind(self.map).bind(keyframe.0);
         let found: Option<(u32, String)> = query.fetch_optional(&mut *self.db).await?;
         let named = |(session, id): (u32, String)| {
             Ok((session_after(&self.merges, keyframe, SessionSeq(session)), decode::id(&id)?))
@@ -323,9 +324,9 @@ impl Export {
         self.sessions.get(session.index()).ok_or_else(unknown)
     }
 
-    pub(super) async fn keyframe_after(&mut self, last: i64) -> Result<Option<(u64, SqliteRow)>, StoreError> {
+    pub(super) async fn keyframe_after(&mut self, last: i64) -> Result<Option<(u64, Row)>, StoreError> {
         let select = "select * from keyframes where map_key = $1 and keyframe > $2 order by keyframe limit 1";
-        let row = sqlx::query(select).bind(self.map).bind(last).fetch_optional(&mut *self.db).await?;
+        let row = sql::query(select).bind(self.map).bind(last).fetch_optional(&mut *self.db).await?;
         row.map(|row| Ok((row.try_get::<i64, _>("version")? as u64, row))).transpose()
     }
 }

@@ -1,11 +1,12 @@
 //! Copying: the whole database into another file, as one read transaction sees it.
 
+use sqlx::ConnectOptions as _;
 use sqlx::sqlite::SqliteConnectOptions;
-use sqlx::{ConnectOptions as _, Connection as _};
 
 use super::paths::DatabaseFiles;
 use super::{log, schema};
 use crate::store::StoreError;
+use crate::store::sql::{self, Connection};
 
 /// Copies a database into an empty file, and returns its schema's version. A running server continues: the copy takes a
 /// connection of its own, and what is written meanwhile stays in the write-ahead log until it ends.
@@ -21,9 +22,10 @@ pub async fn copy_from_outside(source: &DatabaseFiles, into: &str) -> Result<(i6
 }
 
 async fn vacuum(source: SqliteConnectOptions, into: &str) -> Result<i64, StoreError> {
-    let mut db = source.connect().await?;
+    let db = source.connect().await?;
+    let mut db = Connection::Sqlite(db);
     let schema = schema::version(&mut db).await?;
-    sqlx::query("vacuum into $1").bind(into).execute(&mut db).await?;
+    sql::query("vacuum into $1").bind(into).execute(&mut db).await?;
     db.close().await?;
     Ok(schema)
 }

@@ -10,6 +10,7 @@ use std::time::Duration;
 use sqlx::sqlite::SqliteConnectOptions;
 
 use crate::store::StoreError;
+use crate::store::address::{is_server_url, without_password};
 
 /// Longest wait for a lock that another process holds.
 pub(in crate::store) const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
@@ -35,6 +36,14 @@ pub struct FileSizes {
 impl DatabaseFiles {
     /// Returns the files of `sqlite://PATH`; the scheme may be left out.
     pub fn of_url(url: &str) -> Result<Self, StoreError> {
+        if is_server_url(url) {
+            let detail = format!(
+                "{} is a server's database and no file: PostgreSQL's own tools check it and back it up, and a map comes out of it \
+                 by GET /v1/maps/{{map}}/export",
+                without_password(url)
+            );
+            return Err(StoreError::Database(detail));
+        }
         let path = url.strip_prefix("sqlite:").map_or(url, |rest| rest.strip_prefix("//").unwrap_or(rest));
         if path.is_empty() || path.contains("://") {
             let detail = format!("{url:?} names no database; name a file, such as sqlite://revisit.db");

@@ -5,12 +5,12 @@ use std::borrow::Cow;
 use std::cmp::Ordering;
 
 use sqlx::SqlSafeStr;
-use sqlx::SqliteConnection;
 use sqlx::migrate::{MigrateError, Migration, MigrationType, Migrator};
 use sqlx::sqlite::SqlitePool;
 
 use crate::store::StoreError;
 use crate::store::rows::point_blocks;
+use crate::store::sql::{self, Connection, Pool};
 
 /// A version, its name, and its statements.
 type Step = (i64, &'static str, &'static str);
@@ -36,6 +36,7 @@ const MIGRATIONS: &[Step] = &[
     (19, "frames", include_str!("../../../migrations/sqlite/0019_frames.sql")),
     (20, "releases", include_str!("../../../migrations/sqlite/0020_releases.sql")),
     (21, "erasures", include_str!("../../../migrations/sqlite/0021_erasures.sql")),
+    (22, "event_numbers", include_str!("../../../migrations/sqlite/0022_event_numbers.sql")),
 ];
 
 /// The schema that has map points in rows and in blocks.
@@ -47,35 +48,34 @@ pub fn newest() -> i64 {
 }
 
 /// Returns the schema's version in a database; 0 in an empty one.
-pub(in crate::store) async fn version(db: &mut SqliteConnection) -> Result<i64, StoreError> {
+pub(in crate::store) async fn version(db: &mut Connection) -> Result<i64, StoreError> {
     let select = "select count(*) from sqlite_schema where name = '_sqlx_migrations'";
-    let is_ours: i64 = sqlx::query_scalar(select).fetch_one(&mut *db).await?;
+    let is_ours: i64 = sql::query_scalar(select).fetch_one(&mut *db).await?;
     if is_ours == 0 {
-        let tables: i64 =
-            sqlx::query_scalar("select count(*) from sqlite_schema").fetch_one(&mut *db).await?;
+        let tables: i64 = sql::query_scalar("select count(*) from sqlite_schema").fetch_one(&mut *db).await?;
         return match tables {
             0 => Ok(0),
             _ => Err(StoreError::Database("another program's database".to_owned())),
         };
     }
     let select = "select coalesce(max(version), 0) from _sqlx_migrations where success";
-    Ok(sqlx::query_scalar(select).fetch_one(db).await?)
+    Ok(sql::query_scalar(select).fetch_one(db).await?)
 }
 
 /// Brings the database to this version's schema; each step is one transaction.
 pub(in crate::store) async fn migrate(pool: &SqlitePool) -> Result<(), StoreError> {
-    let found = version(&mut *pool.acquire().await?).await?;
+    let found = version(&mut Connection::PooledSqlite(pool.acquire().await?)).await?;
     if found <= POINT_BLOCKS {
         let steps = MIGRATIONS.iter().take_while(|(version, ..)| *version <= POINT_BLOCKS).count();
         migrate_by(pool, &MIGRATIONS[..steps]).await?;
-        point_blocks::move_rows(pool).await?;
+        point_blocks::move_rows(&Pool::Sqlite(pool.clone())).await?;
     }
     migrate_by(pool, MIGRATIONS).await
 }
 
 /// Whether it is this version's schema already.
 pub(in crate::store) async fn expect_newest(pool: &SqlitePool) -> Result<(), StoreError> {
-    let (found, known) = (version(&mut *pool.acquire().await?).await?, newest());
+    let (found, known) = (version(&mut Connection::PooledSqlite(pool.acquire().await?)).await?, newest());
     match found.cmp(&known) {
         Ordering::Equal => Ok(()),
         Ordering::Greater => Err(StoreError::Newer { found, known }),
@@ -91,7 +91,7 @@ async fn migrate_by(pool: &SqlitePool, migrations: &[Step]) -> Result<(), StoreE
     let migrations = migrations.iter().map(|(version, name, sql)| {
         Migration::new(*version, Cow::Borrowed(*name), MigrationType::Simple, sql.into_sql_str(), false)
     });
-    let found = version(&mut *pool.acquire().await?).await?;
+    let found = version(&mut Connection::PooledSqlite(pool.acquire().await?)).await?;
     if found > known {
         return Err(StoreError::Newer { found, known });
     }
@@ -124,13 +124,14 @@ mod tests {
         let broken = "create table half (a integer) strict; insert into no_such_table values (1)";
         let failed = migrate_by(&pool, &[MIGRATIONS[0], (2, "broken", broken)]).await.unwrap_err();
         assert!(failed.to_string().contains("no_such_table"), "{failed}");
-        let mut db = pool.acquire().await.unwrap();
+        let mut db = Connection::PooledSqlite(pool.acquire().await.unwrap());
         assert_eq!(version(&mut db).await.unwrap(), 1);
         let half = "select count(*) from sqlite_schema where name = 'half'";
-        assert_eq!(sqlx::query_scalar::<_, i64>(half).fetch_one(&mut *db).await.unwrap(), 0);
+        assert_eq!(sql::query_scalar::<i64>(half).fetch_one(&mut db).await.unwrap(), 0);
         drop(db);
         // And the right one can still be applied.
         migrate(&pool).await.unwrap();
-        assert_eq!(version(&mut pool.acquire().await.unwrap()).await.unwrap(), newest());
+        let mut db = Connection::PooledSqlite(pool.acquire().await.unwrap());
+        assert_eq!(version(&mut db).await.unwrap(), newest());
     }
 }

@@ -22,7 +22,7 @@ const CHUNK: usize = 1 << 20;
 pub(in crate::store) async fn renew(writer: &SqlitePool, database: &Path) -> Result<(), StoreError> {
     let mut log = database.as_os_str().to_owned();
     log.push("-wal");
-    let lock = Transaction::write(writer).await?;
+    let lock = Transaction::write(&writer.clone().into()).await?;
     let renewed = tokio::task::spawn_blocking(move || write_again(Path::new(&log))).await;
     lock.roll_back().await;
     match renewed {

@@ -1,7 +1,7 @@
 //! Rows of one map that its index does not hold: they decode, and events and detections are numbered without a gap.
 
+use crate::store::sql::{self, Connection};
 use futures_util::TryStreamExt as _;
-use sqlx::{Row, SqliteConnection};
 
 use crate::domain::keyframe::{Crop, Features};
 use crate::store::StoreError;
@@ -9,6 +9,7 @@ use crate::store::commit::job::MapKey;
 use crate::store::facts::MapFacts;
 use crate::store::rows::{decode, former_value_rows, operation_rows, read};
 use crate::store::slices::parts::Kind;
+use crate::store::sql::row::FromRow as _;
 
 /// Whether features fit together, so that they can be matched.
 pub(super) type Fit = fn(Features) -> bool;
@@ -24,7 +25,7 @@ pub struct RowFindings {
 
 /// Checks the rows of a map that was loaded.
 pub(super) async fn check(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     facts: &MapFacts,
     fit: Fit,
     found: &mut RowFindings,
@@ -39,15 +40,11 @@ pub(super) async fn check(
 }
 
 /// Events follow each other without a gap up to the one that is given next, and none is of a version to come.
-async fn events(
-    db: &mut SqliteConnection,
-    facts: &MapFacts,
-    found: &mut RowFindings,
-) -> Result<(), StoreError> {
+async fn events(db: &mut Connection, facts: &MapFacts, found: &mut RowFindings) -> Result<(), StoreError> {
     let mut expected: Option<u64> = None;
     let mut version = 0;
     let mut rows =
-        sqlx::query("select * from events where map_key = $1 order by seq").bind(facts.key).fetch(db);
+        sql::query("select * from events where map_key = $1 order by seq").bind(facts.key).fetch(db);
     while let Some(row) = rows.try_next().await? {
         let event = match read::event(&row) {
             Ok(event) => event,
@@ -75,7 +72,7 @@ async fn events(
 
 /// Everything of a keyframe that its map's index does not hold.
 async fn keyframes(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     key: MapKey,
     fit: Fit,
     faults: &mut Vec<String>,
@@ -84,7 +81,7 @@ async fn keyframes(
         "select id, sent_points, digest, keyframes.packing, descriptor_bytes, descriptors, keypoints,
         keyframe_features.map_points from keyframes
         left join keyframe_features using (map_key, keyframe) where map_key = $1";
-    let mut rows = sqlx::query(select).bind(key).fetch(db);
+    let mut rows = sql::query(select).bind(key).fetch(db);
     while let Some(row) = rows.try_next().await? {
         let id: String = row.try_get("id")?;
         let mut note = |result: Result<bool, StoreError>, what: &str| match result {
@@ -103,14 +100,10 @@ async fn keyframes(
 }
 
 /// A keyframe's detections are numbered from 0, and each is of its anchor's class.
-async fn detections(
-    db: &mut SqliteConnection,
-    key: MapKey,
-    faults: &mut Vec<String>,
-) -> Result<(), StoreError> {
+async fn detections(db: &mut Connection, key: MapKey, faults: &mut Vec<String>) -> Result<(), StoreError> {
     let select = "select detections.*, anchors.class as anchor_class from detections
         left join anchors using (map_key, anchor) where map_key = $1 order by keyframe, detection";
-    let mut rows = sqlx::query(select).bind(key).fetch(db);
+    let mut rows = sql::query(select).bind(key).fetch(db);
     let mut last: Option<(i64, i64)> = None;
     while let Some(row) = rows.try_next().await? {
         let at: (i64, i64) = (row.try_get("keyframe")?, row.try_get("detection")?);
@@ -134,19 +127,16 @@ async fn detections(
 }
 
 /// History, which exports read and no index holds: it decodes, and none of it is of a version to come.
-async fn history(
-    db: &mut SqliteConnection,
-    facts: &MapFacts,
-    faults: &mut Vec<String>,
-) -> Result<(), StoreError> {
+async fn history(db: &mut Connection, facts: &MapFacts, faults: &mut Vec<String>) -> Result<(), StoreError> {
     let mut versions = Vec::new();
     match operation_rows::all(&mut *db, facts.key).await {
         Ok(operations) => versions.extend(operations.into_iter().map(|(version, _)| version)),
         Err(error) => faults.push(error.fault()),
     }
     let select = "select version, kind, entries from former_values where map_key = $1";
-    let mut rows = sqlx::query_as::<_, (i64, String, Vec<u8>)>(select).bind(facts.key).fetch(db);
-    while let Some((version, kind, entries)) = rows.try_next().await? {
+    let mut rows = sql::query(select).bind(facts.key).fetch(db);
+    while let Some(row) = rows.try_next().await? {
+        let (version, kind, entries) = <(i64, String, Vec<u8>)>::from_row(&row)?;
         let read = Kind::from_name(&kind).and_then(|kind| former_value_rows::unpacked(kind, &entries));
         if let Err(error) = read {
             faults.push(format!("the former values of version {version}: {error}"));
@@ -159,10 +149,10 @@ async fn history(
     Ok(())
 }
 
-async fn crops(db: &mut SqliteConnection, key: MapKey, faults: &mut Vec<String>) -> Result<(), StoreError> {
+async fn crops(db: &mut Connection, key: MapKey, faults: &mut Vec<String>) -> Result<(), StoreError> {
     let select =
         "select keyframe, detection, media_type, substr(bytes, 1, 8) as head from crops where map_key = $1";
-    let mut rows = sqlx::query(select).bind(key).fetch(db);
+    let mut rows = sql::query(select).bind(key).fetch(db);
     while let Some(row) = rows.try_next().await? {
         let (keyframe, detection): (i64, i64) = (row.try_get("keyframe")?, row.try_get("detection")?);
         if Crop::media_type_of(row.try_get("head")?) != row.try_get("media_type").ok() {
@@ -175,9 +165,9 @@ async fn crops(db: &mut SqliteConnection, key: MapKey, faults: &mut Vec<String>)
 }
 
 /// The kept answers are JSON that names itself.
-async fn queries(db: &mut SqliteConnection, key: MapKey, faults: &mut Vec<String>) -> Result<(), StoreError> {
+async fn queries(db: &mut Connection, key: MapKey, faults: &mut Vec<String>) -> Result<(), StoreError> {
     let select = "select id, body from loop_queries where map_key = $1";
-    let mut rows = sqlx::query(select).bind(key).fetch(db);
+    let mut rows = sql::query(select).bind(key).fetch(db);
     while let Some(row) = rows.try_next().await? {
         let id: String = row.try_get("id")?;
         if !read::names_itself(&id, row.try_get("body")?) {

@@ -1,34 +1,31 @@
 //! Rows of a map on their way to a copy of it, as they are: no index is built for that.
 
 use futures_util::TryStreamExt as _;
-use sqlx::{AssertSqlSafe, QueryBuilder, Sqlite, SqliteConnection};
+use sqlx::AssertSqlSafe;
 
+use super::bulk_insert::write_rows;
 use super::map_tables::{SMALL_TABLES, TABLES, Table};
 use super::statement::run;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
-use crate::store::commit::row_block::{Cell, RowBlock};
-
-/// Rows of a statement.
-const ROWS_AT_ONCE: usize = 16;
+use crate::store::commit::row_block::RowBlock;
+use crate::store::sql::cell::Cell;
+use crate::store::sql::{self, Connection};
 
 /// Tables that a copy begins without: what happened to the map and who asked it.
 const NOT_COPIED: [&str; 5] = ["events", "loop_queries", "judgements", "release_uses", "erasures"];
 
 /// Reads the row of a map, without its key.
-pub(in crate::store) async fn map_row(
-    db: &mut SqliteConnection,
-    map: MapKey,
-) -> Result<RowBlock, StoreError> {
+pub(in crate::store) async fn map_row(db: &mut Connection, map: MapKey) -> Result<RowBlock, StoreError> {
     let mut block = RowBlock::of("maps");
-    let row = sqlx::query("select * from maps where map_key = $1").bind(map).fetch_one(db).await?;
+    let row = sql::query("select * from maps where map_key = $1").bind(map).fetch_one(db).await?;
     block.add(&row)?;
     Ok(block)
 }
 
 /// Reads all rows of a map that a copy has, parents before children, and gives them away in blocks.
 pub(in crate::store) async fn read_blocks<F: Future<Output = Result<(), StoreError>>>(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     mut take: impl FnMut(RowBlock) -> F,
 ) -> Result<(), StoreError> {
@@ -41,7 +38,7 @@ pub(in crate::store) async fn read_blocks<F: Future<Output = Result<(), StoreErr
         // The small ones have no rowid to be read by, and few rows.
         let order = if key == "rowid" { String::new() } else { format!("order by {key}") };
         let select = format!("select * from {table} where map_key = $1 {condition} {order}");
-        let mut rows = sqlx::query(AssertSqlSafe(select)).bind(map).fetch(&mut *db);
+        let mut rows = sql::query(AssertSqlSafe(select)).bind(map).fetch(&mut *db);
         let mut block = RowBlock::of(table);
         while let Some(row) = rows.try_next().await? {
             block.add(&row)?;
@@ -66,13 +63,9 @@ fn only_committed(table: &str) -> &'static str {
 }
 
 /// Adds the row of a map that is a copy of another one, under an id by which no client finds it, and not complete yet.
-pub(in crate::store) async fn begin(
-    db: &mut SqliteConnection,
-    row: &RowBlock,
-    id: &str,
-) -> Result<(), StoreError> {
+pub(in crate::store) async fn begin(db: &mut Connection, row: &RowBlock, id: &str) -> Result<(), StoreError> {
     let give = "update map_keys set last = last + 1 returning last";
-    let key: MapKey = sqlx::query_scalar(give).fetch_one(&mut *db).await?;
+    let key: MapKey = sql::query_scalar(give).fetch_one(&mut *db).await?;
     let replaced = |column: &str| match column {
         "id" => Some(Cell::Text(id.to_owned())),
         "deleted" => Some(Cell::Integer(2)),
@@ -89,31 +82,27 @@ pub(in crate::store) async fn begin(
 
 /// Writes rows to a copy.
 pub(in crate::store) async fn write_block(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     block: &RowBlock,
 ) -> Result<(), StoreError> {
     let head = format!("insert into {} (map_key, {}) ", block.table, block.columns.join(", "));
-    for rows in block.rows.chunks(ROWS_AT_ONCE) {
-        let mut query = QueryBuilder::<Sqlite>::new(head.as_str());
-        query.push_values(rows, |mut row, cells| {
-            row.push_bind(map);
-            for cell in cells {
-                match cell {
-                    Cell::Null => row.push_bind(None::<i64>),
-                    Cell::Integer(number) => row.push_bind(*number),
-                    Cell::Real(number) => row.push_bind(*number),
-                    Cell::Text(text) => row.push_bind(text.clone()),
-                    Cell::Blob(bytes) => row.push_bind(bytes.clone()),
-                };
-            }
-        });
-        query.build().execute(&mut *db).await?;
-    }
-    Ok(())
+    write_rows(db, &head, "", &block.rows, |row, cells| {
+        row.push_bind(map);
+        for cell in cells {
+            match cell {
+                Cell::Null => row.push_null(),
+                Cell::Integer(number) => row.push_bind(*number),
+                Cell::Real(number) => row.push_bind(*number),
+                Cell::Text(text) => row.push_bind(text),
+                Cell::Blob(bytes) => row.push_bind(bytes),
+            };
+        }
+    })
+    .await
 }
 
 /// Deletes the copies that an earlier process did not complete.
-pub(in crate::store) async fn remove_incomplete(db: &mut SqliteConnection) -> Result<(), StoreError> {
-    run(db, sqlx::query("update maps set deleted = 1, id = 'deleted//' || map_key where deleted = 2")).await
+pub(in crate::store) async fn remove_incomplete(db: &mut Connection) -> Result<(), StoreError> {
+    run(db, sql::query("update maps set deleted = 1, id = 'deleted//' || map_key where deleted = 2")).await
 }

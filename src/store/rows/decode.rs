@@ -1,8 +1,5 @@
 //! From one row to one value of the model; a value that does not decode is an error that says which.
 
-use sqlx::Row;
-use sqlx::sqlite::SqliteRow;
-
 use super::blob::{unpack, unpack_array};
 use super::packing::Packing;
 use crate::domain::anchor::Observation;
@@ -14,15 +11,16 @@ use crate::domain::keyframe::{Camera, Stamp};
 use crate::domain::request::{Digest, KeyframeDigest};
 use crate::geometry::{Gravity, Point3, Pose, Sim3};
 use crate::store::StoreError;
+use crate::store::sql::Row;
 
 /// Reads the digest of a body.
-pub(in crate::store) fn digest(row: &SqliteRow) -> Result<Digest, StoreError> {
+pub(in crate::store) fn digest(row: &Row) -> Result<Digest, StoreError> {
     let bytes: &[u8] = row.try_get("digest")?;
     bytes.try_into().map_err(|_| StoreError::corrupt("a digest of another length"))
 }
 
 /// Reads the digest of a keyframe. One that begins with a rule's number is longer than the first ones, which had none.
-pub(in crate::store) fn keyframe_digest(row: &SqliteRow) -> Result<KeyframeDigest, StoreError> {
+pub(in crate::store) fn keyframe_digest(row: &Row) -> Result<KeyframeDigest, StoreError> {
     let bytes: &[u8] = row.try_get("digest")?;
     let corrupt = || StoreError::corrupt("a digest of another length or rule");
     match bytes.split_first() {
@@ -45,7 +43,7 @@ pub(in crate::store) fn keyframe_digest_blob(digest: KeyframeDigest) -> Vec<u8> 
 const OF_FACTS: u8 = 2;
 
 /// Reads a keyframe and its bag of words.
-pub(in crate::store) fn keyframe(row: &SqliteRow) -> Result<(Keyframe, BowVector), StoreError> {
+pub(in crate::store) fn keyframe(row: &Row) -> Result<(Keyframe, BowVector), StoreError> {
     let declared: Vec<(u32, u32)> = unpack(row.try_get("declared")?)?;
     let packing = Packing::of(row)?;
     let keyframe = Keyframe {
@@ -65,11 +63,11 @@ pub(in crate::store) fn keyframe(row: &SqliteRow) -> Result<(Keyframe, BowVector
 }
 
 /// Reads a bag of words.
-pub(in crate::store) fn bow(row: &SqliteRow) -> Result<BowVector, StoreError> {
+pub(in crate::store) fn bow(row: &Row) -> Result<BowVector, StoreError> {
     packed_bow(row, Packing::of(row)?)
 }
 
-fn packed_bow(row: &SqliteRow, packing: Packing) -> Result<BowVector, StoreError> {
+fn packed_bow(row: &Row, packing: Packing) -> Result<BowVector, StoreError> {
     let (words, weights) =
         (packing.narrow(row.try_get("bow_words")?)?, packing.narrow(row.try_get("bow_weights")?)?);
     BowVector::from_parts(words, weights).map_err(|error| StoreError::corrupt(error.to_string()))
@@ -91,7 +89,7 @@ fn camera(bytes: &[u8]) -> Result<Camera, StoreError> {
 }
 
 /// Reads the gravity of a keyframe or a map, if it has one.
-pub(in crate::store) fn gravity(row: &SqliteRow) -> Result<Option<Gravity>, StoreError> {
+pub(in crate::store) fn gravity(row: &Row) -> Result<Option<Gravity>, StoreError> {
     let vector = row.try_get::<Option<&[u8]>, _>("gravity")?.map(unpack_array).transpose()?;
     vector.map(given_gravity).transpose()
 }
@@ -102,7 +100,7 @@ pub(in crate::store) fn given_gravity(vector: [f64; 3]) -> Result<Gravity, Store
 }
 
 /// Reads the global descriptor of a keyframe, if it has one.
-pub(in crate::store) fn global_descriptor(row: &SqliteRow) -> Result<Option<GlobalDescriptor>, StoreError> {
+pub(in crate::store) fn global_descriptor(row: &Row) -> Result<Option<GlobalDescriptor>, StoreError> {
     let Some(data) = row.try_get::<Option<&[u8]>, _>("global_descriptor")? else { return Ok(None) };
     let (model, encoding): (&str, &str) = (row.try_get("global_model")?, row.try_get("global_encoding")?);
     let unknown = || StoreError::corrupt(format!("a global descriptor in {encoding:?}"));
@@ -116,7 +114,7 @@ pub(in crate::store) fn point(bytes: &[u8]) -> Result<Point3, StoreError> {
 }
 
 /// Reads what a detection says of the anchor that it feeds.
-pub(in crate::store) fn observation(row: &SqliteRow, has_crop: bool) -> Result<Observation, StoreError> {
+pub(in crate::store) fn observation(row: &Row, has_crop: bool) -> Result<Observation, StoreError> {
     let [x0, y0, x1, y1]: [f64; 4] = unpack_array(row.try_get("box_px")?)?;
     let (text, description): (Option<&str>, Option<&str>) =
         (row.try_get("text")?, row.try_get("description")?);
@@ -136,7 +134,7 @@ pub(in crate::store) fn observation(row: &SqliteRow, has_crop: bool) -> Result<O
 }
 
 /// Reads a confirmed loop.
-pub(in crate::store) fn closed_loop(row: &SqliteRow) -> Result<Loop, StoreError> {
+pub(in crate::store) fn closed_loop(row: &Row) -> Result<Loop, StoreError> {
     Ok(Loop {
         id: id::<LoopId>(row.try_get("id")?)?,
         keyframe: KeyframeSeq(row.try_get("keyframe")?),

@@ -1,8 +1,6 @@
 //! Erasures, as rows.
 
 use serde::{Deserialize, Serialize};
-use sqlx::sqlite::SqliteRow;
-use sqlx::{Row as _, SqliteConnection};
 
 use super::decode;
 use super::statement::run;
@@ -10,6 +8,7 @@ use crate::domain::erasure::{Erasure, ErasureState, NewErasure};
 use crate::domain::ids::{KeyframeId, MapId, SessionId};
 use crate::domain::keyframe::Stamp;
 use crate::store::commit::job::MapKey;
+use crate::store::sql::{self, Connection, Row};
 use crate::store::{Store, StoreError};
 
 /// Erasures of a map that are kept on record, oldest out first.
@@ -36,7 +35,7 @@ pub struct OpenErasure {
 
 /// Writes an erasure that begins.
 pub(in crate::store) async fn begin(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     (map, number): (MapKey, u64),
     asked: &NewErasure,
     at: Stamp,
@@ -52,42 +51,42 @@ pub(in crate::store) async fn begin(
     let insert =
         "insert into erasures (map_key, number, state, asked, keyframes, releases, begun_sec, begun_nanosec)
         values ($1, $2, $3, $4, 0, 0, $5, $6)";
-    let query = sqlx::query(insert).bind(map).bind(number as i64).bind(ErasureState::Removing.as_str());
+    let query = sql::query(insert).bind(map).bind(number as i64).bind(ErasureState::Removing.as_str());
     run(db, query.bind(body).bind(at.sec).bind(at.nanosec)).await?;
     let sweep = "delete from erasures where map_key = $1 and state = 'done' and number <= $2";
-    run(db, sqlx::query(sweep).bind(map).bind(number as i64 - ERASURES_KEPT)).await
+    run(db, sql::query(sweep).bind(map).bind(number as i64 - ERASURES_KEPT)).await
 }
 
 /// Counts what was removed from the map, and from one more release of it.
 pub(in crate::store) async fn count(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     (map, number): (MapKey, u64),
     (keyframes, releases): (u64, u64),
 ) -> Result<(), StoreError> {
     let update = "update erasures set keyframes = keyframes + $3, releases = releases + $4
         where map_key = $1 and number = $2";
-    let query = sqlx::query(update).bind(map).bind(number as i64);
+    let query = sql::query(update).bind(map).bind(number as i64);
     run(db, query.bind(keyframes as i64).bind(releases as i64)).await
 }
 
 /// All is removed: from here on nothing names it.
 pub(in crate::store) async fn removed(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     (map, number): (MapKey, u64),
 ) -> Result<(), StoreError> {
     let update = "update erasures set state = $3, asked = null where map_key = $1 and number = $2";
-    run(db, sqlx::query(update).bind(map).bind(number as i64).bind(ErasureState::Rewriting.as_str())).await
+    run(db, sql::query(update).bind(map).bind(number as i64).bind(ErasureState::Rewriting.as_str())).await
 }
 
 /// The file was rewritten.
 pub(in crate::store) async fn done(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     (map, number): (MapKey, u64),
     at: Stamp,
 ) -> Result<(), StoreError> {
     let update = "update erasures set state = $3, ended_sec = $4, ended_nanosec = $5
         where map_key = $1 and number = $2";
-    let query = sqlx::query(update).bind(map).bind(number as i64).bind(ErasureState::Done.as_str());
+    let query = sql::query(update).bind(map).bind(number as i64).bind(ErasureState::Done.as_str());
     run(db, query.bind(at.sec).bind(at.nanosec)).await
 }
 
@@ -96,14 +95,14 @@ impl Store {
     pub async fn erasure(&self, map: MapKey, number: u64) -> Result<Option<Erasure>, StoreError> {
         let select = "select * from erasures where map_key = $1 and number = $2";
         let number = i64::try_from(number).unwrap_or(i64::MAX);
-        let row = sqlx::query(select).bind(map).bind(number).fetch_optional(&self.readers).await?;
+        let row = sql::query(select).bind(map).bind(number).fetch_optional(&self.readers).await?;
         row.as_ref().map(erasure).transpose()
     }
 
     /// Returns the number of the next erasure of a map.
     pub async fn next_erasure(&self, map: MapKey) -> Result<u64, StoreError> {
         let select = "select coalesce(max(number), 0) + 1 from erasures where map_key = $1";
-        let number: i64 = sqlx::query_scalar(select).bind(map).fetch_one(&self.readers).await?;
+        let number: i64 = sql::query_scalar(select).bind(map).fetch_one(&self.readers).await?;
         Ok(number.unsigned_abs())
     }
 
@@ -112,7 +111,7 @@ impl Store {
         let select = "select m.id, e.map_key, e.number, e.asked from erasures e join maps m using (map_key)
             where e.state <> 'done' and m.deleted = 0 order by e.map_key, e.number";
         let rows: Vec<(String, MapKey, i64, Option<String>)> =
-            sqlx::query_as(select).fetch_all(&self.readers).await?;
+            sql::query_as(select).fetch_all(&self.readers).await?;
         let open = |(map, key, number, asked): (String, MapKey, i64, Option<String>)| {
             let asked = asked.as_deref().map(read_asked).transpose()?;
             Ok(OpenErasure { map: decode::id(&map)?, key, number: number.unsigned_abs(), asked })
@@ -123,7 +122,7 @@ impl Store {
     /// Returns the keys of deleted maps of which rows are left.
     pub async fn deleted_maps(&self) -> Result<Vec<MapKey>, StoreError> {
         let select = "select map_key from maps where deleted = 1 order by map_key";
-        Ok(sqlx::query_scalar(select).fetch_all(&self.readers).await?)
+        Ok(sql::query_scalar(select).fetch_all(&self.readers).await?)
     }
 
     /// Returns the session that another one merged into, if it did.
@@ -136,7 +135,7 @@ impl Store {
             join sessions s on s.map_key = m.map_key and s.session = m.session
             join sessions i on i.map_key = m.map_key and i.session = m.into_session
             where m.map_key = $1 and s.id = $2 order by m.version desc limit 1";
-        let query = sqlx::query_scalar(select).bind(map).bind(session.as_str());
+        let query = sql::query_scalar(select).bind(map).bind(session.as_str());
         let found: Option<String> = query.fetch_optional(&self.readers).await?;
         found.map(|id| decode::id(&id)).transpose()
     }
@@ -144,7 +143,7 @@ impl Store {
     /// Whether changes of the map wait to be brought into their rows.
     pub async fn has_deferred_changes(&self, map: MapKey) -> Result<bool, StoreError> {
         let select = "select exists (select 1 from deferred_changes where map_key = $1)";
-        Ok(sqlx::query_scalar(select).bind(map).fetch_one(&self.readers).await?)
+        Ok(sql::query_scalar(select).bind(map).fetch_one(&self.readers).await?)
     }
 }
 
@@ -160,7 +159,7 @@ fn read_asked(text: &str) -> Result<NewErasure, StoreError> {
     })
 }
 
-fn erasure(row: &SqliteRow) -> Result<Erasure, StoreError> {
+fn erasure(row: &Row) -> Result<Erasure, StoreError> {
     let number = |name: &str| Ok::<_, StoreError>(row.try_get::<i64, _>(name)?.unsigned_abs());
     let state: &str = row.try_get("state")?;
     let state = ErasureState::from_name(state)

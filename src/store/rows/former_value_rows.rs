@@ -3,8 +3,6 @@
 //! A version's former values are packed lists, written once and read by exports alone. Those of a large correction are
 //! staged with it, and moved here when it is folded.
 
-use sqlx::SqliteConnection;
-
 use super::blob::{pack, unpack};
 use super::keyframe_rows::pose_blob;
 use super::statement::run;
@@ -14,6 +12,7 @@ use crate::geometry::{Point3, Pose};
 use crate::store::StoreError;
 use crate::store::commit::job::{Batch, MapKey};
 use crate::store::slices::parts::{Kind, Part, cut};
+use crate::store::sql::{self, Connection};
 
 /// The coordinates of a point that was not there.
 const ABSENT: [f64; 3] = [f64::NAN; 3];
@@ -80,7 +79,7 @@ pub(in crate::store) fn unpacked(kind: Kind, entries: &[u8]) -> Result<FormerVal
 
 /// Returns the values that a version replaced, in their rows or staged still.
 pub(in crate::store) async fn of_version(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     version: i64,
 ) -> Result<FormerValues, StoreError> {
@@ -90,7 +89,7 @@ pub(in crate::store) async fn of_version(
             where p.map_key = $1 and p.version = $2 and p.kind like 'former_%'
         order by 1";
     let parts: Vec<(u32, String, Vec<u8>)> =
-        sqlx::query_as(select).bind(map).bind(version).fetch_all(db).await?;
+        sql::query_as(select).bind(map).bind(version).fetch_all(db).await?;
     let mut all = FormerValues::default();
     for (_, kind, entries) in parts {
         let part = unpacked(Kind::from_name(&kind)?, &entries)?;
@@ -103,11 +102,11 @@ pub(in crate::store) async fn of_version(
 }
 
 /// Adds the former values of a batch that is not staged.
-pub(in crate::store) async fn add(db: &mut SqliteConnection, batch: &Batch) -> Result<(), StoreError> {
+pub(in crate::store) async fn add(db: &mut Connection, batch: &Batch) -> Result<(), StoreError> {
     for (number, part) in (0_u32..).zip(packed(&batch.former)) {
         let insert =
             "insert into former_values (map_key, version, part, kind, entries) values ($1, $2, $3, $4, $5)";
-        let query = sqlx::query(insert).bind(batch.map).bind(batch.version as i64).bind(number);
+        let query = sql::query(insert).bind(batch.map).bind(batch.version as i64).bind(number);
         run(db, query.bind(part.kind.as_str()).bind(part.entries)).await?;
     }
     Ok(())
@@ -115,12 +114,12 @@ pub(in crate::store) async fn add(db: &mut SqliteConnection, batch: &Batch) -> R
 
 /// Moves a staged part here.
 pub(in crate::store) async fn keep_part(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     (version, part): (i64, u32),
 ) -> Result<(), StoreError> {
     let insert = "insert into former_values (map_key, version, part, kind, entries)
         select map_key, version, part, kind, entries from deferred_parts
         where map_key = $1 and version = $2 and part = $3";
-    run(db, sqlx::query(insert).bind(map).bind(version).bind(part)).await
+    run(db, sql::query(insert).bind(map).bind(version).bind(part)).await
 }

@@ -1,7 +1,6 @@
 //! Frames of a map's sessions, as a row.
 
 use serde::{Deserialize, Serialize};
-use sqlx::SqliteConnection;
 
 use super::decode;
 use super::statement::run;
@@ -10,6 +9,7 @@ use crate::domain::ids::SessionSeq;
 use crate::geometry::Pose;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
+use crate::store::sql::{self, Connection};
 
 /// The frames, as JSON. Sessions go by their numbers, which are given once.
 #[derive(Serialize, Deserialize)]
@@ -40,7 +40,7 @@ struct SuspectRow {
 
 /// Keeps the frames of a map, in place of those of before.
 pub(in crate::store) async fn keep(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     version: u64,
     frames: &FleetFrames,
@@ -48,18 +48,18 @@ pub(in crate::store) async fn keep(
     let body = serde_json::to_string(&FramesRow::from(frames))
         .map_err(|error| StoreError::Database(error.to_string()))?;
     // A map that was deleted meanwhile has none.
-    let insert = "insert or replace into fleet_frames (map_key, version, body)
-        select map_key, $2, $3 from maps where map_key = $1";
-    run(db, sqlx::query(insert).bind(map).bind(version as i64).bind(body)).await
+    let insert = "insert into fleet_frames (map_key, version, body) select map_key, $2, $3 from maps where map_key = $1
+        on conflict (map_key) do update set version = excluded.version, body = excluded.body";
+    run(db, sql::query(insert).bind(map).bind(version as i64).bind(body)).await
 }
 
 /// Returns the frames of a map and the version that they were computed at, if any were.
 pub(in crate::store) async fn kept(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
 ) -> Result<Option<(u64, FleetFrames)>, StoreError> {
     let select = "select version, body from fleet_frames where map_key = $1";
-    let found: Option<(i64, String)> = sqlx::query_as(select).bind(map).fetch_optional(db).await?;
+    let found: Option<(i64, String)> = sql::query_as(select).bind(map).fetch_optional(db).await?;
     let Some((version, body)) = found else { return Ok(None) };
     let row: FramesRow = serde_json::from_str(&body)
         .map_err(|error| StoreError::corrupt(format!("the frames of version {version}: {error}")))?;

@@ -1,8 +1,5 @@
 //! Jobs that ask verdicts again: their rows, and the questions that are left.
 
-use sqlx::sqlite::SqliteRow;
-use sqlx::{Row, SqliteConnection};
-
 use super::decode;
 use super::statement::run;
 use crate::domain::ids::{JudgementId, KeyframeSeq, MapId};
@@ -10,6 +7,7 @@ use crate::domain::judgement::{
     Asks, Estimate, JobState, Judgement, JudgementProgress, PastQuestion, Tally, TextFunction, Workload,
 };
 use crate::store::commit::job::MapKey;
+use crate::store::sql::{self, Connection, Row};
 use crate::store::{Store, StoreError};
 
 /// Ended jobs of a map are kept up to this number, oldest out first.
@@ -48,15 +46,15 @@ impl Store {
         if let Some(fingerprint) = &of.crops {
             let select =
                 format!("select d.class, count(*) {OUTDATED_READINGS} group by d.class order by d.class");
-            let query = sqlx::query_as(sqlx::AssertSqlSafe(select)).bind(map).bind(fingerprint);
+            let query = sql::query_as(sqlx::AssertSqlSafe(select)).bind(map).bind(fingerprint);
             let rows: Vec<(String, i64)> = query.fetch_all(&self.readers).await?;
             workload.crops = rows.into_iter().map(|(class, count)| (class, count as u64)).collect();
         }
         if let Some(fingerprint) = &of.texts {
             let select =
-                "select operation, count(*), coalesce(sum(length(a) + length(b)), 0) from model_verdicts
+                "select operation, count(*), coalesce(cast(sum(length(a) + length(b)) as bigint), 0) from model_verdicts
                 where map_key = $1 and fingerprint <> $2 group by operation order by operation";
-            let query = sqlx::query_as(select).bind(map).bind(fingerprint);
+            let query = sql::query_as(select).bind(map).bind(fingerprint);
             let rows: Vec<(String, i64, i64)> = query.fetch_all(&self.readers).await?;
             for (operation, count, chars) in rows {
                 workload.texts.push((function(&operation)?, count as u64, chars as u64));
@@ -85,7 +83,7 @@ impl Store {
                 "select r.keyframe, r.detection {OUTDATED_READINGS} and (r.keyframe, r.detection) > ($3, $4)
                 order by r.keyframe, r.detection limit $5"
             );
-            let query = sqlx::query_as(sqlx::AssertSqlSafe(select)).bind(map).bind(fingerprint);
+            let query = sql::query_as(sqlx::AssertSqlSafe(select)).bind(map).bind(fingerprint);
             let query = query.bind(keyframe).bind(detection).bind(limit as i64);
             let rows: Vec<(u32, u16)> = query.fetch_all(&self.readers).await?;
             left.extend(rows.into_iter().map(|(keyframe, detection)| PastQuestion::Crop {
@@ -105,7 +103,7 @@ impl Store {
             let select = "select operation, class, a, b from model_verdicts
                 where map_key = $1 and fingerprint <> $2 and (operation, class, a, b) > ($3, $4, $5, $6)
                 order by operation, class, a, b limit $7";
-            let query = sqlx::query_as(select).bind(map).bind(fingerprint);
+            let query = sql::query_as(select).bind(map).bind(fingerprint);
             let query = query.bind(operation).bind(class).bind(a).bind(b).bind((limit - left.len()) as i64);
             let rows: Vec<(String, String, String, String)> = query.fetch_all(&self.readers).await?;
             for (operation, class, a, b) in rows {
@@ -119,17 +117,17 @@ impl Store {
     /// Returns a job.
     pub async fn judgement(&self, map: MapKey, id: &JudgementId) -> Result<Option<Judgement>, StoreError> {
         let select = "select * from judgements where map_key = $1 and id = $2";
-        let row = sqlx::query(select).bind(map).bind(id.as_str()).fetch_optional(&self.readers).await?;
+        let row = sql::query(select).bind(map).bind(id.as_str()).fetch_optional(&self.readers).await?;
         row.as_ref().map(read).transpose()
     }
 
     /// Returns the number that the next job of a map gets, and the job that is running, if there is one.
     pub async fn next_judgement(&self, map: MapKey) -> Result<(u64, Option<JudgementId>), StoreError> {
         let select = "select coalesce(max(number), 0) + 1 from judgements where map_key = $1";
-        let number: i64 = sqlx::query_scalar(select).bind(map).fetch_one(&self.readers).await?;
+        let number: i64 = sql::query_scalar(select).bind(map).fetch_one(&self.readers).await?;
         let select = "select id from judgements where map_key = $1 and state = 'running'";
         let running: Option<String> =
-            sqlx::query_scalar(select).bind(map).fetch_optional(&self.readers).await?;
+            sql::query_scalar(select).bind(map).fetch_optional(&self.readers).await?;
         Ok((number as u64, running.map(|id| decode::id(&id)).transpose()?))
     }
 
@@ -137,14 +135,14 @@ impl Store {
     pub async fn running_judgements(&self) -> Result<Vec<(MapId, MapKey, JudgementId)>, StoreError> {
         let select = "select m.id, j.map_key, j.id from judgements j join maps m using (map_key)
             where j.state = 'running' and m.deleted = 0 order by j.map_key";
-        let rows: Vec<(String, MapKey, String)> = sqlx::query_as(select).fetch_all(&self.readers).await?;
+        let rows: Vec<(String, MapKey, String)> = sql::query_as(select).fetch_all(&self.readers).await?;
         rows.iter().map(|(map, key, id)| Ok((decode::id(map)?, *key, decode::id(id)?))).collect()
     }
 }
 
 /// Writes a job that begins. The map may be gone by now: then there is nothing to ask.
 pub(in crate::store) async fn start(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     job: &Judgement,
 ) -> Result<(), StoreError> {
@@ -154,36 +152,36 @@ pub(in crate::store) async fn start(
         select $1, $2, (select coalesce(max(number), 0) + 1 from judgements where map_key = $1),
             $3, $4, $5, $6, $7, $8, 0, 0, 0, 0
         where exists (select 1 from maps where map_key = $1 and deleted = 0)";
-    let query = sqlx::query(insert).bind(map).bind(job.id.as_str()).bind(job.asks.as_str());
+    let query = sql::query(insert).bind(map).bind(job.id.as_str()).bind(job.asks.as_str());
     let query = query.bind(job.state.as_str()).bind(job.since_version as i64).bind(job.questions as i64);
     run(db, query.bind(job.estimate.calls as i64).bind(job.estimate.microusd as i64)).await?;
     let sweep = "delete from judgements where map_key = $1 and state <> 'running'
         and number <= (select max(number) from judgements where map_key = $1) - $2";
-    run(db, sqlx::query(sweep).bind(map).bind(JOBS_KEPT)).await
+    run(db, sql::query(sweep).bind(map).bind(JOBS_KEPT)).await
 }
 
 /// Stops a job, unless it has ended.
 pub(in crate::store) async fn stop(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     id: &JudgementId,
 ) -> Result<(), StoreError> {
     let update =
         "update judgements set state = 'stopped' where map_key = $1 and id = $2 and state = 'running'";
-    run(db, sqlx::query(update).bind(map).bind(id.as_str())).await
+    run(db, sql::query(update).bind(map).bind(id.as_str())).await
 }
 
 /// Writes how far a job is, in the transaction that writes the answers.
 pub(in crate::store) async fn advance(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     progress: &JudgementProgress,
 ) -> Result<(), StoreError> {
     let Tally { changed, unchanged, gone, failed } = progress.tally;
     let update = "update judgements set changed = changed + $3, unchanged = unchanged + $4, gone = gone + $5,
-            failed = failed + $6, state = case when $7 and state = 'running' then 'done' else state end
+            failed = failed + $6, state = case when $7 <> 0 and state = 'running' then 'done' else state end
         where map_key = $1 and id = $2";
-    let query = sqlx::query(update).bind(map).bind(progress.id.as_str());
+    let query = sql::query(update).bind(map).bind(progress.id.as_str());
     let query = query.bind(changed as i64).bind(unchanged as i64).bind(gone as i64).bind(failed as i64);
     run(&mut *db, query.bind(progress.is_over)).await?;
     let Some(position) = &progress.position else { return Ok(()) };
@@ -195,13 +193,13 @@ pub(in crate::store) async fn advance(
         "update judgements set at_operation = $3, at_keyframe = $4, at_detection = $5, at_class = $6,
             at_a = $7, at_b = $8
         where map_key = $1 and id = $2";
-    let query = sqlx::query(update).bind(map).bind(progress.id.as_str()).bind(operation);
+    let query = sql::query(update).bind(map).bind(progress.id.as_str()).bind(operation);
     let query = query.bind(crop.map(|(keyframe, _)| keyframe)).bind(crop.map(|(_, detection)| detection));
     let query = query.bind(texts.map(|(class, ..)| &**class)).bind(texts.map(|(_, a, _)| &**a));
     run(db, query.bind(texts.map(|(.., b)| &**b))).await
 }
 
-fn read(row: &SqliteRow) -> Result<Judgement, StoreError> {
+fn read(row: &Row) -> Result<Judgement, StoreError> {
     let count = |column: &str| -> Result<u64, StoreError> { Ok(row.try_get::<i64, _>(column)? as u64) };
     let (asks, state): (&str, &str) = (row.try_get("asks")?, row.try_get("state")?);
     Ok(Judgement {
@@ -222,7 +220,7 @@ fn read(row: &SqliteRow) -> Result<Judgement, StoreError> {
     })
 }
 
-fn position(row: &SqliteRow) -> Result<Option<PastQuestion>, StoreError> {
+fn position(row: &Row) -> Result<Option<PastQuestion>, StoreError> {
     let text = |column: &str| -> Result<Box<str>, StoreError> { Ok(row.try_get::<&str, _>(column)?.into()) };
     Ok(match row.try_get::<Option<&str>, _>("at_operation")? {
         None => None,

@@ -2,14 +2,14 @@
 
 use std::collections::HashMap;
 
-use sqlx::sqlite::SqliteRow;
-use sqlx::{ConnectOptions as _, Connection as _, Row, SqliteConnection};
+use sqlx::ConnectOptions as _;
 
 use super::statement::run;
 use crate::domain::key::{Actions, Key, KeyProperties, KeySeq, MapPattern, SecretHash};
 use crate::domain::keyframe::Stamp;
 use crate::store::commit::job::NewKeyRow;
 use crate::store::files::paths::DatabaseFiles;
+use crate::store::sql::{self, Connection, Row};
 use crate::store::{Store, StoreError};
 
 /// Every key, as of one change.
@@ -24,21 +24,21 @@ pub struct KeyTable {
 impl Store {
     /// Returns a number that grows with each key made or revoked, by whatever process.
     pub async fn key_change(&self) -> Result<i64, StoreError> {
-        Ok(sqlx::query_scalar("select change from key_changes").fetch_one(&self.readers).await?)
+        Ok(sql::query_scalar("select change from key_changes").fetch_one(&self.readers).await?)
     }
 
     /// Returns every key.
     pub async fn keys(&self) -> Result<KeyTable, StoreError> {
         let mut db = self.snapshot().await?;
-        let change = sqlx::query_scalar("select change from key_changes").fetch_one(&mut *db).await?;
+        let change = sql::query_scalar("select change from key_changes").fetch_one(&mut *db).await?;
         let mut patterns: HashMap<i64, Vec<MapPattern>> = HashMap::new();
         let select = "select key, pattern from key_maps order by key, place";
-        let rows: Vec<(i64, String)> = sqlx::query_as(select).fetch_all(&mut *db).await?;
+        let rows: Vec<(i64, String)> = sql::query_as(select).fetch_all(&mut *db).await?;
         for (key, pattern) in rows {
             patterns.entry(key).or_default().push(stored_pattern(&pattern)?);
         }
         let mut by_hash = HashMap::new();
-        for row in sqlx::query("select * from keys").fetch_all(&mut *db).await? {
+        for row in sql::query("select * from keys").fetch_all(&mut *db).await? {
             let seq: i64 = row.try_get("key")?;
             let hash: &[u8] = row.try_get("hash")?;
             let hash = hash.try_into().map_err(|_| StoreError::corrupt("a hash of another length"))?;
@@ -49,7 +49,7 @@ impl Store {
     }
 }
 
-fn key(row: &SqliteRow, seq: i64, maps: Vec<MapPattern>) -> Result<Key, StoreError> {
+fn key(row: &Row, seq: i64, maps: Vec<MapPattern>) -> Result<Key, StoreError> {
     let bits: u8 = row.try_get("actions")?;
     let expires: (Option<i64>, Option<u32>) = (row.try_get("expires_sec")?, row.try_get("expires_nanosec")?);
     Ok(Key {
@@ -71,13 +71,13 @@ fn key(row: &SqliteRow, seq: i64, maps: Vec<MapPattern>) -> Result<Key, StoreErr
     })
 }
 
-pub(in crate::store) async fn create(db: &mut SqliteConnection, new: &NewKeyRow) -> Result<(), StoreError> {
+pub(in crate::store) async fn create(db: &mut Connection, new: &NewKeyRow) -> Result<(), StoreError> {
     let (key, properties) = (&new.key, &new.key.properties);
     let insert =
         "insert into keys (key, name, hash, actions, created_sec, expires_sec, expires_nanosec, rate_per_s,
             model_daily_calls, model_daily_microusd)
         values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10)";
-    let query = sqlx::query(insert)
+    let query = sql::query(insert)
         .bind(key.seq.0)
         .bind(&properties.name)
         .bind(&new.hash[..])
@@ -91,23 +91,23 @@ pub(in crate::store) async fn create(db: &mut SqliteConnection, new: &NewKeyRow)
     run(db, query).await?;
     for (place, pattern) in properties.maps.iter().enumerate() {
         let insert = "insert into key_maps (key, place, pattern) values ($1, $2, $3)";
-        run(db, sqlx::query(insert).bind(key.seq.0).bind(place as i64).bind(pattern.to_string())).await?;
+        run(db, sql::query(insert).bind(key.seq.0).bind(place as i64).bind(pattern.to_string())).await?;
     }
     changed(db).await
 }
 
 pub(in crate::store) async fn revoke(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     key: KeySeq,
     at_sec: i64,
 ) -> Result<(), StoreError> {
     let update = "update keys set revoked_sec = $2 where key = $1 and revoked_sec is null";
-    run(db, sqlx::query(update).bind(key.0).bind(at_sec)).await?;
+    run(db, sql::query(update).bind(key.0).bind(at_sec)).await?;
     changed(db).await
 }
 
-async fn changed(db: &mut SqliteConnection) -> Result<(), StoreError> {
-    run(db, sqlx::query("update key_changes set change = change + 1")).await
+async fn changed(db: &mut Connection) -> Result<(), StoreError> {
+    run(db, sql::query("update key_changes set change = change + 1")).await
 }
 
 fn stored_pattern(text: &str) -> Result<MapPattern, StoreError> {
@@ -116,13 +116,13 @@ fn stored_pattern(text: &str) -> Result<MapPattern, StoreError> {
 
 /// Returns the API keys of a database that are not revoked, by number and name.
 pub async fn standing_keys(files: &DatabaseFiles) -> Result<Vec<(KeySeq, String)>, StoreError> {
-    let mut db = files.read_only().connect().await?;
+    let mut db = sql::Connection::Sqlite(files.read_only().connect().await?);
     let table = "select count(*) from sqlite_master where type = 'table' and name = 'keys'";
     let mut keys = Vec::new();
     // A database of an earlier version has none.
-    if sqlx::query_scalar::<_, i64>(table).fetch_one(&mut db).await? > 0 {
+    if sql::query_scalar::<i64>(table).fetch_one(&mut db).await? > 0 {
         let select = "select key, name from keys where revoked_sec is null order by key";
-        keys = sqlx::query_as::<_, (i64, String)>(select).fetch_all(&mut db).await?;
+        keys = sql::query_as::<(i64, String)>(select).fetch_all(&mut db).await?;
     }
     db.close().await?;
     Ok(keys.into_iter().map(|(key, name)| (KeySeq(key), name)).collect())

@@ -1,8 +1,7 @@
 //! The rows of a keyframe: itself, its features, its detections, its map points.
 
 use std::collections::HashMap;
-
-use sqlx::SqliteConnection;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use super::blob::{gravity_blob, pack};
 use super::bulk_insert::write_rows;
@@ -18,6 +17,7 @@ use crate::domain::keyframe::{Camera, Detection};
 use crate::geometry::Pose;
 use crate::store::StoreError;
 use crate::store::commit::job::{Batch, MapKey, NewKeyframeRows};
+use crate::store::sql::{self, Connection};
 
 /// A keyframe that arrived.
 pub(in crate::store) struct Arrived<'j> {
@@ -32,9 +32,15 @@ pub(in crate::store) fn pose_blob(pose: &Pose) -> Vec<u8> {
     pack(pose.translation_m().into_iter().chain(pose.rotation_xyzw()))
 }
 
+/// Returns the second that it is now, by this machine's clock.
+fn seconds_now() -> i64 {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    i64::try_from(since.as_secs()).unwrap_or(i64::MAX)
+}
+
 /// Adds the rows of keyframes, and of their features.
 pub(in crate::store) async fn add_keyframes(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     arrived: &[Arrived<'_>],
 ) -> Result<(), StoreError> {
     let head =
@@ -58,7 +64,7 @@ pub(in crate::store) async fn add_keyframes(
         row.push_bind(global.map(|of| of.model.as_str().to_owned()));
         row.push_bind(global.map(|of| of.encoding.as_str()));
         row.push_bind(global.map(|of| of.data.to_vec()));
-        row.push("unixepoch()");
+        row.push_bind(seconds_now());
     })
     .await?;
     let with_features = |arrived: &'_ Arrived<'_>| arrived.rows.keyframe.features.is_some();
@@ -121,7 +127,7 @@ pub(in crate::store) fn detections(batch: &Batch) -> Result<Vec<Detected<'_>>, S
 
 /// Adds the rows of detections, and of their crops.
 pub(in crate::store) async fn add_detections(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     detections: &[Detected<'_>],
 ) -> Result<(), StoreError> {
     let head = "insert into detections (map_key, keyframe, detection, class, confidence, box_px, map_points,
@@ -140,7 +146,7 @@ pub(in crate::store) async fn add_detections(
     for Detected { map, keyframe, number, detection, .. } in detections {
         if let Some(crop) = &detection.crop {
             let insert = "insert into crops (map_key, keyframe, detection, media_type, bytes) values ($1, $2, $3, $4, $5)";
-            let query = sqlx::query(insert).bind(map).bind(keyframe.0).bind(*number);
+            let query = sql::query(insert).bind(map).bind(keyframe.0).bind(*number);
             run(db, query.bind(crop.media_type).bind(&crop.bytes)).await?;
         }
     }

@@ -5,8 +5,7 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use sqlx::sqlite::SqliteRow;
-use sqlx::{AssertSqlSafe, Row};
+use sqlx::AssertSqlSafe;
 
 use super::decode;
 use super::point_blocks::points_of;
@@ -21,6 +20,7 @@ use crate::domain::key::KeySeq;
 use crate::store::commit::job::MapKey;
 use crate::store::facts::{FactSource, MapFacts, Order};
 use crate::store::slices::deferred;
+use crate::store::sql::{self, Connection, Row};
 use crate::store::{Store, StoreError};
 
 /// Rows read at a time: few, because a row of 700 words takes as much as its keyframe does in the index.
@@ -58,7 +58,7 @@ async fn load_rows(
     mut take: impl FnMut(&[Change]) + Send,
 ) -> Result<Option<MapFacts>, StoreError> {
     let found =
-        sqlx::query("select * from maps where id = $1").bind(id.as_str()).fetch_optional(&mut *db).await?;
+        sql::query("select * from maps where id = $1").bind(id.as_str()).fetch_optional(&mut *db).await?;
     let Some(row) = found else { return Ok(None) };
     let key: MapKey = row.try_get("map_key")?;
     take(&[Change::MapSet(Box::new(map_rows::properties(db, key, &row).await?))]);
@@ -107,7 +107,7 @@ async fn load_rows(
     // On top of the rows, in their order.
     deferred::apply(db, key, &mut known, &mut take).await?;
     let next_kept =
-        sqlx::query_scalar("select coalesce(max(kept), 0) + 1 from loop_queries where map_key = $1");
+        sql::query_scalar("select coalesce(max(kept), 0) + 1 from loop_queries where map_key = $1");
     Ok(Some(MapFacts {
         key,
         version: row.try_get::<i64, _>("version")? as u64,
@@ -127,11 +127,11 @@ fn reversed(mut changes: Vec<Change>) -> Vec<Change> {
     changes
 }
 
-pub(in crate::store) type Db = sqlx::SqliteConnection;
+pub(in crate::store) type Db = Connection;
 
 async fn sessions(db: &mut Db, key: MapKey) -> Result<Vec<Change>, StoreError> {
     let select = "select session, id from sessions where map_key = $1 order by session";
-    let rows: Vec<(u32, String)> = sqlx::query_as(select).bind(key).fetch_all(db).await?;
+    let rows: Vec<(u32, String)> = sql::query_as(select).bind(key).fetch_all(db).await?;
     validate::sessions(&rows.iter().map(|(seq, _)| *seq).collect::<Vec<_>>())?;
     let added = |(seq, id): (u32, String)| {
         let id = decode::id(&id).map_err(|error| error.of_row(format!("session number {seq}")))?;
@@ -150,13 +150,8 @@ async fn load_points(
         where map_key = $1 and (session, block) > ($2, $3) order by session, block limit $4";
     let (mut session, mut block) = (-1_i64, i64::MIN);
     loop {
-        let rows: Vec<(u32, i64, Vec<u8>)> = sqlx::query_as(select)
-            .bind(key)
-            .bind(session)
-            .bind(block)
-            .bind(CHUNK)
-            .fetch_all(&mut *db)
-            .await?;
+        let rows: Vec<(u32, i64, Vec<u8>)> =
+            sql::query_as(select).bind(key).bind(session).bind(block).bind(CHUNK).fetch_all(&mut *db).await?;
         let Some(last) = rows.last() else { return Ok(()) };
         (session, block) = (i64::from(last.0), last.1);
         let mut points = Vec::new();
@@ -187,7 +182,7 @@ async fn load_keyframes(
     let mut last = -1_i64;
     loop {
         let select = AssertSqlSafe(select.as_str());
-        let rows = sqlx::query(select).bind(key).bind(last).bind(CHUNK).fetch_all(&mut *db).await?;
+        let rows = sql::query(select).bind(key).bind(last).bind(CHUNK).fetch_all(&mut *db).await?;
         let Some(row) = rows.last() else { return Ok(()) };
         last = row.try_get("keyframe")?;
         let mut added = Vec::with_capacity(rows.len());
@@ -218,7 +213,7 @@ async fn load_keyframes_backwards(
     let mut last = i64::MAX;
     loop {
         let select = AssertSqlSafe(select.as_str());
-        let rows = sqlx::query(select).bind(key).bind(last).bind(CHUNK).fetch_all(&mut *db).await?;
+        let rows = sql::query(select).bind(key).bind(last).bind(CHUNK).fetch_all(&mut *db).await?;
         let Some(row) = rows.last() else { return Ok(()) };
         last = row.try_get("keyframe")?;
         for row in &rows {
@@ -234,7 +229,7 @@ async fn load_keyframes_backwards(
 /// Returns the keyframes of a map.
 async fn standing(db: &mut Db, key: MapKey) -> Result<HashSet<KeyframeSeq>, StoreError> {
     let select = "select keyframe from keyframes where map_key = $1";
-    let standing: Vec<u32> = sqlx::query_scalar(select).bind(key).fetch_all(&mut *db).await?;
+    let standing: Vec<u32> = sql::query_scalar(select).bind(key).fetch_all(&mut *db).await?;
     Ok(standing.into_iter().map(KeyframeSeq).collect())
 }
 
@@ -243,7 +238,7 @@ fn declared_of(keyframe: &Keyframe, standing: &HashSet<KeyframeSeq>) -> Box<[(Ke
     keyframe.declared.iter().copied().filter(|(other, _)| standing.contains(other)).collect()
 }
 
-fn keyframe(row: &SqliteRow, known: &Known) -> Result<(Keyframe, BowVector), StoreError> {
+fn keyframe(row: &Row, known: &Known) -> Result<(Keyframe, BowVector), StoreError> {
     let number: i64 = row.try_get("keyframe")?;
     let of_row = |error: StoreError| error.of_row(format!("keyframe number {number}"));
     let (mut keyframe, bow) = decode::keyframe(row).map_err(of_row)?;
@@ -255,7 +250,7 @@ fn keyframe(row: &SqliteRow, known: &Known) -> Result<(Keyframe, BowVector), Sto
 
 /// Returns the global descriptor of a keyframe, if it has one, and notes the form of the map's.
 fn global_descriptor(
-    row: &SqliteRow,
+    row: &Row,
     keyframe: KeyframeSeq,
     known: &mut Known,
 ) -> Result<Option<Change>, StoreError> {
@@ -271,7 +266,7 @@ async fn anchors(db: &mut Db, key: MapKey, known: &mut Known) -> Result<Vec<Chan
     let select =
         "select anchor, class, description_by_hand, version from anchors where map_key = $1 order by anchor";
     let rows: Vec<(u32, String, Option<String>, i64)> =
-        sqlx::query_as(select).bind(key).fetch_all(&mut *db).await?;
+        sql::query_as(select).bind(key).fetch_all(&mut *db).await?;
     for (seq, class, by_hand, version) in rows {
         let seq = AnchorSeq(seq);
         known.anchors.insert(seq, KnownAnchor { class: class.as_str().into(), version: version as u64 });
@@ -288,13 +283,13 @@ async fn anchors(db: &mut Db, key: MapKey, known: &mut Known) -> Result<Vec<Chan
 async fn observations(db: &mut Db, key: MapKey, known: &Known) -> Result<Vec<Change>, StoreError> {
     let mut observed = Vec::new();
     let select = "select keyframe, detection from crops where map_key = $1";
-    let crops: Vec<(u32, u16)> = sqlx::query_as(select).bind(key).fetch_all(&mut *db).await?;
+    let crops: Vec<(u32, u16)> = sql::query_as(select).bind(key).fetch_all(&mut *db).await?;
     let crops: HashSet<(u32, u16)> = crops.into_iter().collect();
     let mut readings = model_rows::readings(&mut *db, key).await?;
     let mut points = observation_rows::points_of_detections(&mut *db, key).await?;
     let select =
         "select * from detections where map_key = $1 and anchor is not null order by keyframe, detection";
-    for row in sqlx::query(select).bind(key).fetch_all(&mut *db).await? {
+    for row in sql::query(select).bind(key).fetch_all(&mut *db).await? {
         let at = (row.try_get("keyframe")?, row.try_get("detection")?);
         let (number, keyframe) = (at.1, at.0);
         let mut observation = decode::observation(&row, crops.contains(&at))
@@ -312,16 +307,14 @@ async fn observations(db: &mut Db, key: MapKey, known: &Known) -> Result<Vec<Cha
 
 async fn loops_and_merges(db: &mut Db, key: MapKey) -> Result<(Vec<Change>, Vec<Change>), StoreError> {
     let (mut loops, mut merges) = (Vec::new(), Vec::new());
-    for row in sqlx::query("select * from loops where map_key = $1 order by id")
-        .bind(key)
-        .fetch_all(&mut *db)
-        .await?
+    for row in
+        sql::query("select * from loops where map_key = $1 order by id").bind(key).fetch_all(&mut *db).await?
     {
         let closed = decode::closed_loop(&row).map_err(|error| error.of_row("a loop"))?;
         loops.push(Change::LoopAdded(closed));
     }
     let select = "select into_anchor, from_anchor, loop_id from anchor_merges where map_key = $1";
-    let rows: Vec<(u32, u32, String)> = sqlx::query_as(select).bind(key).fetch_all(&mut *db).await?;
+    let rows: Vec<(u32, u32, String)> = sql::query_as(select).bind(key).fetch_all(&mut *db).await?;
     for (into, from, by) in rows {
         let cause = if by.is_empty() { MergeCause::Covisible } else { MergeCause::Loop(decode::id(&by)?) };
         merges.push(Change::Merged(Merge { into: AnchorSeq(into), from: AnchorSeq(from), cause }));

@@ -2,9 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use sqlx::sqlite::SqliteRow;
-use sqlx::{AssertSqlSafe, Row, SqliteConnection};
-
 use super::blob::gravity_blob;
 use super::bulk_insert::write_rows;
 use super::decode::{self, digest};
@@ -16,60 +13,51 @@ use crate::domain::report::MapReport;
 use crate::domain::request::Digest;
 use crate::domain::settings::{SettingKind, SettingValue, Settings};
 use crate::store::commit::job::{Batch, MapKey};
+use crate::store::sql::{self, Connection, Row};
 use crate::store::{Store, StoreError};
 
 /// Adds a map, and returns its key, which no other map had or will have. Its events are numbered from above those of every map that was deleted, so that a client that resumes with a
-/// number of a deleted map is recognised. The greatest number that a deleted map would have given next is SQLite's
-/// `user_version`: it is part of the database file, of its transactions and of its backups.
+/// number of a deleted map is recognised.
 pub(in crate::store) async fn create(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     id: &MapId,
     properties: &MapProperties,
     digest: &Digest,
     owner: Option<KeySeq>,
 ) -> Result<MapKey, StoreError> {
     let give = "update map_keys set last = last + 1 returning last";
-    let key: MapKey = sqlx::query_scalar(give).fetch_one(&mut *db).await?;
+    let key: MapKey = sql::query_scalar(give).fetch_one(&mut *db).await?;
     let insert = "insert into maps (map_key, id, description, metric, version, next_keyframe, next_anchor, next_event, digest, owner, learned)
-        select $1, $2, '', 0, 1, 0, 0, user_version + 1, $3, $4, $5 from pragma_user_version";
-    let query = sqlx::query(insert).bind(key).bind(id.as_str()).bind(&digest[..]);
+        select $1, $2, '', 0, 1, 0, 0, last + 1, $3, $4, $5 from event_numbers";
+    let query = sql::query(insert).bind(key).bind(id.as_str()).bind(&digest[..]);
     run(db, query.bind(owner.map(|owner| owner.0)).bind(learned_text(&Learned::default()))).await?;
     set_properties(db, key, properties).await?;
     Ok(key)
 }
 
 /// Notes before a map is deleted that its events' numbers were given; a map without events gave none.
-pub(in crate::store) async fn keep_event_numbers(
-    db: &mut SqliteConnection,
-    key: MapKey,
-) -> Result<(), StoreError> {
-    let select = "select next_event from maps, pragma_user_version
-        where map_key = $1 and next_event > user_version and (exists (select 1 from events where map_key = $1) or exists (select 1 from erasures where map_key = $1))";
-    let higher: Option<i64> = sqlx::query_scalar(select).bind(key).fetch_optional(&mut *db).await?;
-    if let Some(next_event) = higher {
-        // SQLite keeps 32 bits of it.
-        let next_event = i32::try_from(next_event).unwrap_or(i32::MAX);
-        run(db, sqlx::query(AssertSqlSafe(format!("pragma user_version = {next_event}")))).await?;
-    }
-    Ok(())
+pub(in crate::store) async fn keep_event_numbers(db: &mut Connection, key: MapKey) -> Result<(), StoreError> {
+    let update = "update event_numbers set last = m.next_event from maps m
+        where m.map_key = $1 and m.next_event > event_numbers.last
+            and (exists (select 1 from events where map_key = $1) or exists (select 1 from erasures where map_key = $1))";
+    run(db, sql::query(update).bind(key)).await
 }
 
 /// Writes the number that [`keep_event_numbers`] keeps once more, and so a page of the database.
-pub(in crate::store) async fn rewrite_event_number(db: &mut SqliteConnection) -> Result<(), StoreError> {
-    let number: i64 = sqlx::query_scalar("pragma user_version").fetch_one(&mut *db).await?;
-    run(db, sqlx::query(AssertSqlSafe(format!("pragma user_version = {number}")))).await
+pub(in crate::store) async fn rewrite_event_number(db: &mut Connection) -> Result<(), StoreError> {
+    run(db, sql::query("update event_numbers set last = last")).await
 }
 
 /// Writes the versions of maps after a batch of each, with what follows from their facts: their figures.
 pub(in crate::store) async fn advance(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     batches: impl Iterator<Item = &Batch>,
 ) -> Result<(), StoreError> {
     let batches: Vec<&Batch> = batches.collect();
     let head = "update maps set version = column2, next_keyframe = column3, next_anchor = column4,
         next_event = column5, keyframes = column6, anchors = column7, sessions = column8, loops = column9,
         bytes = column10, memory_bytes = column11, learned = column12 from (";
-    write_rows(db, head, ") where maps.map_key = column1", &batches, |row, batch| {
+    write_rows(db, head, ") as given where maps.map_key = column1", &batches, |row, batch| {
         let MapFigures { keyframes, anchors, sessions, loops, bytes } = batch.figures;
         row.push_bind(batch.map).push_bind(batch.version as i64);
         row.push_bind(batch.next_keyframe.0)
@@ -101,26 +89,26 @@ impl Store {
             from maps m where m.id in (select value from json_each($1)) order by m.id";
         let ids: Vec<&str> = ids.iter().map(MapId::as_str).collect();
         let ids = serde_json::to_string(&ids).map_err(|error| StoreError::Database(error.to_string()))?;
-        let rows = sqlx::query(select).bind(ids).fetch_all(&self.readers).await?;
+        let rows = sql::query(select).bind(ids).fetch_all(&self.readers).await?;
         rows.iter().map(map_row).collect()
     }
 
     /// Returns the key of the map that has this name.
     pub async fn map_key(&self, id: &MapId) -> Result<Option<MapKey>, StoreError> {
         let select = "select map_key from maps where id = $1";
-        Ok(sqlx::query_scalar(select).bind(id.as_str()).fetch_optional(&self.readers).await?)
+        Ok(sql::query_scalar(select).bind(id.as_str()).fetch_optional(&self.readers).await?)
     }
 
     /// Returns what a map's index took in memory when it was last written to, in bytes; `None` if there is no such map.
     pub async fn map_memory(&self, id: &MapId) -> Result<Option<u64>, StoreError> {
         let select = "select memory_bytes from maps where id = $1";
         let found: Option<i64> =
-            sqlx::query_scalar(select).bind(id.as_str()).fetch_optional(&self.readers).await?;
+            sql::query_scalar(select).bind(id.as_str()).fetch_optional(&self.readers).await?;
         Ok(found.map(i64::unsigned_abs))
     }
 }
 
-fn map_row(row: &SqliteRow) -> Result<MapRow, StoreError> {
+fn map_row(row: &Row) -> Result<MapRow, StoreError> {
     let (chosen, classes): (&str, &str) = (row.try_get("chosen")?, row.try_get("classes")?);
     let unread = |error: serde_json::Error| StoreError::corrupt(error.to_string());
     let chosen: BTreeMap<String, String> = serde_json::from_str(chosen).map_err(unread)?;
@@ -149,7 +137,7 @@ fn map_row(row: &SqliteRow) -> Result<MapRow, StoreError> {
 }
 
 /// Returns the figures that a map's row shows.
-pub(in crate::store) fn figures(row: &SqliteRow) -> Result<MapFigures, StoreError> {
+pub(in crate::store) fn figures(row: &Row) -> Result<MapFigures, StoreError> {
     let figure = |name: &str| Ok::<_, StoreError>(row.try_get::<i64, _>(name)? as u64);
     Ok(MapFigures {
         keyframes: figure("keyframes")?,
@@ -171,7 +159,7 @@ fn learned_text(learned: &Learned) -> String {
 }
 
 /// Returns what a map's row says that it has learned; `None` if its last write was before rows said so.
-pub(in crate::store) fn learned(row: &SqliteRow) -> Result<Option<Learned>, StoreError> {
+pub(in crate::store) fn learned(row: &Row) -> Result<Option<Learned>, StoreError> {
     #[derive(serde::Deserialize)]
     struct Row {
         numbering: BTreeMap<Box<str>, Vec<String>>,
@@ -194,22 +182,22 @@ pub(in crate::store) fn learned(row: &SqliteRow) -> Result<Option<Learned>, Stor
 
 /// Returns a map's properties, in place of those it had.
 pub(in crate::store) async fn set_properties(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     properties: &MapProperties,
 ) -> Result<(), StoreError> {
     let update = "update maps set description = $2, metric = $3, gravity = $4 where map_key = $1";
-    let query = sqlx::query(update).bind(map).bind(&properties.description).bind(properties.metric);
+    let query = sql::query(update).bind(map).bind(&properties.description).bind(properties.metric);
     run(db, query.bind(properties.gravity.map(gravity_blob))).await?;
-    run(db, sqlx::query("delete from map_anchor_classes where map_key = $1").bind(map)).await?;
+    run(db, sql::query("delete from map_anchor_classes where map_key = $1").bind(map)).await?;
     for class in &properties.anchor_classes {
         let insert = "insert into map_anchor_classes (map_key, class) values ($1, $2)";
-        run(db, sqlx::query(insert).bind(map).bind(class)).await?;
+        run(db, sql::query(insert).bind(map).bind(class)).await?;
     }
-    run(db, sqlx::query("delete from map_settings where map_key = $1").bind(map)).await?;
+    run(db, sql::query("delete from map_settings where map_key = $1").bind(map)).await?;
     for (name, value) in chosen(&properties.settings) {
         let insert = "insert into map_settings (map_key, name, value) values ($1, $2, $3)";
-        run(db, sqlx::query(insert).bind(map).bind(name).bind(value)).await?;
+        run(db, sql::query(insert).bind(map).bind(name).bind(value)).await?;
     }
     Ok(())
 }
@@ -236,13 +224,13 @@ fn setting_text(value: SettingValue) -> String {
 
 /// Returns a map's properties, as its row and its settings say.
 pub(in crate::store) async fn properties(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     key: MapKey,
-    row: &SqliteRow,
+    row: &Row,
 ) -> Result<MapProperties, StoreError> {
     let classes = "select class from map_anchor_classes where map_key = $1 order by class";
     let stored: Vec<(String, String)> =
-        sqlx::query_as("select name, value from map_settings where map_key = $1")
+        sql::query_as("select name, value from map_settings where map_key = $1")
             .bind(key)
             .fetch_all(&mut *db)
             .await?;
@@ -250,7 +238,7 @@ pub(in crate::store) async fn properties(
         description: row.try_get("description")?,
         metric: row.try_get("metric")?,
         gravity: decode::gravity(row)?,
-        anchor_classes: sqlx::query_scalar(classes).bind(key).fetch_all(&mut *db).await?,
+        anchor_classes: sql::query_scalar(classes).bind(key).fetch_all(&mut *db).await?,
         settings: settings(stored)?,
     })
 }

@@ -2,9 +2,6 @@
 
 use std::collections::HashMap;
 
-use sqlx::sqlite::SqliteRow;
-use sqlx::{Row, SqliteConnection};
-
 use super::replaced_rows;
 use super::statement::run;
 use crate::domain::change::Change;
@@ -12,6 +9,7 @@ use crate::domain::ids::{KeyframeSeq, MapId};
 use crate::domain::judged::{CropRead, CropReading, Finding, ModelVerdict, TranscriptStep};
 use crate::domain::recorded::{NamedDetection, Recorded};
 use crate::store::commit::job::{MapKey, Spent};
+use crate::store::sql::{self, Connection, Row};
 use crate::store::{Store, StoreError};
 
 /// Answers are kept up to this number, oldest out first.
@@ -40,15 +38,15 @@ impl Store {
     /// Returns an answer that was paid for.
     pub async fn answer(&self, key: &[u8; 32]) -> Result<Option<String>, StoreError> {
         let select = "select answer from model_answers where key = $1";
-        Ok(sqlx::query_scalar(select).bind(&key[..]).fetch_optional(&self.readers).await?)
+        Ok(sql::query_scalar(select).bind(&key[..]).fetch_optional(&self.readers).await?)
     }
 
     /// Returns what was spent from this day on, by operation and model.
     pub async fn usage_since(&self, day: i64) -> Result<Vec<UsageRow>, StoreError> {
-        let select = "select operation, model, sum(calls) as calls, sum(input_tokens) as input_tokens,
-            sum(output_tokens) as output_tokens, sum(cost_microusd) as cost_microusd, sum(cache_hits) as cache_hits
+        let select = "select operation, model, cast(sum(calls) as bigint) as calls, cast(sum(input_tokens) as bigint) as input_tokens,
+            cast(sum(output_tokens) as bigint) as output_tokens, cast(sum(cost_microusd) as bigint) as cost_microusd, cast(sum(cache_hits) as bigint) as cache_hits
             from model_usage where day >= $1 group by operation, model order by operation, model";
-        let rows = sqlx::query(select).bind(day).fetch_all(&self.readers).await?;
+        let rows = sql::query(select).bind(day).fetch_all(&self.readers).await?;
         rows.iter()
             .map(|row| {
                 Ok(UsageRow {
@@ -67,14 +65,14 @@ impl Store {
     /// Returns what was spent on one day for each key: calls, and millionths of a US dollar.
     pub async fn usage_of_keys(&self, day: i64) -> Result<Vec<(i64, i64, i64)>, StoreError> {
         let select = "select key, calls, cost_microusd from key_usage where day = $1 order by key";
-        Ok(sqlx::query_as(select).bind(day).fetch_all(&self.readers).await?)
+        Ok(sql::query_as(select).bind(day).fetch_all(&self.readers).await?)
     }
 
     /// Returns the maps that hold crops: after a start, a model may have to read some of them. Releases stay as they are.
     pub async fn maps_with_crops(&self) -> Result<Vec<MapId>, StoreError> {
-        let select = "select id from maps where deleted = 0 and instr(id, '/') = 0
+        let select = "select id from maps where deleted = 0 and id not like '%/%'
             and exists (select 1 from crops where crops.map_key = maps.map_key) order by id";
-        let ids: Vec<String> = sqlx::query_scalar(select).fetch_all(&self.readers).await?;
+        let ids: Vec<String> = sql::query_scalar(select).fetch_all(&self.readers).await?;
         ids.iter().map(|id| super::decode::id(id)).collect()
     }
 
@@ -87,7 +85,7 @@ impl Store {
     ) -> Result<Vec<TranscriptStep>, StoreError> {
         let select = "select speaker, question, answer from transcripts
             where map_key = $1 and keyframe = $2 and detection = $3 order by step";
-        let query = sqlx::query_as(select).bind(map).bind(keyframe.0).bind(detection);
+        let query = sql::query_as(select).bind(map).bind(keyframe.0).bind(detection);
         let rows: Vec<(String, String, String)> = query.fetch_all(&self.readers).await?;
         let step = |(speaker, question, answer): (String, _, _)| TranscriptStep {
             speaker: speaker.into(),
@@ -99,7 +97,7 @@ impl Store {
 }
 
 pub(in crate::store) async fn add_reading(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     (map, version): (MapKey, u64),
     read: &CropRead,
 ) -> Result<(), StoreError> {
@@ -107,20 +105,20 @@ pub(in crate::store) async fn add_reading(
     let reading = &read.reading;
     // What is read anew stays in the place of its first reading.
     let select = "select version from model_readings where map_key = $1 and keyframe = $2 and detection = $3";
-    let first = sqlx::query_scalar(select).bind(map).bind(read.keyframe.0).bind(read.detection);
+    let first = sql::query_scalar(select).bind(map).bind(read.keyframe.0).bind(read.detection);
     let first: i64 = first.fetch_optional(&mut *db).await?.unwrap_or(version as i64);
     let delete = "delete from model_readings where map_key = $1 and keyframe = $2 and detection = $3";
-    run(db, sqlx::query(delete).bind(map).bind(read.keyframe.0).bind(read.detection)).await?;
+    run(db, sql::query(delete).bind(map).bind(read.keyframe.0).bind(read.detection)).await?;
     let insert =
         "insert into model_readings (map_key, keyframe, detection, text, source, described, degraded, fingerprint, version)
         values ($1, $2, $3, $4, $5, $6, $7, $8, $9)";
-    let query = sqlx::query(insert).bind(map).bind(read.keyframe.0).bind(read.detection);
+    let query = sql::query(insert).bind(map).bind(read.keyframe.0).bind(read.detection);
     let query = query.bind(&*reading.text).bind(&*reading.source).bind(reading.described);
     run(db, query.bind(reading.degraded).bind(&*read.fingerprint).bind(first)).await?;
     for (number, step) in read.transcript.iter().enumerate() {
         let insert = "insert into transcripts (map_key, keyframe, detection, step, speaker, question, answer)
             values ($1, $2, $3, $4, $5, $6, $7)";
-        let query = sqlx::query(insert).bind(map).bind(read.keyframe.0).bind(read.detection);
+        let query = sql::query(insert).bind(map).bind(read.keyframe.0).bind(read.detection);
         let query = query.bind(number as i64).bind(&*step.speaker).bind(&step.question);
         run(db, query.bind(&step.answer)).await?;
     }
@@ -128,7 +126,7 @@ pub(in crate::store) async fn add_reading(
 }
 
 pub(in crate::store) async fn add_verdict(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     (map, version): (MapKey, u64),
     verdict: &ModelVerdict,
 ) -> Result<(), StoreError> {
@@ -144,14 +142,14 @@ pub(in crate::store) async fn add_verdict(
         on conflict (map_key, operation, class, a, b) do update
         set level = excluded.level, text = excluded.text, source = excluded.source, reason = excluded.reason,
             fingerprint = excluded.fingerprint";
-    let query = sqlx::query(insert).bind(map).bind(operation).bind(&*verdict.class);
+    let query = sql::query(insert).bind(map).bind(operation).bind(&*verdict.class);
     let query = query.bind(&*verdict.a).bind(&*verdict.b).bind(level).bind(text);
     let query = query.bind(&*verdict.source).bind(&*verdict.reason);
     run(db, query.bind(&*verdict.fingerprint).bind(version as i64)).await
 }
 
 pub(in crate::store) async fn set_away(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     away: bool,
 ) -> Result<(), StoreError> {
@@ -160,21 +158,21 @@ pub(in crate::store) async fn set_away(
     } else {
         "delete from models_away where map_key = $1"
     };
-    run(db, sqlx::query(change).bind(map)).await
+    run(db, sql::query(change).bind(map)).await
 }
 
-pub(in crate::store) async fn forget_away(db: &mut SqliteConnection) -> Result<(), StoreError> {
+pub(in crate::store) async fn forget_away(db: &mut Connection) -> Result<(), StoreError> {
     // Releases stay as they are.
-    let update = "update maps set version = version + 1 where instr(id, '/') = 0
+    let update = "update maps set version = version + 1 where id not like '%/%'
         and map_key in (select map_key from models_away)";
-    run(db, sqlx::query(update)).await?;
+    run(db, sql::query(update)).await?;
     let delete =
-        "delete from models_away where map_key in (select map_key from maps where instr(id, '/') = 0)";
-    run(db, sqlx::query(delete)).await
+        "delete from models_away where map_key in (select map_key from maps where id not like '%/%')";
+    run(db, sql::query(delete)).await
 }
 
 pub(in crate::store) async fn keep_answer(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     key: &[u8; 32],
     operation: &str,
     model: &str,
@@ -182,32 +180,32 @@ pub(in crate::store) async fn keep_answer(
 ) -> Result<(), StoreError> {
     let insert = "insert into model_answers (key, operation, model, answer) values ($1, $2, $3, $4)
         on conflict (key) do update set answer = excluded.answer";
-    run(db, sqlx::query(insert).bind(&key[..]).bind(operation).bind(model).bind(answer)).await?;
+    run(db, sql::query(insert).bind(&key[..]).bind(operation).bind(model).bind(answer)).await?;
     let sweep = "delete from model_answers where kept <= (select max(kept) from model_answers) - $1";
-    run(db, sqlx::query(sweep).bind(ANSWERS_KEPT)).await
+    run(db, sql::query(sweep).bind(ANSWERS_KEPT)).await
 }
 
-pub(in crate::store) async fn spend(db: &mut SqliteConnection, spent: &Spent) -> Result<(), StoreError> {
+pub(in crate::store) async fn spend(db: &mut Connection, spent: &Spent) -> Result<(), StoreError> {
     let insert = "insert into model_usage
             (day, operation, model, calls, input_tokens, output_tokens, cost_microusd, cache_hits)
         values ($1, $2, $3, $4, $5, $6, $7, $8)
         on conflict (day, operation, model) do update set
-            calls = calls + excluded.calls, input_tokens = input_tokens + excluded.input_tokens,
-            output_tokens = output_tokens + excluded.output_tokens,
-            cost_microusd = cost_microusd + excluded.cost_microusd, cache_hits = cache_hits + excluded.cache_hits";
-    let query = sqlx::query(insert).bind(spent.day).bind(spent.operation).bind(&*spent.model);
+            calls = model_usage.calls + excluded.calls, input_tokens = model_usage.input_tokens + excluded.input_tokens,
+            output_tokens = model_usage.output_tokens + excluded.output_tokens,
+            cost_microusd = model_usage.cost_microusd + excluded.cost_microusd, cache_hits = model_usage.cache_hits + excluded.cache_hits";
+    let query = sql::query(insert).bind(spent.day).bind(spent.operation).bind(&*spent.model);
     let query = query.bind(spent.calls).bind(spent.input_tokens).bind(spent.output_tokens);
     run(db, query.bind(spent.cost_microusd).bind(spent.cache_hits)).await?;
     let Some(key) = spent.key else { return Ok(()) };
     let insert = "insert into key_usage (day, key, calls, cost_microusd) values ($1, $2, $3, $4)
         on conflict (day, key) do update set
-            calls = calls + excluded.calls, cost_microusd = cost_microusd + excluded.cost_microusd";
-    run(db, sqlx::query(insert).bind(spent.day).bind(key.0).bind(spent.calls).bind(spent.cost_microusd)).await
+            calls = key_usage.calls + excluded.calls, cost_microusd = key_usage.cost_microusd + excluded.cost_microusd";
+    run(db, sql::query(insert).bind(spent.day).bind(key.0).bind(spent.calls).bind(spent.cost_microusd)).await
 }
 
 /// Returns what models said of a map, by the version that first brought it.
 pub(in crate::store) async fn by_version(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
 ) -> Result<Vec<(u64, Recorded)>, StoreError> {
     let mut said = Vec::new();
@@ -215,14 +213,14 @@ pub(in crate::store) async fn by_version(
         from model_readings r join keyframes k on k.map_key = r.map_key and k.keyframe = r.keyframe
         where r.map_key = $1 order by r.keyframe, r.detection";
     let rows: Vec<(i64, String, u16, String, String, bool, bool)> =
-        sqlx::query_as(select).bind(map).fetch_all(&mut *db).await?;
+        sql::query_as(select).bind(map).fetch_all(&mut *db).await?;
     for (version, keyframe, number, text, source, described, degraded) in rows {
         let detection = NamedDetection { keyframe: super::decode::id(&keyframe)?, number };
         let reading = CropReading { text: text.into(), source: source.into(), described, degraded };
         said.push((version as u64, Recorded::CropRead { detection, reading }));
     }
     let select = "select * from model_verdicts where map_key = $1 order by operation, class, a, b";
-    for row in sqlx::query(select).bind(map).fetch_all(&mut *db).await? {
+    for row in sql::query(select).bind(map).fetch_all(&mut *db).await? {
         let version: i64 = row.try_get("version")?;
         said.push((version as u64, Recorded::Judged(verdict(&row)?)));
     }
@@ -231,24 +229,21 @@ pub(in crate::store) async fn by_version(
 }
 
 /// Returns the verdicts about a map's texts, and whether it waits for a model.
-pub(in crate::store) async fn verdicts(
-    db: &mut SqliteConnection,
-    map: MapKey,
-) -> Result<Vec<Change>, StoreError> {
+pub(in crate::store) async fn verdicts(db: &mut Connection, map: MapKey) -> Result<Vec<Change>, StoreError> {
     let mut changes = Vec::new();
     let select = "select operation, class, a, b, level, text, source, reason, fingerprint from model_verdicts
         where map_key = $1";
-    for row in sqlx::query(select).bind(map).fetch_all(&mut *db).await? {
+    for row in sql::query(select).bind(map).fetch_all(&mut *db).await? {
         changes.push(Change::Judged(Box::new(verdict(&row)?)));
     }
     let select = "select exists (select 1 from models_away where map_key = $1)";
-    if sqlx::query_scalar(select).bind(map).fetch_one(&mut *db).await? {
+    if sql::query_scalar(select).bind(map).fetch_one(&mut *db).await? {
         changes.push(Change::ModelAway(true));
     }
     Ok(changes)
 }
 
-fn verdict(row: &SqliteRow) -> Result<ModelVerdict, StoreError> {
+fn verdict(row: &Row) -> Result<ModelVerdict, StoreError> {
     let level = || -> Result<u8, StoreError> { Ok(row.try_get::<u8, _>("level")?) };
     let finding = match row.try_get::<&str, _>("operation")? {
         "similarity" => Finding::Similarity(level()?),
@@ -269,13 +264,13 @@ fn verdict(row: &SqliteRow) -> Result<ModelVerdict, StoreError> {
 
 /// Returns what models made of a map's crops.
 pub(in crate::store) async fn readings(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
 ) -> Result<HashMap<(u32, u16), CropReading>, StoreError> {
     let select = "select keyframe, detection, text, source, described, degraded from model_readings
         where map_key = $1";
     let rows: Vec<(u32, u16, String, String, bool, bool)> =
-        sqlx::query_as(select).bind(map).fetch_all(db).await?;
+        sql::query_as(select).bind(map).fetch_all(db).await?;
     let reading = |(keyframe, detection, text, source, described, degraded): (_, _, String, String, _, _)| {
         let reading = CropReading { text: text.into(), source: source.into(), described, degraded };
         ((keyframe, detection), reading)

@@ -2,9 +2,6 @@
 
 use std::collections::HashMap;
 
-use sqlx::sqlite::SqliteRow;
-use sqlx::{Row as _, SqliteConnection};
-
 use super::blob::{pack, unpack};
 use super::column::{integers, integers_of};
 use super::statement::run;
@@ -12,6 +9,7 @@ use crate::domain::change::{Keyframe, PointsOfKeyframe, Renamed};
 use crate::domain::ids::{KeyframeSeq, PointId};
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
+use crate::store::sql::{self, Connection, Row};
 
 /// The columns of a keyframe's points beside those of its own row, for a select that joins the two.
 pub(in crate::store) const JOINED: &str =
@@ -20,16 +18,19 @@ pub(in crate::store) const JOINED: &str =
 
 /// Sets what a keyframe observes.
 pub(in crate::store) async fn set_points_of_keyframe(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     points: &PointsOfKeyframe,
 ) -> Result<(), StoreError> {
-    let insert = "insert or replace into keyframe_points
+    let insert = "insert into keyframe_points
         (map_key, keyframe, observes, renamed_from, renamed_to, renames_all, declared, bytes)
-        values ($1, $2, $3, $4, $5, $6, $7, $8)";
+        values ($1, $2, $3, $4, $5, $6, $7, $8)
+        on conflict (map_key, keyframe) do update set observes = excluded.observes,
+            renamed_from = excluded.renamed_from, renamed_to = excluded.renamed_to,
+            renames_all = excluded.renames_all, declared = excluded.declared, bytes = excluded.bytes";
     let (from, to): (Vec<PointId>, Vec<PointId>) = points.renamed.pairs.iter().copied().unzip();
     let query =
-        sqlx::query(insert).bind(map).bind(points.keyframe.0).bind(integers(&points.observes.to_vec()));
+        sql::query(insert).bind(map).bind(points.keyframe.0).bind(integers(&points.observes.to_vec()));
     let declared = pack(points.declared.iter().map(|(other, shared)| (other.0, *shared)));
     let query = query.bind(integers(&from)).bind(integers(&to)).bind(points.renamed.is_complete);
     run(db, query.bind(declared).bind(points.bytes as i64)).await
@@ -37,18 +38,19 @@ pub(in crate::store) async fn set_points_of_keyframe(
 
 /// Sets the map points of a detection.
 pub(in crate::store) async fn set_points_of_detection(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     (keyframe, detection): (KeyframeSeq, u16),
     points: &[PointId],
 ) -> Result<(), StoreError> {
-    let insert = "insert or replace into detection_points (map_key, keyframe, detection, map_points)
-        values ($1, $2, $3, $4)";
-    run(db, sqlx::query(insert).bind(map).bind(keyframe.0).bind(detection).bind(integers(points))).await
+    let insert =
+        "insert into detection_points (map_key, keyframe, detection, map_points) values ($1, $2, $3, $4)
+        on conflict (map_key, keyframe, detection) do update set map_points = excluded.map_points";
+    run(db, sql::query(insert).bind(map).bind(keyframe.0).bind(detection).bind(integers(points))).await
 }
 
 /// Gives a keyframe what it observes now, if its row was selected with [`JOINED`] and that is not what was sent.
-pub(in crate::store) fn bring_up_to_date(keyframe: &mut Keyframe, row: &SqliteRow) -> Result<(), StoreError> {
+pub(in crate::store) fn bring_up_to_date(keyframe: &mut Keyframe, row: &Row) -> Result<(), StoreError> {
     let Some(observes) = row.try_get::<Option<&[u8]>, _>("observes_now")? else { return Ok(()) };
     let declared: Vec<(u32, u32)> = unpack(row.try_get("declared_now")?)?;
     let from: Vec<PointId> = integers_of(row.try_get("renamed_from")?)?;
@@ -66,11 +68,11 @@ pub(in crate::store) fn bring_up_to_date(keyframe: &mut Keyframe, row: &SqliteRo
 
 /// Returns the map points of those detections of a map that have others than were sent.
 pub(in crate::store) async fn points_of_detections(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
 ) -> Result<HashMap<(u32, u16), Vec<PointId>>, StoreError> {
     let select = "select keyframe, detection, map_points from detection_points where map_key = $1";
-    let rows: Vec<(u32, u16, Vec<u8>)> = sqlx::query_as(select).bind(map).fetch_all(db).await?;
+    let rows: Vec<(u32, u16, Vec<u8>)> = sql::query_as(select).bind(map).fetch_all(db).await?;
     let read = |(keyframe, detection, points): (u32, u16, Vec<u8>)| {
         let of_row = |error: StoreError| {
             error.of_row(format!("the points of detection {detection} of keyframe number {keyframe}"))

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use sqlx::SqliteConnection;
 
 use super::map_rows;
 use super::statement::run;
@@ -14,6 +13,7 @@ use crate::domain::prior::Prior;
 use crate::domain::session_merge::Renumbering;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
+use crate::store::sql::{self, Connection};
 
 /// An operation, with the dense numbers of that time.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
@@ -191,26 +191,27 @@ const OBSERVATIONS: &str = "observations";
 
 /// Adds an operation. Of one kind a version has one: of an object whose anchors are removed one by one, the first tells.
 pub(in crate::store) async fn add(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     (map, version): (MapKey, u64),
     operation: &Operation,
 ) -> Result<(), StoreError> {
     let body = serde_json::to_string(operation).map_err(|error| StoreError::Database(error.to_string()))?;
     let insert = "insert into operations (map_key, version, operation, body) values ($1, $2, $3, $4)
         on conflict do nothing";
-    let query = sqlx::query(insert).bind(map).bind(version as i64).bind(operation.name());
+    let query = sql::query(insert).bind(map).bind(version as i64).bind(operation.name());
     run(db, query.bind(body)).await
 }
 
 /// Returns the operations of a map, in their order.
 pub(in crate::store) async fn all(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
 ) -> Result<Vec<(u64, Operation)>, StoreError> {
     // A map comes before all that is in it.
-    let select = "select version, iif(operation = $2, null, body) from operations where map_key = $1
+    let select =
+        "select version, case when operation = $2 then null else body end from operations where map_key = $1
         order by version, operation <> 'map', operation";
-    let query = sqlx::query_as(select).bind(map).bind(OBSERVATIONS);
+    let query = sql::query_as(select).bind(map).bind(OBSERVATIONS);
     let rows: Vec<(i64, Option<String>)> = query.fetch_all(db).await?;
     let read = |(version, body): (i64, Option<String>)| {
         let operation = body.map_or(Ok(Operation::ObservationsUnread), |body| read(version, &body))?;
@@ -221,11 +222,11 @@ pub(in crate::store) async fn all(
 
 /// Reads what changed observations in a version.
 pub(in crate::store) async fn observations(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     (map, version): (MapKey, u64),
 ) -> Result<Operation, StoreError> {
     let select = "select body from operations where map_key = $1 and version = $2 and operation = $3";
-    let query = sqlx::query_scalar(select).bind(map).bind(version as i64).bind(OBSERVATIONS);
+    let query = sql::query_scalar(select).bind(map).bind(version as i64).bind(OBSERVATIONS);
     let body: String = query.fetch_one(db).await?;
     read(version as i64, &body)
 }

@@ -1,13 +1,11 @@
 //! Packing: how the numbers of a keyframe's rows lie in their blobs, by the version that wrote them.
 
-use sqlx::Row as _;
-use sqlx::sqlite::SqliteRow;
-
 use super::blob::unpack;
 use super::column::{floats, floats_of, integers_of};
 use crate::domain::keyframe::Keypoint;
 use crate::domain::varint;
 use crate::store::StoreError;
+use crate::store::sql::Row;
 
 /// The way in which the numbers of a row are packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +29,7 @@ impl Packing {
     }
 
     /// Reads the packing of a row.
-    pub fn of(row: &SqliteRow) -> Result<Self, StoreError> {
+    pub fn of(row: &Row) -> Result<Self, StoreError> {
         match row.try_get("packing")? {
             0 => Ok(Self::Fixed),
             1 => Ok(Self::Columns),

@@ -5,9 +5,6 @@
 
 use std::collections::BTreeMap;
 
-use sqlx::sqlite::SqlitePool;
-use sqlx::{Acquire as _, SqliteConnection};
-
 use super::blob::{pack, unpack};
 use super::bulk_insert::write_rows;
 use super::statement::run;
@@ -15,6 +12,8 @@ use crate::domain::ids::{PointId, SessionSeq};
 use crate::geometry::Point3;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
+use crate::store::commit::transaction::Transaction;
+use crate::store::sql::{self, Connection, Pool};
 
 /// Numbers of a block, as a power of two.
 const BLOCK_BITS: u32 = 6;
@@ -75,7 +74,7 @@ pub(in crate::store) fn points_of(
 
 /// Sets points, and removes those without a position. Of one that is given twice the last counts.
 pub(in crate::store) async fn change(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     points: impl IntoIterator<Item = (SessionSeq, PointId, Option<Point3>)>,
 ) -> Result<(), StoreError> {
@@ -95,7 +94,7 @@ pub(in crate::store) async fn change(
 
 /// Changes the points of blocks of one session.
 async fn change_blocks(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     session: SessionSeq,
     changed: &[((SessionSeq, i64), Changes)],
@@ -122,29 +121,29 @@ async fn change_blocks(
     .await?;
     for block in emptied {
         let delete = "delete from point_blocks where map_key = $1 and session = $2 and block = $3";
-        run(db, sqlx::query(delete).bind(map).bind(session.0).bind(block)).await?;
+        run(db, sql::query(delete).bind(map).bind(session.0).bind(block)).await?;
     }
     Ok(())
 }
 
 /// Returns those of these blocks that are there.
 async fn blocks(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     session: SessionSeq,
     numbers: &[i64],
 ) -> Result<BTreeMap<i64, Block>, StoreError> {
     let select = "select block, points from point_blocks
-        where map_key = $1 and session = $2 and block in (select value from json_each($3))";
+        where map_key = $1 and session = $2 and block in (select cast(value as bigint) from json_each($3))";
     let list = serde_json::json!(numbers).to_string();
     let rows: Vec<(i64, Vec<u8>)> =
-        sqlx::query_as(select).bind(map).bind(session.0).bind(list).fetch_all(db).await?;
+        sql::query_as(select).bind(map).bind(session.0).bind(list).fetch_all(db).await?;
     rows.into_iter().map(|(number, points)| Ok((number, Block::of(&points)?))).collect()
 }
 
 /// Returns the positions of those of these points that have one.
 pub(in crate::store) async fn positions(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     session: SessionSeq,
     ids: &[PointId],
@@ -167,14 +166,13 @@ pub(in crate::store) async fn positions(
 }
 
 /// Moves the rows of former versions into blocks, some in each transaction, so that it may be interrupted.
-pub(in crate::store) async fn move_rows(pool: &SqlitePool) -> Result<(), StoreError> {
-    let mut connection = pool.acquire().await?;
+pub(in crate::store) async fn move_rows(pool: &Pool) -> Result<(), StoreError> {
     loop {
-        let mut db = connection.begin().await?;
+        let mut db = Transaction::write(pool).await?;
         let select = "select map_key, session, point, x, y, z from map_points order by map_key, session, point limit $1";
         let rows: Vec<(MapKey, u32, PointId, f64, f64, f64)> =
-            sqlx::query_as(select).bind(ROWS_MOVED).fetch_all(&mut *db).await?;
-        let Some(last) = rows.last() else { return Ok(()) };
+            sql::query_as(select).bind(ROWS_MOVED).fetch_all(&mut *db).await?;
+        let Some(last) = rows.last() else { return db.commit().await };
         for of_map in rows.chunk_by(|a, b| a.0 == b.0) {
             let points = of_map
                 .iter()
@@ -182,7 +180,7 @@ pub(in crate::store) async fn move_rows(pool: &SqlitePool) -> Result<(), StoreEr
             change(&mut db, of_map[0].0, points).await?;
         }
         let delete = "delete from map_points where (map_key, session, point) <= ($1, $2, $3)";
-        run(&mut db, sqlx::query(delete).bind(last.0).bind(last.1).bind(last.2)).await?;
+        run(&mut db, sql::query(delete).bind(last.0).bind(last.1).bind(last.2)).await?;
         db.commit().await?;
     }
 }

@@ -1,8 +1,5 @@
 //! Prior anchors as rows, to the database and back.
 
-use sqlx::sqlite::SqliteRow;
-use sqlx::{Row as _, SqliteConnection};
-
 use super::blob::{pack, unpack_array};
 use super::decode;
 use super::operation_rows::{self, Operation};
@@ -14,10 +11,11 @@ use crate::domain::prior::{NewPrior, Prior};
 use crate::geometry::Point3;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
+use crate::store::sql::{self, Connection, Row};
 
 /// Adds a prior anchor, whose anchor and frame are there, and notes that it was put.
 pub(in crate::store) async fn add(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     (map, version): (MapKey, u64),
     anchor: AnchorSeq,
     prior: &Prior,
@@ -26,7 +24,7 @@ pub(in crate::store) async fn add(
         "insert into prior_anchors (map_key, anchor, id, frame, description, position, normal, source)
         values ($1, $2, $3, $4, $5, $6, $7, $8)";
     let Point3 { coords } = prior.position_in_frame;
-    let query = sqlx::query(insert)
+    let query = sql::query(insert)
         .bind(map)
         .bind(anchor.0)
         .bind(prior.id.as_str())
@@ -37,19 +35,19 @@ pub(in crate::store) async fn add(
         .bind(prior.source.as_deref());
     run(db, query).await?;
     let select = "select class from anchors where map_key = $1 and anchor = $2";
-    let class: String = sqlx::query_scalar(select).bind(map).bind(anchor.0).fetch_one(&mut *db).await?;
+    let class: String = sql::query_scalar(select).bind(map).bind(anchor.0).fetch_one(&mut *db).await?;
     operation_rows::add(db, (map, version), &operation_rows::prior(class, prior)).await
 }
 
 /// Removes a prior anchor, and notes that it was deleted; does nothing if the anchor is none.
 pub(in crate::store) async fn remove(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     (map, version): (MapKey, u64),
     anchor: AnchorSeq,
 ) -> Result<(), StoreError> {
     let delete = "delete from prior_anchors where map_key = $1 and anchor = $2 returning id";
     let removed: Option<String> =
-        sqlx::query_scalar(delete).bind(map).bind(anchor.0).fetch_optional(&mut *db).await?;
+        sql::query_scalar(delete).bind(map).bind(anchor.0).fetch_optional(&mut *db).await?;
     match removed {
         Some(id) => operation_rows::add(db, (map, version), &Operation::PriorDeleted { id }).await,
         None => Ok(()),
@@ -58,13 +56,13 @@ pub(in crate::store) async fn remove(
 
 /// Returns the prior anchors of a map, by number.
 pub(in crate::store) async fn all(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     known: &Known,
 ) -> Result<Vec<Change>, StoreError> {
     let select = "select * from prior_anchors where map_key = $1 order by anchor";
-    let rows = sqlx::query(select).bind(map).fetch_all(db).await?;
-    let read = |row: SqliteRow| {
+    let rows = sql::query(select).bind(map).fetch_all(db).await?;
+    let read = |row: Row| {
         let number: u32 = row.try_get("anchor")?;
         let prior = prior(&row).map_err(|error| error.of_row(format!("prior anchor number {number}")))?;
         validate::prior(AnchorSeq(number), &prior, known)?;
@@ -73,7 +71,7 @@ pub(in crate::store) async fn all(
     rows.into_iter().map(read).collect()
 }
 
-fn prior(row: &SqliteRow) -> Result<Prior, StoreError> {
+fn prior(row: &Row) -> Result<Prior, StoreError> {
     let normal: Option<&[u8]> = row.try_get("normal")?;
     Ok(Prior {
         id: decode::id(row.try_get("id")?)?,

@@ -2,9 +2,6 @@
 
 use std::ops::Range;
 
-use sqlx::Row;
-use sqlx::sqlite::SqliteRow;
-
 use super::blob::{unpack, unpack_array};
 use super::decode::{self, point};
 use super::frame_rows;
@@ -21,6 +18,7 @@ use crate::domain::request::KeyframeDigest;
 use crate::domain::session_merge::MergeUndo;
 use crate::store::commit::job::MapKey;
 use crate::store::slices::deferred;
+use crate::store::sql::{self, Row};
 use crate::store::{Store, StoreError};
 
 /// What only the store keeps of a keyframe.
@@ -53,10 +51,10 @@ impl Store {
     /// Returns the names of the maps after one, ascending, without their releases.
     pub async fn map_ids(&self, after: Option<&MapId>, limit: usize) -> Result<Vec<MapId>, StoreError> {
         let select =
-            "select id from maps where id > $1 and deleted = 0 and instr(id, '/') = 0 order by id limit $2";
+            "select id from maps where id > $1 and deleted = 0 and id not like '%/%' order by id limit $2";
         let after = after.map_or("", MapId::as_str);
         let ids: Vec<String> =
-            sqlx::query_scalar(select).bind(after).bind(limit as i64).fetch_all(&self.readers).await?;
+            sql::query_scalar(select).bind(after).bind(limit as i64).fetch_all(&self.readers).await?;
         ids.iter().map(|id| decode::id(id)).collect()
     }
 
@@ -64,7 +62,7 @@ impl Store {
     pub async fn bow(&self, map: MapKey, keyframe: KeyframeSeq) -> Result<Option<BowVector>, StoreError> {
         let select =
             "select bow_words, bow_weights, packing from keyframes where map_key = $1 and keyframe = $2";
-        let row = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&self.readers).await?;
+        let row = sql::query(select).bind(map).bind(keyframe.0).fetch_optional(&self.readers).await?;
         let of_row = |error: StoreError| error.of_row(format!("keyframe number {}", keyframe.0));
         self.of_map(map, row.as_ref().map(decode::bow).transpose().map_err(of_row)).await
     }
@@ -72,7 +70,7 @@ impl Store {
     /// Returns the features of a keyframe, if it has any.
     pub async fn features(&self, map: MapKey, keyframe: KeyframeSeq) -> Result<Option<Features>, StoreError> {
         let select = "select * from keyframe_features where map_key = $1 and keyframe = $2";
-        let row = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&self.readers).await?;
+        let row = sql::query(select).bind(map).bind(keyframe.0).fetch_optional(&self.readers).await?;
         let of_row =
             |error: StoreError| error.of_row(format!("the features of keyframe number {}", keyframe.0));
         self.of_map(map, row.as_ref().map(features).transpose().map_err(of_row)).await
@@ -86,17 +84,17 @@ impl Store {
     ) -> Result<Option<KeyframeRow>, StoreError> {
         let mut db = self.snapshot().await?;
         let select = "select bow_words, bow_weights, sent_points, digest, packing from keyframes where map_key = $1 and keyframe = $2";
-        let found = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&mut *db).await?;
+        let found = sql::query(select).bind(map).bind(keyframe.0).fetch_optional(&mut *db).await?;
         let Some(row) = found else {
             db.commit().await?;
             return Ok(None);
         };
         let select = "select * from keyframe_features where map_key = $1 and keyframe = $2";
-        let features_row = sqlx::query(select).bind(map).bind(keyframe.0).fetch_optional(&mut *db).await?;
+        let features_row = sql::query(select).bind(map).bind(keyframe.0).fetch_optional(&mut *db).await?;
         let select = "select d.*, exists (select 1 from crops c where c.map_key = d.map_key and c.keyframe = d.keyframe
                 and c.detection = d.detection) as has_crop
             from detections d where d.map_key = $1 and d.keyframe = $2 order by d.detection";
-        let detections = sqlx::query(select).bind(map).bind(keyframe.0).fetch_all(&mut *db).await?;
+        let detections = sql::query(select).bind(map).bind(keyframe.0).fetch_all(&mut *db).await?;
         let moved = deferred::positions(&mut db, map, keyframe).await?;
         db.commit().await?;
         let of_row = |error: StoreError| error.of_row(format!("keyframe number {}", keyframe.0));
@@ -119,7 +117,7 @@ impl Store {
     ) -> Result<Option<Crop>, StoreError> {
         let select =
             "select media_type, bytes from crops where map_key = $1 and keyframe = $2 and detection = $3";
-        let query = sqlx::query_as(select).bind(map).bind(keyframe.0).bind(detection);
+        let query = sql::query_as(select).bind(map).bind(keyframe.0).bind(detection);
         let found: Option<(String, Vec<u8>)> = query.fetch_optional(&self.readers).await?;
         let Some((media_type, bytes)) = found else { return Ok(None) };
         let crop = match Crop::media_type_of(&bytes) {
@@ -137,7 +135,7 @@ impl Store {
         let select = "select body from loop_queries where id = $2
             and map_key in (select $1 union all select release_key from releases where map_key = $1) limit 1";
         let found: Option<Vec<u8>> =
-            sqlx::query_scalar(select).bind(map).bind(id).fetch_optional(&self.readers).await?;
+            sql::query_scalar(select).bind(map).bind(id).fetch_optional(&self.readers).await?;
         let whole = match found {
             Some(body) if !names_itself(id, &body) => {
                 Err(StoreError::corrupt(format!("the answer of loop query {id} is damaged")))
@@ -172,7 +170,7 @@ impl Store {
         let select =
             "select coalesce((select min(seq) from events where map_key = $1), next_event), next_event
             from maps where map_key = $1 and deleted = 0";
-        let kept: Option<(i64, i64)> = sqlx::query_as(select).bind(map).fetch_optional(&self.readers).await?;
+        let kept: Option<(i64, i64)> = sql::query_as(select).bind(map).fetch_optional(&self.readers).await?;
         Ok(kept.map(|(oldest, next)| oldest.unsigned_abs()..next.unsigned_abs()))
     }
 
@@ -181,7 +179,7 @@ impl Store {
         let select = "select * from events where map_key = $1 and seq > $2 order by seq limit $3";
         let since = i64::try_from(since).unwrap_or(i64::MAX);
         let rows =
-            sqlx::query(select).bind(map).bind(since).bind(limit as i64).fetch_all(&self.readers).await?;
+            sql::query(select).bind(map).bind(since).bind(limit as i64).fetch_all(&self.readers).await?;
         let found = rows.iter().map(event).collect::<Result<Vec<Event>, _>>();
         let found = self.of_map(map, found).await?;
         let mut expected = since as u64 + 1;
@@ -200,23 +198,23 @@ impl Store {
     /// Whether an event of this number or an earlier one is kept. The oldest are taken out, and none in the middle.
     async fn has_events_up_to(&self, map: MapKey, seq: i64) -> Result<bool, StoreError> {
         let select = "select exists (select 1 from events where map_key = $1 and seq <= $2)";
-        Ok(sqlx::query_scalar(select).bind(map).bind(seq).fetch_one(&self.readers).await?)
+        Ok(sql::query_scalar(select).bind(map).bind(seq).fetch_one(&self.readers).await?)
     }
 
     /// Names the map in an error about one of its rows.
     async fn of_map<T>(&self, map: MapKey, read: Result<T, StoreError>) -> Result<T, StoreError> {
         let Err(error @ StoreError::Corrupt(_)) = read else { return read };
         let select = "select id from maps where map_key = $1";
-        let id: Option<String> = sqlx::query_scalar(select).bind(map).fetch_optional(&self.readers).await?;
+        let id: Option<String> = sql::query_scalar(select).bind(map).fetch_optional(&self.readers).await?;
         Err(error.of_map(id.unwrap_or_else(|| format!("number {map}"))))
     }
 }
 
 /// Puts a keyframe together; its detections are numbered from 0 without a gap.
 fn keyframe_row(
-    row: &SqliteRow,
-    features_row: Option<&SqliteRow>,
-    detection_rows: &[SqliteRow],
+    row: &Row,
+    features_row: Option<&Row>,
+    detection_rows: &[Row],
 ) -> Result<KeyframeRow, StoreError> {
     let mut detections = Vec::with_capacity(detection_rows.len());
     for (expected, row) in (0_i64..).zip(detection_rows) {
@@ -242,11 +240,11 @@ pub(in crate::store) fn names_itself(id: &str, body: &[u8]) -> bool {
     body.is_some_and(|body| body["id"] == *id)
 }
 
-pub(in crate::store) fn sent_points(row: &SqliteRow) -> Result<Vec<PointId>, StoreError> {
+pub(in crate::store) fn sent_points(row: &Row) -> Result<Vec<PointId>, StoreError> {
     Packing::of(row)?.wide(row.try_get("sent_points")?)
 }
 
-pub(in crate::store) fn features(row: &SqliteRow) -> Result<Features, StoreError> {
+pub(in crate::store) fn features(row: &Row) -> Result<Features, StoreError> {
     let packing = Packing::of(row)?;
     let keypoints = packing.keypoints(row.try_get("keypoints")?)?;
     let map_points = packing.wide(row.try_get("map_points")?)?;
@@ -264,7 +262,7 @@ pub(in crate::store) fn features(row: &SqliteRow) -> Result<Features, StoreError
 }
 
 /// Reads a detection; its crop has rows of its own.
-pub(in crate::store) fn detection(row: &SqliteRow) -> Result<DetectionRow, StoreError> {
+pub(in crate::store) fn detection(row: &Row) -> Result<DetectionRow, StoreError> {
     let outcome: &str = row.try_get("outcome")?;
     let anchor = row.try_get::<Option<u32>, _>("anchor")?.map(AnchorSeq);
     let outcome = match (outcome, anchor) {
@@ -289,7 +287,7 @@ pub(in crate::store) fn detection(row: &SqliteRow) -> Result<DetectionRow, Store
     Ok(DetectionRow { has_crop: false, detection, outcome })
 }
 
-pub(in crate::store) fn event(row: &SqliteRow) -> Result<Event, StoreError> {
+pub(in crate::store) fn event(row: &Row) -> Result<Event, StoreError> {
     let kind: &str = row.try_get("kind")?;
     let id = |column: &str| -> Result<Option<&str>, StoreError> { Ok(row.try_get(column)?) };
     Ok(Event {

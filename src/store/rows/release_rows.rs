@@ -2,9 +2,6 @@
 
 use std::collections::HashMap;
 
-use sqlx::sqlite::SqliteRow;
-use sqlx::{Row as _, SqliteConnection};
-
 use super::bulk_insert::write_rows;
 use super::operation_rows::{self, Operation};
 use super::statement::run;
@@ -14,6 +11,7 @@ use crate::domain::keyframe::Stamp;
 use crate::domain::release::{Release, ReleaseUse};
 use crate::domain::request::Digest;
 use crate::store::commit::job::{CopiedAs, MapKey};
+use crate::store::sql::{self, Connection, Row};
 use crate::store::{Store, StoreError};
 
 /// Robots that a release's list names, at most; those that asked longest ago are left out first.
@@ -21,28 +19,28 @@ pub const RELEASE_USES_MAX: i64 = 1000;
 
 /// Gives a copy its name: a release of the map that it was copied from, or a map of its own.
 pub(in crate::store) async fn finish_copy(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     copy: MapKey,
     copied_as: &CopiedAs,
 ) -> Result<(), StoreError> {
     match copied_as {
         CopiedAs::Release { map, of, name, version, description, published, digest } => {
             let update = "update maps set deleted = 0, id = $2 where map_key = $1";
-            run(db, sqlx::query(update).bind(copy).bind(of.of_release(name).as_str())).await?;
+            run(db, sql::query(update).bind(copy).bind(of.of_release(name).as_str())).await?;
             let insert =
                 "insert into releases (map_key, name, release_key, map_version, description, published_sec,
                 published_nanosec, digest) values ($1, $2, $3, $4, $5, $6, $7, $8)";
-            let query = sqlx::query(insert).bind(map).bind(name.as_str()).bind(copy).bind(*version as i64);
+            let query = sql::query(insert).bind(map).bind(name.as_str()).bind(copy).bind(*version as i64);
             let query = query.bind(description).bind(published.sec).bind(published.nanosec);
             run(db, query.bind(&digest[..])).await
         }
         CopiedAs::Map { id, properties, version, digest, owner } => {
             // As a map that was just made: its events are numbered from above those of every map that was deleted.
             let update = "update maps set deleted = 0, id = $2, version = $3, digest = $4, owner = $5,
-                next_event = (select user_version + 1 from pragma_user_version) where map_key = $1";
-            let query = sqlx::query(update).bind(copy).bind(id.as_str()).bind(*version as i64);
+                next_event = (select last + 1 from event_numbers) where map_key = $1";
+            let query = sql::query(update).bind(copy).bind(id.as_str()).bind(*version as i64);
             run(db, query.bind(&digest[..]).bind(owner.map(|owner| owner.0))).await?;
-            run(db, sqlx::query("delete from fleet_frames where map_key = $1").bind(copy)).await?;
+            run(db, sql::query("delete from fleet_frames where map_key = $1").bind(copy)).await?;
             map_rows::set_properties(db, copy, properties).await?;
             operation_rows::add(db, (copy, *version), &Operation::from(&**properties)).await
         }
@@ -51,14 +49,14 @@ pub(in crate::store) async fn finish_copy(
 
 /// Counts queries of robots. The release may be gone by now: then there is nothing to count.
 pub(in crate::store) async fn count_uses(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     release: MapKey,
     uses: &[ReleaseUse],
 ) -> Result<(), StoreError> {
     let head = "insert into release_uses (map_key, session, queries, last_sec, last_nanosec)
         select column1, column2, column3, column4, column5 from (";
-    let tail = ") where exists (select 1 from maps where map_key = column1 and deleted = 0)
-        on conflict (map_key, session) do update set queries = queries + excluded.queries,
+    let tail = ") as given where exists (select 1 from maps where map_key = column1 and deleted = 0)
+        on conflict (map_key, session) do update set queries = release_uses.queries + excluded.queries,
             last_sec = excluded.last_sec, last_nanosec = excluded.last_nanosec";
     write_rows(db, head, tail, uses, |row, of| {
         row.push_bind(release).push_bind(of.session.to_string()).push_bind(of.queries as i64);
@@ -68,16 +66,13 @@ pub(in crate::store) async fn count_uses(
     let sweep = "delete from release_uses where map_key = $1 and session not in (
         select session from release_uses where map_key = $1 order by last_sec desc, last_nanosec desc, session limit $2
     ) and (select count(*) from release_uses where map_key = $1) > $2";
-    run(db, sqlx::query(sweep).bind(release).bind(RELEASE_USES_MAX)).await
+    run(db, sql::query(sweep).bind(release).bind(RELEASE_USES_MAX)).await
 }
 
 /// Keyframes were erased from a release.
-pub(in crate::store) async fn count_erasure(
-    db: &mut SqliteConnection,
-    release: MapKey,
-) -> Result<(), StoreError> {
+pub(in crate::store) async fn count_erasure(db: &mut Connection, release: MapKey) -> Result<(), StoreError> {
     let update = "update releases set erasures = erasures + 1 where release_key = $1";
-    run(db, sqlx::query(update).bind(release)).await
+    run(db, sql::query(update).bind(release)).await
 }
 
 impl Store {
@@ -92,7 +87,7 @@ impl Store {
             from releases r join maps m on m.map_key = r.release_key
             where r.map_key = $1 and r.name > $2 order by r.name limit $3";
         let after = after.map_or("", ReleaseName::as_str);
-        let query = sqlx::query(select).bind(map).bind(after).bind(limit as i64);
+        let query = sql::query(select).bind(map).bind(after).bind(limit as i64);
         self.with_uses(&query.fetch_all(&self.readers).await?).await
     }
 
@@ -104,7 +99,7 @@ impl Store {
     ) -> Result<Option<(Release, Digest)>, StoreError> {
         let select = "select r.*, m.keyframes, m.anchors, m.sessions, m.loops, m.bytes
             from releases r join maps m on m.map_key = r.release_key where r.map_key = $1 and r.name = $2";
-        let query = sqlx::query(select).bind(map).bind(name.as_str());
+        let query = sql::query(select).bind(map).bind(name.as_str());
         let Some(row) = query.fetch_optional(&self.readers).await? else { return Ok(None) };
         let digest = decode::digest(&row)?;
         let found = self.with_uses(&[row]).await?.pop();
@@ -114,7 +109,7 @@ impl Store {
     /// Returns the number of releases of a map.
     pub async fn release_count(&self, map: MapKey) -> Result<u64, StoreError> {
         let select = "select count(*) from releases where map_key = $1";
-        let count: i64 = sqlx::query_scalar(select).bind(map).fetch_one(&self.readers).await?;
+        let count: i64 = sql::query_scalar(select).bind(map).fetch_one(&self.readers).await?;
         Ok(count.unsigned_abs())
     }
 
@@ -122,18 +117,19 @@ impl Store {
     pub async fn release_maps(&self, map: MapKey) -> Result<Vec<(MapId, MapKey)>, StoreError> {
         let select = "select m.id, m.map_key from releases r join maps m on m.map_key = r.release_key
             where r.map_key = $1 order by r.name";
-        let rows: Vec<(String, MapKey)> = sqlx::query_as(select).bind(map).fetch_all(&self.readers).await?;
+        let rows: Vec<(String, MapKey)> = sql::query_as(select).bind(map).fetch_all(&self.readers).await?;
         rows.iter().map(|(id, key)| Ok((decode::id(id)?, *key))).collect()
     }
 
-    async fn with_uses(&self, rows: &[SqliteRow]) -> Result<Vec<Release>, StoreError> {
+    async fn with_uses(&self, rows: &[Row]) -> Result<Vec<Release>, StoreError> {
         let keys = rows.iter().map(|row| row.try_get::<MapKey, _>("release_key"));
         let keys: Vec<MapKey> = keys.collect::<Result<_, _>>()?;
         let text = serde_json::to_string(&keys).map_err(|error| StoreError::Database(error.to_string()))?;
-        let select = "select * from release_uses where map_key in (select value from json_each($1))
+        let select =
+            "select * from release_uses where map_key in (select cast(value as bigint) from json_each($1))
             order by last_sec desc, last_nanosec desc, session";
         let mut uses: HashMap<MapKey, Vec<ReleaseUse>> = HashMap::new();
-        for row in sqlx::query(select).bind(text).fetch_all(&self.readers).await? {
+        for row in sql::query(select).bind(text).fetch_all(&self.readers).await? {
             uses.entry(row.try_get("map_key")?).or_default().push(release_use(&row)?);
         }
         let with_uses = |(row, key)| release(row, uses.remove(key).unwrap_or_default());
@@ -141,7 +137,7 @@ impl Store {
     }
 }
 
-fn release(row: &SqliteRow, uses: Vec<ReleaseUse>) -> Result<Release, StoreError> {
+fn release(row: &Row, uses: Vec<ReleaseUse>) -> Result<Release, StoreError> {
     let number = |name: &str| Ok::<_, StoreError>(row.try_get::<i64, _>(name)?.unsigned_abs());
     let version = number("map_version")?;
     Ok(Release {
@@ -155,7 +151,7 @@ fn release(row: &SqliteRow, uses: Vec<ReleaseUse>) -> Result<Release, StoreError
     })
 }
 
-fn release_use(row: &SqliteRow) -> Result<ReleaseUse, StoreError> {
+fn release_use(row: &Row) -> Result<ReleaseUse, StoreError> {
     Ok(ReleaseUse {
         session: decode::id::<SessionId>(row.try_get::<&str, _>("session")?)?,
         queries: row.try_get::<i64, _>("queries")?.unsigned_abs(),

@@ -1,12 +1,11 @@
 //! Verdicts that newer ones replaced: kept with the version that replaced them, so that older answers stay explained.
 
-use sqlx::SqliteConnection;
-
 use super::statement::run;
 use crate::domain::ids::KeyframeSeq;
 use crate::domain::judged::ModelVerdict;
 use crate::domain::judgement::Replaced;
 use crate::store::commit::job::MapKey;
+use crate::store::sql::{self, Connection};
 use crate::store::{Store, StoreError};
 
 /// Of texts: version, operation, class, both texts, what stood and by whom, what stands and by whom.
@@ -17,7 +16,7 @@ type OfCrops = (i64, String, String, u16, String, String, String, String);
 
 /// Keeps the verdict that a new one is about to replace, if there is one.
 pub(in crate::store) async fn keep_verdict(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     (map, version): (MapKey, u64),
     operation: &str,
     verdict: &ModelVerdict,
@@ -27,13 +26,13 @@ pub(in crate::store) async fn keep_verdict(
         select map_key, $2, operation, class, a, b, level, text, source, reason, fingerprint from model_verdicts
         where map_key = $1 and operation = $3 and class = $4 and a = $5 and b = $6
         on conflict do nothing";
-    let query = sqlx::query(insert).bind(map).bind(version as i64).bind(operation);
+    let query = sql::query(insert).bind(map).bind(version as i64).bind(operation);
     run(db, query.bind(&*verdict.class).bind(&*verdict.a).bind(&*verdict.b)).await
 }
 
 /// Keeps the reading that a new one is about to replace, with its dialogue, if there is one.
 pub(in crate::store) async fn keep_reading(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     (map, version): (MapKey, u64),
     keyframe: KeyframeSeq,
     detection: u16,
@@ -49,7 +48,7 @@ pub(in crate::store) async fn keep_reading(
         where map_key = $1 and keyframe = $3 and detection = $4
         on conflict do nothing";
     for insert in [reading, transcript] {
-        let query = sqlx::query(insert).bind(map).bind(version as i64);
+        let query = sql::query(insert).bind(map).bind(version as i64);
         run(&mut *db, query.bind(keyframe.0).bind(detection)).await?;
     }
     Ok(())
@@ -68,9 +67,9 @@ impl Store {
         let select = "select r.map_version, r.operation, r.class, r.a, r.b,
                 coalesce(r.text, cast(r.level as text)), r.source, coalesce(v.text, cast(v.level as text)), v.source
             from replaced_verdicts r join model_verdicts v using (map_key, operation, class, a, b)
-            where map_key = $1 and r.map_version > $2 and (r.level is not v.level or r.text is not v.text)
+            where map_key = $1 and r.map_version > $2 and (r.level is distinct from v.level or r.text is distinct from v.text)
             order by r.map_version desc, operation, class, a, b limit $3";
-        let query = sqlx::query_as(select).bind(map).bind(since).bind(limit as i64);
+        let query = sql::query_as(select).bind(map).bind(since).bind(limit as i64);
         let of_texts: Vec<OfTexts> = query.fetch_all(&self.readers).await?;
         let select = "select r.map_version, d.class, k.id, r.detection, r.text, r.source, n.text, n.source
             from replaced_readings r
@@ -79,7 +78,7 @@ impl Store {
             join keyframes k using (map_key, keyframe)
             where map_key = $1 and r.map_version > $2 and r.text <> n.text
             order by r.map_version desc, keyframe, detection limit $3";
-        let query = sqlx::query_as(select).bind(map).bind(since).bind(limit as i64);
+        let query = sql::query_as(select).bind(map).bind(since).bind(limit as i64);
         let of_crops: Vec<OfCrops> = query.fetch_all(&self.readers).await?;
         let of_texts =
             of_texts.into_iter().map(|(version, operation, class, a, b, was, by, is, now_by)| Replaced {

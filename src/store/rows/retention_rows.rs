@@ -1,11 +1,10 @@
 //! Rows that a map's settings let go of.
 
-use sqlx::SqliteConnection;
-
 use super::statement::run;
 use crate::domain::change::ForgottenParts;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq};
 use crate::store::commit::job::MapKey;
+use crate::store::sql::{self, Connection};
 use crate::store::{Store, StoreError};
 
 /// Keyframes that one look finds.
@@ -16,42 +15,40 @@ type CropRow = (u32, u16, Option<u32>, i64);
 
 /// Deletes parts of a keyframe.
 pub(in crate::store) async fn forget_parts(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     parts: &ForgottenParts,
 ) -> Result<(), StoreError> {
     let keyframe = parts.keyframe.0;
     if parts.features {
         let delete = "delete from keyframe_features where map_key = $1 and keyframe = $2";
-        run(db, sqlx::query(delete).bind(map).bind(keyframe)).await?;
+        run(db, sql::query(delete).bind(map).bind(keyframe)).await?;
     }
     if parts.global_descriptor {
         let update =
             "update keyframes set global_model = null, global_encoding = null, global_descriptor = null
             where map_key = $1 and keyframe = $2";
-        run(db, sqlx::query(update).bind(map).bind(keyframe)).await?;
+        run(db, sql::query(update).bind(map).bind(keyframe)).await?;
     }
     for (detection, _) in &parts.crops {
         let delete = "delete from crops where map_key = $1 and keyframe = $2 and detection = $3";
-        run(db, sqlx::query(delete).bind(map).bind(keyframe).bind(*detection)).await?;
+        run(db, sql::query(delete).bind(map).bind(keyframe).bind(*detection)).await?;
     }
     for table in ["keyframes", "keyframe_points"] {
-        let update =
-            format!("update {table} set bytes = max(0, bytes - $3) where map_key = $1 and keyframe = $2");
-        let query = sqlx::query(sqlx::AssertSqlSafe(update)).bind(map).bind(keyframe);
+        let update = format!(
+            "update {table} set bytes = case when bytes > $3 then bytes - $3 else 0 end where map_key = $1 and keyframe = $2"
+        );
+        let query = sql::query(sqlx::AssertSqlSafe(update)).bind(map).bind(keyframe);
         run(db, query.bind(parts.bytes as i64)).await?;
     }
     Ok(())
 }
 
 /// Deletes the record of what models said and what others replaced since.
-pub(in crate::store) async fn forget_dialogues(
-    db: &mut SqliteConnection,
-    map: MapKey,
-) -> Result<(), StoreError> {
+pub(in crate::store) async fn forget_dialogues(db: &mut Connection, map: MapKey) -> Result<(), StoreError> {
     for table in ["transcripts", "replaced_transcripts", "replaced_readings", "replaced_verdicts"] {
         let delete = format!("delete from {table} where map_key = $1");
-        run(db, sqlx::query(sqlx::AssertSqlSafe(delete)).bind(map)).await?;
+        run(db, sql::query(sqlx::AssertSqlSafe(delete)).bind(map)).await?;
     }
     Ok(())
 }
@@ -73,7 +70,7 @@ impl Store {
             where k.map_key = $1 and k.stored_sec < $2
                 and (f.keyframe is not null or k.global_descriptor is not null)
             order by k.keyframe limit $4";
-        let query = sqlx::query_as(select).bind(map).bind(before_sec).bind(KEYPOINT).bind(FOUND_AT_ONCE);
+        let query = sql::query_as(select).bind(map).bind(before_sec).bind(KEYPOINT).bind(FOUND_AT_ONCE);
         let rows: Vec<(u32, bool, bool, i64, i64)> = query.fetch_all(&self.readers).await?;
         let parts = |(keyframe, features, global_descriptor, of_features, of_global): (_, _, _, i64, i64)| {
             ForgottenParts {
@@ -95,11 +92,11 @@ impl Store {
     ) -> Result<Vec<ForgottenParts>, StoreError> {
         let select = "select c.keyframe, c.detection, d.anchor, length(c.bytes)
             from crops c join detections d using (map_key, keyframe, detection)
-            where c.map_key = $1 and ($2 or d.anchor is null or d.text is not null or d.description is not null
+            where c.map_key = $1 and ($2 <> 0 or d.anchor is null or d.text is not null or d.description is not null
                 or exists (select 1 from model_readings r where r.map_key = c.map_key
                     and r.keyframe = c.keyframe and r.detection = c.detection and r.degraded = 0))
             order by c.keyframe, c.detection limit $3";
-        let query = sqlx::query_as(select).bind(map).bind(no_model_reads).bind(FOUND_AT_ONCE);
+        let query = sql::query_as(select).bind(map).bind(no_model_reads).bind(FOUND_AT_ONCE);
         let rows: Vec<CropRow> = query.fetch_all(&self.readers).await?;
         let mut found: Vec<ForgottenParts> = Vec::new();
         for (keyframe, detection, anchor, bytes) in rows {
@@ -122,7 +119,7 @@ impl Store {
         let select = "select exists (select 1 from transcripts where map_key = $1)
             or exists (select 1 from replaced_readings where map_key = $1)
             or exists (select 1 from replaced_verdicts where map_key = $1)";
-        Ok(sqlx::query_scalar(select).bind(map).fetch_one(&self.readers).await?)
+        Ok(sql::query_scalar(select).bind(map).fetch_one(&self.readers).await?)
     }
 
     /// Returns which of these keyframes were stored before this second.
@@ -134,7 +131,7 @@ impl Store {
     ) -> Result<Vec<KeyframeSeq>, StoreError> {
         let select = "select keyframe from keyframes
             where map_key = $1 and keyframe >= $2 and stored_sec < $3 order by keyframe limit 10000";
-        let query = sqlx::query_scalar(select).bind(map).bind(from.0).bind(before_sec);
+        let query = sql::query_scalar(select).bind(map).bind(from.0).bind(before_sec);
         let rows: Vec<u32> = query.fetch_all(&self.readers).await?;
         Ok(rows.into_iter().map(KeyframeSeq).collect())
     }

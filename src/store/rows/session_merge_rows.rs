@@ -1,7 +1,6 @@
 //! Merges of sessions, as rows. A keyframe's row keeps the session that was sent; these say which it is of by now.
 
 use serde::{Deserialize, Serialize};
-use sqlx::SqliteConnection;
 
 use super::former_value_rows;
 use super::statement::run;
@@ -11,6 +10,7 @@ use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
 use crate::domain::session_merge::MergeUndo;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
+use crate::store::sql::{self, Connection};
 
 /// A merge as far as it says which session a keyframe is of.
 #[derive(Clone, Copy, Debug)]
@@ -35,58 +35,58 @@ pub(in crate::store) fn session_after(
 
 /// Adds a merge.
 pub(in crate::store) async fn add(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     (map, version): (MapKey, u64),
     merge: &SessionMerge,
 ) -> Result<(), StoreError> {
     let insert = "insert into session_merges (map_key, version, session, into_session, next_keyframe)
         values ($1, $2, $3, $4, $5)";
-    let query = sqlx::query(insert).bind(map).bind(version as i64).bind(merge.session.0);
+    let query = sql::query(insert).bind(map).bind(version as i64).bind(merge.session.0);
     run(db, query.bind(merge.into.0).bind(merge.next_keyframe.0)).await
 }
 
 /// Keeps what revokes a merge.
 pub(in crate::store) async fn keep_undo(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     (map, version): (MapKey, u64),
     undo: &MergeUndo,
 ) -> Result<(), StoreError> {
     let body = serde_json::to_string(&UndoRow::from(undo))
         .map_err(|error| StoreError::Database(error.to_string()))?;
     let update = "update session_merges set undo = $3 where map_key = $1 and version = $2";
-    run(db, sqlx::query(update).bind(map).bind(version as i64).bind(body)).await
+    run(db, sql::query(update).bind(map).bind(version as i64).bind(body)).await
 }
 
 /// The merge of a session can be revoked no more.
 pub(in crate::store) async fn settle(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     session: SessionSeq,
 ) -> Result<(), StoreError> {
     let update = "update session_merges set undo = null
         where map_key = $1 and session = $2 and undo is not null";
-    run(db, sqlx::query(update).bind(map).bind(session.0)).await
+    run(db, sql::query(update).bind(map).bind(session.0)).await
 }
 
 /// Removes a merge that was revoked.
 pub(in crate::store) async fn remove(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     undo: &MergeUndo,
 ) -> Result<(), StoreError> {
     let delete = "delete from session_merges where map_key = $1 and session = $2 and next_keyframe = $3
         and undo is not null";
-    run(db, sqlx::query(delete).bind(map).bind(undo.session.0).bind(undo.next_keyframe.0)).await
+    run(db, sql::query(delete).bind(map).bind(undo.session.0).bind(undo.next_keyframe.0)).await
 }
 
 /// Returns the merges of a map, in their order.
 pub(in crate::store) async fn all(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
 ) -> Result<Vec<MergedSession>, StoreError> {
     let select = "select session, into_session, next_keyframe, undo is not null from session_merges
         where map_key = $1 order by version";
-    let rows: Vec<(u32, u32, u32, bool)> = sqlx::query_as(select).bind(map).fetch_all(db).await?;
+    let rows: Vec<(u32, u32, u32, bool)> = sql::query_as(select).bind(map).fetch_all(db).await?;
     let merge = |(session, into, next, is_open)| MergedSession {
         session: SessionSeq(session),
         into: SessionSeq(into),
@@ -112,13 +112,13 @@ pub(in crate::store) fn open(merges: &[MergedSession]) -> Vec<Change> {
 
 /// Returns what revokes the merge of a session, with the values that it replaced; `None` if none can be revoked.
 pub(in crate::store) async fn undo(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     session: SessionSeq,
 ) -> Result<Option<(MergeUndo, FormerValues)>, StoreError> {
     let select = "select version, into_session, next_keyframe, undo from session_merges
         where map_key = $1 and session = $2 and undo is not null";
-    let query = sqlx::query_as(select).bind(map).bind(session.0);
+    let query = sql::query_as(select).bind(map).bind(session.0);
     let found: Option<(i64, u32, u32, String)> = query.fetch_optional(&mut *db).await?;
     let Some((version, into, next_keyframe, body)) = found else { return Ok(None) };
     let row: UndoRow = serde_json::from_str(&body)

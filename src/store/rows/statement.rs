@@ -1,14 +1,11 @@
 //! Statements that return no rows.
 
-use sqlx::{Sqlite, SqliteConnection};
-
 use crate::store::StoreError;
-
-/// A statement with its values.
-pub(in crate::store) type Query<'q> = sqlx::query::Query<'q, Sqlite, sqlx::sqlite::SqliteArguments>;
+use crate::store::sql::Connection;
+pub(in crate::store) use crate::store::sql::query::Query;
 
 /// Executes a statement.
-pub(in crate::store) async fn run(db: &mut SqliteConnection, query: Query<'_>) -> Result<(), StoreError> {
+pub(in crate::store) async fn run(db: &mut Connection, query: Query) -> Result<(), StoreError> {
     query.execute(db).await?;
     Ok(())
 }

@@ -5,8 +5,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use sqlx::{Row as _, SqliteConnection};
-
 use super::decode;
 use super::former_value_rows::{packed, unpacked};
 use super::packing::Packing;
@@ -16,6 +14,7 @@ use crate::semantics::Text;
 use crate::store::StoreError;
 use crate::store::commit::job::MapKey;
 use crate::store::slices::parts::Kind;
+use crate::store::sql::{self, Connection};
 
 /// Statements that remove traces. Each has the map's key as its only parameter.
 const STATEMENTS: &[&str] = &[
@@ -29,24 +28,24 @@ const STATEMENTS: &[&str] = &[
     "update session_merges set undo = null where map_key = $1",
     // Loops of keyframes that are gone, and what was said of anchors that are.
     "delete from operations where map_key = $1 and json_extract(body, '$.operation') = 'loop'
-        and (json_extract(body, '$.keyframe') not in (select keyframe from keyframes where map_key = $1)
-            or json_extract(body, '$.candidate') not in (select keyframe from keyframes where map_key = $1))
+        and (cast(json_extract(body, '$.keyframe') as bigint) not in (select keyframe from keyframes where map_key = $1)
+            or cast(json_extract(body, '$.candidate') as bigint) not in (select keyframe from keyframes where map_key = $1))
         and json_extract(body, '$.id') not in (select id from loops where map_key = $1)",
     "delete from operations where map_key = $1 and json_extract(body, '$.operation') = 'loop_revoked'
         and json_extract(body, '$.id') not in (select json_extract(body, '$.id') from operations
             where map_key = $1 and json_extract(body, '$.operation') = 'loop')",
     "delete from operations where map_key = $1 and json_extract(body, '$.operation') = 'description'
-        and json_extract(body, '$.anchor') not in (select anchor from anchors where map_key = $1)",
+        and cast(json_extract(body, '$.anchor') as bigint) not in (select anchor from anchors where map_key = $1)",
 ];
 
 /// Removes the traces of keyframes that are gone from a map, and of sessions that are erased with them.
 pub(in crate::store) async fn remove(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     sessions: &[SessionId],
 ) -> Result<(), StoreError> {
     for statement in STATEMENTS {
-        run(db, sqlx::query(*statement).bind(map)).await?;
+        run(db, sql::query(*statement).bind(map)).await?;
     }
     let mut erased = BTreeSet::new();
     for session in sessions {
@@ -59,12 +58,12 @@ pub(in crate::store) async fn remove(
     }
     remove_former_values(db, map, &erased).await?;
     remove_verdicts(db, map).await?;
-    run(db, sqlx::query("delete from model_answers")).await
+    run(db, sql::query("delete from model_answers")).await
 }
 
 /// Returns a session, and those that merged into it.
 async fn with_merged(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     session: &SessionId,
 ) -> Result<Vec<SessionId>, StoreError> {
@@ -74,13 +73,13 @@ async fn with_merged(
             where m.map_key = $1
         )
         select id from sessions where map_key = $1 and session in (select session from parts) order by session";
-    let query = sqlx::query_scalar(select).bind(map).bind(session.as_str());
+    let query = sql::query_scalar(select).bind(map).bind(session.as_str());
     let ids: Vec<String> = query.fetch_all(db).await?;
     ids.iter().map(|id| decode::id(id)).collect()
 }
 
 /// Takes the names of keyframes that are gone from loops: which session they were of is not known any more.
-async fn forget_names_in_loops(db: &mut SqliteConnection, map: MapKey) -> Result<(), StoreError> {
+async fn forget_names_in_loops(db: &mut Connection, map: MapKey) -> Result<(), StoreError> {
     for (number, name) in [("keyframe", "keyframe_id"), ("candidate", "candidate_id")] {
         let gone =
             format!("map_key = $1 and {number} not in (select keyframe from keyframes where map_key = $1)");
@@ -89,61 +88,60 @@ async fn forget_names_in_loops(db: &mut SqliteConnection, map: MapKey) -> Result
             "update maps set bytes = bytes - coalesce((select sum(octet_length({name}) - octet_length('erased-' || {number}))
                 from loops where {gone}), 0) where map_key = $1"
         );
-        run(db, sqlx::query(sqlx::AssertSqlSafe(update)).bind(map)).await?;
+        run(db, sql::query(sqlx::AssertSqlSafe(update)).bind(map)).await?;
         let update = format!("update loops set {name} = 'erased-' || {number} where {gone}");
-        run(db, sqlx::query(sqlx::AssertSqlSafe(update)).bind(map)).await?;
+        run(db, sql::query(sqlx::AssertSqlSafe(update)).bind(map)).await?;
     }
     Ok(())
 }
 
 /// Gives a session without keyframes another name, and returns its number. Its row stays, for numbers are given once.
 async fn forget_session(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     session: &SessionId,
 ) -> Result<Option<SessionSeq>, StoreError> {
     let delete = "delete from release_uses where map_key = $1 and session = $2";
-    run(db, sqlx::query(delete).bind(map).bind(session.as_str())).await?;
+    run(db, sql::query(delete).bind(map).bind(session.as_str())).await?;
     let select = "select session from sessions s where map_key = $1 and id = $2
         and not exists (select 1 from keyframes k where k.map_key = $1 and k.session = s.session)
         and not exists (select 1 from prior_anchors p where p.map_key = $1 and p.frame = s.session)";
     let found: Option<u32> =
-        sqlx::query_scalar(select).bind(map).bind(session.as_str()).fetch_optional(&mut *db).await?;
+        sql::query_scalar(select).bind(map).bind(session.as_str()).fetch_optional(&mut *db).await?;
     let Some(number) = found else { return Ok(None) };
     let mut name = format!("erased-{number}");
     let is_taken = "select exists (select 1 from sessions where map_key = $1 and id = $2)";
-    while sqlx::query_scalar::<_, bool>(is_taken).bind(map).bind(&name).fetch_one(&mut *db).await? {
+    while sql::query_scalar::<bool>(is_taken).bind(map).bind(&name).fetch_one(&mut *db).await? {
         name.push('-');
     }
     // A map's figures count the names of its sessions.
     let update = "update maps set bytes = bytes - octet_length($2) + octet_length($3) where map_key = $1";
-    run(db, sqlx::query(update).bind(map).bind(session.as_str()).bind(&name)).await?;
+    run(db, sql::query(update).bind(map).bind(session.as_str()).bind(&name)).await?;
     let update = "update sessions set id = $3 where map_key = $1 and session = $2";
-    run(db, sqlx::query(update).bind(map).bind(number).bind(name)).await?;
+    run(db, sql::query(update).bind(map).bind(number).bind(name)).await?;
     Ok(Some(SessionSeq(number)))
 }
 
 /// Removes replaced poses and positions of keyframes that are gone, and of map points that no other keyframe was sent with.
 async fn remove_former_values(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     erased: &BTreeSet<SessionSeq>,
 ) -> Result<(), StoreError> {
     let select = "select version, part, kind, entries from former_values where map_key = $1";
-    let parts: Vec<(i64, u32, String, Vec<u8>)> =
-        sqlx::query_as(select).bind(map).fetch_all(&mut *db).await?;
+    let parts: Vec<(i64, u32, String, Vec<u8>)> = sql::query_as(select).bind(map).fetch_all(&mut *db).await?;
     if parts.is_empty() {
         return Ok(());
     }
     let mut keyframes = BTreeSet::new();
     let mut points: BTreeSet<PointId> = BTreeSet::new();
     let select = "select keyframe, packing, sent_points from keyframes where map_key = $1";
-    for row in sqlx::query(select).bind(map).fetch_all(&mut *db).await? {
+    for row in sql::query(select).bind(map).fetch_all(&mut *db).await? {
         keyframes.insert(row.try_get::<u32, _>("keyframe")?);
         points.extend(Packing::of(&row)?.wide(row.try_get("sent_points")?)?);
     }
     let select = "select exists (select 1 from session_merges where map_key = $1)";
-    let has_merges: bool = sqlx::query_scalar(select).bind(map).fetch_one(&mut *db).await?;
+    let has_merges: bool = sql::query_scalar(select).bind(map).fetch_one(&mut *db).await?;
     for (version, part, kind, entries) in parts {
         let mut former = unpacked(Kind::from_name(&kind)?, &entries)?;
         // After a merge of sessions points have other numbers than those they were sent with.
@@ -157,21 +155,21 @@ async fn remove_former_values(
         let left = packed(&former).pop().map(|part| part.entries).unwrap_or_default();
         if left.is_empty() {
             let delete = "delete from former_values where map_key = $1 and version = $2 and part = $3";
-            run(db, sqlx::query(delete).bind(map).bind(version).bind(part)).await?;
+            run(db, sql::query(delete).bind(map).bind(version).bind(part)).await?;
         } else if left != entries {
             let update =
                 "update former_values set entries = $4 where map_key = $1 and version = $2 and part = $3";
-            run(db, sqlx::query(update).bind(map).bind(version).bind(part).bind(left)).await?;
+            run(db, sql::query(update).bind(map).bind(version).bind(part).bind(left)).await?;
         }
     }
     Ok(())
 }
 
 /// Removes verdicts of models about texts that nothing in the map carries any more.
-async fn remove_verdicts(db: &mut SqliteConnection, map: MapKey) -> Result<(), StoreError> {
+async fn remove_verdicts(db: &mut Connection, map: MapKey) -> Result<(), StoreError> {
     let select = "select operation, class, a, b, text from model_verdicts where map_key = $1";
     let verdicts: Vec<(String, String, String, String, Option<String>)> =
-        sqlx::query_as(select).bind(map).fetch_all(&mut *db).await?;
+        sql::query_as(select).bind(map).fetch_all(&mut *db).await?;
     if verdicts.is_empty() {
         return Ok(());
     }
@@ -180,7 +178,7 @@ async fn remove_verdicts(db: &mut SqliteConnection, map: MapKey) -> Result<(), S
         union select text from model_readings where map_key = $1
         union select description_by_hand from anchors where map_key = $1 and description_by_hand is not null
         union select description from prior_anchors where map_key = $1";
-    let texts: Vec<String> = sqlx::query_scalar(select).bind(map).fetch_all(&mut *db).await?;
+    let texts: Vec<String> = sql::query_scalar(select).bind(map).fetch_all(&mut *db).await?;
     let normal = |text: &str| Text::parse(text).normalised().to_owned();
     let mut carried: BTreeSet<String> = texts.iter().map(|text| normal(text)).collect();
     let mut left: BTreeMap<_, _> =
@@ -200,7 +198,7 @@ async fn remove_verdicts(db: &mut SqliteConnection, map: MapKey) -> Result<(), S
     for (operation, class, a, b) in left.into_keys() {
         let delete = "delete from model_verdicts
             where map_key = $1 and operation = $2 and class = $3 and a = $4 and b = $5";
-        run(db, sqlx::query(delete).bind(map).bind(operation).bind(class).bind(a).bind(b)).await?;
+        run(db, sql::query(delete).bind(map).bind(operation).bind(class).bind(a).bind(b)).await?;
     }
     Ok(())
 }

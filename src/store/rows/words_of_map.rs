@@ -1,12 +1,11 @@
 //! The words of a map that is not in memory, read past its index: is it worth loading?
 
-use sqlx::Row;
-
 use super::decode;
 use crate::domain::bow::{BowVector, Score};
 use crate::domain::ids::MapId;
 use crate::store::commit::job::MapKey;
 use crate::store::rows::load::Db;
+use crate::store::sql;
 use crate::store::{Store, StoreError};
 
 /// Rows read at a time.
@@ -53,7 +52,7 @@ async fn outline(db: &mut Db, id: &MapId) -> Result<Option<MapOutline>, StoreErr
          exists (select 1 from anchors where anchors.map_key = maps.map_key) as has_anchors, \
          exists (select 1 from keyframes where keyframes.map_key = maps.map_key and global_model is not null) as has_globals \
          from maps where id = $1 and deleted = 0";
-    let row = sqlx::query(select).bind(id.as_str()).fetch_optional(&mut *db).await?;
+    let row = sql::query(select).bind(id.as_str()).fetch_optional(&mut *db).await?;
     let Some(row) = row else { return Ok(None) };
     Ok(Some(MapOutline {
         key: row.try_get("map_key")?,
@@ -70,7 +69,7 @@ async fn best_score(db: &mut Db, map: MapKey, vectors: &[&BowVector]) -> Result<
          where map_key = $1 and keyframe > $2 order by keyframe limit $3";
     let (mut best, mut last) = (Score::default(), -1_i64);
     loop {
-        let rows = sqlx::query(select).bind(map).bind(last).bind(CHUNK).fetch_all(&mut *db).await?;
+        let rows = sql::query(select).bind(map).bind(last).bind(CHUNK).fetch_all(&mut *db).await?;
         let Some(row) = rows.last() else { return Ok(best) };
         last = row.try_get("keyframe")?;
         for row in &rows {

@@ -11,13 +11,13 @@
 
 use std::time::Duration;
 
-use sqlx::sqlite::SqlitePool;
 use tokio::time::Instant;
 
 use super::{deferred, deletion, fold};
 use crate::store::StoreError;
 use crate::store::commit::transaction::Transaction;
 use crate::store::rows::copied_rows;
+use crate::store::sql::Pool;
 
 /// The time after which a slice begins no further step.
 const SLICE: Duration = Duration::from_millis(5);
@@ -83,7 +83,7 @@ impl Slices {
     }
 
     /// Continues what an earlier process has left.
-    pub(in crate::store) async fn resume(pool: &SqlitePool) -> Self {
+    pub(in crate::store) async fn resume(pool: &Pool) -> Self {
         let cleaned = async {
             let mut transaction = Transaction::write(pool).await?;
             let removed = async {
@@ -139,11 +139,7 @@ impl Slices {
     }
 
     /// Does one slice, in a transaction of its own.
-    pub(in crate::store) async fn run(
-        &mut self,
-        pool: &SqlitePool,
-        disk_is_full: bool,
-    ) -> Result<(), StoreError> {
+    pub(in crate::store) async fn run(&mut self, pool: &Pool, disk_is_full: bool) -> Result<(), StoreError> {
         let Some(work) = self.next(disk_is_full) else { return Ok(()) };
         self.turn = if work == Work::Fold { Work::Deletion } else { Work::Fold };
         let began = Instant::now();
@@ -167,7 +163,7 @@ struct Done {
     is_behind: bool,
 }
 
-async fn slice(pool: &SqlitePool, work: Work) -> Result<Done, StoreError> {
+async fn slice(pool: &Pool, work: Work) -> Result<Done, StoreError> {
     let mut transaction = Transaction::write(pool).await?;
     let began = Instant::now();
     let done = async {

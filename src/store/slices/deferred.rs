@@ -8,8 +8,6 @@
 //! Later changes of the same kinds must not overtake them, so they are deferred too while a map has any. What is folded is a
 //! plain assignment: folding an entry twice changes nothing.
 
-use sqlx::SqliteConnection;
-
 use super::parts::{Kind, Part, cut};
 use crate::domain::change::Change;
 use crate::domain::ids::{AnchorSeq, KeyframeSeq, SessionSeq};
@@ -22,6 +20,7 @@ use crate::store::rows::former_value_rows;
 use crate::store::rows::keyframe_rows::pose_blob;
 use crate::store::rows::statement::run;
 use crate::store::rows::validate::Known;
+use crate::store::sql::{self, Connection};
 
 /// What a batch's changes of these kinds may cost if written at once, in microseconds; above it they are deferred.
 const DIRECT_US: u64 = if cfg!(test) { 100 } else { 20_000 };
@@ -120,7 +119,7 @@ pub(in crate::store) fn unpacked(kind: Kind, entries: &[u8]) -> Result<Vec<Chang
 
 /// Writes a part that counts for nothing until its version has its row.
 pub(in crate::store) async fn stage(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     version: u64,
     number: u32,
@@ -129,33 +128,33 @@ pub(in crate::store) async fn stage(
     if number == 0 {
         // An earlier attempt at this version may have failed halfway.
         let leftover = "delete from deferred_parts where map_key = $1 and version >= $2";
-        run(db, sqlx::query(leftover).bind(map).bind(version as i64)).await?;
+        run(db, sql::query(leftover).bind(map).bind(version as i64)).await?;
     }
     let insert =
         "insert into deferred_parts (map_key, version, part, kind, entries) values ($1, $2, $3, $4, $5)";
-    let query = sqlx::query(insert).bind(map).bind(version as i64).bind(number);
+    let query = sql::query(insert).bind(map).bind(version as i64).bind(number);
     run(db, query.bind(part.kind.as_str()).bind(&part.entries)).await
 }
 
 /// Makes the staged parts of a version count.
 pub(in crate::store) async fn commit_staged(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     version: u64,
     parts: u32,
 ) -> Result<(), StoreError> {
     let insert = "insert into deferred_changes (map_key, version, parts, part, entries_done) values ($1, $2, $3, 0, 0)";
-    run(db, sqlx::query(insert).bind(map).bind(version as i64).bind(parts)).await
+    run(db, sql::query(insert).bind(map).bind(version as i64).bind(parts)).await
 }
 
 /// Whether changes of a map wait for their rows.
-pub(in crate::store) async fn any(db: &mut SqliteConnection, map: MapKey) -> Result<bool, StoreError> {
+pub(in crate::store) async fn any(db: &mut Connection, map: MapKey) -> Result<bool, StoreError> {
     let select = "select exists (select 1 from deferred_changes where map_key = $1)";
-    Ok(sqlx::query_scalar(select).bind(map).fetch_one(db).await?)
+    Ok(sql::query_scalar(select).bind(map).fetch_one(db).await?)
 }
 
 /// Defers the ordered changes of a batch behind those that wait already.
-pub(in crate::store) async fn defer(db: &mut SqliteConnection, batch: &Batch) -> Result<(), StoreError> {
+pub(in crate::store) async fn defer(db: &mut Connection, batch: &Batch) -> Result<(), StoreError> {
     let parts = packed(batch.changes.iter().filter(|change| is_ordered(change)));
     for (number, part) in (0..).zip(&parts) {
         stage(db, batch.map, batch.version, number, part).await?;
@@ -165,7 +164,7 @@ pub(in crate::store) async fn defer(db: &mut SqliteConnection, batch: &Batch) ->
 
 /// Tells a map's deferred changes on top of its rows.
 pub(in crate::store) async fn apply(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     known: &mut Known,
     take: &mut (impl FnMut(&[Change]) + Send),
@@ -195,7 +194,7 @@ pub(in crate::store) async fn apply(
 
 /// Takes a map's deferred changes, in their order and part by part: together they may be more than memory holds.
 pub(in crate::store) async fn for_each(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     mut take: impl FnMut(Change),
 ) -> Result<(), StoreError> {
@@ -208,20 +207,20 @@ pub(in crate::store) async fn for_each(
 }
 
 /// Returns the versions with deferred changes, each with the number of its parts and the first that is not in the rows.
-async fn versions(db: &mut SqliteConnection, map: MapKey) -> Result<Vec<(i64, u32, u32)>, StoreError> {
+async fn versions(db: &mut Connection, map: MapKey) -> Result<Vec<(i64, u32, u32)>, StoreError> {
     let select = "select version, parts, part from deferred_changes where map_key = $1 order by version";
-    Ok(sqlx::query_as(select).bind(map).fetch_all(db).await?)
+    Ok(sql::query_as(select).bind(map).fetch_all(db).await?)
 }
 
 /// Returns the changes of one part.
 async fn part(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     version: i64,
     number: u32,
 ) -> Result<Vec<Change>, StoreError> {
     let select = "select kind, entries from deferred_parts where map_key = $1 and version = $2 and part = $3";
-    let query = sqlx::query_as(select).bind(map).bind(version).bind(number);
+    let query = sql::query_as(select).bind(map).bind(version).bind(number);
     let found: Option<(String, Vec<u8>)> = query.fetch_optional(db).await?;
     let missing = || StoreError::corrupt(format!("part {number} of deferred changes is not there"));
     let (kind, entries) = found.ok_or_else(missing)?;
@@ -230,13 +229,13 @@ async fn part(
 
 /// Returns the deferred positions of a keyframe's detections, the latest last.
 pub(in crate::store) async fn positions(
-    db: &mut SqliteConnection,
+    db: &mut Connection,
     map: MapKey,
     keyframe: KeyframeSeq,
 ) -> Result<Vec<(u16, Point3)>, StoreError> {
     let select = "select entries from deferred_parts join deferred_changes using (map_key, version)
         where map_key = $1 and kind = 'positions' order by version, deferred_parts.part";
-    let parts: Vec<Vec<u8>> = sqlx::query_scalar(select).bind(map).fetch_all(db).await?;
+    let parts: Vec<Vec<u8>> = sql::query_scalar(select).bind(map).fetch_all(db).await?;
     let mut found = Vec::new();
     for entries in parts {
         found.extend(unpacked(Kind::Positions, &entries)?.into_iter().filter_map(|change| match change {
@@ -248,10 +247,10 @@ pub(in crate::store) async fn positions(
 }
 
 /// Removes the parts that a process staged and did not commit.
-pub(in crate::store) async fn remove_uncommitted(db: &mut SqliteConnection) -> Result<(), StoreError> {
+pub(in crate::store) async fn remove_uncommitted(db: &mut Connection) -> Result<(), StoreError> {
     let delete = "delete from deferred_parts where not exists (
         select 1 from deferred_changes c
         where c.map_key = deferred_parts.map_key and c.version = deferred_parts.version
     )";
-    run(db, sqlx::query(delete)).await
+    run(db, sql::query(delete)).await
 }

@@ -2,8 +2,6 @@
 //!
 //! Each step writes some entries and notes how far it has come, in the transaction of its slice.
 
-use sqlx::SqliteConnection;
-
 use super::deferred::unpacked;
 use super::parts::Kind;
 use crate::domain::change::Change;
@@ -14,6 +12,7 @@ use crate::store::rows::former_value_rows;
 use crate::store::rows::keyframe_rows::pose_blob;
 use crate::store::rows::point_blocks;
 use crate::store::rows::statement::run;
+use crate::store::sql::{self, Connection};
 
 /// What a part costs beside its entries, as so many of them.
 const PART_ENTRIES: u32 = 4;
@@ -32,10 +31,7 @@ struct Next {
 }
 
 /// Folds about this many entries, in the caller's transaction. Returns whether there were any.
-pub(in crate::store) async fn fold_entries(
-    db: &mut SqliteConnection,
-    entries: u32,
-) -> Result<bool, StoreError> {
+pub(in crate::store) async fn fold_entries(db: &mut Connection, entries: u32) -> Result<bool, StoreError> {
     let mut left = entries;
     while left > 0 {
         let Some(next) = next(db).await? else { break };
@@ -45,29 +41,29 @@ pub(in crate::store) async fn fold_entries(
 }
 
 /// Whether so many versions wait that slices fall behind the clients that add them.
-pub(in crate::store) async fn is_behind(db: &mut SqliteConnection) -> Result<bool, StoreError> {
-    let count: i64 = sqlx::query_scalar("select count(*) from deferred_changes").fetch_one(db).await?;
+pub(in crate::store) async fn is_behind(db: &mut Connection) -> Result<bool, StoreError> {
+    let count: i64 = sql::query_scalar("select count(*) from deferred_changes").fetch_one(db).await?;
     Ok(count > VERSIONS_BEHIND)
 }
 
 /// Returns the oldest entries of a map that is whole.
-async fn next(db: &mut SqliteConnection) -> Result<Option<Next>, StoreError> {
+async fn next(db: &mut Connection) -> Result<Option<Next>, StoreError> {
     let select = "select map_key, version, parts, part, entries_done from deferred_changes
         where map_key not in (select map_key from maps where deleted <> 0) order by map_key, version limit 1";
-    let found: Option<(MapKey, i64, u32, u32, u32)> = sqlx::query_as(select).fetch_optional(db).await?;
+    let found: Option<(MapKey, i64, u32, u32, u32)> = sql::query_as(select).fetch_optional(db).await?;
     let next =
         |(map_key, version, parts, part, entries_done)| Next { map_key, version, parts, part, entries_done };
     Ok(found.map(next))
 }
 
 /// Folds entries of one part, at most this many. Returns how many.
-async fn fold_part(db: &mut SqliteConnection, next: Next, entries: u32) -> Result<u32, StoreError> {
+async fn fold_part(db: &mut Connection, next: Next, entries: u32) -> Result<u32, StoreError> {
     if next.part >= next.parts {
         finish_version(db, next).await?;
         return Ok(0);
     }
     let select = "select kind, entries from deferred_parts where map_key = $1 and version = $2 and part = $3";
-    let query = sqlx::query_as(select).bind(next.map_key).bind(next.version).bind(next.part);
+    let query = sql::query_as(select).bind(next.map_key).bind(next.version).bind(next.part);
     let (kind, bytes): (String, Vec<u8>) = query.fetch_one(&mut *db).await?;
     let kind = Kind::from_name(&kind)?;
     if kind.is_former() {
@@ -83,48 +79,48 @@ async fn fold_part(db: &mut SqliteConnection, next: Next, entries: u32) -> Resul
     if to < bytes.len() {
         let update = "update deferred_changes set entries_done = $3 where map_key = $1 and version = $2";
         let done = next.entries_done + folded;
-        run(db, sqlx::query(update).bind(next.map_key).bind(next.version).bind(done)).await?;
+        run(db, sql::query(update).bind(next.map_key).bind(next.version).bind(done)).await?;
         return Ok(folded);
     }
     end_part(db, next).await?;
     Ok(folded)
 }
 
-async fn end_part(db: &mut SqliteConnection, next: Next) -> Result<(), StoreError> {
+async fn end_part(db: &mut Connection, next: Next) -> Result<(), StoreError> {
     let delete = "delete from deferred_parts where map_key = $1 and version = $2 and part = $3";
-    run(db, sqlx::query(delete).bind(next.map_key).bind(next.version).bind(next.part)).await?;
+    run(db, sql::query(delete).bind(next.map_key).bind(next.version).bind(next.part)).await?;
     if next.part + 1 == next.parts {
         return finish_version(db, next).await;
     }
     let update =
         "update deferred_changes set part = part + 1, entries_done = 0 where map_key = $1 and version = $2";
-    run(db, sqlx::query(update).bind(next.map_key).bind(next.version)).await
+    run(db, sql::query(update).bind(next.map_key).bind(next.version)).await
 }
 
-async fn finish_version(db: &mut SqliteConnection, next: Next) -> Result<(), StoreError> {
+async fn finish_version(db: &mut Connection, next: Next) -> Result<(), StoreError> {
     let delete = "delete from deferred_changes where map_key = $1 and version = $2";
-    run(db, sqlx::query(delete).bind(next.map_key).bind(next.version)).await
+    run(db, sql::query(delete).bind(next.map_key).bind(next.version)).await
 }
 
 /// Writes changes of one kind to their rows. What they change may be gone meanwhile.
-async fn write(db: &mut SqliteConnection, map: MapKey, changes: Vec<Change>) -> Result<(), StoreError> {
+async fn write(db: &mut Connection, map: MapKey, changes: Vec<Change>) -> Result<(), StoreError> {
     let (mut points, mut forgotten) = (Vec::new(), Vec::new());
     for change in changes {
         match change {
             Change::PoseSet(keyframe, pose) => {
                 let update = "update keyframes set pose = $3 where map_key = $1 and keyframe = $2";
-                run(db, sqlx::query(update).bind(map).bind(keyframe.0).bind(pose_blob(&pose))).await?;
+                run(db, sql::query(update).bind(map).bind(keyframe.0).bind(pose_blob(&pose))).await?;
             }
             Change::PositionSet(_, keyframe, detection, at) => {
                 let update = "update detections set position = $4
                     where map_key = $1 and keyframe = $2 and detection = $3";
-                let query = sqlx::query(update).bind(map).bind(keyframe.0).bind(detection);
+                let query = sql::query(update).bind(map).bind(keyframe.0).bind(detection);
                 run(db, query.bind(pack([at.x, at.y, at.z]))).await?;
             }
             Change::AnchorTouched(anchor, version) => {
                 let update = "update anchors set version = $3
                     where map_key = $1 and anchor = $2 and version < $3";
-                run(db, sqlx::query(update).bind(map).bind(anchor.0).bind(version as i64)).await?;
+                run(db, sql::query(update).bind(map).bind(anchor.0).bind(version as i64)).await?;
             }
             Change::PointSet(session, id, at) => points.push((session, id, at)),
             Change::PointsForgotten(session, ids) => forgotten.extend(ids.iter().map(|id| (session, *id))),

@@ -15,7 +15,7 @@ fn a_mistyped_database_or_filter_is_refused_and_makes_nothing() {
         revisit(&["keys", "list", "--database", &database]).refused("there is no database");
         revisit(&["keys", "revoke", "key-1", "--database", &database]).refused("there is no database");
     }
-    for database in ["", "sqlite://", "postgres://host/base"] {
+    for database in ["", "sqlite://", "mysql://host/base"] {
         revisit(&["serve", "--listen", "127.0.0.1:0", "--database", database]).refused("names no database");
     }
     for filter in ["warning", "verbose", "info;debug", "warn,revisit=loud"] {

@@ -1,0 +1,676 @@
+-- Every fact in plain tables, as SQLite has them at schema 22 (see the migrations beside), where what each column holds is told.
+--
+-- `map_key` leads the key of every table that grows, so that a sharded PostgreSQL can distribute the tables by it. Texts
+-- are compared by their bytes, as SQLite does: orders, and so answers, must not depend on a server's locale.
+
+create table maps (
+    map_key bigint not null,
+    id text collate "C" not null,
+    description text collate "C" not null,
+    metric bigint not null,
+    version bigint not null,
+    -- The dense numbers given next. They are facts: a number is never given twice.
+    next_keyframe bigint not null,
+    next_anchor bigint not null,
+    next_event bigint not null,
+    -- The vocabulary its words belong to, by fingerprint, or `client`; null until there are words.
+    vocabulary text collate "C",
+    -- SHA-256 of the body that made the map, to tell a retry from another map of the same name.
+    digest bytea not null,
+    owner bigint,
+    deleted bigint not null default 0,
+    keyframes bigint not null default 0,
+    anchors bigint not null default 0,
+    sessions bigint not null default 0,
+    loops bigint not null default 0,
+    bytes bigint not null default 0,
+    memory_bytes bigint not null default 0,
+    learned text collate "C",
+    gravity bytea,
+    constraint maps_key primary key (map_key),
+    constraint maps_id unique (id)
+);
+
+create table map_anchor_classes (
+    map_key bigint not null,
+    class text collate "C" not null,
+    constraint map_anchor_classes_key primary key (map_key, class),
+    constraint map_anchor_classes_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+create table map_settings (
+    map_key bigint not null,
+    name text collate "C" not null,
+    value text collate "C" not null,
+    constraint map_settings_key primary key (map_key, name),
+    constraint map_settings_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+create table sessions (
+    map_key bigint not null,
+    session bigint not null,
+    id text collate "C" not null,
+    constraint sessions_key primary key (map_key, session),
+    constraint sessions_id unique (map_key, id),
+    constraint sessions_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+create table keyframes (
+    map_key bigint not null,
+    keyframe bigint not null,
+    id text collate "C" not null,
+    session bigint not null,
+    stamp_sec bigint not null,
+    stamp_nanosec bigint not null,
+    -- map_from_camera: tx ty tz qx qy qz qw, as float64.
+    pose bytea not null,
+    -- fx fy cx cy as float64, width height as uint32; null if the client did not tell.
+    camera bytea,
+    -- int64 point numbers, ascending: all points observed, and those sent with a position.
+    observes bytea not null,
+    sent_points bytea not null,
+    -- uint32 pairs (keyframe, shared).
+    declared bytea not null,
+    -- uint32 words, ascending, and uint32 weights in units of 2^-31.
+    bow_words bytea not null,
+    bow_weights bytea not null,
+    digest bytea not null,
+    bytes bigint not null default 0,
+    version bigint not null default 0,
+    packing bigint not null default 0,
+    gravity bytea,
+    global_model text collate "C",
+    global_encoding text collate "C",
+    global_descriptor bytea,
+    stored_sec bigint not null default 0,
+    constraint keyframes_key primary key (map_key, keyframe),
+    constraint keyframes_id unique (map_key, id),
+    constraint keyframes_session foreign key (map_key, session) references sessions (map_key, session) on delete cascade
+);
+
+create table keyframe_features (
+    map_key bigint not null,
+    keyframe bigint not null,
+    descriptor_bytes bigint not null,
+    descriptors bytea not null,
+    -- float64 u v angle_deg (NaN without one) and uint8 octave, for each feature.
+    keypoints bytea not null,
+    -- int64 for each feature; -1 without one.
+    map_points bytea not null,
+    packing bigint not null default 0,
+    constraint keyframe_features_key primary key (map_key, keyframe),
+    constraint keyframe_features_keyframe foreign key (map_key, keyframe)
+        references keyframes (map_key, keyframe) on delete cascade
+);
+
+create table anchors (
+    map_key bigint not null,
+    anchor bigint not null,
+    class text collate "C" not null,
+    description_by_hand text collate "C",
+    version bigint not null,
+    constraint anchors_key primary key (map_key, anchor),
+    constraint anchors_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+create table detections (
+    map_key bigint not null,
+    keyframe bigint not null,
+    detection bigint not null,
+    class text collate "C" not null,
+    confidence double precision not null,
+    -- x0 y0 x1 y1 in pixels, as float64.
+    box_px bytea not null,
+    map_points bytea not null,
+    -- x y z in the session's frame, as float64; null if the client sent none.
+    position bytea,
+    text text collate "C",
+    description text collate "C",
+    -- `created`, `observed`, or why it feeds no anchor.
+    outcome text collate "C" not null,
+    anchor bigint,
+    range_assumed bigint not null default 0,
+    deleted_anchor bigint,
+    deleted_in bigint,
+    constraint detections_key primary key (map_key, keyframe, detection),
+    constraint detections_keyframe foreign key (map_key, keyframe)
+        references keyframes (map_key, keyframe) on delete cascade,
+    constraint detections_anchor foreign key (map_key, anchor) references anchors (map_key, anchor)
+);
+
+create index detections_by_anchor on detections (map_key, anchor) where anchor is not null;
+
+create table crops (
+    map_key bigint not null,
+    keyframe bigint not null,
+    detection bigint not null,
+    media_type text collate "C" not null,
+    bytes bytea not null,
+    constraint crops_key primary key (map_key, keyframe, detection),
+    constraint crops_detection foreign key (map_key, keyframe, detection)
+        references detections (map_key, keyframe, detection) on delete cascade
+);
+
+create table anchor_merges (
+    map_key bigint not null,
+    into_anchor bigint not null,
+    from_anchor bigint not null,
+    -- The loop that merged them; empty for a covisible merge.
+    loop_id text collate "C" not null,
+    constraint anchor_merges_key primary key (map_key, into_anchor, from_anchor, loop_id),
+    constraint anchor_merges_into foreign key (map_key, into_anchor)
+        references anchors (map_key, anchor) on delete cascade,
+    constraint anchor_merges_from foreign key (map_key, from_anchor)
+        references anchors (map_key, anchor) on delete cascade
+);
+
+create index anchor_merges_by_from on anchor_merges (map_key, from_anchor);
+
+create table loops (
+    map_key bigint not null,
+    id text collate "C" not null,
+    keyframe bigint not null,
+    candidate bigint not null,
+    -- The names stay when the keyframes are culled.
+    keyframe_id text collate "C" not null,
+    candidate_id text collate "C" not null,
+    query text collate "C",
+    candidate_from_query bytea,
+    constraint loops_key primary key (map_key, id),
+    constraint loops_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+create table events (
+    map_key bigint not null,
+    seq bigint not null,
+    kind text collate "C" not null,
+    map_version bigint not null,
+    anchor bigint,
+    other bigint,
+    keyframe text collate "C",
+    candidate text collate "C",
+    loop_id text collate "C",
+    query text collate "C",
+    detail text collate "C",
+    session text collate "C",
+    into_session text collate "C",
+    constraint events_key primary key (map_key, seq),
+    constraint events_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+create table loop_queries (
+    map_key bigint not null,
+    id text collate "C" not null,
+    kept bigint not null,
+    body bytea not null,
+    constraint loop_queries_key primary key (map_key, id),
+    constraint loop_queries_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+create index loop_queries_by_age on loop_queries (map_key, kept);
+
+create table model_readings (
+    map_key bigint not null,
+    keyframe bigint not null,
+    detection bigint not null,
+    text text collate "C" not null,
+    -- `model:<name>`, or the reader's name.
+    source text collate "C" not null,
+    -- Did a model describe it, rather than a reader of characters?
+    described bigint not null,
+    -- Did a reader stand in because the model was away? It is read again then.
+    degraded bigint not null,
+    fingerprint text collate "C" not null default '',
+    version bigint not null default 0,
+    constraint model_readings_key primary key (map_key, keyframe, detection),
+    constraint model_readings_detection foreign key (map_key, keyframe, detection)
+        references detections (map_key, keyframe, detection) on delete cascade
+);
+
+create table transcripts (
+    map_key bigint not null,
+    keyframe bigint not null,
+    detection bigint not null,
+    step bigint not null,
+    -- Who answered, what was asked and what was answered, as sent.
+    speaker text collate "C" not null,
+    question text collate "C" not null,
+    answer text collate "C" not null,
+    constraint transcripts_key primary key (map_key, keyframe, detection, step),
+    constraint transcripts_reading foreign key (map_key, keyframe, detection)
+        references model_readings (map_key, keyframe, detection) on delete cascade
+);
+
+create table model_verdicts (
+    map_key bigint not null,
+    operation text collate "C" not null,
+    class text collate "C" not null,
+    a text collate "C" not null,
+    b text collate "C" not null,
+    -- 1 to 5; null for a merged text.
+    level bigint,
+    -- The merged text; null for a level.
+    text text collate "C",
+    source text collate "C" not null,
+    reason text collate "C" not null default '',
+    fingerprint text collate "C" not null default '',
+    version bigint not null default 0,
+    constraint model_verdicts_key primary key (map_key, operation, class, a, b),
+    constraint model_verdicts_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+create table models_away (
+    map_key bigint not null,
+    constraint models_away_key primary key (map_key),
+    constraint models_away_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+create table model_answers (
+    -- Grows with each answer, so that the oldest can go.
+    kept bigint generated by default as identity,
+    key bytea not null,
+    operation text collate "C" not null,
+    model text collate "C" not null,
+    answer text collate "C" not null,
+    constraint model_answers_key primary key (kept),
+    constraint model_answers_question unique (key)
+);
+
+create table model_usage (
+    day bigint not null,
+    operation text collate "C" not null,
+    model text collate "C" not null,
+    calls bigint not null,
+    input_tokens bigint not null,
+    output_tokens bigint not null,
+    cost_microusd bigint not null,
+    cache_hits bigint not null,
+    constraint model_usage_key primary key (day, operation, model)
+);
+
+create table keys (
+    key bigint not null,
+    name text collate "C" not null,
+    -- SHA-256 of the secret, which is shown once and kept nowhere. It has 256 random bits: no salt and no slow hash is needed.
+    hash bytea not null,
+    -- Bits: 1 read, 2 write, 4 query, 8 admin.
+    actions bigint not null,
+    created_sec bigint not null,
+    expires_sec bigint,
+    expires_nanosec bigint,
+    revoked_sec bigint,
+    -- Requests a second.
+    rate_per_s bigint,
+    -- What a day (UTC) of models may bring for the maps that this key made and the texts it asks about.
+    model_daily_calls bigint,
+    model_daily_microusd bigint,
+    constraint keys_key primary key (key),
+    constraint keys_hash unique (hash)
+);
+
+create table key_maps (
+    key bigint not null,
+    place bigint not null,
+    pattern text collate "C" not null,
+    constraint key_maps_key primary key (key, place),
+    constraint key_maps_of foreign key (key) references keys (key) on delete cascade
+);
+
+create table key_changes (
+    only_row bigint not null,
+    change bigint not null,
+    constraint key_changes_key primary key (only_row)
+);
+
+create table key_usage (
+    day bigint not null,
+    key bigint not null,
+    calls bigint not null,
+    cost_microusd bigint not null,
+    constraint key_usage_key primary key (day, key)
+);
+
+create index maps_deleted on maps (map_key) where deleted = 1;
+
+create table deferred_changes (
+    map_key bigint not null,
+    -- The version of the map that these changes make.
+    version bigint not null,
+    parts bigint not null,
+    -- The first part that is not in the rows yet, and how many of its entries are.
+    part bigint not null,
+    entries_done bigint not null,
+    constraint deferred_changes_key primary key (map_key, version),
+    constraint deferred_changes_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+create table deferred_parts (
+    map_key bigint not null,
+    version bigint not null,
+    part bigint not null,
+    -- `poses`, `points`, `forgotten`, `positions` or `touched`, and a packed list of them.
+    kind text collate "C" not null,
+    entries bytea not null,
+    constraint deferred_parts_key primary key (map_key, version, part),
+    constraint deferred_parts_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+create table replaced_verdicts (
+    map_key bigint not null,
+    map_version bigint not null,
+    operation text collate "C" not null,
+    class text collate "C" not null,
+    a text collate "C" not null,
+    b text collate "C" not null,
+    level bigint,
+    text text collate "C",
+    source text collate "C" not null,
+    reason text collate "C" not null,
+    fingerprint text collate "C" not null,
+    constraint replaced_verdicts_key primary key (map_key, map_version, operation, class, a, b),
+    constraint replaced_verdicts_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+create table replaced_readings (
+    map_key bigint not null,
+    map_version bigint not null,
+    keyframe bigint not null,
+    detection bigint not null,
+    text text collate "C" not null,
+    source text collate "C" not null,
+    described bigint not null,
+    degraded bigint not null,
+    fingerprint text collate "C" not null,
+    constraint replaced_readings_key primary key (map_key, map_version, keyframe, detection),
+    constraint replaced_readings_detection foreign key (map_key, keyframe, detection)
+        references detections (map_key, keyframe, detection) on delete cascade
+);
+
+create index replaced_readings_by_detection on replaced_readings (map_key, keyframe, detection);
+
+create table replaced_transcripts (
+    map_key bigint not null,
+    map_version bigint not null,
+    keyframe bigint not null,
+    detection bigint not null,
+    step bigint not null,
+    speaker text collate "C" not null,
+    question text collate "C" not null,
+    answer text collate "C" not null,
+    constraint replaced_transcripts_key primary key (map_key, map_version, keyframe, detection, step),
+    constraint replaced_transcripts_reading foreign key (map_key, map_version, keyframe, detection)
+        references replaced_readings (map_key, map_version, keyframe, detection) on delete cascade
+);
+
+create table judgements (
+    map_key bigint not null,
+    id text collate "C" not null,
+    -- Jobs of a map are counted, so that the oldest can go.
+    number bigint not null,
+    -- `all`, `texts` or `crops`.
+    asks text collate "C" not null,
+    -- `running`, `done` or `stopped`.
+    state text collate "C" not null,
+    -- The map's version when it began.
+    since_version bigint not null,
+    -- As foreseen when it began.
+    questions bigint not null,
+    calls_max bigint not null,
+    cost_max_microusd bigint not null,
+    -- What has become of the questions so far.
+    changed bigint not null,
+    unchanged bigint not null,
+    gone bigint not null,
+    failed bigint not null,
+    -- The question that was settled last: of a crop its keyframe and detection, of texts what was asked about which.
+    -- Crops come first. All null before the first question is settled; of each kind only its own columns are set.
+    at_operation text collate "C",
+    at_keyframe bigint,
+    at_detection bigint,
+    at_class text collate "C",
+    at_a text collate "C",
+    at_b text collate "C",
+    constraint judgements_key primary key (map_key, id),
+    constraint judgements_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+create table twins (
+    map_key bigint not null,
+    -- The keyframe that was written last, and the one that it was taken for.
+    keyframe bigint not null,
+    candidate bigint not null,
+    -- The signs that exclude each other.
+    anchor bigint not null,
+    candidate_anchor bigint not null,
+    constraint twins_key primary key (map_key, keyframe, candidate, anchor, candidate_anchor),
+    constraint twins_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+create table missed_signs (
+    map_key bigint not null,
+    anchor bigint not null,
+    -- The last keyframe of the passage that had the sign in view.
+    keyframe bigint not null,
+    -- The sign that hangs in its place; null where there is none.
+    other bigint,
+    constraint missed_signs_key primary key (map_key, anchor, keyframe),
+    constraint missed_signs_anchor foreign key (map_key, anchor)
+        references anchors (map_key, anchor) on delete cascade
+);
+
+create table retired_signs (
+    map_key bigint not null,
+    anchor bigint not null,
+    -- The sign that hangs in its place; null where there is none, or where it is gone, too.
+    replaced_by bigint,
+    constraint retired_signs_key primary key (map_key, anchor),
+    constraint retired_signs_anchor foreign key (map_key, anchor)
+        references anchors (map_key, anchor) on delete cascade
+);
+
+create index detections_by_deleted_anchor on detections (map_key, deleted_anchor) where deleted_anchor is not null;
+
+create index detections_by_deletion on detections (map_key, deleted_in) where deleted_in is not null;
+
+create table former_values (
+    map_key bigint not null,
+    -- The version that replaced them.
+    version bigint not null,
+    part bigint not null,
+    -- `former_poses`, `former_points`, `former_forgotten` or `former_positions`, and a packed list of them.
+    kind text collate "C" not null,
+    entries bytea not null,
+    constraint former_values_key primary key (map_key, version, part),
+    constraint former_values_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+create table operations (
+    map_key bigint not null,
+    version bigint not null,
+    -- Tells the operations of one version apart.
+    operation text collate "C" not null,
+    body text collate "C" not null,
+    constraint operations_key primary key (map_key, version, operation),
+    constraint operations_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+create table map_keys (
+    only_row bigint not null,
+    last bigint not null,
+    constraint map_keys_key primary key (only_row)
+);
+
+create table point_blocks (
+    map_key bigint not null,
+    session bigint not null,
+    -- The points' numbers divided by 64.
+    block bigint not null,
+    -- A uint64 whose bits say which of the 64 are there, then float64 x y z of each in turn.
+    points bytea not null,
+    constraint point_blocks_key primary key (map_key, session, block),
+    constraint point_blocks_session foreign key (map_key, session) references sessions (map_key, session) on delete cascade
+);
+
+create table prior_anchors (
+    map_key bigint not null,
+    anchor bigint not null,
+    -- Chosen by the client.
+    id text collate "C" not null,
+    -- The session that stands for the plan's frame.
+    frame bigint not null,
+    description text collate "C" not null,
+    -- Three packed f64 in the plan's frame, in metres.
+    position bytea not null,
+    -- Three packed f64: the unit vector out of the wall; null where the plan does not say.
+    normal bytea,
+    source text collate "C",
+    constraint prior_anchors_key primary key (map_key, anchor),
+    constraint prior_anchors_id unique (map_key, id),
+    constraint prior_anchors_anchor foreign key (map_key, anchor)
+        references anchors (map_key, anchor) on delete cascade
+);
+
+create table keyframe_points (
+    map_key bigint not null,
+    keyframe bigint not null,
+    -- Columns of integers: the points observed, ascending; those that features were sent with and that are others now, ascending;
+    -- and what these are now.
+    observes bytea not null,
+    renamed_from bytea not null,
+    renamed_to bytea not null,
+    -- uint32 pairs (keyframe, shared).
+    declared bytea not null,
+    -- What the keyframe takes, as keyframes.bytes counts it.
+    bytes bigint not null,
+    renames_all bigint not null default 0,
+    constraint keyframe_points_key primary key (map_key, keyframe),
+    constraint keyframe_points_keyframe foreign key (map_key, keyframe)
+        references keyframes (map_key, keyframe) on delete cascade
+);
+
+create table detection_points (
+    map_key bigint not null,
+    keyframe bigint not null,
+    detection bigint not null,
+    -- A column of integers, ascending.
+    map_points bytea not null,
+    constraint detection_points_key primary key (map_key, keyframe, detection),
+    constraint detection_points_detection foreign key (map_key, keyframe, detection)
+        references detections (map_key, keyframe, detection) on delete cascade
+);
+
+create table session_merges (
+    map_key bigint not null,
+    version bigint not null,
+    -- The session that went, and the one that its keyframes are of from then on.
+    session bigint not null,
+    into_session bigint not null,
+    -- The number that the next keyframe had: it, and those after it, are not concerned.
+    next_keyframe bigint not null,
+    -- What revokes the merge beside the former values of its version, as JSON; null once something was written on top of it.
+    undo text collate "C",
+    constraint session_merges_key primary key (map_key, version),
+    constraint session_merges_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+create table fleet_frames (
+    map_key bigint not null,
+    -- The map's version that it was computed at.
+    version bigint not null,
+    body text collate "C" not null,
+    constraint fleet_frames_key primary key (map_key),
+    constraint fleet_frames_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+create table releases (
+    map_key bigint not null,
+    name text collate "C" not null,
+    release_key bigint not null,
+    -- The map's version that it holds. That of its own map is higher once something was erased from it.
+    map_version bigint not null,
+    -- How often something was erased from it for good.
+    erasures bigint not null default 0,
+    description text collate "C" not null,
+    published_sec bigint not null,
+    published_nanosec bigint not null,
+    -- SHA-256 of the request, to tell a retry from another release of the same name.
+    digest bytea not null,
+    constraint releases_key primary key (map_key, name),
+    constraint releases_rows unique (release_key),
+    constraint releases_map foreign key (map_key) references maps (map_key) on delete cascade,
+    constraint releases_held_by foreign key (release_key) references maps (map_key) on delete cascade
+);
+
+create table release_uses (
+    map_key bigint not null,
+    session text collate "C" not null,
+    queries bigint not null,
+    last_sec bigint not null,
+    last_nanosec bigint not null,
+    constraint release_uses_key primary key (map_key, session),
+    constraint release_uses_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+create table erasures (
+    map_key bigint not null,
+    number bigint not null,
+    -- `removing`, `rewriting` or `done`.
+    state text collate "C" not null,
+    -- What is to be erased, as JSON; null once it is removed, for it names what must not stay.
+    asked text collate "C",
+    keyframes bigint not null,
+    releases bigint not null,
+    begun_sec bigint not null,
+    begun_nanosec bigint not null,
+    ended_sec bigint,
+    ended_nanosec bigint,
+    constraint erasures_key primary key (map_key, number),
+    constraint erasures_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
+create table event_numbers (
+    only_row bigint not null,
+    last bigint not null,
+    constraint event_numbers_key primary key (only_row)
+);
+
+-- Packed lists and images do not get smaller: trying costs more than their transport.
+alter table keyframes
+    alter column observes set storage external,
+    alter column bow_words set storage external,
+    alter column bow_weights set storage external,
+    alter column global_descriptor set storage external;
+alter table keyframe_features
+    alter column descriptors set storage external,
+    alter column keypoints set storage external,
+    alter column map_points set storage external;
+alter table crops alter column bytes set storage external;
+alter table point_blocks alter column points set storage external;
+
+insert into map_keys (only_row, last) values (1, 0);
+insert into key_changes (only_row, change) values (1, 0);
+insert into event_numbers (only_row, last) values (1, 0);
+
+-- What SQLite has and PostgreSQL calls otherwise, so that statements need not be written twice.
+
+create function json_each(list text) returns table (value text) language sql immutable strict
+    as $$ select jsonb_array_elements_text(list::jsonb) $$;
+
+create function json_extract(body text, path text) returns text language sql immutable strict
+    as $$ select body::jsonb #>> string_to_array(substr(path, 3), '.') $$;
+
+create function json_object_with(object jsonb, name text, value text) returns jsonb language sql immutable
+    as $$ select object || jsonb_build_object(name, value) $$;
+
+create function json_array_with(list jsonb, value text) returns jsonb language sql immutable
+    as $$ select list || to_jsonb(value) $$;
+
+create function json_as_text(json jsonb) returns text language sql immutable as $$ select json::text $$;
+
+create aggregate json_group_object(text, text) (
+    sfunc = json_object_with, stype = jsonb, initcond = '{}', finalfunc = json_as_text
+);
+
+create aggregate json_group_array(text) (
+    sfunc = json_array_with, stype = jsonb, initcond = '[]', finalfunc = json_as_text
+);

@@ -1,0 +1,42 @@
+//! Opening: connections to a PostgreSQL server.
+
+use std::str::FromStr as _;
+use std::time::Duration;
+
+use sqlx::postgres::{PgConnectOptions, PgPool, PgPoolOptions};
+
+use super::schema;
+use crate::store::commit::group_commit::{self, Served};
+use crate::store::sql::Pool;
+use crate::store::{Store, StoreError};
+
+/// Readers beside the one writer.
+const READERS: u32 = 8;
+
+/// The longest wait for a connection.
+const ACQUIRE_TIMEOUT: Duration = Duration::from_secs(10);
+
+/// A connection is made anew after so long: after a fail-over it may lead to a server that only reads.
+const LIFETIME_MAX: Duration = Duration::from_secs(600);
+
+/// Opens the database at an address, and brings it to this version's schema.
+pub(in crate::store) async fn open(url: &str) -> Result<Store, StoreError> {
+    let options = options(url)?;
+    let pool = |connections: u32| {
+        PgPoolOptions::new()
+            .max_connections(connections)
+            .acquire_timeout(ACQUIRE_TIMEOUT)
+            .max_lifetime(LIFETIME_MAX)
+            .connect_lazy_with(options.clone())
+    };
+    let readers: PgPool = pool(READERS);
+    schema::migrate(&readers).await?;
+    // Its one connection is made by the writer's thread, which alone uses it.
+    let committer = group_commit::start(Pool::Postgres(pool(1)), None, Served::Shared)?;
+    Ok(Store { readers: Pool::Postgres(readers), committer, files: None, lock: None })
+}
+
+fn options(url: &str) -> Result<PgConnectOptions, StoreError> {
+    let options = PgConnectOptions::from_str(url)?;
+    Ok(options.application_name("revisit"))
+}

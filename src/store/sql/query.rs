@@ -1,0 +1,148 @@
+//! Statements with their values.
+
+use std::marker::PhantomData;
+
+use futures_util::stream::{BoxStream, StreamExt as _, TryStreamExt as _};
+use sqlx::postgres::{PgArguments, Postgres};
+use sqlx::sqlite::{Sqlite, SqliteArguments};
+use sqlx::{Error, SqlSafeStr, SqlStr};
+
+use super::connection::{Connection, Target};
+use super::row::{FromRow, FromValue, Row};
+use super::value::{ToValue, Value};
+
+/// A statement with its values.
+#[derive(Debug)]
+pub(in crate::store) struct Query {
+    sql: SqlStr,
+    values: Vec<Value>,
+}
+
+/// A statement whose rows are read into `T`.
+pub(in crate::store) struct QueryAs<T> {
+    query: Query,
+    read: fn(&Row) -> Result<T, Error>,
+    rows: PhantomData<fn() -> T>,
+}
+
+/// Returns a statement.
+pub(in crate::store) fn query(sql: impl SqlSafeStr) -> Query {
+    Query { sql: sql.into_sql_str(), values: Vec::new() }
+}
+
+/// Returns a statement whose rows are tuples.
+pub(in crate::store) fn query_as<T: FromRow>(sql: impl SqlSafeStr) -> QueryAs<T> {
+    QueryAs { query: query(sql), read: T::from_row, rows: PhantomData }
+}
+
+/// Returns a statement of whose rows the first column counts.
+pub(in crate::store) fn query_scalar<T: for<'r> FromValue<'r>>(sql: impl SqlSafeStr) -> QueryAs<T> {
+    QueryAs { query: query(sql), read: |row| row.try_get(0), rows: PhantomData }
+}
+
+impl Query {
+    /// Gives the next parameter its value.
+    pub(in crate::store) fn bind(mut self, value: impl ToValue) -> Self {
+        self.values.push(value.to_value());
+        self
+    }
+
+    /// Gives the next parameters their values.
+    pub(in crate::store) fn bind_all(mut self, values: Vec<Value>) -> Self {
+        self.values.extend(values);
+        self
+    }
+
+    /// Executes it, and returns the number of rows that it changed.
+    pub(in crate::store) async fn execute<'c>(self, to: impl Into<Target<'c>>) -> Result<u64, Error> {
+        Ok(match to.into() {
+            Target::Sqlite(db) => self.for_sqlite()?.execute(db).await?.rows_affected(),
+            Target::SqlitePool(pool) => self.for_sqlite()?.execute(pool).await?.rows_affected(),
+            Target::Postgres(db) => self.for_postgres()?.execute(db).await?.rows_affected(),
+            Target::PostgresPool(pool) => self.for_postgres()?.execute(pool).await?.rows_affected(),
+        })
+    }
+
+    pub(in crate::store) async fn fetch_all<'c>(
+        self,
+        from: impl Into<Target<'c>>,
+    ) -> Result<Vec<Row>, Error> {
+        let sqlite = |rows: Vec<_>| rows.into_iter().map(Row::Sqlite).collect();
+        let postgres = |rows: Vec<_>| rows.into_iter().map(Row::Postgres).collect();
+        Ok(match from.into() {
+            Target::Sqlite(db) => sqlite(self.for_sqlite()?.fetch_all(db).await?),
+            Target::SqlitePool(pool) => sqlite(self.for_sqlite()?.fetch_all(pool).await?),
+            Target::Postgres(db) => postgres(self.for_postgres()?.fetch_all(db).await?),
+            Target::PostgresPool(pool) => postgres(self.for_postgres()?.fetch_all(pool).await?),
+        })
+    }
+
+    pub(in crate::store) async fn fetch_optional<'c>(
+        self,
+        from: impl Into<Target<'c>>,
+    ) -> Result<Option<Row>, Error> {
+        Ok(match from.into() {
+            Target::Sqlite(db) => self.for_sqlite()?.fetch_optional(db).await?.map(Row::Sqlite),
+            Target::SqlitePool(pool) => self.for_sqlite()?.fetch_optional(pool).await?.map(Row::Sqlite),
+            Target::Postgres(db) => self.for_postgres()?.fetch_optional(db).await?.map(Row::Postgres),
+            Target::PostgresPool(pool) => self.for_postgres()?.fetch_optional(pool).await?.map(Row::Postgres),
+        })
+    }
+
+    pub(in crate::store) async fn fetch_one<'c>(self, from: impl Into<Target<'c>>) -> Result<Row, Error> {
+        self.fetch_optional(from).await?.ok_or(Error::RowNotFound)
+    }
+
+    /// Returns its rows one by one, as they arrive.
+    pub(in crate::store) fn fetch(self, from: &mut Connection) -> BoxStream<'_, Result<Row, Error>> {
+        let failed = |error| futures_util::stream::once(async move { Err(error) }).boxed();
+        match from.into() {
+            Target::Sqlite(db) => match self.for_sqlite() {
+                Ok(query) => query.fetch(db).map_ok(Row::Sqlite).boxed(),
+                Err(error) => failed(error),
+            },
+            Target::Postgres(db) => match self.for_postgres() {
+                Ok(query) => query.fetch(db).map_ok(Row::Postgres).boxed(),
+                Err(error) => failed(error),
+            },
+            Target::SqlitePool(_) | Target::PostgresPool(_) => unreachable!("a connection is no pool"),
+        }
+    }
+
+    fn for_sqlite(self) -> Result<sqlx::query::Query<'static, Sqlite, SqliteArguments>, Error> {
+        let mut arguments = SqliteArguments::default();
+        let mut values = self.values.into_iter();
+        values.try_for_each(|value| value.add_to_sqlite(&mut arguments)).map_err(Error::Encode)?;
+        Ok(sqlx::query_with(self.sql, arguments))
+    }
+
+    fn for_postgres(self) -> Result<sqlx::query::Query<'static, Postgres, PgArguments>, Error> {
+        let mut arguments = PgArguments::default();
+        let mut values = self.values.into_iter();
+        values.try_for_each(|value| value.add_to_postgres(&mut arguments)).map_err(Error::Encode)?;
+        Ok(sqlx::query_with(self.sql, arguments))
+    }
+}
+
+impl<T> QueryAs<T> {
+    /// Gives the next parameter its value.
+    pub(in crate::store) fn bind(mut self, value: impl ToValue) -> Self {
+        self.query = self.query.bind(value);
+        self
+    }
+
+    pub(in crate::store) async fn fetch_all<'c>(self, from: impl Into<Target<'c>>) -> Result<Vec<T>, Error> {
+        self.query.fetch_all(from).await?.iter().map(self.read).collect()
+    }
+
+    pub(in crate::store) async fn fetch_optional<'c>(
+        self,
+        from: impl Into<Target<'c>>,
+    ) -> Result<Option<T>, Error> {
+        self.query.fetch_optional(from).await?.as_ref().map(self.read).transpose()
+    }
+
+    pub(in crate::store) async fn fetch_one<'c>(self, from: impl Into<Target<'c>>) -> Result<T, Error> {
+        (self.read)(&self.query.fetch_one(from).await?)
+    }
+}
