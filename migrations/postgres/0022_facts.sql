@@ -634,6 +634,30 @@ create table event_numbers (
     constraint event_numbers_key primary key (only_row)
 );
 
+-- The servers that share this database, each by an id that it makes up when it starts.
+create table nodes (
+    node text collate "C" not null,
+    -- Where the others reach it, and the secret by which it knows their requests.
+    address text collate "C" not null,
+    secret text collate "C" not null,
+    -- By this database's clock, as all times of leases are.
+    expires timestamptz not null,
+    constraint nodes_key primary key (node)
+);
+
+-- Which server has a map in memory and may write to it. Nothing but the primary key is unique here: a server that extends its
+-- leases must not wait for its own writes, which lock the key.
+create table map_owners (
+    map_key bigint not null,
+    -- Null once it was given back.
+    owner text collate "C",
+    -- Grows with each taking. A write of an older one is refused.
+    epoch bigint not null,
+    expires timestamptz not null,
+    constraint map_owners_key primary key (map_key),
+    constraint map_owners_map foreign key (map_key) references maps (map_key) on delete cascade
+);
+
 -- Packed lists and images do not get smaller: trying costs more than their transport.
 alter table keyframes
     alter column observes set storage external,

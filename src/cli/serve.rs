@@ -20,7 +20,7 @@ use crate::config::traces::Traces;
 use crate::config::{build, limits, listen, logging, traces};
 use crate::engine::{ModelChoice, Service, ServiceOptions};
 use crate::http::{self, RunningServer};
-use crate::store::without_password;
+use crate::store::{is_server_url, without_password};
 use crate::vocabulary::Vocabulary;
 
 /// File descriptors reserved for the database, the runtime and the log.
@@ -40,6 +40,10 @@ pub struct ServeArgs {
     /// servers may share
     #[arg(long, env = "REVISIT_DATABASE", value_name = "URL", default_value = "sqlite://revisit.db")]
     database: String,
+    /// Where the other servers of a PostgreSQL database reach this one, such as `http://10.0.0.7:7878`; by default the address
+    /// that it listens on
+    #[arg(long, env = "REVISIT_ADVERTISE", value_name = "URL", value_parser = listen::peer)]
+    advertise: Option<String>,
     /// A vocabulary, to compute words where a client sends features without them, and to guide matching. DBoW2's text
     /// format or the binary format (`revisit vocabulary convert`), plain, gzip or zstd
     #[arg(long, env = "REVISIT_VOCABULARY", value_name = "FILE")]
@@ -83,6 +87,11 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
     let listener = TcpListener::bind(args.listen)
         .await
         .map_err(|error| format!("cannot listen on {}: {error}", args.listen))?;
+    if is_server_url(&args.database) && args.advertise.is_none() && args.listen.ip().is_unspecified() {
+        let detail = "other servers of this database cannot reach this one at an address that stands for all of its own: name one by \
+            --advertise http://HOST:PORT";
+        return Err(detail.into());
+    }
     let mut service = Service::open(ServiceOptions {
         database: args.database.clone(),
         vocabulary: args.vocabulary,
@@ -113,6 +122,7 @@ pub async fn run(args: ServeArgs) -> Result<(), Failure> {
         );
     }
     let addr = listener.local_addr()?;
+    service.join(args.advertise.unwrap_or_else(|| format!("http://{addr}"))).await?;
     write_out(&format!("listening on http://{addr}\n"))?;
     tracing::info!(%addr, database = without_password(&args.database), version = build::VERSION, traces = traces.are_sent(), "serving");
     let served = http::serve(listener, service.clone(), args.limits, stopping).await;

@@ -9,9 +9,28 @@ pub fn address(text: &str) -> Result<SocketAddr, String> {
     found.next().ok_or_else(|| expected.to_owned())
 }
 
+/// Parses `--advertise`: `http://HOST:PORT` or `https://HOST`, without a path.
+pub fn peer(text: &str) -> Result<String, String> {
+    let expected = "expected an address such as http://10.0.0.7:7878";
+    let address = text.trim_end_matches('/');
+    let host =
+        address.strip_prefix("http://").or_else(|| address.strip_prefix("https://")).ok_or(expected)?;
+    let is_host = !host.is_empty() && !host.contains(['/', '?', '#', '@', ' ']);
+    if is_host { Ok(address.to_owned()) } else { Err(expected.to_owned()) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn other_servers_are_given_an_address_without_a_path() {
+        assert_eq!(peer("http://10.0.0.7:7878/").expect("an address"), "http://10.0.0.7:7878");
+        assert!(peer("https://revisit-0.revisit").is_ok());
+        for malformed in ["10.0.0.7:7878", "http://", "http://host/path", "ftp://host", "http://a@b"] {
+            assert!(peer(malformed).is_err(), "{malformed}");
+        }
+    }
 
     #[test]
     fn an_address_has_a_port() {

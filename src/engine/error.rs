@@ -110,6 +110,7 @@ impl From<StoreError> for ServiceError {
             StoreError::Superseded
             | StoreError::Closed
             | StoreError::Busy
+            | StoreError::Fenced
             | StoreError::Away(_)
             | StoreError::Disk(_) => Self::Unavailable { detail: error.to_string(), retry_after_s: 1 },
             StoreError::Damaged { .. } => Self::Damaged(format!("{error}; other maps are not affected")),

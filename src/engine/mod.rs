@@ -8,6 +8,7 @@
 //! | [`descriptions`] | background work of models |
 //! | [`limits`] | concurrency limits, load shedding, quotas |
 //! | [`keys`] | API keys and their permissions |
+//! | [`cluster`] | several servers over one database: which has which map |
 //! | [`backups`] | the folder of backups |
 //! | [`erasures`], [`retention`] | keyframes that leave for good; what settings let go of |
 //!
@@ -17,6 +18,7 @@
 
 mod backups;
 mod bow;
+mod cluster;
 mod descriptions;
 mod erasures;
 mod error;
@@ -37,6 +39,7 @@ mod stored;
 mod verdict_counts;
 
 pub use backups::folder::BackupMade;
+pub use cluster::routing::Route;
 pub use error::ServiceError;
 pub use maps::feeds::Listener;
 pub use maps::pinned::PinnedMap;

@@ -53,6 +53,7 @@ impl Service {
             features: FeatureCache::new(vocabulary.clone()),
             vocabulary,
             backups: None,
+            membership: Arc::default(),
         }));
         service.poll_key_changes();
         service.start_triggers();
@@ -69,6 +70,7 @@ impl Service {
     pub async fn close(&self) {
         self.closing.cancel();
         tokio::join!(self.worker.stop(), self.rejudging.stop());
+        self.leave().await;
         self.store.close().await;
     }
 
@@ -95,7 +97,8 @@ async fn open_models(choice: ModelChoice, store: &Store) -> Result<Option<Models
         }
         ModelChoice::Given(args, models) => Some(Models::with(models, None, &args, store).await?),
     };
-    if models.is_none() {
+    // Among others no server may change maps that are not its own.
+    if models.is_none() && store.leases().is_none() {
         store.committer().commit(Job::ForgetAway).await?;
     }
     Ok(models)

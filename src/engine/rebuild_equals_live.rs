@@ -26,7 +26,7 @@ async fn service_with_map(folder: &tempfile::TempDir) -> (Service, MapId) {
 }
 
 async fn open(folder: &tempfile::TempDir) -> Service {
-    let database = format!("sqlite://{}/law.db", folder.path().display());
+    let database = crate::store::test_database::address_in(folder.path()).await;
     Service::open(ServiceOptions::for_tests(database)).await.unwrap()
 }
 

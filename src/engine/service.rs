@@ -1,12 +1,13 @@
 //! The handle of the engine: every use case is one of its methods.
 
 use std::ops::Deref;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 
 use super::backups::folder::BackupFolder;
+use super::cluster::membership::Membership;
 use super::descriptions::rejudging::Rejudging;
 use super::descriptions::worker::Worker;
 use super::error::ServiceError;
@@ -62,6 +63,8 @@ pub struct Parts {
     /// Ends background tasks.
     pub(super) closing: CancellationToken,
     pub(super) backups: Option<Arc<BackupFolder>>,
+    /// Set once the server has joined those that share its database.
+    pub(super) membership: Arc<OnceLock<Arc<Membership>>>,
 }
 
 impl Deref for Service {
@@ -96,6 +99,7 @@ impl Service {
     /// Returns a map for a client, loaded if it was not in memory.
     pub(super) async fn live(&self, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
         let was_in_memory = self.registry.in_memory_now(id).is_some();
+        self.should_have(id, was_in_memory)?;
         let live = self.registry.get(&self.store, id, Used::ByClient).await?;
         if !was_in_memory {
             // Its anchors may lack what a model that was configured since could give.
@@ -114,6 +118,18 @@ impl Service {
 
     /// Returns a map for background work: it does not count as used.
     pub(super) async fn live_in_background(&self, id: &MapId) -> Result<Arc<LiveMap>, ServiceError> {
+        self.should_have(id, self.registry.in_memory_now(id).is_some())?;
         self.registry.get(&self.store, id, Used::InBackground).await
+    }
+
+    /// Fails for a map that is not in memory where another server should have it.
+    fn should_have(&self, id: &MapId, is_in_memory: bool) -> Result<(), ServiceError> {
+        match self.membership.get() {
+            Some(membership) if !is_in_memory && !membership.should_have(id) => {
+                let detail = "another server should have this map; ask it, or try again".to_owned();
+                Err(ServiceError::Unavailable { detail, retry_after_s: 1 })
+            }
+            _ => Ok(()),
+        }
     }
 }

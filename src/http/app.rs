@@ -11,6 +11,7 @@ use tokio_util::sync::CancellationToken;
 use super::connection::answer_memory::AnswerMemory;
 use super::connection::connection_limit::ConnectionSlots;
 use super::connection::min_rate_body::MinRate;
+use super::forwarding::Peers;
 use super::guards::body_memory::BodyMemory;
 use super::guards::route_permissions::RoutePermissions;
 use super::guards::stream_limit::StreamLimit;
@@ -44,6 +45,8 @@ pub struct Parts {
     pub streams: Arc<StreamLimit>,
     /// Memory that large request bodies share.
     pub memory: BodyMemory,
+    /// Clients to the servers that share the database.
+    pub peers: Peers,
     /// Memory that large answers share.
     pub answers: Arc<AnswerMemory>,
 }
@@ -76,6 +79,7 @@ impl App {
             slots: ConnectionSlots::new(limits.max_connections),
             streams: StreamLimit::new(limits.streams()),
             memory: BodyMemory::new(limits.max_body_memory),
+            peers: Peers::default(),
             answers: AnswerMemory::new(limits.max_answer_memory),
             limits,
         })))

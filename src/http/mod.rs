@@ -6,6 +6,7 @@
 //! | [`extract`] | path, query and body of a request, validated |
 //! | [`answer`], [`problem`], [`envelope`] | success, errors, and the request id of every response |
 //! | [`guards`] | layers that admit or reject a request before its handler |
+//! | [`forwarding`] | requests about maps of other servers |
 //! | [`connection`] | the accept loop; connection limit, timeouts, shutdown |
 //! | [`router`], [`app`] | the layers around the routes, and their shared state |
 //! | [`metrics::counters`] | the metrics page |
@@ -19,6 +20,7 @@ pub mod document;
 pub mod envelope;
 pub mod error_responses;
 pub mod extract;
+pub mod forwarding;
 pub mod guards;
 pub mod metrics;
 pub mod pages;

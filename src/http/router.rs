@@ -13,6 +13,7 @@ use tower_http::limit::RequestBodyLimitLayer;
 
 use super::connection::bound_answers::bound_answers;
 use super::envelope::{self, envelope};
+use super::forwarding::forward;
 use super::guards::access::authorise;
 use super::guards::admission::admit;
 use super::{App, document, pages, routes};
@@ -33,7 +34,8 @@ pub fn router(app: App) -> Router {
         // Limits the compressed size; the body's reader limits the inflated size.
         .layer(RequestBodyLimitLayer::new(limits::BULK_BYTES));
     // The pages contain no data and ask for a key in the browser.
-    api.route_layer(from_fn_with_state(app.clone(), authorise))
+    api.route_layer(from_fn_with_state(app.clone(), forward))
+        .route_layer(from_fn_with_state(app.clone(), authorise))
         .merge(pages::routes())
         .fallback(envelope::no_such_path)
         .method_not_allowed_fallback(envelope::no_such_method)

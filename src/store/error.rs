@@ -74,6 +74,9 @@ pub enum StoreError {
     /// Every connection to the database was busy for too long.
     #[error("the database is busy")]
     Busy,
+    /// Another server owns the map by now; nothing was written.
+    #[error("another server owns this map now; try again")]
+    Fenced,
     /// The store is closed.
     #[error("the store is closed")]
     Closed,

@@ -46,7 +46,11 @@ impl Store {
 
     async fn copy_rows(&self, db: &mut Transaction, map: MapKey) -> Result<MapKey, StoreError> {
         // No client can give an id with a slash, and no release has two.
-        let id = format!("copying//{map}-{}", NEXT_COPY.fetch_add(1, Ordering::Relaxed));
+        let id = format!(
+            "copying//{}-{map}-{}",
+            self.leases.as_ref().map_or("", |of| of.node()),
+            NEXT_COPY.fetch_add(1, Ordering::Relaxed)
+        );
         let row = map_row(db, map).await?;
         self.committer.commit(Job::BeginCopy { row: Box::new(row), id: id.clone() }).await?;
         let select = "select map_key from maps where id = $1";
@@ -55,7 +59,7 @@ impl Store {
             self.committer.commit(Job::CopyRows { map: key, block: Box::new(block) })
         });
         if let Err(error) = copied.await {
-            self.committer.submit_alone(Job::DeleteMap(key));
+            self.committer.submit_alone(Job::DiscardCopy(key));
             return Err(error);
         }
         Ok(key)
@@ -68,7 +72,7 @@ impl MapCopy {
         let job = Job::FinishCopy { map: self.key, copied_as: Box::new(copied_as) };
         let finished = self.store.committer.commit(job).await;
         if finished.is_err() {
-            self.store.committer.submit_alone(Job::DeleteMap(self.key));
+            self.store.committer.submit_alone(Job::DiscardCopy(self.key));
         }
         finished
     }
@@ -85,6 +89,6 @@ impl MapCopy {
 
     /// Throws it away.
     pub fn discard(self) {
-        self.store.committer.submit_alone(Job::DeleteMap(self.key));
+        self.store.committer.submit_alone(Job::DiscardCopy(self.key));
     }
 }

@@ -42,7 +42,7 @@ mod sql;
 #[expect(clippy::module_inception, reason = "the hub of the room, which is named after it")]
 mod store;
 #[cfg(test)]
-mod test_database;
+pub(crate) mod test_database;
 
 pub use address::{is_server_url, without_password};
 pub use commit::commit_queue::{CommitStats, Committer};
@@ -58,6 +58,8 @@ pub use files::schema::newest as newest_schema;
 pub use holdings::Holdings;
 pub use inspection::{Inspected, Inspection, RowFindings};
 pub use map_copy::MapCopy;
+pub use postgres::leases::{Lease, Leases, Taken};
+pub use postgres::nodes::{Node, Owner};
 pub use rows::erasure_rows::OpenErasure;
 pub use rows::judgement_rows::Fingerprints;
 pub use rows::key_rows::{KeyTable, standing_keys};

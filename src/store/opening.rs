@@ -118,7 +118,7 @@ impl Store {
         let served = lock.clone().map_or(Served::Beside, |lock| Served::Alone { _lock: lock });
         let disk = OwnDisk::of(writer.clone(), reserve);
         let committer = group_commit::start(writer.into(), Some(disk), served)?;
-        Ok(Self { readers: readers.into(), committer, files: Some(files), lock })
+        Ok(Self { readers: readers.into(), committer, files: Some(files), lock, leases: None })
     }
 }
 

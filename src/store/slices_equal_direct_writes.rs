@@ -202,7 +202,7 @@ async fn holds_after(steps: Vec<Step>) {
     make_map(&mut sliced, 1).await;
     for (version, step) in (3..).zip(steps) {
         if let Step::Fold(entries) = step {
-            fold::fold_entries(&mut sliced, entries).await.unwrap();
+            fold::fold_entries(&mut sliced, None, entries).await.unwrap();
         }
         let changes = changes_of(&step, version);
         let direct = Job::Change(Box::new(batch(1, version, changes.clone())));
@@ -214,7 +214,7 @@ async fn holds_after(steps: Vec<Step>) {
         assert!(index_of(&mut sliced, Order::Forwards).await == expected, "after {step:?}");
         assert!(index_of(&mut sliced, Order::Backwards).await == expected, "backwards, after {step:?}");
     }
-    while fold::fold_entries(&mut sliced, 7).await.unwrap() {}
+    while fold::fold_entries(&mut sliced, None, 7).await.unwrap() {}
     drop((plain, sliced));
     assert_eq!(rows_of(&in_slices).await, rows_of(&at_once).await);
 }
@@ -339,7 +339,7 @@ proptest! {
             let create = Job::CreateMap { id, properties: Box::default(), digest: [1; 32], owner: None };
             execute(&mut db, &create).await;
             // Its deferred changes reach no rows any more.
-            assert!(!fold::fold_entries(&mut db, 1).await.unwrap());
+            assert!(!fold::fold_entries(&mut db, None, 1).await.unwrap());
             while deletion::remove_rows(&mut db, rows).await.unwrap() {}
             sql::query("delete from maps where map_key = 3").execute(&mut db).await.unwrap();
             assert_eq!(dump(&mut db).await, before);

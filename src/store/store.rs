@@ -7,6 +7,7 @@ use super::commit::commit_queue::Committer;
 use super::commit::transaction::Transaction;
 use super::files::lock::DatabaseLock;
 use super::files::paths::DatabaseFiles;
+use super::postgres::leases::Leases;
 use super::sql::{self, Engine, Pool};
 
 /// The database: one writer with group commit, and a pool of readers beside it.
@@ -18,6 +19,8 @@ pub struct Store {
     pub(super) files: Option<DatabaseFiles>,
     /// None where another process is the one that serves, or others may serve beside it.
     pub(super) lock: Option<Arc<DatabaseLock>>,
+    /// None where this server alone has the database.
+    pub(super) leases: Option<Arc<Leases>>,
 }
 
 impl Store {

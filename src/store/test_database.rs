@@ -1,6 +1,10 @@
-//! An empty database for tests.
+//! Empty databases for tests.
+
+use std::hash::{Hash as _, Hasher as _};
+use std::path::Path;
 
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
+use sqlx::{Connection as _, PgConnection};
 
 use super::files::schema;
 use super::sql::Pool;
@@ -15,4 +19,23 @@ pub(super) async fn database() -> (tempfile::TempDir, Pool) {
     let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options).await.expect("a pool");
     schema::migrate(&pool).await.expect("a schema");
     (folder, pool.into())
+}
+
+/// Returns the address of the database that belongs to a folder: a file in it or, where `REVISIT_TEST_POSTGRES` names a server, a
+/// database there, which is made if it is not there.
+pub(crate) async fn address_in(folder: &Path) -> String {
+    let Ok(server) = std::env::var("REVISIT_TEST_POSTGRES") else {
+        return format!("sqlite://{}/test.db", folder.display());
+    };
+    let mut hasher = std::hash::DefaultHasher::new();
+    folder.hash(&mut hasher);
+    let name = format!("law_{}_{:x}", std::process::id(), hasher.finish());
+    let mut db = PgConnection::connect(&format!("{server}/postgres")).await.expect("a PostgreSQL server");
+    let select = "select count(*) from pg_database where datname = $1";
+    let found: i64 = sqlx::query_scalar(select).bind(&name).fetch_one(&mut db).await.expect("its databases");
+    if found == 0 {
+        let create = sqlx::AssertSqlSafe(format!("create database {name}"));
+        sqlx::query(create).execute(&mut db).await.expect("a database");
+    }
+    format!("{server}/{name}")
 }

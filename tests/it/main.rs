@@ -6,6 +6,7 @@
 mod bad_input;
 mod bounds;
 mod closing;
+mod cluster;
 mod codes;
 mod crash;
 mod erasures;

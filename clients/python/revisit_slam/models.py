@@ -2680,3 +2680,5 @@ class Version(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The version of SQLite inside it."""
     vocabulary: str | None
     """The vocabulary with which it computes bags of words; null while it has none."""
+    postgres: str | None = None
+    """The version of the PostgreSQL that keeps its facts; missing where SQLite does."""

@@ -27,7 +27,7 @@ use crate::engine::limits::concurrency_limit::ConcurrencyLimit;
 use crate::integrity::rebuild::RebuiltMap;
 use crate::recognition::map::index::MapIndex;
 use crate::recognition::map::recorder::Decided;
-use crate::store::{Batch, Job, MapKey, NewKeyframeRows, PoisonFlag, Store, StoreError};
+use crate::store::{Batch, Job, Lease, MapKey, NewKeyframeRows, PoisonFlag, Store, StoreError};
 
 /// At most so many reads of one map compute at once, for each core: half of what all maps together may, so that readers who
 /// wait for one map's lock leave room for those of another.
@@ -44,6 +44,8 @@ pub(in crate::engine) struct LiveMap {
     /// The key that made it, which pays for its models.
     pub owner: Option<KeySeq>,
     state: RwLock<State>,
+    /// By which this server has it, where others could.
+    lease: Option<Arc<Lease>>,
     /// Held by the one who waits for the lock of `state` to decide a write.
     pub lane: tokio::sync::Mutex<()>,
     line: PoisonFlag,
@@ -108,12 +110,19 @@ pub(in crate::engine) struct Pending<T> {
 
 impl LiveMap {
     /// Returns a map that was loaded.
-    pub fn new(id: MapId, loaded: RebuiltMap, feed: Arc<Feed>, memory: &Arc<MapMemory>) -> Arc<Self> {
+    pub fn new(
+        id: MapId,
+        loaded: RebuiltMap,
+        lease: Option<Arc<Lease>>,
+        feed: Arc<Feed>,
+        memory: &Arc<MapMemory>,
+    ) -> Arc<Self> {
         let RebuiltMap { facts, index } = loaded;
         Arc::new(Self {
             id,
             key: facts.key,
             owner: facts.owner,
+            lease,
             lane: tokio::sync::Mutex::default(),
             line: Arc::new(AtomicBool::new(false)),
             gone: AtomicBool::new(false),
@@ -138,9 +147,23 @@ impl LiveMap {
         self.id.parts().1.is_some()
     }
 
-    /// Whether a write has failed. Then what is in memory is ahead of the disk, and must be loaded anew.
+    /// Whether a write has failed. Then what is in memory is ahead of the disk, and must be loaded anew. Or another server has it.
     pub fn is_poisoned(&self) -> bool {
-        self.line.load(Ordering::Acquire)
+        self.line.load(Ordering::Acquire) || self.lease.as_ref().is_some_and(|lease| lease.is_lost())
+    }
+
+    /// Returns the lease by which this server has it, where others could.
+    pub fn lease(&self) -> Option<&Lease> {
+        self.lease.as_deref()
+    }
+
+    /// Lets nobody decide or read any more, after all that is decided is on disk. Blocks: not for async threads.
+    pub fn leave_memory(&self, store: &Store, runtime: &Handle) -> Result<(), ServiceError> {
+        let _state = self.state.write().map_err(|_| self.broke())?;
+        self.exists()?;
+        runtime.block_on(store.committer().settled());
+        self.line.store(true, Ordering::Release);
+        Ok(())
     }
 
     /// Whether it decides nothing any more, because a write failed or it was deleted.
@@ -294,8 +317,16 @@ impl LiveMap {
         let mut on_disk = self.on_disk.subscribe();
         let reached = on_disk.wait_for(|on_disk| *on_disk >= version || self.is_poisoned()).await;
         match reached {
-            Ok(on_disk) if *on_disk >= version => Ok(()),
+            Ok(on_disk) if *on_disk >= version => self.is_still_ours(),
             _ => Err(StoreError::Superseded.into()),
+        }
+    }
+
+    /// Fails if another server may have written to the map since it was read.
+    fn is_still_ours(&self) -> Result<(), ServiceError> {
+        match &self.lease {
+            Some(lease) if !lease.is_valid() => Err(StoreError::Fenced.into()),
+            _ => Ok(()),
         }
     }
 

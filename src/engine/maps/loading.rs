@@ -16,7 +16,7 @@ use crate::config::logging::in_part;
 use crate::domain::ids::MapId;
 use crate::engine::error::ServiceError;
 use crate::integrity::rebuild::rebuild;
-use crate::store::{Order, Store};
+use crate::store::{Lease, Order, Store, Taken};
 
 /// Maximum loads for one request of a map whose writes keep failing, or that comes and goes.
 const LOADS_MAX: usize = 5;
@@ -70,11 +70,13 @@ impl Registry {
             let loaded = handle.block_on(async {
                 // What a map that is forgotten had queued is settled first: a write under way would be missed.
                 store.committer().settled().await;
-                rebuild(&store, &id, Order::Forwards).await
-            })?;
+                let lease = taken(&store, &id).await?;
+                Ok::<_, ServiceError>((rebuild(&store, &id, Order::Forwards).await?, lease))
+            });
+            let (loaded, lease) = loaded?;
             let loaded = loaded.ok_or_else(|| ServiceError::no_map(&id))?;
             let feed = registry.feeds.of(loaded.facts.key, loaded.facts.next_event - 1);
-            let live = LiveMap::new(id, loaded, feed, &registry.memory);
+            let live = LiveMap::new(id, loaded, lease, feed, &registry.memory);
             registry.loaded(&live, started);
             registry.make_room(0);
             Ok(live)
@@ -89,5 +91,22 @@ impl Registry {
         if bytes > budget {
             tracing::warn!(map = %live.id, bytes, budget, "a map is larger than the memory for maps (--map-memory)");
         }
+    }
+}
+
+/// Takes a map for this server, where others could have it.
+async fn taken(store: &Store, id: &MapId) -> Result<Option<Arc<Lease>>, ServiceError> {
+    match store.take(id).await? {
+        None => Ok(None),
+        Some(Taken::Here(lease)) => {
+            // What its former owner left to be done behind.
+            store.committer().look_for_work();
+            Ok(Some(lease))
+        }
+        Some(Taken::NoMap) => Err(ServiceError::no_map(id)),
+        Some(Taken::Elsewhere) => Err(ServiceError::Unavailable {
+            detail: "another server has this map; try again".to_owned(),
+            retry_after_s: 1,
+        }),
     }
 }

@@ -2,6 +2,7 @@
 //! that a request holds while it works, and nothing asks the database.
 
 use crate::engine::{Service, VerdictCounts};
+use crate::store::Leases;
 use crate::store::files::paths::DatabaseFiles;
 
 /// Figures for the metrics page.
@@ -71,6 +72,12 @@ pub struct Stats {
     pub model_calls: u64,
     /// Questions answered without a call.
     pub model_cache_hits: u64,
+    /// Servers that share the database; 0 where one alone has it.
+    pub nodes: u64,
+    /// Maps that this server owns among others.
+    pub leases: u64,
+    /// Maps that another server took while this one had them.
+    pub leases_lost: u64,
     /// What models cost, in millionths of a US dollar.
     pub model_microusd: u64,
 }
@@ -108,6 +115,9 @@ impl Service {
             database_bytes: files.database,
             wal_bytes: files.wal,
             newest_backup_s: self.backups.as_ref().map_or(0, |backups| backups.newest_s()),
+            nodes: self.node_count(),
+            leases: self.store.leases().map_or(0, Leases::count),
+            leases_lost: self.store.leases().map_or(0, Leases::lost),
             ..Stats::default()
         };
         for line in self.usage().into_iter().flat_map(|usage| usage.lines) {

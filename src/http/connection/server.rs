@@ -228,6 +228,7 @@ impl RunningServer {
     pub async fn start_within(service: Service, limits: LimitArgs) -> io::Result<Self> {
         let listener = TcpListener::bind((std::net::Ipv4Addr::LOCALHOST, 0)).await?;
         let addr = listener.local_addr()?;
+        service.join(format!("http://{addr}")).await.map_err(io::Error::other)?;
         let stopping = CancellationToken::new();
         let served = tokio::spawn(serve(listener, service.clone(), limits, stopping.clone()));
         Ok(Self { addr, stopping, served: Some(served), service })

@@ -140,7 +140,7 @@ fn secret(parts: &Parts) -> Result<Option<Arc<str>>, Problem> {
 
 /// Returns the map of the route, decoded as its handler will decode it. An invalid id is not a map; the handler
 /// reports it.
-async fn map_of(parts: &mut Parts) -> Option<MapId> {
+pub async fn map_of(parts: &mut Parts) -> Option<MapId> {
     let params = RawPathParams::from_request_parts(parts, &()).await.ok()?;
     params.iter().find(|(name, _)| *name == "map")?.1.parse().ok()
 }

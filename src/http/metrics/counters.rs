@@ -26,6 +26,7 @@ pub struct Metrics {
     refusals: Family<RefusalLabels, Counter>,
     latency: Family<RouteLabels, Histogram>,
     verdicts: Family<VerdictLabels, Counter>,
+    forwarded: Family<ForwardedLabels, Counter>,
     started: Instant,
     /// Rejected requests and connections.
     pub shed_metrics: ShedMetrics,
@@ -57,6 +58,11 @@ struct VerdictLabels {
     verdict: &'static str,
 }
 
+#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct ForwardedLabels {
+    outcome: &'static str,
+}
+
 impl Default for Metrics {
     fn default() -> Self {
         let mut registry = Registry::with_prefix("revisit");
@@ -67,6 +73,8 @@ impl Default for Metrics {
         registry.register_with_unit("http_request", "Time to answer", Unit::Seconds, latency.clone());
         let verdicts = Family::default();
         registry.register("loop_verdicts", "Loop queries by verdict", verdicts.clone());
+        let forwarded = Family::default();
+        registry.register("forwarded", "Requests sent on to the server that has the map", forwarded.clone());
         let refusals = Family::default();
         registry.register("http_refusals", "Requests rejected or failed, by status", refusals.clone());
         let built = vec![("version", build::VERSION)];
@@ -84,7 +92,18 @@ impl Default for Metrics {
             map_load.clone(),
         );
         let started = Instant::now();
-        Self { registry, requests, refusals, latency, verdicts, started, shed_metrics, gauges, map_load }
+        Self {
+            registry,
+            requests,
+            refusals,
+            latency,
+            verdicts,
+            forwarded,
+            started,
+            shed_metrics,
+            gauges,
+            map_load,
+        }
     }
 }
 
@@ -107,6 +126,11 @@ impl Metrics {
         let route = route.to_owned();
         self.latency.get_or_create(&RouteLabels { method, route: route.clone() }).observe(took.as_secs_f64());
         self.requests.get_or_create(&RequestLabels { method, route, status }).inc();
+    }
+
+    /// Counts a request that was sent on to another server: `answered` or `failed`.
+    pub fn forwarded(&self, outcome: &'static str) {
+        self.forwarded.get_or_create(&ForwardedLabels { outcome }).inc();
     }
 
     /// Returns all metrics, with the current gauges.

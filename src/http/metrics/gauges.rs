@@ -29,6 +29,9 @@ pub const GAUGES: &[Row] = &[
         f.stats.map_loads_oversized
     }),
     ("map_evictions", "Idle maps evicted from memory since the server started", |f| f.stats.map_evictions),
+    ("nodes", "Servers that share the database; 0 where one alone has it", |f| f.stats.nodes),
+    ("leases", "Maps that this server owns among others", |f| f.stats.leases),
+    ("leases_lost", "Maps that another server took while this one had them", |f| f.stats.leases_lost),
     ("keyframes", "Keyframes of all maps in memory", |f| f.stats.keyframes),
     ("anchors", "Semantic anchors of all maps in memory", |f| f.stats.anchors),
     ("postings", "Postings of the inverted files", |f| f.stats.postings),

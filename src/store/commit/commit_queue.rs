@@ -59,6 +59,11 @@ impl Committer {
         }
     }
 
+    /// Has the writer look for background work that another server left.
+    pub fn look_for_work(&self) {
+        self.held.send_message(Message::Look);
+    }
+
     /// Writes the database's file anew, without what was deleted from it. Jobs wait meanwhile: seconds for each gigabyte.
     pub async fn renew_file(&self) -> Result<(), StoreError> {
         self.renew(Renewal::File).await

@@ -4,6 +4,7 @@
 //! comes after it, until a commit of the writer's own has passed. That commit also takes the place in the write-ahead
 //! log where the failed one may stand. On a full disk what frees space is tried all the same, with the reserve's space.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -14,7 +15,7 @@ use tracing::{error, warn};
 
 use super::commit_queue::Committer;
 use super::health::{Disk, Health};
-use super::job::Job;
+use super::job::{Job, MapKey};
 use super::lanes::Lanes;
 use super::own_disk::OwnDisk;
 use super::queue::{Counters, Message, Queued, Renewal};
@@ -23,9 +24,10 @@ use super::transaction::Transaction;
 use super::write;
 use crate::store::StoreError;
 use crate::store::files::lock::DatabaseLock;
+use crate::store::postgres::leases::Leases;
 use crate::store::rows::map_rows;
 use crate::store::slices::background::Slices;
-use crate::store::sql::Pool;
+use crate::store::sql::{Connection, Pool};
 
 /// How often a disk that is not well is tried.
 const TRY_AGAIN_EVERY: Duration = Duration::from_millis(500);
@@ -47,7 +49,8 @@ pub(in crate::store) fn start(
     let counters = Arc::new(Counters::default());
     let health = Health::default();
     let serves = !matches!(served, Served::Beside);
-    let writer = Writer { pool, disk, counters: counters.clone(), health: health.clone(), serves };
+    let leases = if let Served::Shared(leases) = &served { Some(leases.clone()) } else { None };
+    let writer = Writer { pool, disk, leases, counters: counters.clone(), health: health.clone(), serves };
     let run = move || {
         runtime.block_on(writer.run(jobs));
         // Nobody else may write before the last job has.
@@ -64,14 +67,15 @@ pub(in crate::store) enum Served {
     Alone { _lock: Arc<DatabaseLock> },
     /// Another process serves it: only short writes are made beside it, and no background work.
     Beside,
-    /// The database is a server's, which other processes may write to.
-    Shared,
+    /// The database is a server's, which other processes write to, too: each to the maps that it owns.
+    Shared(Arc<Leases>),
 }
 
 /// The writer's own side of the queue.
 struct Writer {
     pool: Pool,
     disk: Option<OwnDisk>,
+    leases: Option<Arc<Leases>>,
     counters: Arc<Counters>,
     health: Health,
     /// Whether this process is the one that serves, and does the background work.
@@ -84,7 +88,11 @@ impl Writer {
         if let Some(disk) = &self.disk {
             disk.keep_reserve().await;
         }
-        let mut slices = if self.serves { Slices::resume(&self.pool).await } else { Slices::none() };
+        let mut slices = match &self.leases {
+            Some(leases) => Slices::among_others(leases.clone()),
+            None if self.serves => Slices::resume(&self.pool).await,
+            None => Slices::none(),
+        };
         let (mut lanes, mut renewals, mut closing) = (Lanes::default(), Vec::new(), None);
         let mut tried = Instant::now();
         loop {
@@ -109,6 +117,7 @@ impl Writer {
                         }
                     }
                     Some(Message::Settle(settled)) => lanes.settle(settled),
+                    Some(Message::Look) => slices.add(),
                     Some(Message::Renew(renewal, renewed)) => renewals.push((renewal, renewed)),
                     Some(Message::Close(closed)) => closing = Some(closed),
                     None => break,
@@ -257,7 +266,7 @@ impl Writer {
         }
     }
 
-    async fn commit(&self, jobs: impl Iterator<Item = &Job>) -> Result<(), StoreError> {
+    async fn commit<'j>(&self, jobs: impl Iterator<Item = &'j Job> + Clone) -> Result<(), StoreError> {
         self.counters.transactions.fetch_add(1, Ordering::Relaxed);
         let result = self.transact(jobs).await;
         if let Err(error) = &result {
@@ -266,13 +275,25 @@ impl Writer {
         result
     }
 
-    async fn transact(&self, jobs: impl Iterator<Item = &Job>) -> Result<(), StoreError> {
+    async fn transact<'j>(&self, jobs: impl Iterator<Item = &'j Job> + Clone) -> Result<(), StoreError> {
         let mut transaction = Transaction::write(&self.pool).await?;
-        if let Err(error) = write::execute(&mut transaction, jobs).await {
+        if let Err(error) = self.execute(&mut transaction, jobs).await {
             transaction.roll_back().await;
             return Err(error);
         }
         transaction.commit().await
+    }
+
+    async fn execute<'j>(
+        &self,
+        db: &mut Connection,
+        jobs: impl Iterator<Item = &'j Job> + Clone,
+    ) -> Result<(), StoreError> {
+        if let Some(leases) = &self.leases {
+            let maps: BTreeSet<MapKey> = jobs.clone().filter_map(Job::fenced_map).collect();
+            leases.fence(db, &maps.into_iter().collect::<Vec<_>>()).await?;
+        }
+        write::execute(db, jobs).await
     }
 
     /// Looks whether a disk that was full or failed is well again.

@@ -165,6 +165,8 @@ pub enum Job {
         /// The id.
         id: String,
     },
+    /// A copy that gets no name is thrown away; its rows are removed in slices.
+    DiscardCopy(MapKey),
     /// Rows of a copy.
     CopyRows {
         /// The copy.
@@ -261,6 +263,16 @@ pub enum Job {
     RevokeKey(KeySeq, i64),
 }
 
+impl CopiedAs {
+    /// Returns the map that a server must own to give a copy this name.
+    fn fenced_map(&self) -> Option<MapKey> {
+        match self {
+            Self::Release { map, .. } => Some(*map),
+            Self::Map { .. } => None,
+        }
+    }
+}
+
 impl Job {
     /// Whether it leaves more room than it found. It is tried on a full disk, too.
     pub(in crate::store) fn frees_space(&self) -> bool {
@@ -273,6 +285,33 @@ impl Job {
         }
     }
 
+    /// Returns the map that a server must own for it. A copy is no map yet: only the server that makes it knows it.
+    pub(in crate::store) fn fenced_map(&self) -> Option<MapKey> {
+        match self {
+            Self::Change(batch) | Self::ChangeStaged { batch, .. } => Some(batch.map),
+            Self::DeleteMap(map)
+            | Self::ForgetDialogues(map)
+            | Self::Erase(map, ..)
+            | Self::CountUses { release: map, .. }
+            | Self::Stage { map, .. }
+            | Self::KeepFrames { map, .. }
+            | Self::AppendEvents(map, ..)
+            | Self::KeepQuery { map, .. }
+            | Self::StartJudgement(map, _)
+            | Self::StopJudgement(map, _) => Some(*map),
+            Self::FinishCopy { copied_as, .. } => copied_as.fenced_map(),
+            Self::CreateMap { .. }
+            | Self::DiscardCopy(_)
+            | Self::BeginCopy { .. }
+            | Self::CopyRows { .. }
+            | Self::KeepAnswer { .. }
+            | Self::ForgetAway
+            | Self::Spend(_)
+            | Self::CreateKey(_)
+            | Self::RevokeKey(..) => None,
+        }
+    }
+
     /// Whether a batch leaves more room than it found.
     pub(in crate::store) fn batch_frees_space(batch: &Batch) -> bool {
         batch.new_keyframe.is_none() && frees_space(&batch.changes)
@@ -280,7 +319,10 @@ impl Job {
 
     /// Whether it leaves work that is done in slices.
     pub(in crate::store) fn leaves_slices(&self) -> bool {
-        matches!(self, Self::DeleteMap(_) | Self::ChangeStaged { .. } | Self::FinishCopy { .. })
+        matches!(
+            self,
+            Self::DeleteMap(_) | Self::DiscardCopy(_) | Self::ChangeStaged { .. } | Self::FinishCopy { .. }
+        )
     }
 
     /// Whether later jobs of its map rest on it. A verdict that is not kept, or an event not told, is missed by none of them.

@@ -29,6 +29,8 @@ pub(in crate::store) enum Message {
     Jobs(Vec<Queued>),
     /// Answered once everything queued before it is settled.
     Settle(oneshot::Sender<()>),
+    /// There may be background work: a map was taken over.
+    Look,
     /// The database's file or its log is made anew, after everything queued before.
     Renew(Renewal, oneshot::Sender<Result<(), StoreError>>),
     Close(oneshot::Sender<()>),

@@ -62,6 +62,7 @@ async fn execute_alone(db: &mut Connection, job: &Job) -> Result<(), StoreError>
             map_rows::keep_event_numbers(db, *map).await?;
             deletion::mark_deleted(db, *map).await
         }
+        Job::DiscardCopy(copy) => deletion::mark_deleted(db, *copy).await,
         Job::BeginCopy { row, id } => copied_rows::begin(db, row, id).await,
         Job::CopyRows { map, block } => copied_rows::write_block(db, *map, block).await,
         Job::FinishCopy { map, copied_as } => release_rows::finish_copy(db, *map, copied_as).await,

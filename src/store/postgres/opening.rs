@@ -1,10 +1,12 @@
 //! Opening: connections to a PostgreSQL server.
 
 use std::str::FromStr as _;
+use std::sync::Arc;
 use std::time::Duration;
 
 use sqlx::postgres::{PgConnectOptions, PgPool, PgPoolOptions};
 
+use super::leases::Leases;
 use super::schema;
 use crate::store::commit::group_commit::{self, Served};
 use crate::store::sql::Pool;
@@ -32,11 +34,22 @@ pub(in crate::store) async fn open(url: &str) -> Result<Store, StoreError> {
     let readers: PgPool = pool(READERS);
     schema::migrate(&readers).await?;
     // Its one connection is made by the writer's thread, which alone uses it.
-    let committer = group_commit::start(Pool::Postgres(pool(1)), None, Served::Shared)?;
-    Ok(Store { readers: Pool::Postgres(readers), committer, files: None, lock: None })
+    let leases = Arc::new(Leases::of(random_name()));
+    let committer = group_commit::start(Pool::Postgres(pool(1)), None, Served::Shared(leases.clone()))?;
+    Ok(Store { readers: Pool::Postgres(readers), committer, files: None, lock: None, leases: Some(leases) })
 }
 
 fn options(url: &str) -> Result<PgConnectOptions, StoreError> {
     let options = PgConnectOptions::from_str(url)?;
     Ok(options.application_name("revisit"))
+}
+
+/// Returns a name that nobody else has.
+pub(in crate::store) fn random_name() -> String {
+    use std::fmt::Write as _;
+    rand::random::<[u8; 16]>().iter().fold(String::new(), |mut name, byte| {
+        // Writing to a string never fails.
+        let _ = write!(name, "{byte:02x}");
+        name
+    })
 }

@@ -9,6 +9,7 @@
 //! times what a map point does. Its sync costs the same for a few rows as for many. After a slice the writer rests for a
 //! multiple of the time that it took, so that a client's job mostly finds it free.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use tokio::time::Instant;
@@ -16,6 +17,7 @@ use tokio::time::Instant;
 use super::{deferred, deletion, fold};
 use crate::store::StoreError;
 use crate::store::commit::transaction::Transaction;
+use crate::store::postgres::leases::Leases;
 use crate::store::rows::copied_rows;
 use crate::store::sql::Pool;
 
@@ -64,6 +66,8 @@ pub(in crate::store) struct Slices {
     ended: Instant,
     rest: Duration,
     client_at: Option<Instant>,
+    /// The leases of a server among others: it folds what is deferred in its own maps only.
+    leases: Option<Arc<Leases>>,
     /// Whether slices must keep pace with clients.
     is_behind: bool,
 }
@@ -78,6 +82,7 @@ impl Slices {
             ended: Instant::now(),
             rest: Duration::ZERO,
             client_at: None,
+            leases: None,
             is_behind: false,
         }
     }
@@ -106,6 +111,14 @@ impl Slices {
     /// There may be work now.
     pub(in crate::store) fn add(&mut self) {
         (self.deletion, self.fold) = (true, true);
+    }
+
+    /// Returns those of a server among others. What one of them left half done goes when its maps are taken, and its copies when it
+    /// is gone.
+    pub(in crate::store) fn among_others(leases: Arc<Leases>) -> Self {
+        let mut this = Self { leases: Some(leases), ..Self::none() };
+        this.add();
+        this
     }
 
     /// A client's job was done.
@@ -143,7 +156,7 @@ impl Slices {
         let Some(work) = self.next(disk_is_full) else { return Ok(()) };
         self.turn = if work == Work::Fold { Work::Deletion } else { Work::Fold };
         let began = Instant::now();
-        let result = slice(pool, work).await;
+        let result = slice(pool, work, self.leases.as_deref()).await;
         self.ended = Instant::now();
         let took = self.ended - began;
         self.rest = if result.is_ok() { took.min(REST_MAX) } else { RETRY };
@@ -163,17 +176,27 @@ struct Done {
     is_behind: bool,
 }
 
-async fn slice(pool: &Pool, work: Work) -> Result<Done, StoreError> {
+async fn slice(pool: &Pool, work: Work, leases: Option<&Leases>) -> Result<Done, StoreError> {
     let mut transaction = Transaction::write(pool).await?;
     let began = Instant::now();
     let done = async {
         let mut more = true;
+        let mut folded = None;
+        if let (Work::Fold, Some(leases)) = (work, leases) {
+            folded = fold::next_map(&mut transaction, &leases.maps()).await?;
+            match folded {
+                Some(map) => leases.fence(&mut transaction, &[map]).await?,
+                None => more = false,
+            }
+        }
         while more && began.elapsed() < SLICE {
             more = match work {
                 Work::Deletion => deletion::remove_rows(&mut transaction, DELETED_AT_ONCE).await?,
-                Work::Fold => fold::fold_entries(&mut transaction, FOLDED_AT_ONCE).await?,
+                Work::Fold => fold::fold_entries(&mut transaction, folded, FOLDED_AT_ONCE).await?,
             };
         }
+        // Another map may have its turn next.
+        let more = more || folded.is_some();
         Ok(Done { more, is_behind: fold::is_behind(&mut transaction).await? })
     };
     match done.await {

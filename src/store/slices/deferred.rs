@@ -254,3 +254,14 @@ pub(in crate::store) async fn remove_uncommitted(db: &mut Connection) -> Result<
     )";
     run(db, sql::query(delete)).await
 }
+
+/// Removes the parts of a map that a server staged and did not commit.
+pub(in crate::store) async fn remove_uncommitted_of(
+    db: &mut Connection,
+    map: MapKey,
+) -> Result<(), StoreError> {
+    let delete = "delete from deferred_parts where map_key = $1 and version not in (
+        select version from deferred_changes where map_key = $1
+    )";
+    run(db, sql::query(delete).bind(map)).await
+}

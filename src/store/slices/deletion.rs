@@ -38,7 +38,13 @@ pub(in crate::store) async fn mark_deleted(db: &mut Connection, map: MapKey) -> 
 
 /// Removes about this many rows of a deleted map, in the caller's transaction. Returns whether there may be more.
 pub(in crate::store) async fn remove_rows(db: &mut Connection, rows: u32) -> Result<bool, StoreError> {
-    let select = "select map_key from maps where deleted = 1 order by map_key limit 1";
+    let select = match db.engine() {
+        Engine::Sqlite => "select map_key from maps where deleted = 1 order by map_key limit 1",
+        // Another server may be at one of them.
+        Engine::Postgres => {
+            "select map_key from maps where deleted = 1 order by map_key limit 1 for update skip locked"
+        }
+    };
     let Some(map) = sql::query_scalar::<MapKey>(select).fetch_optional(&mut *db).await? else {
         return Ok(false);
     };

@@ -30,11 +30,25 @@ struct Next {
     entries_done: u32,
 }
 
-/// Folds about this many entries, in the caller's transaction. Returns whether there were any.
-pub(in crate::store) async fn fold_entries(db: &mut Connection, entries: u32) -> Result<bool, StoreError> {
+/// Returns the first of these maps that has deferred changes.
+pub(in crate::store) async fn next_map(
+    db: &mut Connection,
+    of: &[MapKey],
+) -> Result<Option<MapKey>, StoreError> {
+    let select = "select map_key from deferred_changes
+        where map_key in (select cast(value as bigint) from json_each($1)) order by map_key limit 1";
+    Ok(sql::query_scalar(select).bind(serde_json::json!(of).to_string()).fetch_optional(db).await?)
+}
+
+/// Folds about this many entries of a map, or of any, in the caller's transaction. Returns whether there were any.
+pub(in crate::store) async fn fold_entries(
+    db: &mut Connection,
+    of: Option<MapKey>,
+    entries: u32,
+) -> Result<bool, StoreError> {
     let mut left = entries;
     while left > 0 {
-        let Some(next) = next(db).await? else { break };
+        let Some(next) = next(db, of).await? else { break };
         left = left.saturating_sub(fold_part(db, next, left).await?.max(PART_ENTRIES));
     }
     Ok(left < entries)
@@ -47,10 +61,16 @@ pub(in crate::store) async fn is_behind(db: &mut Connection) -> Result<bool, Sto
 }
 
 /// Returns the oldest entries of a map that is whole.
-async fn next(db: &mut Connection) -> Result<Option<Next>, StoreError> {
+async fn next(db: &mut Connection, of: Option<MapKey>) -> Result<Option<Next>, StoreError> {
     let select = "select map_key, version, parts, part, entries_done from deferred_changes
         where map_key not in (select map_key from maps where deleted <> 0) order by map_key, version limit 1";
-    let found: Option<(MapKey, i64, u32, u32, u32)> = sql::query_as(select).fetch_optional(db).await?;
+    let of_map = "select map_key, version, parts, part, entries_done from deferred_changes
+        where map_key = $1 and map_key not in (select map_key from maps where deleted <> 0) order by version limit 1";
+    let query = match of {
+        Some(map) => sql::query_as(of_map).bind(map),
+        None => sql::query_as(select),
+    };
+    let found: Option<(MapKey, i64, u32, u32, u32)> = query.fetch_optional(db).await?;
     let next =
         |(map_key, version, parts, part, entries_done)| Next { map_key, version, parts, part, entries_done };
     Ok(found.map(next))

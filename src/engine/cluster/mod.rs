@@ -1,0 +1,16 @@
+//! Several servers over one database: which of them has which map in memory.
+//!
+//! A map is in the memory of one server, its owner, which alone reads and writes it there. Every server answers every
+//! request: for a map of another one it asks that one.
+//!
+//! | concept | file |
+//! |---|---|
+//! | the server that should have a map | [`placement`] |
+//! | this server's place among the others: its row, its leases | [`membership`] |
+//! | where a request is answered | [`routing`] |
+//! | maps that another server should have go there | [`hand_over`] |
+
+mod hand_over;
+pub mod membership;
+mod placement;
+pub mod routing;

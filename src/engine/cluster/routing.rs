@@ -1,0 +1,51 @@
+//! Routing: where a request about a map is answered.
+
+use crate::domain::ids::MapId;
+use crate::engine::{Service, ServiceError};
+use crate::store::{Node, Owner};
+
+/// Where a request is answered.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Route {
+    /// By this server.
+    Here,
+    /// By another one.
+    At(Node),
+}
+
+impl Service {
+    /// Returns where a request about a map is answered.
+    pub async fn route(&self, map: &MapId) -> Result<Route, ServiceError> {
+        let Some(membership) = self.membership.get() else { return Ok(Route::Here) };
+        if self.registry.in_memory_now(map).is_some() {
+            return Ok(Route::Here);
+        }
+        let placed = || {
+            let node = membership.placed(map);
+            if node.id == membership.this.id { Route::Here } else { Route::At(node) }
+        };
+        match self.store.owner(map).await? {
+            Some(Owner::Other(id)) => membership.node(&id).map(Route::At).ok_or_else(|| {
+                let detail = "the server that has this map is not heard of; another one takes it soon";
+                ServiceError::Unavailable { detail: detail.to_owned(), retry_after_s: 1 }
+            }),
+            // One that is to be made is made where it should be.
+            Some(Owner::Free) | None => Ok(placed()),
+        }
+    }
+
+    /// Whether a request comes from another of the servers, which knows this one's secret.
+    pub fn is_from_peer(&self, secret: &[u8]) -> bool {
+        self.membership.get().is_some_and(|membership| membership.this.secret.as_bytes() == secret)
+    }
+
+    /// Returns the number of servers that share the database; 0 where one alone has it.
+    pub fn node_count(&self) -> u64 {
+        self.membership.get().map_or(0, |membership| membership.nodes().len() as u64)
+    }
+
+    /// Returns the address at which the others reach this server, where there may be others.
+    pub fn address(&self) -> Option<&str> {
+        self.membership.get().map(|membership| membership.this.address.as_str())
+    }
+}

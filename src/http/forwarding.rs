@@ -1,0 +1,170 @@
+//! Forwarding: a request about a map that another server has is sent on to that one, and its answer back.
+//!
+//! Bodies are streamed both ways. The key goes with the request, and is checked there once more. A request is sent on once
+//! at most: what comes from another server, which shows this one's secret, is answered here or not at all.
+
+use std::sync::OnceLock;
+use std::time::Duration;
+
+use axum::body::Body;
+use axum::extract::{Request, State};
+use axum::http::header::{CONNECTION, HOST};
+use axum::http::{HeaderMap, HeaderName, HeaderValue};
+use axum::middleware::Next;
+use axum::response::{IntoResponse as _, Response};
+use futures_util::TryStreamExt as _;
+
+use super::App;
+use super::envelope::{REQUEST_ID, RequestId};
+use super::guards::access::map_of;
+use super::guards::admission::HeldPermit;
+use super::problem::{Kind, Problem};
+use crate::config::tls;
+use crate::engine::Route;
+use crate::store::Node;
+
+/// The header with the address of the server that has the map: a client may ask it directly from then on.
+const OWNER: HeaderName = HeaderName::from_static("x-revisit-owner");
+/// The header with the secret of the server that a request was sent on to.
+const FORWARDED: HeaderName = HeaderName::from_static("x-revisit-forwarded");
+
+/// Longest time until a connection to another server is there: they are near.
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// Headers of one connection, which end with it (RFC 9110, section 7.6.1).
+const HOP_BY_HOP: [&str; 8] = [
+    "connection",
+    "keep-alive",
+    "proxy-authenticate",
+    "proxy-authorization",
+    "proxy-connection",
+    "te",
+    "transfer-encoding",
+    "upgrade",
+];
+
+/// Middleware that sends requests about maps of other servers on.
+pub async fn forward(State(app): State<App>, request: Request, next: Next) -> Response {
+    let Some(address) = app.service.address().map(str::to_owned) else { return next.run(request).await };
+    let (mut parts, body) = request.into_parts();
+    let Some(map) = map_of(&mut parts).await else {
+        return next.run(Request::from_parts(parts, body)).await;
+    };
+    let is_from_peer =
+        parts.headers.remove(FORWARDED).is_some_and(|secret| app.service.is_from_peer(secret.as_bytes()));
+    let route = if is_from_peer { Ok(Route::Here) } else { app.service.route(&map).await };
+    let request = Request::from_parts(parts, body);
+    match route {
+        Ok(Route::Here) => with_owner(next.run(request).await, &address),
+        Ok(Route::At(node)) => {
+            // Else two servers that are full of each other's requests would wait for each other.
+            let held = request.extensions().get::<HeldPermit>().cloned().unwrap_or_default();
+            match held.release_while(sent_on(&app, &node, request)).await {
+                Ok(response) => {
+                    app.metrics.forwarded("answered");
+                    with_owner(response, &node.address)
+                }
+                Err(problem) => {
+                    app.metrics.forwarded("failed");
+                    problem.into_response()
+                }
+            }
+        }
+        Err(error) => Problem::from(error).into_response(),
+    }
+}
+
+fn with_owner(mut response: Response, address: &str) -> Response {
+    if let Ok(address) = HeaderValue::from_str(address) {
+        response.headers_mut().entry(OWNER).or_insert(address);
+    }
+    response
+}
+
+async fn sent_on(app: &App, node: &Node, request: Request) -> Result<Response, Problem> {
+    let away = |error: &reqwest::Error| {
+        let cause = tls::cause_of(error);
+        tracing::warn!(node = node.id, address = node.address, cause, "a request could not be sent on");
+        Problem::new(
+            Kind::UNAVAILABLE,
+            "the server that has this map does not answer; another one takes it soon",
+        )
+    };
+    let client = app.peers.client(&node.address).map_err(|error| away(&error))?;
+    let (parts, body) = request.into_parts();
+    let path = parts.uri.path_and_query().map_or("/", |path| path.as_str());
+    let mut headers = end_to_end(parts.headers);
+    headers.remove(HOST);
+    if let Some(id) = parts.extensions.get::<RequestId>()
+        && let Ok(id) = HeaderValue::from_str(&id.to_string())
+    {
+        headers.insert(REQUEST_ID, id);
+    }
+    if let Ok(secret) = HeaderValue::from_str(&node.secret) {
+        headers.insert(FORWARDED, secret);
+    }
+    let url = format!("{}{path}", node.address.trim_end_matches('/'));
+    let sent = client.request(parts.method, url).headers(headers);
+    let sent = sent.body(reqwest::Body::wrap_stream(body.into_data_stream())).send().await;
+    let answer = sent.map_err(|error| away(&error))?;
+    let (status, headers) = (answer.status(), end_to_end(answer.headers().clone()));
+    let mut response = Response::new(Body::from_stream(answer.bytes_stream().map_err(std::io::Error::other)));
+    *response.status_mut() = status;
+    *response.headers_mut() = headers;
+    Ok(response)
+}
+
+/// Returns the headers without those of one connection, and those that `connection` names.
+fn end_to_end(mut headers: HeaderMap) -> HeaderMap {
+    let named: Vec<String> = headers
+        .get_all(CONNECTION)
+        .iter()
+        .filter_map(|value| value.to_str().ok())
+        .flat_map(|value| value.split(','))
+        .map(|name| name.trim().to_ascii_lowercase())
+        .collect();
+    for name in HOP_BY_HOP.into_iter().chain(named.iter().map(String::as_str)) {
+        headers.remove(name);
+    }
+    headers
+}
+
+/// Clients to the other servers: connections are kept open.
+#[derive(Debug, Default)]
+pub struct Peers {
+    client: OnceLock<reqwest::Client>,
+}
+
+impl Peers {
+    fn client(&self, address: &str) -> Result<&reqwest::Client, reqwest::Error> {
+        if let Some(client) = self.client.get() {
+            return Ok(client);
+        }
+        let client = tls::client_for(address)
+            .connect_timeout(CONNECT_TIMEOUT)
+            .redirect(reqwest::redirect::Policy::none())
+            .no_proxy()
+            .build()?;
+        Ok(self.client.get_or_init(|| client))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn headers_of_one_connection_end_with_it() {
+        let mut headers = HeaderMap::new();
+        for (name, value) in
+            [("connection", "close, X-Hop"), ("x-hop", "1"), ("te", "trailers"), ("etag", "\"1\"")]
+        {
+            headers.append(
+                HeaderName::from_bytes(name.as_bytes()).expect("a name"),
+                HeaderValue::from_static(value),
+            );
+        }
+        let left = end_to_end(headers);
+        assert_eq!(left.keys().map(HeaderName::as_str).collect::<Vec<_>>(), ["etag"]);
+    }
+}

@@ -1,0 +1,101 @@
+//! The servers that share a database: which are there, and where the others reach them.
+
+use std::time::Duration;
+
+use super::leases::{Leases, Taken};
+use crate::domain::ids::MapId;
+use crate::store::sql::{self, Engine};
+use crate::store::{Store, StoreError};
+
+/// A server counts as gone so long after it was last heard of.
+const NODE_LASTS: Duration = Duration::from_secs(10);
+
+/// Rows of servers that are gone are removed after this time.
+const NODE_KEPT: Duration = Duration::from_secs(3600);
+
+/// A server that shares this database.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Node {
+    /// Made up when it starts.
+    pub id: String,
+    /// Where others reach it: `http://HOST:PORT`.
+    pub address: String,
+    /// What it knows their requests by.
+    pub secret: String,
+}
+
+/// The owner of a map.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Owner {
+    /// This server, or one whose lease has run out, or nobody.
+    Free,
+    /// Another server, by its id.
+    Other(String),
+}
+
+impl Store {
+    /// Returns the leases of this server; none where it alone has the database.
+    pub fn leases(&self) -> Option<&Leases> {
+        self.leases.as_deref()
+    }
+
+    /// Takes a map, unless another server has it. Without other servers a map needs no lease.
+    pub async fn take(&self, id: &MapId) -> Result<Option<Taken>, StoreError> {
+        match &self.leases {
+            Some(leases) => leases.take(&self.readers, id).await.map(Some),
+            None => Ok(None),
+        }
+    }
+
+    /// Says that a server is there, extends its leases, and returns all that are there.
+    pub async fn renew(&self, node: &Node) -> Result<Vec<Node>, StoreError> {
+        let Some(leases) = &self.leases else { return Ok(Vec::new()) };
+        let upsert = "insert into nodes (node, address, secret, expires)
+            values ($1, $2, $3, clock_timestamp() + make_interval(secs => $4))
+            on conflict (node) do update set address = excluded.address, expires = excluded.expires";
+        let query = sql::query(upsert).bind(&node.id).bind(&node.address).bind(&node.secret);
+        query.bind(NODE_LASTS.as_secs_f64()).execute(&self.readers).await?;
+        leases.renew(&self.readers).await?;
+        let sweep = "delete from nodes where expires < clock_timestamp() - make_interval(secs => $1)";
+        sql::query(sweep).bind(NODE_KEPT.as_secs_f64()).execute(&self.readers).await?;
+        // Copies that a server did not complete before it went: `copying//` and its id begin their own.
+        let copies = "update maps set deleted = 1, id = 'deleted//' || map_key
+            where deleted = 2 and substr(id, 10, 32) not in (select node from nodes)";
+        sql::query(copies).execute(&self.readers).await?;
+        let select =
+            "select node, address, secret from nodes where expires > clock_timestamp() order by node";
+        let rows: Vec<(String, String, String)> = sql::query_as(select).fetch_all(&self.readers).await?;
+        Ok(rows.into_iter().map(|(id, address, secret)| Node { id, address, secret }).collect())
+    }
+
+    /// Returns who owns a map now; `None` if there is no such map.
+    pub async fn owner(&self, id: &MapId) -> Result<Option<Owner>, StoreError> {
+        let Some(leases) = &self.leases else { return Ok(Some(Owner::Free)) };
+        let select = "select case when o.expires > clock_timestamp() then o.owner end
+            from maps m left join map_owners o using (map_key) where m.id = $1 and m.deleted = 0";
+        let found: Option<(Option<String>,)> =
+            sql::query_as(select).bind(id.as_str()).fetch_optional(&self.readers).await?;
+        let owner = |owner: Option<String>| match owner {
+            Some(owner) if owner != leases.node() => Owner::Other(owner),
+            _ => Owner::Free,
+        };
+        Ok(found.map(|(of,)| owner(of)))
+    }
+
+    /// Gives a map back, of which nothing is under way.
+    pub async fn give_back(&self, lease: &super::leases::Lease) -> Result<(), StoreError> {
+        match &self.leases {
+            Some(leases) => leases.give_back(&self.readers, lease).await,
+            None => Ok(()),
+        }
+    }
+
+    /// Gives all maps back, and says that this server is gone.
+    pub async fn leave(&self) -> Result<(), StoreError> {
+        let Some(leases) = &self.leases else { return Ok(()) };
+        debug_assert_eq!(self.engine(), Engine::Postgres);
+        leases.give_all_back(&self.readers).await?;
+        sql::query("delete from nodes where node = $1").bind(leases.node()).execute(&self.readers).await?;
+        Ok(())
+    }
+}

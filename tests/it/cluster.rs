@@ -1,0 +1,156 @@
+//! Several servers over one PostgreSQL database. `REVISIT_TEST_POSTGRES` names the PostgreSQL server, such as
+//! `postgres://postgres@127.0.0.1:5432`; each test makes a database of its own there.
+
+use std::time::{Duration, Instant};
+
+use reqwest::{Method, StatusCode};
+use serde_json::{Value, json};
+
+use crate::support::{Answer, Server, keyframe};
+
+/// Longer than a lease lasts, with the time to notice it.
+const OWNERS_SETTLE: Duration = Duration::from_secs(40);
+
+const MAPS: usize = 12;
+
+fn path(number: usize) -> String {
+    format!("/v1/maps/m-{number}")
+}
+
+/// A keyframe that no other is like.
+fn shot(number: usize) -> Value {
+    let mut body = keyframe();
+    body["stamp"] = json!({"sec": number, "nanosec": 0});
+    body
+}
+
+/// Sends a request until it is answered by a server that has the map: it comes and goes when servers do.
+async fn settled(server: &Server, method: Method, path: &str, body: Option<&Value>) -> Answer {
+    let begun = Instant::now();
+    loop {
+        let request = server.request(method.clone(), path);
+        let answer = Answer::of(match body {
+            Some(body) => request.json(body),
+            None => request,
+        });
+        let answer = answer.await;
+        if answer.status != StatusCode::SERVICE_UNAVAILABLE {
+            return answer;
+        }
+        assert!(answer.headers.contains_key("retry-after"), "{answer:#?}");
+        assert!(begun.elapsed() < OWNERS_SETTLE, "no server has the map: {answer:#?}");
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+}
+
+async fn settled_put(server: &Server, path: &str, body: &Value) -> Value {
+    let answer = settled(server, Method::PUT, path, Some(body)).await;
+    assert!(answer.status.is_success(), "{path}: {answer:#?}");
+    answer.body
+}
+
+/// The owners of the maps, as a server names them.
+async fn owners(server: &Server) -> Vec<String> {
+    let mut owners = Vec::new();
+    for number in 0..MAPS {
+        let answer = settled(server, Method::GET, &path(number), None).await;
+        assert_eq!(answer.status, 200, "{answer:#?}");
+        owners.push(answer.header("x-revisit-owner").to_owned());
+    }
+    owners
+}
+
+#[tokio::test(flavor = "multi_thread")]
+#[ignore = "needs REVISIT_TEST_POSTGRES"]
+async fn any_of_two_servers_answers_for_every_map_and_each_has_some() {
+    let folder = tempfile::tempdir().unwrap();
+    let (one, other) = (Server::on(folder.path()).await, Server::on(folder.path()).await);
+    // Both know of each other after a renewal.
+    let begun = Instant::now();
+    while one.figure("revisit_nodes").await < 2 {
+        assert!(begun.elapsed() < OWNERS_SETTLE);
+        tokio::time::sleep(Duration::from_millis(100)).await;
+    }
+    for number in 0..MAPS {
+        let (writer, reader) = if number % 2 == 0 { (&one, &other) } else { (&other, &one) };
+        settled_put(writer, &path(number), &json!({})).await;
+        let written = settled_put(reader, &format!("{}/keyframes/kf-1", path(number)), &shot(1)).await;
+        assert_eq!(written["map_version"], 2);
+        // What one server acknowledged, the other tells at once.
+        let read = settled(writer, Method::GET, &format!("{}/keyframes/kf-1", path(number)), None).await;
+        assert_eq!(read.status, 200, "{read:#?}");
+        assert_eq!(read.body["map_version"], 2);
+        let asked = json!({"keyframe": "kf-1"});
+        let queries = format!("{}/loop-queries", path(number));
+        let answers = [
+            settled(&one, Method::POST, &queries, Some(&asked)).await.expect(200),
+            settled(&other, Method::POST, &queries, Some(&asked)).await.expect(200),
+        ];
+        assert_eq!(answers[0], answers[1]);
+    }
+    let (from_one, from_other) = (owners(&one).await, owners(&other).await);
+    assert_eq!(from_one, from_other, "both name the same owners");
+    for server in [&one, &other] {
+        let owned = from_one.iter().filter(|owner| **owner == server.url("")).count();
+        assert!((1..MAPS).contains(&owned), "{owned} of {MAPS}: {from_one:?}");
+    }
+    let page = Answer::text(one.request(Method::GET, "/metrics")).await;
+    assert!(page.contains("revisit_forwarded_total{outcome=\"answered\"}"), "{page}");
+
+    // A secret that is made up does not keep a request from being sent on.
+    let elsewhere = (0..MAPS).find(|number| from_one[*number] != one.url("")).expect("one");
+    let forged = one.request(Method::GET, &path(elsewhere)).header("x-revisit-forwarded", "guessed");
+    assert_eq!(Answer::of(forged).await.status, 200);
+
+    // One goes as on SIGTERM: its maps are the other's at once, with all that was acknowledged.
+    let begun = Instant::now();
+    other.stop().await;
+    for number in 0..MAPS {
+        let written = settled_put(&one, &format!("{}/keyframes/kf-2", path(number)), &shot(2)).await;
+        assert_eq!(written["map_version"], 3, "{written:#}");
+    }
+    println!("{:.1} s until every map of a server that stopped took a write", begun.elapsed().as_secs_f64());
+    one.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+#[ignore = "needs REVISIT_TEST_POSTGRES"]
+async fn a_server_that_joins_takes_maps_over_while_robots_write() {
+    let folder = tempfile::tempdir().unwrap();
+    let one = Server::on(folder.path()).await;
+    for number in 0..MAPS {
+        settled_put(&one, &path(number), &json!({})).await;
+    }
+    let joined = Server::on(folder.path()).await;
+    let begun = Instant::now();
+    let mut round = 0;
+    let mut acknowledged = vec![1_u64; MAPS];
+    while joined.figure("revisit_leases").await == 0 || one.figure("revisit_leases").await == MAPS as u64 {
+        assert!(begun.elapsed() < OWNERS_SETTLE, "no map was taken over");
+        round += 1;
+        for number in 0..MAPS {
+            let keyframe = format!("{}/keyframes/kf-{round}", path(number));
+            let written = settled_put(&one, &keyframe, &shot(round)).await;
+            acknowledged[number] += 1;
+            assert_eq!(
+                written["map_version"], acknowledged[number],
+                "each version is of one write: {written:#}"
+            );
+        }
+    }
+    println!(
+        "{:.1} s and {round} writes a map until a server that joined had maps",
+        begun.elapsed().as_secs_f64()
+    );
+    for number in 0..MAPS {
+        for server in [&one, &joined] {
+            let map = settled(server, Method::GET, &path(number), None).await.expect(200);
+            assert_eq!(
+                (&map["keyframes"], &map["map_version"]),
+                (&json!(round), &json!(acknowledged[number]))
+            );
+        }
+    }
+    joined.stop().await;
+    one.stop().await;
+}
