@@ -93,13 +93,14 @@ class Client:
 
 
 class Server:
-    """`revisit serve` on a database that outlives it."""
+    """`revisit serve` on a database that outlives it: a file, or one of a server (`postgres://...`)."""
 
     def __init__(self, program, database, *more, env=None, log=None, wrap=(), wait=True, listen="127.0.0.1:0"):
         self.database = Path(database)
+        url = database if str(database).startswith("postgres://") else f"sqlite://{database}"
         self.log = Path(log or f"{database}.log")
         environment = {k: v for k, v in os.environ.items() if not k.startswith("REVISIT_")} | (env or {})
-        command = [*wrap, program, "serve", "--listen", listen, "--database", f"sqlite://{database}", *more]
+        command = [*wrap, program, "serve", "--listen", listen, "--database", url, *more]
         with open(self.log, "ab") as log_file:
             self.process = subprocess.Popen(
                 command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=log_file, env=environment, text=True)
