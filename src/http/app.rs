@@ -11,11 +11,11 @@ use tokio_util::sync::CancellationToken;
 use super::connection::answer_memory::AnswerMemory;
 use super::connection::connection_limit::ConnectionSlots;
 use super::connection::min_rate_body::MinRate;
-use super::forwarding::Peers;
 use super::guards::body_memory::BodyMemory;
 use super::guards::route_permissions::RoutePermissions;
 use super::guards::stream_limit::StreamLimit;
 use super::metrics::counters::Metrics;
+use super::peers::Peers;
 use crate::config::limits::LimitArgs;
 use crate::engine::Service;
 

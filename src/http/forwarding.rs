@@ -3,9 +3,6 @@
 //! Bodies are streamed both ways. The key goes with the request, and is checked there once more. A request is sent on once
 //! at most: what comes from another server, which shows this one's secret, is answered here or not at all.
 
-use std::sync::OnceLock;
-use std::time::Duration;
-
 use axum::body::Body;
 use axum::extract::{Request, State};
 use axum::http::header::{CONNECTION, HOST};
@@ -27,9 +24,6 @@ use crate::store::Node;
 const OWNER: HeaderName = HeaderName::from_static("x-revisit-owner");
 /// The header with the secret of the server that a request was sent on to.
 const FORWARDED: HeaderName = HeaderName::from_static("x-revisit-forwarded");
-
-/// Longest time until a connection to another server is there: they are near.
-const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Headers of one connection, which end with it (RFC 9110, section 7.6.1).
 const HOP_BY_HOP: [&str; 8] = [
@@ -127,26 +121,6 @@ fn end_to_end(mut headers: HeaderMap) -> HeaderMap {
         headers.remove(name);
     }
     headers
-}
-
-/// Clients to the other servers: connections are kept open.
-#[derive(Debug, Default)]
-pub struct Peers {
-    client: OnceLock<reqwest::Client>,
-}
-
-impl Peers {
-    fn client(&self, address: &str) -> Result<&reqwest::Client, reqwest::Error> {
-        if let Some(client) = self.client.get() {
-            return Ok(client);
-        }
-        let client = tls::client_for(address)
-            .connect_timeout(CONNECT_TIMEOUT)
-            .redirect(reqwest::redirect::Policy::none())
-            .no_proxy()
-            .build()?;
-        Ok(self.client.get_or_init(|| client))
-    }
 }
 
 #[cfg(test)]

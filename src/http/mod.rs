@@ -6,7 +6,7 @@
 //! | [`extract`] | path, query and body of a request, validated |
 //! | [`answer`], [`problem`], [`envelope`] | success, errors, and the request id of every response |
 //! | [`guards`] | layers that admit or reject a request before its handler |
-//! | [`forwarding`] | requests about maps of other servers |
+//! | [`forwarding`], [`peers`] | requests about maps of other servers |
 //! | [`connection`] | the accept loop; connection limit, timeouts, shutdown |
 //! | [`router`], [`app`] | the layers around the routes, and their shared state |
 //! | [`metrics::counters`] | the metrics page |
@@ -24,6 +24,7 @@ pub mod forwarding;
 pub mod guards;
 pub mod metrics;
 pub mod pages;
+pub mod peers;
 pub mod problem;
 pub mod router;
 pub mod routes;

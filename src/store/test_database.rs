@@ -21,12 +21,13 @@ pub(super) async fn database() -> (tempfile::TempDir, Pool) {
     (folder, pool.into())
 }
 
-/// Returns the address of the database that belongs to a folder: a file in it or, where `REVISIT_TEST_POSTGRES` names a server, a
-/// database there, which is made if it is not there.
+/// Returns the address of the database that belongs to a folder: a file in it or, where `REVISIT_TEST_ENGINE` is `postgres`, a database
+/// of the server that `REVISIT_TEST_POSTGRES` names, which is made if it is not there.
 pub(crate) async fn address_in(folder: &Path) -> String {
-    let Ok(server) = std::env::var("REVISIT_TEST_POSTGRES") else {
+    if std::env::var("REVISIT_TEST_ENGINE").as_deref() != Ok("postgres") {
         return format!("sqlite://{}/test.db", folder.display());
-    };
+    }
+    let server = std::env::var("REVISIT_TEST_POSTGRES").expect("REVISIT_TEST_POSTGRES names a server");
     let mut hasher = std::hash::DefaultHasher::new();
     folder.hash(&mut hasher);
     let name = format!("law_{}_{:x}", std::process::id(), hasher.finish());

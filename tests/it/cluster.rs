@@ -1,5 +1,4 @@
-//! Several servers over one PostgreSQL database. `REVISIT_TEST_POSTGRES` names the PostgreSQL server, such as
-//! `postgres://postgres@127.0.0.1:5432`; each test makes a database of its own there.
+//! Several servers over one PostgreSQL database, in a database of its own for each test.
 
 use std::time::{Duration, Instant};
 
@@ -64,7 +63,7 @@ async fn owners(server: &Server) -> Vec<String> {
 #[ignore = "needs REVISIT_TEST_POSTGRES"]
 async fn any_of_two_servers_answers_for_every_map_and_each_has_some() {
     let folder = tempfile::tempdir().unwrap();
-    let (one, other) = (Server::on(folder.path()).await, Server::on(folder.path()).await);
+    let (one, other) = (Server::among_others(folder.path()).await, Server::among_others(folder.path()).await);
     // Both know of each other after a renewal.
     let begun = Instant::now();
     while one.figure("revisit_nodes").await < 2 {
@@ -117,14 +116,14 @@ async fn any_of_two_servers_answers_for_every_map_and_each_has_some() {
 #[ignore = "needs REVISIT_TEST_POSTGRES"]
 async fn a_server_that_joins_takes_maps_over_while_robots_write() {
     let folder = tempfile::tempdir().unwrap();
-    let one = Server::on(folder.path()).await;
+    let one = Server::among_others(folder.path()).await;
     for number in 0..MAPS {
         settled_put(&one, &path(number), &json!({})).await;
     }
-    let joined = Server::on(folder.path()).await;
+    let joined = Server::among_others(folder.path()).await;
     let begun = Instant::now();
     let mut round = 0;
-    let mut acknowledged = vec![1_u64; MAPS];
+    let mut acknowledged = [1_u64; MAPS];
     while joined.figure("revisit_leases").await == 0 || one.figure("revisit_leases").await == MAPS as u64 {
         assert!(begun.elapsed() < OWNERS_SETTLE, "no map was taken over");
         round += 1;
@@ -142,13 +141,10 @@ async fn a_server_that_joins_takes_maps_over_while_robots_write() {
         "{:.1} s and {round} writes a map until a server that joined had maps",
         begun.elapsed().as_secs_f64()
     );
-    for number in 0..MAPS {
+    for (number, version) in acknowledged.iter().enumerate() {
         for server in [&one, &joined] {
             let map = settled(server, Method::GET, &path(number), None).await.expect(200);
-            assert_eq!(
-                (&map["keyframes"], &map["map_version"]),
-                (&json!(round), &json!(acknowledged[number]))
-            );
+            assert_eq!((&map["keyframes"], &map["map_version"]), (&json!(round), &json!(version)));
         }
     }
     joined.stop().await;

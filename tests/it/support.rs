@@ -33,12 +33,19 @@ pub struct Answer {
     pub body: Value,
 }
 
-/// Returns the address of the database that belongs to a directory: a file in it or, where `REVISIT_TEST_POSTGRES` names a
-/// server, a database there, which is made if it is not there.
+/// Returns the address of the database that belongs to a directory: a file in it or, where `REVISIT_TEST_ENGINE` is `postgres`, a
+/// database of a server.
 pub async fn database_in(directory: &Path) -> String {
-    let Ok(server) = std::env::var("REVISIT_TEST_POSTGRES") else {
-        return format!("sqlite://{}", directory.join("test.db").display());
-    };
+    match std::env::var("REVISIT_TEST_ENGINE").as_deref() {
+        Ok("postgres") => postgres_of(directory).await,
+        _ => format!("sqlite://{}", directory.join("test.db").display()),
+    }
+}
+
+/// Returns the address of a directory's database at the PostgreSQL server that `REVISIT_TEST_POSTGRES` names, such as
+/// `postgres://postgres@127.0.0.1:5432`; it is made if it is not there.
+pub async fn postgres_of(directory: &Path) -> String {
+    let server = std::env::var("REVISIT_TEST_POSTGRES").expect("REVISIT_TEST_POSTGRES names a server");
     let mut hasher = std::hash::DefaultHasher::new();
     directory.hash(&mut hasher);
     let name = format!("test_{}_{:x}", std::process::id(), hasher.finish());
@@ -137,10 +144,20 @@ impl Server {
         Self::on_with(directory, |options| options.models = models).await
     }
 
+    /// Starts a server on a directory's database at a PostgreSQL server, which others may share.
+    pub async fn among_others(directory: &Path) -> Self {
+        let options = ServiceOptions::on(postgres_of(directory).await, LoopAnswer::bytes);
+        Self::of(options).await
+    }
+
     async fn on_with(directory: &Path, choose: impl FnOnce(&mut ServiceOptions)) -> Self {
         let database = database_in(directory).await;
         let mut options = ServiceOptions::on(database, LoopAnswer::bytes);
         choose(&mut options);
+        Self::of(options).await
+    }
+
+    async fn of(options: ServiceOptions) -> Self {
         let service = Service::open(options).await.expect("a service");
         let running = RunningServer::start(service).await.expect("a free port");
         Self { http: client(), running, _directory: None }

@@ -6,11 +6,13 @@
 //! | concept | file |
 //! |---|---|
 //! | the server that should have a map | [`placement`] |
-//! | this server's place among the others: its row, its leases | [`membership`] |
+//! | what this server knows of the others | [`membership`] |
+//! | its row among them, its leases | [`joining`] |
 //! | where a request is answered | [`routing`] |
 //! | maps that another server should have go there | [`hand_over`] |
 
 mod hand_over;
+mod joining;
 pub mod membership;
 mod placement;
 pub mod routing;

@@ -298,12 +298,11 @@ impl Writer {
 
     /// Looks whether a disk that was full or failed is well again.
     async fn try_disk(&self) {
-        if self.health.disk() == Disk::Full {
-            if let Some(disk) = &self.disk
-                && !disk.make_room().await
-            {
-                return;
-            }
+        if self.health.disk() == Disk::Full
+            && let Some(disk) = &self.disk
+            && !disk.make_room().await
+        {
+            return;
         }
         match self.write_something().await {
             Ok(()) => self.health.set(Disk::Well),

@@ -70,7 +70,7 @@ impl Lease {
     }
 
     fn extend(&self, asked: Instant) {
-        let until = since_start(asked + LEASE - MARGIN);
+        let until = since_start(asked + LEASE.saturating_sub(MARGIN));
         self.valid_until_us.fetch_max(until, Ordering::AcqRel);
     }
 

@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use super::leases::{Leases, Taken};
+use super::leases::{Lease, Leases, Taken};
+use super::opening::random_name;
 use crate::domain::ids::MapId;
 use crate::store::sql::{self, Engine};
 use crate::store::{Store, StoreError};
@@ -11,7 +12,7 @@ use crate::store::{Store, StoreError};
 const NODE_LASTS: Duration = Duration::from_secs(10);
 
 /// Rows of servers that are gone are removed after this time.
-const NODE_KEPT: Duration = Duration::from_secs(3600);
+const NODE_KEPT: Duration = Duration::from_hours(1);
 
 /// A server that shares this database.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -22,6 +23,13 @@ pub struct Node {
     pub address: String,
     /// What it knows their requests by.
     pub secret: String,
+}
+
+impl Node {
+    /// Returns a server with a secret that nobody can guess.
+    pub fn new(id: &str, address: String) -> Self {
+        Self { id: id.to_owned(), address, secret: random_name() }
+    }
 }
 
 /// The owner of a map.
@@ -83,7 +91,7 @@ impl Store {
     }
 
     /// Gives a map back, of which nothing is under way.
-    pub async fn give_back(&self, lease: &super::leases::Lease) -> Result<(), StoreError> {
+    pub async fn give_back(&self, lease: &Lease) -> Result<(), StoreError> {
         match &self.leases {
             Some(leases) => leases.give_back(&self.readers, lease).await,
             None => Ok(()),

@@ -19,7 +19,7 @@ const READERS: u32 = 8;
 const ACQUIRE_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// A connection is made anew after so long: after a fail-over it may lead to a server that only reads.
-const LIFETIME_MAX: Duration = Duration::from_secs(600);
+const LIFETIME_MAX: Duration = Duration::from_mins(10);
 
 /// Opens the database at an address, and brings it to this version's schema.
 pub(in crate::store) async fn open(url: &str) -> Result<Store, StoreError> {
@@ -44,12 +44,7 @@ fn options(url: &str) -> Result<PgConnectOptions, StoreError> {
     Ok(options.application_name("revisit"))
 }
 
-/// Returns a name that nobody else has.
+/// Returns a name that nobody else has, and nobody can guess: 128 random bits.
 pub(in crate::store) fn random_name() -> String {
-    use std::fmt::Write as _;
-    rand::random::<[u8; 16]>().iter().fold(String::new(), |mut name, byte| {
-        // Writing to a string never fails.
-        let _ = write!(name, "{byte:02x}");
-        name
-    })
+    format!("{:032x}", rand::random::<u128>())
 }

@@ -1,0 +1,53 @@
+//! Joining and leaving: this server's row among those that share its database, and the renewal of its leases.
+
+use std::time::Duration;
+
+use super::membership::Membership;
+use crate::engine::{Service, ServiceError};
+use crate::store::Node;
+
+/// The time between two renewals: a lease of ten seconds outlives two that fail.
+const RENEWED_EVERY: Duration = Duration::from_secs(3);
+
+impl Service {
+    /// Takes this server's place among those that share its database, where they do: from now on it has the maps that should be
+    /// its own, and others reach it at this address (`http://HOST:PORT`).
+    pub async fn join(&self, address: String) -> Result<(), ServiceError> {
+        let Some(leases) = self.store.leases() else { return Ok(()) };
+        let this = Node::new(leases.node(), address);
+        let nodes = self.store.renew(&this).await?;
+        tracing::info!(
+            node = this.id,
+            address = this.address,
+            nodes = nodes.len(),
+            "joined the servers of this database"
+        );
+        let membership = Membership::of(this, nodes);
+        if self.membership.set(membership.clone()).is_err() {
+            return Err(ServiceError::Internal("a server joins once".to_owned()));
+        }
+        let (service, closing) = (self.clone(), self.closing.clone());
+        tokio::spawn(closing.run_until_cancelled_owned(async move {
+            loop {
+                tokio::time::sleep(RENEWED_EVERY).await;
+                match service.store.renew(&membership.this).await {
+                    Ok(nodes) => membership.set_nodes(nodes),
+                    Err(error) => tracing::warn!(%error, "leases were not renewed"),
+                }
+                service.hand_maps_over(&membership).await;
+            }
+        }));
+        Ok(())
+    }
+
+    /// Gives its maps back to the other servers, once nothing is under way.
+    pub(in crate::engine) async fn leave(&self) {
+        if self.store.leases().is_none() {
+            return;
+        }
+        self.store.committer().settled().await;
+        if let Err(error) = self.store.leave().await {
+            tracing::warn!(%error, "the maps were not given back: others take them when their leases end");
+        }
+    }
+}
