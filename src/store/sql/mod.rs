@@ -7,7 +7,7 @@
 //!
 //! | concept | file |
 //! |---|---|
-//! | a statement with its values | [`query`] |
+//! | a statement with its values | [`mod@query`] |
 //! | values that go into one | [`value`] |
 //! | rows that come out of one | [`row`] |
 //! | values as they are, of a row that is copied | [`cell`] |
