@@ -93,11 +93,11 @@ class Client:
 
 
 class Server:
-    """`revisit serve` on a database that outlives it: a file, or one of a server (`postgres://...`)."""
+    """`revisit serve` on a database that outlives it: a file, or a URL, which needs `log`."""
 
     def __init__(self, program, database, *more, env=None, log=None, wrap=(), wait=True, listen="127.0.0.1:0"):
         self.database = Path(database)
-        url = database if str(database).startswith("postgres://") else f"sqlite://{database}"
+        url = database if "://" in str(database) else f"sqlite://{database}"
         self.log = Path(log or f"{database}.log")
         environment = {k: v for k, v in os.environ.items() if not k.startswith("REVISIT_")} | (env or {})
         command = [*wrap, program, "serve", "--listen", listen, "--database", url, *more]
