@@ -42,6 +42,11 @@ class Relay:
         self.requests.set()
         self.answers.set()
 
+    def ports(self):
+        """The ports of its ends at the database, by which the database tells connections apart."""
+        with self.lock:
+            return [database.getsockname()[1] for _, database in self.pairs]
+
     def accept(self):
         while True:
             client, _ = self.listener.accept()
