@@ -71,7 +71,7 @@ def of_content(name, writes, kept):
             yield "other content", f"{name}: {write.id} is not what was sent"
     sent = {write.id for write in writes}
     for keyframe in kept.keyframes.keys() - sent:
-        yield "other content", f"{name}: nobody sent {keyframe}"
+        yield "other content", f"{name}: no writer sent {keyframe}"
 
 
 def of_versions(name, writes, kept):
@@ -90,7 +90,7 @@ def of_versions(name, writes, kept):
 
 
 def operations(writes, reads, kept):
-    """Tuples (began, ended, version, is a write, its name)."""
+    """Yields tuples (began, ended, version, is a write, its name)."""
     for write in writes:
         version = write.version or kept.keyframes.get(write.id)
         if version is not None:
@@ -140,7 +140,7 @@ def invented(draw, maps=3, length=400):
 
 
 def apart(draw, writes):
-    """Two acknowledged writes of a map of which one ended before the other began."""
+    """Returns two acknowledged writes of a map of which one ended before the other began."""
     known = [write for write in writes if write.version is not None]
     while True:
         first, second = draw.sample(known, 2)

@@ -25,7 +25,7 @@ START_TIMEOUT_S = 60
 
 
 def free_port():
-    """A port that nothing listens on, and that no outgoing connection takes meanwhile: those have numbers of a range of their own."""
+    """Returns a port that nothing listens on, outside the range from which outgoing connections take theirs."""
     first, last = map(int, Path("/proc/sys/net/ipv4/ip_local_port_range").read_text().split())
     numbers = [number for number in range(10_000, 65_536) if not first <= number <= last] or range(first, last + 1)
     while True:
@@ -37,7 +37,7 @@ def free_port():
 
 
 def programs():
-    """The folder of PostgreSQL's programs: PATH's, or Debian's of the newest version, which are not in PATH."""
+    """Returns the folder of PostgreSQL's programs: PATH's, or Debian's of the newest version, which are not in PATH."""
     if found := shutil.which("initdb"):
         return Path(found).resolve().parent
     folders = [path.parent for path in Path("/usr/lib/postgresql").glob("*/bin/initdb")]
@@ -54,7 +54,7 @@ class Postgres:
         self.data, self.log = self.folder / "data", self.folder / "log"
         self.url = f"postgres://{USER}@127.0.0.1:{self.port}"
         self.process = None
-        # The user that PostgreSQL runs as owns the folder, and so nobody else reads it.
+        # The folder is readable only to its owner, which has to be the user that PostgreSQL runs as.
         self.as_user = ["setpriv", "--pdeathsig", "QUIT"]
         if os.geteuid() == 0:
             user = pwd.getpwnam(USER)
@@ -94,7 +94,7 @@ class Postgres:
         self.process = None
 
     def ask(self, database, statement):
-        """The rows of a statement, each a list of texts."""
+        """Returns the rows of a statement, each a list of texts."""
         command = [self.bin / "psql", "-X", "-q", "-A", "-t", "-F", "\t", "-v", "ON_ERROR_STOP=1", "-h", "127.0.0.1",
                    "-p", str(self.port), "-U", USER, "-d", database, "-c", statement]
         answer = subprocess.run(command, capture_output=True, text=True)

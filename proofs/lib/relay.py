@@ -43,7 +43,7 @@ class Relay:
         self.answers.set()
 
     def ports(self):
-        """The ports of its ends at the database, by which the database tells connections apart."""
+        """Returns the ports of its ends at the database, by which the database tells connections apart."""
         with self.lock:
             return [database.getsockname()[1] for _, database in self.pairs]
 
