@@ -44,11 +44,15 @@ pub async fn forward(State(app): State<App>, request: Request, next: Next) -> Re
     let Some(map) = map_of(&mut parts).await else {
         return next.run(Request::from_parts(parts, body)).await;
     };
-    let is_from_peer =
-        parts.headers.remove(FORWARDED).is_some_and(|secret| app.service.is_from_peer(secret.as_bytes()));
+    let forwarded = parts.headers.remove(FORWARDED);
+    let is_from_peer = forwarded.as_ref().is_some_and(|secret| app.service.is_from_peer(secret.as_bytes()));
     let route = if is_from_peer { Ok(Route::Here) } else { app.service.route(&map).await };
     let request = Request::from_parts(parts, body);
     match route {
+        // Meant for a server that was here before, or made up: sent on, it could come back.
+        Ok(Route::At(_)) if forwarded.is_some() => {
+            Problem::new(Kind::UNAVAILABLE, "another server has this map; try again").into_response()
+        }
         Ok(Route::Here) => with_owner(next.run(request).await, &address),
         Ok(Route::At(node)) => {
             // Else two servers that are full of each other's requests would wait for each other.

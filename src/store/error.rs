@@ -169,11 +169,11 @@ fn of_server(error: &sqlx::Error, code: Option<&str>) -> Option<StoreError> {
     match code {
         // disk_full
         "53100" => Some(StoreError::DiskFull),
-        // too_many_connections
-        "53300" => Some(StoreError::Busy),
-        // read_only_sql_transaction: after a fail-over the connection leads to a server that only reads. The others say that the
+        // too_many_connections; lock_not_available: a server that fell silent within a write holds it, for some seconds more at most.
+        "53300" | "55P03" => Some(StoreError::Busy),
+        // idle_in_transaction_session_timeout: this server was stopped within a write. read_only_sql_transaction: after a fail-over the connection leads to a server that only reads. The others say that the
         // server stops, starts or cannot be reached.
-        "25006" | "57P01" | "57P02" | "57P03" => Some(StoreError::Away(error.to_string())),
+        "25006" | "25P03" | "57P01" | "57P02" | "57P03" => Some(StoreError::Away(error.to_string())),
         _ if code.starts_with("08") => Some(StoreError::Away(error.to_string())),
         _ => None,
     }

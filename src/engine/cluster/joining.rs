@@ -15,6 +15,7 @@ impl Service {
     pub async fn join(&self, address: String) -> Result<(), ServiceError> {
         let Some(leases) = self.store.leases() else { return Ok(()) };
         let this = Node::new(leases.node(), address);
+        self.store.succeed(&this).await?;
         let nodes = self.store.renew(&this).await?;
         tracing::info!(
             node = this.id,

@@ -20,8 +20,12 @@ impl Transaction {
     pub(in crate::store) async fn write(pool: &Pool) -> Result<Self, StoreError> {
         let begin = match pool.engine() {
             Engine::Sqlite => "begin immediate",
-            // Each statement sees what is committed by then: the first of them locks what the others rely on.
-            Engine::Postgres => "begin isolation level read committed",
+            // Each statement sees what is committed by then: the first of them locks what the others rely on. A server that falls
+            // silent within a write keeps that lock for a few seconds only, and nobody waits for it for longer.
+            Engine::Postgres => {
+                "begin isolation level read committed; set local idle_in_transaction_session_timeout = 5000; \
+                 set local lock_timeout = 5000"
+            }
         };
         Self::begin(pool, begin).await
     }
@@ -37,7 +41,7 @@ impl Transaction {
 
     async fn begin(pool: &Pool, begin: &'static str) -> Result<Self, StoreError> {
         let mut this = Self { connection: Some(pool.acquire().await?) };
-        sql::query(begin).execute(&mut *this).await?;
+        this.run_at_once(begin).await?;
         Ok(this)
     }
 

@@ -43,6 +43,8 @@ pub struct Lease {
 #[derive(Debug)]
 pub struct Leases {
     node: String,
+    /// Of its own, so that leases are extended also while every other connection waits for something.
+    pool: Pool,
     held: Mutex<HashMap<MapKey, Arc<Lease>>>,
     lost: AtomicU64,
 }
@@ -80,13 +82,18 @@ impl Lease {
 }
 
 impl Leases {
-    pub(in crate::store) fn of(node: String) -> Self {
-        Self { node, held: Mutex::default(), lost: AtomicU64::new(0) }
+    pub(in crate::store) fn of(node: String, pool: Pool) -> Self {
+        Self { node, pool, held: Mutex::default(), lost: AtomicU64::new(0) }
     }
 
     /// The name by which this server owns maps.
     pub fn node(&self) -> &str {
         &self.node
+    }
+
+    /// Returns the connections by which leases are extended.
+    pub(in crate::store) fn pool(&self) -> &Pool {
+        &self.pool
     }
 
     /// Returns the maps that it owns.
@@ -167,13 +174,13 @@ impl Leases {
     }
 
     /// Extends every lease; those that another server has taken are lost.
-    pub(in crate::store) async fn renew(&self, pool: &Pool) -> Result<(), StoreError> {
+    pub(in crate::store) async fn renew(&self) -> Result<(), StoreError> {
         let held: Vec<Arc<Lease>> = self.lock().values().cloned().collect();
         // A map that has left memory holds its lease no more: only the table and this list do.
         let (idle, held): (Vec<_>, Vec<_>) =
             held.into_iter().partition(|lease| Arc::strong_count(lease) <= 2);
         for lease in idle {
-            self.give_back(pool, &lease).await?;
+            self.give_back(&lease).await?;
         }
         if held.is_empty() {
             return Ok(());
@@ -183,7 +190,7 @@ impl Leases {
         let update = "update map_owners set expires = clock_timestamp() + make_interval(secs => $3)
             where owner = $1 and map_key in (select cast(value as bigint) from json_each($2)) returning map_key, epoch";
         let query = sql::query_as(update).bind(&self.node).bind(list(&keys)).bind(LEASE.as_secs_f64());
-        let renewed: Vec<(MapKey, i64)> = query.fetch_all(pool).await?;
+        let renewed: Vec<(MapKey, i64)> = query.fetch_all(&self.pool).await?;
         let renewed: HashMap<MapKey, i64> = renewed.into_iter().collect();
         for lease in held {
             match renewed.get(&lease.map) {
@@ -197,7 +204,7 @@ impl Leases {
     }
 
     /// Gives a lease back. Nothing of the map may be under way, and nobody reads it from memory any more.
-    pub(in crate::store) async fn give_back(&self, pool: &Pool, lease: &Lease) -> Result<(), StoreError> {
+    pub(in crate::store) async fn give_back(&self, lease: &Lease) -> Result<(), StoreError> {
         lease.lose();
         {
             let mut held = self.lock();
@@ -206,18 +213,18 @@ impl Leases {
             }
         }
         let update = "update map_owners set owner = null where map_key = $1 and owner = $2 and epoch = $3";
-        sql::query(update).bind(lease.map).bind(&self.node).bind(lease.epoch).execute(pool).await?;
+        sql::query(update).bind(lease.map).bind(&self.node).bind(lease.epoch).execute(&self.pool).await?;
         Ok(())
     }
 
     /// Gives all leases back.
-    pub(in crate::store) async fn give_all_back(&self, pool: &Pool) -> Result<(), StoreError> {
+    pub(in crate::store) async fn give_all_back(&self) -> Result<(), StoreError> {
         for (_, lease) in self.lock().drain() {
             lease.lose();
         }
         sql::query("update map_owners set owner = null where owner = $1")
             .bind(&self.node)
-            .execute(pool)
+            .execute(&self.pool)
             .await?;
         Ok(())
     }

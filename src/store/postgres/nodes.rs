@@ -55,6 +55,14 @@ impl Store {
         }
     }
 
+    /// Removes the rows of servers that were at an address before: whoever starts there knows that they are gone. Their leases run out.
+    pub async fn succeed(&self, node: &Node) -> Result<(), StoreError> {
+        let Some(leases) = &self.leases else { return Ok(()) };
+        let delete = "delete from nodes where address = $1 and node <> $2";
+        sql::query(delete).bind(&node.address).bind(&node.id).execute(leases.pool()).await?;
+        Ok(())
+    }
+
     /// Says that a server is there, extends its leases, and returns all that are there.
     pub async fn renew(&self, node: &Node) -> Result<Vec<Node>, StoreError> {
         let Some(leases) = &self.leases else { return Ok(Vec::new()) };
@@ -62,17 +70,17 @@ impl Store {
             values ($1, $2, $3, clock_timestamp() + make_interval(secs => $4))
             on conflict (node) do update set address = excluded.address, expires = excluded.expires";
         let query = sql::query(upsert).bind(&node.id).bind(&node.address).bind(&node.secret);
-        query.bind(NODE_LASTS.as_secs_f64()).execute(&self.readers).await?;
-        leases.renew(&self.readers).await?;
+        query.bind(NODE_LASTS.as_secs_f64()).execute(leases.pool()).await?;
+        leases.renew().await?;
         let sweep = "delete from nodes where expires < clock_timestamp() - make_interval(secs => $1)";
-        sql::query(sweep).bind(NODE_KEPT.as_secs_f64()).execute(&self.readers).await?;
+        sql::query(sweep).bind(NODE_KEPT.as_secs_f64()).execute(leases.pool()).await?;
         // Copies that a server did not complete before it went: `copying//` and its id begin their own.
         let copies = "update maps set deleted = 1, id = 'deleted//' || map_key
             where deleted = 2 and substr(id, 10, 32) not in (select node from nodes)";
-        sql::query(copies).execute(&self.readers).await?;
+        sql::query(copies).execute(leases.pool()).await?;
         let select =
             "select node, address, secret from nodes where expires > clock_timestamp() order by node";
-        let rows: Vec<(String, String, String)> = sql::query_as(select).fetch_all(&self.readers).await?;
+        let rows: Vec<(String, String, String)> = sql::query_as(select).fetch_all(leases.pool()).await?;
         Ok(rows.into_iter().map(|(id, address, secret)| Node { id, address, secret }).collect())
     }
 
@@ -93,7 +101,7 @@ impl Store {
     /// Gives a map back, of which nothing is under way.
     pub async fn give_back(&self, lease: &Lease) -> Result<(), StoreError> {
         match &self.leases {
-            Some(leases) => leases.give_back(&self.readers, lease).await,
+            Some(leases) => leases.give_back(lease).await,
             None => Ok(()),
         }
     }
@@ -102,8 +110,8 @@ impl Store {
     pub async fn leave(&self) -> Result<(), StoreError> {
         let Some(leases) = &self.leases else { return Ok(()) };
         debug_assert_eq!(self.engine(), Engine::Postgres);
-        leases.give_all_back(&self.readers).await?;
-        sql::query("delete from nodes where node = $1").bind(leases.node()).execute(&self.readers).await?;
+        leases.give_all_back().await?;
+        sql::query("delete from nodes where node = $1").bind(leases.node()).execute(leases.pool()).await?;
         Ok(())
     }
 }

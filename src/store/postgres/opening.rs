@@ -34,7 +34,7 @@ pub(in crate::store) async fn open(url: &str) -> Result<Store, StoreError> {
     let readers: PgPool = pool(READERS);
     schema::migrate(&readers).await?;
     // Its one connection is made by the writer's thread, which alone uses it.
-    let leases = Arc::new(Leases::of(random_name()));
+    let leases = Arc::new(Leases::of(random_name(), Pool::Postgres(pool(1))));
     let committer = group_commit::start(Pool::Postgres(pool(1)), None, Served::Shared(leases.clone()))?;
     Ok(Store { readers: Pool::Postgres(readers), committer, files: None, lock: None, leases: Some(leases) })
 }

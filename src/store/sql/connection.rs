@@ -75,6 +75,15 @@ impl Connection {
         }
     }
 
+    /// Executes statements without values, all of them in one round trip.
+    pub(in crate::store) async fn run_at_once(&mut self, statements: &'static str) -> Result<(), Error> {
+        match self {
+            Self::Sqlite(db) => sqlx::raw_sql(statements).execute(db).await.map(drop),
+            Self::PooledSqlite(db) => sqlx::raw_sql(statements).execute(&mut **db).await.map(drop),
+            Self::Postgres(db) => sqlx::raw_sql(statements).execute(&mut **db).await.map(drop),
+        }
+    }
+
     /// Closes it.
     pub(in crate::store) async fn close(self) -> Result<(), Error> {
         match self {
