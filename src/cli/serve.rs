@@ -40,7 +40,7 @@ pub struct ServeArgs {
     /// servers may share
     #[arg(long, env = "REVISIT_DATABASE", value_name = "URL", default_value = "sqlite://revisit.db")]
     database: String,
-    /// Where the other servers of a PostgreSQL database reach this one, such as `http://10.0.0.7:7878`; by default the address
+    /// Address at which the other servers of a PostgreSQL database reach this one, such as `http://10.0.0.7:7878`; by default the address
     /// that it listens on
     #[arg(long, env = "REVISIT_ADVERTISE", value_name = "URL", value_parser = listen::peer)]
     advertise: Option<String>,

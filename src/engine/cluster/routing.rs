@@ -4,7 +4,7 @@ use crate::domain::ids::MapId;
 use crate::engine::{Service, ServiceError};
 use crate::store::{Node, Owner};
 
-/// Where a request is answered.
+/// The server that answers a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Route {
     /// By this server.

@@ -22,7 +22,7 @@ use crate::store::commit::transaction::Transaction;
 use crate::store::slices::deferred;
 use crate::store::sql::{self, Connection, Pool};
 
-/// How long a lease lasts by the database's clock.
+/// The duration of a lease by the database's clock.
 const LEASE: Duration = Duration::from_secs(10);
 
 /// A server stops reading so long before its lease ends, for clocks that do not run alike.
@@ -49,7 +49,7 @@ pub struct Leases {
     lost: AtomicU64,
 }
 
-/// What became of the wish to own a map.
+/// The outcome of taking a map.
 #[derive(Debug)]
 pub enum Taken {
     /// It is this server's.

@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::leases::{Lease, Leases, Taken};
 use super::opening::random_name;
 use crate::domain::ids::MapId;
-use crate::store::sql::{self, Engine};
+use crate::store::sql;
 use crate::store::{Store, StoreError};
 
 /// A server counts as gone so long after it was last heard of.
@@ -19,9 +19,9 @@ const NODE_KEPT: Duration = Duration::from_hours(1);
 pub struct Node {
     /// Made up when it starts.
     pub id: String,
-    /// Where others reach it: `http://HOST:PORT`.
+    /// The address at which others reach it: `http://HOST:PORT`.
     pub address: String,
-    /// What it knows their requests by.
+    /// Shown by their requests, so that it knows them.
     pub secret: String,
 }
 
@@ -109,7 +109,6 @@ impl Store {
     /// Gives all maps back, and says that this server is gone.
     pub async fn leave(&self) -> Result<(), StoreError> {
         let Some(leases) = &self.leases else { return Ok(()) };
-        debug_assert_eq!(self.engine(), Engine::Postgres);
         leases.give_all_back().await?;
         sql::query("delete from nodes where node = $1").bind(leases.node()).execute(leases.pool()).await?;
         Ok(())

@@ -29,7 +29,7 @@ pub(in crate::store) enum Connection {
     Postgres(PoolConnection<Postgres>),
 }
 
-/// Where a statement goes: a connection, or any of a pool.
+/// The connection that a statement goes to, or any of a pool.
 pub(in crate::store) enum Target<'c> {
     Sqlite(&'c mut SqliteConnection),
     Postgres(&'c mut PgConnection),

@@ -13,7 +13,7 @@ pub(in crate::store) enum Row {
     Postgres(PgRow),
 }
 
-/// Where a value stands in a row: its column's name or its place.
+/// The place of a value in a row, or its column's name.
 pub(in crate::store) trait Index: Copy {
     fn place(self, row: &Row) -> Result<usize, Error>;
 }
