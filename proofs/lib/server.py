@@ -61,11 +61,13 @@ def expect(answer, *statuses):
 
 
 class Client:
-    """One connection of one thread."""
+    """One connection of one thread, opened again when the server may have closed it as idle (`--keep-alive`, 75 s)."""
+
+    IDLE_S = 30
 
     def __init__(self, address, timeout=60):
         self.address, self.timeout = address, timeout
-        self.connection = None
+        self.connection, self.used_at = None, 0.0
 
     def ask(self, method, path, body=None, headers=(), raw=None, kind="application/json"):
         send = dict(headers)
@@ -76,12 +78,16 @@ class Client:
         if raw is not None:
             send["content-type"] = kind
         try:
+            if time.monotonic() - self.used_at > self.IDLE_S:
+                self.close()
             if self.connection is None:
                 host, port = self.address.rsplit(":", 1)
                 self.connection = http.client.HTTPConnection(host, int(port), timeout=self.timeout)
             self.connection.request(method, path, raw, send)
             response = self.connection.getresponse()
-            return Answer(response.status, response.headers, response.read())
+            answer = Answer(response.status, response.headers, response.read())
+            self.used_at = time.monotonic()
+            return answer
         except (OSError, http.client.HTTPException) as error:
             self.close()
             raise Gone(f"{method} {path}: {error!r}") from error
